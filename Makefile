@@ -1,0 +1,60 @@
+# The one door. Each target makes the environment it needs in .venv, from pyproject.toml
+# and constraints.txt, and finds it ready the next time.
+
+VENV := .venv
+BIN := $(VENV)/bin
+# The first interpreter that is new enough; `make PYTHON=... test` chooses another.
+PYTHON ?= $(shell for p in python3 python3.11 python3.12 python3.13; do \
+  $$p -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && echo $$p && break; done)
+INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt
+PYTEST := $(BIN)/python -m pytest -n 2
+
+.DEFAULT_GOAL := help
+.PHONY: help paper test test-all lint docs bench clean
+
+help: ## this list
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-9s %s\n", $$1, $$2 }' Makefile
+
+paper: $(VENV)/.runtime ## figures, data and the audit of the paper's claims, in paper/
+	$(BIN)/remanent paper --out paper
+
+test: $(VENV)/.develop ## the tests, without the slow ones
+	$(PYTEST) -m "not slow"
+
+test-all: $(VENV)/.develop ## every test, with many more random cases
+	$(PYTEST) --hypothesis-profile=nightly
+
+lint: $(VENV)/.develop ## style, format, types, import rules, documentation
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+	$(MAKE) --no-print-directory docs
+
+docs: $(VENV)/.develop ## the site, in docs/_build/html
+	$(BIN)/sphinx-build -W --keep-going --quiet -b html docs docs/_build/html
+
+bench: $(VENV)/.bench ## the benchmarks, against the peers in the same run
+	$(BIN)/python -m benchmarks
+
+clean: ## remove what the other targets wrote, except .venv
+	rm -rf paper docs/_build .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis dist
+	find src tests docs benchmarks -name __pycache__ -type d -prune -exec rm -rf {} +
+
+# The environment. Each stamp says that what it names is installed.
+
+$(BIN)/python:
+	@test -n "$(PYTHON)" || { echo "Python 3.11 or newer is needed, with its venv module" >&2; exit 1; }
+	$(PYTHON) -m venv $(VENV)
+
+$(VENV)/.runtime: pyproject.toml constraints.txt | $(BIN)/python
+	$(INSTALL) --editable .
+	@touch $@
+
+$(VENV)/.develop: pyproject.toml constraints.txt | $(BIN)/python
+	$(INSTALL) --editable '.[test,lint,docs]'
+	@touch $@ $(VENV)/.runtime
+
+$(VENV)/.bench: $(VENV)/.runtime
+	$(INSTALL) --editable '.[bench]'
+	@touch $@

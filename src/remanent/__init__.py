@@ -1,0 +1,101 @@
+"""Nonlinear oscillations of hard-magnetic soft actuators, with an error for every number.
+
+The public names are listed in ``__all__``.  Each is imported when it is first used,
+so that ``import remanent`` itself imports neither NumPy nor anything heavier.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Final
+
+if TYPE_CHECKING:
+    from remanent import plots as plot
+    from remanent._errors import InputError, InputWarning, IntegrationError, RemanentError
+    from remanent.models.actuator import Actuator
+    from remanent.models.drives import (
+        Chirp,
+        Constant,
+        Ramp,
+        Sampled,
+        Sine,
+        SineSquared,
+        Steps,
+    )
+    from remanent.models.magnetics import Magnet
+    from remanent.models.materials import NeoHookean
+    from remanent.models.viscous import Rayleigh
+    from remanent.results.si import to_si
+    from remanent.studies.equilibria import equilibria
+    from remanent.studies.response import frequency_response
+    from remanent.studies.section import poincare_section
+    from remanent.studies.simulate import simulate
+
+    __version__: str
+
+__all__ = [
+    "Actuator",
+    "Chirp",
+    "Constant",
+    "InputError",
+    "InputWarning",
+    "IntegrationError",
+    "Magnet",
+    "NeoHookean",
+    "Ramp",
+    "Rayleigh",
+    "RemanentError",
+    "Sampled",
+    "Sine",
+    "SineSquared",
+    "Steps",
+    "__version__",
+    "equilibria",
+    "frequency_response",
+    "plot",
+    "poincare_section",
+    "simulate",
+    "to_si",
+]
+
+#: Where each name is defined; ``plot`` and ``__version__`` are treated apart.
+_HOME: Final = {
+    "Actuator": "models.actuator",
+    "Chirp": "models.drives",
+    "Constant": "models.drives",
+    "InputError": "_errors",
+    "InputWarning": "_errors",
+    "IntegrationError": "_errors",
+    "Magnet": "models.magnetics",
+    "NeoHookean": "models.materials",
+    "Ramp": "models.drives",
+    "Rayleigh": "models.viscous",
+    "RemanentError": "_errors",
+    "Sampled": "models.drives",
+    "Sine": "models.drives",
+    "SineSquared": "models.drives",
+    "Steps": "models.drives",
+    "equilibria": "studies.equilibria",
+    "frequency_response": "studies.response",
+    "poincare_section": "studies.section",
+    "simulate": "studies.simulate",
+    "to_si": "results.si",
+}
+
+if not TYPE_CHECKING:  # a type checker knows the names above and should refuse all others
+
+    def __getattr__(name: str) -> object:
+        if name == "plot":
+            value: object = import_module("remanent.plots")
+        elif name == "__version__":
+            value = import_module("importlib.metadata").version("remanent")
+        elif name in _HOME:
+            value = getattr(import_module(f"remanent.{_HOME[name]}"), name)
+        else:
+            raise AttributeError(f"module 'remanent' has no attribute {name!r}")
+        globals()[name] = value
+        return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

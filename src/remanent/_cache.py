@@ -1,0 +1,115 @@
+"""Files that only save time: private, checked when read, replaced whole when written.
+
+The directory is ``platformdirs.user_cache_path("remanent")`` or, if set, the
+environment variable ``REMANENT_CACHE_DIR``.  A cache that cannot be used, because it
+is read-only, damaged, or writable by somebody else, is silently not used.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import re
+import stat
+import tempfile
+from contextlib import suppress
+from pathlib import Path
+from typing import Final
+
+from platformdirs import user_cache_path
+
+_HEADER: Final = b"remanent-cache-1 "
+_NAME: Final = re.compile(r"[A-Za-z0-9_-]{1,128}")
+
+
+def load_bytes(kind: str, key: str) -> bytes | None:
+    """What was stored under `key`, or None if nothing is there or it is damaged.
+
+    Parameters
+    ----------
+    kind, key
+        Letters, digits, ``-`` and ``_``: a family of entries, and the entry.
+    """
+    path = _path(kind, key)
+    try:
+        if not _private(path.parent):
+            return None
+        content = path.read_bytes()
+    except OSError:
+        return None
+    header, _, data = content.partition(b"\n")
+    return data if header == _checksum(data) else None
+
+
+def store_bytes(kind: str, key: str, data: bytes) -> bool:
+    """Store `data` under `key`; False where the cache cannot be used.
+
+    The entry appears whole or not at all, also when two processes store it at once.
+    """
+    path = _path(kind, key)
+    try:
+        path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+        if not _private(path.parent):
+            return False
+        _replace(path, _checksum(data) + b"\n" + data)
+    except OSError:
+        return False
+    return True
+
+
+def load_text(kind: str, key: str) -> str | None:
+    """Text stored by :func:`store_text`, or None."""
+    data = load_bytes(kind, key)
+    if data is None:
+        return None
+    try:
+        return data.decode()
+    except UnicodeDecodeError:
+        return None
+
+
+def store_text(kind: str, key: str, text: str) -> bool:
+    """Store text; see :func:`store_bytes`."""
+    return store_bytes(kind, key, text.encode())
+
+
+def directory() -> Path:
+    """The directory of the cache; it may not exist."""
+    chosen = os.environ.get("REMANENT_CACHE_DIR")
+    return Path(chosen) if chosen else user_cache_path("remanent")
+
+
+def _path(kind: str, key: str) -> Path:
+    for name in (kind, key):
+        if not _NAME.fullmatch(name):
+            raise ValueError(f"not a name for a cache entry: {name!r}")
+    return directory() / kind / key
+
+
+def _checksum(data: bytes) -> bytes:
+    return _HEADER + hashlib.sha256(data).hexdigest().encode()
+
+
+def _private(folder: Path) -> bool:
+    """Whether the folder and its parent, the cache, are ours and only ours to write."""
+    return all(_ours(part.lstat()) for part in (folder, folder.parent))
+
+
+def _ours(status: os.stat_result) -> bool:
+    if not stat.S_ISDIR(status.st_mode):
+        return False
+    if os.name != "posix":
+        return True
+    return status.st_uid == os.getuid() and not status.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
+
+
+def _replace(path: Path, content: bytes) -> None:
+    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=".new-")
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(content)
+        os.replace(temporary, path)
+    except BaseException:
+        with suppress(OSError):
+            os.unlink(temporary)
+        raise

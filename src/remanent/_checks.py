@@ -1,0 +1,181 @@
+"""Rules for arguments, written once for a single value and for a whole batch."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from numbers import Real
+
+import numpy as np
+
+from remanent._errors import InputError
+from remanent._typing import ArrayLike, BoolArray, FloatArray
+
+
+@dataclass(frozen=True)
+class Rule:
+    """What a real number must satisfy, and what to tell whoever breaks it.
+
+    Attributes
+    ----------
+    rule, reason, remedy
+        Parts of the message of :class:`~remanent._errors.InputError`.
+    holds
+        Elementwise on an array of floats: whether each satisfies the rule.  It may
+        assume that the numbers are finite, which every rule demands.
+    """
+
+    rule: str
+    holds: Callable[[FloatArray], BoolArray]
+    reason: str
+    remedy: str
+
+    def satisfied(self, values: ArrayLike) -> BoolArray:
+        """Elementwise: whether each of `values` is finite and satisfies the rule."""
+        array = np.asarray(values, dtype=np.float64)
+        finite = np.isfinite(array)
+        return np.asarray(finite & self.holds(np.where(finite, array, 0.0)))
+
+
+def finite(reason: str, remedy: str = "Pass a finite number.") -> Rule:
+    """The rule that every finite number satisfies."""
+    return Rule("be a finite number", lambda x: np.ones_like(x, dtype=np.bool_), reason, remedy)
+
+
+def positive(reason: str, remedy: str) -> Rule:
+    """The rule that finite numbers above zero satisfy."""
+    return Rule("be a finite number greater than 0", lambda x: x > 0, reason, remedy)
+
+
+def not_negative(reason: str, remedy: str) -> Rule:
+    """The rule that zero and finite numbers above it satisfy."""
+    return Rule("be a finite number, at least 0", lambda x: x >= 0, reason, remedy)
+
+
+def require_real(name: str, value: object, rule: Rule) -> float:
+    """`value` as a float, if it is one real number that satisfies `rule`.
+
+    Raises
+    ------
+    InputError
+        If it is not one real number, or breaks the rule.
+    """
+    if isinstance(value, np.ndarray) and value.ndim == 0:
+        value = value.item()
+    if isinstance(value, bool | np.bool_) or not isinstance(value, Real):
+        raise InputError(
+            name,
+            "be one real number",
+            repr(value),
+            "A model holds a single value of each field.",
+            "For many values pass over={...} to the verb; for units use from_si.",
+        )
+    number = _to_float(value)
+    if not rule.satisfied(number):
+        raise InputError(name, rule.rule, value, rule.reason, rule.remedy)
+    return number
+
+
+def _to_float(value: Real) -> float:
+    try:
+        return float(value)
+    except OverflowError:
+        return float("inf")
+
+
+def require_instance(name: str, value: object, kind: type, example: str) -> None:
+    """Raise unless `value` is a `kind`, proposing `example`."""
+    if not isinstance(value, kind):
+        raise InputError(
+            name,
+            f"be a {kind.__name__}",
+            repr(value),
+            "The equations of motion are built from this part.",
+            f"Pass for example {example}.",
+        )
+
+
+def require_choice(name: str, value: object, choices: Sequence[str]) -> str:
+    """`value` if it is one of `choices`; otherwise raise, naming them."""
+    if not isinstance(value, str) or value not in choices:
+        raise InputError(
+            name,
+            f"be one of {', '.join(map(repr, choices))}",
+            repr(value),
+            "Nothing else is defined.",
+            f"Pass {choices[0]!r} if in doubt.",
+        )
+    return value
+
+
+def require_known(names: Iterable[str], known: Iterable[str], owner: str) -> None:
+    """Raise if one of `names` is not among the `known` fields of `owner`."""
+    fields = list(known)
+    for name in names:
+        if name not in fields:
+            raise InputError(
+                name,
+                f"be a field of {owner}",
+                repr(name),
+                "Unknown fields are refused so that a misspelling does not go unnoticed.",
+                f"Its fields are: {', '.join(fields) or 'none'}.",
+            )
+
+
+def require_numbers(name: str, values: object) -> tuple[float, ...]:
+    """`values` as a tuple of at least one finite float."""
+    try:
+        array = np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError):
+        array = np.empty((0, 0))
+    if array.ndim != 1 or array.size == 0 or not np.all(np.isfinite(array)):
+        raise InputError(
+            name,
+            "be a sequence of finite numbers, at least one",
+            _shortened(values),
+            "It is a table with one entry for each instant.",
+            "Pass a list or a one-dimensional array without NaN.",
+        )
+    return tuple(array.tolist())
+
+
+def require_increasing(name: str, values: object) -> tuple[float, ...]:
+    """`values` as a tuple of finite floats, each greater than the one before."""
+    numbers = require_numbers(name, values)
+    if any(a >= b for a, b in pairwise(numbers)):
+        raise InputError(
+            name,
+            "increase from each entry to the next",
+            _shortened(numbers),
+            "Unsorted or repeated entries have no unique meaning.",
+            "Sort them and remove duplicates.",
+        )
+    return numbers
+
+
+def broken(rules: Mapping[str, Rule], values: Mapping[str, ArrayLike]) -> BoolArray:
+    """Where a batch of parameter values breaks a rule.
+
+    Parameters
+    ----------
+    rules
+        Rule of each parameter, by name.
+    values
+        Values by name, arrays that broadcast against each other.
+
+    Returns
+    -------
+    array of bool
+        True where at least one of the values is not finite or breaks its rule.
+    """
+    invalid = np.zeros((), dtype=np.bool_)
+    for name, value in values.items():
+        if name in rules:
+            invalid = invalid | ~rules[name].satisfied(value)
+    return np.asarray(invalid)
+
+
+def _shortened(values: object) -> str:
+    text = repr(values)
+    return text if len(text) <= 80 else f"{text[:77]}..."

@@ -1,0 +1,188 @@
+"""The value that both columns share: a vector field as straight-line code.
+
+The symbolic column writes a :class:`Field`; the numeric column compiles or
+interprets it.  A field is plain data (names, floats, integers), so it can be
+stored, compared and fingerprinted without SymPy and without running any code
+that a file might bring.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from types import MappingProxyType
+from typing import Any
+
+#: Binary operations, with the Python operator each stands for.
+BINARY: Mapping[str, Callable[[Any, Any], Any]] = MappingProxyType(
+    {
+        "add": lambda a, b: a + b,
+        "sub": lambda a, b: a - b,
+        "mul": lambda a, b: a * b,
+        "div": lambda a, b: a / b,
+    }
+)
+#: Unary operations: ``neg`` and functions looked up by name on the `functions` argument.
+UNARY = frozenset({"neg", "sqrt", "exp", "log", "sin", "cos"})
+
+
+@dataclass(frozen=True)
+class Program:
+    """Straight-line code over real numbers, each value assigned once.
+
+    Slots are numbered: first the inputs, then the constants, then one slot for
+    the result of each instruction.  An instruction is ``(operation, slot)`` or
+    ``(operation, slot, slot)`` and may use earlier slots only.
+    """
+
+    inputs: tuple[str, ...]
+    constants: tuple[float, ...]
+    code: tuple[tuple[str, int] | tuple[str, int, int], ...]
+    outputs: tuple[int, ...]
+
+    def __post_init__(self) -> None:
+        first = len(self.inputs) + len(self.constants)
+        for position, (operation, *operands) in enumerate(self.code):
+            arity = 2 if operation in BINARY else 1 if operation in UNARY else 0
+            if len(operands) != arity or not all(0 <= k < first + position for k in operands):
+                raise ValueError(f"malformed instruction {position}: {self.code[position]!r}")
+        if not all(0 <= k < first + len(self.code) for k in self.outputs):
+            raise ValueError("an output names a slot that does not exist")
+
+    def __call__(
+        self,
+        values: Sequence[Any],
+        *,
+        functions: Any,
+        constant: Callable[[float], Any] = lambda x: x,
+    ) -> list[Any]:
+        """Run the program on numbers of any kind.
+
+        Parameters
+        ----------
+        values
+            One value per input: NumPy arrays, mpmath numbers, lanes of a kernel.
+        functions
+            Where ``sqrt``, ``exp``, ``log``, ``sin``, ``cos`` of such numbers are
+            found as attributes, for example the module ``numpy`` or ``mpmath``.
+        constant
+            Turns a float into such a number.
+
+        Returns
+        -------
+        list
+            One value per output.
+        """
+        if len(values) != len(self.inputs):
+            raise ValueError(f"expected {len(self.inputs)} values, got {len(values)}")
+        slots = [*values, *map(constant, self.constants)]
+        for operation, *operands in self.code:
+            arguments = [slots[k] for k in operands]
+            if operation in BINARY:
+                slots.append(BINARY[operation](*arguments))
+            elif operation == "neg":
+                slots.append(-arguments[0])
+            else:
+                slots.append(getattr(functions, operation)(arguments[0]))
+        return [slots[k] for k in self.outputs]
+
+
+@dataclass(frozen=True)
+class Field:
+    """A vector field ``dy/dtau = f(phase, y, p, u)`` with what is observed of it.
+
+    Every program takes the inputs ``("drive_phase", *state, *parameters,
+    *waveforms)`` in this order.  `phase` is the phase of the drive in [0, 1), or the
+    fraction of the current piece where the load has no period; `u` are the
+    waveforms of the drive at that instant, the same for all trajectories.
+
+    Attributes
+    ----------
+    state, parameters, waveforms
+        Names.  Parameters are the user's own numeric fields under their own names.
+    rates
+        One output per state variable.
+    watched
+        Three outputs: an observable whose extremes are followed between steps
+        (the thickness stretch), its first and its second time derivative.
+    observables
+        Further quantities by name, one output each (``thickness_stretch``,
+        ``thickness_stretch_rate``, ``energy``, ``load`` ...).
+    """
+
+    state: tuple[str, ...]
+    parameters: tuple[str, ...]
+    waveforms: tuple[str, ...]
+    rates: Program
+    watched: Program
+    observables: Mapping[str, Program]
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """Names of the inputs of every program of this field, in order."""
+        return ("drive_phase", *self.state, *self.parameters, *self.waveforms)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "observables", MappingProxyType(dict(self.observables)))
+        for program in (self.rates, self.watched, *self.observables.values()):
+            if program.inputs != self.inputs:
+                raise ValueError(f"program inputs {program.inputs} differ from {self.inputs}")
+        if len(self.rates.outputs) != len(self.state) or len(self.watched.outputs) != 3:
+            raise ValueError("wrong number of outputs")
+
+    @cached_property
+    def fingerprint(self) -> str:
+        """A digest of the whole field, equal for equal fields on every machine."""
+        return hashlib.sha256(self.to_json().encode()).hexdigest()[:32]
+
+    def to_json(self) -> str:
+        """The field as JSON text; floats survive the round trip bit for bit."""
+        return json.dumps(
+            {
+                "state": self.state,
+                "parameters": self.parameters,
+                "waveforms": self.waveforms,
+                "rates": _program_to_plain(self.rates),
+                "watched": _program_to_plain(self.watched),
+                "observables": {k: _program_to_plain(v) for k, v in self.observables.items()},
+            },
+            sort_keys=True,
+        )
+
+    @classmethod
+    def from_json(cls, text: str) -> Field:
+        """Read what :meth:`to_json` wrote; malformed text raises ``ValueError``."""
+        try:
+            plain = json.loads(text)
+            names = [tuple(plain[k]) for k in ("state", "parameters", "waveforms")]
+            inputs = ("drive_phase", *names[0], *names[1], *names[2])
+            return cls(
+                *names,
+                rates=_program_from_plain(inputs, plain["rates"]),
+                watched=_program_from_plain(inputs, plain["watched"]),
+                observables={
+                    k: _program_from_plain(inputs, v) for k, v in plain["observables"].items()
+                },
+            )
+        except (KeyError, TypeError) as error:
+            raise ValueError(f"not a stored field: {error!r}") from error
+
+
+def _program_to_plain(program: Program) -> dict[str, Any]:
+    return {
+        "constants": program.constants,
+        "code": program.code,
+        "outputs": program.outputs,
+    }
+
+
+def _program_from_plain(inputs: tuple[str, ...], plain: Mapping[str, Any]) -> Program:
+    return Program(
+        inputs=inputs,
+        constants=tuple(float(x) for x in plain["constants"]),
+        code=tuple((str(step[0]), *map(int, step[1:])) for step in plain["code"]),  # type: ignore[misc]
+        outputs=tuple(int(k) for k in plain["outputs"]),
+    )

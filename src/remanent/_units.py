@@ -1,0 +1,126 @@
+"""Quantities with units, read at the edges of the package; inside there are none."""
+
+from __future__ import annotations
+
+import re
+from functools import cache
+from importlib import import_module
+from typing import Any, Final, TypeAlias
+
+import numpy as np
+
+from remanent._errors import InputError
+from remanent._typing import FloatArray
+
+#: Text such as ``"100 kPa"``, or a pint quantity.  (Pint is imported when needed.)
+Quantity: TypeAlias = Any
+
+_TEXT: Final = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*?)\s*")
+_ANGLES: Final = frozenset({"radian", "degree", "turn", "revolution", "cycle", "milliradian"})
+
+
+def magnitude(name: str, quantity: Quantity, unit: str) -> float | FloatArray:
+    """The number of `unit` in `quantity`: a float, or an array for an array.
+
+    Parameters
+    ----------
+    name
+        What the message calls it.
+    quantity
+        Text, ``"100 kPa"``, or a pint quantity.
+    unit
+        A unit that pint knows.
+
+    Raises
+    ------
+    InputError
+        If it has no unit, an unknown unit, or one of another dimension.
+    """
+    value = _parsed(name, quantity, unit)
+    try:
+        converted = value.to(unit).magnitude
+    except Exception as error:  # pint raises from several unrelated families
+        raise _wrong_unit(name, quantity, unit) from error
+    return _number(converted)
+
+
+def positive(name: str, quantity: Quantity, unit: str, remedy: str) -> float:
+    """The number of `unit` in one quantity that must be finite and greater than 0."""
+    number = single(name, quantity, unit)
+    if not number > 0.0 or not np.isfinite(number):
+        raise InputError(
+            name, "be greater than 0 and finite", quantity, "It is a physical size.", remedy
+        )
+    return number
+
+
+def single(name: str, quantity: Quantity, unit: str) -> float:
+    """The number of `unit` in one quantity, not an array of them."""
+    number = magnitude(name, quantity, unit)
+    if not isinstance(number, float):
+        raise InputError(
+            name,
+            "be a single quantity",
+            repr(quantity),
+            "A model holds a single value of each field.",
+            "Pass one quantity; for many values use over={...}.",
+        )
+    return number
+
+
+def angular_frequency(name: str, quantity: Quantity) -> float | FloatArray:
+    """Radians per second of a frequency, cycles (``"50 Hz"``) or angles (``"rad/s"``)."""
+    value = _parsed(name, quantity, "Hz")
+    units = {str(unit) for unit, _ in value.unit_items()}
+    roots = {str(unit) for unit, _ in value.to_root_units().unit_items()}
+    if any(unit.endswith("hertz") for unit in units):
+        return 2.0 * np.pi * magnitude(name, value, "Hz")
+    if roots & _ANGLES:
+        return magnitude(name, value, "rad/s")
+    raise InputError(
+        name,
+        "be a frequency in Hz or an angular frequency in rad/s",
+        quantity,
+        "Plain 1/s does not say whether it counts cycles or radians.",
+        'Write for example "50 Hz" or "314 rad/s".',
+    )
+
+
+def _parsed(name: str, quantity: Quantity, unit: str) -> Any:
+    """A pint quantity."""
+    if hasattr(quantity, "to") and hasattr(quantity, "magnitude"):
+        return quantity
+    match = _TEXT.fullmatch(quantity) if isinstance(quantity, str) else None
+    if match is None:
+        raise InputError(
+            name,
+            f"be a quantity with a unit of the dimension of {unit}",
+            repr(quantity),
+            "A number alone does not say what it counts.",
+            f'Write for example "1.5 {unit}", or pass a pint quantity.',
+        )
+    try:
+        return _registry().Quantity(float(match[1]), match[2])
+    except Exception as error:  # pint raises from several unrelated families
+        raise _wrong_unit(name, quantity, unit) from error
+
+
+def _number(value: Any) -> float | FloatArray:
+    array = np.asarray(value, dtype=np.float64)
+    return float(array) if array.ndim == 0 else array
+
+
+def _wrong_unit(name: str, quantity: Quantity, unit: str) -> InputError:
+    return InputError(
+        name,
+        f"have a unit of the dimension of {unit}",
+        repr(quantity),
+        "Any other unit is unknown or measures something else.",
+        f'Write for example "1.5 {unit}".',
+    )
+
+
+@cache
+def _registry() -> Any:
+    """The registry of units, made on first use (it takes a while)."""
+    return import_module("pint").UnitRegistry(cache_folder=None)

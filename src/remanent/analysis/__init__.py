@@ -1,0 +1,1 @@
+"""What trajectories and period maps show; knows arrays, no physics."""

@@ -1,0 +1,1 @@
+"""The command `remanent`: parse, call one verb, present."""

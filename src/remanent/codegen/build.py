@@ -1,0 +1,51 @@
+"""From an actuator and a drive to a Field, by derivation."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from remanent._field import Field, Program
+from remanent.codegen.lower import lower
+from remanent.models import mechanics
+from remanent.models.actuator import Actuator
+from remanent.models.drive import Drive
+
+
+def build(actuator: Actuator, drive: Drive, *, coordinates: int = 1) -> Field:
+    """Derive the equations of motion and translate them to straight-line code.
+
+    Only the structure of both arguments is used, never a numeric value.
+    """
+    system = mechanics.derive(actuator, drive, coordinates=coordinates)
+    state = tuple(symbol.name for symbol in system.state)
+    parameters = (
+        *mechanics.parameter_names(actuator, coordinates),
+        *drive.parameters(),
+        *drive.piece_parameters,
+    )
+    inputs = ("drive_phase", *state, *parameters, *drive.waveforms)
+    levels = _levels(system, parameters, drive)
+
+    def program(*outputs: Any) -> Program:
+        return lower(outputs, inputs=inputs, levels=levels, definitions=system.definitions)
+
+    return Field(
+        state=state,
+        parameters=parameters,
+        waveforms=drive.waveforms,
+        rates=program(*system.rates),
+        watched=program(*system.watched),
+        observables={name: program(e) for name, e in system.observables.items()},
+    )
+
+
+def _levels(
+    system: mechanics.System, parameters: tuple[str, ...], drive: Drive
+) -> dict[mechanics.Symbol, int]:
+    """0 for parameters, 1 for what the drive brings, 2 for the state."""
+    return (
+        dict.fromkeys(system.state, 2)
+        | {mechanics.parameter(name): 0 for name in parameters}
+        | {mechanics.waveform(name): 1 for name in drive.waveforms}
+        | {mechanics.PHASE: 1}
+    )

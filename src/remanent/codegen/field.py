@@ -1,0 +1,93 @@
+"""The Field of an actuator and a drive: from the cache, or else derived."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterator
+from contextlib import suppress
+from functools import cache
+from importlib import import_module
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Final
+
+from remanent import _cache, _field
+from remanent.models.actuator import Actuator
+from remanent.models.drive import Drive
+from remanent.models.parts import Structure
+
+_KIND: Final = "fields"
+_memory: Final[dict[str, _field.Field]] = {}
+
+
+def field_for(actuator: Actuator, drive: Drive) -> _field.Field:
+    """The vector field of an actuator under a drive, with what is observed of it.
+
+    Only the form of the equations matters, never a number: the numeric fields of both
+    are the parameters of the field, in the order of ``actuator.parameters()``,
+    ``drive.parameters()`` and ``drive.piece_parameters``.  SymPy is imported only if
+    the field is neither in memory nor in the cache.
+    """
+    structure = (actuator.structure(), drive.structure())
+    if not _reproducible(structure):
+        return _derived(actuator, drive)
+    key = fingerprint(structure)
+    if key not in _memory:
+        _memory[key] = _stored(key) or _stored_now(key, _derived(actuator, drive))
+    return _memory[key]
+
+
+def fingerprint(structure: Structure) -> str:
+    """A digest of what a field depends on: the structure and this package's code."""
+    text = json.dumps([structure, *_sources()])
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def _derived(actuator: Actuator, drive: Drive) -> _field.Field:
+    field: _field.Field = import_module("remanent.codegen.build").build(actuator, drive)
+    return field
+
+
+def _stored(key: str) -> _field.Field | None:
+    text = _cache.load_text(_KIND, key)
+    if text is not None:
+        with suppress(ValueError):
+            return _field.Field.from_json(text)
+    return None
+
+
+def _stored_now(key: str, field: _field.Field) -> _field.Field:
+    _cache.store_text(_KIND, key, field.to_json())
+    return field
+
+
+def _reproducible(structure: Structure) -> bool:
+    """Whether every class in `structure` is this package's; others may change unseen."""
+    return all(name.startswith("remanent.") for name in _class_names(structure))
+
+
+def _class_names(structure: Structure) -> Iterator[str]:
+    for item in structure:
+        if isinstance(item, tuple):
+            yield from _class_names(item)
+        elif isinstance(item, str) and ":" in item:
+            yield item
+
+
+@cache
+def _sources() -> tuple[str, str]:
+    """Version of the package, and a digest of the code that makes fields."""
+    digest = hashlib.sha256()
+    package = Path(_field.__file__).parent
+    for path in (
+        Path(_field.__file__),
+        *sorted(package.glob("models/*.py")),
+        *sorted(package.glob("codegen/*.py")),
+    ):
+        digest.update(path.name.encode())
+        digest.update(path.read_bytes())
+    try:
+        return version("remanent"), digest.hexdigest()
+    except PackageNotFoundError:
+        return "not installed", digest.hexdigest()

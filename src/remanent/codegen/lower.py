@@ -1,0 +1,236 @@
+"""From SymPy expressions to straight-line code with few operations.
+
+Three levels of dependence are kept apart, so that a compiler can move work out of the
+loop: values of parameters alone, values that also depend on the drive's phase and
+waveforms, and values that depend on the state.  What depends on the state is brought
+to one quotient of polynomials, which costs one division and is evaluated by nested
+multiplication; everything else is computed as it is written.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import reduce
+from typing import Any
+
+import sympy as sp
+
+from remanent._field import Program
+from remanent.codegen.instructions import Instructions, Signed
+from remanent.codegen.rational import Quotient, common, quotient, rationalised
+
+Expression = Any  # SymPy is not typed
+Symbol = Any
+Monomial = tuple[int, ...]
+
+_FUNCTIONS = {sp.exp: "exp", sp.log: "log", sp.sin: "sin", sp.cos: "cos"}
+
+
+def lower(
+    outputs: Sequence[Expression],
+    *,
+    inputs: Sequence[str],
+    levels: Mapping[Symbol, int],
+    definitions: Mapping[Symbol, Expression],
+) -> Program:
+    """The program that computes `outputs`.
+
+    Parameters
+    ----------
+    outputs
+        Expressions in the symbols of `levels` and of `definitions`.
+    inputs
+        Names of the program's inputs, in order.
+    levels
+        For each input symbol: 0 for a parameter, 1 for what the drive brings, 2 for
+        a state variable.
+    definitions
+        Symbols that stand for expressions in input symbols and earlier definitions.
+    """
+    generators: dict[Expression, Symbol] = {}
+    rational = [rationalised(sp.sympify(output), generators) for output in outputs]
+    meanings = {**definitions, **{symbol: e for e, symbol in generators.items()}}
+    translator = _Translator(Instructions(inputs), dict(levels), meanings)
+    return translator.instructions.program(translator.quotients(rational))
+
+
+class _Translator:
+    """Expressions in, values of one set of instructions out."""
+
+    def __init__(
+        self,
+        instructions: Instructions,
+        levels: dict[Symbol, int],
+        definitions: Mapping[Symbol, Expression],
+    ) -> None:
+        self.instructions = instructions
+        self._levels = levels
+        self._definitions = definitions
+
+    def level(self, expression: Expression) -> int:
+        """The highest level of any symbol in `expression`."""
+        return max((self._symbol_level(s) for s in expression.free_symbols), default=0)
+
+    def _symbol_level(self, symbol: Symbol) -> int:
+        if symbol not in self._levels:
+            self._levels[symbol] = self.level(self._definitions[symbol])
+        return self._levels[symbol]
+
+    # Rational functions of the state --------------------------------------------------
+
+    def quotients(self, expressions: Sequence[Expression]) -> list[Signed]:
+        """Values of rational functions, with one division by the state for all of them."""
+        normal = [self._quotient(e) for e in expressions]
+        divided = [item for item in normal if item is not None and item.factors]
+        shared = self._product(common(divided))
+        if len(divided) > 1:
+            shared = self.instructions.div(self.instructions.constant(1.0), shared)
+        return [
+            self.written(e)
+            if item is None
+            else self._value(item, shared, common(divided), len(divided))
+            for e, item in zip(expressions, normal, strict=True)
+        ]
+
+    def _quotient(self, expression: Expression) -> Quotient | None:
+        dynamic = frozenset(s for s in expression.free_symbols if self._symbol_level(s) == 2)
+        return quotient(expression, dynamic) if dynamic else None
+
+    def _value(
+        self, item: Quotient, shared: Signed, multiple: Mapping[Expression, int], users: int
+    ) -> Signed:
+        if not item.factors:
+            return self.polynomial(sp.expand(item.numerator / item.static))
+        numerator = self.polynomial(item.numerator)
+        static = self.written(item.static)
+        if users == 1:
+            return self.instructions.div(numerator, self.instructions.mul(static, shared))
+        missing = {base: k - item.factors.get(base, 0) for base, k in multiple.items()}
+        scale = self.instructions.div(self.instructions.constant(1.0), static)
+        whole = self.instructions.mul(numerator, self._product(missing))
+        return self.instructions.mul(self.instructions.mul(scale, whole), shared)
+
+    def _product(self, powers: Mapping[Expression, int]) -> Signed:
+        values = [
+            self.instructions.power(self.polynomial(base), k) for base, k in powers.items() if k
+        ]
+        return reduce(self.instructions.mul, values, self.instructions.constant(1.0))
+
+    def polynomial(self, expression: Expression) -> Signed:
+        """A polynomial in the state by nested multiplication."""
+        symbols = [s for s in expression.free_symbols if self._symbol_level(s) == 2]
+        symbols.sort(key=self._order)
+        if not symbols:
+            return self.written(expression)
+        terms = sp.Poly(expression, *symbols).as_dict()
+        values = [self.written(symbol) for symbol in symbols]
+        return self._nested(values, {m: self.written(terms[m]) for m in sorted(terms)})
+
+    def _order(self, symbol: Symbol) -> tuple[int, str]:
+        names = [s.name for s in self._levels]
+        return names.index(symbol.name), symbol.name
+
+    def _nested(self, values: Sequence[Signed], terms: Mapping[Monomial, Signed]) -> Signed:
+        """x^k (inner) + rest, for the x that most terms have, and so on inside."""
+        shared = [sum(m[i] > 0 for m in terms) for i in range(len(values))]
+        x = shared.index(max(shared))
+        if shared[x] < 2:
+            return self._sum(self._monomial(values, m, c) for m, c in terms.items())
+        k = min(m[x] for m in terms if m[x] > 0)
+        inner = {(*m[:x], m[x] - k, *m[x + 1 :]): c for m, c in terms.items() if m[x] > 0}
+        rest = {m: c for m, c in terms.items() if m[x] == 0}
+        power = self.instructions.power(values[x], k)
+        value = self.instructions.mul(power, self._nested(values, inner))
+        return self.instructions.add(value, self._nested(values, rest)) if rest else value
+
+    def _monomial(self, values: Sequence[Signed], exponents: Monomial, c: Signed) -> Signed:
+        powers = [
+            self.instructions.power(x, k) for x, k in zip(values, exponents, strict=True) if k
+        ]
+        return self.instructions.mul(c, reduce(self.instructions.mul, powers)) if powers else c
+
+    def _sum(self, values: Iterable[Signed]) -> Signed:
+        return reduce(self.instructions.add, values)
+
+    # Anything else, as it is written --------------------------------------------------
+
+    def written(self, expression: Expression) -> Signed:
+        """Value of an expression, term by term; parts of lower level are combined first."""
+        if expression.is_Symbol:
+            return self._symbol(expression)
+        if expression.is_Number:
+            return self._number(expression)
+        if expression.is_Add:
+            return self._sum(
+                self._by_level(_simplest_first(expression.args), self.instructions.add)
+            )
+        if expression.is_Mul:
+            return self._fraction(expression)
+        if expression.is_Pow and expression.base != sp.E:
+            return self._power(expression)
+        argument = self.written(expression.args[-1])
+        return self.instructions.call(_FUNCTIONS[expression.func], argument)
+
+    def _symbol(self, symbol: Symbol) -> Signed:
+        if symbol in self._definitions:
+            return self.written(self._definitions[symbol])
+        return self.instructions.input(symbol.name)
+
+    def _number(self, number: Expression) -> Signed:
+        if not number.is_Rational:
+            return self.instructions.constant(float(number))
+        numerator = self.instructions.constant(float(number.p))
+        return self.instructions.div(numerator, self.instructions.constant(float(number.q)))
+
+    def _by_level(self, expressions: Iterable[Expression], join: Any) -> list[Signed]:
+        """Values joined within each level, lowest level first."""
+        groups: dict[int, list[Signed]] = {}
+        for e in expressions:
+            groups.setdefault(self.level(e), []).append(self.written(e))
+        return [reduce(join, groups[level]) for level in sorted(groups)]
+
+    def _fraction(self, product: Expression) -> Signed:
+        """A product; negative powers are divided by, at most once on each level."""
+        factors = list(self._flattened(product))
+        levels = sorted({self.level(f) for f in factors})
+        return reduce(
+            self.instructions.mul,
+            (self._ratio([f for f in factors if self.level(f) == level]) for level in levels),
+        )
+
+    def _flattened(self, product: Expression) -> Iterator[Expression]:
+        """Factors of a product, also of products that stand for symbols in it.
+
+        Only what changes within a run is looked into: its constant factors then join
+        those of the product, and can be multiplied in advance.
+        """
+        for factor in product.as_ordered_factors():
+            meaning = self._definitions.get(factor)
+            if meaning is not None and meaning.is_Mul and self.level(factor) > 0:
+                yield from self._flattened(meaning)
+            else:
+                yield factor
+
+    def _ratio(self, factors: Sequence[Expression]) -> Signed:
+        below = [1 / f for f in factors if f.is_Pow and f.exp.could_extract_minus_sign()]
+        above = [f for f in factors if not (f.is_Pow and f.exp.could_extract_minus_sign())]
+        one = self.instructions.constant(1.0)
+        top = reduce(self.instructions.mul, map(self.written, above), one)
+        return self.instructions.div(
+            top, reduce(self.instructions.mul, map(self.written, below), one)
+        )
+
+    def _power(self, power: Expression) -> Signed:
+        base, exponent = power.base, power.exp
+        if exponent.could_extract_minus_sign():
+            return self._ratio([power])
+        if exponent.is_Integer:
+            return self.instructions.power(self.written(base), int(exponent))
+        if exponent == sp.Rational(1, 2):
+            return self.instructions.call("sqrt", self.written(base))
+        return self.written(sp.exp(exponent * sp.log(base), evaluate=False))
+
+
+def _simplest_first(terms: Iterable[Expression]) -> list[Expression]:
+    """Terms with few symbols first, so that (1 - f) + f x is computed as that."""
+    return sorted(terms, key=lambda e: (len(e.free_symbols), sp.default_sort_key(e)))

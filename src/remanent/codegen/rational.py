@@ -1,0 +1,82 @@
+"""Normal forms: quotients of polynomials in the state, with one division in all."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import sympy as sp
+
+Expression = Any  # SymPy is not typed
+Symbol = Any
+
+
+@dataclass(frozen=True)
+class Quotient:
+    """numerator / (static * product of factors to their powers), in lowest terms.
+
+    Numerator and factors are polynomials; every factor depends on the state, `static`
+    does not.
+    """
+
+    numerator: Expression
+    static: Expression
+    factors: Mapping[Expression, int]
+
+
+def quotient(expression: Expression, dynamic: frozenset[Symbol]) -> Quotient:
+    """`expression`, a rational function, in lowest terms; `dynamic` symbols vary with state."""
+    numerator, denominator = sp.fraction(sp.cancel(sp.together(expression)))
+    content, pairs = sp.factor_list(denominator)
+    factors = {base: k for base, k in pairs if base.free_symbols & dynamic}
+    static = sp.Mul(content, *(base**k for base, k in pairs if base not in factors))
+    return Quotient(numerator, static, factors)
+
+
+def common(quotients: Sequence[Quotient]) -> dict[Expression, int]:
+    """Least common multiple of the factors, in a definite order."""
+    powers: dict[Expression, int] = {}
+    for item in quotients:
+        for base, k in item.factors.items():
+            powers[base] = max(k, powers.get(base, 0))
+    return {base: powers[base] for base in sorted(powers, key=sp.default_sort_key)}
+
+
+def rationalised(expression: Expression, generators: dict[Expression, Symbol]) -> Expression:
+    """`expression` with a symbol for each function in it, so that it is rational.
+
+    Symbols are added to `generators`, keyed by the function they stand for: square
+    roots, exponentials, logarithms ... and powers b^a as exp(a log(b)).
+    """
+    if expression.is_Atom:
+        return expression
+    if expression.is_Pow and not expression.exp.is_Integer:
+        return sp.Mul(
+            *(
+                _power(expression.base, term, generators)
+                for term in sp.Add.make_args(expression.exp)
+            )
+        )
+    if expression.is_Function or (expression.is_Pow and expression.base == sp.E):
+        return _generator(expression, generators)
+    return expression.func(*(rationalised(a, generators) for a in expression.args))
+
+
+def _power(
+    base: Expression, exponent: Expression, generators: dict[Expression, Symbol]
+) -> Expression:
+    """base^exponent as an integer power of a generator, base^(p r/q) = (base^(r/q))^p."""
+    coefficient, rest = exponent.as_coeff_Mul()
+    root = rest / coefficient.q
+    if root == 1:
+        return rationalised(base, generators) ** coefficient.p
+    if root == sp.Rational(1, 2):
+        return _generator(sp.sqrt(base), generators) ** coefficient.p
+    return _generator(sp.exp(root * sp.log(base), evaluate=False), generators) ** coefficient.p
+
+
+def _generator(function: Expression, generators: dict[Expression, Symbol]) -> Symbol:
+    if function not in generators:
+        generators[function] = sp.Symbol(f"generator_{len(generators)}", real=True)
+    return generators[function]

@@ -1,0 +1,58 @@
+"""A Field evaluated with NumPy, one trajectory a row: slow and obviously right."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from remanent._field import Field, Program
+from remanent._typing import ArrayLike, FloatArray
+
+
+def rates(field: Field, phase: ArrayLike, y: FloatArray, p: FloatArray, u: ArrayLike) -> FloatArray:
+    """Rates of the state variables.
+
+    Parameters
+    ----------
+    field
+        The vector field.
+    phase : float or array (trajectory,)
+        Phase of the drive, or fraction of the current piece, in [0, 1).
+    y : array (trajectory, state)
+        States.
+    p : array (trajectory, parameter)
+        Parameters, in the order of ``field.parameters``.
+    u : array (waveform,) or (waveform, trajectory)
+        Waveforms of the drive at that phase.
+
+    Returns
+    -------
+    array (trajectory, state)
+    """
+    return _evaluate(field, field.rates, phase, y, p, u)
+
+
+def watched(
+    field: Field, phase: ArrayLike, y: FloatArray, p: FloatArray, u: ArrayLike
+) -> FloatArray:
+    """The watched observable, its rate and its acceleration, an array (trajectory, 3)."""
+    return _evaluate(field, field.watched, phase, y, p, u)
+
+
+def observables(
+    field: Field, phase: ArrayLike, y: FloatArray, p: FloatArray, u: ArrayLike
+) -> dict[str, FloatArray]:
+    """Every observable by name, arrays (trajectory,).  Arguments as for :func:`rates`."""
+    return {
+        name: _evaluate(field, program, phase, y, p, u)[:, 0]
+        for name, program in field.observables.items()
+    }
+
+
+def _evaluate(
+    field: Field, program: Program, phase: ArrayLike, y: FloatArray, p: FloatArray, u: ArrayLike
+) -> FloatArray:
+    if y.shape[1:] != (len(field.state),) or p.shape != (len(y), len(field.parameters)):
+        raise ValueError(f"shapes {y.shape} and {p.shape} do not fit {field.inputs}")
+    values = [np.asarray(phase), *y.T, *p.T, *np.asarray(u)]
+    columns = program(values, functions=np)
+    return np.stack([np.broadcast_to(column, len(y)) for column in columns], axis=1)

@@ -1,0 +1,1 @@
+"""From a Field to trajectories: methods, kernels, ensembles and their error estimates."""

@@ -1,0 +1,271 @@
+"""One attempt: trajectories that share a resolution, run from start to end."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from remanent._timeline import Timeline
+from remanent._typing import FloatArray, IntArray
+from remanent.integrate import dense
+from remanent.integrate.compile import Kernel
+from remanent.integrate.problem import Problem, Request
+from remanent.integrate.tables import waveform_tables
+
+#: Without a period, resolution counts double steps per this time (about one oscillation).
+NOMINAL = 2.5
+#: Fine steps in one call of the kernel: short enough to cancel soon.
+_STEPS_PER_CALL = 2048
+#: The end is moved by this factor so that rounding cannot put it past the last step.
+_INWARD = 1.0 - 2.0**-50
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """A run of equal cycles: one call of a kernel.
+
+    Attributes
+    ----------
+    length : array (trajectory,)
+        Of one cycle, tau.
+    start : array (trajectory,)
+        When the first begins.
+    doubles, cycles : int
+        Double steps in a cycle; how many cycles.
+    parameters : dict of name to array
+        That hold during this stretch.
+    """
+
+    length: FloatArray
+    start: FloatArray
+    doubles: int
+    cycles: int
+    parameters: dict[str, FloatArray]
+
+
+@dataclass
+class Attempt:
+    """Raw results for the trajectories of one chunk.
+
+    ``values`` maps the names of :data:`~remanent.integrate.layout.SCALARS` to arrays
+    (trajectory,); ``last`` is the state at the horizon.
+    """
+
+    values: dict[str, FloatArray]
+    last: FloatArray
+    states: FloatArray | None
+
+
+def double_steps(timeline: Timeline, resolution: int) -> IntArray:
+    """Double steps in every piece, array (piece, trajectory), at a resolution."""
+    if timeline.periodic:
+        return np.full(timeline.lengths.shape, resolution, dtype=np.int64)
+    count = np.ceil(timeline.lengths * (resolution / NOMINAL) - 1e-9)
+    least = math.ceil((dense.NODES - 1) / 2)
+    return np.asarray(np.clip(count, least, 2**40), dtype=np.int64)
+
+
+def cycle_counts(problem: Problem) -> IntArray:
+    """How many cycles each trajectory takes, array (trajectory,)."""
+    if not problem.timeline.periodic:
+        return np.ones(problem.duration.shape, dtype=np.int64)
+    ratio = problem.duration / problem.timeline.lengths[0]
+    safe = np.where(np.isfinite(ratio), ratio, 1.0)
+    return np.asarray(np.ceil(safe * (1 - 1e-12)), dtype=np.int64).clip(1)
+
+
+def stretches(
+    timeline: Timeline, which: IntArray, doubles: IntArray, cycles: int, strobe: int
+) -> Iterator[Stretch]:
+    """Cut the run of some trajectories into calls of the kernel."""
+    start = np.zeros(which.size)
+    for k, lengths in enumerate(timeline.lengths[:, which]):
+        parameters = {name: v[k, which] for name, v in timeline.parameters.items()}
+        per_call = max(1, _STEPS_PER_CALL // (2 * int(doubles[k])))
+        if strobe:
+            per_call = strobe * max(1, per_call // strobe)
+        total = cycles if timeline.periodic else 1
+        for first in range(0, total, per_call):
+            count = min(per_call, total - first)
+            yield Stretch(lengths, start + first * lengths, int(doubles[k]), count, parameters)
+        start = start + lengths
+
+
+def attempt(
+    problem: Problem,
+    request: Request,
+    kernel: Kernel,
+    tolerance: float,
+    resolution: int,
+    which: IntArray,
+    keep_going: Callable[[], bool],
+) -> Attempt:
+    """Integrate the trajectories `which` once, at one resolution.
+
+    All of them must have the same number of double steps in every piece.
+    """
+    doubles = double_steps(problem.timeline, resolution)[:, which[0]]
+    cycles = int(cycle_counts(problem)[which].max())
+    lanes = _lanes(problem, request, kernel, tolerance, which)
+    sampler = _Sampler(problem, request, kernel, which, cycles)
+    tables: dict[int, tuple[FloatArray, FloatArray]] = {}
+    for stretch in stretches(problem.timeline, which, doubles, cycles, request.strobe):
+        if not keep_going():
+            break
+        if stretch.doubles not in tables:
+            tables[stretch.doubles] = waveform_tables(
+                problem.timeline.waveform, kernel.method, stretch.doubles
+            )
+        _set_stretch(lanes, kernel, problem, stretch)
+        sampler.run(lanes, tables[stretch.doubles], stretch)
+        if not (_column(lanes, kernel, "alive")[: which.size] > 0.5).any():
+            break
+    return _collect(lanes, kernel, which.size, sampler.states)
+
+
+def _lanes(
+    problem: Problem, request: Request, kernel: Kernel, tolerance: float, which: IntArray
+) -> FloatArray:
+    """The array (group, slot, lane) of a chunk, padded with copies of its last trajectory."""
+    layout, width = kernel.layout, kernel.width
+    groups = -(-which.size // width)
+    padded = np.concatenate([which, np.full(groups * width - which.size, which[-1])])
+    flat = np.zeros((padded.size, layout.size))
+    for kind in ("fine", "coarse", "last"):
+        flat[:, layout.group(kind)] = problem.initial[padded]
+    flat[:, layout.group("parameter")] = problem.parameters[padded]
+    scalars: dict[str, FloatArray | float] = {
+        "begin": 0.0 if request.begin is None else request.begin[padded] * _INWARD,
+        "end": problem.duration[padded] * _INWARD,
+        "tolerance": tolerance,
+        "alive": 1.0,
+        "maximum": -np.inf,
+        "minimum": np.inf,
+    }
+    for name, value in scalars.items():
+        flat[:, layout.slots[name]] = value
+    flat = flat.reshape(groups, width, layout.size)
+    return np.ascontiguousarray(flat.transpose(0, 2, 1))
+
+
+def _column(lanes: FloatArray, kernel: Kernel, name: str) -> FloatArray:
+    return lanes[:, kernel.layout.slots[name], :].reshape(-1)
+
+
+def _set_column(lanes: FloatArray, slot: int, values: FloatArray) -> None:
+    padded = np.full(lanes.shape[0] * lanes.shape[2], values[-1])
+    padded[: values.size] = values
+    lanes[:, slot, :] = padded.reshape(lanes.shape[0], lanes.shape[2])
+
+
+def _set_stretch(lanes: FloatArray, kernel: Kernel, problem: Problem, stretch: Stretch) -> None:
+    slots = kernel.layout.slots
+    _set_column(lanes, slots["cycle"], stretch.length)
+    _set_column(lanes, slots["step"], stretch.length / (2 * stretch.doubles))
+    _set_column(lanes, slots["start"], stretch.start)
+    for name, values in stretch.parameters.items():
+        index = problem.field.parameters.index(name)
+        _set_column(lanes, slots[f"parameter.{index}"], values)
+
+
+def _collect(
+    lanes: FloatArray, kernel: Kernel, count: int, states: FloatArray | None
+) -> Attempt:
+    flat = lanes.transpose(0, 2, 1).reshape(-1, kernel.layout.size)[:count]
+    names = ("alive", "horizon", "error", "total", "watched_error", "maximum", "minimum")
+    values = {name: flat[:, kernel.layout.slots[name]].copy() for name in names}
+    return Attempt(values, flat[:, kernel.layout.group("last")].copy(), states)
+
+
+class _Sampler:
+    """Runs stretches and picks the states that are wanted from each."""
+
+    def __init__(
+        self, problem: Problem, request: Request, kernel: Kernel, which: IntArray, cycles: int
+    ) -> None:
+        self.problem, self.kernel, self.strobe = problem, kernel, request.strobe
+        self.times = None if request.times is None else request.times[which]
+        self.count = which.size
+        self.states: FloatArray | None = None
+        self.done = 0
+        samples = None
+        if self.strobe:
+            samples = cycles // self.strobe + 1
+        elif self.times is not None:
+            samples = self.times.shape[1]
+        if samples is not None:
+            self.states = np.full((which.size, samples, kernel.layout.states), np.nan)
+            if self.strobe:
+                self.states[:, 0] = problem.initial[which]
+
+    def run(
+        self, lanes: FloatArray, tables: tuple[FloatArray, FloatArray], stretch: Stretch
+    ) -> None:
+        """Advance by one stretch."""
+        every = self._every(stretch)
+        if not every:
+            self.kernel(lanes, tables, cycles=stretch.cycles)
+            return
+        before = self._flat(lanes[:, self.kernel.layout.group("fine"), :][None].copy())
+        count = 2 * stretch.doubles * stretch.cycles // every
+        record = np.full(
+            (count, lanes.shape[0], self.kernel.layout.states, self.kernel.width), np.nan
+        )
+        self.kernel(lanes, tables, record, cycles=stretch.cycles, every=every)
+        after = self._flat(record)
+        assert self.states is not None
+        if self.strobe:
+            self.states[:, self.done + 1 : self.done + 1 + count] = after
+            self.done += count
+        else:
+            self._interpolate(np.concatenate([before, after], axis=1), lanes, stretch)
+
+    def _every(self, stretch: Stretch) -> int:
+        if self.strobe:
+            return 2 * stretch.doubles * self.strobe if stretch.cycles >= self.strobe else 0
+        if self.times is None:
+            return 0
+        end = stretch.start + stretch.length * stretch.cycles
+        wanted = (self.times >= stretch.start[:, None]) & (self.times <= end[:, None])
+        return int(wanted.any())
+
+    def _flat(self, record: FloatArray) -> FloatArray:
+        """From (record, group, state, lane) to (trajectory, record, state)."""
+        moved = record.transpose(1, 3, 0, 2)
+        return moved.reshape(-1, *moved.shape[2:])[: self.count]
+
+    def _interpolate(self, states: FloatArray, lanes: FloatArray, stretch: Stretch) -> None:
+        assert self.times is not None
+        assert self.states is not None
+        steps = states.shape[1] - 1
+        step = stretch.length / (2 * stretch.doubles)
+        position = (self.times - stretch.start[:, None]) / step[:, None]
+        near = np.rint(position)
+        position = np.where(np.abs(position - near) < 1e-9, near, position)
+        trajectory, sample = np.nonzero((position >= 0.0) & (position <= steps))
+        first = dense.first_nodes(position[trajectory, sample], steps)
+        nodes = first[:, None] + np.arange(dense.NODES)
+        rates = self._rates(states, lanes, stretch)
+        self.states[trajectory, sample] = dense.interpolate(
+            states[trajectory[:, None], nodes],
+            rates[trajectory[:, None], nodes],
+            step[trajectory],
+            position[trajectory, sample] - first,
+        )
+
+    def _rates(self, states: FloatArray, lanes: FloatArray, stretch: Stretch) -> FloatArray:
+        """Rates (trajectory, end of step, state) by the interpreted field."""
+        steps = 2 * stretch.doubles
+        ends = np.arange(states.shape[1])
+        phase = ends / steps if stretch.cycles == 1 else (ends % steps) / steps
+        parameters = lanes[:, self.kernel.layout.group("parameter"), :]
+        flat = parameters.transpose(1, 0, 2).reshape(parameters.shape[1], -1)[:, : self.count]
+        field = self.problem.field
+        waveforms = self.problem.timeline.waveform(phase)
+        inputs = [phase, *np.moveaxis(states, 2, 0), *flat[:, :, None], *waveforms]
+        with np.errstate(all="ignore"):
+            rates = field.rates(inputs, functions=np)
+        return np.stack(np.broadcast_arrays(*rates, states[..., 0])[:-1], axis=-1)

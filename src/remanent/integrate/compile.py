@@ -1,0 +1,204 @@
+"""LLVM assembly to a function that Python can call, with the object code kept on disk."""
+
+from __future__ import annotations
+
+import ctypes
+import hashlib
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import llvmlite
+from llvmlite import binding
+
+from remanent import _cache
+from remanent._field import Field
+from remanent._typing import FloatArray
+from remanent.integrate.kernel import NAME, Options, kernel_source
+from remanent.integrate.layout import Layout
+from remanent.integrate.methods import RungeKutta
+
+_SIGNATURE = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 4, *[ctypes.c_int64] * 4)
+_LOCK = threading.Lock()
+
+
+@dataclass(frozen=True)
+class Kernel:
+    """Machine code for one field, method and set of options.
+
+    Attributes
+    ----------
+    width
+        Trajectories per group.
+    layout
+        Slots of a trajectory.
+    """
+
+    field: Field
+    method: RungeKutta
+    options: Options
+    width: int
+    layout: Layout
+    _call: Callable[..., None]
+    _engine: Any
+
+    def __call__(
+        self,
+        lanes: FloatArray,
+        tables: tuple[FloatArray, FloatArray],
+        record: FloatArray | None = None,
+        *,
+        cycles: int,
+        every: int = 0,
+    ) -> None:
+        """Advance all groups by at most `cycles` cycles, in place, without the GIL.
+
+        Parameters
+        ----------
+        lanes : array (group, slot, lane)
+        tables
+            From :func:`~remanent.integrate.tables.waveform_tables`.
+        record : array (record, group, state, lane), optional
+            Filled with the state after every `every` fine steps of this call.
+        """
+        fine, coarse = tables
+        groups, doubles = lanes.shape[0], coarse.shape[0]
+        if lanes.shape[1:] != (self.layout.size, self.width) or not lanes.flags.c_contiguous:
+            raise ValueError(f"wrong shape of lanes: {lanes.shape}")
+        if fine.shape[0] != 2 * doubles:
+            raise ValueError("fine and coarse tables do not belong together")
+        if every:
+            needed = 2 * doubles * cycles // every
+            if record is None or record.shape[1:] != (groups, self.layout.states, self.width):
+                raise ValueError("wrong shape of record")
+            if record.shape[0] < needed or not record.flags.c_contiguous:
+                raise ValueError(f"record holds {record.shape[0]} states; {needed} are needed")
+        pointers = (lanes, fine, coarse, lanes if record is None else record)
+        addresses = (array.ctypes.data for array in pointers)
+        self._call(*addresses, groups, cycles, doubles, every)
+
+
+@dataclass(frozen=True)
+class Target:
+    """The processor that code is made for."""
+
+    triple: str
+    cpu: str
+    features: str
+
+    @property
+    def width(self) -> int:
+        """Trajectories per group: two vectors of the widest kind, to hide latencies."""
+        names = self.features.split(",")
+        native = 8 if "+avx512f" in names else 4 if "+avx" in names else 2
+        return 2 * native
+
+    def machine(self) -> Any:
+        return binding.Target.from_triple(self.triple).create_target_machine(
+            cpu=self.cpu, features=self.features, opt=3, reloc="pic", jit=True
+        )
+
+
+@cache
+def host() -> Target:
+    """This machine."""
+    binding.initialize_native_target()
+    binding.initialize_native_asmprinter()
+    return Target(
+        triple=binding.get_process_triple(),
+        cpu=binding.get_host_cpu_name(),
+        features=binding.get_host_cpu_features().flatten(),
+    )
+
+
+def compiled(field: Field, method: RungeKutta, options: Options) -> Kernel:
+    """The kernel of a field, from memory, from disk, or compiled now."""
+    with _LOCK:
+        return _compiled(_ByFingerprint(field), method.name, _Box(method), options)
+
+
+@cache
+def _compiled(key: _ByFingerprint, _name: str, method: _Box, options: Options) -> Kernel:
+    target = host()
+    call, engine = _load(_object_code(key.field, method.value, options, target), target)
+    layout = Layout(len(key.field.state), len(key.field.parameters))
+    return Kernel(key.field, method.value, options, target.width, layout, call, engine)
+
+
+class _ByFingerprint:
+    """A field that hashes and compares by its fingerprint."""
+
+    def __init__(self, field: Field) -> None:
+        self.field = field
+
+    def __hash__(self) -> int:
+        return hash(self.field.fingerprint)
+
+    def __eq__(self, other: object) -> bool:
+        return (
+            isinstance(other, _ByFingerprint) and self.field.fingerprint == other.field.fingerprint
+        )
+
+
+class _Box:
+    """Carries a method past the cache, which knows it by its name."""
+
+    def __init__(self, value: RungeKutta) -> None:
+        self.value = value
+
+    def __hash__(self) -> int:
+        return hash(self.value.name)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Box) and self.value.name == other.value.name
+
+
+def _object_code(field: Field, method: RungeKutta, options: Options, target: Target) -> bytes:
+    key = _key(field, method, options, target)
+    stored = _cache.load_bytes("kernel", key)
+    if stored is not None:
+        return stored
+    code = _compile(kernel_source(field, method, options, target.width), target)
+    _cache.store_bytes("kernel", key, code)
+    return code
+
+
+def _compile(source: str, target: Target) -> bytes:
+    machine = target.machine()
+    module = binding.parse_assembly(source)
+    module.verify()
+    tuning = binding.create_pipeline_tuning_options(speed_level=3)
+    builder = binding.create_pass_builder(machine, tuning)
+    builder.getModulePassManager().run(module, builder)
+    return bytes(machine.emit_object(module))
+
+
+def _load(code: bytes, target: Target) -> tuple[Callable[..., None], Any]:
+    engine = binding.create_mcjit_compiler(binding.parse_assembly(""), target.machine())
+    engine.add_object_file(binding.ObjectFileRef.from_data(code))
+    engine.finalize_object()
+    return _SIGNATURE(engine.get_function_address(NAME)), engine
+
+
+def _key(field: Field, method: RungeKutta, options: Options, target: Target) -> str:
+    parts = (field.fingerprint, method.name, options, target, llvmlite.__version__, _sources())
+    return hashlib.sha256(repr(parts).encode()).hexdigest()[:32]
+
+
+@cache
+def _sources() -> str:
+    """A digest of the code that writes kernels: a change of it makes new ones."""
+    names = ("kernel", "lanes", "layout", "extrema", "methods", "compile")
+    texts = (Path(__file__).with_name(f"{name}.py").read_bytes() for name in names)
+    return hashlib.sha256(b"\0".join((*texts, _field_source()))).hexdigest()
+
+
+def _field_source() -> bytes:
+    import remanent._field
+
+    return Path(str(remanent._field.__file__)).read_bytes()
+
+

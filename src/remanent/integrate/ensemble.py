@@ -1,0 +1,241 @@
+"""Many trajectories, each refined until its error bound meets the tolerance.
+
+Trajectories are tried at a first resolution.  Those whose bound is too large are
+collected, sorted and tried again at the resolution that the known order of the
+method predicts.  What one trajectory undergoes depends on nothing but itself, so
+results are bit-identical however the work is divided.
+"""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor, as_completed
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from remanent._typing import BoolArray, FloatArray, IntArray
+from remanent.integrate.chunk import Attempt, attempt, cycle_counts, double_steps
+from remanent.integrate.compile import Kernel, compiled
+from remanent.integrate.kernel import Options
+from remanent.integrate.methods import RungeKutta, default_method
+from remanent.integrate.problem import Outcome, Problem, Request
+from remanent.integrate.status import Status
+
+#: Trajectories in a chunk.
+_CHUNK = 512
+#: Largest resolution tried, double steps per cycle.
+MAX_RESOLUTION = 2**14
+#: A state beyond this has left the range of any actuator.
+ESCAPE = 1e6
+#: Refinement aims this factor below the tolerance.
+_MARGIN = 0.5
+#: A horizon that grows by less than this factor on refinement will not reach the end.
+_STALLED = 1.05
+#: Round-off allowed for in every bound, in units of the last place per root of a step.
+_ROUND_OFF = 4.0
+
+Progress = Callable[[float], None]
+
+
+@dataclass
+class _Work:
+    """The best attempt so far for each trajectory, and what is left to do."""
+
+    outcome: Outcome
+    pending: dict[int, int] = field(default_factory=dict)
+
+
+def integrate(
+    problem: Problem,
+    request: Request,
+    *,
+    tolerance: float,
+    method: RungeKutta | None = None,
+    max_resolution: int = MAX_RESOLUTION,
+    workers: int | None = None,
+    progress: Progress | None = None,
+) -> Outcome:
+    """Integrate every trajectory to the tolerance, or as far as that is possible.
+
+    Parameters
+    ----------
+    problem, request
+        What to integrate and what to return.
+    tolerance
+        Of the error of what is returned, absolute.
+    method
+        Runge-Kutta method; the package's own by default.
+    max_resolution
+        Refinement stops there with status ``MAX_STEPS``.
+    workers
+        Threads; the number of processors by default.
+    progress
+        Called from this thread with the share of trajectories that are finished.
+
+    Returns
+    -------
+    Outcome
+    """
+    options = Options(
+        states_controlled=request.times is not None or request.strobe > 0 or not request.extremes,
+        watched_controlled=request.extremes,
+        extremes=request.extremes,
+    )
+    kernel = compiled(problem.field, method or default_method(), options)
+    outcome = _empty(problem, request)
+    count = problem.duration.size
+    pending = {int(i): first_resolution(tolerance) for i in np.flatnonzero(~problem.invalid)}
+    stop = threading.Event()
+    with ThreadPoolExecutor(max_workers=workers or os.cpu_count() or 1) as pool:
+        try:
+            while pending:
+                pending = _round(
+                    problem, request, kernel, tolerance, max_resolution, outcome, pending,
+                    pool, stop,
+                )  # fmt: skip
+                if progress is not None:
+                    progress(1.0 - len(pending) / max(count, 1))
+        except BaseException:
+            stop.set()
+            raise
+    return outcome
+
+
+def first_resolution(tolerance: float) -> int:
+    """Double steps per cycle to begin with: enough for a gentle trajectory."""
+    return ladder(12.0 * (1e-9 / tolerance) ** 0.125)
+
+
+def ladder(wanted: float) -> int:
+    """The smallest of 4, 6, 8, 12, 16, 24 ... that is not below `wanted`."""
+    power = 4
+    while power < wanted:
+        if wanted <= 1.5 * power:
+            return 3 * power // 2
+        power *= 2
+    return power
+
+
+def _round(
+    problem: Problem,
+    request: Request,
+    kernel: Kernel,
+    tolerance: float,
+    max_resolution: int,
+    outcome: Outcome,
+    pending: dict[int, int],
+    pool: ThreadPoolExecutor,
+    stop: threading.Event,
+) -> dict[int, int]:
+    """Try every pending trajectory once; return those to try again and how finely."""
+
+    def run(resolution: int, which: IntArray) -> Attempt:
+        return attempt(
+            problem, request, kernel, tolerance, resolution, which, lambda: not stop.is_set()
+        )
+
+    futures: dict[Future[Attempt], tuple[int, IntArray]] = {
+        pool.submit(run, resolution, which): (resolution, which)
+        for resolution, which in _chunks(problem, pending)
+    }
+    again: dict[int, int] = {}
+    for future in as_completed(futures):
+        resolution, which = futures[future]
+        result = future.result()
+        stalled = _record(problem, outcome, result, resolution, which, tolerance)
+        failed = result.values["alive"] < 0.5
+        wanted = _next_resolution(result.values["total"], tolerance, resolution)
+        for i in np.flatnonzero(failed & ~stalled):
+            if wanted[i] <= max_resolution:
+                again[int(which[i])] = int(wanted[i])
+            else:
+                outcome.status[which[i]] = Status.MAX_STEPS
+    return again
+
+
+def _chunks(problem: Problem, pending: dict[int, int]) -> Iterator[tuple[int, IntArray]]:
+    """Group trajectories that share a resolution, step counts, and about a length."""
+    index = np.fromiter(pending, dtype=np.int64, count=len(pending))
+    resolution = np.fromiter(pending.values(), dtype=np.int64, count=len(pending))
+    cycles = cycle_counts(problem)[index]
+    for level in np.unique(resolution):
+        members = index[resolution == level]
+        steps = double_steps(problem.timeline, int(level))[:, members]
+        length = cycles[resolution == level]
+        order = np.lexsort((members, length, *steps[::-1]))
+        members, steps = members[order], steps[:, order]
+        cuts = np.flatnonzero((steps[:, 1:] != steps[:, :-1]).any(axis=0)) + 1
+        for same in np.split(members, cuts):
+            for first in range(0, same.size, _CHUNK):
+                yield int(level), same[first : first + _CHUNK]
+
+
+def _next_resolution(total: FloatArray, tolerance: float, resolution: int) -> IntArray:
+    """What the order of the method predicts, between the next step up and fourfold."""
+    with np.errstate(all="ignore"):
+        factor = (total / (_MARGIN * tolerance)) ** 0.125
+    factor = np.where(np.isfinite(factor) & (total < 1e-2), factor, 2.0).clip(1.05, 4.0)
+    return np.array([max(ladder(f * resolution), ladder(resolution + 1)) for f in factor])
+
+
+def _record(
+    problem: Problem,
+    outcome: Outcome,
+    result: Attempt,
+    resolution: int,
+    which: IntArray,
+    tolerance: float,
+) -> BoolArray:
+    """Keep the attempt where it is the best so far; tell where refining is in vain."""
+    values = result.values
+    ok = values["alive"] > 0.5
+    horizon = np.where(ok, problem.duration[which], values["horizon"])
+    before = outcome.horizon[which]
+    stalled = ~ok & (outcome.resolution[which] > 0) & (horizon <= _STALLED * before)
+    better = ok | (outcome.resolution[which] == 0) | (horizon > before)
+    target, source = which[better], np.flatnonzero(better)
+    outcome.horizon[target] = horizon[source]
+    outcome.resolution[target] = resolution
+    outcome.status[target] = np.where(ok, Status.OK, Status.HORIZON)[source]
+    floor = _round_off(problem, result.last, horizon, resolution, which)
+    outcome.error[target] = np.maximum(values["error"], floor)[source]
+    outcome.watched_error[target] = np.maximum(values["watched_error"], floor)[source]
+    for name, into in (("maximum", outcome.maximum), ("minimum", outcome.minimum)):
+        into[target] = np.where(ok, values[name], np.nan)[source]
+    if outcome.states is not None and result.states is not None:
+        outcome.states[target] = result.states[source]
+    escaped = ~ok & (np.abs(result.last).max(axis=1) > ESCAPE)
+    outcome.status[which[escaped]] = Status.ESCAPED
+    at_once = ~ok & (horizon <= 0.0) & ~np.isfinite(values["total"] + 0.0)
+    outcome.status[which[at_once & stalled]] = Status.SINGULAR
+    return np.asarray(stalled | escaped)
+
+
+def _round_off(
+    problem: Problem, last: FloatArray, horizon: FloatArray, resolution: int, which: IntArray
+) -> FloatArray:
+    if problem.timeline.periodic:
+        steps = 2 * resolution * horizon / problem.timeline.lengths[0, which]
+    else:
+        steps = 2 * resolution * horizon / 2.5
+    scale = np.maximum(1.0, np.abs(last).max(axis=1))
+    return np.asarray(_ROUND_OFF * np.finfo(float).eps * scale * np.sqrt(1.0 + steps))
+
+
+def _empty(problem: Problem, request: Request) -> Outcome:
+    count, dimension = problem.initial.shape
+    states = None
+    if request.strobe:
+        samples = int(cycle_counts(problem).max(initial=0)) // request.strobe + 1
+        states = np.full((count, samples, dimension), np.nan)
+    elif request.times is not None:
+        states = np.full((count, request.times.shape[1], dimension), np.nan)
+    status = np.where(problem.invalid, Status.INVALID, Status.NOT_COMPUTED).astype(np.int8)
+    nan = (np.full(count, np.nan) for _ in range(5))
+    maximum, minimum, error, watched, horizon = nan
+    return Outcome(
+        states, maximum, minimum, error, watched, horizon, status, np.zeros(count, dtype=np.int64)
+    )

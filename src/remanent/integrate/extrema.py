@@ -1,0 +1,50 @@
+"""Extremes between steps, from the Hermite polynomial through three steps' ends."""
+
+from __future__ import annotations
+
+from typing import Any
+
+#: Value, first and second derivative with respect to time.
+Jet = tuple[Any, Any, Any]
+
+
+def hermite_coefficients(left: Jet, middle: Jet, right: Jet, h: Any) -> list[Any]:
+    """Coefficients of the polynomial of degree 8 through three jets, h apart.
+
+    Parameters
+    ----------
+    left, middle, right
+        Value and two time derivatives at t - h, t and t + h.
+    h
+        Distance of the nodes.
+
+    Returns
+    -------
+    list of 9
+        p(s) = sum of ``c[k] s**k`` with s = (time - t) / h.
+    """
+    scale = (1.0, h, h * h)
+    (a, b, c), (d, e, f), (g, i, j) = (
+        [x * w for x, w in zip(jet, scale, strict=True)] for jet in (left, middle, right)
+    )
+    c0, c1, c2 = d, e, 0.5 * f
+    even = (0.5 * (g + a) - c0 - c2, 0.5 * (i - b) - 2.0 * c2, 0.5 * (j + c) - 2.0 * c2)
+    odd = (0.5 * (g - a) - c1, 0.5 * (i + b) - c1, 0.5 * (j - c))
+    c8 = 0.125 * (even[2] - 9.0 * even[1] + 24.0 * even[0])
+    c6 = 0.5 * (even[1] - 4.0 * even[0]) - 2.0 * c8
+    c7 = 0.125 * (odd[2] - 7.0 * odd[1] + 15.0 * odd[0])
+    c5 = 0.5 * (odd[1] - 3.0 * odd[0]) - 2.0 * c7
+    return [c0, c1, c2, odd[0] - c5 - c7, even[0] - c6 - c8, c5, c6, c7, c8]
+
+
+def horner(coefficients: list[Any], s: Any) -> Any:
+    """The polynomial with the given coefficients, lowest power first, at `s`."""
+    total = coefficients[-1]
+    for c in reversed(coefficients[:-1]):
+        total = total * s + c
+    return total
+
+
+def derivative(coefficients: list[Any]) -> list[Any]:
+    """Coefficients of the derivative."""
+    return [float(k) * c for k, c in enumerate(coefficients)][1:]

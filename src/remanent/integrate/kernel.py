@@ -1,0 +1,314 @@
+"""A field and a method become one function over groups of trajectories.
+
+The kernel advances two solutions in lockstep, one with steps of length h and one
+with steps of length 2h.  Their difference after each double step, divided by
+2**order - 1 and multiplied by a safety factor, estimates the error of the finer
+one at that instant, so the bound costs half as much as the solution, needs no
+memory, and gives the time up to which the tolerance was met.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from llvmlite import ir
+
+from remanent._field import Field, Program
+from remanent.integrate.extrema import Jet, derivative, hermite_coefficients, horner
+from remanent.integrate.lanes import (
+    DOUBLE,
+    INTEGER,
+    LaneFunctions,
+    Lanes,
+    Mask,
+    Variable,
+    Writer,
+    larger,
+    smaller,
+)
+from remanent.integrate.layout import Layout
+from remanent.integrate.methods import RungeKutta
+
+NAME = "kernel"
+#: Newton steps from a secant start; an extremum then moves by less than round-off.
+_NEWTON_STEPS = 4
+
+
+@dataclass(frozen=True)
+class Options:
+    """What a kernel does beside integrating.
+
+    Attributes
+    ----------
+    states_controlled
+        The error that must meet the tolerance includes the state variables.
+    watched_controlled
+        It includes the watched observable.
+    extremes
+        Follow the extremes of the watched observable.
+    safety
+        Factor between the estimate from two step sizes and the error reported.
+    """
+
+    states_controlled: bool = True
+    watched_controlled: bool = False
+    extremes: bool = False
+    safety: float = 4.0
+
+    @property
+    def watched(self) -> bool:
+        return self.extremes or self.watched_controlled
+
+
+def kernel_source(field: Field, method: RungeKutta, options: Options, width: int) -> str:
+    """LLVM assembly of the kernel ``void kernel(...)``.
+
+    Its arguments are pointers to doubles ``lanes (group, slot, lane)`` (see
+    :class:`~remanent.integrate.layout.Layout`), ``fine`` and ``coarse`` (waveform
+    tables, see :func:`~remanent.integrate.tables.waveform_tables`), ``record``
+    ``(record, group, state, lane)``, and integers: number of groups, cycles, double
+    steps per cycle, fine steps between records (0: none).
+    """
+    module = ir.Module(name="remanent")
+    pointer = DOUBLE.as_pointer()
+    signature = ir.FunctionType(ir.VoidType(), [pointer] * 4 + [INTEGER] * 4)
+    function = ir.Function(module, signature, NAME)
+    builder = ir.IRBuilder(function.append_basic_block("entry"))
+    begin = function.append_basic_block("begin")
+    builder.branch(begin)
+    builder.position_at_end(begin)
+    _Kernel(field, method, options, Writer(builder, width), function.args).write()
+    builder.ret_void()
+    return str(module)
+
+
+class _Kernel:
+    """The pieces of one kernel while it is being written."""
+
+    def __init__(
+        self, field: Field, method: RungeKutta, options: Options, writer: Writer, args: Any
+    ) -> None:
+        self.field, self.method, self.options, self.w = field, method, options, writer
+        self.lanes, self.fine, self.coarse, self.record = args[:4]
+        self.groups, self.cycles, self.doubles, self.every = args[4:]
+        self.layout = Layout(len(field.state), len(field.parameters))
+        self.functions = LaneFunctions(writer)
+
+    def write(self) -> None:
+        with self.w.loop(self.groups) as (group, _):
+            self.group = group
+            self._load()
+            with self.w.loop(self.cycles) as (cycle, leave_if):
+                self.cycle_start = self.start + self.w.spread_integer(cycle) * self.cycle
+                leave_if(self.w.builder.not_(self._active().any()))
+                with self.w.loop(self.doubles) as (double, _):
+                    self._double_step(cycle, double)
+            self._save()
+
+    # state of a group ---------------------------------------------------------------
+
+    def _index(self, slot: int) -> ir.Value:
+        b, w = self.w.builder, self.w
+        base = b.mul(self.group, w.integer(self.layout.size * w.width))
+        return b.add(base, w.integer(slot * w.width))
+
+    def _read(self, name: str) -> Lanes:
+        return self.w.load(self.lanes, self._index(self.layout.slots[name]))
+
+    def _load(self) -> None:
+        names = [n for n in self.layout.slots if not n.startswith("parameter.")]
+        constants = {n: self._read(n) for n in ("step", "cycle", "start", "begin", "end")}
+        self.h, self.cycle, self.start, self.begin, self.end = constants.values()
+        self.tolerance = self._read("tolerance")
+        self.parameters = [
+            self._read(f"parameter.{i}") for i in range(len(self.field.parameters))
+        ]
+        self.v: dict[str, Variable] = {
+            n: self.w.variable(self._read(n))
+            for n in names
+            if n not in constants and n != "tolerance"
+        }
+        if self.options.watched:
+            jet = self._watched(self._state("fine"), self._row(self.fine, self.w.integer(0)), 0)
+            self.jet = [self.w.variable(x) for x in jet]
+
+    def _save(self) -> None:
+        for name, variable in self.v.items():
+            self.w.store(variable.get(), self.lanes, self._index(self.layout.slots[name]))
+
+    def _state(self, kind: str) -> list[Lanes]:
+        return [self.v[f"{kind}.{i}"].get() for i in range(len(self.field.state))]
+
+    def _set_state(self, kind: str, y: list[Lanes]) -> None:
+        for i, y_i in enumerate(y):
+            self.v[f"{kind}.{i}"].set(y_i)
+
+    def _active(self) -> Mask:
+        return (self.v["alive"].get() > 0.5) & (self.cycle_start < self.end)
+
+    # field ----------------------------------------------------------------------------
+
+    def _row(self, table: ir.Value, step: ir.Value) -> Callable[[int], list[Lanes]]:
+        """Phase and waveforms at a node of a step, as functions of the node."""
+        columns = 1 + len(self.field.waveforms)
+        row = len(self.method.nodes) * columns
+        base = self.w.builder.mul(step, self.w.integer(row))
+
+        def at(node: int) -> list[Lanes]:
+            index = (self.w.integer(node * columns + k) for k in range(columns))
+            return [
+                self.w.spread(self.w.load_scalar(table, self.w.builder.add(base, k)))
+                for k in index
+            ]
+
+        return at
+
+    def _run(self, program: Program, y: list[Lanes], load: list[Lanes]) -> list[Lanes]:
+        return program(
+            [load[0], *y, *self.parameters, *load[1:]],
+            functions=self.functions,
+            constant=self.w.constant,
+        )
+
+    def _step(self, y: list[Lanes], h: Lanes, table: ir.Value, step: ir.Value) -> list[Lanes]:
+        row = self._row(table, step)
+        loads = [row(node) for node in range(len(self.method.nodes))]
+        return self.method.step(lambda node, z: self._run(self.field.rates, z, loads[node]), y, h)
+
+    def _watched(self, y: list[Lanes], row: Callable[[int], list[Lanes]], node: int) -> Jet:
+        value, rate, acceleration = self._run(self.field.watched, y, row(node))
+        return value, rate, acceleration
+
+    # one double step ------------------------------------------------------------------
+
+    def _double_step(self, cycle: ir.Value, double: ir.Value) -> None:
+        b, w = self.w.builder, self.w
+        first = b.mul(double, w.integer(2))
+        second = b.add(first, w.integer(1))
+        middle = self._step(self._state("fine"), self.h, self.fine, first)
+        right = self._step(middle, self.h, self.fine, second)
+        coarse = self._step(self._state("coarse"), self.h + self.h, self.coarse, double)
+        t0 = self.cycle_start + w.spread_integer(first) * self.h
+        t2 = self.cycle_start + w.spread_integer(b.add(second, w.integer(1))) * self.h
+        last = len(self.method.nodes) - 1
+        jets: tuple[Jet, ...] = ()
+        if self.options.watched:
+            row = self._row(self.fine, second)
+            jets = (
+                tuple(x.get() for x in self.jet),
+                self._watched(middle, row, 0),
+                self._watched(right, row, last),
+            )
+        self._judge(t0, t2, right, coarse, jets, self._row(self.coarse, double), last)
+        if self.options.extremes:
+            self._follow_extremes(t0, t2, jets)
+        if self.options.watched:
+            for variable, value in zip(self.jet, jets[2], strict=True):
+                variable.set(value)
+        self._set_state("fine", right)
+        self._set_state("coarse", coarse)
+        count = b.add(b.mul(cycle, b.mul(self.doubles, w.integer(2))), first)
+        self._write_record(b.add(count, w.integer(1)), middle)
+        self._write_record(b.add(count, w.integer(2)), right)
+
+    def _judge(
+        self,
+        t0: Lanes,
+        t2: Lanes,
+        fine: list[Lanes],
+        coarse: list[Lanes],
+        jets: tuple[Jet, ...],
+        row: Callable[[int], list[Lanes]],
+        last: int,
+    ) -> None:
+        """Compare the two solutions; move the horizon while the tolerance is met."""
+        scale = self.options.safety / (2**self.method.order - 1)
+        state_error = self.w.constant(0.0)
+        for a, c in zip(fine, coarse, strict=True):
+            state_error = _worse(state_error, abs(a - c))
+        state_error = state_error * scale
+        controlled = state_error
+        if self.options.watched:
+            g = self._watched(coarse, row, last)[0]
+            watched_error = abs(jets[2][0] - g) * scale
+            controlled = (
+                _worse(state_error, watched_error)
+                if self.options.states_controlled and self.options.watched_controlled
+                else watched_error
+                if self.options.watched_controlled
+                else state_error
+            )
+        within = t0 < self.end
+        alive = (self.v["alive"].get() > 0.5) & (controlled <= self.tolerance)
+        good = within & alive
+        one, zero = self.w.constant(1.0), self.w.constant(0.0)
+        kept = self.v["alive"].get()
+        self.v["alive"].set(within.choose(alive.choose(one, zero), kept))
+        self._update("horizon", good, smaller(t2, self.end))
+        self._update("error", good, larger(controlled, self.v["error"].get()))
+        self._update("total", within, larger(controlled, self.v["total"].get()))
+        if self.options.watched:
+            worst = larger(watched_error, self.v["watched_error"].get())
+            self._update("watched_error", good, worst)
+        for i, y_i in enumerate(fine):
+            self._update(f"last.{i}", good, y_i)
+
+    def _update(self, name: str, where: Mask, value: Lanes) -> None:
+        self.v[name].set(where.choose(value, self.v[name].get()))
+
+    def _write_record(self, count: ir.Value, y: list[Lanes]) -> None:
+        b, w = self.w.builder, self.w
+        none = b.icmp_signed("==", self.every, w.integer(0))
+        divisor = b.select(none, w.integer(1), self.every)
+        due = b.icmp_signed("==", b.srem(count, divisor), w.integer(0))
+        with b.if_then(b.and_(b.not_(none), due)):
+            number = b.sub(b.sdiv(count, divisor), w.integer(1))
+            base = b.add(b.mul(number, self.groups), self.group)
+            base = b.mul(base, w.integer(len(y) * w.width))
+            for i, y_i in enumerate(y):
+                w.store(y_i, self.record, b.add(base, w.integer(i * w.width)))
+
+    # extremes -------------------------------------------------------------------------
+
+    def _follow_extremes(self, t0: Lanes, t2: Lanes, jets: tuple[Jet, ...]) -> None:
+        alive = self.v["alive"].get() > 0.5
+        centre = t0 + self.h
+        left, middle, right = jets
+        starts = (t0 <= self.begin) & (self.begin < t2)
+        ends = (t0 < self.end) & (self.end <= t2)
+        inside = alive & (t0 < self.end) & (self.begin < t2)
+        turns = (left[1] * middle[1] <= 0.0) | (middle[1] * right[1] <= 0.0)
+        with self.w.builder.if_then((inside & (starts | ends | turns)).any()):
+            polynomial = hermite_coefficients(left, middle, right, self.h)
+            low = larger((self.begin - centre) / self.h, self.w.constant(-1.0))
+            high = smaller((self.end - centre) / self.h, self.w.constant(1.0))
+            for at in (low, high):
+                self._take(inside & (starts | ends), horner(polynomial, at))
+            for near, far in ((left, middle), (middle, right)):
+                shift = -1.0 if near is left else 0.0
+                turn = inside & (near[1] * far[1] <= 0.0)
+                s = _turning_point(polynomial, near[1], far[1], shift)
+                value = horner(polynomial, s)
+                self._take(turn & (s >= low) & (s <= high), value)
+
+    def _take(self, where: Mask, value: Lanes) -> None:
+        self._update("maximum", where, larger(value, self.v["maximum"].get()))
+        self._update("minimum", where, smaller(value, self.v["minimum"].get()))
+
+
+def _worse(a: Lanes, b: Lanes) -> Lanes:
+    """The larger of two errors, NaN where `b` is."""
+    return (b <= a).choose(a, b)
+
+
+def _turning_point(polynomial: list[Any], near: Lanes, far: Lanes, shift: float) -> Lanes:
+    """Where the derivative vanishes in [shift, shift + 1], by Newton from a secant."""
+    slope = derivative(polynomial)
+    curvature = derivative(slope)
+    s = near / (near - far) + shift
+    for _ in range(_NEWTON_STEPS):
+        s = s - horner(slope, s) / horner(curvature, s)
+        s = larger(smaller(s, s.writer.constant(shift + 1.0)), s.writer.constant(shift))
+    return s

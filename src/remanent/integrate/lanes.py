@@ -1,0 +1,227 @@
+"""Numbers that write machine code: many trajectories side by side.
+
+A :class:`Lanes` value stands for one double per trajectory of a group.  Its
+arithmetic appends vector instructions to an LLVM function instead of computing,
+so that formulas written for numbers of any kind (a Runge-Kutta step, a field's
+program) become a kernel by being run once.  Every lane undergoes the same
+instructions, so a result does not depend on the neighbours of its trajectory.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+from llvmlite import ir
+
+DOUBLE = ir.DoubleType()
+INTEGER = ir.IntType(64)
+_INDEX = ir.IntType(32)
+#: Fused multiply-add is allowed; nothing else that would change a result or a NaN.
+_FLAGS = ("contract",)
+
+
+@dataclass(frozen=True)
+class Writer:
+    """Where instructions go: a function under construction and the lane count."""
+
+    builder: ir.IRBuilder
+    width: int
+
+    @property
+    def vector(self) -> ir.VectorType:
+        return ir.VectorType(DOUBLE, self.width)
+
+    def constant(self, value: float) -> Lanes:
+        """The same number in every lane."""
+        return Lanes(self, ir.Constant(self.vector, [float(value)] * self.width))
+
+    def integer(self, value: int) -> ir.Constant:
+        return ir.Constant(INTEGER, value)
+
+    def spread(self, scalar: ir.Value) -> Lanes:
+        """A scalar double copied to every lane."""
+        undefined = ir.Constant(self.vector, ir.Undefined)
+        one = self.builder.insert_element(undefined, scalar, ir.Constant(_INDEX, 0))
+        zeros = ir.Constant(ir.VectorType(_INDEX, self.width), [0] * self.width)
+        return Lanes(self, self.builder.shuffle_vector(one, undefined, zeros))
+
+    def spread_integer(self, scalar: ir.Value) -> Lanes:
+        """An integer, as a double, in every lane."""
+        return self.spread(self.builder.sitofp(scalar, DOUBLE))
+
+    def load(self, pointer: ir.Value, index: ir.Value) -> Lanes:
+        """Read the lanes that start at ``pointer[index]``."""
+        value = self.builder.load(self._address(pointer, index))
+        value.align = 8
+        return Lanes(self, value)
+
+    def store(self, lanes: Lanes, pointer: ir.Value, index: ir.Value) -> None:
+        """Write the lanes to ``pointer[index]`` and following."""
+        self.builder.store(lanes.value, self._address(pointer, index)).align = 8
+
+    def _address(self, pointer: ir.Value, index: ir.Value) -> ir.Value:
+        address = self.builder.gep(pointer, [index])
+        return self.builder.bitcast(address, self.vector.as_pointer())
+
+    def load_scalar(self, pointer: ir.Value, index: ir.Value) -> ir.Value:
+        return self.builder.load(self.builder.gep(pointer, [index]))
+
+    def variable(self, initial: Lanes) -> Variable:
+        """A mutable cell; the optimiser turns it into registers."""
+        with self.builder.goto_entry_block():
+            cell = self.builder.alloca(self.vector)
+        self.builder.store(initial.value, cell)
+        return Variable(self, cell)
+
+    @contextmanager
+    def loop(self, count: ir.Value) -> Iterator[tuple[ir.Value, Callable[[ir.Value], None]]]:
+        """Repeat for 0, 1 ... count - 1; yields the index and ``leave_if(condition)``."""
+        b = self.builder
+        before = b.block
+        head, body, end = (b.append_basic_block(n) for n in ("head", "body", "end"))
+        b.branch(head)
+        b.position_at_end(head)
+        index = b.phi(INTEGER)
+        index.add_incoming(self.integer(0), before)
+        b.cbranch(b.icmp_signed("<", index, count), body, end)
+        b.position_at_end(body)
+
+        def leave_if(condition: ir.Value) -> None:
+            stay = b.append_basic_block("stay")
+            b.cbranch(condition, end, stay)
+            b.position_at_end(stay)
+
+        yield index, leave_if
+        index.add_incoming(b.add(index, self.integer(1)), b.block)
+        b.branch(head)
+        b.position_at_end(end)
+
+    def function(self, name: str, argument: Lanes) -> Lanes:
+        """A function of the mathematical library, lane by lane."""
+        module = self.builder.module
+        full = f"llvm.{name}.v{self.width}f64"
+        declared = module.globals.get(full)
+        if declared is None:
+            declared = ir.Function(module, ir.FunctionType(self.vector, [self.vector]), full)
+        return Lanes(self, self.builder.call(declared, [argument.value]))
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A mutable cell of lanes."""
+
+    writer: Writer
+    cell: ir.Value
+
+    def get(self) -> Lanes:
+        return Lanes(self.writer, self.writer.builder.load(self.cell))
+
+    def set(self, value: Lanes) -> None:
+        self.writer.builder.store(value.value, self.cell)
+
+
+@dataclass(frozen=True)
+class Lanes:
+    """One double per trajectory of a group."""
+
+    writer: Writer
+    value: ir.Value
+
+    def _other(self, other: Lanes | float) -> ir.Value:
+        return other.value if isinstance(other, Lanes) else self.writer.constant(other).value
+
+    def _apply(self, name: str, left: ir.Value, right: ir.Value) -> Lanes:
+        return Lanes(
+            self.writer, getattr(self.writer.builder, name)(left, right, flags=_FLAGS)
+        )
+
+    def __add__(self, other: Lanes | float) -> Lanes:
+        return self._apply("fadd", self.value, self._other(other))
+
+    __radd__ = __add__
+
+    def __sub__(self, other: Lanes | float) -> Lanes:
+        return self._apply("fsub", self.value, self._other(other))
+
+    def __rsub__(self, other: float) -> Lanes:
+        return self._apply("fsub", self._other(other), self.value)
+
+    def __mul__(self, other: Lanes | float) -> Lanes:
+        return self._apply("fmul", self.value, self._other(other))
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: Lanes | float) -> Lanes:
+        return self._apply("fdiv", self.value, self._other(other))
+
+    def __rtruediv__(self, other: float) -> Lanes:
+        return self._apply("fdiv", self._other(other), self.value)
+
+    def __neg__(self) -> Lanes:
+        return Lanes(self.writer, self.writer.builder.fneg(self.value))
+
+    def __abs__(self) -> Lanes:
+        return self.writer.function("fabs", self)
+
+    def _compare(self, sign: str, other: Lanes | float) -> Mask:
+        compare = self.writer.builder.fcmp_ordered
+        return Mask(self.writer, compare(sign, self.value, self._other(other)))
+
+    def __lt__(self, other: Lanes | float) -> Mask:
+        return self._compare("<", other)
+
+    def __le__(self, other: Lanes | float) -> Mask:
+        return self._compare("<=", other)
+
+    def __gt__(self, other: Lanes | float) -> Mask:
+        return self._compare(">", other)
+
+    def __ge__(self, other: Lanes | float) -> Mask:
+        return self._compare(">=", other)
+
+
+@dataclass(frozen=True)
+class Mask:
+    """One truth value per trajectory; comparisons with NaN are false."""
+
+    writer: Writer
+    value: ir.Value
+
+    def __and__(self, other: Mask) -> Mask:
+        return Mask(self.writer, self.writer.builder.and_(self.value, other.value))
+
+    def __or__(self, other: Mask) -> Mask:
+        return Mask(self.writer, self.writer.builder.or_(self.value, other.value))
+
+    def choose(self, true: Lanes, false: Lanes) -> Lanes:
+        """`true` where the mask holds, else `false`."""
+        return Lanes(self.writer, self.writer.builder.select(self.value, true.value, false.value))
+
+    def any(self) -> ir.Value:
+        """Whether the mask holds in at least one lane, as a scalar."""
+        b = self.writer.builder
+        bits = b.bitcast(self.value, ir.IntType(self.writer.width))
+        return b.icmp_unsigned("!=", bits, ir.Constant(bits.type, 0))
+
+
+def larger(a: Lanes, b: Lanes) -> Lanes:
+    """The larger of two values, `b` where `a` is NaN."""
+    return (a > b).choose(a, b)
+
+
+def smaller(a: Lanes, b: Lanes) -> Lanes:
+    """The smaller of two values, `b` where `a` is NaN."""
+    return (a < b).choose(a, b)
+
+
+@dataclass(frozen=True)
+class LaneFunctions:
+    """Functions of lanes under the names that programs use."""
+
+    writer: Writer
+
+    def __getattr__(self, name: str) -> Any:
+        return lambda argument: self.writer.function(name, argument)

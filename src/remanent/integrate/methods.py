@@ -1,0 +1,159 @@
+"""Runge-Kutta coefficients that check themselves when they are built.
+
+A step is written for numbers of any kind: floats, NumPy arrays, mpmath numbers
+(fifty digits, for the order tests), lanes of a kernel that is being compiled.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from types import MappingProxyType
+from typing import Any
+
+#: ``rates(stage_node, state)`` with `stage_node` an index into ``nodes``.
+Rates = Callable[[int, list[Any]], list[Any]]
+
+
+@dataclass(frozen=True)
+class RungeKutta:
+    """An explicit Runge-Kutta method.
+
+    Attributes
+    ----------
+    name
+        Part of the fingerprint of every kernel made with the method.
+    order
+        Order of the global error.
+    nodes
+        The distinct abscissae in [0, 1] at which the load is needed, ascending.
+    stage_nodes
+        For each stage the index of its abscissa in `nodes`.
+    weights
+        For each stage the coefficients of the earlier stages that are not zero.
+    final
+        Coefficients of the stages in the result.
+    """
+
+    name: str
+    order: int
+    nodes: tuple[Any, ...]
+    stage_nodes: tuple[int, ...]
+    weights: tuple[Mapping[int, Any], ...]
+    final: Mapping[int, Any]
+
+    def __post_init__(self) -> None:
+        tolerance = 1e-13
+        for stage, row in enumerate(self.weights):
+            if any(j >= stage for j in row):
+                raise ValueError(f"{self.name}: stage {stage} is not explicit")
+            if abs(sum(row.values()) - self.nodes[self.stage_nodes[stage]]) > tolerance:
+                raise ValueError(f"{self.name}: row {stage} does not add up to its node")
+        for power in range(self.order):
+            moment = sum(b * self.nodes[self.stage_nodes[i]] ** power for i, b in self.final.items())
+            if abs(moment - 1 / type(moment)(power + 1)) > tolerance:
+                raise ValueError(f"{self.name}: quadrature condition {power + 1} fails")
+
+    def step(self, rates: Rates, y: Sequence[Any], h: Any) -> list[Any]:
+        """Advance the state `y` by one step of length `h`."""
+        slopes: list[list[Any]] = []
+        for node, row in zip(self.stage_nodes, self.weights, strict=True):
+            slopes.append(rates(node, _moved(y, h, row, slopes)))
+        return _moved(y, h, self.final, slopes)
+
+
+def _moved(
+    y: Sequence[Any], h: Any, weights: Mapping[int, Any], slopes: list[list[Any]]
+) -> list[Any]:
+    if not weights:
+        return list(y)
+    return [y_i + h * _combination(weights, slopes, i) for i, y_i in enumerate(y)]
+
+
+def _combination(weights: Mapping[int, Any], slopes: list[list[Any]], i: int) -> Any:
+    terms = iter(weights.items())
+    j, weight = next(terms)
+    total = slopes[j][i] * weight
+    for j, weight in terms:
+        total = total + slopes[j][i] * weight
+    return total
+
+
+def cooper_verner_8(sqrt: Callable[[Any], Any], number: Callable[[int], Any]) -> RungeKutta:
+    """Eleven stages, order 8, closed form in the square root of 21.
+
+    Parameters
+    ----------
+    sqrt, number
+        Square root and constructor of the numbers wanted (``math.sqrt`` and
+        ``float``, or ``mpmath.sqrt`` and ``mpmath.mpf``).
+
+    References
+    ----------
+    G. J. Cooper and J. H. Verner, SIAM J. Numer. Anal. 9 (1972) 389-405.
+    """
+    s, n = sqrt(number(21)), number
+    return RungeKutta(
+        name="cooper-verner-8",
+        order=8,
+        nodes=(n(0), (7 - s) / 14, n(1) / 2, (7 + s) / 14, n(1)),
+        stage_nodes=(0, 2, 2, 3, 3, 2, 1, 1, 2, 3, 4),
+        weights=(
+            {},
+            {0: n(1) / 2},
+            {0: n(1) / 4, 1: n(1) / 4},
+            {0: n(1) / 7, 1: (-7 - 3 * s) / 98, 2: (21 + 5 * s) / 49},
+            {0: (11 + s) / 84, 2: (18 + 4 * s) / 63, 3: (21 - s) / 252},
+            {0: (5 + s) / 48, 2: (9 + s) / 36, 3: (14 * s - 231) / 360, 4: (63 - 7 * s) / 80},
+            {
+                0: (10 - s) / 42,
+                2: (92 * s - 432) / 315,
+                3: (633 - 145 * s) / 90,
+                4: (115 * s - 504) / 70,
+                5: (63 - 13 * s) / 35,
+            },
+            {0: n(1) / 14, 4: (14 - 3 * s) / 126, 5: (13 - 3 * s) / 63, 6: n(1) / 9},
+            {
+                0: n(1) / 32,
+                4: (91 - 21 * s) / 576,
+                5: n(11) / 72,
+                6: -(385 + 75 * s) / 1152,
+                7: (63 + 13 * s) / 128,
+            },
+            {
+                0: n(1) / 14,
+                4: n(1) / 9,
+                5: -(733 + 147 * s) / 2205,
+                6: (515 + 111 * s) / 504,
+                7: -(51 + 11 * s) / 56,
+                8: (132 + 28 * s) / 245,
+            },
+            {
+                4: (7 * s - 42) / 18,
+                5: (28 * s - 18) / 45,
+                6: -(273 + 53 * s) / 72,
+                7: (301 + 53 * s) / 72,
+                8: (28 - 28 * s) / 45,
+                9: (49 - 7 * s) / 18,
+            },
+        ),
+        final={0: n(1) / 20, 7: n(49) / 180, 8: n(16) / 45, 9: n(49) / 180, 10: n(1) / 20},
+    )
+
+
+@cache
+def default_method() -> RungeKutta:
+    """The method of every verb, in double precision."""
+    import math
+
+    method = cooper_verner_8(math.sqrt, float)
+    frozen = tuple(MappingProxyType(dict(row)) for row in method.weights)
+    return RungeKutta(
+        method.name,
+        method.order,
+        method.nodes,
+        method.stage_nodes,
+        frozen,
+        MappingProxyType(dict(method.final)),
+    )

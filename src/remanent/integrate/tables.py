@@ -1,0 +1,41 @@
+"""The load at every node of a cycle, the same for all trajectories."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from remanent._typing import FloatArray
+from remanent.integrate.methods import RungeKutta
+
+
+def waveform_tables(
+    waveform: Callable[[FloatArray], FloatArray], method: RungeKutta, doubles: int
+) -> tuple[FloatArray, FloatArray]:
+    """Phase and waveforms at the nodes of the fine and of the coarse steps.
+
+    Parameters
+    ----------
+    waveform
+        ``waveform(phase)`` gives ``(waveform, *phase.shape)``.
+    method
+        Whose nodes are meant.
+    doubles
+        Double steps in a cycle.
+
+    Returns
+    -------
+    fine, coarse : array (step, node, 1 + waveform)
+        The phase in [0, 1], then the waveforms.
+    """
+    fine, coarse = (_table(waveform, method, n) for n in (2 * doubles, doubles))
+    return fine, coarse
+
+
+def _table(
+    waveform: Callable[[FloatArray], FloatArray], method: RungeKutta, steps: int
+) -> FloatArray:
+    phase = (np.arange(steps)[:, None] + np.array(method.nodes)) / steps
+    values = np.asarray(waveform(phase), dtype=float).reshape(-1, *phase.shape)
+    return np.ascontiguousarray(np.concatenate([phase[None], values]).transpose(1, 2, 0))

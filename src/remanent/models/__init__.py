@@ -1,0 +1,1 @@
+"""Physics: actuators, materials, drives and the equations of motion they lead to."""

@@ -1,0 +1,290 @@
+"""The actuator a user builds: dimensionless numbers and the parts of its model."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, fields
+from dataclasses import replace as replace_fields
+from importlib import import_module
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, ClassVar, Final, Self
+
+import numpy as np
+
+from remanent import _checks, _units
+from remanent._checks import Rule
+from remanent._errors import InputError, InputWarning
+from remanent._typing import ArrayLike, BoolArray, FloatArray
+from remanent._units import Quantity
+from remanent.models.magnetics import Magnet
+from remanent.models.materials import Material, NeoHookean
+from remanent.models.parts import Part, Structure
+from remanent.models.scaling import Scales
+from remanent.models.viscous import Dissipation
+
+if TYPE_CHECKING:
+    from remanent.models.equations import Equations
+
+#: Below this temperature, in kelvin, a value is probably meant in degrees Celsius.
+COLD: Final = 100.0
+
+#: Fields that are parts of the model.
+PARTS: Final = ("material", "dissipation", "heat", "magnet")
+
+_RUBBER: Final = "Soft elastomers have about 100 kPa."
+_LIGHT: Final = "Filled elastomers have about 2000 kg/m^3."
+_SIZE: Final = "The block is 2 L x 2 L x 2 H; pass half its edges."
+_REMANENCE: Final = "Its sign is the sign of the load; pass its amount, about 100 mT."
+
+_TEMPERATURE: Final = _checks.positive(
+    "It is an absolute temperature in kelvin.", "For t degrees Celsius pass t + 273.15."
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Actuator:
+    """A block of hard-magnetic elastomer under equal in-plane dead loads.
+
+    Parameters
+    ----------
+    c
+        Slenderness H^2/L^2, thickness over edge, squared.
+    temperature, reference_temperature
+        T, and T0 at which the shear modulus mu and the remanence are given; kelvin.
+    prestress
+        Nominal stress of the dead loads over mu, S = P/(4 L H mu).
+    material
+        Strain energy.
+    dissipation
+        Dissipative elements in parallel; one element may stand by itself.
+    heat
+        Heat balance; None holds the temperature constant.
+    magnet
+        Magnetisation law and B_r(T).
+
+    Examples
+    --------
+    >>> Actuator(temperature=350).replace(prestress=1).parameters()["prestress"]
+    1.0
+    """
+
+    c: float = 1.0
+    temperature: float = 293.0
+    reference_temperature: float = 293.0
+    prestress: float = 0.0
+    material: Material = field(default_factory=NeoHookean)
+    dissipation: tuple[Dissipation, ...] = ()
+    heat: None = None
+    magnet: Magnet = field(default_factory=Magnet)
+    #: The physical sizes behind an actuator made by :meth:`from_si`.
+    scales: Scales | None = field(default=None, compare=False, repr=False)
+
+    #: The rule of each of the actuator's own numeric fields.
+    rules: ClassVar[Mapping[str, Rule]] = MappingProxyType(
+        {
+            "c": _checks.positive(
+                "It is the square of a ratio of lengths, H^2/L^2.",
+                "Pass 1 for a cube, less for a film.",
+            ),
+            "temperature": _TEMPERATURE,
+            "reference_temperature": _TEMPERATURE,
+            "prestress": _checks.finite("It is a nominal stress over the shear modulus."),
+        }
+    )
+
+    def __post_init__(self) -> None:
+        if isinstance(self.prestress, Sequence):
+            raise InputError(
+                "prestress",
+                "be one number",
+                self.prestress,
+                "Unequal dead loads, motion with two coordinates, are not available yet.",
+                "Pass the equal dead load of both directions.",
+            )
+        for name, rule in self.rules.items():
+            number = _checks.require_real(name, getattr(self, name), rule)
+            object.__setattr__(self, name, number)
+        object.__setattr__(self, "dissipation", _elements(self.dissipation))
+        _checks.require_instance("material", self.material, Material, "NeoHookean()")
+        _checks.require_instance("magnet", self.magnet, Magnet, "Magnet()")
+        if self.heat is not None:
+            raise InputError(
+                "heat",
+                "be None",
+                repr(self.heat),
+                "Temperature is held constant; heat balances are not available yet.",
+                "Leave it out.",
+            )
+        self.warn_if_implausible(self.parameters(), stacklevel=4)
+
+    def parts(self) -> dict[str, Part]:
+        """Every part of the model by its dotted name."""
+        elements = {f"dissipation.{i}": part for i, part in enumerate(self.dissipation)}
+        return {"material": self.material, **elements, "magnet": self.magnet}
+
+    def parameters(self) -> dict[str, float]:
+        """Value of every numeric field under its dotted name."""
+        own = {name: float(getattr(self, name)) for name in self.rules}
+        nested = {
+            f"{prefix}.{name}": value
+            for prefix, part in self.parts().items()
+            for name, value in part.parameters().items()
+        }
+        return own | nested
+
+    def structure(self) -> Structure:
+        """What identifies the equations of motion: classes and choices, no numbers."""
+        return tuple((name, part.structure()) for name, part in self.parts().items())
+
+    def parameter_rules(self) -> dict[str, Rule]:
+        """Rule of every numeric field under its dotted name."""
+        nested = {
+            f"{prefix}.{name}": rule
+            for prefix, part in self.parts().items()
+            for name, rule in part.rules.items()
+        }
+        return {**self.rules, **nested}
+
+    def invalid(self, values: Mapping[str, ArrayLike]) -> BoolArray:
+        """Where a batch of values of numeric fields breaks a rule.
+
+        Parameters
+        ----------
+        values
+            Arrays by dotted name that broadcast against each other; other names are
+            ignored.
+        """
+        return _checks.broken(self.parameter_rules(), values)
+
+    def warn_if_implausible(self, values: Mapping[str, ArrayLike], *, stacklevel: int = 2) -> None:
+        """Warn of allowed values, single or in a batch, that look like a mistake."""
+        for name in ("temperature", "reference_temperature"):
+            if np.any(np.asarray(values.get(name, COLD)) < COLD):
+                warnings.warn(
+                    f"`{name}` is below {COLD:g} K somewhere. Temperatures are in kelvin; "
+                    "for t degrees Celsius pass t + 273.15.",
+                    InputWarning,
+                    stacklevel=stacklevel,
+                )
+
+    def replace(self, **changes: Any) -> Self:
+        """A copy with some fields changed; unknown fields raise `InputError`."""
+        _checks.require_known(changes, [f.name for f in fields(self)], "Actuator")
+        return replace_fields(self, **changes)
+
+    def with_parameter(self, name: str, value: float) -> Self:
+        """A copy with one numeric field, given by its dotted name, changed."""
+        _checks.require_known([name], self.parameters(), "the actuator and its parts")
+        prefix, _, last = name.rpartition(".")
+        if not prefix:
+            return self.replace(**{name: value})
+        part = self.parts()[prefix].replace(**{last: value})
+        owner, _, index = prefix.partition(".")
+        if not index:
+            return self.replace(**{owner: part})
+        elements = list(self.dissipation)
+        elements[int(index)] = part  # type: ignore[call-overload]
+        return self.replace(dissipation=tuple(elements))
+
+    def equations(self) -> Equations:
+        """The equations of motion, to read; a notebook shows them typeset."""
+        equations: Equations = import_module("remanent.models.equations").equations(self)
+        return equations
+
+    @classmethod
+    def from_si(
+        cls,
+        *,
+        shear_modulus: Quantity,
+        density: Quantity,
+        half_length: Quantity,
+        half_thickness: Quantity,
+        force: Quantity = "0 N",
+        remanence: Quantity | None = None,
+        temperature: Quantity = "293 K",
+        reference_temperature: Quantity = "293 K",
+        **parts: Any,
+    ) -> Self:
+        """An actuator from quantities with units, ``"100 kPa"`` or pint's.
+
+        Parameters
+        ----------
+        shear_modulus, remanence
+            mu and B_r at the reference temperature.
+        density, half_length, half_thickness
+            rho, L and H of the undeformed block 2 L x 2 L x 2 H.
+        force
+            P on each edge; the nominal stress is P/(4 L H).
+        temperature, reference_temperature
+            T and T0.
+        **parts
+            `material`, `dissipation`, `heat`, `magnet`.
+
+        Examples
+        --------
+        >>> film = Actuator.from_si(
+        ...     shear_modulus="100 kPa",
+        ...     density="2000 kg/m^3",
+        ...     half_length="5 mm",
+        ...     half_thickness="0.5 mm",
+        ...     remanence="143 mT",
+        ... )
+        >>> round(film.c, 12), round(film.load("140 mT"), 4)
+        (0.01, 0.1593)
+        """
+        _checks.require_known(parts, PARTS, "Actuator.from_si")
+        scales = Scales(
+            shear_modulus=_units.positive("shear_modulus", shear_modulus, "Pa", _RUBBER),
+            density=_units.positive("density", density, "kg/m^3", _LIGHT),
+            half_length=_units.positive("half_length", half_length, "m", _SIZE),
+            remanence=None
+            if remanence is None
+            else _units.positive("remanence", remanence, "T", _REMANENCE),
+        )
+        thickness = _units.positive("half_thickness", half_thickness, "m", _SIZE)
+        area = 4.0 * scales.half_length * thickness
+        return cls(
+            c=(thickness / scales.half_length) ** 2,
+            temperature=_units.single("temperature", temperature, "K"),
+            reference_temperature=_units.single(
+                "reference_temperature", reference_temperature, "K"
+            ),
+            prestress=_units.single("force", force, "N") / area / scales.shear_modulus,
+            scales=scales,
+            **parts,
+        )
+
+    def load(self, flux_density: Quantity) -> float | FloatArray:
+        """Magnetic load m = B_r B/(mu mu0) of a flux density, ``"140 mT"``."""
+        scales = self._known_scales()
+        return _units.magnitude("flux_density", flux_density, "T") / scales.flux_density
+
+    def frequency(self, frequency: Quantity) -> float | FloatArray:
+        """Dimensionless omega of a frequency, ``"50 Hz"`` or ``"314 rad/s"``."""
+        return _units.angular_frequency("frequency", frequency) * self._known_scales().time
+
+    def time(self, time: Quantity) -> float | FloatArray:
+        """Dimensionless tau of a time, ``"1 s"``."""
+        return _units.magnitude("time", time, "s") / self._known_scales().time
+
+    def _known_scales(self) -> Scales:
+        if self.scales is None:
+            raise InputError(
+                "actuator",
+                "be made by Actuator.from_si to convert units",
+                "a dimensionless actuator",
+                "Dimensionless numbers alone do not fix a length or a stress.",
+                "Build it with Actuator.from_si.",
+            )
+        return self.scales
+
+
+def _elements(dissipation: object) -> tuple[Dissipation, ...]:
+    """One element or several, as a tuple."""
+    if isinstance(dissipation, Dissipation):
+        return (dissipation,)
+    items = tuple(dissipation) if isinstance(dissipation, Sequence) else (dissipation,)
+    for i, item in enumerate(items):
+        _checks.require_instance(f"dissipation.{i}", item, Dissipation, "Rayleigh(0.1)")
+    return items

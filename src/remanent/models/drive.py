@@ -1,0 +1,81 @@
+"""What every drive is: a magnetic load m(tau) and how it runs in time."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from remanent._timeline import Timeline
+from remanent._typing import ArrayLike, FloatArray
+from remanent.models.parts import Part
+
+
+@dataclass(frozen=True)
+class Drive(Part, ABC):
+    """A magnetic load m(tau) = B_r B(tau)/(mu mu0), tau >= 0.
+
+    The load is written twice: as a plain function of time, :meth:`__call__`, and as
+    the law that enters the equations of motion, :meth:`load`, in terms of numeric
+    fields, of waveforms all trajectories share, and of the phase in the current piece
+    of the :meth:`timeline`.  A contract test holds the two together.
+    """
+
+    #: Names of the waveforms that :meth:`load` uses.
+    waveforms: ClassVar[tuple[str, ...]] = ()
+    #: Names of further parameters whose values come with each piece of the timeline.
+    piece_parameters: ClassVar[tuple[str, ...]] = ()
+
+    @abstractmethod
+    def __call__(self, tau: ArrayLike) -> FloatArray:
+        """The load at times `tau`, an array of the same shape."""
+
+    @abstractmethod
+    def load(self, p: Mapping[str, Any], u: Mapping[str, Any], phase: Any, fn: Any) -> Any:
+        """The load in the equations of motion.
+
+        Parameters
+        ----------
+        p
+            Values of the numeric fields and of the piece parameters, by name.
+        u
+            Values of the waveforms, by name.
+        phase
+            Phase of the drive, or fraction of the current piece, in [0, 1).
+        fn
+            Where ``sin`` and other functions are found: the module sympy or numpy.
+        """
+
+    @abstractmethod
+    def timeline(self, values: Mapping[str, FloatArray], duration: FloatArray) -> Timeline:
+        """How the load runs in time, for a batch of trajectories.
+
+        Parameters
+        ----------
+        values : mapping of name to array (trajectory,)
+            Values of numeric fields; those not named have the drive's own value.
+        duration : array (trajectory,)
+            How long each trajectory lasts.  A periodic load does not depend on it.
+        """
+
+    def periods(self, values: Mapping[str, FloatArray]) -> FloatArray | None:
+        """Smallest period of the load for each of a batch of `values`, or None."""
+        return None
+
+    @property
+    def period(self) -> float | None:
+        """Smallest period of m(tau), or None where m has no (smallest) period."""
+        periods = self.periods({})
+        return None if periods is None else float(periods)
+
+    def value(self, values: Mapping[str, FloatArray], name: str) -> FloatArray:
+        """The field `name` of a batch: from `values`, else the drive's own."""
+        return np.asarray(values.get(name, getattr(self, name)), dtype=np.float64)
+
+
+def no_waveform(phase: FloatArray) -> FloatArray:
+    """The waveforms of a load that has none, an array (0, *phase.shape)."""
+    return np.empty((0, *np.shape(phase)))

@@ -1,0 +1,105 @@
+"""Forced response: amplitude against frequency."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+
+from remanent.plots import ensemble, footer, style
+
+__all__ = ["mark_handles", "response"]
+
+
+def response(
+    dataset: xr.Dataset,
+    variable: str = "amplitude",
+    *,
+    ax: Axes | None = None,
+    legend: bool = True,
+    resonances: bool = True,
+    **line: Any,
+) -> list[Line2D]:
+    """Draw a frequency response, with its resonances and their brackets.
+
+    Parameters
+    ----------
+    dataset
+        A result of ``frequency_response``: `variable` over ``omega`` and at most two
+        more dimensions.  ``resonance``, where present, is marked on the curve at
+        ``resonance_amplitude`` (at the largest drawn value without it), with
+        ``resonance_error`` as a horizontal bar and its value in the legend;
+        ``published``, where present, is marked on the upper edge.
+    variable
+        What to draw: ``amplitude``, ``maximum`` or ``minimum``.
+    ax
+        Axes to draw in; a new figure, with its footer, if None.
+    legend
+        Whether to name the lines above the axes.
+    resonances
+        Whether to mark resonances.
+    **line
+        Passed to matplotlib's ``plot``.
+
+    Returns
+    -------
+    list of matplotlib.lines.Line2D
+        The curves, one per member, in order of temperature.
+    """
+    extra = [name for name in _MARKED if resonances and name in dataset]
+    with style.context():
+        axes = style.owned_axes(ax)
+        found = ensemble.members(dataset, (variable, "omega", *extra), ("omega",))
+        artists = [_curve(axes, one, variable, line) for one in found]
+        for one in found:
+            _mark(axes, one, variable)
+        axes.set(xlabel=style.label(dataset["omega"]), ylabel=style.label(dataset[variable]))
+        axes.margins(x=0.0)
+        if variable == "amplitude":
+            axes.set_ylim(bottom=0.0)
+        if legend:
+            style.legend_above(axes, [*ensemble.handles(found), *mark_handles(dataset)], ncols=3)
+        if ax is None:
+            footer.add(axes.get_figure(root=True), dataset)  # type: ignore[arg-type]
+    return artists
+
+
+_MARKED = ("resonance", "resonance_error", "resonance_amplitude", "published")
+
+
+def mark_handles(dataset: xr.Dataset) -> list[Line2D]:
+    """Legend entries of the marks that :func:`response` draws."""
+    looks: dict[str, Any] = {"color": style.INK, "mfc": "white", "linestyle": "", "ms": 4}
+    named = (("resonance", "o"), ("published", "v"))
+    return [
+        Line2D([], [], marker=marker, label=name, **looks)
+        for name, marker in named
+        if name in dataset
+    ]
+
+
+def _curve(axes: Axes, one: ensemble.Member, variable: str, line: dict[str, Any]) -> Line2D:
+    looks = {"color": one.colour, "linestyle": one.dashes, "label": one.label, **line}
+    (artist,) = axes.plot(one.data["omega"].values, one.data[variable].values, **looks)
+    return artist
+
+
+def _mark(axes: Axes, one: ensemble.Member, variable: str) -> None:
+    data = one.data
+    if "published" in data:
+        axes.plot(
+            float(data["published"]), 1.0, marker="v", ms=5, mfc="white", mec=one.colour, mew=0.9,
+            transform=axes.get_xaxis_transform(), clip_on=False, zorder=6, linestyle="",
+        )  # fmt: skip
+    if "resonance" not in data or not np.isfinite(data["resonance"]):
+        return
+    top = data["resonance_amplitude"] if "resonance_amplitude" in data else data[variable].max()
+    where, height = float(data["resonance"]), float(top)
+    bracket = float(data["resonance_error"]) if "resonance_error" in data else 0.0
+    axes.errorbar(
+        where, height, xerr=bracket or None, fmt="o", ms=3.6, color=one.colour,
+        mfc="white", mew=1.0, elinewidth=0.8, capsize=1.5, zorder=5,
+    )  # fmt: skip

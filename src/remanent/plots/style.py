@@ -1,0 +1,276 @@
+"""The house style: colours, sizes, fonts, axis labels, saving.  Nothing global is changed.
+
+Temperature is drawn on one sequential map everywhere: *plasma* from its dark end to
+four fifths.  It is perceptually uniform and its lightness only rises, so the order
+survives a grey print and every common colour vision; it runs from blue to orange, so
+cold looks cold and hot looks hot; and the cut keeps its lightest tone readable on white.
+The scale is the same in every figure (240 K to 410 K, wider where the data need it),
+so that a colour means a temperature and not a place in a legend.
+
+Everything else that is a choice among few takes the colours of Okabe and Ito (2008).
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Mapping, Sequence
+from contextlib import AbstractContextManager
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+import xarray as xr
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+
+__all__ = [
+    "DOUBLE",
+    "OKABE_ITO",
+    "SINGLE",
+    "context",
+    "label",
+    "owned_axes",
+    "save",
+    "temperature_colours",
+    "title",
+]
+
+#: Widths of a paper's single and double column, in inches (89 mm and 183 mm).
+SINGLE, DOUBLE = 3.5, 7.2
+
+#: Okabe and Ito's colours, without yellow (too light for lines on white).
+OKABE_ITO: Mapping[str, str] = MappingProxyType(
+    {
+        "blue": "#0072B2",
+        "vermillion": "#D55E00",
+        "green": "#009E73",
+        "purple": "#CC79A7",
+        "orange": "#E69F00",
+        "sky": "#56B4E9",
+        "black": "#000000",
+    }
+)
+
+#: Line styles for a second dimension of an ensemble; solid first.
+DASHES = ("-", (0, (4, 1.6)), (0, (1, 1.2)), (0, (5, 1.4, 1, 1.4)))
+#: Markers for the same.
+MARKERS = ("o", "D", "s", "^")
+INK, FAINT = "#1a1a1a", "#767676"
+
+_TEMPERATURE_MAP, _CUT = "plasma", (0.03, 0.80)
+_TEMPERATURE_RANGE, _CLOSE = (240.0, 410.0), 40.0
+
+_RC: Mapping[str, Any] = MappingProxyType(
+    {
+        "font.family": "STIXGeneral",
+        "mathtext.fontset": "stix",
+        "font.size": 8.5,
+        "axes.labelsize": 8.5,
+        "axes.titlesize": 8.5,
+        "xtick.labelsize": 7.5,
+        "ytick.labelsize": 7.5,
+        "legend.fontsize": 8.0,
+        "legend.frameon": False,
+        "legend.handlelength": 1.7,
+        "legend.columnspacing": 1.4,
+        "axes.linewidth": 0.6,
+        "axes.edgecolor": INK,
+        "axes.labelcolor": INK,
+        "axes.titlelocation": "left",
+        "axes.titlepad": 4.0,
+        "axes.unicode_minus": True,
+        "axes.formatter.useoffset": False,
+        "text.color": INK,
+        "xtick.color": INK,
+        "ytick.color": INK,
+        "xtick.direction": "in",
+        "ytick.direction": "in",
+        "xtick.top": True,
+        "ytick.right": True,
+        "xtick.major.width": 0.6,
+        "ytick.major.width": 0.6,
+        "xtick.major.size": 3.0,
+        "ytick.major.size": 3.0,
+        "lines.linewidth": 1.0,
+        "lines.solid_capstyle": "round",
+        "lines.solid_joinstyle": "round",
+        "figure.dpi": 150,
+        "savefig.dpi": 300,
+        "savefig.bbox": None,
+        "figure.facecolor": "white",
+        "axes.facecolor": "white",
+        "svg.fonttype": "path",
+        "svg.hashsalt": "remanent",
+        "pdf.fonttype": 42,
+    }
+)
+
+
+def context() -> AbstractContextManager[None]:
+    """Apply the house style inside a ``with`` block, and nowhere else.
+
+    Examples
+    --------
+    >>> import matplotlib as mpl
+    >>> before = mpl.rcParams["xtick.direction"]
+    >>> with context():
+    ...     inside = mpl.rcParams["xtick.direction"]
+    >>> inside, mpl.rcParams["xtick.direction"] == before
+    ('in', True)
+    """
+    return mpl.rc_context(dict(_RC))
+
+
+def owned_axes(ax: Axes | None, *, width: float = SINGLE, height: float = 2.6) -> Axes:
+    """Return `ax`, or the axes of a new figure where it is None.
+
+    Parameters
+    ----------
+    ax
+        Axes to draw in; None makes a figure known to pyplot, so that a notebook shows it.
+    width, height
+        Size of a new figure in inches.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
+    if ax is not None:
+        return ax
+    from matplotlib import pyplot as plt
+
+    return plt.figure(figsize=(width, height), layout="constrained").add_subplot()
+
+
+def label(array: xr.DataArray | xr.Variable, *, words: bool = True) -> str:
+    """Return the text of an axis: meaning, symbol and, where it has one, unit.
+
+    Parameters
+    ----------
+    array
+        A variable with the attributes of the schema.
+    words
+        Whether the meaning is spelt out before the symbol.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> attrs = {"units": "ms", "long_name": "time", "symbol": "t"}
+    >>> label(xr.Variable((), 0.0, attrs))
+    'time, $t$ (ms)'
+    """
+    symbol = f"${array.attrs['symbol']}$"
+    text = f"{array.attrs['long_name']}, {symbol}" if words else symbol
+    units = _units(array)
+    return f"{text} ({units})" if units else text
+
+
+def title(array: xr.DataArray | xr.Variable, value: object) -> str:
+    """Return ``symbol = value unit``, for legends and panels.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> title(xr.Variable((), 0.0, {"units": "K", "symbol": "T", "long_name": ""}), 250.0)
+    '$T = 250$ K'
+    """
+    if isinstance(value, str):
+        return value
+    units = _units(array)
+    text = f"${array.attrs.get('symbol', '')} = {number(value)}$"
+    return f"{text} {units}" if units else text
+
+
+def number(value: object) -> str:
+    """Format a number for mathtext, in at most six digits and without ``e``."""
+    text = f"{float(value):.6g}"  # type: ignore[arg-type]
+    mantissa, _, exponent = text.partition("e")
+    if not exponent:
+        return mantissa
+    power = f"10^{{{int(exponent)}}}"
+    return power if mantissa == "1" else rf"{mantissa}\times {power}"
+
+
+def temperature_colours(temperatures: Sequence[float]) -> list[tuple[float, ...]]:
+    """Colour each temperature on the one map.
+
+    Parameters
+    ----------
+    temperatures
+        In kelvin, in any order.
+
+    Returns
+    -------
+    list of RGBA
+        Lightness rises with temperature.
+    """
+    scale, (low, high) = _temperature_scale(temperatures), _CUT
+    colours = mpl.colormaps[_TEMPERATURE_MAP]
+    return [tuple(colours(low + (high - low) * float(scale(t)))) for t in temperatures]
+
+
+def save(figure: Figure, path: str | os.PathLike[str]) -> Path:
+    """Write a figure, the same bytes for the same figure.
+
+    Parameters
+    ----------
+    figure
+        A finished figure.
+    path
+        File whose suffix says the format: ``.svg``, ``.png`` or ``.pdf``.
+
+    Returns
+    -------
+    pathlib.Path
+    """
+    path = Path(path)
+    undated = {".svg": {"Date": None}, ".pdf": {"CreationDate": None, "ModDate": None}}
+    with context():
+        figure.savefig(path, metadata=undated.get(path.suffix))
+    return path
+
+
+def panel_title(ax: Axes, letter: str, text: str) -> None:
+    """Write ``(a)  text`` above the upper left corner of a panel."""
+    ax.set_title(f"({letter})  {text}" if letter else text, loc="left")
+
+
+def legend_above(owner: Axes | Figure, entries: Sequence[Artist], *, ncols: int = 5) -> None:
+    """Put a legend above the axes or the figure, where it cannot hide data."""
+    if len(entries) < 2:
+        return
+    columns = min(len(entries), ncols)
+    if isinstance(owner, Axes):
+        owner.legend(
+            handles=list(entries), ncols=columns, loc="lower left", bbox_to_anchor=(0.0, 1.0),
+            borderaxespad=0.2,
+        )  # fmt: skip
+    else:
+        owner.legend(handles=list(entries), ncols=columns, loc="outside upper center")
+
+
+def _units(array: xr.DataArray | xr.Variable) -> str:
+    """Units in mathtext; nothing where dimensionless (angles are)."""
+    units = str(array.attrs.get("units", "1"))
+    if units in {"1", "rad"}:
+        return ""
+    return re.sub(r"(?<=[A-Za-z])(-?\d+)", r"$^{\1}$", units)
+
+
+def _temperature_scale(temperatures: Sequence[float]) -> Normalize:
+    low, high = float(np.min(temperatures)), float(np.max(temperatures))
+    inside = _TEMPERATURE_RANGE[0] <= low and high <= _TEMPERATURE_RANGE[1]
+    if inside and (high == low or high - low >= _CLOSE):
+        return Normalize(*_TEMPERATURE_RANGE)
+    if inside:
+        return Normalize(low, high)
+    return Normalize(min(low, _TEMPERATURE_RANGE[0]), max(high, _TEMPERATURE_RANGE[1]))

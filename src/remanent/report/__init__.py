@@ -1,0 +1,1 @@
+"""The paper's reproduction and the audit of its claims."""

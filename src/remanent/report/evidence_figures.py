@@ -1,0 +1,160 @@
+"""Figures that the paper does not have and its claims need; nothing is computed here."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import product
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
+from matplotlib.gridspec import GridSpec
+
+from remanent import plots
+from remanent.plots import energy, ensemble, footer, style
+from remanent.report.figures import only_outer_labels, panels
+
+__all__ = ["landscapes", "tolerance_story", "valley"]
+
+#: Misfits whose contour lines are drawn: the paper's rounding, and what the audit reaches.
+_CONTOURS = (0.01, 0.025, 0.1)
+
+
+def landscapes(dataset: xr.Dataset) -> Figure:
+    """Draw the potentials that explain the amplitudes of figures 2 and 3.
+
+    Parameters
+    ----------
+    dataset
+        As :func:`remanent.plots.landscape` takes it: ``potential`` (prestress,
+        temperature, thickness_stretch); ``equilibrium_stretch``,
+        ``equilibrium_potential``, ``stability`` (prestress, temperature, equilibrium);
+        ``level``, ``turning_lower``, ``turning_upper`` (prestress, temperature).
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        One panel per prestress.
+    """
+    values = dataset["prestress"].values
+    with style.context():
+        figure, grid = panels(1, len(values), (style.DOUBLE, 3.2))
+        for k, (value, axes) in enumerate(zip(values, grid.flat, strict=True)):
+            plots.landscape(dataset.sel(prestress=value), ax=axes, legend=False)
+            style.panel_title(axes, "abcdef"[k], style.title(dataset["prestress"], value))
+        only_outer_labels(grid, x=False, y=True)
+        first = ensemble.members(dataset.isel(prestress=0), ("temperature",), ())
+        style.legend_above(figure, [*ensemble.handles(first), *energy.mark_handles(dataset)])
+        footer.add(figure, dataset)
+    return figure
+
+
+def tolerance_story(sections: xr.Dataset, drift: xr.Dataset) -> Figure:
+    """Draw Poincaré sections converged and at the paper's tolerance, side by side.
+
+    Parameters
+    ----------
+    sections
+        ``thickness_stretch`` and ``thickness_stretch_rate`` (solver, prestress,
+        temperature, period), with two solvers named by the string coordinate
+        ``solver``, the converged one first, and the coordinate ``omega`` (prestress).
+    drift
+        ``energy_drift``, the energy minus its first value under constant load
+        (solver, prestress, temperature, time), with the same solvers.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        One row per temperature; for each prestress a pair of panels on one scale; below,
+        the size of the energy drift.
+    """
+    temperatures, prestresses = sections["temperature"].values, sections["prestress"].values
+    rows, columns = len(temperatures), 2 * len(prestresses)
+    with style.context():
+        figure = Figure(figsize=(style.DOUBLE, 1.5 * rows + 2.4), layout="constrained")
+        grid = GridSpec(rows + 1, columns, figure, height_ratios=[1.0] * rows + [1.05])
+        for row, column in product(range(rows), range(len(prestresses))):
+            _pair(figure, grid, sections.isel(temperature=row, prestress=column), row, column)
+        below = [figure.add_subplot(grid[rows, 2 * k : 2 * k + 2]) for k in range(columns // 2)]
+        _drifts(below, drift)
+        found = ensemble.members(drift.isel(prestress=0), ("temperature", "solver"), ())
+        style.legend_above(figure, ensemble.handles(found))
+        footer.add(figure, sections)
+    return figure
+
+
+def valley(dataset: xr.Dataset) -> Figure:
+    """Draw how well each unstated choice brings back the six published resonances.
+
+    Parameters
+    ----------
+    dataset
+        ``misfit`` (law, window, reference_temperature, b), the largest difference from
+        the published frequencies; ``law`` holds strings (mathtext is set as such).
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        One row per law, one column per window, all on one logarithmic scale, with
+        contour lines; the reference setting (T_0 = 293 K, b = 0.4) is a cross.
+    """
+    laws, windows = dataset["law"].values, dataset["window"].values
+    finite = dataset["misfit"].values[np.isfinite(dataset["misfit"].values)]
+    scale = LogNorm(float(max(finite.min(), 1e-4)), float(finite.max()))
+    with style.context():
+        size = (style.DOUBLE, 1.9 * len(laws) + 0.9)
+        figure, grid = panels(len(laws), len(windows), size, sharex=True, sharey=True)
+        for (i, law), (j, window) in product(enumerate(laws), enumerate(windows)):
+            drawn = _misfit(grid[i, j], dataset.isel(law=i, window=j), scale)
+            title = f"{law},  {style.title(dataset['window'], window)}"
+            style.panel_title(grid[i, j], "", title)
+        only_outer_labels(grid, x=True, y=True)
+        bar = figure.colorbar(drawn, ax=grid, label=style.label(dataset["misfit"]), aspect=40)
+        bar.outline.set_linewidth(0.5)  # type: ignore[operator]
+        footer.add(figure, dataset)
+    return figure
+
+
+def _pair(figure: Figure, grid: GridSpec, dataset: xr.Dataset, row: int, column: int) -> None:
+    """Draw one section by both solvers, on the same scale."""
+    first = figure.add_subplot(grid[row, 2 * column])
+    second = figure.add_subplot(grid[row, 2 * column + 1], sharex=first, sharey=first)
+    for k, ax in enumerate((first, second)):
+        plots.section(dataset.isel(solver=k), ax=ax)
+        last = row == grid.nrows - 2
+        ax.set(xlabel=style.label(dataset["thickness_stretch"], words=False) if last else "")
+        ax.set(ylabel=style.label(dataset["thickness_stretch_rate"], words=False) if k == 0 else "")
+        ax.tick_params(labelleft=k == 0, labelsize=6.5)
+    if row == 0:
+        known = [dataset[name] for name in ("prestress", "omega") if name in dataset.coords]
+        where = ", ".join(style.title(one, one.item()) for one in known)
+        first.set_title(f"{where}\n{dataset['solver'].values[0]}")
+        second.set_title(f"\n{dataset['solver'].values[1]}")
+
+
+def _drifts(below: Sequence[Axes], drift: xr.Dataset) -> None:
+    """Draw the size of the energy drift on logarithmic axes, one panel per prestress."""
+    sizes = np.abs(drift["energy_drift"]).where(drift["energy_drift"] != 0.0)
+    drawn = drift.assign(energy_drift=sizes.assign_attrs(drift["energy_drift"].attrs))
+    for k, ax in enumerate(below):
+        plots.history(drawn.isel(prestress=k), "energy_drift", ax=ax, legend=False, linewidth=0.7)
+        value = drift["prestress"].values[k]
+        ax.set_title(f"constant load, {style.title(drift['prestress'], value)}")
+        symbol = drift["energy_drift"].attrs["symbol"]
+        ax.set(yscale="log", ylabel=rf"energy drift, $|{symbol}|$" if k == 0 else "")
+
+
+def _misfit(ax: Axes, dataset: xr.Dataset, scale: LogNorm) -> Any:
+    x, y = dataset["reference_temperature"], dataset["b"]
+    z = dataset["misfit"].transpose("b", "reference_temperature").values
+    drawn = ax.pcolormesh(
+        x.values, y.values, z, norm=scale, cmap="cividis_r", shading="nearest", rasterized=True
+    )
+    lines = ax.contour(x.values, y.values, z, levels=_CONTOURS, colors=style.INK, linewidths=0.6)
+    ax.clabel(lines, fmt=lambda level: f"{level:g}", fontsize=6.5, inline_spacing=2)
+    ax.plot(293.0, 0.4, "+", color=style.OKABE_ITO["vermillion"], ms=7, mew=1.4)
+    ax.set(xlabel=f"{style.label(x, words=False)}", ylabel=style.label(y, words=False))
+    return drawn

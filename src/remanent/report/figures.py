@@ -1,0 +1,177 @@
+"""The paper's figures 2 to 6, in its arrangement, from Datasets; nothing is computed here.
+
+Every Dataset is labelled by :mod:`remanent.results.build`, and its attributes make the
+footer.  Panels are lettered as in the paper.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from remanent import plots
+from remanent.plots import ensemble, footer, forced, style
+
+__all__ = ["figure_2", "figure_3", "figure_4", "figure_5_or_6"]
+
+
+def figure_2(dataset: xr.Dataset) -> Figure:
+    """Draw figure 2, the thickness stretch against time under constant load.
+
+    Parameters
+    ----------
+    dataset
+        ``thickness_stretch`` (prestress, temperature, time).
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Panel (a), (b) ... per prestress, one below the other.
+    """
+    return _per_prestress(dataset, plots.history, (style.DOUBLE, 3.9), stacked=True)
+
+
+def figure_3(dataset: xr.Dataset) -> Figure:
+    """Draw figure 3, phase planes under constant load.
+
+    Parameters
+    ----------
+    dataset
+        ``thickness_stretch`` and ``thickness_stretch_rate`` (prestress, temperature,
+        time): the Dataset of figure 2.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Panel (a), (b) ... per prestress, side by side.
+    """
+    return _per_prestress(dataset, plots.phase, (style.DOUBLE, 3.4))
+
+
+def figure_4(dataset: xr.Dataset) -> Figure:
+    """Draw figure 4, frequency responses with their resonances.
+
+    Parameters
+    ----------
+    dataset
+        ``amplitude`` (prestress, temperature, omega); ``resonance``,
+        ``resonance_error`` and, if wanted, ``resonance_amplitude`` and ``published``
+        (prestress, temperature).
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Panel (a), (b) ... per prestress, side by side, on one scale.
+    """
+    marks = forced.mark_handles(dataset)
+    return _per_prestress(dataset, plots.response, (style.DOUBLE, 3.3), marks, sharey=True)
+
+
+def figure_5_or_6(history: xr.Dataset, section: xr.Dataset) -> Figure:
+    """Draw figure 5 or 6, and beside it the section at every drive period.
+
+    The load repeats every pi/omega, the field every 2 pi/omega; the paper does not say
+    at which it strobes.  Its two columns are drawn with every second drive period; a
+    third shows every one, odd periods open.
+
+    Parameters
+    ----------
+    history
+        ``thickness_stretch`` and ``thickness_stretch_rate`` (temperature, time).
+    section
+        The same variables (temperature, period) at every drive period (``every=1``),
+        ``period`` counting drive periods from the start.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        One row per temperature: history (a, c, e), phase plane with section (b, d, f),
+        section at every drive period.
+    """
+    temperatures = np.sort(history["temperature"].values)
+    with style.context():
+        figure, grid = panels(len(temperatures), 3, (style.DOUBLE, 1.85 * len(temperatures) + 0.5),
+                              width_ratios=(1.75, 1, 1))  # fmt: skip
+        for row, (temperature, axes) in enumerate(zip(temperatures, grid, strict=True)):
+            at = {"temperature": temperature}
+            _motion_row(axes, history.sel(at), section.sel(at))
+            name = style.title(history["temperature"], temperature)
+            style.panel_title(axes[0], _letter(2 * row), name)
+            style.panel_title(axes[1], _letter(2 * row + 1), r"strobed every $2\pi/\omega$")
+            style.panel_title(axes[2], "", r"strobed every $\pi/\omega$")
+        only_outer_labels(grid, x=True, y=False)
+        style.legend_above(figure, _period_handles())
+        footer.add(figure, section)
+    return figure
+
+
+def panels(
+    rows: int, columns: int, size: tuple[float, float], **options: Any
+) -> tuple[Figure, np.ndarray[Any, Any]]:
+    """Make a figure of its own, outside pyplot, with a grid of axes (rows, columns)."""
+    figure = Figure(figsize=size, layout="constrained")
+    return figure, figure.subplots(rows, columns, squeeze=False, **options)
+
+
+def only_outer_labels(grid: np.ndarray[Any, Any], *, x: bool, y: bool) -> None:
+    """Keep axis labels in the last row (`x`) and the first column (`y`) only."""
+    for axes in grid[:-1].flat if x else ():
+        axes.set_xlabel("")
+    for axes in grid[:, 1:].flat if y else ():
+        axes.set_ylabel("")
+
+
+def _per_prestress(
+    dataset: xr.Dataset,
+    draw: Callable[..., Any],
+    size: tuple[float, float],
+    marks: Sequence[Line2D] = (),
+    *,
+    stacked: bool = False,
+    sharey: bool = False,
+) -> Figure:
+    """One panel per prestress, a common legend and footer."""
+    values = dataset["prestress"].values
+    shape = (len(values), 1) if stacked else (1, len(values))
+    with style.context():
+        figure, grid = panels(*shape, size, sharex=stacked, sharey=sharey)
+        for k, (value, axes) in enumerate(zip(values, grid.flat, strict=True)):
+            draw(dataset.sel(prestress=value), ax=axes, legend=False)
+            style.panel_title(axes, _letter(k), style.title(dataset["prestress"], value))
+        only_outer_labels(grid, x=stacked, y=not stacked)
+        first = ensemble.members(dataset.isel(prestress=0), ("temperature",), ())
+        style.legend_above(figure, [*ensemble.handles(first), *marks])
+        footer.add(figure, dataset)
+    return figure
+
+
+def _motion_row(axes: Sequence[Axes], history: xr.Dataset, section: xr.Dataset) -> None:
+    """History; phase plane with every second point of the section; section with all."""
+    plots.history(history, ax=axes[0], linewidth=0.8)
+    plots.phase(history, ax=axes[1], start=False, linewidth=0.4, alpha=0.55)
+    second = section["period"].values % 2 == 0
+    for ax in axes[1:]:
+        plots.section(section.isel(period=second), ax=ax, color=style.INK, zorder=4)
+    plots.section(
+        section.isel(period=~second), ax=axes[2], zorder=3,
+        color=style.OKABE_ITO["sky"], marker="D",
+    )  # fmt: skip
+    axes[2].set_ylabel("")
+
+
+def _period_handles() -> list[Line2D]:
+    looks: dict[str, Any] = {"linestyle": "", "ms": 3}
+    return [
+        Line2D([], [], color=style.INK, marker="o", label="even drive periods", **looks),
+        Line2D([], [], color=style.OKABE_ITO["sky"], marker="D", label="odd drive periods", **looks),
+    ]
+
+
+def _letter(k: int) -> str:
+    return "abcdefghijklmnopqrstuvwxyz"[k]

@@ -1,0 +1,1 @@
+"""Labelled results: the first layer that knows xarray."""

@@ -1,0 +1,120 @@
+"""Plain arrays into labelled Datasets."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from remanent._errors import InputError
+from remanent.results.schema import FLAGS, describe, flag_attributes
+
+__all__ = ["Labelled", "dataset", "unflatten"]
+
+#: Dimension names and values, as xarray takes them.
+Labelled = tuple[tuple[str, ...], NDArray[Any]]
+
+
+def dataset(
+    variables: Mapping[str, Labelled],
+    coords: Mapping[str, Labelled],
+    provenance: Mapping[str, Any],
+) -> xr.Dataset:
+    """Label plain arrays.
+
+    Parameters
+    ----------
+    variables
+        Name to (dimensions, values); every name must be in the schema.
+    coords
+        The same for coordinates.
+    provenance
+        Attributes of the whole, see :func:`remanent.results.provenance.attributes`.
+
+    Returns
+    -------
+    xarray.Dataset
+        Every variable and coordinate has ``units``, ``long_name`` and ``symbol``;
+        ``status`` is int8 with ``flag_values`` and ``flag_meanings``.
+
+    Raises
+    ------
+    InputError
+        A name is not in the schema, or lengths along a dimension differ.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> ds = dataset(
+    ...     {"amplitude": (("omega",), np.array([0.1, 0.2]))},
+    ...     {"omega": (("omega",), np.array([1.0, 1.1]))},
+    ...     {},
+    ... )
+    >>> ds["amplitude"].attrs["units"], ds["omega"].attrs["units"]
+    ('1', 'rad')
+    """
+    _require_equal_lengths({**coords, **variables})
+    return xr.Dataset(
+        {name: _variable(name, *labelled) for name, labelled in variables.items()},
+        coords={name: _variable(name, *labelled) for name, labelled in coords.items()},
+        attrs=dict(provenance),
+    )
+
+
+def unflatten(values: NDArray[Any], sizes: Mapping[str, int]) -> NDArray[Any]:
+    """Give trajectory-major values the shape of their ensemble.
+
+    Parameters
+    ----------
+    values : array (trajectory, ...)
+        Values, the first dimension of the ensemble varying slowest.
+    sizes
+        Length of each dimension of the ensemble, in order; empty for a single run.
+
+    Returns
+    -------
+    array (*sizes, ...)
+        A view where possible.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> unflatten(np.zeros((6, 5)), {"temperature": 3, "prestress": 2}).shape
+    (3, 2, 5)
+    >>> unflatten(np.zeros((1, 5)), {}).shape
+    (5,)
+    """
+    return values.reshape(*sizes.values(), *values.shape[1:])
+
+
+def _variable(name: str, dims: tuple[str, ...], values: NDArray[Any]) -> xr.Variable:
+    if name in FLAGS:
+        values = np.asarray(values, dtype=np.int8)
+    return xr.Variable(dims, values, {**describe(name).attributes(), **flag_attributes(name)})
+
+
+def _require_equal_lengths(labelled: Mapping[str, Labelled]) -> None:
+    sizes: dict[str, tuple[int, str]] = {}
+    for name, (dims, values) in labelled.items():
+        shape = np.shape(values)
+        if len(dims) != len(shape):
+            raise InputError(
+                name,
+                f"have {len(dims)} dimensions, {dims}",
+                f"shape {shape}",
+                "Every dimension of a result has a name.",
+                "Name each dimension of the array.",
+            )
+        for dim, length in zip(dims, shape, strict=True):
+            first, owner = sizes.setdefault(dim, (length, name))
+            if length != first:
+                raise InputError(
+                    name,
+                    f"have length {first} along `{dim}`",
+                    length,
+                    f"`{owner}` has that length.",
+                    "Give both the same points.",
+                )

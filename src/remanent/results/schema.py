@@ -1,0 +1,313 @@
+"""THE table: every variable of every Dataset, with its unit, symbol and meaning.
+
+Everything inside the package is dimensionless: lengths of time in
+``sqrt(rho L^2 / mu)``, stresses in ``mu``, energies in ``mu`` per reference volume.
+Units follow UDUNITS, so ``"1"`` is dimensionless and ``"rad"`` is an angle; as time
+has no unit, an angular frequency is in ``rad`` (radians per unit of tau).
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from enum import Enum
+from types import MappingProxyType
+
+import numpy as np
+
+from remanent._errors import InputError
+from remanent.integrate.status import Status
+
+__all__ = ["FLAGS", "TABLE", "Kind", "Variable", "describe", "flag_attributes"]
+
+
+class Kind(Enum):
+    """How a quantity turns to SI; see :mod:`remanent.results.si`."""
+
+    NONE = "none"
+    TIME = "time"
+    RATE = "rate"
+    FREQUENCY = "frequency"
+    LOAD = "load"
+    ROOT_LOAD = "root of load"
+    STRESS = "stress"
+    VISCOSITY = "viscosity"
+    ENERGY_DENSITY = "energy density"
+    TEMPERATURE = "temperature"
+
+
+@dataclass(frozen=True)
+class Variable:
+    """One row of the table.
+
+    Attributes
+    ----------
+    name
+        The name in the API and in files.
+    units
+        UDUNITS text; ``"1"`` where dimensionless.
+    long_name
+        The meaning in a few words, for axes.
+    symbol
+        LaTeX for use between dollar signs.
+    dims
+        The dimension a variable has of its own, beside those of ``over``; empty
+        where it has none (one value per trajectory) or is a coordinate.
+    kind
+        How it turns to SI.
+    """
+
+    name: str
+    units: str
+    long_name: str
+    symbol: str
+    dims: tuple[str, ...] = ()
+    kind: Kind = Kind.NONE
+
+    def attributes(self) -> dict[str, str]:
+        """Attributes ``units``, ``long_name`` and ``symbol`` of a Dataset variable."""
+        return {"units": self.units, "long_name": self.long_name, "symbol": self.symbol}
+
+
+_ALONG = ("time",)
+_ROWS = (
+    # The motion.
+    Variable("stretch", "1", "in-plane stretch", r"\lambda", _ALONG),
+    Variable("stretch_rate", "1", "in-plane stretch rate", r"\lambda'", _ALONG, Kind.RATE),
+    Variable("stretch_1", "1", "stretch along edge 1", r"\lambda_1", _ALONG),
+    Variable("stretch_1_rate", "1", "stretch rate along edge 1", r"\lambda_1'", _ALONG, Kind.RATE),
+    Variable("stretch_2", "1", "stretch along edge 2", r"\lambda_2", _ALONG),
+    Variable("stretch_2_rate", "1", "stretch rate along edge 2", r"\lambda_2'", _ALONG, Kind.RATE),
+    Variable("thickness_stretch", "1", "thickness stretch", r"\lambda_3", _ALONG),
+    Variable(
+        "thickness_stretch_rate", "1", "thickness stretch rate", r"\lambda_3'", _ALONG, Kind.RATE
+    ),
+    Variable("viscous_stretch", "1", "viscous in-plane stretch", r"\xi", _ALONG),
+    Variable("viscous_stretch_1", "1", "viscous stretch along edge 1", r"\xi_1", _ALONG),
+    Variable("viscous_stretch_2", "1", "viscous stretch along edge 2", r"\xi_2", _ALONG),
+    Variable("body_temperature", "K", "temperature of the body", r"T", _ALONG, Kind.TEMPERATURE),
+    Variable("energy", "1", "energy per reference volume", r"E", _ALONG, Kind.ENERGY_DENSITY),
+    Variable(
+        "energy_drift",
+        "1",
+        "change of energy per reference volume",
+        r"\Delta E",
+        _ALONG,
+        Kind.ENERGY_DENSITY,
+    ),
+    Variable("load", "1", "magnetic load", r"m", _ALONG, Kind.LOAD),
+    # Where along a run.
+    Variable("time", "1", "time", r"\tau", kind=Kind.TIME),
+    Variable("cycle", "1", "sample within the run", r"k"),
+    Variable("period", "1", "drive periods", r"n"),
+    Variable("drive_period", "1", "smallest period of the load", r"\tau_m", kind=Kind.TIME),
+    Variable("section_phase", "1", "phase of the section within the drive period", r"s"),
+    # Forced response.
+    Variable("amplitude", "1", "thickness stretch amplitude", r"\lambda_3^a"),
+    Variable("maximum", "1", "largest thickness stretch", r"\lambda_3^{\max}"),
+    Variable("minimum", "1", "smallest thickness stretch", r"\lambda_3^{\min}"),
+    Variable("resonance", "rad", "resonance frequency", r"\omega_r", kind=Kind.FREQUENCY),
+    Variable("resonance_amplitude", "1", "amplitude at resonance", r"\lambda_3^a(\omega_r)"),
+    # Evidence.
+    Variable("error", "1", "estimated largest error of the state", r"\varepsilon"),
+    Variable("horizon", "1", "time up to which the error bound holds", r"\tau_h", kind=Kind.TIME),
+    Variable("status", "1", "status", r"\mathrm{status}"),
+    Variable("residual", "1", "residual", r"r"),
+    # Equilibria and the potential.
+    Variable(
+        "potential",
+        "1",
+        "potential energy per reference volume",
+        r"U",
+        ("thickness_stretch",),
+        Kind.ENERGY_DENSITY,
+    ),
+    Variable("level", "1", "energy of the motion", r"E_0", kind=Kind.ENERGY_DENSITY),
+    Variable("turning_lower", "1", "lower turning point", r"\lambda_3^-"),
+    Variable("turning_upper", "1", "upper turning point", r"\lambda_3^+"),
+    Variable("equilibrium", "1", "number of the equilibrium", r"k"),
+    Variable(
+        "equilibrium_stretch",
+        "1",
+        "thickness stretch at equilibrium",
+        r"\lambda_3^{\mathrm{eq}}",
+        ("equilibrium",),
+    ),
+    Variable(
+        "equilibrium_potential",
+        "1",
+        "potential energy at equilibrium",
+        r"U^{\mathrm{eq}}",
+        ("equilibrium",),
+        Kind.ENERGY_DENSITY,
+    ),
+    Variable("stability", "1", "stability", r"\mathrm{stability}", ("equilibrium",)),
+    Variable(
+        "natural_frequency",
+        "rad",
+        "natural frequency",
+        r"\omega_n",
+        ("equilibrium",),
+        Kind.FREQUENCY,
+    ),
+    # Statistics and orbits.
+    Variable("exponent", "1", "largest Lyapunov exponent", r"\Lambda", kind=Kind.RATE),
+    Variable("rotation_number", "1", "rotation number", r"\nu"),
+    Variable("regime", "1", "regime of the motion", r"\mathrm{regime}"),
+    Variable("orbit", "1", "number of the orbit", r"k"),
+    Variable("state", "1", "state variable", r"\mathrm{state}"),
+    Variable("initial", "1", "initial state of the orbit", r"y_0", ("orbit", "state")),
+    Variable("multiplier", "1", "number of the multiplier", r"j"),
+    Variable("multipliers", "1", "Floquet multipliers", r"\rho", ("orbit", "multiplier")),
+    # The reconstruction of what the paper leaves unstated.
+    Variable(
+        "misfit", "rad", "largest resonance misfit", r"\max|\Delta\omega_r|", kind=Kind.FREQUENCY
+    ),
+    Variable(
+        "published",
+        "rad",
+        "published resonance frequency",
+        r"\omega_r^{\mathrm{pub}}",
+        kind=Kind.FREQUENCY,
+    ),
+    Variable("window", "1", "length of the response window", r"\tau_w", kind=Kind.TIME),
+    Variable("law", "1", "forcing law", r"m(\tau)"),
+    Variable("case", "1", "case", r"\mathrm{case}"),
+    Variable("solver", "1", "integration", r"\mathrm{solver}"),
+    # The actuator's and the drive's own fields.
+    Variable("c", "1", "slenderness", r"c"),
+    Variable("temperature", "K", "temperature", r"T", kind=Kind.TEMPERATURE),
+    Variable("reference_temperature", "K", "reference temperature", r"T_0", kind=Kind.TEMPERATURE),
+    Variable("prestress", "1", "prestress", r"S", kind=Kind.STRESS),
+    Variable("prestress_1", "1", "prestress along edge 1", r"S_1", kind=Kind.STRESS),
+    Variable("prestress_2", "1", "prestress along edge 2", r"S_2", kind=Kind.STRESS),
+    Variable("tolerance", "1", "tolerance", r"\mathrm{tol}"),
+    Variable("m", "1", "magnetic load", r"m", kind=Kind.LOAD),
+    Variable("b", "1", "root of the peak magnetic load", r"b", kind=Kind.ROOT_LOAD),
+    Variable("mean", "1", "mean magnetic load", r"\bar m", kind=Kind.LOAD),
+    Variable("omega", "rad", "drive frequency", r"\omega", kind=Kind.FREQUENCY),
+    Variable("phase", "rad", "phase of the drive", r"\varphi"),
+    Variable("duration", "1", "length of the run", r"\tau_w", kind=Kind.TIME),
+    Variable(
+        "magnet.temperature_coefficient",
+        "K-1",
+        "temperature coefficient of the remanence",
+        r"\alpha",
+    ),
+    Variable("material.jm", "1", "limiting value of the first invariant", r"J_m"),
+    Variable("material.entropic_fraction", "1", "entropic fraction", r"f"),
+    Variable("dissipation.eta", "1", "viscosity", r"\eta", kind=Kind.VISCOSITY),
+    Variable(
+        "dissipation.modulus", "1", "modulus of the viscous branch", r"\mu_v", kind=Kind.STRESS
+    ),
+    Variable("dissipation.relaxation_time", "1", "relaxation time", r"t_r", kind=Kind.TIME),
+)
+
+#: Every row by name.
+TABLE: Mapping[str, Variable] = MappingProxyType({row.name: row for row in _ROWS})
+
+#: Variables whose values are numbered meanings, with the meanings in order of code from 0.
+FLAGS: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {"status": tuple(code.meaning for code in sorted(Status))}
+)
+
+
+def describe(name: str) -> Variable:
+    """Look a variable up.
+
+    Besides the rows themselves, the table describes by rule:
+
+    * ``initial.<state>``, the initial value of a state variable;
+    * ``dissipation.0.eta`` and the like, the row without the number;
+    * ``<name>_error``, the estimated error of a row, in the same unit;
+    * any other dotted name, a dimensionless field of the user's own part.
+
+    Parameters
+    ----------
+    name
+        Name of a variable or coordinate.
+
+    Returns
+    -------
+    Variable
+
+    Raises
+    ------
+    InputError
+        Nothing in the table describes that name.
+
+    Examples
+    --------
+    >>> describe("omega").units
+    'rad'
+    >>> describe("dissipation.0.eta").long_name
+    'viscosity (0)'
+    >>> describe("amplitude_error").long_name
+    'estimated error: thickness stretch amplitude'
+    """
+    if name in TABLE:
+        return TABLE[name]
+    for rule in (_initial, _numbered, _error, _own_part):
+        found = rule(name)
+        if found is not None:
+            return found
+    raise InputError(
+        "name",
+        "be a variable of the schema",
+        repr(name),
+        "Every variable of a Dataset has a unit, a meaning and a symbol.",
+        "Add a row to remanent/results/schema.py.",
+    )
+
+
+def flag_attributes(name: str) -> dict[str, object]:
+    """CF attributes ``flag_values`` and ``flag_meanings`` of a flag variable, else nothing."""
+    if name not in FLAGS:
+        return {}
+    meanings = FLAGS[name]
+    return {
+        "flag_values": np.arange(len(meanings), dtype=np.int8),
+        "flag_meanings": " ".join(meanings),
+    }
+
+
+def _initial(name: str) -> Variable | None:
+    base = name.removeprefix("initial.")
+    if base == name or base not in TABLE:
+        return None
+    row = TABLE[base]
+    return replace(
+        row, name=name, long_name=f"initial {row.long_name}", symbol=f"{row.symbol}(0)", dims=()
+    )
+
+
+def _numbered(name: str) -> Variable | None:
+    match = re.fullmatch(r"(\w+)\.(\d+)\.(\w+)", name)
+    if match is None or f"{match[1]}.{match[3]}" not in TABLE:
+        return None
+    row = TABLE[f"{match[1]}.{match[3]}"]
+    symbol = row.symbol if "_" in row.symbol else f"{row.symbol}_{{{match[2]}}}"
+    return replace(row, name=name, long_name=f"{row.long_name} ({match[2]})", symbol=symbol)
+
+
+def _error(name: str) -> Variable | None:
+    base = name.removesuffix("_error")
+    if base == name or base not in TABLE:
+        return None
+    row = TABLE[base]
+    return replace(
+        row,
+        name=name,
+        long_name=f"estimated error: {row.long_name}",
+        symbol=rf"\delta({row.symbol})",
+        kind=Kind.NONE if row.kind is Kind.ROOT_LOAD else row.kind,
+    )
+
+
+def _own_part(name: str) -> Variable | None:
+    part, *rest = name.split(".")
+    if not rest or part not in {"material", "dissipation", "heat", "magnet", "initial", "drive"}:
+        return None
+    words = name.replace(".", " ").replace("_", " ")
+    return Variable(name, "1", words, rf"\mathrm{{{rest[-1].replace('_', ' ')}}}")

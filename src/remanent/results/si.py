@@ -1,0 +1,147 @@
+"""Results in SI units, for an actuator that knows its scales."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from remanent._errors import InputError
+from remanent.results.schema import Kind, Variable, describe
+
+__all__ = ["to_si"]
+
+_Values = NDArray[Any]
+_Scales = Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class _Rule:
+    """How values of one kind turn to SI: unit, conversion and, where it changes, symbol."""
+
+    units: str
+    convert: Callable[[_Values, _Scales], _Values]
+    symbols: Mapping[str, str] = field(default_factory=dict)
+    long_names: Mapping[str, str] = field(default_factory=dict)
+
+
+#: t = tau t_0; f = omega f_0 with f_0 = 1/(2 pi t_0); B = m B_0 and, as m = b^2, B = b^2 B_0;
+#: sigma = S mu; energy per reference volume = E mu; eta mu t_0 for viscosities.
+_RULES: Mapping[Kind, _Rule] = MappingProxyType(
+    {
+        Kind.TIME: _Rule("ms", lambda x, s: x * s["time_s"] * 1e3, {r"\tau": "t"}),
+        Kind.RATE: _Rule("s-1", lambda x, s: x / s["time_s"]),
+        Kind.FREQUENCY: _Rule("Hz", lambda x, s: x * s["frequency_hz"], {r"\omega": "f"}),
+        Kind.LOAD: _Rule(
+            "mT",
+            lambda x, s: x * s["load_T"] * 1e3,
+            {"m": "B", r"\bar m": r"\bar B"},
+            {"magnetic load": "flux density", "mean magnetic load": "mean flux density"},
+        ),
+        Kind.ROOT_LOAD: _Rule(
+            "mT",
+            lambda x, s: x**2 * s["load_T"] * 1e3,
+            {"b": r"B_{\max}"},
+            {"root of the peak magnetic load": "peak flux density"},
+        ),
+        Kind.STRESS: _Rule("kPa", lambda x, s: x * s["stress_pa"] / 1e3, {"S": r"\sigma"}),
+        Kind.ENERGY_DENSITY: _Rule("kJ m-3", lambda x, s: x * s["stress_pa"] / 1e3),
+        Kind.VISCOSITY: _Rule("Pa s", lambda x, s: x * s["stress_pa"] * s["time_s"]),
+    }
+)
+_NEEDED = ("time_s", "frequency_hz", "load_T", "stress_pa")
+
+
+def to_si(dataset: xr.Dataset) -> xr.Dataset:
+    """Turn a Dataset to SI: time in ms, frequency in Hz, load in mT, stress in kPa.
+
+    Names stay; ``units``, ``symbol`` and, where the quantity changes, ``long_name``
+    change with the values.  `omega` becomes the cyclic frequency of the field,
+    omega/(2 pi), and `b` the peak flux density, proportional to b^2.  Stretches,
+    temperatures and counts stay as they are, and so does `error`, which compares
+    dimensionless states.
+
+    Parameters
+    ----------
+    dataset
+        A result of an actuator built with ``Actuator.from_si``; its attribute
+        ``scales`` holds the scales as JSON: ``time_s`` (s per unit tau),
+        ``frequency_hz`` (Hz per unit omega), ``load_T`` (T per unit m),
+        ``stress_pa`` (Pa per unit S).
+
+    Returns
+    -------
+    xarray.Dataset
+        A new Dataset; the attribute ``scales`` is renamed ``scales_applied``.
+
+    Raises
+    ------
+    InputError
+        The Dataset has no scales.
+    """
+    scales = _scales(dataset)
+    converted = dataset.copy()
+    for name in dataset.variables:
+        row = describe(str(name))
+        if row.kind in _RULES:
+            converted = _replace(
+                converted, str(name), _convert(dataset[name].variable, row, scales)
+            )
+    converted.attrs["scales_applied"] = converted.attrs.pop("scales")
+    return converted
+
+
+def _convert(variable: xr.Variable, row: Variable, scales: _Scales) -> xr.Variable:
+    rule = _RULES[row.kind]
+    row = replace(
+        row,
+        units=rule.units,
+        symbol=_rename(row.symbol, rule.symbols),
+        long_name=rule.long_names.get(row.long_name, row.long_name),
+    )
+    values = rule.convert(np.asarray(variable.values), scales)
+    return xr.Variable(variable.dims, values, {**variable.attrs, **row.attributes()})
+
+
+def _rename(symbol: str, symbols: Mapping[str, str]) -> str:
+    """Exchange the leading symbol and keep its decorations (index, exponent, argument)."""
+    for old, new in symbols.items():
+        if symbol == old or symbol.startswith((f"{old}_", f"{old}^", f"{old}(")):
+            return new + symbol[len(old) :]
+    return symbol
+
+
+def _replace(dataset: xr.Dataset, name: str, variable: xr.Variable) -> xr.Dataset:
+    if name in dataset.coords:
+        return dataset.assign_coords({name: variable})
+    return dataset.assign({name: variable})
+
+
+def _scales(dataset: xr.Dataset) -> _Scales:
+    text = dataset.attrs.get("scales")
+    already = "scales_applied" in dataset.attrs
+    if text is None:
+        raise InputError(
+            "dataset",
+            "carry the scales of its actuator",
+            "a Dataset in SI already" if already else "one without",
+            "Dimensionless numbers turn to SI only by the modulus, density and lengths.",
+            "Use it as it is." if already else "Build the actuator with Actuator.from_si.",
+        )
+    scales: dict[str, float] = json.loads(text)
+    missing = [name for name in _NEEDED if name not in scales]
+    if missing:
+        raise InputError(
+            "dataset",
+            f"carry the scales {', '.join(_NEEDED)}",
+            f"one without {', '.join(missing)}",
+            "Each kind of quantity needs its own.",
+            "Build the actuator with Actuator.from_si.",
+        )
+    return scales

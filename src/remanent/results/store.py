@@ -1,0 +1,226 @@
+"""Datasets in netCDF files that MATLAB and every other reader can open.
+
+Files keep to the classic data model: no groups, and no complex, boolean, string or
+64-bit integer variables.  Such variables are stored in the nearest thing that has a
+place there, with the attribute ``remanent_dtype`` saying what they were:
+
+* complex ``x``: two variables, ``x_real`` and ``x_imag``;
+* boolean: int8, 0 and 1;
+* strings: int8 codes (int16 beyond 127) with CF ``flag_values`` and ``flag_meanings``,
+  words joined by ``_``, the exact strings as JSON in ``flag_labels``;
+* 64-bit integers: int32, or float64 where too large.
+
+No clock time and no compression setting enters the file, so the same Dataset gives the
+same bytes.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Hashable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from remanent._errors import InputError
+
+__all__ = ["read", "write"]
+
+_DTYPE = "remanent_dtype"
+_LABELS = ("flag_values", "flag_meanings", "flag_labels")
+
+
+def write(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
+    """Write a Dataset to a netCDF-4 file of the classic model, whole or not at all.
+
+    Parameters
+    ----------
+    dataset
+        Any result of this package.
+    path
+        The file; an existing one is replaced in one step.
+
+    Returns
+    -------
+    pathlib.Path
+
+    Raises
+    ------
+    InputError
+        A variable holds objects, or integers too large for a float64.
+    """
+    path = Path(path)
+    part = path.with_name(f"{path.name}.part")
+    plain = _plain(dataset)
+    plain.to_netcdf(
+        part,
+        engine="h5netcdf",
+        format="NETCDF4_CLASSIC",
+        encoding={name: {"_FillValue": None} for name in plain.variables},
+    )
+    part.replace(path)
+    return path
+
+
+def read(path: str | os.PathLike[str]) -> xr.Dataset:
+    """Read what :func:`write` wrote, equal in values, types, names and attributes.
+
+    Parameters
+    ----------
+    path
+        The file; it is closed again before this returns.
+
+    Returns
+    -------
+    xarray.Dataset
+    """
+    raw = xr.load_dataset(path, engine="h5netcdf", decode_cf=False)
+    coords = {name for v in raw.variables.values() for name in _names(v.attrs)}
+    coords |= _names(raw.attrs) | set(map(str, raw.coords))
+    rich = {str(name): _restore(variable) for name, variable in raw.variables.items()}
+    rich = _join_complex(rich)
+    attrs = {k: _attribute_back(v) for k, v in raw.attrs.items() if k != "coordinates"}
+    return xr.Dataset(
+        {k: v for k, v in rich.items() if k not in coords},
+        coords={k: rich[k] for k in sorted(coords & set(rich))},
+        attrs=attrs,
+    )
+
+
+def _plain(dataset: xr.Dataset) -> xr.Dataset:
+    variables: dict[str, xr.Variable] = {}
+    coords: list[str] = []
+    for name, array in dataset.variables.items():
+        parts = _split_complex(str(name), xr.Variable(array.dims, array.values, array.attrs))
+        variables |= {key: _reduce(key, part) for key, part in parts.items()}
+        coords += list(parts) if name in dataset.coords else []
+    return xr.Dataset(
+        {k: v for k, v in variables.items() if k not in coords},
+        coords={k: variables[k] for k in sorted(coords)},  # order is no part of a Dataset
+        attrs=_attributes(dataset.attrs),
+    )
+
+
+def _split_complex(name: str, variable: xr.Variable) -> dict[str, xr.Variable]:
+    values = np.asarray(variable.values)
+    if values.dtype.kind != "c":
+        return {name: variable}
+    attrs = {**variable.attrs, _DTYPE: str(values.dtype)}
+    return {
+        f"{name}_real": xr.Variable(variable.dims, values.real.copy(), attrs),
+        f"{name}_imag": xr.Variable(variable.dims, values.imag.copy(), attrs),
+    }
+
+
+def _join_complex(variables: Mapping[str, xr.Variable]) -> dict[str, xr.Variable]:
+    joined: dict[str, xr.Variable] = {}
+    for name, variable in variables.items():
+        kind = variable.attrs.get(_DTYPE, "")
+        if not kind.startswith("complex"):
+            joined[name] = variable
+        elif name.endswith("_real"):
+            base = name.removesuffix("_real")
+            values = variable.values + 1j * variables[f"{base}_imag"].values
+            attrs = {k: v for k, v in variable.attrs.items() if k != _DTYPE}
+            joined[base] = xr.Variable(variable.dims, values.astype(kind), attrs)
+    return joined
+
+
+def _reduce(name: str, variable: xr.Variable) -> xr.Variable:
+    """Cast to the nearest type of the classic model."""
+    values = np.asarray(variable.values)
+    attrs = _attributes(variable.attrs)
+    if values.dtype.kind in "UT" or (values.dtype.kind == "O" and _all_strings(values)):
+        values, labels = _flags(values)
+        return xr.Variable(variable.dims, values, {**attrs, **labels, _DTYPE: "str"})
+    if values.dtype.kind == "b":
+        return xr.Variable(variable.dims, values.astype(np.int8), {**attrs, _DTYPE: "bool"})
+    if values.dtype.kind in "iu" and values.dtype not in (np.int8, np.int16, np.int32):
+        attrs[_DTYPE] = str(values.dtype)
+        values = _narrow(name, values)
+    if values.dtype.kind not in "if":
+        raise InputError(
+            name,
+            "hold numbers, booleans or strings",
+            str(values.dtype),
+            "Files hold plain numbers that every program can read.",
+            "Convert it or leave it out.",
+        )
+    return xr.Variable(variable.dims, values, attrs)
+
+
+def _restore(variable: xr.Variable) -> xr.Variable:
+    """Undo :func:`_reduce`, except for complex pairs."""
+    kind = _attribute_back(variable.attrs.get(_DTYPE, ""))
+    hidden = {"coordinates", "_FillValue"} | ({_DTYPE} if kind[:7] != "complex" else set())
+    values = np.asarray(variable.values)
+    if kind == "str":
+        labels = json.loads(variable.attrs["flag_labels"])
+        values = np.array(labels, dtype=np.str_)[values] if labels else values.astype(np.str_)
+        hidden |= set(_LABELS)
+    elif kind and kind[:7] != "complex":
+        values = values.astype(kind)
+    attrs = {k: _attribute_back(v) for k, v in variable.attrs.items() if k not in hidden}
+    return xr.Variable(variable.dims, values, attrs)
+
+
+def _all_strings(values: np.ndarray[Any, Any]) -> bool:
+    return all(isinstance(item, str) for item in values.flat)
+
+
+def _flags(values: np.ndarray[Any, Any]) -> tuple[np.ndarray[Any, Any], dict[str, Any]]:
+    """Codes of strings in alphabetical order, and the attributes that explain them."""
+    labels, codes = np.unique(values.astype(np.str_), return_inverse=True)
+    integer = np.min_scalar_type(-max(len(labels), 1))  # signed, as small as the codes allow
+    if len(labels) == 0:
+        return codes.reshape(values.shape).astype(integer), {"flag_labels": "[]"}
+    meanings = ["_".join(str(label).split()) or "none" for label in labels]
+    return codes.reshape(values.shape).astype(integer), {
+        "flag_values": np.arange(len(labels), dtype=integer),
+        "flag_meanings": " ".join(meanings),
+        "flag_labels": json.dumps([str(label) for label in labels]),
+    }
+
+
+def _narrow(name: str, values: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
+    """Integers as int32, else as float64 if that is exact."""
+    for target in (np.int32, np.float64):
+        with np.errstate(invalid="ignore", over="ignore"):
+            narrow = values.astype(target)
+        exact = target is np.int32 or bool((np.abs(narrow) <= 2.0**53).all())
+        if exact and bool((narrow == values).all()):
+            return narrow
+    raise InputError(
+        name,
+        "hold integers below 2^53",
+        int(np.abs(values).max()),
+        "Larger ones do not fit the classic netCDF model.",
+        "Store them as two variables.",
+    )
+
+
+def _attributes(attrs: Mapping[Any, Any]) -> dict[str, Any]:
+    return {str(k): _attribute(v) for k, v in attrs.items() if v is not None}
+
+
+def _attribute(value: Any) -> Any:
+    """Text, or a number of the classic model; an empty text becomes one blank."""
+    if isinstance(value, str):
+        return value or " "
+    number = np.asarray(value)
+    if number.dtype.kind in "biu" and number.dtype not in (np.int8, np.int16, np.int32):
+        number = number.astype(np.int8) if number.dtype.kind == "b" else _narrow("attrs", number)
+    return number if number.ndim else number[()]
+
+
+def _attribute_back(value: Any) -> Any:
+    if isinstance(value, str):  # h5py reads fixed-length text as ASCII with escapes
+        return "" if value == " " else value.encode("utf-8", "surrogateescape").decode("utf-8")
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def _names(attrs: Mapping[Hashable, Any]) -> set[str]:
+    return set(str(attrs.get("coordinates", "")).split())

@@ -1,0 +1,269 @@
+"""An actuator, a drive and ``over`` become many trajectories in plain arrays."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from remanent._errors import InputError
+from remanent._field import Field
+from remanent._timeline import Timeline
+from remanent._typing import ArrayLike, BoolArray, FloatArray
+from remanent.codegen.field import field_for
+from remanent.integrate.problem import Problem
+from remanent.models.actuator import Actuator
+from remanent.models.drives import Drive
+from remanent.results.build import Labelled
+
+#: What ``over`` accepts.
+Over = Mapping[str, ArrayLike | xr.DataArray]
+#: Bytes that a trajectory costs while it is computed, beside its samples.
+_OVERHEAD = 1024
+
+
+@dataclass(frozen=True)
+class Ensemble:
+    """Trajectories on the outer product of the values in ``over``.
+
+    Attributes
+    ----------
+    sizes
+        Length of each dimension, in order; empty for a single trajectory.
+    coords
+        Values of the varied fields, labelled.
+    values : mapping of name to array (trajectory,)
+        Every numeric field of actuator and drive.
+    initial : array (trajectory, state)
+    invalid : array (trajectory,) of bool
+        Where a value breaks a rule.
+    """
+
+    actuator: Actuator
+    drive: Drive
+    field: Field
+    sizes: dict[str, int]
+    coords: dict[str, Labelled]
+    values: dict[str, FloatArray]
+    initial: FloatArray
+    invalid: BoolArray
+
+    @property
+    def count(self) -> int:
+        return math.prod(self.sizes.values())
+
+    @property
+    def dims(self) -> tuple[str, ...]:
+        return tuple(self.sizes)
+
+    def shaped(self, values: Any) -> Any:
+        """From (trajectory, ...) to one axis for each dimension of the ensemble."""
+        return np.reshape(values, (*self.sizes.values(), *np.shape(values)[1:]))
+
+    def periods(self) -> FloatArray | None:
+        """Smallest period of the load of every trajectory, or None."""
+        with np.errstate(all="ignore"):
+            found = self.drive.periods(self.values)
+        return None if found is None else np.broadcast_to(found, (self.count,)).astype(float)
+
+
+def ensemble(
+    actuator: Actuator, drive: Drive, over: Over | None = None, initial: ArrayLike | None = None
+) -> Ensemble:
+    """Lay out the trajectories that a verb was asked for.
+
+    Raises
+    ------
+    InputError
+        Unknown field, empty, unsorted or too large grid, bad initial state; for a
+        single trajectory also any value that breaks a rule.
+    """
+    from remanent._checks import require_instance
+
+    require_instance("actuator", actuator, Actuator, "rm.Actuator()")
+    require_instance("drive", drive, Drive, "rm.SineSquared(0.4, 1.25)")
+    field = field_for(actuator, drive)
+    own = {**actuator.parameters(), **drive.parameters()}
+    arrays = {name: _labelled(name, v, own, field) for name, v in (over or {}).items()}
+    sizes = _sizes(arrays)
+    count = math.prod(sizes.values())
+    require_memory(count * _OVERHEAD, f"{count} trajectories")
+    varied = {name: _spread(*array, sizes) for name, array in arrays.items()}
+    values = {name: varied.get(name, np.full(count, value)) for name, value in own.items()}
+    start = _initial(initial, varied, field, count)
+    wrong = _invalid(actuator, drive, values, start)
+    if not sizes and wrong.any():
+        _refuse_initial(start[0], field)
+    return Ensemble(actuator, drive, field, sizes, dict(arrays), values, start, wrong)
+
+
+def problem(ens: Ensemble, duration: FloatArray) -> Problem:
+    """The trajectories of an ensemble, each lasting its `duration`."""
+    safe = np.where(ens.invalid, 1.0, duration)
+    usable = {
+        name: np.where(ens.invalid, _harmless(ens, name), v) for name, v in ens.values.items()
+    }
+    timeline = ens.drive.timeline(usable, safe)
+    lengths = np.broadcast_to(timeline.lengths, (len(timeline.lengths), ens.count))
+    timeline = Timeline(lengths, timeline.periodic, timeline.parameters, timeline.waveform)
+    columns = [usable.get(name, np.zeros(ens.count)) for name in ens.field.parameters]
+    parameters = np.column_stack(columns) if columns else np.zeros((ens.count, 0))
+    return Problem(ens.field, timeline, parameters, ens.initial, safe, ens.invalid)
+
+
+def require_memory(needed: float, what: str) -> None:
+    """Refuse a request before allocating more than half of this machine's memory."""
+    limit = _physical_memory() / 2
+    if needed > limit:
+        raise InputError(
+            "over",
+            f"ask for results of at most {limit / 2**30:.1f} GiB",
+            f"{what}, about {needed / 2**30:.1f} GiB",
+            "The request was refused before any memory was allocated.",
+            "Pass fewer values, fewer times, or split the request.",
+        )
+
+
+def _physical_memory() -> float:
+    try:
+        return float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
+    except (AttributeError, ValueError, OSError):
+        return 8.0 * 2**30
+
+
+def _harmless(ens: Ensemble, name: str) -> float:
+    return {**ens.actuator.parameters(), **ens.drive.parameters()}[name]
+
+
+def _labelled(
+    name: str, value: ArrayLike | xr.DataArray, own: Mapping[str, float], field: Field
+) -> Labelled:
+    known = [*own, *(f"initial.{s}" for s in field.state)]
+    if name not in known:
+        raise InputError(
+            f"over[{name!r}]",
+            "be a numeric field of the actuator or of the drive",
+            repr(name),
+            "Only fields that enter the equations of motion can be varied.",
+            f"Its fields are: {', '.join(known)}.",
+        )
+    if isinstance(value, xr.DataArray):
+        return tuple(map(str, value.dims)), _floats(name, value.values)
+    array = _floats(name, value)
+    if array.ndim == 0:
+        array = array[None]
+    if array.ndim != 1:
+        raise InputError(
+            f"over[{name!r}]",
+            "have one dimension",
+            f"an array of shape {array.shape}",
+            "Its values become a dimension of the result.",
+            "Pass a one-dimensional array, or an xarray.DataArray that names its dimensions.",
+        )
+    _require_grid(name, array)
+    return (name,), array
+
+
+def _floats(name: str, value: Any) -> FloatArray:
+    try:
+        array = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise InputError(
+            f"over[{name!r}]",
+            "be an array of real numbers",
+            repr(value)[:80],
+            "Every value is a number of the dimensionless model.",
+            "Pass for example numpy.linspace(0.5, 2.0, 300).",
+        ) from error
+    if array.size == 0:
+        raise InputError(
+            f"over[{name!r}]",
+            "have at least one value",
+            "an empty array",
+            "A grid without points has no results.",
+            "Pass at least one value.",
+        )
+    return array
+
+
+def _require_grid(name: str, array: FloatArray) -> None:
+    finite = array[np.isfinite(array)]
+    if (np.diff(finite) <= 0).any():
+        raise InputError(
+            f"over[{name!r}]",
+            "be sorted upwards without repeated values",
+            np.array2string(array, threshold=6),
+            "The values label a dimension of the result, on which one selects and interpolates.",
+            "Pass numpy.unique(values), or a DataArray with a dimension of its own.",
+        )
+
+
+def _sizes(arrays: Mapping[str, Labelled]) -> dict[str, int]:
+    sizes: dict[str, int] = {}
+    for name, (dims, values) in arrays.items():
+        for dim, size in zip(dims, values.shape, strict=True):
+            if sizes.setdefault(dim, size) != size:
+                raise InputError(
+                    f"over[{name!r}]",
+                    f"have length {sizes[dim]} along {dim!r}",
+                    size,
+                    "Values that share a dimension go together, one with one.",
+                    "Give them the same length, or different dimensions.",
+                )
+    return sizes
+
+
+def _spread(dims: tuple[str, ...], values: FloatArray, sizes: Mapping[str, int]) -> FloatArray:
+    order = [d for d in sizes if d in dims]
+    moved = values.transpose([dims.index(d) for d in order])
+    shape = [size if d in dims else 1 for d, size in sizes.items()]
+    return np.broadcast_to(moved.reshape(shape), tuple(sizes.values())).reshape(-1).copy()
+
+
+def _initial(
+    initial: ArrayLike | None, varied: Mapping[str, FloatArray], field: Field, count: int
+) -> FloatArray:
+    rest = [0.0 if name.endswith("_rate") else 1.0 for name in field.state]
+    given = np.asarray(rest if initial is None else initial, dtype=np.float64)
+    if given.shape != (len(rest),) or not np.isfinite(given).all():
+        raise InputError(
+            "initial",
+            f"be {len(rest)} finite numbers, ({', '.join(field.state)})",
+            repr(initial),
+            "A motion starts from one state.",
+            "Leave it out to start from rest; vary it by over={'initial.stretch': ...}.",
+        )
+    start = np.tile(given, (count, 1))
+    for k, name in enumerate(field.state):
+        if f"initial.{name}" in varied:
+            start[:, k] = varied[f"initial.{name}"]
+    return start
+
+
+def _stretches(field: Field) -> list[int]:
+    return [k for k, name in enumerate(field.state) if not name.endswith("_rate")]
+
+
+def _invalid(
+    actuator: Actuator, drive: Drive, values: Mapping[str, FloatArray], start: FloatArray
+) -> BoolArray:
+    broken = actuator.invalid(values) | drive.invalid(values)
+    bad_state = ~np.isfinite(start).all(axis=1) | (start[:, 0] <= 0.0)
+    return np.asarray(np.broadcast_to(broken, bad_state.shape) | bad_state)
+
+
+def _refuse_initial(start: FloatArray, field: Field) -> None:
+    for k in _stretches(field):
+        if not start[k] > 0.0:
+            raise InputError(
+                "initial",
+                f"have a {field.state[k]} greater than 0",
+                start[k],
+                "A stretch is a ratio of lengths.",
+                "Pass 1 for the undeformed block.",
+            )

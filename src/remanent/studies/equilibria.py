@@ -1,0 +1,136 @@
+"""Equilibria under a constant magnetic load."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+
+from remanent._errors import InputError
+from remanent._field import Program
+from remanent._typing import FloatArray, IntArray
+from remanent.analysis.equilibria import slope, zeros
+from remanent.integrate.status import Status
+from remanent.models.actuator import Actuator
+from remanent.models.drives import Constant
+from remanent.results import build, provenance
+from remanent.results.build import Labelled
+from remanent.studies._ensemble import Ensemble, Over, ensemble
+
+#: Stretches between which equilibria are sought, and how finely.
+STRETCHES = np.geomspace(0.05, 20.0, 4001)
+#: Thickness stretches at which the potential is tabulated, around equilibria and rest.
+_POINTS = 401
+
+
+def equilibria(actuator: Actuator, m: float = 0.0, *, over: Over | None = None) -> xr.Dataset:
+    """Find every equilibrium under the constant load `m`, with its stability.
+
+    Parameters
+    ----------
+    actuator
+        The actuator.
+    m
+        Magnetic load, dimensionless.
+    over
+        Values of numeric fields (``m`` among them); they become dimensions.
+
+    Returns
+    -------
+    xarray.Dataset
+        Along ``equilibrium``, in order of the in-plane stretch, NaN where there are
+        fewer: ``equilibrium_stretch`` (thickness stretch), ``stretch``,
+        ``equilibrium_potential``, ``natural_frequency`` (radians per unit of tau, NaN
+        where unstable) and ``stability`` (``stable``, ``unstable`` or empty).
+        ``potential`` against ``thickness_stretch`` is the potential energy per
+        reference volume over mu, ``level`` that of rest.
+
+    Notes
+    -----
+    Sign changes of the force on 4001 stretches from 0.05 to 20, refined to round-off;
+    the natural frequency is √(−∂λ''/∂λ) at rest, by a complex step.
+
+    Examples
+    --------
+    >>> import remanent as rm
+    >>> rm.equilibria(rm.Actuator(), 0.16).equilibrium_stretch.values.round(4).tolist()
+    [1.0561]
+    """
+    ens = ensemble(actuator, Constant(m), over)
+    at_rest = _AtRest(ens)
+    found = zeros(at_rest.force, ens.count, STRETCHES)
+    found[ens.invalid] = np.nan
+    case = np.repeat(np.arange(ens.count), found.shape[1]).reshape(found.shape)
+    stiffness = -slope(at_rest.force, case, found)
+    stability = np.where(stiffness > 0, "stable", np.where(stiffness <= 0, "unstable", ""))
+    dims = (*ens.dims, "equilibrium")
+    with np.errstate(invalid="ignore"):
+        frequency = np.sqrt(np.where(stiffness > 0, stiffness, np.nan))
+    along: dict[str, FloatArray] = {
+        "equilibrium_stretch": at_rest.thickness(case, found),
+        "stretch": found,
+        "equilibrium_potential": at_rest.potential(case, found),
+        "natural_frequency": frequency,
+        "stability": stability,
+    }
+    variables: dict[str, Labelled] = {k: (dims, ens.shaped(v)) for k, v in along.items()}
+    status = np.where(ens.invalid, Status.INVALID, Status.OK).astype(np.int8)
+    variables["status"] = (ens.dims, ens.shaped(status))
+    variables |= _landscape(ens, at_rest, along["equilibrium_stretch"])
+    thickness = variables.pop("thickness_stretch")
+    coords: dict[str, Labelled] = {
+        **ens.coords,
+        "equilibrium": (("equilibrium",), np.arange(found.shape[1])),
+        "thickness_stretch": thickness,
+    }
+    attributes = provenance.attributes(actuator, Constant(m), None, over=ens.coords)
+    return build.dataset(variables, coords, attributes)
+
+
+def _landscape(ens: Ensemble, at_rest: _AtRest, found: FloatArray) -> dict[str, Labelled]:
+    """The potential on a common grid that holds rest, equilibria and turning points."""
+    seen = np.concatenate([found[np.isfinite(found)], [1.0]])
+    low, high = seen.min(), seen.max()
+    grid = np.linspace(max(0.05, low - 0.75 * (high - low) - 0.1), high + 0.75 * (high - low) + 0.1, _POINTS)
+    case = np.repeat(np.arange(ens.count), _POINTS)
+    potential = at_rest.potential(case, np.tile(grid**-0.5, ens.count))
+    potential = potential.reshape(ens.count, _POINTS)
+    level = at_rest.potential(np.arange(ens.count), np.ones(ens.count))
+    return {
+        "thickness_stretch": (("thickness_stretch",), grid),
+        "potential": ((*ens.dims, "thickness_stretch"), ens.shaped(potential)),
+        "level": (ens.dims, ens.shaped(level)),
+    }
+
+
+@dataclass(frozen=True)
+class _AtRest:
+    """The field of an ensemble of one coordinate, at zero rate."""
+
+    ens: Ensemble
+
+    def __post_init__(self) -> None:
+        if self.ens.field.state != ("stretch", "stretch_rate"):
+            raise InputError(
+                "actuator",
+                "have one coordinate and no internal variables",
+                ", ".join(self.ens.field.state),
+                "Equilibria are found as sign changes of one force.",
+                "Pass equal prestress and no viscous branches.",
+            )
+
+    def force(self, case: IntArray, stretch: FloatArray) -> FloatArray:
+        return self._run(self.ens.field.rates, case, stretch)[1]
+
+    def thickness(self, case: IntArray, stretch: FloatArray) -> FloatArray:
+        return self._run(self.ens.field.observables["thickness_stretch"], case, stretch)[0]
+
+    def potential(self, case: IntArray, stretch: FloatArray) -> FloatArray:
+        return self._run(self.ens.field.observables["energy"], case, stretch)[0]
+
+    def _run(self, program: Program, case: IntArray, stretch: FloatArray) -> list[FloatArray]:
+        columns = [self.ens.values[name][case] for name in self.ens.field.parameters]
+        with np.errstate(all="ignore"):
+            found = program([0.0, stretch, 0.0 * stretch, *columns], functions=np)
+        return [np.broadcast_to(value, np.shape(stretch)) for value in found]

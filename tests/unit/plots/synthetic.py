@@ -1,0 +1,265 @@
+"""Results of equation (16) made with SciPy, so that plots can be looked at without the engine."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import cache
+
+import numpy as np
+import xarray as xr
+from scipy.integrate import solve_ivp
+
+from remanent._typing import FloatArray
+from remanent.results import build, provenance
+
+T0 = 293.0
+TEMPERATURES = np.array([250.0, 350.0, 400.0])
+PRESTRESSES = np.array([0.0, 1.0])
+ACTUATOR = (
+    "Actuator(c=1.0, temperature=293.0, reference_temperature=293.0, prestress=0.0, "
+    "material=NeoHookean(entropic_fraction=1.0), dissipation=(), heat=None, "
+    "magnet=Magnet(temperature_coefficient=0.0, law='deformation-gradient'))"
+)
+Load = Callable[[float], FloatArray | float]
+
+
+def solve(
+    theta: FloatArray,
+    s: FloatArray,
+    load: Load,
+    times: FloatArray,
+    *,
+    method: str = "DOP853",
+    rtol: float = 1e-8,
+    atol: float = 1e-10,
+) -> tuple[FloatArray, FloatArray]:
+    """Solve equation (16) with c = 1 from rest for many members at once; arrays (member, time)."""
+    theta, s = np.broadcast_arrays(np.asarray(theta, float), np.asarray(s, float))
+    n = theta.size
+
+    def rates(tau: float, y: FloatArray) -> FloatArray:
+        x, v = y[:n], y[n:]
+        force = 3 * (theta * (x**8 - x**2) - s * x**7 + load(tau) * x**4)
+        return np.concatenate([v, (6 * v**2 - force) / (x**7 + 2 * x)])
+
+    start = np.concatenate([np.ones(n), np.zeros(n)])
+    found = solve_ivp(
+        rates, (0.0, float(times[-1])), start, method=method, t_eval=times, rtol=rtol, atol=atol
+    )
+    return found.y[:n], found.y[n:]
+
+
+def observed(stretch: FloatArray, rate: FloatArray) -> dict[str, FloatArray]:
+    """Thickness stretch and its rate."""
+    return {"thickness_stretch": stretch**-2, "thickness_stretch_rate": -2 * stretch**-3 * rate}
+
+
+def energy(
+    stretch: FloatArray, rate: FloatArray, theta: FloatArray, s: FloatArray, m: float
+) -> FloatArray:
+    """Energy per 8 H L^2 mu with c = 1."""
+    kinetic = (1 + 2 * stretch**-6) * rate**2 / 3
+    elastic = theta * (2 * stretch**2 + stretch**-4 - 3) / 2
+    return kinetic + elastic - 2 * s * (stretch - 1) - m * stretch**-2
+
+
+def _grid() -> tuple[FloatArray, FloatArray]:
+    s, t = np.meshgrid(PRESTRESSES, TEMPERATURES, indexing="ij")
+    return t.ravel() / T0, s.ravel()
+
+
+def _coords(**more: tuple[tuple[str, ...], FloatArray]) -> dict[str, build.Labelled]:
+    return {
+        "prestress": (("prestress",), PRESTRESSES),
+        "temperature": (("temperature",), TEMPERATURES),
+        **more,
+    }
+
+
+@cache
+def constant(duration: float = 20.0, points: int = 1001) -> xr.Dataset:
+    """Make the set-up of figures 2 and 3: (prestress, temperature, time)."""
+    theta, s = _grid()
+    times = np.linspace(0.0, duration, points)
+    found = observed(*solve(theta, s, lambda _: 0.16, times))
+    dims = ("prestress", "temperature", "time")
+    return build.dataset(
+        {name: (dims, values.reshape(2, 3, -1)) for name, values in found.items()},
+        _coords(time=(("time",), times)),
+        provenance.attributes(
+            ACTUATOR, "Constant(m=0.16)", 1e-9, over=["prestress", "temperature"]
+        ),
+    )
+
+
+@cache
+def frequency_response(points: int = 61, duration: float = 50.0) -> xr.Dataset:
+    """Make the set-up of figure 4: (prestress, temperature, omega)."""
+    omega = np.linspace(0.5, 2.0, points)
+    theta, s = (np.repeat(x, points) for x in _grid())
+    w = np.tile(omega, 6)
+    times = np.linspace(0.0, duration, int(20 * duration))
+    stretch, _ = solve(theta, s, lambda tau: (0.4 * np.sin(w * tau)) ** 2, times, rtol=1e-7)
+    x = stretch**-2
+    amplitude = ((x.max(axis=1) - x.min(axis=1)) / 2).reshape(2, 3, points)
+    at = omega[amplitude.argmax(axis=-1)]
+    two = ("prestress", "temperature")
+    return build.dataset(
+        {
+            "amplitude": ((*two, "omega"), amplitude),
+            "maximum": ((*two, "omega"), x.max(axis=1).reshape(2, 3, points)),
+            "minimum": ((*two, "omega"), x.min(axis=1).reshape(2, 3, points)),
+            "resonance": (two, at),
+            "resonance_error": (two, np.full((2, 3), 0.004)),
+            "published": (two, np.array([[1.05, 1.25, 1.35], [0.85, 1.08, 1.19]])),
+        },
+        _coords(omega=(("omega",), omega)),
+        provenance.attributes(
+            ACTUATOR, "SineSquared(b=0.4, omega=1.0, phase=0.0)", 1e-9,
+            over=["prestress", "temperature"], duration=duration,
+        ),
+    )  # fmt: skip
+
+
+def drive(omega: float) -> Load:
+    """Return the paper's load at one frequency."""
+    return lambda tau: (0.4 * np.sin(omega * tau)) ** 2
+
+
+@cache
+def forced(prestress: float, omega: float, duration: float = 100.0) -> xr.Dataset:
+    """Make the history of figures 5 and 6: (temperature, time)."""
+    times = np.linspace(0.0, duration, int(duration * 20) + 1)
+    s = np.full(3, prestress)
+    found = observed(*solve(TEMPERATURES / T0, s, drive(omega), times))
+    return build.dataset(
+        {name: (("temperature", "time"), values) for name, values in found.items()},
+        {"time": (("time",), times), "temperature": (("temperature",), TEMPERATURES),
+         "prestress": ((), np.array(prestress)), "omega": ((), np.array(omega))},
+        provenance.attributes(
+            ACTUATOR.replace("prestress=0.0", f"prestress={prestress}"),
+            f"SineSquared(b=0.4, omega={omega}, phase=0.0)", 1e-9, over=["temperature"],
+        ),
+    )  # fmt: skip
+
+
+@cache
+def sections(prestress: float, omega: float, periods: int = 200) -> xr.Dataset:
+    """Make the section of figures 5 and 6, every drive period: (temperature, period)."""
+    numbers = np.arange(periods + 1)
+    times = numbers * np.pi / omega
+    s = np.full(3, prestress)
+    found = observed(*solve(TEMPERATURES / T0, s, drive(omega), times))
+    return build.dataset(
+        {name: (("temperature", "period"), values) for name, values in found.items()},
+        {"period": (("period",), numbers), "temperature": (("temperature",), TEMPERATURES),
+         "prestress": ((), np.array(prestress)), "omega": ((), np.array(omega))},
+        provenance.attributes(
+            ACTUATOR.replace("prestress=0.0", f"prestress={prestress}"),
+            f"SineSquared(b=0.4, omega={omega}, phase=0.0)", 1e-9, over=["temperature"],
+            periods=periods,
+        ),
+    )  # fmt: skip
+
+
+def _potential(x: FloatArray, theta: FloatArray, s: FloatArray, m: float) -> FloatArray:
+    return theta * (2 / x + x**2 - 3) / 2 - 2 * s * (x**-0.5 - 1) - m * x
+
+
+@cache
+def potential(m: float = 0.16) -> xr.Dataset:
+    """Make the potentials of figure 2: (prestress, temperature, thickness_stretch)."""
+    x = np.linspace(0.15, 1.8, 1651)
+    theta = (TEMPERATURES / T0)[None, :, None]
+    u = _potential(x, theta, PRESTRESSES[:, None, None], m)
+    well = u.argmin(axis=-1)
+    inside = u <= -m + 1e-9
+    two = ("prestress", "temperature")
+    lowest = np.take_along_axis(u, well[..., None], axis=-1)
+    last = x[x.size - 1 - inside[..., ::-1].argmax(axis=-1)]
+    return build.dataset(
+        {
+            "potential": ((*two, "thickness_stretch"), u),
+            "level": (two, np.full((2, 3), -m)),
+            "turning_lower": (two, x[inside.argmax(axis=-1)]),
+            "turning_upper": (two, last),
+            "equilibrium_stretch": ((*two, "equilibrium"), x[well][..., None]),
+            "equilibrium_potential": ((*two, "equilibrium"), lowest),
+            "stability": ((*two, "equilibrium"), np.full((2, 3, 1), "stable")),
+        },
+        _coords(thickness_stretch=(("thickness_stretch",), x)),
+        provenance.attributes(ACTUATOR, f"Constant(m={m})", 1e-9),
+    )
+
+
+def solvers() -> Sequence[str]:
+    """Name the two integrations of the tolerance story."""
+    return ("converged ($10^{-9}$)", "ode45 default ($10^{-3}$)")
+
+
+@cache
+def two_tolerances(periods: int = 200) -> xr.Dataset:
+    """Make sections, converged and not: (solver, prestress, temperature, period)."""
+    loose = {"method": "RK45", "rtol": 1e-3, "atol": 1e-6}
+    out = np.empty((2, 2, 2, 3, periods + 1))
+    for j, (s, omega) in enumerate(((0.0, 1.25), (1.0, 1.08))):
+        times = np.arange(periods + 1) * np.pi / omega
+        for k, options in enumerate(({}, loose)):
+            for i, t in enumerate(TEMPERATURES / T0):
+                y = solve(np.array([t]), np.array([s]), drive(omega), times, **options)  # type: ignore[arg-type]
+                found = observed(*y)
+                out[0, k, j, i] = found["thickness_stretch"]
+                out[1, k, j, i] = found["thickness_stretch_rate"]
+    dims = ("solver", "prestress", "temperature", "period")
+    return build.dataset(
+        {"thickness_stretch": (dims, out[0]), "thickness_stretch_rate": (dims, out[1])},
+        _coords(
+            solver=(("solver",), np.array(solvers())),
+            period=(("period",), np.arange(periods + 1)),
+            omega=(("prestress",), np.array([1.25, 1.08])),
+        ),
+        provenance.attributes(ACTUATOR, "SineSquared(b=0.4, omega=1.0, phase=0.0)", None,
+                              over=["prestress", "temperature", "omega"], periods=periods),
+    )  # fmt: skip
+
+
+@cache
+def drift(duration: float = 100.0) -> xr.Dataset:
+    """Make the energy drift under constant load: (solver, prestress, temperature, time)."""
+    times = np.linspace(0.0, duration, 501)
+    loose = {"method": "RK45", "rtol": 1e-3, "atol": 1e-6}
+    out = np.empty((2, 2, 3, times.size))
+    for k, options in enumerate(({}, loose)):
+        for j, s in enumerate(PRESTRESSES):
+            for i, t in enumerate(TEMPERATURES / T0):
+                theta, prestress = np.array([t]), np.array([s])
+                y = solve(theta, prestress, lambda _: 0.16, times, **options)  # type: ignore[arg-type]
+                e = energy(*y, theta, prestress, 0.16)[0]
+                out[k, j, i] = e - e[0]
+    return build.dataset(
+        {"energy_drift": (("solver", "prestress", "temperature", "time"), out)},
+        _coords(solver=(("solver",), np.array(solvers())), time=(("time",), times)),
+        provenance.attributes(ACTUATOR, "Constant(m=0.16)", None),
+    )
+
+
+def valley() -> xr.Dataset:
+    """Make a misfit that looks like the real one: (law, window, reference_temperature, b)."""
+    laws = np.array([r"$(b_0\sin\omega\tau)^2$", r"$(b_0\cos\omega\tau)^2$"])
+    windows, t0 = np.array([50.0, 80.0, 100.0]), np.linspace(280.0, 310.0, 31)
+    b = np.linspace(0.3, 0.5, 41)
+    law = np.array([0.0, 0.02])[:, None, None, None]
+    w = windows[None, :, None, None]
+    ridge = (t0[:, None] - 293.0) / 80.0 + (b[None, :] - 0.4) * 1.2 + (w - 100.0) * 2e-3
+    misfit = np.hypot(0.0075 + law, ridge) + 0.1 * np.abs(b - 0.4)
+    return build.dataset(
+        {"misfit": (("law", "window", "reference_temperature", "b"), misfit)},
+        {
+            "law": (("law",), laws),
+            "window": (("window",), windows),
+            "reference_temperature": (("reference_temperature",), t0),
+            "b": (("b",), b),
+        },
+        provenance.attributes(ACTUATOR, "SineSquared(b=0.4, omega=1.0, phase=0.0)", 1e-6,
+                              over=["b", "reference_temperature"]),
+    )  # fmt: skip

@@ -1,0 +1,78 @@
+"""Laws of labelling."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from remanent._errors import InputError
+from remanent.results import build, provenance
+
+
+def test_everything_is_labelled() -> None:
+    """Variables and coordinates alike get unit, meaning and symbol."""
+    found = build.dataset(
+        {
+            "stretch": (("temperature", "time"), np.ones((2, 3))),
+            "error": (("temperature",), np.zeros(2)),
+        },
+        {
+            "temperature": (("temperature",), np.array([250.0, 350.0])),
+            "time": (("time",), np.array([0.0, 1.0, 2.0])),
+        },
+        {"actuator": "Actuator()"},
+    )
+    assert dict(found.sizes) == {"temperature": 2, "time": 3}
+    assert found.attrs == {"actuator": "Actuator()"}
+    for variable in found.variables.values():
+        assert {"units", "long_name", "symbol"} <= set(variable.attrs)
+
+
+def test_status_is_a_cf_flag() -> None:
+    """`status` is int8 whatever came in, with its meanings beside it."""
+    found = build.dataset({"status": ((), np.array(3))}, {}, {})["status"]
+    assert found.dtype == np.int8
+    meanings = found.attrs["flag_meanings"].split()
+    assert meanings[found.attrs["flag_values"].tolist().index(int(found))] == "escaped"
+
+
+@pytest.mark.parametrize(
+    ("variables", "match"),
+    [
+        ({"strech": (("time",), np.zeros(3))}, "schema"),
+        ({"stretch": (("time",), np.zeros(4))}, "length 3 along `time`"),
+        ({"stretch": (("time",), np.zeros((3, 1)))}, "1 dimensions"),
+    ],
+)
+def test_wrong_input_is_refused(variables: dict[str, build.Labelled], match: str) -> None:
+    """An unknown name or a wrong shape raises, naming it."""
+    with pytest.raises(InputError, match=match):
+        build.dataset(variables, {"time": (("time",), np.arange(3.0))}, {})
+
+
+def test_unflatten_keeps_the_first_dimension_slowest() -> None:
+    """Trajectory i * n + j is member (i, j) of the ensemble."""
+    flat = np.arange(24).reshape(6, 4)
+    found = build.unflatten(flat, {"temperature": 2, "prestress": 3})
+    for i in range(2):
+        for j in range(3):
+            np.testing.assert_array_equal(found[i, j], flat[3 * i + j])
+
+
+def test_equal_runs_have_equal_provenance() -> None:
+    """Nothing in the attributes depends on when they were made."""
+    first = provenance.attributes("Actuator()", "Constant(0.1)", 1e-9, over=["omega"], every=2)
+    second = provenance.attributes("Actuator()", "Constant(0.1)", 1e-9, over=["omega"], every=2)
+    assert first == second
+    assert not {"time", "date", "history", "created"} & set(first)
+
+
+def test_provenance_says_what_made_it() -> None:
+    """Actuator, drive, tolerance, versions and settings are all there."""
+    found = provenance.attributes(
+        "A()", "D()", 1e-6, over=["b", "omega"], duration=100.0, every=None
+    )
+    assert (found["actuator"], found["drive"], found["tolerance"]) == ("A()", "D()", 1e-6)
+    assert (found["over"], found["settings"], found["duration"]) == ("b omega", "duration", 100.0)
+    assert {"remanent", "numpy", "llvmlite"} <= set(found["versions"].replace(",", "").split())
+    assert "every" not in found

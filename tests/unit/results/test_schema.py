@@ -1,0 +1,99 @@
+"""Laws of the table of variables."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+from matplotlib.mathtext import MathTextParser
+
+from remanent._errors import InputError
+from remanent.integrate.status import Status
+from remanent.results.schema import FLAGS, TABLE, Kind, describe, flag_attributes
+
+UNITS = {"1", "rad", "K", "K-1"}
+
+
+@pytest.mark.parametrize("name", TABLE)
+def test_every_row_has_unit_meaning_and_symbol(name: str) -> None:
+    """Every variable has a unit of the house, a meaning in words and a LaTeX symbol."""
+    row = TABLE[name]
+    assert row.name == name
+    assert row.units in UNITS
+    assert re.fullmatch(r"[A-Za-z0-9 ,-]+", row.long_name)
+    assert row.symbol
+
+
+@pytest.mark.parametrize("name", TABLE)
+def test_every_symbol_can_be_typeset(name: str) -> None:
+    """Every symbol is mathtext that matplotlib can set."""
+    width, height, *_ = MathTextParser("path").parse(f"${TABLE[name].symbol}$")
+    assert width > 0
+    assert height > 0
+
+
+def test_symbols_tell_the_coordinates_of_one_figure_apart() -> None:
+    """Quantities that share a figure do not share a symbol."""
+    motion = ["thickness_stretch", "thickness_stretch_rate", "stretch", "time", "energy"]
+    forced = ["omega", "amplitude", "resonance", "b", "c", "temperature", "prestress"]
+    together = motion + forced
+    symbols = [TABLE[name].symbol for name in together]
+    assert len(set(symbols)) == len(symbols)
+
+
+def test_frequencies_and_temperatures_have_their_units() -> None:
+    """Kind and unit agree."""
+    for row in TABLE.values():
+        assert (row.units == "K") == (row.kind is Kind.TEMPERATURE), row.name
+        if row.kind is Kind.FREQUENCY:
+            assert row.units == "rad", row.name
+
+
+def test_an_error_has_the_unit_of_what_it_bounds() -> None:
+    """`<name>_error` is described by rule, in the unit of `<name>`."""
+    found = describe("resonance_error")
+    assert (found.units, found.kind) == ("rad", Kind.FREQUENCY)
+    assert "resonance frequency" in found.long_name
+
+
+@pytest.mark.parametrize(
+    ("name", "units"),
+    [
+        ("material.jm", "1"),
+        ("material.alpha_1", "1"),
+        ("dissipation.0.eta", "1"),
+        ("dissipation.1.relaxation_time", "1"),
+        ("initial.stretch", "1"),
+        ("initial.body_temperature", "K"),
+    ],
+)
+def test_dotted_names_are_described(name: str, units: str) -> None:
+    """Fields of the user's parts are described under the user's names."""
+    found = describe(name)
+    assert found.name == name
+    assert found.units == units
+
+
+def test_numbered_parts_have_different_symbols() -> None:
+    """Two dashpots are told apart by their number."""
+    assert describe("dissipation.0.eta").symbol != describe("dissipation.1.eta").symbol
+
+
+@pytest.mark.parametrize("name", ["strech", "stretch_errors", "nonsense.eta", ""])
+def test_an_unknown_name_is_refused(name: str) -> None:
+    """A misspelt variable raises, and the message says where the table is."""
+    with pytest.raises(InputError, match=r"results/schema\.py"):
+        describe(name)
+
+
+def test_status_flags_are_those_of_the_integrator() -> None:
+    """Code k of `status` means what the integrator means by k."""
+    assert len(FLAGS["status"]) == len(Status)
+    for code in Status:
+        assert FLAGS["status"][code] == code.meaning
+    found = flag_attributes("status")
+    values, meanings = found["flag_values"], str(found["flag_meanings"]).split()
+    assert isinstance(values, np.ndarray)
+    assert values.dtype == np.int8
+    assert len(meanings) == len(values)
