@@ -28,7 +28,7 @@ lint: $(VENV)/.develop ## style, format, types, import rules, documentation
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
-	$(BIN)/lint-imports
+	$(BIN)/lint-imports --no-cache
 	$(MAKE) --no-print-directory docs
 
 docs: $(VENV)/.develop ## the site, in docs/_build/html
@@ -38,7 +38,7 @@ bench: $(VENV)/.bench ## the benchmarks, against the peers in the same run
 	$(BIN)/python -m benchmarks
 
 clean: ## remove what the other targets wrote, except .venv
-	rm -rf paper docs/_build .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis dist
+	rm -rf paper docs/_build .pytest_cache .mypy_cache .ruff_cache .hypothesis dist
 	find src tests docs benchmarks -name __pycache__ -type d -prune -exec rm -rf {} +
 
 # The environment. Each stamp says that what it names is installed.

@@ -1,5 +1,6 @@
 """How Sphinx builds the site."""
 
+import re
 from importlib.metadata import version as installed_version
 
 project = "Remanent"
@@ -22,16 +23,33 @@ myst_heading_anchors = 3
 
 autodoc_class_signature = "mixed"
 autodoc_default_options = {
-    "exclude-members": "checked_options, choices, invalid, piece_parameters, rules, structure"
+    # What the parts of the package tell one another.
+    "exclude-members": "checked_options, choices, invalid, parameter_rules, parts, "
+    "piece_parameters, rules, scales, structure, warn_if_implausible, with_parameter"
 }
 autodoc_member_order = "bysource"
 autodoc_preserve_defaults = True
+autodoc_type_aliases = {name: name for name in ("ArrayLike", "BoolArray", "FloatArray", "Over")}
 autodoc_typehints = "signature"
 autodoc_typehints_format = "short"
 napoleon_google_docstring = False
 napoleon_use_ivar = True
 napoleon_use_rtype = False
+python_maximum_signature_line_length = 88
 
 html_theme = "furo"
 html_title = f"Remanent {release}"
 copybutton_exclude = ".linenos, .gp, .go"
+
+
+def plain_aliases(_app, _what, _name, _obj, _options, signature, returns):
+    """Show an alias kept by `autodoc_type_aliases` by its name, in unions too."""
+    return tuple(
+        text and re.sub(r"TypeAliasForwardRef\('(\w+)'\)", r"\1", text)
+        for text in (signature, returns)
+    )
+
+
+def setup(app):
+    """Called by Sphinx."""
+    app.connect("autodoc-process-signature", plain_aliases)

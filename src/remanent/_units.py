@@ -44,12 +44,16 @@ def magnitude(name: str, quantity: Quantity, unit: str) -> float | FloatArray:
     return _number(converted)
 
 
-def positive(name: str, quantity: Quantity, unit: str, remedy: str) -> float:
+def positive(name: str, quantity: Quantity, unit: str) -> float:
     """The number of `unit` in one quantity that must be finite and greater than 0."""
     number = single(name, quantity, unit)
-    if not number > 0.0 or not np.isfinite(number):
+    if not 0.0 < number < float("inf"):
         raise InputError(
-            name, "be greater than 0 and finite", quantity, "It is a physical size.", remedy
+            name,
+            "be greater than 0 and finite",
+            quantity,
+            "It is a physical size.",
+            "Check its sign and its exponent.",
         )
     return number
 

@@ -1,1 +1,5 @@
-"""The command `remanent`: parse, call one verb, present."""
+"""The command ``remanent``: parse, call one verb, present."""
+
+from remanent.cli.main import main
+
+__all__ = ["main"]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from remanent._field import Field, Program
-from remanent.codegen.lower import lower
+from remanent.codegen.lower import DRIVE, PARAMETER, STATE, lower
 from remanent.models import mechanics
 from remanent.models.actuator import Actuator
 from remanent.models.drive import Drive
@@ -42,10 +42,10 @@ def build(actuator: Actuator, drive: Drive, *, coordinates: int = 1) -> Field:
 def _levels(
     system: mechanics.System, parameters: tuple[str, ...], drive: Drive
 ) -> dict[mechanics.Symbol, int]:
-    """0 for parameters, 1 for what the drive brings, 2 for the state."""
+    """What each input varies with."""
     return (
-        dict.fromkeys(system.state, 2)
-        | {mechanics.parameter(name): 0 for name in parameters}
-        | {mechanics.waveform(name): 1 for name in drive.waveforms}
-        | {mechanics.PHASE: 1}
+        dict.fromkeys(system.state, STATE)
+        | {mechanics.parameter(name): PARAMETER for name in parameters}
+        | {mechanics.waveform(name): DRIVE for name in drive.waveforms}
+        | {mechanics.PHASE: DRIVE}
     )

@@ -23,6 +23,9 @@ Expression = Any  # SymPy is not typed
 Symbol = Any
 Monomial = tuple[int, ...]
 
+#: What a value varies with: nothing within a piece of time, the time, or the state.
+PARAMETER, DRIVE, STATE = 0, 1, 2
+
 _FUNCTIONS = {sp.exp: "exp", sp.log: "log", sp.sin: "sin", sp.cos: "cos"}
 
 
@@ -42,15 +45,19 @@ def lower(
     inputs
         Names of the program's inputs, in order.
     levels
-        For each input symbol: 0 for a parameter, 1 for what the drive brings, 2 for
-        a state variable.
+        For each input symbol what it varies with: `PARAMETER`, `DRIVE` or `STATE`.
     definitions
         Symbols that stand for expressions in input symbols and earlier definitions.
+
+    Notes
+    -----
+    What depends on the state is expanded, so that its rounding error is that of sums
+    of monomials; law N11 is tested for every model.
     """
     generators: dict[Expression, Symbol] = {}
     rational = [rationalised(sp.sympify(output), generators) for output in outputs]
     meanings = {**definitions, **{symbol: e for e, symbol in generators.items()}}
-    translator = _Translator(Instructions(inputs), dict(levels), meanings)
+    translator = _Translator(Instructions(inputs), levels, meanings)
     return translator.instructions.program(translator.quotients(rational))
 
 
@@ -60,21 +67,23 @@ class _Translator:
     def __init__(
         self,
         instructions: Instructions,
-        levels: dict[Symbol, int],
+        levels: Mapping[Symbol, int],
         definitions: Mapping[Symbol, Expression],
     ) -> None:
         self.instructions = instructions
-        self._levels = levels
+        self._levels = dict(levels)
         self._definitions = definitions
+        for symbol, meaning in definitions.items():
+            self._levels[symbol] = self.level(meaning)
 
     def level(self, expression: Expression) -> int:
         """The highest level of any symbol in `expression`."""
-        return max((self._symbol_level(s) for s in expression.free_symbols), default=0)
+        return max((self._levels[s] for s in expression.free_symbols), default=0)
 
-    def _symbol_level(self, symbol: Symbol) -> int:
-        if symbol not in self._levels:
-            self._levels[symbol] = self.level(self._definitions[symbol])
-        return self._levels[symbol]
+    def _dynamic(self, expression: Expression) -> list[Symbol]:
+        """Symbols in `expression` that vary with the state, in a definite order."""
+        found = [s for s in expression.free_symbols if self._levels[s] == STATE]
+        return sorted(found, key=list(self._levels).index)
 
     # Rational functions of the state --------------------------------------------------
 
@@ -93,8 +102,8 @@ class _Translator:
         ]
 
     def _quotient(self, expression: Expression) -> Quotient | None:
-        dynamic = frozenset(s for s in expression.free_symbols if self._symbol_level(s) == 2)
-        return quotient(expression, dynamic) if dynamic else None
+        dynamic = self._dynamic(expression)
+        return quotient(expression, frozenset(dynamic)) if dynamic else None
 
     def _value(
         self, item: Quotient, shared: Signed, multiple: Mapping[Expression, int], users: int
@@ -118,17 +127,12 @@ class _Translator:
 
     def polynomial(self, expression: Expression) -> Signed:
         """A polynomial in the state by nested multiplication."""
-        symbols = [s for s in expression.free_symbols if self._symbol_level(s) == 2]
-        symbols.sort(key=self._order)
+        symbols = self._dynamic(expression)
         if not symbols:
             return self.written(expression)
         terms = sp.Poly(expression, *symbols).as_dict()
         values = [self.written(symbol) for symbol in symbols]
         return self._nested(values, {m: self.written(terms[m]) for m in sorted(terms)})
-
-    def _order(self, symbol: Symbol) -> tuple[int, str]:
-        names = [s.name for s in self._levels]
-        return names.index(symbol.name), symbol.name
 
     def _nested(self, values: Sequence[Signed], terms: Mapping[Monomial, Signed]) -> Signed:
         """x^k (inner) + rest, for the x that most terms have, and so on inside."""
@@ -166,7 +170,7 @@ class _Translator:
             )
         if expression.is_Mul:
             return self._fraction(expression)
-        if expression.is_Pow and expression.base != sp.E:
+        if expression.is_Pow:
             return self._power(expression)
         argument = self.written(expression.args[-1])
         return self.instructions.call(_FUNCTIONS[expression.func], argument)
@@ -206,7 +210,7 @@ class _Translator:
         """
         for factor in product.as_ordered_factors():
             meaning = self._definitions.get(factor)
-            if meaning is not None and meaning.is_Mul and self.level(factor) > 0:
+            if meaning is not None and meaning.is_Mul and self.level(factor) >= DRIVE:
                 yield from self._flattened(meaning)
             else:
                 yield factor

@@ -58,7 +58,7 @@ def rationalised(expression: Expression, generators: dict[Expression, Symbol]) -
                 for term in sp.Add.make_args(expression.exp)
             )
         )
-    if expression.is_Function or (expression.is_Pow and expression.base == sp.E):
+    if expression.is_Function:
         return _generator(expression, generators)
     return expression.func(*(rationalised(a, generators) for a in expression.args))
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
@@ -17,33 +16,63 @@ from remanent.integrate.tables import waveform_tables
 
 #: Without a period, resolution counts double steps per this time (about one oscillation).
 NOMINAL = 2.5
+#: Errors above this no longer follow the order of the method.
+NONLINEAR = 1e-2
 #: Fine steps in one call of the kernel: short enough to cancel soon.
 _STEPS_PER_CALL = 2048
+#: Samples computed together between steps: few enough to stay in the processor's cache.
+_SAMPLES_AT_ONCE = 8192
 #: The end is moved by this factor so that rounding cannot put it past the last step.
 _INWARD = 1.0 - 2.0**-50
 
 
 @dataclass(frozen=True)
 class Stretch:
-    """A run of equal cycles: one call of a kernel.
+    """A run of equal cycles, or a part of one: one call of a kernel.
 
     Attributes
     ----------
     length : array (trajectory,)
         Of one cycle, tau.
     start : array (trajectory,)
-        When the first begins.
-    doubles, cycles : int
-        Double steps in a cycle; how many cycles.
+        When the stretch begins.
+    cycles, first : int
+        How many cycles; how many came before them.
+    resolution : int
+        Double steps in a whole cycle.
+    part : slice
+        Those double steps of the cycle that are taken: all of them if ``cycles > 1``.
     parameters : dict of name to array
         That hold during this stretch.
     """
 
     length: FloatArray
     start: FloatArray
-    doubles: int
     cycles: int
+    first: int
+    resolution: int
+    part: slice
     parameters: dict[str, FloatArray]
+
+    @property
+    def doubles(self) -> int:
+        """Double steps taken in each cycle."""
+        return int(self.part.stop - self.part.start)
+
+    @property
+    def step(self) -> FloatArray:
+        """Length of a fine step, tau, array (trajectory,)."""
+        return self.length / (2 * self.resolution)
+
+    def phase(self, steps: IntArray | int) -> FloatArray:
+        """Phase of the cycle after so many fine steps of the stretch."""
+        within = np.remainder(steps, 2 * self.doubles)
+        return np.asarray((2 * self.part.start + within) / (2 * self.resolution))
+
+    def tables(self, whole: tuple[FloatArray, FloatArray]) -> tuple[FloatArray, FloatArray]:
+        """Those rows of the tables of a whole cycle that belong to the part."""
+        fine, coarse = whole
+        return fine[2 * self.part.start : 2 * self.part.stop], coarse[self.part]
 
 
 @dataclass
@@ -59,13 +88,17 @@ class Attempt:
     states: FloatArray | None
 
 
+def hopeless(tolerance: float) -> float:
+    """An error from which on a trajectory teaches nothing more about its resolution."""
+    return max(tolerance, NONLINEAR)
+
+
 def double_steps(timeline: Timeline, resolution: int) -> IntArray:
     """Double steps in every piece, array (piece, trajectory), at a resolution."""
     if timeline.periodic:
         return np.full(timeline.lengths.shape, resolution, dtype=np.int64)
     count = np.ceil(timeline.lengths * (resolution / NOMINAL) - 1e-9)
-    least = math.ceil((dense.NODES - 1) / 2)
-    return np.asarray(np.clip(count, least, 2**40), dtype=np.int64)
+    return np.asarray(np.clip(count, 1, 2**40), dtype=np.int64)
 
 
 def cycle_counts(problem: Problem) -> IntArray:
@@ -84,14 +117,25 @@ def stretches(
     start = np.zeros(which.size)
     for k, lengths in enumerate(timeline.lengths[:, which]):
         parameters = {name: v[k, which] for name, v in timeline.parameters.items()}
-        per_call = max(1, _STEPS_PER_CALL // (2 * int(doubles[k])))
-        if strobe:
-            per_call = strobe * max(1, per_call // strobe)
         total = cycles if timeline.periodic else 1
-        for first in range(0, total, per_call):
-            count = min(per_call, total - first)
-            yield Stretch(lengths, start + first * lengths, int(doubles[k]), count, parameters)
+        for first, count, part in _calls(total, int(doubles[k]), strobe):
+            begin = start + (first + part.start / doubles[k]) * lengths
+            yield Stretch(lengths, begin, count, first, int(doubles[k]), part, parameters)
         start = start + lengths
+
+
+def _calls(cycles: int, doubles: int, strobe: int) -> Iterator[tuple[int, int, slice]]:
+    """Cycles before each call, cycles in it, and the part of the cycle that is taken."""
+    per_call = _STEPS_PER_CALL // (2 * doubles)
+    if strobe:
+        per_call = strobe * max(1, per_call // strobe)
+    if per_call:
+        for first in range(0, cycles, per_call):
+            yield first, min(per_call, cycles - first), slice(0, doubles)
+        return
+    for first in range(cycles):
+        for begin in range(0, doubles, _STEPS_PER_CALL // 2):
+            yield first, 1, slice(begin, min(begin + _STEPS_PER_CALL // 2, doubles))
 
 
 def attempt(
@@ -115,13 +159,13 @@ def attempt(
     for stretch in stretches(problem.timeline, which, doubles, cycles, request.strobe):
         if not keep_going():
             break
-        if stretch.doubles not in tables:
-            tables[stretch.doubles] = waveform_tables(
-                problem.timeline.waveform, kernel.method, stretch.doubles
+        if stretch.resolution not in tables:
+            tables[stretch.resolution] = waveform_tables(
+                problem.timeline.waveform, kernel.method, stretch.resolution
             )
         _set_stretch(lanes, kernel, problem, stretch)
-        sampler.run(lanes, tables[stretch.doubles], stretch)
-        if not (_column(lanes, kernel, "alive")[: which.size] > 0.5).any():
+        sampler.run(lanes, stretch.tables(tables[stretch.resolution]), stretch)
+        if not (_column(lanes, kernel, "total")[: which.size] <= hopeless(tolerance)).any():
             break
     return _collect(lanes, kernel, which.size, sampler.states)
 
@@ -141,14 +185,15 @@ def _lanes(
         "begin": 0.0 if request.begin is None else request.begin[padded] * _INWARD,
         "end": problem.duration[padded] * _INWARD,
         "tolerance": tolerance,
+        "hopeless": hopeless(tolerance),
         "alive": 1.0,
         "maximum": -np.inf,
         "minimum": np.inf,
     }
     for name, value in scalars.items():
         flat[:, layout.slots[name]] = value
-    flat = flat.reshape(groups, width, layout.size)
-    return np.ascontiguousarray(flat.transpose(0, 2, 1))
+    grouped = flat.reshape(groups, width, layout.size)
+    return np.ascontiguousarray(grouped.transpose(0, 2, 1))
 
 
 def _column(lanes: FloatArray, kernel: Kernel, name: str) -> FloatArray:
@@ -164,7 +209,7 @@ def _set_column(lanes: FloatArray, slot: int, values: FloatArray) -> None:
 def _set_stretch(lanes: FloatArray, kernel: Kernel, problem: Problem, stretch: Stretch) -> None:
     slots = kernel.layout.slots
     _set_column(lanes, slots["cycle"], stretch.length)
-    _set_column(lanes, slots["step"], stretch.length / (2 * stretch.doubles))
+    _set_column(lanes, slots["step"], stretch.step)
     _set_column(lanes, slots["start"], stretch.start)
     for name, values in stretch.parameters.items():
         index = problem.field.parameters.index(name)
@@ -189,6 +234,7 @@ class _Sampler:
         self.problem, self.kernel, self.strobe = problem, kernel, request.strobe
         self.times = None if request.times is None else request.times[which]
         self.count = which.size
+        self.cycles = cycle_counts(problem)[which]
         self.states: FloatArray | None = None
         self.done = 0
         samples = None
@@ -228,8 +274,10 @@ class _Sampler:
             return 2 * stretch.doubles * self.strobe if stretch.cycles >= self.strobe else 0
         if self.times is None:
             return 0
-        end = stretch.start + stretch.length * stretch.cycles
-        wanted = (self.times >= stretch.start[:, None]) & (self.times <= end[:, None])
+        slack = 1e-9 * stretch.step
+        begin = stretch.start - slack
+        end = stretch.start + stretch.step * (2 * stretch.doubles * stretch.cycles) + slack
+        wanted = (self.times >= begin[:, None]) & (self.times <= end[:, None])
         return int(wanted.any())
 
     def _flat(self, record: FloatArray) -> FloatArray:
@@ -240,32 +288,29 @@ class _Sampler:
     def _interpolate(self, states: FloatArray, lanes: FloatArray, stretch: Stretch) -> None:
         assert self.times is not None
         assert self.states is not None
-        steps = states.shape[1] - 1
-        step = stretch.length / (2 * stretch.doubles)
-        position = (self.times - stretch.start[:, None]) / step[:, None]
-        near = np.rint(position)
-        position = np.where(np.abs(position - near) < 1e-9, near, position)
-        trajectory, sample = np.nonzero((position >= 0.0) & (position <= steps))
-        first = dense.first_nodes(position[trajectory, sample], steps)
-        nodes = first[:, None] + np.arange(dense.NODES)
-        rates = self._rates(states, lanes, stretch)
-        self.states[trajectory, sample] = dense.interpolate(
-            states[trajectory[:, None], nodes],
-            rates[trajectory[:, None], nodes],
-            step[trajectory],
-            position[trajectory, sample] - first,
-        )
-
-    def _rates(self, states: FloatArray, lanes: FloatArray, stretch: Stretch) -> FloatArray:
-        """Rates (trajectory, end of step, state) by the interpreted field."""
-        steps = 2 * stretch.doubles
-        ends = np.arange(states.shape[1])
-        phase = ends / steps if stretch.cycles == 1 else (ends % steps) / steps
+        steps = 2 * stretch.doubles * (self.cycles - stretch.first).clip(0, stretch.cycles)
+        with np.errstate(all="ignore"):  # a piece may be empty for some trajectories
+            position = (self.times - stretch.start[:, None]) / stretch.step[:, None]
+            near = np.rint(position)
+            position = np.where(np.abs(position - near) < 1e-9, near, position)
+            inside = (position >= 0.0) & (position <= steps[:, None])
+        horizon = _column(lanes, self.kernel, "horizon")[: self.count]
+        trusted = self.times <= horizon[:, None] * (1.0 + 1e-12)
+        trajectory, sample = np.nonzero(inside & trusted & (steps > 0)[:, None])
         parameters = lanes[:, self.kernel.layout.group("parameter"), :]
-        flat = parameters.transpose(1, 0, 2).reshape(parameters.shape[1], -1)[:, : self.count]
-        field = self.problem.field
-        waveforms = self.problem.timeline.waveform(phase)
-        inputs = [phase, *np.moveaxis(states, 2, 0), *flat[:, :, None], *waveforms]
-        with np.errstate(all="ignore"):
-            rates = field.rates(inputs, functions=np)
-        return np.stack(np.broadcast_arrays(*rates, states[..., 0])[:-1], axis=-1)
+        flat = parameters.transpose(1, 0, 2).reshape(parameters.shape[1], -1)
+        for first in range(0, trajectory.size, _SAMPLES_AT_ONCE):
+            some = slice(first, first + _SAMPLES_AT_ONCE)
+            row, column = trajectory[some], sample[some]
+            whole = np.floor(position[row, column]).astype(np.int64)
+            part = position[row, column] - whole
+            self.states[row, column] = dense.between(
+                self.problem.field,
+                self.kernel.method,
+                self.problem.timeline.waveform,
+                states=states[row, whole],
+                parameters=list(flat[:, row]),
+                phase=stretch.phase(whole),
+                span=part / (2 * stretch.resolution),
+                time=part * stretch.step[row],
+            )

@@ -1,77 +1,60 @@
-"""States between steps: the Hermite polynomial through five steps' ends.
+"""States between steps: a shorter step from the end of the last whole one.
 
-The ends of steps carry the state and its rate; the polynomial of degree 9 through
-five of them has an error of order 10 in the step, two more than the method's.
+Its local error is that of a whole step or less, whatever the motion does in between, so
+that the error bound at the ends of steps holds between them too.  (A polynomial through
+several ends of steps needs no further rates, but its error in a fast stretch of the
+motion can exceed that of the steps by orders of magnitude.)
 """
 
 from __future__ import annotations
 
-from functools import cache
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 
-from remanent._typing import FloatArray, IntArray
-
-#: Ends of steps that a polynomial passes through.
-NODES = 5
-
-
-@cache
-def _slopes() -> FloatArray:
-    """Slope at its own node of each Lagrange polynomial on the nodes 0, 1 ... 4."""
-    nodes = range(NODES)
-    return np.array([sum(1.0 / (i - j) for j in nodes if j != i) for i in nodes])
+from remanent._field import Field
+from remanent._typing import FloatArray
+from remanent.integrate.methods import RungeKutta
 
 
-def _hermite(position: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """The Hermite basis (..., node) of values and of slopes, in product form."""
-    away = position[..., None] - np.arange(NODES)
-    lagrange = np.empty_like(away)
-    for i in range(NODES):
-        others = [j for j in range(NODES) if j != i]
-        lagrange[..., i] = np.prod(away[..., others] / (i - np.array(others)), axis=-1)
-    square = lagrange**2
-    return square * (1.0 - 2.0 * _slopes() * away), square * away
-
-
-def first_nodes(position: FloatArray, steps: int) -> IntArray:
-    """Which five step ends surround a position best.
-
-    Parameters
-    ----------
-    position
-        Time in steps from the first stored end.
-    steps
-        Number of steps stored; at least ``NODES - 1``.
-
-    Returns
-    -------
-    array
-        Index of the first of the five ends.
-    """
-    nearest = np.rint(np.nan_to_num(position)).astype(np.int64)
-    return np.clip(nearest - NODES // 2, 0, steps - NODES + 1)
-
-
-def interpolate(
-    states: FloatArray, rates: FloatArray, step: FloatArray, position: FloatArray
+def between(
+    field: Field,
+    method: RungeKutta,
+    waveform: Callable[[FloatArray], FloatArray],
+    *,
+    states: FloatArray,
+    parameters: Sequence[FloatArray],
+    phase: FloatArray,
+    span: FloatArray,
+    time: FloatArray,
 ) -> FloatArray:
-    """The state at any position among five step ends.
+    """The states a little later, by one step for each, with NumPy.
 
     Parameters
     ----------
-    states, rates : array (..., 5, state)
-        At the five ends.
-    step : array (...)
-        Length of a step.
-    position : array (...)
-        Time from the first of the five, in steps; an integer gives that state exactly.
+    field, method, waveform
+        What moves, how it is integrated, and the waveforms of its load.
+    states : array (sample, state)
+        To start from.
+    parameters : sequence of array (sample,)
+        In the order of ``field.parameters``.
+    phase, span : array (sample,)
+        Phase of the drive at the start, and its change.
+    time : array (sample,)
+        Length of the step, tau; where it is 0 the state stays exactly as it is.
 
     Returns
     -------
-    array (..., state)
+    array (sample, state)
     """
-    values, slopes = _hermite(position)
-    result = np.einsum("...n,...ns->...s", values, states)
-    result += step[..., None] * np.einsum("...n,...ns->...s", slopes, rates)
-    return np.asarray(result)
+    phases = [phase + float(node) * span for node in method.nodes]
+    loads = [list(waveform(s)) for s in phases]
+
+    def rates(node: int, y: list[Any]) -> list[Any]:
+        inputs = [phases[node], *y, *parameters, *loads[node]]
+        return field.rates(inputs, functions=np)
+
+    with np.errstate(all="ignore"):
+        moved = np.stack(method.step(rates, list(states.T), time), axis=1)
+    return np.where((time == 0.0)[:, None], states, moved)

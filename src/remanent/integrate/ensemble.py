@@ -12,13 +12,21 @@ import os
 import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor, as_completed
-from dataclasses import dataclass, field
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
 from remanent._typing import BoolArray, FloatArray, IntArray
-from remanent.integrate.chunk import Attempt, attempt, cycle_counts, double_steps
-from remanent.integrate.compile import Kernel, compiled
+from remanent.integrate.chunk import (
+    NOMINAL,
+    NONLINEAR,
+    Attempt,
+    attempt,
+    cycle_counts,
+    double_steps,
+)
+from remanent.integrate.compile import compiled
 from remanent.integrate.kernel import Options
 from remanent.integrate.methods import RungeKutta, default_method
 from remanent.integrate.problem import Outcome, Problem, Request
@@ -28,6 +36,8 @@ from remanent.integrate.status import Status
 _CHUNK = 512
 #: Largest resolution tried, double steps per cycle.
 MAX_RESOLUTION = 2**14
+#: Most fine steps of one trajectory: minutes of work.
+MAX_STEPS = 2.0**30
 #: A state beyond this has left the range of any actuator.
 ESCAPE = 1e6
 #: Refinement aims this factor below the tolerance.
@@ -38,14 +48,6 @@ _STALLED = 1.05
 _ROUND_OFF = 4.0
 
 Progress = Callable[[float], None]
-
-
-@dataclass
-class _Work:
-    """The best attempt so far for each trajectory, and what is left to do."""
-
-    outcome: Outcome
-    pending: dict[int, int] = field(default_factory=dict)
 
 
 def integrate(
@@ -86,108 +88,140 @@ def integrate(
     )
     kernel = compiled(problem.field, method or default_method(), options)
     outcome = _empty(problem, request)
-    count = problem.duration.size
-    pending = {int(i): first_resolution(tolerance) for i in np.flatnonzero(~problem.invalid)}
+    threads = workers or os.cpu_count() or 1
+    index = np.flatnonzero(~problem.invalid)
+    pending = _Pending(index, np.full(index.size, first_resolution(tolerance)))
+    search = replace(request, times=None)  # states between steps cost more than the steps
     stop = threading.Event()
-    with ThreadPoolExecutor(max_workers=workers or os.cpu_count() or 1) as pool:
-        try:
-            while pending:
-                pending = _round(
-                    problem, request, kernel, tolerance, max_resolution, outcome, pending,
-                    pool, stop,
+    with ThreadPoolExecutor(max_workers=threads) as pool:
+
+        def start(
+            request: Request, chunks: Iterator[tuple[int, IntArray]]
+        ) -> dict[Future[Attempt], tuple[int, IntArray]]:
+            def run(resolution: int, which: IntArray) -> Attempt:
+                return attempt(
+                    problem, request, kernel, tolerance, resolution, which,
+                    lambda: not stop.is_set(),
                 )  # fmt: skip
+
+            return {pool.submit(run, *chunk): chunk for chunk in chunks}
+
+        try:
+            while pending.index.size:
+                pending = _affordable(problem, outcome, pending)
+                chunks = _chunks(problem, pending, kernel.width, threads)
+                futures = start(search, chunks)
+                again = _settled(problem, outcome, futures, tolerance, max_resolution)
+                pending = _Pending(*map(np.concatenate, zip(*again, strict=True)))
                 if progress is not None:
-                    progress(1.0 - len(pending) / max(count, 1))
+                    progress(1.0 - pending.index.size / max(problem.duration.size, 1))
+            if request.times is not None:
+                found = _Pending(*_found(outcome))
+                _sampled(outcome, start(request, _chunks(problem, found, kernel.width, threads)))
         except BaseException:
             stop.set()
             raise
     return outcome
 
 
+def _found(outcome: Outcome) -> tuple[IntArray, IntArray]:
+    """Trajectories that were computed, and the resolution that reached furthest."""
+    index = np.flatnonzero(outcome.resolution > 0)
+    return index, outcome.resolution[index]
+
+
+def _sampled(outcome: Outcome, futures: dict[Future[Attempt], tuple[int, IntArray]]) -> None:
+    """Take in the states at the times wanted."""
+    assert outcome.states is not None
+    for future in as_completed(futures):
+        states = future.result().states
+        assert states is not None
+        outcome.states[futures[future][1]] = states
+
+
+def _affordable(problem: Problem, outcome: Outcome, pending: _Pending) -> _Pending:
+    """Leave out what would take too many steps; that is its status."""
+    possible = np.zeros(pending.index.size, dtype=np.bool_)
+    for level in np.unique(pending.resolution):
+        members = pending.resolution == level
+        steps = double_steps(problem.timeline, int(level))[:, pending.index[members]].sum(axis=0)
+        cycles = cycle_counts(problem)[pending.index[members]]
+        possible[members] = 2.0 * steps * cycles <= MAX_STEPS
+    outcome.status[pending.index[~possible]] = Status.MAX_STEPS
+    return _Pending(pending.index[possible], pending.resolution[possible])
+
+
+class _Pending(NamedTuple):
+    """Trajectories to try, and how finely."""
+
+    index: IntArray
+    resolution: IntArray
+
+
+#: The resolutions tried: 4, 6, 8, 12, 16, 24 ...
+_LADDER = np.array([base << k for k in range(40) for base in (4, 6)], dtype=np.int64)
+
+
+def ladder(wanted: FloatArray | float) -> IntArray:
+    """The smallest of 4, 6, 8, 12, 16, 24 ... that is not below `wanted`."""
+    return np.asarray(_LADDER[np.searchsorted(_LADDER, wanted)])
+
+
 def first_resolution(tolerance: float) -> int:
     """Double steps per cycle to begin with: enough for a gentle trajectory."""
-    return ladder(12.0 * (1e-9 / tolerance) ** 0.125)
+    return int(ladder(12.0 * (1e-9 / tolerance) ** 0.125))
 
 
-def ladder(wanted: float) -> int:
-    """The smallest of 4, 6, 8, 12, 16, 24 ... that is not below `wanted`."""
-    power = 4
-    while power < wanted:
-        if wanted <= 1.5 * power:
-            return 3 * power // 2
-        power *= 2
-    return power
-
-
-def _round(
+def _settled(
     problem: Problem,
-    request: Request,
-    kernel: Kernel,
+    outcome: Outcome,
+    futures: dict[Future[Attempt], tuple[int, IntArray]],
     tolerance: float,
     max_resolution: int,
-    outcome: Outcome,
-    pending: dict[int, int],
-    pool: ThreadPoolExecutor,
-    stop: threading.Event,
-) -> dict[int, int]:
-    """Try every pending trajectory once; return those to try again and how finely."""
-
-    def run(resolution: int, which: IntArray) -> Attempt:
-        return attempt(
-            problem, request, kernel, tolerance, resolution, which, lambda: not stop.is_set()
-        )
-
-    futures: dict[Future[Attempt], tuple[int, IntArray]] = {
-        pool.submit(run, resolution, which): (resolution, which)
-        for resolution, which in _chunks(problem, pending)
-    }
-    again: dict[int, int] = {}
+) -> list[_Pending]:
+    """Take in finished chunks; tell which trajectories to try again and how finely."""
+    again = [_Pending(np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64))]
     for future in as_completed(futures):
         resolution, which = futures[future]
         result = future.result()
-        stalled = _record(problem, outcome, result, resolution, which, tolerance)
-        failed = result.values["alive"] < 0.5
+        hopeless = _record(problem, outcome, result, resolution, which)
+        unfinished = (result.values["alive"] < 0.5) & ~hopeless
         wanted = _next_resolution(result.values["total"], tolerance, resolution)
-        for i in np.flatnonzero(failed & ~stalled):
-            if wanted[i] <= max_resolution:
-                again[int(which[i])] = int(wanted[i])
-            else:
-                outcome.status[which[i]] = Status.MAX_STEPS
+        possible = wanted <= max_resolution
+        outcome.status[which[unfinished & ~possible]] = Status.MAX_STEPS
+        retry = unfinished & possible
+        again.append(_Pending(which[retry], wanted[retry]))
     return again
 
 
-def _chunks(problem: Problem, pending: dict[int, int]) -> Iterator[tuple[int, IntArray]]:
+def _chunks(
+    problem: Problem, pending: _Pending, width: int, threads: int
+) -> Iterator[tuple[int, IntArray]]:
     """Group trajectories that share a resolution, step counts, and about a length."""
-    index = np.fromiter(pending, dtype=np.int64, count=len(pending))
-    resolution = np.fromiter(pending.values(), dtype=np.int64, count=len(pending))
-    cycles = cycle_counts(problem)[index]
-    for level in np.unique(resolution):
-        members = index[resolution == level]
+    cycles = cycle_counts(problem)[pending.index]
+    for level in np.unique(pending.resolution):
+        members = pending.index[pending.resolution == level]
         steps = double_steps(problem.timeline, int(level))[:, members]
-        length = cycles[resolution == level]
-        order = np.lexsort((members, length, *steps[::-1]))
+        order = np.lexsort((members, cycles[pending.resolution == level], *steps[::-1]))
         members, steps = members[order], steps[:, order]
         cuts = np.flatnonzero((steps[:, 1:] != steps[:, :-1]).any(axis=0)) + 1
         for same in np.split(members, cuts):
-            for first in range(0, same.size, _CHUNK):
-                yield int(level), same[first : first + _CHUNK]
+            share = -(-same.size // (threads * width)) * width
+            size = min(_CHUNK, share)
+            for first in range(0, same.size, size):
+                yield int(level), same[first : first + size]
 
 
 def _next_resolution(total: FloatArray, tolerance: float, resolution: int) -> IntArray:
     """What the order of the method predicts, between the next step up and fourfold."""
     with np.errstate(all="ignore"):
         factor = (total / (_MARGIN * tolerance)) ** 0.125
-    factor = np.where(np.isfinite(factor) & (total < 1e-2), factor, 2.0).clip(1.05, 4.0)
-    return np.array([max(ladder(f * resolution), ladder(resolution + 1)) for f in factor])
+    factor = np.where(np.isfinite(factor) & (total < NONLINEAR), factor, 2.0).clip(1.05, 4.0)
+    return np.maximum(ladder(factor * resolution), ladder(resolution + 1))
 
 
 def _record(
-    problem: Problem,
-    outcome: Outcome,
-    result: Attempt,
-    resolution: int,
-    which: IntArray,
-    tolerance: float,
+    problem: Problem, outcome: Outcome, result: Attempt, resolution: int, which: IntArray
 ) -> BoolArray:
     """Keep the attempt where it is the best so far; tell where refining is in vain."""
     values = result.values
@@ -220,7 +254,7 @@ def _round_off(
     if problem.timeline.periodic:
         steps = 2 * resolution * horizon / problem.timeline.lengths[0, which]
     else:
-        steps = 2 * resolution * horizon / 2.5
+        steps = 2 * resolution * horizon / NOMINAL
     scale = np.maximum(1.0, np.abs(last).max(axis=1))
     return np.asarray(_ROUND_OFF * np.finfo(float).eps * scale * np.sqrt(1.0 + steps))
 

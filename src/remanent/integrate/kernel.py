@@ -119,16 +119,17 @@ class _Kernel:
 
     def _load(self) -> None:
         names = [n for n in self.layout.slots if not n.startswith("parameter.")]
-        constants = {n: self._read(n) for n in ("step", "cycle", "start", "begin", "end")}
-        self.h, self.cycle, self.start, self.begin, self.end = constants.values()
-        self.tolerance = self._read("tolerance")
+        fixed = ("step", "cycle", "start", "begin", "end", "tolerance", "hopeless")
+        constants = {n: self._read(n) for n in fixed}
+        self.h, self.cycle, self.start, self.begin, self.end = list(constants.values())[:5]
+        self.tolerance, self.hopeless = constants["tolerance"], constants["hopeless"]
         self.parameters = [
             self._read(f"parameter.{i}") for i in range(len(self.field.parameters))
         ]
         self.v: dict[str, Variable] = {
             n: self.w.variable(self._read(n))
             for n in names
-            if n not in constants and n != "tolerance"
+            if n not in constants
         }
         if self.options.watched:
             jet = self._watched(self._state("fine"), self._row(self.fine, self.w.integer(0)), 0)
@@ -146,7 +147,11 @@ class _Kernel:
             self.v[f"{kind}.{i}"].set(y_i)
 
     def _active(self) -> Mask:
-        return (self.v["alive"].get() > 0.5) & (self.cycle_start < self.end)
+        """Where there is more to learn.  It depends on nothing but the trajectory itself."""
+        return self._hopeful() & (self.cycle_start < self.end)
+
+    def _hopeful(self) -> Mask:
+        return self.v["total"].get() <= self.hopeless
 
     # field ----------------------------------------------------------------------------
 
@@ -196,8 +201,9 @@ class _Kernel:
         jets: tuple[Jet, ...] = ()
         if self.options.watched:
             row = self._row(self.fine, second)
+            value, rate, acceleration = (x.get() for x in self.jet)
             jets = (
-                tuple(x.get() for x in self.jet),
+                (value, rate, acceleration),
                 self._watched(middle, row, 0),
                 self._watched(right, row, last),
             )
@@ -248,7 +254,7 @@ class _Kernel:
         self.v["alive"].set(within.choose(alive.choose(one, zero), kept))
         self._update("horizon", good, smaller(t2, self.end))
         self._update("error", good, larger(controlled, self.v["error"].get()))
-        self._update("total", within, larger(controlled, self.v["total"].get()))
+        self._update("total", within & self._hopeful(), _worse(self.v["total"].get(), controlled))
         if self.options.watched:
             worst = larger(watched_error, self.v["watched_error"].get())
             self._update("watched_error", good, worst)

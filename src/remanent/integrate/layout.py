@@ -13,10 +13,11 @@ SCALARS = (
     "begin",  # extremes are followed from here
     "end",  # to here
     "tolerance",  # of the controlled error
+    "hopeless",  # a trajectory is not followed once its error has been larger
     "alive",  # 1 while the controlled error has met the tolerance
     "horizon",  # tau up to which it did
     "error",  # its largest value up to the horizon
-    "total",  # its largest value up to the end, where finite
+    "total",  # its largest value up to the end; the last one once hopeless, NaN included
     "watched_error",  # largest error of the watched observable up to the horizon
     "maximum",  # extremes of the watched observable from begin to the horizon
     "minimum",

@@ -29,13 +29,11 @@ if TYPE_CHECKING:
 #: Below this temperature, in kelvin, a value is probably meant in degrees Celsius.
 COLD: Final = 100.0
 
+#: The rating of plain NdFeB magnets, in kelvin.
+WARM: Final = 353.15
+
 #: Fields that are parts of the model.
 PARTS: Final = ("material", "dissipation", "heat", "magnet")
-
-_RUBBER: Final = "Soft elastomers have about 100 kPa."
-_LIGHT: Final = "Filled elastomers have about 2000 kg/m^3."
-_SIZE: Final = "The block is 2 L x 2 L x 2 H; pass half its edges."
-_REMANENCE: Final = "Its sign is the sign of the load; pass its amount, about 100 mT."
 
 _TEMPERATURE: Final = _checks.positive(
     "It is an absolute temperature in kelvin.", "For t degrees Celsius pass t + 273.15."
@@ -94,28 +92,13 @@ class Actuator:
     )
 
     def __post_init__(self) -> None:
-        if isinstance(self.prestress, Sequence):
-            raise InputError(
-                "prestress",
-                "be one number",
-                self.prestress,
-                "Unequal dead loads, motion with two coordinates, are not available yet.",
-                "Pass the equal dead load of both directions.",
-            )
+        _refuse_unavailable(self)
         for name, rule in self.rules.items():
             number = _checks.require_real(name, getattr(self, name), rule)
             object.__setattr__(self, name, number)
         object.__setattr__(self, "dissipation", _elements(self.dissipation))
         _checks.require_instance("material", self.material, Material, "NeoHookean()")
         _checks.require_instance("magnet", self.magnet, Magnet, "Magnet()")
-        if self.heat is not None:
-            raise InputError(
-                "heat",
-                "be None",
-                repr(self.heat),
-                "Temperature is held constant; heat balances are not available yet.",
-                "Leave it out.",
-            )
         self.warn_if_implausible(self.parameters(), stacklevel=4)
 
     def parts(self) -> dict[str, Part]:
@@ -167,6 +150,14 @@ class Actuator:
                     InputWarning,
                     stacklevel=stacklevel,
                 )
+        rated = np.asarray(values.get("magnet.temperature_coefficient", 0.0)) == 0.0
+        if np.any(~rated & (np.asarray(values.get("temperature", 0.0)) > WARM)):
+            warnings.warn(
+                f"`temperature` is above {WARM:g} K (80 degrees Celsius) somewhere, the rating "
+                "of plain NdFeB magnets: a constant temperature coefficient is a guess there.",
+                InputWarning,
+                stacklevel=stacklevel,
+            )
 
     def replace(self, **changes: Any) -> Self:
         """A copy with some fields changed; unknown fields raise `InputError`."""
@@ -179,12 +170,13 @@ class Actuator:
         prefix, _, last = name.rpartition(".")
         if not prefix:
             return self.replace(**{name: value})
-        part = self.parts()[prefix].replace(**{last: value})
-        owner, _, index = prefix.partition(".")
-        if not index:
-            return self.replace(**{owner: part})
-        elements = list(self.dissipation)
-        elements[int(index)] = part  # type: ignore[call-overload]
+        single: dict[str, Part] = {"material": self.material, "magnet": self.magnet}
+        if prefix in single:
+            return self.replace(**{prefix: single[prefix].replace(**{last: value})})
+        elements = (
+            element.replace(**{last: value}) if prefix == f"dissipation.{i}" else element
+            for i, element in enumerate(self.dissipation)
+        )
         return self.replace(dissipation=tuple(elements))
 
     def equations(self) -> Equations:
@@ -234,15 +226,13 @@ class Actuator:
         (0.01, 0.1593)
         """
         _checks.require_known(parts, PARTS, "Actuator.from_si")
-        scales = Scales(
-            shear_modulus=_units.positive("shear_modulus", shear_modulus, "Pa", _RUBBER),
-            density=_units.positive("density", density, "kg/m^3", _LIGHT),
-            half_length=_units.positive("half_length", half_length, "m", _SIZE),
-            remanence=None
-            if remanence is None
-            else _units.positive("remanence", remanence, "T", _REMANENCE),
+        scales = Scales.of(
+            shear_modulus=shear_modulus,
+            density=density,
+            half_length=half_length,
+            remanence=remanence,
         )
-        thickness = _units.positive("half_thickness", half_thickness, "m", _SIZE)
+        thickness = _units.positive("half_thickness", half_thickness, "m")
         area = 4.0 * scales.half_length * thickness
         return cls(
             c=(thickness / scales.half_length) ** 2,
@@ -278,6 +268,26 @@ class Actuator:
                 "Build it with Actuator.from_si.",
             )
         return self.scales
+
+
+def _refuse_unavailable(actuator: Actuator) -> None:
+    """Raise for what the names promise and the equations do not yet contain."""
+    if isinstance(actuator.prestress, Sequence):
+        raise InputError(
+            "prestress",
+            "be one number",
+            actuator.prestress,
+            "Unequal dead loads, motion with two coordinates, are not available yet.",
+            "Pass the equal dead load of both directions.",
+        )
+    if actuator.heat is not None:
+        raise InputError(
+            "heat",
+            "be None",
+            repr(actuator.heat),
+            "Temperature is held constant; heat balances are not available yet.",
+            "Leave it out.",
+        )
 
 
 def _elements(dissipation: object) -> tuple[Dissipation, ...]:

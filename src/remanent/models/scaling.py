@@ -1,40 +1,17 @@
-"""Between SI and dimensionless numbers, both ways, in one table."""
+"""Between SI and dimensionless numbers, in one place."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
-from enum import StrEnum
-from typing import Final
+from typing import Final, Self
 
+from remanent import _units
 from remanent._errors import InputError
+from remanent._units import Quantity
 
 #: Permeability of free space, N/A^2 (CODATA 2022).
 MU0: Final = 1.25663706127e-6
-
-
-class Kind(StrEnum):
-    """What a dimensionless number measures."""
-
-    TIME = "time"
-    RATE = "rate"
-    ACCELERATION = "acceleration"
-    FREQUENCY = "frequency"
-    LOAD = "load"
-    STRESS = "stress"
-    ENERGY = "energy"
-    VISCOSITY = "viscosity"
-    TEMPERATURE = "temperature"
-    NUMBER = "number"
-
-
-@dataclass(frozen=True)
-class Unit:
-    """An SI unit and how many of it make one of the dimensionless number."""
-
-    name: str
-    factor: float
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,6 +35,23 @@ class Scales:
     half_length: float
     remanence: float | None = None
 
+    @classmethod
+    def of(
+        cls,
+        *,
+        shear_modulus: Quantity,
+        density: Quantity,
+        half_length: Quantity,
+        remanence: Quantity | None = None,
+    ) -> Self:
+        """Scales from quantities with units, ``"100 kPa"`` or pint's."""
+        return cls(
+            shear_modulus=_units.positive("shear_modulus", shear_modulus, "Pa"),
+            density=_units.positive("density", density, "kg/m^3"),
+            half_length=_units.positive("half_length", half_length, "m"),
+            remanence=None if remanence is None else _units.positive("remanence", remanence, "T"),
+        )
+
     @property
     def time(self) -> float:
         """The unit of time, L sqrt(rho/mu), in seconds."""
@@ -76,23 +70,17 @@ class Scales:
             )
         return self.shear_modulus * MU0 / self.remanence
 
-    def units(self) -> Mapping[Kind, Unit]:
-        """SI unit of each kind of quantity: SI value = factor * dimensionless value.
+    def factors(self) -> dict[str, float]:
+        """SI units in one dimensionless unit, by the names that results carry.
 
-        An energy is per reference volume of the block (8 H L^2), a frequency is the
-        angular frequency omega given as omega/(2 pi) in Hz.
+        ``time_s``: seconds per tau.  ``frequency_hz``: hertz per omega, which is an
+        angular frequency.  ``load_T``: tesla per m (left out without a remanence).
+        ``stress_pa``: pascal per S, and joule per cubic metre of reference volume per
+        unit of energy.
         """
-        units = {
-            Kind.TIME: Unit("s", self.time),
-            Kind.RATE: Unit("1/s", 1.0 / self.time),
-            Kind.ACCELERATION: Unit("1/s^2", 1.0 / self.time**2),
-            Kind.FREQUENCY: Unit("Hz", 1.0 / (2.0 * math.pi * self.time)),
-            Kind.STRESS: Unit("Pa", self.shear_modulus),
-            Kind.ENERGY: Unit("J/m^3", self.shear_modulus),
-            Kind.VISCOSITY: Unit("Pa s", self.shear_modulus * self.time),
-            Kind.TEMPERATURE: Unit("K", 1.0),
-            Kind.NUMBER: Unit("1", 1.0),
+        factors = {
+            "time_s": self.time,
+            "frequency_hz": 1.0 / (2.0 * math.pi * self.time),
+            "stress_pa": self.shear_modulus,
         }
-        if self.remanence is not None:
-            units[Kind.LOAD] = Unit("T", self.flux_density)
-        return units
+        return factors if self.remanence is None else factors | {"load_T": self.flux_density}

@@ -68,7 +68,7 @@ def landscape(
         )
         _limits(axes, found)
         if legend:
-            style.legend_above(axes, [*ensemble.handles(found), *mark_handles(dataset)], ncols=3)
+            style.legend_above(axes, [*ensemble.handles(found), *mark_handles(dataset)])
         if ax is None:
             footer.add(axes.get_figure(root=True), dataset)  # type: ignore[arg-type]
     return artists
@@ -84,12 +84,13 @@ def _curve(axes: Axes, one: ensemble.Member, line: dict[str, Any]) -> Line2D:
 def mark_handles(dataset: xr.Dataset) -> list[Line2D]:
     """Legend entries of the kinds of equilibria that :func:`landscape` draws."""
     words = set(np.ravel(dataset["stability"].values)) if "stability" in dataset else set()
+    looks: dict[str, Any] = {"color": style.INK, "linestyle": "", "marker": "o", "ms": 4.2}
+    inside = {"stable": style.INK, "unstable": "white"}
     return [
-        Line2D([], [], color=style.INK, linestyle="", marker="o", ms=4.2, label=f"{word} equilibrium",
-               mfc=style.INK if word == "stable" else "white")
-        for word in ("stable", "unstable")
+        Line2D([], [], mfc=colour, label=f"{word} equilibrium", **looks)
+        for word, colour in inside.items()
         if word in words
-    ]  # fmt: skip
+    ]
 
 
 def _reach(one: ensemble.Member) -> float:
@@ -149,3 +150,4 @@ def _limits(axes: Axes, found: list[ensemble.Member]) -> None:
     if ends:
         wide = 0.3 * (max(ends) - min(ends))
         axes.set_xlim(min(ends) - wide, max(ends) + wide)
+    axes.locator_params(axis="x", nbins=7)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import xarray as xr
 from matplotlib.figure import Figure
@@ -27,7 +27,7 @@ _SEPARATOR = "   "
 _POINTS, _WIDTH = 6.0, 0.43  # font size; width of a letter in units of it, on average
 
 
-def add(figure: Figure, dataset: xr.Dataset) -> None:
+def add(figure: Figure, dataset: xr.Dataset, *, hide: Iterable[str] = ()) -> None:
     """Write the footer below everything else in a figure.
 
     Parameters
@@ -36,8 +36,11 @@ def add(figure: Figure, dataset: xr.Dataset) -> None:
         A figure with constrained layout, which makes room for it.
     dataset
         The result that was drawn.
+    hide
+        Fields that took many values on the way to what is drawn; ``"drive"`` leaves
+        the whole drive out.
     """
-    found = text(dataset)
+    found = text(dataset, hide=hide)
     if found:
         letters = figure.get_figwidth() * 72.0 / (_POINTS * _WIDTH)
         figure.supxlabel(
@@ -45,13 +48,15 @@ def add(figure: Figure, dataset: xr.Dataset) -> None:
         )
 
 
-def text(dataset: xr.Dataset) -> str:
+def text(dataset: xr.Dataset, *, hide: Iterable[str] = ()) -> str:
     """Return the footer: parameters that the picture does not show, settings, tolerance, version.
 
     Parameters
     ----------
     dataset
         A result with the attributes of :mod:`remanent.results.provenance`.
+    hide
+        As in :func:`add`.
 
     Returns
     -------
@@ -59,12 +64,14 @@ def text(dataset: xr.Dataset) -> str:
         Pieces parted by three blanks; empty without provenance.
     """
     attrs = dataset.attrs
-    shown = {str(name).split(".")[-1] for name in dataset.coords}
+    given = [*map(str, dataset.coords), *str(attrs.get("over", "")).split()]
+    shown = {name.split(".")[-1] for name in [*given, *hide]}
+    drive = "" if "drive" in shown else str(attrs.get("drive", ""))
     single = [array for array in dataset.coords.values() if array.ndim == 0]
     pieces = [
         *(title(array, array.item()) for array in single),
         *_call(str(attrs.get("actuator", "")), shown, name_it=False),
-        *_call(str(attrs.get("drive", "")), shown, name_it=True),
+        *_call(drive, shown, name_it=True),
         *(_setting(key, attrs[key]) for key in str(attrs.get("settings", "")).split()),
     ]
     if "tolerance" in attrs and "tolerance" not in dataset.dims:

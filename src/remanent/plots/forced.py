@@ -61,7 +61,7 @@ def response(
         if variable == "amplitude":
             axes.set_ylim(bottom=0.0)
         if legend:
-            style.legend_above(axes, [*ensemble.handles(found), *mark_handles(dataset)], ncols=3)
+            style.legend_above(axes, [*ensemble.handles(found), *mark_handles(dataset)])
         if ax is None:
             footer.add(axes.get_figure(root=True), dataset)  # type: ignore[arg-type]
     return artists

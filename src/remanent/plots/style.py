@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path
 from types import MappingProxyType
@@ -62,6 +62,8 @@ DASHES = ("-", (0, (4, 1.6)), (0, (1, 1.2)), (0, (5, 1.4, 1, 1.4)))
 MARKERS = ("o", "D", "s", "^")
 INK, FAINT = "#1a1a1a", "#767676"
 
+#: Points that a letter and a sample with its space take in a legend.
+_LETTER, _HANDLE = 3.6, 24.0
 _TEMPERATURE_MAP, _CUT = "plasma", (0.03, 0.80)
 _TEMPERATURE_RANGE, _CLOSE = (240.0, 410.0), 40.0
 
@@ -123,7 +125,7 @@ def context() -> AbstractContextManager[None]:
     >>> inside, mpl.rcParams["xtick.direction"] == before
     ('in', True)
     """
-    return mpl.rc_context(dict(_RC))
+    return mpl.rc_context(dict(_RC))  # type: ignore[arg-type]  # keys are checked when set
 
 
 def owned_axes(ax: Axes | None, *, width: float = SINGLE, height: float = 2.6) -> Axes:
@@ -200,7 +202,7 @@ def number(value: object) -> str:
     return power if mantissa == "1" else rf"{mantissa}\times {power}"
 
 
-def temperature_colours(temperatures: Sequence[float]) -> list[tuple[float, ...]]:
+def temperature_colours(temperatures: Iterable[float]) -> list[tuple[float, ...]]:
     """Colour each temperature on the one map.
 
     Parameters
@@ -213,9 +215,9 @@ def temperature_colours(temperatures: Sequence[float]) -> list[tuple[float, ...]
     list of RGBA
         Lightness rises with temperature.
     """
-    scale, (low, high) = _temperature_scale(temperatures), _CUT
-    colours = mpl.colormaps[_TEMPERATURE_MAP]
-    return [tuple(colours(low + (high - low) * float(scale(t)))) for t in temperatures]
+    values, (low, high) = list(temperatures), _CUT
+    scale, colours = _temperature_scale(values), mpl.colormaps[_TEMPERATURE_MAP]
+    return [tuple(colours(low + (high - low) * float(scale(t)))) for t in values]
 
 
 def save(figure: Figure, path: str | os.PathLike[str]) -> Path:
@@ -244,18 +246,29 @@ def panel_title(ax: Axes, letter: str, text: str) -> None:
     ax.set_title(f"({letter})  {text}" if letter else text, loc="left")
 
 
-def legend_above(owner: Axes | Figure, entries: Sequence[Artist], *, ncols: int = 5) -> None:
+def legend_above(owner: Axes | Figure, entries: Sequence[Artist]) -> None:
     """Put a legend above the axes or the figure, where it cannot hide data."""
     if len(entries) < 2:
         return
-    columns = min(len(entries), ncols)
+    columns = _legend_columns(owner, [str(entry.get_label()) for entry in entries])
+    # Matplotlib fills columns; readers read rows.
+    rows = [entry for first in range(columns) for entry in entries[first::columns]]
     if isinstance(owner, Axes):
         owner.legend(
-            handles=list(entries), ncols=columns, loc="lower left", bbox_to_anchor=(0.0, 1.0),
+            handles=rows, ncols=columns, loc="lower left", bbox_to_anchor=(0.0, 1.0),
             borderaxespad=0.2,
         )  # fmt: skip
     else:
-        owner.legend(handles=list(entries), ncols=columns, loc="outside upper center")
+        owner.legend(handles=rows, ncols=columns, loc="outside upper center")
+
+
+def _legend_columns(owner: Axes | Figure, names: Sequence[str]) -> int:
+    """How many entries fit side by side, by the length of the longest name."""
+    figure = owner if isinstance(owner, Figure) else owner.get_figure(root=True)
+    inches = figure.get_figwidth() if figure is not None else SINGLE
+    width = 72.0 * inches * (owner.get_position().width if isinstance(owner, Axes) else 1.0)
+    letters = max(len(re.sub(r"\\[A-Za-z]+", "x", name).replace("$", "")) for name in names)
+    return min(len(names), max(1, int(width / (_LETTER * letters + _HANDLE))))
 
 
 def _units(array: xr.DataArray | xr.Variable) -> str:

@@ -15,12 +15,13 @@ from matplotlib.gridspec import GridSpec
 
 from remanent import plots
 from remanent.plots import energy, ensemble, footer, style
-from remanent.report.figures import only_outer_labels, panels
+from remanent.report.figures import only_outer_labels, panels, per_prestress
 
 __all__ = ["landscapes", "tolerance_story", "valley"]
 
 #: Misfits whose contour lines are drawn: the paper's rounding, and what the audit reaches.
 _CONTOURS = (0.01, 0.025, 0.1)
+_MARK = style.OKABE_ITO["vermillion"]
 
 
 def landscapes(dataset: xr.Dataset) -> Figure:
@@ -39,17 +40,10 @@ def landscapes(dataset: xr.Dataset) -> Figure:
     matplotlib.figure.Figure
         One panel per prestress.
     """
-    values = dataset["prestress"].values
-    with style.context():
-        figure, grid = panels(1, len(values), (style.DOUBLE, 3.2))
-        for k, (value, axes) in enumerate(zip(values, grid.flat, strict=True)):
-            plots.landscape(dataset.sel(prestress=value), ax=axes, legend=False)
-            style.panel_title(axes, "abcdef"[k], style.title(dataset["prestress"], value))
-        only_outer_labels(grid, x=False, y=True)
-        first = ensemble.members(dataset.isel(prestress=0), ("temperature",), ())
-        style.legend_above(figure, [*ensemble.handles(first), *energy.mark_handles(dataset)])
-        footer.add(figure, dataset)
-    return figure
+    first = dataset.isel(prestress=0)
+    names = ensemble.handles(ensemble.members(first, ("potential",), ("thickness_stretch",)))
+    entries = [*names, *energy.mark_handles(dataset)]
+    return per_prestress(dataset, plots.landscape, (style.DOUBLE, 3.4), entries)
 
 
 def tolerance_story(sections: xr.Dataset, drift: xr.Dataset) -> Figure:
@@ -71,16 +65,15 @@ def tolerance_story(sections: xr.Dataset, drift: xr.Dataset) -> Figure:
         One row per temperature; for each prestress a pair of panels on one scale; below,
         the size of the energy drift.
     """
-    temperatures, prestresses = sections["temperature"].values, sections["prestress"].values
-    rows, columns = len(temperatures), 2 * len(prestresses)
+    rows, columns = sections.sizes["temperature"], 2 * sections.sizes["prestress"]
     with style.context():
         figure = Figure(figsize=(style.DOUBLE, 1.5 * rows + 2.4), layout="constrained")
         grid = GridSpec(rows + 1, columns, figure, height_ratios=[1.0] * rows + [1.05])
-        for row, column in product(range(rows), range(len(prestresses))):
+        for row, column in product(range(rows), range(columns // 2)):
             _pair(figure, grid, sections.isel(temperature=row, prestress=column), row, column)
         below = [figure.add_subplot(grid[rows, 2 * k : 2 * k + 2]) for k in range(columns // 2)]
         _drifts(below, drift)
-        found = ensemble.members(drift.isel(prestress=0), ("temperature", "solver"), ())
+        found = ensemble.members(drift.isel(prestress=0), ("energy_drift",), ("time",))
         style.legend_above(figure, ensemble.handles(found))
         footer.add(figure, sections)
     return figure
@@ -99,7 +92,7 @@ def valley(dataset: xr.Dataset) -> Figure:
     -------
     matplotlib.figure.Figure
         One row per law, one column per window, all on one logarithmic scale, with
-        contour lines; the reference setting (T_0 = 293 K, b = 0.4) is a cross.
+        contour lines; in each panel a dot at the least misfit, and its value.
     """
     laws, windows = dataset["law"].values, dataset["window"].values
     finite = dataset["misfit"].values[np.isfinite(dataset["misfit"].values)]
@@ -112,9 +105,8 @@ def valley(dataset: xr.Dataset) -> Figure:
             title = f"{law},  {style.title(dataset['window'], window)}"
             style.panel_title(grid[i, j], "", title)
         only_outer_labels(grid, x=True, y=True)
-        bar = figure.colorbar(drawn, ax=grid, label=style.label(dataset["misfit"]), aspect=40)
-        bar.outline.set_linewidth(0.5)  # type: ignore[operator]
-        footer.add(figure, dataset)
+        figure.colorbar(drawn, ax=grid, label=style.label(dataset["misfit"]), aspect=40)
+        footer.add(figure, dataset, hide=("drive", "temperature", "prestress"))
     return figure
 
 
@@ -122,11 +114,14 @@ def _pair(figure: Figure, grid: GridSpec, dataset: xr.Dataset, row: int, column:
     """Draw one section by both solvers, on the same scale."""
     first = figure.add_subplot(grid[row, 2 * column])
     second = figure.add_subplot(grid[row, 2 * column + 1], sharex=first, sharey=first)
+    last = row == grid.nrows - 2
+    temperature = style.title(dataset["temperature"], dataset["temperature"].item())
+    rate = style.label(dataset["thickness_stretch_rate"], words=False)
+    plots.section(dataset.isel(solver=0), ax=second, color="#bdbdbd")  # the truth, for comparison
     for k, ax in enumerate((first, second)):
         plots.section(dataset.isel(solver=k), ax=ax)
-        last = row == grid.nrows - 2
         ax.set(xlabel=style.label(dataset["thickness_stretch"], words=False) if last else "")
-        ax.set(ylabel=style.label(dataset["thickness_stretch_rate"], words=False) if k == 0 else "")
+        ax.set(ylabel=(f"{temperature}\n{rate}" if column == 0 else rate) if k == 0 else "")
         ax.tick_params(labelleft=k == 0, labelsize=6.5)
     if row == 0:
         known = [dataset[name] for name in ("prestress", "omega") if name in dataset.coords]
@@ -137,14 +132,17 @@ def _pair(figure: Figure, grid: GridSpec, dataset: xr.Dataset, row: int, column:
 
 def _drifts(below: Sequence[Axes], drift: xr.Dataset) -> None:
     """Draw the size of the energy drift on logarithmic axes, one panel per prestress."""
-    sizes = np.abs(drift["energy_drift"]).where(drift["energy_drift"] != 0.0)
-    drawn = drift.assign(energy_drift=sizes.assign_attrs(drift["energy_drift"].attrs))
+    signed = drift["energy_drift"]
+    sizes = np.where(signed.values != 0.0, np.abs(signed.values), np.nan)  # no size at the start
+    drawn = drift.assign(energy_drift=signed.copy(data=sizes))
     for k, ax in enumerate(below):
         plots.history(drawn.isel(prestress=k), "energy_drift", ax=ax, legend=False, linewidth=0.7)
         value = drift["prestress"].values[k]
         ax.set_title(f"constant load, {style.title(drift['prestress'], value)}")
         symbol = drift["energy_drift"].attrs["symbol"]
-        ax.set(yscale="log", ylabel=rf"energy drift, $|{symbol}|$" if k == 0 else "")
+        ax.set(
+            yscale="log", xlim=(0.0, None), ylabel=rf"energy drift, $|{symbol}|$" if k == 0 else ""
+        )
 
 
 def _misfit(ax: Axes, dataset: xr.Dataset, scale: LogNorm) -> Any:
@@ -155,6 +153,8 @@ def _misfit(ax: Axes, dataset: xr.Dataset, scale: LogNorm) -> Any:
     )
     lines = ax.contour(x.values, y.values, z, levels=_CONTOURS, colors=style.INK, linewidths=0.6)
     ax.clabel(lines, fmt=lambda level: f"{level:g}", fontsize=6.5, inline_spacing=2)
-    ax.plot(293.0, 0.4, "+", color=style.OKABE_ITO["vermillion"], ms=7, mew=1.4)
-    ax.set(xlabel=f"{style.label(x, words=False)}", ylabel=style.label(y, words=False))
+    i, j = np.unravel_index(np.nanargmin(z), z.shape)
+    ax.plot(x.values[j], y.values[i], "o", color=_MARK, mec="white", mew=0.7, ms=4.5)
+    ax.text(0.03, 0.04, f"least {z[i, j]:.2g}", transform=ax.transAxes, color="white")
+    ax.set(xlabel=style.label(x, words=False), ylabel=style.label(y, words=False))
     return drawn

@@ -18,7 +18,17 @@ from matplotlib.lines import Line2D
 from remanent import plots
 from remanent.plots import ensemble, footer, forced, style
 
-__all__ = ["figure_2", "figure_3", "figure_4", "figure_5_or_6"]
+__all__ = [
+    "figure_2",
+    "figure_3",
+    "figure_4",
+    "figure_5_or_6",
+    "only_outer_labels",
+    "panels",
+    "per_prestress",
+]
+
+_ODD = style.OKABE_ITO["blue"]
 
 
 def figure_2(dataset: xr.Dataset) -> Figure:
@@ -34,7 +44,8 @@ def figure_2(dataset: xr.Dataset) -> Figure:
     matplotlib.figure.Figure
         Panel (a), (b) ... per prestress, one below the other.
     """
-    return _per_prestress(dataset, plots.history, (style.DOUBLE, 3.9), stacked=True)
+    names = ensemble.handles(_of_first(dataset, "thickness_stretch", "time"))
+    return per_prestress(dataset, plots.history, (style.DOUBLE, 4.1), names, stacked=True)
 
 
 def figure_3(dataset: xr.Dataset) -> Figure:
@@ -51,7 +62,8 @@ def figure_3(dataset: xr.Dataset) -> Figure:
     matplotlib.figure.Figure
         Panel (a), (b) ... per prestress, side by side.
     """
-    return _per_prestress(dataset, plots.phase, (style.DOUBLE, 3.4))
+    names = ensemble.handles(_of_first(dataset, "thickness_stretch", "time"))
+    return per_prestress(dataset, plots.phase, (style.DOUBLE, 3.6), names)
 
 
 def figure_4(dataset: xr.Dataset) -> Figure:
@@ -69,8 +81,9 @@ def figure_4(dataset: xr.Dataset) -> Figure:
     matplotlib.figure.Figure
         Panel (a), (b) ... per prestress, side by side, on one scale.
     """
-    marks = forced.mark_handles(dataset)
-    return _per_prestress(dataset, plots.response, (style.DOUBLE, 3.3), marks, sharey=True)
+    names = ensemble.handles(_of_first(dataset, "amplitude", "omega"))
+    entries = [*names, *forced.mark_handles(dataset)]
+    return per_prestress(dataset, plots.response, (style.DOUBLE, 3.4), entries, sharey=True)
 
 
 def figure_5_or_6(history: xr.Dataset, section: xr.Dataset) -> Figure:
@@ -127,16 +140,16 @@ def only_outer_labels(grid: np.ndarray[Any, Any], *, x: bool, y: bool) -> None:
         axes.set_ylabel("")
 
 
-def _per_prestress(
+def per_prestress(
     dataset: xr.Dataset,
     draw: Callable[..., Any],
     size: tuple[float, float],
-    marks: Sequence[Line2D] = (),
+    entries: Sequence[Line2D],
     *,
     stacked: bool = False,
     sharey: bool = False,
 ) -> Figure:
-    """One panel per prestress, a common legend and footer."""
+    """Draw one panel per prestress, with a common legend and footer."""
     values = dataset["prestress"].values
     shape = (len(values), 1) if stacked else (1, len(values))
     with style.context():
@@ -145,10 +158,15 @@ def _per_prestress(
             draw(dataset.sel(prestress=value), ax=axes, legend=False)
             style.panel_title(axes, _letter(k), style.title(dataset["prestress"], value))
         only_outer_labels(grid, x=stacked, y=not stacked)
-        first = ensemble.members(dataset.isel(prestress=0), ("temperature",), ())
-        style.legend_above(figure, [*ensemble.handles(first), *marks])
+        style.legend_above(figure, entries)
+        figure.align_ylabels()
         footer.add(figure, dataset)
     return figure
+
+
+def _of_first(dataset: xr.Dataset, variable: str, along: str) -> list[ensemble.Member]:
+    """Members of the first panel, which stand for all in the legend."""
+    return ensemble.members(dataset.isel(prestress=0), (variable,), (along,))
 
 
 def _motion_row(axes: Sequence[Axes], history: xr.Dataset, section: xr.Dataset) -> None:
@@ -156,20 +174,20 @@ def _motion_row(axes: Sequence[Axes], history: xr.Dataset, section: xr.Dataset) 
     plots.history(history, ax=axes[0], linewidth=0.8)
     plots.phase(history, ax=axes[1], start=False, linewidth=0.4, alpha=0.55)
     second = section["period"].values % 2 == 0
-    for ax in axes[1:]:
-        plots.section(section.isel(period=second), ax=ax, color=style.INK, zorder=4)
+    even, odd = section.isel(period=second), section.isel(period=~second)
+    plots.section(even, ax=axes[1], color=style.INK, zorder=4)
     plots.section(
-        section.isel(period=~second), ax=axes[2], zorder=3,
-        color=style.OKABE_ITO["sky"], marker="D",
-    )  # fmt: skip
+        odd, ax=axes[2], color=None, facecolors="none", edgecolors=_ODD, s=4.5, linewidths=0.5
+    )
+    plots.section(even, ax=axes[2], color=style.INK, s=1.5, zorder=4)
     axes[2].set_ylabel("")
 
 
 def _period_handles() -> list[Line2D]:
-    looks: dict[str, Any] = {"linestyle": "", "ms": 3}
+    looks: dict[str, Any] = {"linestyle": "", "marker": "o"}
     return [
-        Line2D([], [], color=style.INK, marker="o", label="even drive periods", **looks),
-        Line2D([], [], color=style.OKABE_ITO["sky"], marker="D", label="odd drive periods", **looks),
+        Line2D([], [], color=style.INK, ms=2.2, label="even drive periods", **looks),
+        Line2D([], [], color=_ODD, mfc="none", ms=4, label="odd drive periods", **looks),
     ]
 
 

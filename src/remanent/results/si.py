@@ -55,7 +55,8 @@ _RULES: Mapping[Kind, _Rule] = MappingProxyType(
         Kind.VISCOSITY: _Rule("Pa s", lambda x, s: x * s["stress_pa"] * s["time_s"]),
     }
 )
-_NEEDED = ("time_s", "frequency_hz", "load_T", "stress_pa")
+_MAGNETIC = frozenset({Kind.LOAD, Kind.ROOT_LOAD})
+_NEEDED = ("time_s", "frequency_hz", "stress_pa")
 
 
 def to_si(dataset: xr.Dataset) -> xr.Dataset:
@@ -65,7 +66,8 @@ def to_si(dataset: xr.Dataset) -> xr.Dataset:
     change with the values.  `omega` becomes the cyclic frequency of the field,
     omega/(2 pi), and `b` the peak flux density, proportional to b^2.  Stretches,
     temperatures and counts stay as they are, and so does `error`, which compares
-    dimensionless states.
+    dimensionless states.  Loads stay, in unit ``"1"``, where the actuator was built
+    without a remanence, which ``load_T`` needs.
 
     Parameters
     ----------
@@ -89,7 +91,7 @@ def to_si(dataset: xr.Dataset) -> xr.Dataset:
     converted = dataset.copy()
     for name in dataset.variables:
         row = describe(str(name))
-        if row.kind in _RULES:
+        if row.kind in _RULES and ("load_T" in scales or row.kind not in _MAGNETIC):
             converted = _replace(
                 converted, str(name), _convert(dataset[name].variable, row, scales)
             )

@@ -33,7 +33,7 @@ def label(
         ens.drive,
         tolerance,
         over=ens.coords,
-        scales=None if scales is None else scales.units(),
+        scales=None if scales is None else scales.factors(),
         **settings,
     )
     return build.dataset({**variables, **evidence}, {**ens.coords, **coords}, attributes)

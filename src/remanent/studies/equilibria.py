@@ -44,7 +44,8 @@ def equilibria(actuator: Actuator, m: float = 0.0, *, over: Over | None = None) 
         ``equilibrium_potential``, ``natural_frequency`` (radians per unit of tau, NaN
         where unstable) and ``stability`` (``stable``, ``unstable`` or empty).
         ``potential`` against ``thickness_stretch`` is the potential energy per
-        reference volume over mu, ``level`` that of rest.
+        reference volume over mu, ``level`` that of rest, whose motion runs between
+        ``turning_lower`` and ``turning_upper``.
 
     Notes
     -----
@@ -55,7 +56,7 @@ def equilibria(actuator: Actuator, m: float = 0.0, *, over: Over | None = None) 
     --------
     >>> import remanent as rm
     >>> rm.equilibria(rm.Actuator(), 0.16).equilibrium_stretch.values.round(4).tolist()
-    [1.0561]
+    [1.0563]
     """
     ens = ensemble(actuator, Constant(m), over)
     at_rest = _AtRest(ens)
@@ -92,16 +93,35 @@ def _landscape(ens: Ensemble, at_rest: _AtRest, found: FloatArray) -> dict[str, 
     """The potential on a common grid that holds rest, equilibria and turning points."""
     seen = np.concatenate([found[np.isfinite(found)], [1.0]])
     low, high = seen.min(), seen.max()
-    grid = np.linspace(max(0.05, low - 0.75 * (high - low) - 0.1), high + 0.75 * (high - low) + 0.1, _POINTS)
+    room = 0.75 * (high - low) + 0.1
+    grid = np.linspace(max(0.05, low - room), high + room, _POINTS)
     case = np.repeat(np.arange(ens.count), _POINTS)
     potential = at_rest.potential(case, np.tile(grid**-0.5, ens.count))
     potential = potential.reshape(ens.count, _POINTS)
     level = at_rest.potential(np.arange(ens.count), np.ones(ens.count))
+    lower, upper = np.sort(_turning_points(ens, at_rest, level), axis=0)
     return {
         "thickness_stretch": (("thickness_stretch",), grid),
         "potential": ((*ens.dims, "thickness_stretch"), ens.shaped(potential)),
         "level": (ens.dims, ens.shaped(level)),
+        "turning_lower": (ens.dims, ens.shaped(lower)),
+        "turning_upper": (ens.dims, ens.shaped(upper)),
     }
+
+
+def _turning_points(ens: Ensemble, at_rest: _AtRest, level: FloatArray) -> FloatArray:
+    """Thickness stretches (2, trajectory) between which the motion from rest runs."""
+    case = np.arange(ens.count)
+    rest = np.ones(ens.count)
+    crossings = zeros(
+        lambda i, x: at_rest.potential(i, x) - level[i], ens.count, STRETCHES * (1.0 + 1e-9)
+    )
+    push = np.sign(at_rest.force(case, rest))[:, None]
+    ahead = np.where((crossings - 1.0) * push > 1e-8, np.abs(crossings - 1.0), np.inf)
+    nearest = ahead.min(axis=1, initial=np.inf)
+    away = np.where(np.isfinite(nearest), nearest, np.nan) * push[:, 0]
+    other = np.where(push[:, 0] == 0.0, 1.0, 1.0 + away)
+    return np.stack([at_rest.thickness(case, rest), at_rest.thickness(case, other)])
 
 
 @dataclass(frozen=True)

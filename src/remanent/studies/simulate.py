@@ -84,7 +84,7 @@ def simulate(
     >>> import remanent as rm
     >>> ds = rm.simulate(rm.Actuator(temperature=350), rm.Constant(0.16), duration=20)
     >>> float(ds.thickness_stretch.max().round(4))
-    1.0959
+    1.0948
     """
     require_one(duration=duration, periods=periods, times=times)
     require_tolerance(tolerance)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Sequence
 from functools import cache
+from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
@@ -20,6 +22,7 @@ ACTUATOR = (
     "material=NeoHookean(entropic_fraction=1.0), dissipation=(), heat=None, "
     "magnet=Magnet(temperature_coefficient=0.0, law='deformation-gradient'))"
 )
+LOOSE: dict[str, Any] = {"method": "RK45", "rtol": 1e-3, "atol": 1e-6}
 Load = Callable[[float], FloatArray | float]
 
 
@@ -29,12 +32,11 @@ def solve(
     load: Load,
     times: FloatArray,
     *,
-    method: str = "DOP853",
+    method: Literal["DOP853", "RK45"] = "DOP853",
     rtol: float = 1e-8,
     atol: float = 1e-10,
 ) -> tuple[FloatArray, FloatArray]:
     """Solve equation (16) with c = 1 from rest for many members at once; arrays (member, time)."""
-    theta, s = np.broadcast_arrays(np.asarray(theta, float), np.asarray(s, float))
     n = theta.size
 
     def rates(tau: float, y: FloatArray) -> FloatArray:
@@ -42,7 +44,7 @@ def solve(
         force = 3 * (theta * (x**8 - x**2) - s * x**7 + load(tau) * x**4)
         return np.concatenate([v, (6 * v**2 - force) / (x**7 + 2 * x)])
 
-    start = np.concatenate([np.ones(n), np.zeros(n)])
+    start = np.repeat(np.array([1.0, 0.0]), n)
     found = solve_ivp(
         rates, (0.0, float(times[-1])), start, method=method, t_eval=times, rtol=rtol, atol=atol
     )
@@ -68,7 +70,7 @@ def _grid() -> tuple[FloatArray, FloatArray]:
     return t.ravel() / T0, s.ravel()
 
 
-def _coords(**more: tuple[tuple[str, ...], FloatArray]) -> dict[str, build.Labelled]:
+def _coords(**more: build.Labelled) -> dict[str, build.Labelled]:
     return {
         "prestress": (("prestress",), PRESTRESSES),
         "temperature": (("temperature",), TEMPERATURES),
@@ -147,7 +149,7 @@ def forced(prestress: float, omega: float, duration: float = 100.0) -> xr.Datase
 def sections(prestress: float, omega: float, periods: int = 200) -> xr.Dataset:
     """Make the section of figures 5 and 6, every drive period: (temperature, period)."""
     numbers = np.arange(periods + 1)
-    times = numbers * np.pi / omega
+    times = np.linspace(0.0, periods * np.pi / omega, periods + 1)
     s = np.full(3, prestress)
     found = observed(*solve(TEMPERATURES / T0, s, drive(omega), times))
     return build.dataset(
@@ -200,13 +202,12 @@ def solvers() -> Sequence[str]:
 @cache
 def two_tolerances(periods: int = 200) -> xr.Dataset:
     """Make sections, converged and not: (solver, prestress, temperature, period)."""
-    loose = {"method": "RK45", "rtol": 1e-3, "atol": 1e-6}
     out = np.empty((2, 2, 2, 3, periods + 1))
     for j, (s, omega) in enumerate(((0.0, 1.25), (1.0, 1.08))):
-        times = np.arange(periods + 1) * np.pi / omega
-        for k, options in enumerate(({}, loose)):
+        times = np.linspace(0.0, periods * np.pi / omega, periods + 1)
+        for k, options in enumerate(({}, LOOSE)):
             for i, t in enumerate(TEMPERATURES / T0):
-                y = solve(np.array([t]), np.array([s]), drive(omega), times, **options)  # type: ignore[arg-type]
+                y = solve(np.array([t]), np.array([s]), drive(omega), times, **options)
                 found = observed(*y)
                 out[0, k, j, i] = found["thickness_stretch"]
                 out[1, k, j, i] = found["thickness_stretch_rate"]
@@ -227,13 +228,12 @@ def two_tolerances(periods: int = 200) -> xr.Dataset:
 def drift(duration: float = 100.0) -> xr.Dataset:
     """Make the energy drift under constant load: (solver, prestress, temperature, time)."""
     times = np.linspace(0.0, duration, 501)
-    loose = {"method": "RK45", "rtol": 1e-3, "atol": 1e-6}
     out = np.empty((2, 2, 3, times.size))
-    for k, options in enumerate(({}, loose)):
+    for k, options in enumerate(({}, LOOSE)):
         for j, s in enumerate(PRESTRESSES):
             for i, t in enumerate(TEMPERATURES / T0):
                 theta, prestress = np.array([t]), np.array([s])
-                y = solve(theta, prestress, lambda _: 0.16, times, **options)  # type: ignore[arg-type]
+                y = solve(theta, prestress, lambda _: 0.16, times, **options)
                 e = energy(*y, theta, prestress, 0.16)[0]
                 out[k, j, i] = e - e[0]
     return build.dataset(
@@ -263,3 +263,27 @@ def valley() -> xr.Dataset:
         provenance.attributes(ACTUATOR, "SineSquared(b=0.4, omega=1.0, phase=0.0)", 1e-6,
                               over=["b", "reference_temperature"]),
     )  # fmt: skip
+
+
+def two_wells() -> xr.Dataset:
+    """Make a potential with two stable equilibria and an unstable one between them."""
+    x, m, s = np.linspace(0.2, 3.2, 901), 2.2, 2.08
+    u = _potential(x, np.array(1.0), np.array(s), m)
+    turns = np.flatnonzero(np.diff(np.sign(np.diff(u)))) + 1
+    words = np.where(np.diff(u, 2)[turns - 1] > 0, "stable", "unstable")
+    return build.dataset(
+        {
+            "potential": (("thickness_stretch",), u),
+            "equilibrium_stretch": (("equilibrium",), x[turns]),
+            "equilibrium_potential": (("equilibrium",), u[turns]),
+            "stability": (("equilibrium",), words),
+        },
+        {"thickness_stretch": (("thickness_stretch",), x), "prestress": ((), np.array(s))},
+        provenance.attributes(ACTUATOR, f"Constant(m={m})", 1e-9),
+    )
+
+
+def with_scales(dataset: xr.Dataset) -> xr.Dataset:
+    """Add the scales of the physics page's realistic set."""
+    scales = {"time_s": 7.07e-4, "frequency_hz": 225.1, "load_T": 0.879, "stress_pa": 1e5}
+    return dataset.assign_attrs(scales=json.dumps(scales))

@@ -100,8 +100,17 @@ def test_scales_are_needed_once(result: xr.Dataset) -> None:
         si.to_si(si.to_si(result))
 
 
+def test_loads_stay_without_a_remanence(result: xr.Dataset) -> None:
+    """Flux density needs the remanence; without it loads keep their unit, all else turns."""
+    scales = {name: value for name, value in SCALES.items() if name != "load_T"}
+    found = si.to_si(result.assign_attrs(scales=json.dumps(scales)))
+    assert found["b"].attrs["units"] == found["load"].attrs["units"] == "1"
+    np.testing.assert_array_equal(found["load"].values, result["load"].values)
+    assert found["time"].attrs["units"] == "ms"
+
+
 def test_incomplete_scales_are_refused(result: xr.Dataset) -> None:
     """A missing scale is named."""
     result.attrs["scales"] = json.dumps({"time_s": 1.0})
-    with pytest.raises(InputError, match="load_T"):
+    with pytest.raises(InputError, match="stress_pa"):
         si.to_si(result)

@@ -1,0 +1,61 @@
+"""Arguments in, one call, a line of progress, an exit code."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import click
+
+from remanent._errors import RemanentError
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(package_name="remanent")
+def commands() -> None:
+    """Nonlinear oscillations of hard-magnetic soft actuators."""
+
+
+@commands.command()
+@click.option(
+    "--out",
+    type=click.Path(file_okay=False, path_type=Path),
+    default=Path("paper"),
+    show_default=True,
+    help="Folder for the page, the pictures and the data; made if missing.",
+)
+def paper(out: Path) -> None:
+    """Reproduce the paper's figures and audit its claims."""
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+    from remanent.report.paper import reproduce, write
+
+    columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
+    with Progress(*columns) as display:
+        task = display.add_task("start", total=1.0)
+
+        def report(stage: str, share: float) -> None:
+            display.update(task, description=stage, completed=share)
+
+        found = reproduce(report)
+        report("writing", 0.9)
+        target = write(found, out)
+        report("done", 1.0)
+    for v in found.verdicts:
+        click.echo(f"{v.claim.id:>4}  {v.verdict:<12}  {v.claim.claim}")
+    click.echo(f"\n{target}")
+
+
+def main() -> None:
+    """Run the command; expected failures are one line on standard error."""
+    try:
+        commands.main(standalone_mode=False)
+    except click.ClickException as error:
+        error.show()
+        sys.exit(error.exit_code)
+    except (click.exceptions.Abort, KeyboardInterrupt):
+        click.echo("interrupted", err=True)
+        sys.exit(130)
+    except (RemanentError, OSError) as error:
+        click.echo(f"remanent: {error}", err=True)
+        sys.exit(1)

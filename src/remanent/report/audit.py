@@ -1,0 +1,86 @@
+"""From findings to verdicts: every admissible setting votes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from remanent.report.claims import CLAIMS, Claim, Finding
+from remanent.report.evidence import Evidence
+from remanent.report.settings import Setting
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What the votes say of a claim.
+
+    Attributes
+    ----------
+    verdict
+        ``supported``, ``contradicted`` or ``depends``.
+    evidence
+        The numbers at the reference setting, and on which choice the verdict depends.
+    """
+
+    claim: Claim
+    verdict: str
+    evidence: str
+
+
+def audit(reference: Evidence, others: Sequence[Evidence]) -> list[Verdict]:
+    """Decide every claim.
+
+    Parameters
+    ----------
+    reference
+        Evidence for the reference setting, whose numbers are reported.
+    others
+        Evidence for further settings of what the paper leaves unstated.
+    """
+    return [_decide(claim, reference, others) for claim in CLAIMS]
+
+
+def _decide(claim: Claim, reference: Evidence, others: Sequence[Evidence]) -> Verdict:
+    votes = [
+        (e.setting, reading, finding)
+        for e in (reference, *others)
+        for reading, finding in claim.test(e).items()
+    ]
+    numbers = " ".join(
+        f"{reading}: {f.numbers}" if reading else f.numbers
+        for setting, reading, f in votes
+        if setting == reference.setting
+    )
+    holds = [finding.holds for _, _, finding in votes]
+    if all(holds):
+        return Verdict(claim, "supported", f"{numbers} {_count(others)}")
+    if not any(holds):
+        return Verdict(claim, "contradicted", f"{numbers} {_count(others)}")
+    return Verdict(claim, "depends", f"{numbers} {_dependence(votes)}")
+
+
+def _count(others: Sequence[Evidence]) -> str:
+    if not others:
+        return ""
+    return f"The same at {len(others)} further settings of what the paper leaves unstated."
+
+
+def _dependence(votes: Sequence[tuple[Setting, str, Finding]]) -> str:
+    """On which reading, or on which setting, the answer depends."""
+    by_reading = {
+        reading: {f.holds for _, r, f in votes if r == reading} for _, reading, _ in votes
+    }
+    if len(by_reading) > 1 and all(len(v) == 1 for v in by_reading.values()):
+        yes = [r for r, v in by_reading.items() if True in v]
+        no = [r for r, v in by_reading.items() if False in v]
+        return f"It depends on the reading. Holds if {'; '.join(yes)}. Fails if {'; '.join(no)}."
+    yes = [_name(s, r) for s, r, f in votes if f.holds]
+    no = [_name(s, r) for s, r, f in votes if not f.holds]
+    return (
+        f"It depends on what the paper leaves unstated. Holds at: {'; '.join(yes)}. "
+        f"Fails at: {'; '.join(no)}."
+    )
+
+
+def _name(setting: Setting, reading: str) -> str:
+    return f"{setting}, {reading}" if reading else str(setting)

@@ -1,0 +1,378 @@
+"""The audit: each statement of the paper, and the test that decides it.
+
+A test looks at the evidence for one setting and says, for every reading of the
+statement, whether it holds and by which numbers.  Whether the statement is supported,
+contradicted, or depends on an unstated choice follows from the votes of all settings
+that bring the published resonances back; see :func:`remanent.report.audit.audit`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from remanent._typing import FloatArray
+from remanent.report import measures
+from remanent.report.evidence import Evidence
+from remanent.report.settings import AGREEMENT, FREQUENCIES, LAWS, PRESTRESSES
+
+#: Depth of modulation from which a motion is said to beat.
+_BEATS = 0.5
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Whether a statement holds for one setting and reading, and by which numbers."""
+
+    holds: bool
+    numbers: str
+
+
+#: Findings by reading; a statement that can be read in one way has the reading "".
+Findings = Mapping[str, Finding]
+
+
+@dataclass(frozen=True)
+class Claim:
+    """A statement to audit.
+
+    Attributes
+    ----------
+    id
+        Number in the list of statements, with a letter where one was split.
+    claim
+        The statement, in our words.
+    test
+        Evidence in, findings out.
+    figure
+        Name of the picture that shows it.
+    """
+
+    id: str
+    claim: str
+    test: Callable[[Evidence], Findings]
+    figure: str
+
+
+def _one(holds: bool | np.bool_, numbers: str) -> Findings:
+    return {"": Finding(bool(holds), numbers)}
+
+
+def _list(values: FloatArray, digits: str = ".4f") -> str:
+    """Values at the three temperatures."""
+    return ", ".join(format(float(v), digits) for v in np.ravel(values))
+
+
+def _falls(values: FloatArray) -> bool:
+    return bool((np.diff(values) < 0).all())
+
+
+def _by_prestress(values: FloatArray, digits: str = ".4f") -> str:
+    rows = zip(PRESTRESSES, values, strict=True)
+    return "; ".join(f"S = {s:g}: {_list(row, digits)}" for s, row in rows)
+
+
+# Free oscillation under constant load ------------------------------------------------
+
+
+def closed_orbits(e: Evidence) -> Findings:
+    change, error = measures.energy_change(e.constant), measures.table(e.constant, "error")
+    bound = 100.0 * error
+    bounded = np.isfinite(measures.swing(e.constant)).all()
+    return _one(
+        bounded and (change <= bound).all(),
+        "One degree of freedom, bounded, and the energy returns: its largest change over the "
+        f"window is {change.max():.1e} at an estimated state error of {error.max():.1e}, so "
+        "every motion runs round one level curve of the energy.",
+    )
+
+
+def settles(e: Evidence) -> Findings:
+    ratio = measures.decay(e.constant)
+    return _one(
+        (ratio < 0.9).all(),
+        "Range in the last quarter of the window over that in the first, T = 250, 350, 400 K: "
+        f"{_by_prestress(ratio, '.6f')}. Nothing decays; the model has no dissipation.",
+    )
+
+
+def amplitude_falls(row: int, e: Evidence) -> Findings:
+    swing = measures.swing(e.constant)[row]
+    return _one(_falls(swing), f"(max λ₃ − min λ₃)/2 at 250, 350, 400 K: {_list(swing)}.")
+
+
+def expansion_and_compression(e: Evidence) -> Findings:
+    x = e.constant["thickness_stretch"]
+    error = float(e.constant["error"].max())
+    low = float(x.sel(prestress=0.0).min())
+    high = float(x.sel(prestress=1.0).max())
+    return _one(
+        low >= 1.0 - 10 * error and high <= 1.0 + 10 * error,
+        f"From rest at λ₃ = 1 the least λ₃ at S = 0 is {low:.6f}, the largest at S = 1 is "
+        f"{high:.6f}, over all temperatures.",
+    )
+
+
+def modulus_falls(e: Evidence) -> Findings:
+    frequency = e.unloaded["natural_frequency"].isel(equilibrium=0).values
+    modulus = frequency**2 * (1.0 + 2.0 * e.setting.actuator.c) / 18.0
+    return _one(
+        _falls(modulus),
+        "Small-strain shear modulus over μ, from the natural frequency of the unloaded block "
+        f"at 250, 350, 400 K: {_list(modulus)} = T/T₀. An entropic elastomer stiffens.",
+    )
+
+
+def _extreme(e: Evidence, row: int) -> FloatArray:
+    x = e.constant["thickness_stretch"].isel(prestress=row).transpose("temperature", "time")
+    away = np.abs(x.values - 1.0).argmax(axis=-1)
+    return np.asarray(np.take_along_axis(x.values, away[:, None], axis=-1)[:, 0])
+
+
+def thickness_falls(row: int, kind: str, e: Evidence) -> Findings:
+    found = (
+        measures.table(e.landscape, "equilibrium_stretch")[row]
+        if kind == "equilibrium"
+        else _extreme(e, row)
+    )
+    return _one(_falls(found), f"λ₃ at {kind}, 250, 350, 400 K: {_list(found)}.")
+
+
+def prestress_deforms_more(e: Evidence) -> Findings:
+    away = np.abs(measures.table(e.landscape, "equilibrium_stretch") - 1.0)
+    return _one((away[1] > away[0]).all(), f"|λ₃ − 1| at equilibrium: {_by_prestress(away)}.")
+
+
+# Resonances ------------------------------------------------------------------------------
+
+
+def _resonances(e: Evidence) -> FloatArray:
+    return measures.table(e.response, "resonance")
+
+
+def _peaks(e: Evidence) -> FloatArray:
+    return measures.table(e.response, "resonance_amplitude")
+
+
+def resonance_rises(e: Evidence) -> Findings:
+    found = _resonances(e)
+    return _one((np.diff(found, axis=1) > 0).all(), f"ω of the largest λ₃ᵃ: {_by_prestress(found)}.")
+
+
+def six_frequencies(e: Evidence) -> Findings:
+    difference = _resonances(e) - measures.table(e.response, "published")
+    here = Finding(
+        bool((np.abs(difference) <= AGREEMENT).all()),
+        f"Computed minus published: {_by_prestress(difference, '+.4f')}.",
+    )
+    others = {
+        f"forcing law {LAWS[law].text}": Finding(
+            misfit <= AGREEMENT,
+            f"The best choice of b₀, T₀ and window still misses by {misfit:.4f}."
+            if misfit > AGREEMENT
+            else f"The best choice of b₀, T₀ and window comes within {misfit:.4f}.",
+        )
+        for law, misfit in e.misfits.items()
+        if law != e.setting.law
+    }
+    return {f"forcing law {LAWS[e.setting.law].text}": here, **others}
+
+
+def intensity_falls(e: Evidence) -> Findings:
+    peak = _peaks(e)[0]
+    return _one(_falls(peak), f"Largest λ₃ᵃ at 250, 350, 400 K: {_list(peak)}.")
+
+
+def intensity_rises_then_falls(e: Evidence) -> Findings:
+    peak = _peaks(e)[1]
+    holds = peak[1] > peak[0] and peak[2] < peak[1]
+    return _one(holds, f"Largest λ₃ᵃ at 250, 350, 400 K: {_list(peak)}.")
+
+
+def peaks_compared(e: Evidence) -> Findings:
+    free, pulled = _peaks(e)
+    holds = free[0] > pulled[0] and free[1] < pulled[1] and free[2] > pulled[2]
+    return _one(holds, f"Largest λ₃ᵃ: {_by_prestress(np.array([free, pulled]))}.")
+
+
+def higher_frequency(row: int, e: Evidence) -> Findings:
+    found = _resonances(e)
+    return _one((found[row] > found[1 - row]).all(), f"Resonances: {_by_prestress(found)}.")
+
+
+def heat_damps(e: Evidence) -> Findings:
+    change, error = measures.energy_change(e.constant), measures.table(e.constant, "error")
+    lost = e.constant["energy"].isel(time=0) - e.constant["energy"].isel(time=-1)
+    lost = lost.transpose("prestress", "temperature").values
+    return _one(
+        ((np.diff(lost, axis=1) > 0).all() and (lost[:, -1] > 100 * error[:, -1]).all()),
+        f"Energy lost over the window: {_by_prestress(lost, '.1e')}; largest change of either "
+        f"sign {change.max():.1e}. The equation of motion has no dissipative term at any "
+        "temperature; amplitudes fall because the entropic stiffness grows.",
+    )
+
+
+# Beating -----------------------------------------------------------------------------------
+
+
+def beats_at_resonance(e: Evidence) -> Findings:
+    depth = measures.beating(e.motion, 0.0)
+    return _one(
+        depth[1] >= _BEATS,
+        f"Depth of modulation (a_max − a_min)/(a_max + a_min) of the local amplitude at 250, "
+        f"350, 400 K, ω = {FREQUENCIES[0]:g}, S = 0: {_list(depth, '.2f')}.",
+    )
+
+
+def beats_nowhere_else(e: Evidence) -> Findings:
+    depth = measures.beating(e.motion, 0.0)
+    return _one(
+        max(depth[0], depth[2]) < _BEATS,
+        f"Depth of modulation at the other temperatures, 250 and 400 K: {_list(depth[[0, 2]], '.2f')}"
+        f", against {depth[1]:.2f} at 350 K. Undamped motion from rest holds the free "
+        "oscillation beside the forced one and beats at every temperature.",
+    )
+
+
+def beats_near_natural(e: Evidence) -> Findings:
+    natural = measures.table(e.mean, "natural_frequency")[0]
+    load = 2.0 * FREQUENCIES[0]
+    detuning = np.abs(natural - load)
+    return {
+        "frequency of the load, 2ω": Finding(
+            int(detuning.argmin()) == 1,
+            f"Natural frequencies about the mean load at 250, 350, 400 K: {_list(natural, '.3f')}; "
+            f"the load oscillates at 2ω = {load:g}.",
+        ),
+        "frequency of the flux, ω": Finding(
+            int(np.abs(natural - load / 2).argmin()) == 1,
+            f"The flux oscillates at ω = {load / 2:g}, nearest to {natural.min():.3f}.",
+        ),
+    }
+
+
+# Regimes -----------------------------------------------------------------------------------
+
+
+def _regular(e: Evidence, row: int) -> tuple[measures.Regularity, str]:
+    found = measures.regularity(e.section, e.neighbour)
+    numbers = (
+        f"Over {e.section.sizes['period'] - 1} drive periods at S = {PRESTRESSES[row]:g}, ω = "
+        f"{FREQUENCIES[row]:g}, T = 250, 350, 400 K: averages agree to "
+        f"{_list(found.digits[row], '.1f')} digits; a neighbour's separation grows by "
+        f"{_list(found.growth[row], '.2f')} from the first half to the whole (2 is linear); "
+        f"estimated error at most {float(e.section['error'].max()):.0e}."
+    )
+    return found, numbers
+
+
+def aperiodic_at_resonance(row: int, e: Evidence) -> Findings:
+    found, numbers = _regular(e, row)
+    return _one(found.aperiodic[row, 1], numbers)
+
+
+def quasi_periodic_elsewhere(row: int, e: Evidence) -> Findings:
+    found, numbers = _regular(e, row)
+    return _one(found.quasi_periodic[row, [0, 2]].all(), numbers)
+
+
+def transition(e: Evidence) -> Findings:
+    found = measures.regularity(e.section, e.neighbour)
+    count = int(found.quasi_periodic.sum())
+    holds = found.aperiodic[:, 1].all() and found.quasi_periodic[:, [0, 2]].all()
+    return _one(
+        holds,
+        f"{count} of the six motions are quasi-periodic, {int(found.aperiodic.sum())} aperiodic: "
+        "temperature moves them from one closed curve to another.",
+    )
+
+
+def settles_faster(e: Evidence) -> Findings:
+    ratio = measures.decay(e.constant)
+    return _one(
+        (ratio[0] < 0.9).all() and (ratio[0] < ratio[1]).all(),
+        f"Range in the last quarter over that in the first: {_by_prestress(ratio, '.6f')}. "
+        "Neither settles.",
+    )
+
+
+def bounded_is_stable(e: Evidence) -> Findings:
+    found = measures.regularity(e.section, e.neighbour)
+    ratio = measures.decay(e.motion)
+    largest = float(e.section["stretch"].max())
+    return {
+        "stable means bounded": Finding(
+            bool(np.isfinite(e.section["stretch"].values).all() and largest < 10.0),
+            f"All six stay below λ = {largest:.3f} over {e.section.sizes['period'] - 1} periods.",
+        ),
+        "stable means that neighbours stay near": Finding(
+            bool((found.growth < 1.1).all()),
+            f"The separation of neighbours grows without bound, in proportion to time: "
+            f"{_by_prestress(found.growth, '.2f')} from the first half to the whole.",
+        ),
+        "stable means that disturbances die out": Finding(
+            bool((ratio < 0.9).all()),
+            f"Range in the last quarter over that in the first: {_by_prestress(ratio, '.2f')}; "
+            "an area-preserving map has no attractors.",
+        ),
+    }
+
+
+_HOT = "as the temperature rises"
+CLAIMS: tuple[Claim, ...] = (
+    Claim("1", "Under constant load the motion is a closed orbit at every temperature and prestress.",
+          closed_orbits, "figure_3"),
+    Claim("2", "The actuator oscillates towards a final equilibrium and settles there.",
+          settles, "figure_2"),
+    Claim("3a", f"The oscillation amplitude falls {_HOT}, S = 0.",
+          partial(amplitude_falls, 0), "landscapes"),
+    Claim("3b", f"The oscillation amplitude falls {_HOT}, S = 1.",
+          partial(amplitude_falls, 1), "landscapes"),
+    Claim("4", "Without prestress the block thickens (λ₃ > 1), with S = 1 it thins (λ₃ < 1).",
+          expansion_and_compression, "figure_3"),
+    Claim("5", f"The elastic modulus falls {_HOT}.", modulus_falls, "landscapes"),
+    *(
+        Claim(f"6{letter}", f"The thickness stretch at {kind} falls {_HOT}, S = {s:g}.",
+              partial(thickness_falls, row, kind), "landscapes")
+        for letter, (row, s, kind) in zip("abcd", [
+            (row, s, kind) for row, s in enumerate(PRESTRESSES)
+            for kind in ("equilibrium", "the extreme")], strict=True)
+    ),
+    Claim("7", "With prestress the block deforms more at equilibrium, at every temperature.",
+          prestress_deforms_more, "landscapes"),
+    Claim("8a", f"The resonance frequency rises {_HOT}.", resonance_rises, "figure_4"),
+    Claim("8b", "The six resonances lie at 1.05, 1.25, 1.35 (S = 0) and 0.85, 1.08, 1.19 (S = 1).",
+          six_frequencies, "figure_4"),
+    Claim("9", f"The intensity of the resonance falls {_HOT}, S = 0.", intensity_falls, "figure_4"),
+    Claim("10", f"The intensity of the resonance first rises, then falls {_HOT}, S = 1.",
+          intensity_rises_then_falls, "figure_4"),
+    Claim("11", "The peak at S = 0 exceeds that at S = 1 at 250 and 400 K and is below it at 350 K.",
+          peaks_compared, "figure_4"),
+    Claim("12a", "Without prestress the actuator resonates at the higher frequency, at each temperature.",
+          partial(higher_frequency, 0), "figure_4"),
+    Claim("12b", "With prestress the actuator resonates at the higher frequency, at each temperature.",
+          partial(higher_frequency, 1), "figure_4"),
+    Claim("13", "Higher temperature brings damping that dissipates energy.", heat_damps, "energy"),
+    Claim("14a", "The motion beats at resonance (350 K).", beats_at_resonance, "figure_5"),
+    Claim("14b", "At other temperatures, same frequency, the beating disappears.",
+          beats_nowhere_else, "figure_5"),
+    Claim("14c", "The beating occurs because the drive is near the natural frequency.",
+          beats_near_natural, "figure_5"),
+    Claim("15", "At 350 K, ω = 1.25, S = 0 the section is disordered: the motion is aperiodic.",
+          partial(aperiodic_at_resonance, 0), "tolerance"),
+    Claim("16", "At 250 and 400 K, ω = 1.25, S = 0 the section is a closed curve: quasi-periodic.",
+          partial(quasi_periodic_elsewhere, 0), "tolerance"),
+    Claim("17a", "At 350 K, ω = 1.08, S = 1 the motion is aperiodic.",
+          partial(aperiodic_at_resonance, 1), "tolerance"),
+    Claim("17b", "At 250 and 400 K, ω = 1.08, S = 1 the section is a closed curve: quasi-periodic.",
+          partial(quasi_periodic_elsewhere, 1), "tolerance"),
+    Claim("18", "Temperature therefore drives a transition between aperiodic and quasi-periodic motion.",
+          transition, "tolerance"),
+    Claim("19", "Without prestress the actuator settles faster.", settles_faster, "figure_2"),
+    Claim("20", "Bounded phase portraits show that the vibration is stable.",
+          bounded_is_stable, "figure_5"),
+)  # fmt: skip
+

@@ -1,0 +1,125 @@
+"""What a verdict is drawn from: the six cases of the paper, computed for one setting."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+import xarray as xr
+
+from remanent.models.drives import Constant
+from remanent.report.settings import (
+    FREQUENCIES,
+    PRESTRESSES,
+    PUBLISHED,
+    TEMPERATURES,
+    Setting,
+)
+from remanent.results import build
+from remanent.studies.equilibria import equilibria
+from remanent.studies.response import frequency_response
+from remanent.studies.section import poincare_section
+from remanent.studies.simulate import simulate
+
+#: All combinations, prestress first as in the paper's panels.
+CASES = {"prestress": PRESTRESSES, "temperature": TEMPERATURES}
+#: Frequencies at which responses are tabulated before the largest is refined.
+OMEGAS = np.linspace(0.5, 2.0, 601)
+#: Drive periods in the sections on which regularity is judged, and in those drawn.
+LONG, DRAWN = 2000, 500
+#: Distance of the neighbour whose separation is followed.
+NUDGE = 1e-6
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """Results for one setting; dimensions are (prestress, temperature, ...) throughout.
+
+    Attributes
+    ----------
+    constant
+        Histories under the constant load b₀² (figures 2 and 3).
+    landscape
+        Equilibria and potentials under that load; ``mean`` under half of it.
+    response
+        Frequency responses (figure 4), with ``published`` resonances.
+    unloaded
+        Equilibria without load or prestress (temperature): the small-strain modulus.
+    motion
+        Histories under the periodic load (figures 5 and 6).
+    section, neighbour
+        Sections at every drive period, of the motion from rest and of one that starts
+        at a stretch larger by :data:`NUDGE`.
+    misfits
+        Least misfit of the six resonances that each forcing law reaches, by its name;
+        empty where the reconstruction was not made.
+    """
+
+    setting: Setting
+    constant: xr.Dataset
+    landscape: xr.Dataset
+    mean: xr.Dataset
+    unloaded: xr.Dataset
+    response: xr.Dataset
+    motion: xr.Dataset
+    section: xr.Dataset
+    neighbour: xr.Dataset
+    misfits: Mapping[str, float] = field(default_factory=dict)
+
+
+def gather(setting: Setting, tolerance: float = 1e-9) -> Evidence:
+    """Compute everything that verdicts need, for one setting."""
+    actuator, m = setting.actuator, setting.b**2
+    section, neighbour = sections(setting, tolerance)
+    return Evidence(
+        setting=setting,
+        constant=simulate(
+            actuator, Constant(m), duration=setting.window, over=CASES, tolerance=tolerance
+        ),
+        landscape=equilibria(actuator, m, over=CASES),
+        mean=equilibria(actuator, m / 2, over=CASES),
+        unloaded=equilibria(actuator, 0.0, over={"temperature": TEMPERATURES}),
+        response=responses(setting, tolerance),
+        motion=motions(setting, tolerance),
+        section=section,
+        neighbour=neighbour,
+    )
+
+
+def responses(setting: Setting, tolerance: float) -> xr.Dataset:
+    """Figure 4, with the published resonances beside the computed ones."""
+    found = frequency_response(
+        setting.actuator, setting.drive(1.0), OMEGAS, duration=setting.window,
+        over=CASES, tolerance=tolerance,
+    )  # fmt: skip
+    dims = ("prestress", "temperature")
+    published = build.dataset({"published": (dims, np.array(PUBLISHED))}, {}, {})
+    return found.assign(published=published["published"])
+
+
+def motions(setting: Setting, tolerance: float) -> xr.Dataset:
+    """Figures 5 and 6: a window of each motion under the periodic load."""
+    return simulate(
+        setting.actuator, setting.drive(1.0), duration=setting.window,
+        over=_driven(), tolerance=tolerance,
+    )  # fmt: skip
+
+
+def sections(setting: Setting, tolerance: float) -> tuple[xr.Dataset, xr.Dataset]:
+    """Long sections of each motion and of a neighbour."""
+    start = xr.DataArray([1.0, 1.0 + NUDGE], dims="start")
+    found = poincare_section(
+        setting.actuator, setting.drive(1.0), periods=LONG,
+        over={**_driven(), "initial.stretch": start}, tolerance=tolerance,
+    )  # fmt: skip
+    return found.isel(start=0), found.isel(start=1)
+
+
+def _driven() -> dict[str, xr.DataArray]:
+    """Each prestress with its own drive frequency."""
+    return {
+        "prestress": xr.DataArray(list(PRESTRESSES), dims="prestress"),
+        "omega": xr.DataArray(list(FREQUENCIES), dims="prestress"),
+        "temperature": xr.DataArray(list(TEMPERATURES), dims="temperature"),
+    }

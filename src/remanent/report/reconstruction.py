@@ -1,0 +1,107 @@
+"""Which unstated choices bring the six published resonances back."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import xarray as xr
+
+from remanent._typing import FloatArray
+from remanent.report.settings import AGREEMENT, LAWS, PRESTRESSES, PUBLISHED, TEMPERATURES, Setting
+from remanent.results import build, provenance
+from remanent.studies.response import frequency_response
+
+#: The grid on which the misfit is computed.
+REFERENCE_TEMPERATURES = np.arange(281.0, 306.0, 2.0)
+AMPLITUDES = np.round(np.arange(0.32, 0.4601, 0.01), 2)
+WINDOWS = (50.0, 80.0, 100.0, 150.0)
+#: Frequencies searched; m = b₀² sin ωτ resonates at twice the published ones.
+_RANGE = {"sin2": (0.6, 1.6, 101), "cos2": (0.6, 1.6, 101), "sin": (0.6, 3.0, 161)}
+#: The misfit is read to two digits; amplitudes need no more than this.
+_TOLERANCE, _WIDTH = 1e-4, 2.5e-3
+
+
+def misfits(law: str, windows: tuple[float, ...], report: Callable[[], None]) -> xr.Dataset:
+    """Largest difference from the published resonances, over T₀, b₀ and the window.
+
+    Parameters
+    ----------
+    law
+        Name in :data:`~remanent.report.settings.LAWS`.
+    windows
+        Lengths of the response window.
+    report
+        Called after each window.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``misfit`` (law, window, reference_temperature, b) and the ``resonance``
+        (law, window, reference_temperature, b, temperature, prestress) behind it.
+    """
+    found = []
+    for window in windows:
+        found.append(_resonances(law, window))
+        report()
+    resonance = np.stack(found)[None]
+    misfit = np.abs(resonance - np.array(PUBLISHED).T).max(axis=(-2, -1))
+    dims = ("law", "window", "reference_temperature", "b")
+    whole = Setting(law=law)
+    return build.dataset(
+        {
+            "misfit": (dims, misfit),
+            "resonance": ((*dims, "temperature", "prestress"), resonance),
+        },
+        {
+            "law": (("law",), np.array([LAWS[law].symbol])),
+            "window": (("window",), np.array(windows)),
+            "reference_temperature": (("reference_temperature",), REFERENCE_TEMPERATURES),
+            "b": (("b",), AMPLITUDES),
+            "temperature": (("temperature",), np.array(TEMPERATURES)),
+            "prestress": (("prestress",), np.array(PRESTRESSES)),
+        },
+        provenance.attributes(
+            whole.actuator, whole.drive(1.0), _TOLERANCE, over=dims[1:], width=_WIDTH
+        ),
+    )
+
+
+def _resonances(law: str, window: float) -> FloatArray:
+    """Array (reference_temperature, b, temperature, prestress)."""
+    field, values = LAWS[law].field(AMPLITUDES)
+    response = frequency_response(
+        Setting().actuator,
+        LAWS[law].drive(0.4, 1.0),
+        np.linspace(*_RANGE[law]),
+        duration=window,
+        tolerance=_TOLERANCE,
+        resonance_width=_WIDTH,
+        over={
+            "reference_temperature": REFERENCE_TEMPERATURES,
+            field: values,
+            "temperature": TEMPERATURES,
+            "prestress": PRESTRESSES,
+        },
+    )
+    order = ("reference_temperature", field, "temperature", "prestress")
+    return np.asarray(response["resonance"].transpose(*order).values)
+
+
+def admissible(misfit: xr.Dataset, law: str) -> list[Setting]:
+    """Settings that bring all six resonances back: the best of each window, and the ends.
+
+    For every window the best grid point; and among all within the agreement those with
+    the least and the largest b₀ and T₀.
+    """
+    values = misfit["misfit"].isel(law=0).transpose("window", "reference_temperature", "b").values
+    good = np.argwhere(values <= AGREEMENT)
+    best = [good[good[:, 0] == w] for w in range(values.shape[0])]
+    picks = [rows[np.argmin(values[tuple(rows.T)])] for rows in best if rows.size]
+    for axis in (1, 2) if good.size else ():
+        picks += [good[np.argmin(good[:, axis])], good[np.argmax(good[:, axis])]]
+    settings = [
+        Setting(float(AMPLITUDES[j]), float(REFERENCE_TEMPERATURES[i]), float(WINDOWS[w]), law)
+        for w, i, j in picks
+    ]
+    return list(dict.fromkeys(settings))

@@ -1,0 +1,92 @@
+"""What the paper states, and what it leaves unstated."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Final
+
+import numpy as np
+
+from remanent.models.actuator import Actuator
+from remanent.models.drives import Drive, Sine, SineSquared
+
+#: Temperatures, kelvin, and prestresses of every figure.
+TEMPERATURES: Final = (250.0, 350.0, 400.0)
+PRESTRESSES: Final = (0.0, 1.0)
+#: Drive frequency of the motions in figures 5 (S = 0) and 6 (S = 1).
+FREQUENCIES: Final = (1.25, 1.08)
+#: Published resonance frequencies, one row per prestress, one column per temperature.
+PUBLISHED: Final = ((1.05, 1.25, 1.35), (0.85, 1.08, 1.19))
+#: Two digits after the point are published, and the maximum is read off a curve.
+AGREEMENT: Final = 0.01
+
+
+@dataclass(frozen=True)
+class Setting:
+    """One choice of everything the paper leaves unstated.
+
+    Attributes
+    ----------
+    b
+        Amplitude b0 of the square root of the load.
+    reference_temperature
+        T0, kelvin.
+    window
+        Length of the response window, tau.
+    law
+        Name in :data:`LAWS`.
+    """
+
+    b: float = 0.4
+    reference_temperature: float = 293.0
+    window: float = 100.0
+    law: str = "sin2"
+
+    def __str__(self) -> str:
+        return (
+            f"b₀ = {self.b:g}, T₀ = {self.reference_temperature:g} K, "
+            f"window {self.window:g}, {LAWS[self.law].text}"
+        )
+
+    @property
+    def actuator(self) -> Actuator:
+        return Actuator(reference_temperature=self.reference_temperature)
+
+    def drive(self, omega: float) -> Drive:
+        return LAWS[self.law].drive(self.b, omega)
+
+
+@dataclass(frozen=True)
+class Law:
+    """A reading of "periodic magnetic flux".
+
+    Attributes
+    ----------
+    text, symbol
+        In plain text, and as mathtext.
+    """
+
+    text: str
+    symbol: str
+    phase: float | None
+
+    def drive(self, b: float, omega: float) -> Drive:
+        if self.phase is None:
+            return Sine(b**2, omega)
+        return SineSquared(b, omega, self.phase)
+
+    def field(self, b: np.ndarray) -> tuple[str, np.ndarray]:
+        """Name and values of the drive's field that `b` sets."""
+        return ("m", b**2) if self.phase is None else ("b", b)
+
+
+LAWS: Final[Mapping[str, Law]] = MappingProxyType(
+    {
+        "sin2": Law("m = (b₀ sin ωτ)²", r"$(b_0\sin\omega\tau)^2$", 0.0),
+        "cos2": Law("m = (b₀ cos ωτ)²", r"$(b_0\cos\omega\tau)^2$", np.pi / 2),
+        "sin": Law("m = b₀² sin ωτ", r"$b_0^2\sin\omega\tau$", None),
+    }
+)
+REFERENCE: Final = Setting()

@@ -1,0 +1,121 @@
+"""The story of the tolerance: the same motions, converged and at ode45's defaults."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import numpy as np
+import xarray as xr
+from scipy.integrate import solve_ivp
+
+from remanent._typing import FloatArray
+from remanent.models.drives import Constant, Drive
+from remanent.report.evidence import CASES, DRAWN, Evidence
+from remanent.report.settings import FREQUENCIES, PRESTRESSES, TEMPERATURES, Setting
+from remanent.results import build, provenance
+from remanent.studies.simulate import simulate
+
+#: MATLAB's default tolerances of ode45.
+RELATIVE, ABSOLUTE = 1e-3, 1e-6
+#: How the two solvers are called in figures.
+SOLVERS = ("converged", "ode45 defaults")
+#: Length and number of points of the runs whose energy is followed.
+_LONG_RUN, _POINTS = 1000.0, 2001
+
+
+def at_defaults(
+    setting: Setting, temperature: float, prestress: float, drive: Drive, times: FloatArray
+) -> FloatArray:
+    """States (time, 2) from rest, as a script at default tolerances gives them.
+
+    SciPy's RK45 is the same Dormand-Prince 5(4) pair as ode45, with a step controller
+    of its own: alike in kind, not dot for dot.
+    """
+    theta = temperature / setting.reference_temperature
+
+    def equation_16(tau: float, y: FloatArray) -> tuple[float, float]:
+        x, v = y
+        force = theta * (x - x**-5) - prestress + float(drive(tau)) * x**-3
+        return v, (6.0 * v * v / x**7 - 3.0 * force) / (1.0 + 2.0 / x**6)
+
+    solved = solve_ivp(
+        equation_16, (0.0, float(times[-1])), [1.0, 0.0], method="RK45", t_eval=times,
+        rtol=RELATIVE, atol=ABSOLUTE,
+    )  # fmt: skip
+    return np.asarray(solved.y.T)
+
+
+def section_story(evidence: Evidence) -> xr.Dataset:
+    """Sections of the six motions by both solvers, at every second drive period.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``thickness_stretch``, ``thickness_stretch_rate`` (solver, prestress,
+        temperature, period), ``omega`` (prestress).
+    """
+    converged = evidence.section.sel(period=slice(0, 2 * DRAWN, 2))
+    shape = (len(PRESTRESSES), len(TEMPERATURES), converged.sizes["period"], 2)
+    script = np.empty(shape)
+    for (i, s), (j, t) in product(enumerate(PRESTRESSES), enumerate(TEMPERATURES)):
+        drive = evidence.setting.drive(FREQUENCIES[i])
+        length = float(drive.period or 0.0)
+        times = converged["period"].values * length
+        script[i, j] = at_defaults(evidence.setting, t, s, drive, times)
+    both = _both(converged, script)
+    omega = build.dataset({}, {"omega": (("prestress",), np.array(FREQUENCIES))}, {})
+    return both.assign_coords(omega=omega["omega"])
+
+
+def energy_story(setting: Setting) -> xr.Dataset:
+    """Energy minus its first value over a long run under constant load, both solvers.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``energy_drift`` (solver, prestress, temperature, time).
+    """
+    drive = Constant(setting.b**2)
+    times = np.linspace(0.0, _LONG_RUN, _POINTS)
+    converged = simulate(setting.actuator, drive, times=times, over=CASES, tolerance=1e-11)
+    energy = np.empty((2, len(PRESTRESSES), len(TEMPERATURES), _POINTS))
+    energy[0] = converged["energy"].values
+    for (i, s), (j, t) in product(enumerate(PRESTRESSES), enumerate(TEMPERATURES)):
+        x, v = at_defaults(setting, t, s, drive, times).T
+        theta = t / setting.reference_temperature
+        energy[1, i, j] = (
+            (1.0 + 2.0 / x**6) * v**2 / 3.0
+            + theta * (2.0 * x**2 + x**-4 - 3.0) / 2.0
+            - 2.0 * s * (x - 1.0)
+            - drive.m / x**2
+        )
+    dims = ("solver", "prestress", "temperature", "time")
+    return build.dataset(
+        {"energy_drift": (dims, energy - energy[..., :1])},
+        {
+            "solver": (("solver",), np.array(SOLVERS)),
+            "prestress": (("prestress",), np.array(PRESTRESSES)),
+            "temperature": (("temperature",), np.array(TEMPERATURES)),
+            "time": (("time",), times),
+        },
+        provenance.attributes(setting.actuator, drive, 1e-11, over=CASES, duration=_LONG_RUN),
+    )
+
+
+def _both(converged: xr.Dataset, script: FloatArray) -> xr.Dataset:
+    """Both solvers' sections in one Dataset."""
+    dims = ("solver", "prestress", "temperature", "period")
+    x, v = script[..., 0], script[..., 1]
+    ours = [converged[n].transpose(*dims[1:]).values for n in
+            ("thickness_stretch", "thickness_stretch_rate")]  # fmt: skip
+    return build.dataset(
+        {
+            "thickness_stretch": (dims, np.stack([ours[0], x**-2])),
+            "thickness_stretch_rate": (dims, np.stack([ours[1], -2.0 * v * x**-3])),
+        },
+        {
+            "solver": (("solver",), np.array(SOLVERS)),
+            **{n: ((n,), converged[n].values) for n in dims[1:]},
+        },
+        converged.attrs,
+    )

@@ -1,0 +1,277 @@
+"""The equations of motion that the energies lead to, against the paper and identities."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any, ClassVar
+
+import pytest
+import sympy as sp
+
+from remanent import _checks
+from remanent._checks import Rule
+from remanent.models import mechanics, thermal
+from remanent.models.actuator import Actuator
+from remanent.models.drives import Constant, SineSquared
+from remanent.models.equations import equations, second_order
+from remanent.models.magnetics import Magnet
+from remanent.models.viscous import Dissipation, Rayleigh
+
+STRETCH, RATE = sp.Symbol("stretch", positive=True), sp.Symbol("stretch_rate", real=True)
+C, T, T0 = (mechanics.parameter(n) for n in ("c", "temperature", "reference_temperature"))
+S, M, ETA, F = (
+    mechanics.parameter(n)
+    for n in ("prestress", "m", "dissipation.0.eta", "material.entropic_fraction")
+)
+ALPHA = mechanics.parameter("magnet.temperature_coefficient")
+PLAIN = {F: 1, ALPHA: 0}
+
+
+def written_out(expression: Any, system: Any) -> Any:
+    """The expression in numeric fields and state only."""
+    for symbol, meaning in reversed(list(system.definitions.items())):
+        expression = expression.subs(symbol, meaning)
+    return expression
+
+
+def inertia(stretch: Any) -> Any:
+    """M of equation 16."""
+    return 1 + 2 * C * stretch**-6
+
+
+def equation_16(stretch: Any, rate: Any, acceleration: Any, theta: Any, load: Any) -> Any:
+    """Left side of equation 16 of the paper."""
+    force = theta * (stretch - stretch**-5) - S + load * stretch**-3
+    return (
+        inertia(stretch) * acceleration - 6 * C * stretch**-7 * rate**2 + sp.Integer(3) * force
+    )
+
+
+def test_acceleration_is_equation_16() -> None:
+    system = mechanics.derive(Actuator(), Constant(0.1))
+    acceleration = written_out(system.rates[1], system).subs(PLAIN)
+    assert sp.simplify(equation_16(STRETCH, RATE, acceleration, T / T0, M)) == 0
+    assert system.rates[0] == RATE
+    assert system.state == (STRETCH, RATE)
+
+
+def test_readable_equation_is_equation_16() -> None:
+    row = equations(Actuator()).second_order[0]
+    theta, load, stiffness = (sp.Symbol(n, positive=True) for n in ("theta", "load", "stiffness"))
+    left = row.lhs.subs({sp.Symbol("effective_load", real=True): load, stiffness: theta})
+    acceleration = sp.Symbol("stretch_rate'", real=True)
+    assert sp.simplify(left - equation_16(STRETCH, RATE, acceleration, theta, load)) == 0
+
+
+def test_readable_equations_are_typeset() -> None:
+    shown = equations(Actuator(dissipation=Rayleigh(0.1)))
+    assert shown._repr_latex_().startswith("$\\displaystyle \\begin{gathered}")
+    assert r"\lambda''" in shown.latex
+    assert r"\eta_{0}" in shown.latex
+    assert "prestress" not in shown.latex
+
+
+def test_kinetic_and_potential_energy_are_those_of_the_lagrangian() -> None:
+    """L = M v^2/2 - V is 3/2 of the energies per 8 H L^2 mu, up to a constant."""
+    motion = mechanics.motion(Actuator(), Constant(0.1))
+    potential = written_out(motion.potential, motion).subs(PLAIN)
+    bracket = T / T0 * (STRETCH**2 / 2 + STRETCH**-4 / 4) - S * STRETCH - M * STRETCH**-2 / 2
+    difference = sp.Rational(3, 2) * potential - 3 * bracket
+    assert sp.simplify(sp.diff(difference, STRETCH)) == 0
+    assert sp.simplify(motion.kinetic - inertia(STRETCH) * RATE**2 / 3) == 0
+
+
+def test_energy_is_the_one_promised() -> None:
+    system = mechanics.derive(Actuator(), Constant(0.1))
+    energy = written_out(system.observables["energy"], system).subs(PLAIN)
+    theta = T / T0
+    promised = (
+        inertia(STRETCH) * RATE**2 / 3
+        + theta * (2 * STRETCH**2 + STRETCH**-4 - 3) / 2
+        - 2 * S * (STRETCH - 1)
+        - M * STRETCH**-2
+    )
+    assert sp.simplify(energy - promised) == 0
+
+
+def test_rayleigh_damping_joins_the_bracket() -> None:
+    """eta l' stands inside 3 [...] of equation 16, and takes 2 D from the energy."""
+    system = mechanics.derive(Actuator(dissipation=Rayleigh(0.1)), Constant(0.1))
+    acceleration = written_out(system.rates[1], system).subs(PLAIN)
+    left = equation_16(STRETCH, RATE, acceleration, T / T0, M) + 3 * ETA * RATE
+    assert sp.simplify(left) == 0
+    assert sp.simplify(power(system) + 2 * ETA * RATE**2) == 0
+
+
+def power(system: Any) -> Any:
+    """Rate of the energy along the motion."""
+    rates = dict(zip(system.state, system.rates, strict=True))
+    return written_out(mechanics.along(system.observables["energy"], rates), system)
+
+
+@pytest.mark.parametrize("coordinates", [1, 2])
+def test_energy_is_conserved_without_dissipation(coordinates: int) -> None:
+    system = mechanics.derive(Actuator(), Constant(0.1), coordinates=coordinates)
+    assert sp.simplify(power(system)) == 0
+
+
+def test_watched_are_time_derivatives_of_the_thickness_stretch() -> None:
+    system = mechanics.derive(Actuator(), Constant(0.1))
+    acceleration = system.rates[1]
+    assert sp.simplify(system.watched[0] - STRETCH**-2) == 0
+    assert sp.simplify(system.watched[1] + 2 * RATE * STRETCH**-3) == 0
+    second = 6 * RATE**2 * STRETCH**-4 - 2 * STRETCH**-3 * acceleration
+    assert sp.simplify(system.watched[2] - second) == 0
+
+
+def test_temperature_scales_out_exactly() -> None:
+    """(T; m, S, eta, tau) and (T0; m/th, S/th, eta/sqrt th, tau sqrt th) move alike."""
+    system = mechanics.derive(Actuator(dissipation=Rayleigh(0.1)), Constant(0.1))
+    warm = written_out(system.rates[1], system).subs(PLAIN)
+    theta = T / T0
+    scaled = {T: T0, M: M / theta, S: S / theta, ETA: ETA / sp.sqrt(theta)}
+    cold = warm.subs({**scaled, RATE: RATE / sp.sqrt(theta)}, simultaneous=True)
+    assert sp.simplify(warm - theta * cold) == 0
+
+
+def test_small_oscillations() -> None:
+    """omega^2 = 3 [th (1 + 5 l^-6) - 3 m l^-4]/(1 + 2 c l^-6) at an equilibrium."""
+    system = mechanics.derive(Actuator(), Constant(0.1))
+    acceleration = written_out(system.rates[1], system).subs(PLAIN)
+    theta = T / T0
+    balance = theta * (STRETCH - STRETCH**-5) + M * STRETCH**-3
+    stiffness = -sp.diff(acceleration, STRETCH).subs({S: balance, RATE: 0})
+    expected = 3 * (theta * (1 + 5 * STRETCH**-6) - 3 * M * STRETCH**-4) / inertia(STRETCH)
+    assert sp.simplify(stiffness - expected) == 0
+
+
+def test_rotation_law_exerts_no_load() -> None:
+    system = mechanics.derive(Actuator(magnet=Magnet(law="rotation")), SineSquared(0.4, 1.25))
+    assert not {"b", "sin_pi_phase"} & {s.name for s in system.rates[1].free_symbols}
+    assert sp.diff(written_out(system.rates[1], system), mechanics.parameter("b")) == 0
+
+
+def test_magnet_weakens_with_temperature() -> None:
+    system = mechanics.derive(Actuator(), Constant(0.1))
+    acceleration = written_out(system.rates[1], system)
+    weakened = acceleration.subs(ALPHA, 0).subs(M, M * (1 + ALPHA * (T - T0)))
+    assert sp.simplify(acceleration - weakened) == 0
+
+
+def test_energetic_elasticity_does_not_depend_on_temperature() -> None:
+    system = mechanics.derive(Actuator(), Constant(0.1))
+    acceleration = written_out(system.rates[1], system).subs({F: 0, ALPHA: 0})
+    assert not {T, T0} & acceleration.free_symbols
+
+
+def test_caloric_energy_is_that_of_a_constant_heat_capacity() -> None:
+    """-T d2/dT2 of rho c_p [T - T0 - T ln(T/T0)] is rho c_p; at T0 it vanishes, and so
+    does its slope."""
+    theta, k = sp.symbols("theta k", positive=True)
+    energy = thermal.caloric_energy(theta, k, sp)
+    assert sp.simplify(-theta * sp.diff(energy, theta, 2) - 1 / k) == 0
+    assert energy.subs(theta, 1) == 0
+    assert sp.diff(energy, theta).subs(theta, 1) == 0
+
+
+# Two coordinates ----------------------------------------------------------------------
+
+
+def test_two_equal_stretches_move_as_one() -> None:
+    one = mechanics.derive(Actuator(), Constant(0.1))
+    two = mechanics.derive(Actuator(), Constant(0.1), coordinates=2)
+    (q1, v1, q2, v2), loads = two.state, (mechanics.parameter(f"prestress_{i}") for i in (1, 2))
+    equal = {q1: STRETCH, q2: STRETCH, v1: RATE, v2: RATE, **dict.fromkeys(loads, S)}
+    for rate in (two.rates[1], two.rates[3]):
+        assert sp.simplify(rate.subs(equal) - one.rates[1]) == 0
+    for name, observable in one.observables.items():
+        assert sp.simplify(two.observables[name].subs(equal) - observable) == 0
+
+
+def test_lagrange_equations_of_two_stretches() -> None:
+    """M and f against the energies of physics.md, differentiated along a motion."""
+    motion = mechanics.motion(Actuator(), Constant(0.1), coordinates=2)
+    tau = sp.Symbol("tau")
+    path = [sp.Function(f"q{i}", positive=True)(tau) for i in (1, 2)]
+    on_path = dict(zip(motion.coordinates, path, strict=True))
+    on_path |= dict(zip(motion.rates, (sp.diff(q, tau) for q in path), strict=True))
+    dotted = {sp.Symbol(f"{v.name}'", real=True): sp.diff(on_path[v], tau) for v in motion.rates}
+    for q, v, row in zip(motion.coordinates, motion.rates, second_order(motion), strict=True):
+        momentum = sp.diff(motion.kinetic, v).subs(on_path)
+        force = sp.diff(motion.kinetic - motion.potential, q).subs(on_path)
+        expected = 3 * (sp.diff(momentum, tau) - force)
+        assert sp.simplify(row.lhs.subs(dotted).subs(on_path) - expected) == 0
+
+
+def test_loss_of_symmetry() -> None:
+    """omega_a^2 = 3 [th (1 + l^-6) - m l^-4] for stretches that part from each other."""
+    system = mechanics.derive(Actuator(), Constant(0.1), coordinates=2)
+    q1, v1, q2, v2 = system.state
+    theta = T / T0
+    balance = theta * (STRETCH - STRETCH**-5) + M * STRETCH**-3
+    loads = {mechanics.parameter(f"prestress_{i}"): balance for i in (1, 2)}
+    rest = {q1: STRETCH, q2: STRETCH, v1: 0, v2: 0, **loads}
+    acceleration = written_out(system.rates[1], system).subs(PLAIN)
+    apart = sp.diff(acceleration, q1) - sp.diff(acceleration, q2)
+    expected = 3 * (theta * (1 + STRETCH**-6) - M * STRETCH**-4)
+    assert sp.simplify(apart.subs(rest) + expected) == 0
+
+
+# Internal variables -------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Branch(Dissipation):
+    """A Zener branch, to show that the derivation takes internal variables."""
+
+    modulus: float
+    time: float
+
+    rules: ClassVar[Mapping[str, Rule]] = MappingProxyType(
+        {"modulus": _checks.positive("", ""), "time": _checks.positive("", "")}
+    )
+    internal: ClassVar[tuple[str, ...]] = ("viscous_stretch",)
+
+    @staticmethod
+    def elastic(stretches: Sequence[Any], internal: Sequence[Any]) -> tuple[Any, Any, Any]:
+        (l1, l2), (x1, x2) = stretches, internal
+        return l1**2 / x1**2, l2**2 / x2**2, (x1 * x2) ** 2 / (l1 * l2) ** 2
+
+    def stored(
+        self, stretches: Sequence[Any], internal: Sequence[Any], p: Mapping[str, Any]
+    ) -> Any:
+        return p["modulus"] * (sum(self.elastic(stretches, internal)) - 3) / 2
+
+    def internal_rates(
+        self, stretches: Sequence[Any], internal: Sequence[Any], theta: Any, p: Mapping[str, Any]
+    ) -> Sequence[Any]:
+        q = self.elastic(stretches, internal)
+        return tuple(
+            x * theta / (2 * p["time"]) * (q[i] - sum(q) / 3) for i, x in enumerate(internal)
+        )
+
+
+@pytest.mark.parametrize("coordinates", [1, 2])
+def test_internal_variables_take_from_the_energy_what_they_dissipate(coordinates: int) -> None:
+    """dE/dtau = -2 eta (e1^2 + e2^2 + (e1 + e2)^2), e = x'/x: -12 eta e^2 if equal."""
+    actuator = Actuator(dissipation=Branch(0.5, 2.0))
+    system = mechanics.derive(actuator, Constant(0.1), coordinates=coordinates)
+    rates = dict(zip(system.state, system.rates, strict=True))
+    internal = system.state[2 * coordinates :]
+    assert len(internal) == coordinates
+    e1, e2 = (rates[x] / x for x in (internal[0], internal[-1]))
+    eta = mechanics.parameter("dissipation.0.modulus") * mechanics.parameter("dissipation.0.time")
+    lost = 2 * eta * (e1**2 + e2**2 + (e1 + e2) ** 2)
+    assert sp.simplify(power(system) + written_out(lost, system)) == 0
+
+
+def test_internal_variable_of_equal_stretches() -> None:
+    """x'/x = (th/6 t_r) (l^2 x^-2 - l^-4 x^4)."""
+    system = mechanics.derive(Actuator(dissipation=Branch(0.5, 2.0)), Constant(0.1))
+    x = system.state[2]
+    time = mechanics.parameter("dissipation.0.time")
+    expected = T / T0 / (6 * time) * (STRETCH**2 / x**2 - x**4 / STRETCH**4)
+    assert x.name == "dissipation.0.viscous_stretch"
+    assert sp.simplify(written_out(system.rates[2], system) / x - expected) == 0

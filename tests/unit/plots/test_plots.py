@@ -1,0 +1,268 @@
+"""Laws that every plot obeys, and what each of them shows."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib import pyplot as plt
+from matplotlib.artist import Artist
+from matplotlib.collections import PathCollection
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from tests.unit.plots import synthetic
+
+from remanent import plots
+from remanent._errors import InputError
+from remanent.plots import footer, style
+from remanent.results.si import to_si
+
+Plot = Callable[..., Sequence[Artist]]
+#: Every plot with a Dataset of six members, (prestress, temperature).
+KINDS: dict[str, tuple[Plot, Callable[[], xr.Dataset]]] = {
+    "history": (plots.history, lambda: synthetic.constant(6.0, 61)),
+    "phase": (plots.phase, lambda: synthetic.constant(6.0, 61)),
+    "section": (
+        plots.section,
+        lambda: xr.concat(
+            [synthetic.sections(0.0, 1.25, 12), synthetic.sections(1.0, 1.25, 12)],
+            dim="prestress",
+        ),
+    ),
+    "response": (plots.response, lambda: synthetic.frequency_response(7, 10.0)),
+    "landscape": (plots.landscape, synthetic.potential),
+}
+every_plot = pytest.mark.parametrize("kind", KINDS)
+
+
+def case(kind: str) -> tuple[Plot, xr.Dataset]:
+    draw, make = KINDS[kind]
+    return draw, make()
+
+
+def figure_of(artists: Sequence[Artist]) -> Figure:
+    found = artists[0].get_figure(root=True)
+    assert found is not None
+    return found
+
+
+def png(figure: Figure) -> bytes:
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format="png", dpi=40)
+    return buffer.getvalue()
+
+
+@every_plot
+def test_the_dataset_is_untouched(kind: str) -> None:
+    """Drawing changes neither values nor attributes."""
+    draw, dataset = case(kind)
+    before = dataset.copy(deep=True)
+    png(figure_of(draw(dataset)))
+    xr.testing.assert_identical(dataset, before)
+
+
+@every_plot
+def test_one_artist_per_member_with_its_colour(kind: str) -> None:
+    """Six members give six artists; two of each temperature have its colour."""
+    draw, dataset = case(kind)
+    artists = draw(dataset)
+    assert len(artists) == 6
+    expected = style.temperature_colours(synthetic.TEMPERATURES)
+    for rank, artist in enumerate(artists):
+        colour = (
+            artist.get_color() if isinstance(artist, Line2D) else artist.get_facecolor()[0]  # type: ignore[attr-defined]
+        )
+        np.testing.assert_allclose(mpl.colors.to_rgba(colour), expected[rank // 2])
+
+
+@every_plot
+def test_global_style_is_untouched(kind: str) -> None:
+    """The house style applies inside a plot only."""
+    before = dict(mpl.rcParams)
+    draw, dataset = case(kind)
+    png(figure_of(draw(dataset)))
+    assert dict(mpl.rcParams) == before
+
+
+@every_plot
+def test_given_axes_are_used(kind: str) -> None:
+    """With ``ax`` everything is drawn there, and no figure is made."""
+    draw, dataset = case(kind)
+    axes = Figure().add_subplot()
+    assert all(artist.axes is axes for artist in draw(dataset, ax=axes))
+    assert not plt.get_fignums()
+
+
+@every_plot
+def test_a_new_figure_is_known_to_pyplot_and_has_a_footer(kind: str) -> None:
+    """Without ``ax`` a notebook shows the figure, with what made it written below."""
+    draw, dataset = case(kind)
+    figure = figure_of(draw(dataset))
+    assert plt.get_fignums() == [figure.number]  # type: ignore[attr-defined]
+    assert "tolerance" in figure.get_supxlabel()
+
+
+@every_plot
+def test_legend_lies_outside_the_data(kind: str) -> None:
+    """The legend is above the axes, within the figure, and hides nothing."""
+    draw, dataset = case(kind)
+    artists = draw(dataset)
+    figure = figure_of(artists)
+    figure.draw_without_rendering()
+    axes = artists[0].axes
+    assert axes is not None
+    legend = axes.get_legend()
+    assert legend is not None
+    box, frame = legend.get_window_extent(), axes.get_window_extent()
+    assert box.y0 >= frame.y1 - 1
+    assert 0 <= box.x0
+    assert box.x1 <= figure.bbox.x1
+    assert box.y1 <= figure.bbox.y1
+
+
+@every_plot
+def test_the_same_dataset_gives_the_same_picture(kind: str) -> None:
+    """Nothing random, dated or left over from the last plot."""
+    draw, dataset = case(kind)
+    assert png(figure_of(draw(dataset))) == png(figure_of(draw(dataset)))
+
+
+@every_plot
+def test_a_single_member_needs_no_legend(kind: str) -> None:
+    """One line is one line."""
+    draw, dataset = case(kind)
+    artists = draw(dataset.isel(temperature=0, prestress=0, drop=True)[_plain(dataset)])
+    assert len(artists) == 1
+    assert artists[0].axes is not None
+    assert artists[0].axes.get_legend() is None
+
+
+def _plain(dataset: xr.Dataset) -> list[str]:
+    """Variables that are drawn, without the marks that have legend entries of their own."""
+    marks = {"resonance", "resonance_error", "published", "stability", "equilibrium_stretch"}
+    return [str(name) for name in dataset.data_vars if name not in marks]
+
+
+@every_plot
+def test_a_missing_variable_is_named(kind: str) -> None:
+    """A Dataset of another kind is refused."""
+    draw, dataset = case(kind)
+    with pytest.raises(InputError, match="the result of a verb"):
+        draw(dataset[["prestress"]])
+
+
+@every_plot
+def test_a_third_dimension_is_refused(kind: str) -> None:
+    """Colour and line style are two; the message says how to select."""
+    draw, dataset = case(kind)
+    with pytest.raises(InputError, match=r"\.isel\("):
+        draw(dataset.expand_dims(c=[0.5, 1.0]))
+
+
+def test_history_draws_the_numbers() -> None:
+    """The line is the data, on axes that name it."""
+    dataset = synthetic.constant(6.0, 61).isel(prestress=0)
+    artists = plots.history(dataset)
+    for k, artist in enumerate(artists):
+        np.testing.assert_array_equal(artist.get_xdata(), dataset["time"].values)
+        np.testing.assert_array_equal(
+            artist.get_ydata(), dataset["thickness_stretch"].isel(temperature=k).values
+        )
+    assert artists[0].axes is not None
+    assert artists[0].axes.get_xlabel() == r"time, $\tau$"
+    assert artists[0].axes.get_ylabel() == r"thickness stretch, $\lambda_3$"
+
+
+def test_history_takes_times_of_each_trajectory() -> None:
+    """Where lengths differ, time is a two-dimensional coordinate along ``cycle``."""
+    dataset = synthetic.constant(6.0, 61).isel(prestress=0).rename_dims(time="cycle")
+    times = np.outer([1.0, 2.0, 3.0], dataset["time"].values)
+    attrs = dataset["time"].attrs
+    dataset = dataset.drop_vars("time").assign_coords(
+        time=(("temperature", "cycle"), times, attrs)
+    )
+    for k, artist in enumerate(plots.history(dataset)):
+        np.testing.assert_array_equal(artist.get_xdata(), times[k])
+
+
+def test_members_that_go_together_are_named_together() -> None:
+    """Coordinates that share a dimension make one name and one colour per case."""
+    dataset = synthetic.constant(6.0, 61).stack(case=("prestress", "temperature"))
+    dataset = dataset.reset_index("case").transpose("case", "time")
+    artists = plots.history(dataset)
+    labels = [str(artist.get_label()) for artist in artists]
+    assert labels[0] == "$S = 0$, $T = 250$ K"
+    assert len(set(labels)) == 6
+
+
+def test_lines_without_temperature_have_house_colours() -> None:
+    """Another dimension takes Okabe and Ito's colours."""
+    dataset = synthetic.constant(6.0, 61).isel(temperature=0, drop=True)
+    colours = [artist.get_color() for artist in plots.phase(dataset)]
+    assert colours == list(style.OKABE_ITO.values())[:2]
+
+
+def test_clouds_of_points_are_pixels_and_axes_are_vectors() -> None:
+    """In an SVG the points are one image; the text stays drawn in paths."""
+    artists = plots.section(synthetic.sections(0.0, 1.25, 12))
+    assert all(isinstance(artist, PathCollection) and artist.get_rasterized() for artist in artists)
+    assert not figure_of(artists).axes[0].get_rasterized()
+    buffer = io.StringIO()
+    figure_of(artists).savefig(buffer, format="svg", metadata={"Date": None})
+    text = buffer.getvalue()
+    assert text.count("<image") == 3
+    assert "</path>" in text or "<path" in text
+
+
+def test_resonances_are_marked_where_they_are() -> None:
+    """A computed resonance is a circle on its curve, a published one a triangle above."""
+    dataset = synthetic.frequency_response(7, 10.0).isel(prestress=0)
+    axes = plots.response(dataset)[0].axes
+    assert axes is not None
+    drawn = {
+        (line.get_marker(), round(float(np.asarray(line.get_xdata())[0]), 9))
+        for line in axes.get_lines()
+        if line.get_marker() in {"o", "v"}
+    }
+    for name, marker in (("resonance", "o"), ("published", "v")):
+        for value in dataset[name].values:
+            assert (marker, round(float(value), 9)) in drawn
+
+
+def test_stable_equilibria_are_full_and_unstable_ones_empty() -> None:
+    """Two wells have two full circles and between them an empty one."""
+    dataset = synthetic.two_wells()
+    assert dataset["stability"].values.tolist() == ["stable", "unstable", "stable"]
+    axes = plots.landscape(dataset)[0].axes
+    assert axes is not None
+    marks = [line for line in axes.get_lines() if line.get_marker() == "o"]
+    fills = [mpl.colors.to_hex(str(mark.get_markerfacecolor())) for mark in marks]
+    assert [fill == "#ffffff" for fill in fills] == [False, True, False]
+
+
+def test_si_results_have_si_axes() -> None:
+    """Labels follow the Dataset's own units and symbols."""
+    dataset = to_si(synthetic.with_scales(synthetic.constant(6.0, 61))).isel(prestress=1)
+    axes = plots.history(dataset)[0].axes
+    assert axes is not None
+    assert axes.get_xlabel() == "time, $t$ (ms)"
+    assert r"\sigma = 100$ kPa" in footer.text(dataset)
+
+
+def test_gaps_and_empty_members_draw() -> None:
+    """States beyond the horizon are NaN: a gap, not a warning."""
+    dataset = synthetic.constant(6.0, 61).copy(deep=True)
+    for name in ("thickness_stretch", "thickness_stretch_rate"):
+        dataset[name].values[0, 0] = np.nan
+        dataset[name].values[1, 1, 30:] = np.nan
+    for draw in (plots.history, plots.phase):
+        png(figure_of(draw(dataset)))
+    response: Any = synthetic.frequency_response(7, 10.0).copy(deep=True)
+    response["amplitude"].values[0, 0] = np.nan
+    response["resonance"].values[0, 0] = np.nan
+    png(figure_of(plots.response(response)))

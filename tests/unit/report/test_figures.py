@@ -1,0 +1,101 @@
+"""Laws of the report's figures: they draw from Datasets, and change nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.figure import Figure
+from tests.unit.plots import synthetic
+
+from remanent.report import evidence_figures, figures
+
+Make = Callable[[], list[xr.Dataset]]
+KINDS: dict[str, tuple[Callable[..., Figure], Make, int]] = {
+    "figure 2": (figures.figure_2, lambda: [synthetic.constant(6.0, 61)], 2),
+    "figure 3": (figures.figure_3, lambda: [synthetic.constant(6.0, 61)], 2),
+    "figure 4": (figures.figure_4, lambda: [synthetic.frequency_response(7, 10.0)], 2),
+    "figure 5": (
+        figures.figure_5_or_6,
+        lambda: [synthetic.forced(0.0, 1.25, 10.0), synthetic.sections(0.0, 1.25, 12)],
+        9,
+    ),
+    "landscapes": (evidence_figures.landscapes, lambda: [synthetic.potential()], 2),
+    "tolerance": (
+        evidence_figures.tolerance_story,
+        lambda: [synthetic.two_tolerances(12), synthetic.drift(10.0)],
+        14,
+    ),
+    "valley": (evidence_figures.valley, lambda: [synthetic.valley()], 7),
+}
+every_figure = pytest.mark.parametrize("kind", KINDS)
+
+
+@every_figure
+def test_figures_render_and_change_nothing(kind: str) -> None:
+    """Each renders without a warning, leaves its Datasets and the global style alone."""
+    draw, make, panels = KINDS[kind]
+    datasets = make()
+    before, rc = [one.copy(deep=True) for one in datasets], dict(mpl.rcParams)
+    figure = draw(*datasets)
+    figure.set_dpi(50)
+    figure.canvas.draw()
+    assert len(figure.axes) == panels
+    assert dict(mpl.rcParams) == rc
+    for one, copy in zip(datasets, before, strict=True):
+        xr.testing.assert_identical(one, copy)
+
+
+@every_figure
+def test_figures_say_what_made_them(kind: str) -> None:
+    """A footer names the actuator's constants."""
+    draw, make, _ = KINDS[kind]
+    assert "$c = 1$" in draw(*make()).get_supxlabel()
+
+
+@every_figure
+def test_nothing_sticks_out(kind: str) -> None:
+    """No label or legend is cut at the edge of the page."""
+    draw, make, _ = KINDS[kind]
+    figure = draw(*make())
+    figure.draw_without_rendering()
+    box = figure.get_tightbbox()
+    width, height = figure.get_size_inches()
+    assert box.x0 >= -0.02
+    assert box.y0 >= -0.02
+    assert box.x1 <= width + 0.02
+    assert box.y1 <= height + 0.02
+
+
+def test_panels_of_figure_5_are_lettered_as_in_the_paper() -> None:
+    """Rows are temperatures; (a, c, e) are histories and (b, d, f) phase planes."""
+    figure = figures.figure_5_or_6(
+        synthetic.forced(0.0, 1.25, 10.0), synthetic.sections(0.0, 1.25, 12)
+    )
+    titles = [axes.get_title(loc="left") for axes in figure.axes]
+    assert [title[:3] for title in titles if title.startswith("(")] == [f"({k})" for k in "abcdef"]
+    assert "250" in titles[0]
+    assert "400" in titles[6]
+
+
+def test_every_second_period_is_drawn_in_the_phase_plane() -> None:
+    """Panel (b) holds the even drive periods, its neighbour all of them."""
+    figure = figures.figure_5_or_6(
+        synthetic.forced(0.0, 1.25, 10.0), synthetic.sections(0.0, 1.25, 12)
+    )
+    counts = [sum(len(np.asarray(c.get_offsets())) for c in axes.collections)
+              for axes in figure.axes[1:3]]  # fmt: skip
+    assert counts == [7, 13]
+
+
+def test_pairs_of_sections_share_their_scale() -> None:
+    """Converged and default sections are compared on the same axes."""
+    axes = evidence_figures.tolerance_story(
+        synthetic.two_tolerances(12), synthetic.drift(10.0)
+    ).axes
+    for first, second in zip(axes[0:12:2], axes[1:12:2], strict=True):
+        assert first.get_xlim() == second.get_xlim()
+        assert first.get_ylim() == second.get_ylim()
