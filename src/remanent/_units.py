@@ -15,7 +15,7 @@ from remanent._typing import FloatArray
 #: Text such as ``"100 kPa"``, or a pint quantity.  (Pint is imported when needed.)
 Quantity: TypeAlias = Any
 
-_TEXT: Final = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*?)\s*")
+_TEXT: Final = re.compile(r"\s*((?>[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?))\s*(\S.*?)\s*")
 _ANGLES: Final = frozenset({"radian", "degree", "turn", "revolution", "cycle", "milliradian"})
 
 

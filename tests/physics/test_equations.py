@@ -44,9 +44,7 @@ def inertia(stretch: Any) -> Any:
 def equation_16(stretch: Any, rate: Any, acceleration: Any, theta: Any, load: Any) -> Any:
     """Left side of equation 16 of the paper."""
     force = theta * (stretch - stretch**-5) - S + load * stretch**-3
-    return (
-        inertia(stretch) * acceleration - 6 * C * stretch**-7 * rate**2 + sp.Integer(3) * force
-    )
+    return inertia(stretch) * acceleration - 6 * C * stretch**-7 * rate**2 + sp.Integer(3) * force
 
 
 def test_acceleration_is_equation_16() -> None:

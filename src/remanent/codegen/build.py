@@ -26,8 +26,14 @@ def build(actuator: Actuator, drive: Drive, *, coordinates: int = 1) -> Field:
     inputs = ("drive_phase", *state, *parameters, *drive.waveforms)
     levels = _levels(system, parameters, drive)
 
-    def program(*outputs: Any) -> Program:
-        return lower(outputs, inputs=inputs, levels=levels, definitions=system.definitions)
+    def program(*outputs: Any, as_written: bool = False) -> Program:
+        return lower(
+            outputs,
+            inputs=inputs,
+            levels=levels,
+            definitions=system.definitions,
+            as_written=as_written,
+        )
 
     return Field(
         state=state,
@@ -35,7 +41,7 @@ def build(actuator: Actuator, drive: Drive, *, coordinates: int = 1) -> Field:
         waveforms=drive.waveforms,
         rates=program(*system.rates),
         watched=program(*system.watched),
-        observables={name: program(e) for name, e in system.observables.items()},
+        observables={name: program(e, as_written=True) for name, e in system.observables.items()},
     )
 
 

@@ -2,9 +2,10 @@
 
 Three levels of dependence are kept apart, so that a compiler can move work out of the
 loop: values of parameters alone, values that also depend on the drive's phase and
-waveforms, and values that depend on the state.  What depends on the state is brought
-to one quotient of polynomials, which costs one division and is evaluated by nested
-multiplication; everything else is computed as it is written.
+waveforms, and values that depend on the state.  Rates are computed millions of times:
+what depends on the state is brought to quotients of polynomials, with one division for
+all of them, and evaluated by nested multiplication.  Everything else is computed as it
+is written, so that a formula that avoids cancellation keeps doing so.
 """
 
 from __future__ import annotations
@@ -35,6 +36,7 @@ def lower(
     inputs: Sequence[str],
     levels: Mapping[Symbol, int],
     definitions: Mapping[Symbol, Expression],
+    as_written: bool = False,
 ) -> Program:
     """The program that computes `outputs`.
 
@@ -48,12 +50,14 @@ def lower(
         For each input symbol what it varies with: `PARAMETER`, `DRIVE` or `STATE`.
     definitions
         Symbols that stand for expressions in input symbols and earlier definitions.
-
-    Notes
-    -----
-    What depends on the state is expanded, so that its rounding error is that of sums
-    of monomials; law N11 is tested for every model.
+    as_written
+        Compute the expressions as they are written instead of bringing what depends
+        on the state to quotients of expanded polynomials.
     """
+    if as_written:
+        translator = _Translator(Instructions(inputs), levels, definitions)
+        values = [translator.written(sp.sympify(output)) for output in outputs]
+        return translator.instructions.program(values)
     generators: dict[Expression, Symbol] = {}
     rational = [rationalised(sp.sympify(output), generators) for output in outputs]
     meanings = {**definitions, **{symbol: e for e, symbol in generators.items()}}
@@ -216,17 +220,28 @@ class _Translator:
                 yield factor
 
     def _ratio(self, factors: Sequence[Expression]) -> Signed:
-        below = [1 / f for f in factors if f.is_Pow and f.exp.could_extract_minus_sign()]
-        above = [f for f in factors if not (f.is_Pow and f.exp.could_extract_minus_sign())]
+        """A product of one level; reciprocals of state variables are shared by all terms."""
+        below = [1 / f for f in factors if _is_reciprocal(f)]
+        above = [self.written(f) for f in factors if not _is_reciprocal(f)]
         one = self.instructions.constant(1.0)
-        top = reduce(self.instructions.mul, map(self.written, above), one)
-        return self.instructions.div(
-            top, reduce(self.instructions.mul, map(self.written, below), one)
-        )
+        top = reduce(self.instructions.mul, above, one)
+        if below and self.level(factors[0]) == STATE:
+            return reduce(self.instructions.mul, map(self._reciprocal, below), top)
+        bottom = reduce(self.instructions.mul, map(self.written, below), one)
+        return self.instructions.div(top, bottom)
+
+    def _reciprocal(self, expression: Expression) -> Signed:
+        """1/expression as a power of 1/base, so that all powers share the division."""
+        base, exponent = expression.as_base_exp()
+        if not exponent.is_Integer:
+            base, exponent = expression, 1
+        one = self.instructions.constant(1.0)
+        inverse = self.instructions.div(one, self.written(base))
+        return self.instructions.power(inverse, int(exponent))
 
     def _power(self, power: Expression) -> Signed:
         base, exponent = power.base, power.exp
-        if exponent.could_extract_minus_sign():
+        if _is_reciprocal(power):
             return self._ratio([power])
         if exponent.is_Integer:
             return self.instructions.power(self.written(base), int(exponent))
@@ -238,3 +253,7 @@ class _Translator:
 def _simplest_first(terms: Iterable[Expression]) -> list[Expression]:
     """Terms with few symbols first, so that (1 - f) + f x is computed as that."""
     return sorted(terms, key=lambda e: (len(e.free_symbols), sp.default_sort_key(e)))
+
+
+def _is_reciprocal(factor: Expression) -> bool:
+    return bool(factor.is_Pow and factor.exp.could_extract_minus_sign())

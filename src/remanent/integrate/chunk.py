@@ -18,6 +18,9 @@ from remanent.integrate.tables import waveform_tables
 NOMINAL = 2.5
 #: Errors above this no longer follow the order of the method.
 NONLINEAR = 1e-2
+#: Error of rounding allowed for, in units of the last place per root of a step.
+import os
+ROUND_OFF = float(os.environ.get("RO","1.0"))
 #: Fine steps in one call of the kernel: short enough to cancel soon.
 _STEPS_PER_CALL = 2048
 #: Samples computed together between steps: few enough to stay in the processor's cache.
@@ -110,6 +113,12 @@ def cycle_counts(problem: Problem) -> IntArray:
     return np.asarray(np.ceil(safe * (1 - 1e-12)), dtype=np.int64).clip(1)
 
 
+def step_counts(problem: Problem, resolution: int) -> FloatArray:
+    """Fine steps of each trajectory, array (trajectory,)."""
+    steps = double_steps(problem.timeline, resolution).sum(axis=0)
+    return np.asarray(2.0 * steps * cycle_counts(problem))
+
+
 def stretches(
     timeline: Timeline, which: IntArray, doubles: IntArray, cycles: int, strobe: int
 ) -> Iterator[Stretch]:
@@ -153,7 +162,7 @@ def attempt(
     """
     doubles = double_steps(problem.timeline, resolution)[:, which[0]]
     cycles = int(cycle_counts(problem)[which].max())
-    lanes = _lanes(problem, request, kernel, tolerance, which)
+    lanes = _lanes(problem, request, kernel, tolerance, resolution, which)
     sampler = _Sampler(problem, request, kernel, which, cycles)
     tables: dict[int, tuple[FloatArray, FloatArray]] = {}
     for stretch in stretches(problem.timeline, which, doubles, cycles, request.strobe):
@@ -171,7 +180,12 @@ def attempt(
 
 
 def _lanes(
-    problem: Problem, request: Request, kernel: Kernel, tolerance: float, which: IntArray
+    problem: Problem,
+    request: Request,
+    kernel: Kernel,
+    tolerance: float,
+    resolution: int,
+    which: IntArray,
 ) -> FloatArray:
     """The array (group, slot, lane) of a chunk, padded with copies of its last trajectory."""
     layout, width = kernel.layout, kernel.width
@@ -180,6 +194,7 @@ def _lanes(
     flat = np.zeros((padded.size, layout.size))
     for kind in ("fine", "coarse", "last"):
         flat[:, layout.group(kind)] = problem.initial[padded]
+    flat[:, layout.group("coarse")] += _displacement(problem, kernel, resolution)[padded]
     flat[:, layout.group("parameter")] = problem.parameters[padded]
     scalars: dict[str, FloatArray | float] = {
         "begin": 0.0 if request.begin is None else request.begin[padded] * _INWARD,
@@ -194,6 +209,19 @@ def _lanes(
         flat[:, layout.slots[name]] = value
     grouped = flat.reshape(groups, width, layout.size)
     return np.ascontiguousarray(grouped.transpose(0, 2, 1))
+
+
+def _displacement(problem: Problem, kernel: Kernel, resolution: int) -> FloatArray:
+    """How far from the initial state the coarse solution starts, array (trajectory, state).
+
+    Rounding makes errors that both solutions may share.  They are replaced by one error
+    at the start, as large as all of them together: what the motion makes of it is then
+    part of the difference of the solutions, and so of the error reported.
+    """
+    size = ROUND_OFF * np.finfo(float).eps * np.sqrt(1.0 + step_counts(problem, resolution))
+    sign = np.where(np.arange(problem.initial.shape[1]) % 2, -1.0, 1.0)
+    scale = np.maximum(1.0, np.abs(problem.initial))
+    return np.asarray(sign * scale * size[:, None] / kernel.error_factor)
 
 
 def _column(lanes: FloatArray, kernel: Kernel, name: str) -> FloatArray:

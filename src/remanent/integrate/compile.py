@@ -17,7 +17,7 @@ from llvmlite import binding
 from remanent import _cache
 from remanent._field import Field
 from remanent._typing import FloatArray
-from remanent.integrate.kernel import NAME, Options, kernel_source
+from remanent.integrate.kernel import NAME, Options, error_factor, kernel_source
 from remanent.integrate.layout import Layout
 from remanent.integrate.methods import RungeKutta
 
@@ -44,6 +44,11 @@ class Kernel:
     layout: Layout
     _call: Callable[..., None]
     _engine: Any
+
+    @property
+    def error_factor(self) -> float:
+        """What turns a difference of the two solutions into an error."""
+        return error_factor(self.method, self.options)
 
     def __call__(
         self,

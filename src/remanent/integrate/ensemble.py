@@ -21,10 +21,12 @@ from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.integrate.chunk import (
     NOMINAL,
     NONLINEAR,
+    ROUND_OFF,
     Attempt,
     attempt,
     cycle_counts,
     double_steps,
+    step_counts,
 )
 from remanent.integrate.compile import compiled
 from remanent.integrate.kernel import Options
@@ -44,9 +46,6 @@ ESCAPE = 1e6
 _MARGIN = 0.5
 #: A horizon that grows by less than this factor on refinement will not reach the end.
 _STALLED = 1.05
-#: Round-off allowed for in every bound, in units of the last place per root of a step.
-_ROUND_OFF = 4.0
-
 Progress = Callable[[float], None]
 
 
@@ -144,9 +143,8 @@ def _affordable(problem: Problem, outcome: Outcome, pending: _Pending) -> _Pendi
     possible = np.zeros(pending.index.size, dtype=np.bool_)
     for level in np.unique(pending.resolution):
         members = pending.resolution == level
-        steps = double_steps(problem.timeline, int(level))[:, pending.index[members]].sum(axis=0)
-        cycles = cycle_counts(problem)[pending.index[members]]
-        possible[members] = 2.0 * steps * cycles <= MAX_STEPS
+        steps = step_counts(problem, int(level))[pending.index[members]]
+        possible[members] = steps <= MAX_STEPS
     outcome.status[pending.index[~possible]] = Status.MAX_STEPS
     return _Pending(pending.index[possible], pending.resolution[possible])
 
@@ -256,7 +254,7 @@ def _round_off(
     else:
         steps = 2 * resolution * horizon / NOMINAL
     scale = np.maximum(1.0, np.abs(last).max(axis=1))
-    return np.asarray(_ROUND_OFF * np.finfo(float).eps * scale * np.sqrt(1.0 + steps))
+    return np.asarray(ROUND_OFF * np.finfo(float).eps * scale * np.sqrt(1.0 + steps))
 
 
 def _empty(problem: Problem, request: Request) -> Outcome:

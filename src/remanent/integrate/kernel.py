@@ -62,6 +62,11 @@ class Options:
         return self.extremes or self.watched_controlled
 
 
+def error_factor(method: RungeKutta, options: Options) -> float:
+    """Error of the finer solution over its difference from the coarser one."""
+    return options.safety / float(2**method.order - 1)
+
+
 def kernel_source(field: Field, method: RungeKutta, options: Options, width: int) -> str:
     """LLVM assembly of the kernel ``void kernel(...)``.
 
@@ -177,10 +182,19 @@ class _Kernel:
             constant=self.w.constant,
         )
 
-    def _step(self, y: list[Lanes], h: Lanes, table: ir.Value, step: ir.Value) -> list[Lanes]:
+    def _step(self, kind: str, h: Lanes, table: ir.Value, step: ir.Value) -> list[Lanes]:
+        """Advance one of the two solutions."""
         row = self._row(table, step)
         loads = [row(node) for node in range(len(self.method.nodes))]
-        return self.method.step(lambda node, z: self._run(self.field.rates, z, loads[node]), y, h)
+        moved, cut = self.method.compensated(
+            lambda node, z: self._run(self.field.rates, z, loads[node]),
+            self._state(kind),
+            self._state(f"{kind}_rest"),
+            h,
+        )
+        self._set_state(kind, moved)
+        self._set_state(f"{kind}_rest", cut)
+        return moved
 
     def _watched(self, y: list[Lanes], row: Callable[[int], list[Lanes]], node: int) -> Jet:
         value, rate, acceleration = self._run(self.field.watched, y, row(node))
@@ -192,9 +206,9 @@ class _Kernel:
         b, w = self.w.builder, self.w
         first = b.mul(double, w.integer(2))
         second = b.add(first, w.integer(1))
-        middle = self._step(self._state("fine"), self.h, self.fine, first)
-        right = self._step(middle, self.h, self.fine, second)
-        coarse = self._step(self._state("coarse"), self.h + self.h, self.coarse, double)
+        middle = self._step("fine", self.h, self.fine, first)
+        right = self._step("fine", self.h, self.fine, second)
+        coarse = self._step("coarse", self.h + self.h, self.coarse, double)
         t0 = self.cycle_start + w.spread_integer(first) * self.h
         t2 = self.cycle_start + w.spread_integer(b.add(second, w.integer(1))) * self.h
         last = len(self.method.nodes) - 1
@@ -213,8 +227,6 @@ class _Kernel:
         if self.options.watched:
             for variable, value in zip(self.jet, jets[2], strict=True):
                 variable.set(value)
-        self._set_state("fine", right)
-        self._set_state("coarse", coarse)
         count = b.add(b.mul(cycle, b.mul(self.doubles, w.integer(2))), first)
         self._write_record(b.add(count, w.integer(1)), middle)
         self._write_record(b.add(count, w.integer(2)), right)
@@ -230,7 +242,7 @@ class _Kernel:
         last: int,
     ) -> None:
         """Compare the two solutions; move the horizon while the tolerance is met."""
-        scale = self.options.safety / (2**self.method.order - 1)
+        scale = error_factor(self.method, self.options)
         state_error = self.w.constant(0.0)
         for a, c in zip(fine, coarse, strict=True):
             state_error = _worse(state_error, abs(a - c))

@@ -5,6 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
+#: States that a kernel keeps for every trajectory: two solutions, what rounding cut off
+#: from each, and the finer one at the horizon.
+STATES = ("fine", "coarse", "fine_rest", "coarse_rest", "last")
 #: Scalars that a kernel keeps for every trajectory, beside states and parameters.
 SCALARS = (
     "step",  # length of a fine step, tau
@@ -33,7 +36,7 @@ class Layout:
 
     @cached_property
     def slots(self) -> dict[str, int]:
-        names = [f"{kind}.{i}" for kind in ("fine", "coarse", "last") for i in range(self.states)]
+        names = [f"{kind}.{i}" for kind in STATES for i in range(self.states)]
         names += [f"parameter.{i}" for i in range(self.parameters)]
         return {name: k for k, name in enumerate((*names, *SCALARS))}
 
@@ -42,7 +45,7 @@ class Layout:
         return len(self.slots)
 
     def group(self, kind: str) -> slice:
-        """The slots of ``fine``, ``coarse``, ``last`` or ``parameter`` values."""
+        """The slots of ``parameter`` values, or of one of :data:`STATES`."""
         count = self.parameters if kind == "parameter" else self.states
         first = self.slots.get(f"{kind}.0", 0)
         return slice(first, first + count)

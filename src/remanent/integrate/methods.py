@@ -57,10 +57,30 @@ class RungeKutta:
 
     def step(self, rates: Rates, y: Sequence[Any], h: Any) -> list[Any]:
         """Advance the state `y` by one step of length `h`."""
+        return [a + b for a, b in zip(y, self.increment(rates, y, h), strict=True)]
+
+    def increment(self, rates: Rates, y: Sequence[Any], h: Any) -> list[Any]:
+        """What one step of length `h` adds to the state `y`."""
         slopes: list[list[Any]] = []
         for node, row in zip(self.stage_nodes, self.weights, strict=True):
             slopes.append(rates(node, _moved(y, h, row, slopes)))
-        return _moved(y, h, self.final, slopes)
+        return [h * _combination(self.final, slopes, i) for i in range(len(y))]
+
+    def compensated(
+        self, rates: Rates, y: Sequence[Any], rest: Sequence[Any], h: Any
+    ) -> tuple[list[Any], list[Any]]:
+        """Advance `y` and carry on what rounding cut off from it, `rest`.
+
+        References
+        ----------
+        W. Kahan, Comm. ACM 8 (1965) 40.
+        """
+        moved, cut = [], []
+        for a, b, r in zip(y, self.increment(rates, y, h), rest, strict=True):
+            change = b + r
+            moved.append(a + change)
+            cut.append(change - (moved[-1] - a))
+        return moved, cut
 
 
 def _moved(

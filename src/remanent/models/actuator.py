@@ -72,7 +72,7 @@ class Actuator:
     reference_temperature: float = 293.0
     prestress: float = 0.0
     material: Material = field(default_factory=NeoHookean)
-    dissipation: tuple[Dissipation, ...] = ()
+    dissipation: Dissipation | Sequence[Dissipation] = ()
     heat: None = None
     magnet: Magnet = field(default_factory=Magnet)
     #: The physical sizes behind an actuator made by :meth:`from_si`.
@@ -101,9 +101,13 @@ class Actuator:
         _checks.require_instance("magnet", self.magnet, Magnet, "Magnet()")
         self.warn_if_implausible(self.parameters(), stacklevel=4)
 
+    def elements(self) -> tuple[Dissipation, ...]:
+        """The dissipative elements, one or several, as a tuple."""
+        return _elements(self.dissipation)
+
     def parts(self) -> dict[str, Part]:
         """Every part of the model by its dotted name."""
-        elements = {f"dissipation.{i}": part for i, part in enumerate(self.dissipation)}
+        elements = {f"dissipation.{i}": part for i, part in enumerate(self.elements())}
         return {"material": self.material, **elements, "magnet": self.magnet}
 
     def parameters(self) -> dict[str, float]:
@@ -175,7 +179,7 @@ class Actuator:
             return self.replace(**{prefix: single[prefix].replace(**{last: value})})
         elements = (
             element.replace(**{last: value}) if prefix == f"dissipation.{i}" else element
-            for i, element in enumerate(self.dissipation)
+            for i, element in enumerate(self.elements())
         )
         return self.replace(dissipation=tuple(elements))
 

@@ -33,6 +33,8 @@ class Material(Part, ABC):
     def energy(self, l1: Any, l2: Any, l3: Any, p: Mapping[str, Any], fn: Any) -> Any:
         """Strain energy at the reference temperature, zero and stress-free at rest.
 
+        It is computed as it is written here: prefer a form without cancellation.
+
         Parameters
         ----------
         l1, l2, l3
@@ -64,5 +66,9 @@ class NeoHookean(Material):
     rules: ClassVar[Mapping[str, Rule]] = MappingProxyType({"entropic_fraction": ENTROPIC_FRACTION})
 
     def energy(self, l1: Any, l2: Any, l3: Any, p: Mapping[str, Any], fn: Any) -> Any:
-        """W/mu = (l1^2 + l2^2 + l3^2 - 3)/2."""
-        return (l1**2 + l2**2 + l3**2 - 3) / 2
+        """W/mu = [(l1 - l2)^2 + (1 - l3)^2 (2 + l3)/l3]/2.
+
+        With l1 l2 l3 = 1 this is (l1^2 + l2^2 + l3^2 - 3)/2, without the cancellation
+        near rest: both terms are squares.
+        """
+        return ((l1 - l2) ** 2 + (1 - l3) ** 2 * (2 + l3) / l3) / 2

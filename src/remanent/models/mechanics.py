@@ -93,7 +93,7 @@ def motion(actuator: Actuator, drive: Drive | None, *, coordinates: int = 1) -> 
     theta, stiffness, load, effective = definitions
     viscous = [
         _viscous(f"dissipation.{i}", part, pair, pair_rate, theta, p, coordinates)
-        for i, part in enumerate(actuator.dissipation)
+        for i, part in enumerate(actuator.elements())
     ]
     strain = actuator.material.energy(*pair, thickness, _own(p, "material"), sp)
     magnetic = actuator.magnet.energy(effective, thickness)

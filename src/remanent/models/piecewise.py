@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib import import_module
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
 
@@ -15,6 +15,9 @@ from remanent._errors import InputError
 from remanent._timeline import Timeline
 from remanent._typing import ArrayLike, FloatArray
 from remanent.models.drive import Drive, no_waveform
+
+#: What a table may be given as; it is kept as a tuple of floats.
+Numbers: TypeAlias = Sequence[float] | FloatArray
 
 
 @dataclass(frozen=True)
@@ -29,8 +32,8 @@ class Table(Drive):
         Magnetic loads, one for each instant.
     """
 
-    times: tuple[float, ...]
-    loads: tuple[float, ...]
+    times: Numbers
+    loads: Numbers
 
     piece_parameters: ClassVar[tuple[str, ...]] = tuple(f"piece.{i}" for i in range(4))
     #: Least number of entries.

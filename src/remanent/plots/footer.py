@@ -22,6 +22,9 @@ _NEUTRAL = {
     "phase": 0.0,
     "mean": 0.0,
     "heat": None,
+    "discard": 0.0,
+    "every": 1,
+    "section_phase": 0.0,
 }
 _SEPARATOR = "   "
 _POINTS, _WIDTH = 6.0, 0.43  # font size; width of a letter in units of it, on average
@@ -68,11 +71,12 @@ def text(dataset: xr.Dataset, *, hide: Iterable[str] = ()) -> str:
     shown = {name.split(".")[-1] for name in [*given, *hide]}
     drive = "" if "drive" in shown else str(attrs.get("drive", ""))
     single = [array for array in dataset.coords.values() if array.ndim == 0]
+    settings = str(attrs.get("settings", "")).split()
     pieces = [
         *(title(array, array.item()) for array in single),
         *_call(str(attrs.get("actuator", "")), shown, name_it=False),
         *_call(drive, shown, name_it=True),
-        *(_setting(key, attrs[key]) for key in str(attrs.get("settings", "")).split()),
+        *(_setting(key, attrs[key]) for key in settings if not _neutral(key, attrs[key])),
     ]
     if "tolerance" in attrs and "tolerance" not in dataset.dims:
         pieces.append(f"tolerance ${number(attrs['tolerance'])}$")
@@ -95,24 +99,33 @@ def _call(source: str, shown: set[str], *, name_it: bool) -> list[str]:
     return [f"{name}: {', '.join(said)}" if said else name] if name_it else said
 
 
-def _fields(tree: ast.Call, shown: set[str]) -> Iterator[str]:
+def _fields(tree: ast.Call, shown: set[str], owner: str = "") -> Iterator[str]:
     for keyword in tree.keywords:
         name = str(keyword.arg)
         if isinstance(keyword.value, ast.Call):
-            yield from _part(keyword.value, shown)
+            yield from _part(keyword.value, shown, name)
+            continue
+        if isinstance(keyword.value, (ast.Tuple, ast.List)):
+            for k, item in enumerate(keyword.value.elts):
+                if isinstance(item, ast.Call):
+                    yield from _part(item, shown, f"{name}.{k}")
             continue
         try:
             value = ast.literal_eval(keyword.value)
         except ValueError:
             continue
-        if name in shown or (name in _NEUTRAL and value == _NEUTRAL[name]):
+        if name in shown or _neutral(name, value):
             continue
         if isinstance(value, (int, float)) and not isinstance(value, bool):
-            yield _setting(name, value)
+            yield _setting(f"{owner}.{name}" if owner else name, value)
 
 
-def _part(tree: ast.Call, shown: set[str]) -> Iterator[str]:
-    name, said = ast.unparse(tree.func), list(_fields(tree, shown))
+def _neutral(name: str, value: object) -> bool:
+    return name in _NEUTRAL and value == _NEUTRAL[name]
+
+
+def _part(tree: ast.Call, shown: set[str], owner: str) -> Iterator[str]:
+    name, said = ast.unparse(tree.func), list(_fields(tree, shown, owner))
     if said or name != "Magnet":
         yield f"{name} ({', '.join(said)})" if said else name
 

@@ -9,6 +9,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
+from remanent._typing import FloatArray
 from remanent.plots import ensemble, footer, style
 
 __all__ = ["mark_handles", "response"]
@@ -29,10 +30,10 @@ def response(
     ----------
     dataset
         A result of ``frequency_response``: `variable` over ``omega`` and at most two
-        more dimensions.  ``resonance``, where present, is marked on the curve at
-        ``resonance_amplitude`` (at the largest drawn value without it), with
-        ``resonance_error`` as a horizontal bar and its value in the legend;
-        ``published``, where present, is marked on the upper edge.
+        more dimensions.  With the amplitude, ``resonance``, where present, is marked
+        at ``resonance_amplitude`` (at the largest drawn value without it), with
+        ``resonance_error`` as a horizontal bar, and the curve is led through that
+        point; ``published``, where present, is marked on the upper edge.
     variable
         What to draw: ``amplitude``, ``maximum`` or ``minimum``.
     ax
@@ -49,7 +50,8 @@ def response(
     list of matplotlib.lines.Line2D
         The curves, one per member, in order of temperature.
     """
-    extra = [name for name in _MARKED if resonances and name in dataset]
+    marked = resonances and variable == "amplitude"
+    extra = [name for name in _MARKED if marked and name in dataset]
     with style.context():
         axes = style.owned_axes(ax)
         found = ensemble.members(dataset, (variable, "omega", *extra), ("omega",))
@@ -59,9 +61,10 @@ def response(
         axes.set(xlabel=style.label(dataset["omega"]), ylabel=style.label(dataset[variable]))
         axes.margins(x=0.0)
         if variable == "amplitude":
-            axes.set_ylim(bottom=0.0)
+            _rest_on_zero(axes, artists)
         if legend:
-            style.legend_above(axes, [*ensemble.handles(found), *mark_handles(dataset)])
+            marks = mark_handles(dataset[extra])
+            style.legend_above(axes, [*ensemble.handles(found), *marks])
         if ax is None:
             footer.add(axes.get_figure(root=True), dataset)  # type: ignore[arg-type]
     return artists
@@ -83,8 +86,28 @@ def mark_handles(dataset: xr.Dataset) -> list[Line2D]:
 
 def _curve(axes: Axes, one: ensemble.Member, variable: str, line: dict[str, Any]) -> Line2D:
     looks = {"color": one.colour, "linestyle": one.dashes, "label": one.label, **line}
-    (artist,) = axes.plot(one.data["omega"].values, one.data[variable].values, **looks)
+    (artist,) = axes.plot(*_through_resonance(one.data, variable), **looks)
     return artist
+
+
+def _through_resonance(data: xr.Dataset, variable: str) -> tuple[FloatArray, FloatArray]:
+    """The curve, led through its largest value where that was found between grid points."""
+    x, y = data["omega"].values, data[variable].values
+    if not {"resonance", "resonance_amplitude"} <= set(data):
+        return x, y
+    where, height = float(data["resonance"]), float(data["resonance_amplitude"])
+    if not np.isfinite(where):
+        return x, y
+    place = np.searchsorted(x, where)
+    return np.insert(x, place, where), np.insert(y, place, height)
+
+
+def _rest_on_zero(axes: Axes, curves: list[Line2D]) -> None:
+    """Start the vertical axis at zero and leave its top free, also where panels share it."""
+    for curve in curves:
+        curve.sticky_edges.y.append(0.0)
+        axes.update_datalim([(float(np.asarray(curve.get_xdata())[0]), 0.0)])
+    axes.autoscale_view()
 
 
 def _mark(axes: Axes, one: ensemble.Member, variable: str) -> None:

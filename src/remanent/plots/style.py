@@ -1,7 +1,7 @@
 """The house style: colours, sizes, fonts, axis labels, saving.  Nothing global is changed.
 
 Temperature is drawn on one sequential map everywhere: *plasma* from its dark end to
-four fifths.  It is perceptually uniform and its lightness only rises, so the order
+three quarters.  It is perceptually uniform and its lightness only rises, so the order
 survives a grey print and every common colour vision; it runs from blue to orange, so
 cold looks cold and hot looks hot; and the cut keeps its lightest tone readable on white.
 The scale is the same in every figure (240 K to 410 K, wider where the data need it),
@@ -64,7 +64,7 @@ INK, FAINT = "#1a1a1a", "#767676"
 
 #: Points that a letter and a sample with its space take in a legend.
 _LETTER, _HANDLE = 3.6, 24.0
-_TEMPERATURE_MAP, _CUT = "plasma", (0.03, 0.80)
+_TEMPERATURE_MAP, _CUT = "plasma", (0.03, 0.76)
 _TEMPERATURE_RANGE, _CLOSE = (240.0, 410.0), 40.0
 
 _RC: Mapping[str, Any] = MappingProxyType(
@@ -217,7 +217,7 @@ def temperature_colours(temperatures: Iterable[float]) -> list[tuple[float, ...]
     """
     values, (low, high) = list(temperatures), _CUT
     scale, colours = _temperature_scale(values), mpl.colormaps[_TEMPERATURE_MAP]
-    return [tuple(colours(low + (high - low) * float(scale(t)))) for t in values]
+    return [tuple(map(float, colours(low + (high - low) * float(scale(t))))) for t in values]
 
 
 def save(figure: Figure, path: str | os.PathLike[str]) -> Path:

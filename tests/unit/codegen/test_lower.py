@@ -6,6 +6,7 @@ import os
 import subprocess
 import sys
 from collections import Counter
+from functools import cache
 from typing import Any
 
 import mpmath
@@ -35,8 +36,9 @@ MODELS = {
 }
 
 
-def program(*outputs: Any) -> Program:
-    return lower(outputs, inputs=["x", "y", "a", "u"], levels=LEVELS, definitions={})
+def program(*outputs: Any, as_written: bool = False) -> Program:
+    names = ["x", "y", "a", "u"]
+    return lower(outputs, inputs=names, levels=LEVELS, definitions={}, as_written=as_written)
 
 
 def operations(code: Program) -> Counter[str]:
@@ -79,20 +81,25 @@ class Exact:
     """Values and conditions of expressions at fifty digits."""
 
     def __init__(self, field: Field, system: mechanics.System, expressions: list[Any]) -> None:
-        symbols = {s.name: s for e in expressions for s in free_symbols(e, system)}
-        self.used = [i for i, name in enumerate(field.inputs) if name in symbols]
-        arguments = [symbols[field.inputs[i]] for i in self.used]
         written = [written_out(e, system) for e in expressions]
-        table = [[e, *(sp.diff(e, s) for s in arguments)] for e in written]
-        self._function = sp.lambdify(arguments, table, modules="mpmath", cse=True)
+        symbols = {s.name: s for e in written for s in e.free_symbols}
+        self._used = [i for i, name in enumerate(field.inputs) if name in symbols]
+        arguments = [symbols[field.inputs[i]] for i in self._used]
+        self._function = sp.lambdify(arguments, written, modules="mpmath", cse=True)
 
     def __call__(self, point: np.ndarray) -> list[tuple[Any, Any]]:
+        """For each expression f: f, and the sum of |x df/dx| over its arguments x."""
+        step = mpmath.mpf(10) ** -25
         with mpmath.workdps(50):
-            values = [mpmath.mpf(float(point[i])) for i in self.used]
-            rows = self._function(*values)
+            x = [mpmath.mpf(float(point[i])) for i in self._used]
+            values = self._function(*x)
+            varied = [
+                self._function(*(v * (1 + step) if i == k else v for i, v in enumerate(x)))
+                for k in range(len(x))
+            ]
             return [
-                (row[0], sum(abs(x * d) for x, d in zip(values, row[1:], strict=True)))
-                for row in rows
+                (value, sum(abs(other[i] - value) for other in varied) / step)
+                for i, value in enumerate(values)
             ]
 
 
@@ -102,16 +109,16 @@ def written_out(expression: Any, system: mechanics.System) -> Any:
     return expression
 
 
-def free_symbols(expression: Any, system: mechanics.System) -> set[Any]:
-    symbols: set[Any] = written_out(expression, system).free_symbols
-    return symbols
+@cache
+def derived(name: str) -> tuple[Field, mechanics.System]:
+    actuator, drive, coordinates = MODELS[name]
+    system = mechanics.derive(actuator, drive, coordinates=coordinates)
+    return build(actuator, drive, coordinates=coordinates), system
 
 
 def check_against_sympy(name: str, count: int) -> None:
     """|computed - exact| <= 8 ulp times the condition number, for every output."""
-    actuator, drive, coordinates = MODELS[name]
-    field = build(actuator, drive, coordinates=coordinates)
-    system = mechanics.derive(actuator, drive, coordinates=coordinates)
+    field, system = derived(name)
     programs = [field.rates, field.watched, *field.observables.values()]
     expressions = [*system.rates, *system.watched, *system.observables.values()]
     exact = Exact(field, system, expressions)
@@ -124,7 +131,7 @@ def check_against_sympy(name: str, count: int) -> None:
 
 @pytest.mark.parametrize("name", MODELS)
 def test_code_agrees_with_sympy(name: str) -> None:
-    check_against_sympy(name, 100)
+    check_against_sympy(name, 50)
 
 
 @pytest.mark.slow
@@ -136,9 +143,7 @@ def test_code_agrees_with_sympy_at_many_points(name: str) -> None:
 @pytest.mark.parametrize("name", MODELS)
 def test_rates_in_fifty_digits(name: str) -> None:
     """The program itself has no rounded constants: with mpmath numbers it is exact."""
-    actuator, drive, coordinates = MODELS[name]
-    field = build(actuator, drive, coordinates=coordinates)
-    system = mechanics.derive(actuator, drive, coordinates=coordinates)
+    field, system = derived(name)
     energy = field.observables["energy"]
     exact = Exact(field, system, [*system.rates, system.observables["energy"]])
     point = random_inputs(field, np.random.default_rng(2), 1)[0]
@@ -155,8 +160,7 @@ def test_rates_in_fifty_digits(name: str) -> None:
 
 def test_jacobian_by_complex_steps() -> None:
     """d(rates)/d(state) by a complex step of 1e-40 against SymPy."""
-    field = build(*MODELS["paper"][:2])
-    system = mechanics.derive(*MODELS["paper"][:2])
+    field, system = derived("paper")
     point = random_inputs(field, np.random.default_rng(3), 1)[0]
     rate = written_out(system.rates[1], system)
     at = {s: float(point[field.inputs.index(s.name)]) for s in rate.free_symbols}
@@ -172,15 +176,14 @@ def test_jacobian_by_complex_steps() -> None:
 
 @pytest.mark.parametrize("name", MODELS)
 def test_one_division_by_the_state(name: str) -> None:
-    actuator, drive, coordinates = MODELS[name]
-    field = build(actuator, drive, coordinates=coordinates)
-    for code in (field.rates, field.watched, *field.observables.values()):
+    field, _ = derived(name)
+    for code in (field.rates, field.watched):
         assert dynamic(code, {*field.state, *field.waveforms, "drive_phase"})["div"] <= 1
 
 
 def test_equation_16_is_short() -> None:
     """Sixteen additions and multiplications and a division, and five for the load."""
-    field = build(*MODELS["paper"][:2])
+    field, _ = derived("paper")
     counts = dynamic(field.rates, {*field.state, *field.waveforms})
     assert counts["div"] == 1
     assert set(counts) <= {"add", "sub", "mul", "div"}
@@ -210,6 +213,17 @@ def test_what_is_known_beforehand_is_combined_first() -> None:
     assert dynamic(code, {"x"})["mul"] == 1
 
 
+def test_what_is_computed_as_written_shares_reciprocals() -> None:
+    counts = operations(program(X**-2 + Y * X**-6 - A / X, as_written=True))
+    assert counts["div"] == 1
+
+
+def test_what_is_computed_as_written_does_not_cancel() -> None:
+    """(1 - x)^2 near x = 1; expanded, it would keep no digit."""
+    (value,) = program((1 - X) ** 2, as_written=True)([1.0 + 2.0**-40, 0, 0, 0], functions=np)
+    assert value == 2.0**-80
+
+
 def test_no_power_is_left() -> None:
     """Non-integer powers are square roots, or exp(a log x); 2 a, -a and a share one."""
     assert operations(program(sp.sqrt(X)))["sqrt"] == 1
@@ -232,8 +246,10 @@ def test_no_power_is_left() -> None:
 )
 def test_any_elementary_expression(expression: Any) -> None:
     point = {X: 1.3, Y: 0.7, A: 2.1, U: 0.4}
-    (value,) = program(expression)(list(point.values()), functions=np)
-    assert value == pytest.approx(float(expression.evalf(30, subs=point)), rel=1e-14)
+    exact = float(expression.evalf(30, subs=point))
+    for as_written in (False, True):
+        (value,) = program(expression, as_written=as_written)(list(point.values()), functions=np)
+        assert value == pytest.approx(exact, rel=1e-14)
 
 
 def test_the_order_of_instructions_is_always_the_same() -> None:
@@ -242,7 +258,7 @@ def test_the_order_of_instructions_is_always_the_same() -> None:
         "from remanent.codegen.build import build\n"
         "from remanent.models.actuator import Actuator\n"
         "from remanent.models.drives import SineSquared\n"
-        "print(build(Actuator(), SineSquared(0.4, 1.0), coordinates=2).fingerprint)"
+        "print(build(Actuator(), SineSquared(0.4, 1.0)).fingerprint)"
     )
     prints = {
         subprocess.run(
@@ -252,6 +268,6 @@ def test_the_order_of_instructions_is_always_the_same() -> None:
             text=True,
             check=True,
         ).stdout
-        for seed in ("1", "2", "3")
+        for seed in ("1", "2")
     }
     assert len(prints) == 1

@@ -1,14 +1,11 @@
-"""Plots are drawn without a screen, and every figure is closed after its test."""
+"""Every figure known to pyplot is closed after its test."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
-import matplotlib as mpl
 import pytest
 from matplotlib import pyplot as plt
-
-mpl.use("Agg")
 
 
 @pytest.fixture(autouse=True)

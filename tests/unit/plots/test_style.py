@@ -118,10 +118,14 @@ def test_footer_shows_the_selected_value() -> None:
 
 def test_footer_shows_parts_that_matter() -> None:
     """A part with values of its own is named with them; a neutral one is not."""
-    actuator = "Actuator(c=0.01, material=Gent(jm=30.0, entropic_fraction=0.9), magnet=Magnet())"
+    actuator = (
+        "Actuator(c=0.01, material=Gent(jm=30.0, entropic_fraction=0.9), "
+        "dissipation=(Rayleigh(eta=0.1), Rayleigh(eta=0.2)), magnet=Magnet())"
+    )
     found = footer.text(xr.Dataset(attrs={"actuator": actuator, "drive": "Constant(m=0.1)"}))
-    assert "Gent ($J_m = 30$" not in found or "J_m" in found
-    assert "Gent" in found
+    assert "Gent ($J_m = 30$, $f = 0.9$)" in found
+    assert r"Rayleigh ($\eta_{0} = 0.1$)" in found
+    assert r"Rayleigh ($\eta_{1} = 0.2$)" in found
     assert "Magnet" not in found
 
 
@@ -131,6 +135,15 @@ def test_footer_survives_anything() -> None:
     found = footer.text(xr.Dataset(attrs=attrs))
     assert r"\$" in found
     assert footer.text(xr.Dataset()) == ""
+
+
+def test_footer_hides_what_was_varied_on_the_way() -> None:
+    """A result distilled from a sweep does not show one value of what was swept."""
+    dataset = synthetic.valley()
+    found = footer.text(dataset, hide=("drive", "temperature"))
+    assert "SineSquared" in footer.text(dataset)
+    assert "SineSquared" not in found
+    assert "$T = " not in found
 
 
 def test_footer_fits_the_figure() -> None:

@@ -81,6 +81,17 @@ def test_panels_of_figure_5_are_lettered_as_in_the_paper() -> None:
     assert "400" in titles[6]
 
 
+def test_no_peak_is_cut_off() -> None:
+    """Panels on one scale show the largest amplitude of all, from zero."""
+    dataset = synthetic.frequency_response(7, 10.0).copy(deep=True)
+    dataset["amplitude"].values[1, 2, 3] = 5.0  # the last panel has the highest peak
+    dataset["resonance"].values[1, 2] = float(dataset["omega"][3])
+    for axes in figures.figure_4(dataset).axes:
+        bottom, top = axes.get_ylim()
+        assert bottom == 0.0
+        assert top > 5.0
+
+
 def test_every_second_period_is_drawn_in_the_phase_plane() -> None:
     """Panel (b) holds the even drive periods, its neighbour all of them."""
     figure = figures.figure_5_or_6(

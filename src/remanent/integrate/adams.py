@@ -1,0 +1,126 @@
+"""Predictor-corrector steps that learn from the past: Adams, and Falkner for coordinates.
+
+A Runge-Kutta step of order 8 spends eleven evaluations; these spend two, the second
+without a division.  For a variable whose rate is itself a state variable (a stretch
+and its rate) the double integral of the acceleration is used, which has a smaller
+error and needs no history of its own.  Coefficients are integrals of Lagrange
+polynomials, computed exactly.
+
+References
+----------
+E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, III.1
+(Adams) and III.10 (Falkner's and other methods for second-order equations).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cache
+from math import comb
+from typing import Any
+
+from remanent._field import Field
+
+_Polynomial = tuple[Fraction, ...]
+
+
+@dataclass(frozen=True)
+class Adams:
+    """A predictor with `steps` past rates, and a corrector with one more.
+
+    Attributes
+    ----------
+    steps
+        Past rates used.  The order of the global error is ``steps + 1``.
+    single, double
+        Weights of the past rates, newest first: of the rate in an increment of its
+        integral, and of the acceleration in an increment of the double integral, for a
+        step of length 1.
+    difference
+        Weights, newest first after the predicted rate (whose weight is 1), in the
+        backward difference of order `steps`.
+    single_correction, double_correction
+        What that difference adds to either increment.
+    """
+
+    steps: int
+    single: tuple[float, ...]
+    double: tuple[float, ...]
+    difference: tuple[float, ...]
+    single_correction: float
+    double_correction: float
+
+    def __post_init__(self) -> None:
+        for power in range(self.steps):
+            past = [float(-j) ** power for j in range(self.steps)]
+            exact = 1.0 / (power + 1), 1.0 / ((power + 1) * (power + 2))
+            for weights, integral in zip((self.single, self.double), exact, strict=True):
+                terms = [w * x for w, x in zip(weights, past, strict=True)]
+                if abs(sum(terms) - integral) > 1e-13 * sum(map(abs, terms)):
+                    raise ValueError(f"weights do not integrate the power {power}")
+
+    @property
+    def name(self) -> str:
+        return f"adams-{self.steps}"
+
+    @property
+    def order(self) -> int:
+        return self.steps + 1
+
+
+@cache
+def adams(steps: int) -> Adams:
+    """The method with `steps` past rates."""
+    lagrange = [_lagrange(j, steps) for j in range(steps)]
+    newton = _product([(Fraction(i, i + 1), Fraction(1, i + 1)) for i in range(steps)])
+    return Adams(
+        steps=steps,
+        single=tuple(float(_integral(p)) for p in lagrange),
+        double=tuple(float(_double_integral(p)) for p in lagrange),
+        difference=tuple(float((-1) ** j * comb(steps, j)) for j in range(1, steps + 1)),
+        single_correction=float(_integral(newton)),
+        double_correction=float(_double_integral(newton)),
+    )
+
+
+def partners(field: Field) -> tuple[int | None, ...]:
+    """For every state variable the index of the variable that is its rate, if any."""
+    found: list[int | None] = []
+    for slot in field.rates.outputs:
+        is_state = 1 <= slot <= len(field.state)
+        found.append(slot - 1 if is_state else None)
+    return tuple(found)
+
+
+def _lagrange(j: int, count: int) -> _Polynomial:
+    """The polynomial in s that is 1 at s = -j and 0 at the other -i, i < count."""
+    others = [i for i in range(count) if i != j]
+    return _product([(Fraction(i, i - j), Fraction(1, i - j)) for i in others])
+
+
+def _product(factors: Sequence[Sequence[Fraction]]) -> _Polynomial:
+    result = [Fraction(1)]
+    for constant, slope in factors:
+        shifted = [Fraction(0), *(slope * c for c in result)]
+        result = [a + b for a, b in zip([*(constant * c for c in result), Fraction(0)], shifted, strict=True)]  # fmt: skip
+    return tuple(result)
+
+
+def _integral(p: _Polynomial) -> Fraction:
+    """Integral over [0, 1]."""
+    return sum((c / (k + 1) for k, c in enumerate(p)), Fraction(0))
+
+
+def _double_integral(p: _Polynomial) -> Fraction:
+    """Integral of (1 - s) p(s) over [0, 1]."""
+    return sum((c / ((k + 1) * (k + 2)) for k, c in enumerate(p)), Fraction(0))
+
+
+def combination(weights: Sequence[float], values: Sequence[Any]) -> Any:
+    """Sum of weights times values, oldest (smallest) terms first."""
+    total = None
+    for w, v in zip(reversed(weights), reversed(values), strict=True):
+        total = v * w if total is None else total + v * w
+    return total

@@ -1,0 +1,200 @@
+"""What every drive must satisfy; a new one joins `DRIVES`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from remanent._errors import InputError
+from remanent._typing import FloatArray
+from remanent.codegen import reference
+from remanent.codegen.field import field_for
+from remanent.models.actuator import Actuator
+from remanent.models.drives import (
+    Chirp,
+    Constant,
+    Drive,
+    Ramp,
+    Sampled,
+    Sine,
+    SineSquared,
+    Steps,
+)
+
+DRIVES: dict[str, Drive] = {
+    "constant": Constant(0.16),
+    "sine squared": SineSquared(0.4, 1.25, phase=0.3),
+    "sine": Sine(0.2, 0.7, mean=-0.1, phase=2.0),
+    "steps": Steps([0.0, 1.5, 4.0], [0.1, -0.2, 0.3]),
+    "one step": Steps((0.0,), (0.1,)),
+    "ramp": Ramp([0.0, 2.0, 3.0], [0.1, 0.4, -0.3]),
+    "chirp": Chirp(0.2, 1.0, 3.0, 5.0, mean=0.1, phase=0.4),
+    "falling chirp": Chirp(0.2, 3.0, 0.0, 20.0),
+    "sampled": Sampled(np.linspace(0.0, 10.0, 9), np.sin(np.arange(9.0))),
+    "two samples": Sampled([0.0, 10.0], [1.0, 2.0]),
+}
+PERIODIC = {name: drive for name, drive in DRIVES.items() if drive.period is not None}
+DURATION = 8.0
+
+every = pytest.mark.parametrize("drive", DRIVES.values(), ids=DRIVES.keys())
+periodic = pytest.mark.parametrize("drive", PERIODIC.values(), ids=PERIODIC.keys())
+
+
+def through_timeline(
+    drive: Drive, values: dict[str, FloatArray], duration: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Times and loads, (sample, trajectory), as the numeric column meets them.
+
+    In pieces without length both are NaN: no trajectory is ever there.
+    """
+    line = drive.timeline(values, duration)
+    times, loads = [], []
+    starts = np.cumsum(line.lengths, axis=0) - line.lengths
+    for piece, (start, length) in enumerate(zip(starts, line.lengths, strict=True)):
+        own = {k: np.broadcast_to(v, duration.shape) for k, v in drive.parameters().items()}
+        p = own | values | {name: rows[piece] for name, rows in line.parameters.items()}
+        for s in np.linspace(0.0, 0.999, 23):
+            u = dict(zip(drive.waveforms, line.waveform(np.asarray(s)), strict=True))
+            times.append(np.where(length > 0.0, start + s * length, np.nan))
+            loads.append(np.where(length > 0.0, drive.load(p, u, s, np), np.nan))
+    return np.array(times), np.array(loads)
+
+
+@every
+def test_load_along_the_timeline_is_the_load_in_time(drive: Drive) -> None:
+    times, loads = through_timeline(drive, {}, np.array([DURATION]))
+    np.testing.assert_allclose(loads, drive(times), rtol=0.0, atol=1e-13)
+
+
+@every
+def test_each_of_a_batch_of_parameters_gives_its_own_load(drive: Drive) -> None:
+    factors = np.array([1.0, 1.1, 1.3])
+    values = {name: value * factors for name, value in drive.parameters().items()}
+    duration = np.array([DURATION, 3.0, 0.5])
+    times, loads = through_timeline(drive, values, duration)
+    for i in range(3):
+        single = drive.replace(**{name: array[i] for name, array in values.items()})
+        met = np.isfinite(times[:, i])
+        assert np.any(met)
+        np.testing.assert_allclose(loads[met, i], single(times[met, i]), rtol=0.0, atol=1e-12)
+
+
+@every
+def test_pieces_cover_the_run_exactly(drive: Drive) -> None:
+    duration = np.array([DURATION, 3.0, 0.5])
+    line = drive.timeline({}, duration)
+    assert line.periodic == (drive.period is not None)
+    assert line.lengths.shape[1:] == (3,)
+    assert np.all(line.lengths >= 0.0)
+    if line.periodic:
+        assert line.lengths.tolist() == [[drive.period] * 3]
+    else:
+        np.testing.assert_allclose(line.lengths.sum(axis=0), duration, rtol=1e-15)
+        assert np.all(line.lengths.max(axis=1) > 0.0)
+    assert set(line.parameters) == set(drive.piece_parameters)
+    assert all(rows.shape == line.lengths.shape for rows in line.parameters.values())
+
+
+@every
+def test_waveforms_keep_the_shape_of_the_phase(drive: Drive) -> None:
+    line = drive.timeline({}, np.array([DURATION]))
+    for shape in ((), (5,), (2, 3)):
+        assert line.waveform(np.zeros(shape)).shape == (len(drive.waveforms), *shape)
+
+
+@every
+def test_field_reports_the_load(drive: Drive) -> None:
+    actuator = Actuator()
+    field = field_for(actuator, drive)
+    line = drive.timeline({}, np.array([DURATION]))
+    hidden = {name: rows[0, 0] for name, rows in line.parameters.items()}
+    values = {**actuator.parameters(), **drive.parameters(), **hidden}
+    assert list(values) == list(field.parameters)
+    phase = 0.37
+    seen = reference.observables(
+        field,
+        phase,
+        np.array([[1.0, 0.0]]),
+        np.array([list(values.values())]),
+        line.waveform(np.asarray(phase)),
+    )
+    assert seen["load"][0] == pytest.approx(float(drive(phase * line.lengths[0, 0])), abs=1e-14)
+
+
+@periodic
+def test_period_is_a_period(drive: Drive) -> None:
+    times = np.linspace(0.0, 5.0, 101)
+    np.testing.assert_allclose(drive(times + period_of(drive)), drive(times), atol=1e-14)
+
+
+@periodic
+@pytest.mark.parametrize("parts", [2, 3, 4, 5, 6, 7])
+def test_period_is_the_smallest(drive: Drive, parts: int) -> None:
+    times = np.linspace(0.0, 5.0, 101)
+    assert np.max(np.abs(drive(times + period_of(drive) / parts) - drive(times))) > 1e-2
+
+
+@periodic
+def test_periods_of_a_batch(drive: Drive) -> None:
+    omega = np.array([0.5, 2.0])
+    expected = [drive.replace(omega=w).period for w in omega]
+    periods = drive.periods({"omega": omega})
+    assert periods is not None
+    assert periods.tolist() == expected
+
+
+def period_of(drive: Drive) -> float:
+    assert drive.period is not None
+    return drive.period
+
+
+@every
+def test_drives_are_values(drive: Drive) -> None:
+    assert drive.replace() == drive
+    assert hash(drive.replace()) == hash(drive)
+    changed = drive.replace(**changes(drive))
+    assert changed != drive
+    assert changed.structure() == drive.structure()
+
+
+@every
+def test_structure_holds_no_number(drive: Drive) -> None:
+    assert all(isinstance(item, str) for item in drive.structure())
+
+
+@every
+def test_unknown_fields_are_refused(drive: Drive) -> None:
+    with pytest.raises(InputError, match="`amplitude` must be a field of"):
+        drive.replace(amplitude=1.0)
+
+
+@every
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf, "1", None, True, [1.0], 1j])
+def test_every_number_is_checked(drive: Drive, bad: Any) -> None:
+    for name in drive.parameters():
+        with pytest.raises(InputError, match=f"^`{name}` must be"):
+            drive.replace(**{name: bad})
+
+
+@every
+def test_batch_check_agrees_with_single_check(drive: Drive) -> None:
+    values = np.array([np.nan, np.inf, -1.0, -0.0, 0.0, 5e-324, 1.0, 1e308])
+    for name in drive.parameters():
+        expected = [refused(drive, name, value) for value in values]
+        assert drive.invalid({name: values}).tolist() == expected
+
+
+def refused(drive: Drive, name: str, value: float) -> bool:
+    try:
+        drive.replace(**{name: value})
+    except InputError:
+        return True
+    return False
+
+
+def changes(drive: Drive) -> dict[str, Any]:
+    for name, value in drive.parameters().items():
+        return {name: value + 0.5}
+    return {"loads": [x + 0.5 for x in getattr(drive, "loads")]}  # noqa: B009

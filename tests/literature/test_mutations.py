@@ -1,0 +1,86 @@
+"""The reproduction is sensitive: a wrong model does not bring the resonances back."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+import sympy as sp
+
+import remanent as rm
+from remanent.codegen import build as codegen_build
+from remanent.models import mechanics
+from remanent.report.settings import AGREEMENT, PRESTRESSES, PUBLISHED, TEMPERATURES
+from remanent.studies import _ensemble
+
+OMEGAS = np.linspace(0.6, 1.6, 201)
+#: A mutation must move a resonance by more than this.
+SEEN = 0.005
+
+
+def resonances(actuator: rm.Actuator, prestresses: tuple[float, ...] = PRESTRESSES) -> Any:
+    """Resonances (prestress, temperature) of the paper's response curves."""
+    over = {"prestress": prestresses, "temperature": TEMPERATURES}
+    drive = rm.SineSquared(0.4, 1.0)
+    found = rm.frequency_response(
+        actuator, drive, OMEGAS, over=over, tolerance=1e-6, resonance_width=1e-4
+    )
+    return found["resonance"].transpose("prestress", "temperature").values
+
+
+@pytest.fixture(scope="module")
+def right() -> Any:
+    """Resonances of the model as it is."""
+    return resonances(rm.Actuator())
+
+
+def test_all_six_resonances_lie_within_a_hundredth_of_the_published(right: Any) -> None:
+    assert np.abs(right - np.array(PUBLISHED)).max() <= AGREEMENT
+
+
+def _velocity(a: Any, x: Any, v: Any) -> Any:
+    """The sign of the term 6 c lambda'^2."""
+    return a.subs(v, sp.I * v)
+
+
+def _load(a: Any, x: Any, v: Any) -> Any:
+    """The sign of the magnetic load m."""
+    (load,) = [s for s in a.free_symbols if s.name == "effective_load"]
+    return a.subs(load, -load)
+
+
+def _exponent(a: Any, x: Any, v: Any) -> Any:
+    """The exponent of lambda^-5 becomes -4."""
+    (stiffness,) = [s for s in a.free_symbols if s.name == "stiffness"]
+    (c,) = [s for s in a.free_symbols if s.name == "c"]
+    return a + 3 * stiffness * (x**-4 - x**-5) / (1 + 2 * c * x**-6)
+
+
+@pytest.mark.parametrize("mutate", [_velocity, _load, _exponent])
+def test_a_mutated_equation_moves_a_resonance(
+    mutate: Callable[[Any, Any, Any], Any], right: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    original = mechanics.accelerations
+
+    def mutated(motion: mechanics.Motion) -> list[Any]:
+        (a,) = original(motion)
+        changed = mutate(a, motion.coordinates[0], motion.rates[0])
+        assert sp.simplify(changed - a) != 0
+        return [changed]
+
+    monkeypatch.setattr(mechanics, "accelerations", mutated)
+    field = codegen_build.build(rm.Actuator(), rm.SineSquared(0.4, 1.0))
+    monkeypatch.setattr(_ensemble, "field_for", lambda actuator, drive: field)
+    assert np.nanmax(np.abs(resonances(rm.Actuator()) - right)) > SEEN
+
+
+def test_a_reference_temperature_off_by_ten_kelvin_moves_a_resonance(right: Any) -> None:
+    wrong = resonances(rm.Actuator(reference_temperature=303.0))
+    assert np.abs(wrong - right).max() > SEEN
+
+
+def test_a_wrong_prestress_moves_a_resonance(right: Any) -> None:
+    wrong = resonances(rm.Actuator(), prestresses=(0.0, 0.9))
+    assert np.abs(wrong - right)[1].max() > SEEN

@@ -1,0 +1,186 @@
+"""The actuator as a value: fields, parameters, structure, and what it refuses."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import warnings
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from remanent._errors import InputError, InputWarning
+from remanent.models.actuator import Actuator
+from remanent.models.magnetics import Magnet
+from remanent.models.materials import NeoHookean
+from remanent.models.viscous import Rayleigh
+
+
+def test_defaults_are_those_of_the_paper() -> None:
+    assert Actuator().parameters() == {
+        "c": 1.0,
+        "temperature": 293.0,
+        "reference_temperature": 293.0,
+        "prestress": 0.0,
+        "material.entropic_fraction": 1.0,
+        "magnet.temperature_coefficient": 0.0,
+    }
+
+
+def test_parameters_of_every_element_are_named_in_order() -> None:
+    names = list(Actuator(dissipation=(Rayleigh(0.1), Rayleigh(0.2))).parameters())
+    assert names[4:7] == ["material.entropic_fraction", "dissipation.0.eta", "dissipation.1.eta"]
+
+
+def test_numbers_do_not_change_the_structure_and_choices_do() -> None:
+    plain = Actuator()
+    assert Actuator(c=0.1, material=NeoHookean(0.5)).structure() == plain.structure()
+    assert Actuator(magnet=Magnet(law="rotation")).structure() != plain.structure()
+    assert Actuator(dissipation=Rayleigh(0.1)).structure() != plain.structure()
+    assert Actuator(dissipation=Rayleigh(0.1)).structure() != (
+        Actuator(dissipation=(Rayleigh(0.1), Rayleigh(0.1))).structure()
+    )
+
+
+def test_structure_is_plain() -> None:
+    def plain(item: object) -> bool:
+        return all(map(plain, item)) if isinstance(item, tuple) else isinstance(item, str | int)
+
+    assert plain(Actuator(dissipation=Rayleigh(0.1)).structure())
+
+
+def test_one_element_may_stand_by_itself() -> None:
+    expected = Actuator(dissipation=(Rayleigh(0.1),))
+    assert Actuator(dissipation=Rayleigh(0.1)) == expected
+    assert Actuator(dissipation=[Rayleigh(0.1)]) == expected
+
+
+def test_replace_gives_a_changed_copy() -> None:
+    first = Actuator()
+    second = first.replace(temperature=350)
+    assert (first.temperature, second.temperature) == (293.0, 350.0)
+    assert second == Actuator(temperature=350.0)
+    assert hash(second) == hash(Actuator(temperature=350.0))
+
+
+def test_unknown_fields_are_refused() -> None:
+    with pytest.raises(InputError, match="`temprature` must be a field of Actuator"):
+        Actuator().replace(temprature=350.0)
+    with pytest.raises(InputError, match="Its fields are: c, temperature"):
+        Actuator().with_parameter("dissipation.0.eta", 0.1)
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["c", "prestress", "material.entropic_fraction", "dissipation.1.eta"],
+)
+def test_any_parameter_can_be_changed_by_its_name(name: str) -> None:
+    actuator = Actuator(dissipation=(Rayleigh(0.1), Rayleigh(0.2)))
+    changed = actuator.with_parameter(name, 0.75)
+    expected = {**actuator.parameters(), name: 0.75}
+    assert changed.parameters() == expected
+
+
+RULES: list[tuple[dict[str, Any], str]] = [
+    ({"c": 0.0}, "`c` must be a finite number greater than 0; got 0.0. It is the square of"),
+    ({"c": np.nan}, "`c` must be a finite number greater than 0; got nan"),
+    ({"temperature": -5.0}, "`temperature` must be a finite number greater than 0; got -5.0"),
+    ({"temperature": 0}, "`temperature` must be .*; got 0. It is an absolute temperature"),
+    ({"reference_temperature": np.inf}, "`reference_temperature` must be .*; got inf"),
+    ({"prestress": np.nan}, "`prestress` must be a finite number; got nan"),
+    ({"prestress": (0.0, 1.0)}, "`prestress` must be one number; .* not available yet"),
+    ({"prestress": "1"}, "`prestress` must be one number; got 1"),
+    ({"prestress": np.zeros(3)}, "`prestress` must be one real number; .* pass over="),
+    ({"c": True}, "`c` must be one real number; got True"),
+    ({"c": 10**400}, "`c` must be a finite number greater than 0; got 1000"),
+    ({"heat": 1.0}, "`heat` must be None; got 1.0"),
+    ({"material": "rubber"}, "`material` must be a Material; got 'rubber'"),
+    ({"magnet": None}, "`magnet` must be a Magnet; got None"),
+    ({"dissipation": 0.1}, "`dissipation.0` must be a Dissipation; got 0.1"),
+    ({"dissipation": (Rayleigh(0.1), 2)}, "`dissipation.1` must be a Dissipation; got 2"),
+]
+
+
+@pytest.mark.parametrize(("fields", "message"), RULES)
+def test_bad_fields_are_explained(fields: dict[str, Any], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        Actuator(**fields)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: Rayleigh(-0.1), "`eta` must be a finite number, at least 0; got -0.1"),
+        (lambda: NeoHookean(1.1), "`entropic_fraction` must be a finite number from 0 to 1"),
+        (lambda: Magnet(np.inf), "`temperature_coefficient` must be a finite number; got inf"),
+        (lambda: Magnet(law="spin"), "`law` must be one of 'deformation-gradient', 'rotation'"),
+        (
+            lambda: Magnet(law=3),  # type: ignore[arg-type]
+            "`law` must be one of",
+        ),
+    ],
+)
+def test_bad_parts_are_explained(make: Any, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        make()
+
+
+def test_temperatures_in_degrees_are_suspected() -> None:
+    with pytest.warns(InputWarning, match="`temperature` is below 100 K"):
+        Actuator(temperature=25.0)
+    with pytest.warns(InputWarning, match="`reference_temperature` is below 100 K"):
+        Actuator(reference_temperature=20.0)
+
+
+def test_hot_magnets_are_pointed_out() -> None:
+    with pytest.warns(InputWarning, match="rating of plain NdFeB"):
+        Actuator(temperature=400.0, magnet=Magnet(-0.001))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        Actuator(temperature=400.0)
+        Actuator(temperature=350.0, magnet=Magnet(-0.001))
+
+
+def test_a_batch_is_warned_of_once() -> None:
+    with pytest.warns(InputWarning) as caught:
+        Actuator().warn_if_implausible({"temperature": np.array([20.0, 30.0, 300.0])})
+    assert len(caught) == 1
+
+
+NUMBERS = st.floats(allow_nan=True, allow_infinity=True)
+
+
+@given(name=st.sampled_from(list(Actuator(dissipation=(Rayleigh(0.1),)).parameters())), x=NUMBERS)
+def test_batch_check_agrees_with_single_check(name: str, x: float) -> None:
+    actuator = Actuator(dissipation=(Rayleigh(0.1),))
+    invalid = actuator.invalid({name: np.array([x, 1.0])})
+    assert invalid.tolist() == [refused(actuator, name, x), False]
+
+
+def refused(actuator: Actuator, name: str, value: float) -> bool:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", InputWarning)
+        try:
+            actuator.with_parameter(name, value)
+        except InputError:
+            return True
+    return False
+
+
+def test_a_batch_broadcasts() -> None:
+    bad = Actuator().invalid(
+        {"c": np.array([[1.0], [-1.0]]), "temperature": np.array([300.0, np.nan, 200.0])}
+    )
+    assert bad.tolist() == [[False, True, False], [True, True, True]]
+
+
+def test_building_an_actuator_needs_neither_sympy_nor_pint() -> None:
+    script = (
+        "import sys, remanent as rm\n"
+        "rm.Actuator(dissipation=rm.Rayleigh(0.1)); rm.SineSquared(0.4, 1.25).period\n"
+        "assert not {'sympy', 'pint', 'scipy', 'xarray'} & set(sys.modules)"
+    )
+    subprocess.run([sys.executable, "-c", script], check=True)
