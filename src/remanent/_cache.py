@@ -48,7 +48,9 @@ def store_bytes(kind: str, key: str, data: bytes) -> bool:
     """
     path = _path(kind, key)
     try:
-        path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+        path.parent.parent.parent.mkdir(parents=True, exist_ok=True)
+        for folder in (path.parent.parent, path.parent):
+            folder.mkdir(mode=0o700, exist_ok=True)
         if not _private(path.parent):
             return False
         _replace(path, _checksum(data) + b"\n" + data)

@@ -13,16 +13,17 @@ import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from operator import add, mul, sub, truediv
 from types import MappingProxyType
 from typing import Any
 
 #: Binary operations, with the Python operator each stands for.
 BINARY: Mapping[str, Callable[[Any, Any], Any]] = MappingProxyType(
     {
-        "add": lambda a, b: a + b,
-        "sub": lambda a, b: a - b,
-        "mul": lambda a, b: a * b,
-        "div": lambda a, b: a / b,
+        "add": add,
+        "sub": sub,
+        "mul": mul,
+        "div": truediv,
     }
 )
 #: Unary operations: ``neg`` and functions looked up by name on the `functions` argument.
@@ -58,6 +59,7 @@ class Program:
         *,
         functions: Any,
         constant: Callable[[float], Any] = lambda x: x,
+        divide: Callable[[Any, Any], Any] = truediv,
     ) -> list[Any]:
         """Run the program on numbers of any kind.
 
@@ -70,6 +72,8 @@ class Program:
             found as attributes, for example the module ``numpy`` or ``mpmath``.
         constant
             Turns a float into such a number.
+        divide
+            How a quotient of two such numbers is formed.
 
         Returns
         -------
@@ -81,7 +85,9 @@ class Program:
         slots = [*values, *map(constant, self.constants)]
         for operation, *operands in self.code:
             arguments = [slots[k] for k in operands]
-            if operation in BINARY:
+            if operation == "div":
+                slots.append(divide(*arguments))
+            elif operation in BINARY:
                 slots.append(BINARY[operation](*arguments))
             elif operation == "neg":
                 slots.append(-arguments[0])

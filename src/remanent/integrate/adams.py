@@ -67,7 +67,13 @@ class Adams:
 
     @property
     def order(self) -> int:
+        """Order of the global error."""
         return self.steps + 1
+
+    @property
+    def nodes(self) -> tuple[float, float]:
+        """Where in a step the load is needed: its ends."""
+        return 0.0, 1.0
 
 
 @cache
@@ -86,12 +92,13 @@ def adams(steps: int) -> Adams:
 
 
 def partners(field: Field) -> tuple[int | None, ...]:
-    """For every state variable the index of the variable that is its rate, if any."""
-    found: list[int | None] = []
-    for slot in field.rates.outputs:
-        is_state = 1 <= slot <= len(field.state)
-        found.append(slot - 1 if is_state else None)
-    return tuple(found)
+    """For every coordinate the index of the variable that is its rate; else None.
+
+    Only rates that are not coordinates themselves count, so that every partner has a
+    history of its own.
+    """
+    named = [slot - 1 if 1 <= slot <= len(field.state) else None for slot in field.rates.outputs]
+    return tuple(None if j is None or named[j] is not None else j for j in named)
 
 
 def _lagrange(j: int, count: int) -> _Polynomial:

@@ -10,7 +10,8 @@ import numpy as np
 from remanent._timeline import Timeline
 from remanent._typing import FloatArray, IntArray
 from remanent.integrate import dense
-from remanent.integrate.compile import Kernel
+from remanent.integrate.compile import Kernels
+from remanent.integrate.layout import PAST, past
 from remanent.integrate.problem import Problem, Request
 from remanent.integrate.tables import waveform_tables
 
@@ -18,9 +19,6 @@ from remanent.integrate.tables import waveform_tables
 NOMINAL = 2.5
 #: Errors above this no longer follow the order of the method.
 NONLINEAR = 1e-2
-#: Error of rounding allowed for, in units of the last place per root of a step.
-import os
-ROUND_OFF = float(os.environ.get("RO","1.0"))
 #: Fine steps in one call of the kernel: short enough to cancel soon.
 _STEPS_PER_CALL = 2048
 #: Samples computed together between steps: few enough to stay in the processor's cache.
@@ -45,6 +43,8 @@ class Stretch:
         Double steps in a whole cycle.
     part : slice
         Those double steps of the cycle that are taken: all of them if ``cycles > 1``.
+    past : bool
+        Whether rates of enough earlier steps are known.
     parameters : dict of name to array
         That hold during this stretch.
     """
@@ -55,7 +55,13 @@ class Stretch:
     first: int
     resolution: int
     part: slice
+    past: bool
     parameters: dict[str, FloatArray]
+
+    @property
+    def end(self) -> int:
+        """Whole cycles that are over when the stretch ends; -1 within a cycle."""
+        return self.first + self.cycles if self.part.stop == self.resolution else -1
 
     @property
     def doubles(self) -> int:
@@ -69,7 +75,7 @@ class Stretch:
 
     def phase(self, steps: IntArray | int) -> FloatArray:
         """Phase of the cycle after so many fine steps of the stretch."""
-        within = np.remainder(steps, 2 * self.doubles)
+        within = steps if self.cycles == 1 else np.remainder(steps, 2 * self.doubles)
         return np.asarray((2 * self.part.start + within) / (2 * self.resolution))
 
     def tables(self, whole: tuple[FloatArray, FloatArray]) -> tuple[FloatArray, FloatArray]:
@@ -122,35 +128,59 @@ def step_counts(problem: Problem, resolution: int) -> FloatArray:
 def stretches(
     timeline: Timeline, which: IntArray, doubles: IntArray, cycles: int, strobe: int
 ) -> Iterator[Stretch]:
-    """Cut the run of some trajectories into calls of the kernel."""
+    """Cut the run of some trajectories into calls of a kernel."""
     start = np.zeros(which.size)
     for k, lengths in enumerate(timeline.lengths[:, which]):
         parameters = {name: v[k, which] for name, v in timeline.parameters.items()}
         total = cycles if timeline.periodic else 1
-        for first, count, part in _calls(total, int(doubles[k]), strobe):
+        for first, count, part, past in _calls(total, int(doubles[k]), strobe):
             begin = start + (first + part.start / doubles[k]) * lengths
-            yield Stretch(lengths, begin, count, first, int(doubles[k]), part, parameters)
+            yield Stretch(lengths, begin, count, first, int(doubles[k]), part, past, parameters)
         start = start + lengths
 
 
-def _calls(cycles: int, doubles: int, strobe: int) -> Iterator[tuple[int, int, slice]]:
-    """Cycles before each call, cycles in it, and the part of the cycle that is taken."""
-    per_call = _STEPS_PER_CALL // (2 * doubles)
+#: Cycles before a call, cycles in it, the part of the cycle that is taken, and whether
+#: rates of enough earlier steps are known.
+_Call = tuple[int, int, slice, bool]
+
+
+def _calls(cycles: int, doubles: int, strobe: int) -> Iterator[_Call]:
+    """The calls of one piece: a start, the rest of the cycle it ends in, whole cycles."""
+    warm = PAST - 1
+    if doubles * cycles < 3 * warm:
+        yield 0, cycles, slice(0, doubles), False
+        return
+    begun = -(-warm // doubles)  # cycles that the start takes part in
+    if begun > 1:
+        yield 0, begun, slice(0, doubles), False
+    else:
+        yield 0, 1, slice(0, warm), False
+        yield from ((0, 1, part, True) for part in _parts(warm, doubles))
+    per_call = max(1, _STEPS_PER_CALL // (2 * doubles))
+    if strobe and begun % strobe and begun < cycles:
+        aligned = min(strobe - begun % strobe, cycles - begun)
+        yield begun, aligned, slice(0, doubles), True
+        begun += aligned
     if strobe:
         per_call = strobe * max(1, per_call // strobe)
-    if per_call:
-        for first in range(0, cycles, per_call):
-            yield first, min(per_call, cycles - first), slice(0, doubles)
-        return
-    for first in range(cycles):
-        for begin in range(0, doubles, _STEPS_PER_CALL // 2):
-            yield first, 1, slice(begin, min(begin + _STEPS_PER_CALL // 2, doubles))
+    for first in range(begun, cycles, per_call):
+        if 2 * doubles <= _STEPS_PER_CALL or strobe:
+            yield first, min(per_call, cycles - first), slice(0, doubles), True
+        else:
+            yield from ((first, 1, part, True) for part in _parts(0, doubles))
+
+
+def _parts(first: int, doubles: int) -> Iterator[slice]:
+    """Parts of a cycle that are short enough for one call."""
+    size = _STEPS_PER_CALL // 2
+    for begin in range(first, doubles, size):
+        yield slice(begin, min(begin + size, doubles))
 
 
 def attempt(
     problem: Problem,
     request: Request,
-    kernel: Kernel,
+    kernels: Kernels,
     tolerance: float,
     resolution: int,
     which: IntArray,
@@ -162,39 +192,33 @@ def attempt(
     """
     doubles = double_steps(problem.timeline, resolution)[:, which[0]]
     cycles = int(cycle_counts(problem)[which].max())
-    lanes = _lanes(problem, request, kernel, tolerance, resolution, which)
-    sampler = _Sampler(problem, request, kernel, which, cycles)
-    tables: dict[int, tuple[FloatArray, FloatArray]] = {}
+    lanes = _lanes(problem, request, kernels, tolerance, which)
+    sampler = _Sampler(problem, request, kernels, which, cycles)
+    tables: dict[tuple[int, bool], tuple[FloatArray, FloatArray]] = {}
     for stretch in stretches(problem.timeline, which, doubles, cycles, request.strobe):
         if not keep_going():
             break
-        if stretch.resolution not in tables:
-            tables[stretch.resolution] = waveform_tables(
-                problem.timeline.waveform, kernel.method, stretch.resolution
-            )
-        _set_stretch(lanes, kernel, problem, stretch)
-        sampler.run(lanes, stretch.tables(tables[stretch.resolution]), stretch)
-        if not (_column(lanes, kernel, "total")[: which.size] <= hopeless(tolerance)).any():
+        key = (stretch.resolution, stretch.past)
+        if key not in tables:
+            nodes = (kernels.run if stretch.past else kernels.start).method.nodes
+            tables[key] = waveform_tables(problem.timeline.waveform, nodes, stretch.resolution)
+        _set_stretch(lanes, kernels, problem, stretch)
+        sampler.run(lanes, stretch.tables(tables[key]), stretch)
+        if not (_column(lanes, kernels, "total")[: which.size] <= hopeless(tolerance)).any():
             break
-    return _collect(lanes, kernel, which.size, sampler.states)
+    return _collect(lanes, kernels, which.size, sampler.states)
 
 
 def _lanes(
-    problem: Problem,
-    request: Request,
-    kernel: Kernel,
-    tolerance: float,
-    resolution: int,
-    which: IntArray,
+    problem: Problem, request: Request, kernels: Kernels, tolerance: float, which: IntArray
 ) -> FloatArray:
     """The array (group, slot, lane) of a chunk, padded with copies of its last trajectory."""
-    layout, width = kernel.layout, kernel.width
+    layout, width = kernels.layout, kernels.width
     groups = -(-which.size // width)
     padded = np.concatenate([which, np.full(groups * width - which.size, which[-1])])
     flat = np.zeros((padded.size, layout.size))
     for kind in ("fine", "coarse", "last"):
         flat[:, layout.group(kind)] = problem.initial[padded]
-    flat[:, layout.group("coarse")] += _displacement(problem, kernel, resolution)[padded]
     flat[:, layout.group("parameter")] = problem.parameters[padded]
     scalars: dict[str, FloatArray | float] = {
         "begin": 0.0 if request.begin is None else request.begin[padded] * _INWARD,
@@ -211,21 +235,8 @@ def _lanes(
     return np.ascontiguousarray(grouped.transpose(0, 2, 1))
 
 
-def _displacement(problem: Problem, kernel: Kernel, resolution: int) -> FloatArray:
-    """How far from the initial state the coarse solution starts, array (trajectory, state).
-
-    Rounding makes errors that both solutions may share.  They are replaced by one error
-    at the start, as large as all of them together: what the motion makes of it is then
-    part of the difference of the solutions, and so of the error reported.
-    """
-    size = ROUND_OFF * np.finfo(float).eps * np.sqrt(1.0 + step_counts(problem, resolution))
-    sign = np.where(np.arange(problem.initial.shape[1]) % 2, -1.0, 1.0)
-    scale = np.maximum(1.0, np.abs(problem.initial))
-    return np.asarray(sign * scale * size[:, None] / kernel.error_factor)
-
-
-def _column(lanes: FloatArray, kernel: Kernel, name: str) -> FloatArray:
-    return lanes[:, kernel.layout.slots[name], :].reshape(-1)
+def _column(lanes: FloatArray, kernels: Kernels, name: str) -> FloatArray:
+    return lanes[:, kernels.layout.slots[name], :].reshape(-1)
 
 
 def _set_column(lanes: FloatArray, slot: int, values: FloatArray) -> None:
@@ -234,8 +245,8 @@ def _set_column(lanes: FloatArray, slot: int, values: FloatArray) -> None:
     lanes[:, slot, :] = padded.reshape(lanes.shape[0], lanes.shape[2])
 
 
-def _set_stretch(lanes: FloatArray, kernel: Kernel, problem: Problem, stretch: Stretch) -> None:
-    slots = kernel.layout.slots
+def _set_stretch(lanes: FloatArray, kernels: Kernels, problem: Problem, stretch: Stretch) -> None:
+    slots = kernels.layout.slots
     _set_column(lanes, slots["cycle"], stretch.length)
     _set_column(lanes, slots["step"], stretch.step)
     _set_column(lanes, slots["start"], stretch.start)
@@ -245,21 +256,54 @@ def _set_stretch(lanes: FloatArray, kernel: Kernel, problem: Problem, stretch: S
 
 
 def _collect(
-    lanes: FloatArray, kernel: Kernel, count: int, states: FloatArray | None
+    lanes: FloatArray, kernels: Kernels, count: int, states: FloatArray | None
 ) -> Attempt:
-    flat = lanes.transpose(0, 2, 1).reshape(-1, kernel.layout.size)[:count]
+    flat = lanes.transpose(0, 2, 1).reshape(-1, kernels.layout.size)[:count]
     names = ("alive", "horizon", "error", "total", "watched_error", "maximum", "minimum")
-    values = {name: flat[:, kernel.layout.slots[name]].copy() for name in names}
-    return Attempt(values, flat[:, kernel.layout.group("last")].copy(), states)
+    values = {name: flat[:, kernels.layout.slots[name]].copy() for name in names}
+    return Attempt(values, flat[:, kernels.layout.group("last")].copy(), states)
+
+
+def remember(
+    lanes: FloatArray, kernels: Kernels, problem: Problem, stretch: Stretch, states: FloatArray
+) -> None:
+    """Set the past rates of both solutions from the states at the ends of fine steps.
+
+    Parameters
+    ----------
+    states : array (end, group, state, lane)
+        From the beginning of the stretch to its end.
+    """
+    layout, steps = kernels.layout, states.shape[0] - 1
+    if steps < 2 * (PAST - 1):
+        return
+    ages = {"fine": np.arange(PAST), "coarse": 2 * np.arange(PAST)}
+    for kind, age in ages.items():
+        ends = steps - age
+        phase = stretch.phase(ends)
+        waveforms = problem.timeline.waveform(phase)
+        parameters = lanes[:, layout.group("parameter"), :].transpose(1, 0, 2)
+        inputs = [
+            phase[:, None, None],
+            *states[ends].transpose(2, 0, 1, 3),
+            *parameters,
+            *waveforms[:, :, None, None],
+        ]
+        with np.errstate(all="ignore"):
+            rates = problem.field.rates(inputs, functions=np)
+        for i in layout.pasts:
+            values = np.broadcast_to(rates[i], (PAST, lanes.shape[0], lanes.shape[2]))
+            for j in range(PAST):
+                lanes[:, layout.slots[past(kind, j, i)], :] = values[j]
 
 
 class _Sampler:
     """Runs stretches and picks the states that are wanted from each."""
 
     def __init__(
-        self, problem: Problem, request: Request, kernel: Kernel, which: IntArray, cycles: int
+        self, problem: Problem, request: Request, kernels: Kernels, which: IntArray, cycles: int
     ) -> None:
-        self.problem, self.kernel, self.strobe = problem, kernel, request.strobe
+        self.problem, self.kernels, self.strobe = problem, kernels, request.strobe
         self.times = None if request.times is None else request.times[which]
         self.count = which.size
         self.cycles = cycle_counts(problem)[which]
@@ -271,7 +315,7 @@ class _Sampler:
         elif self.times is not None:
             samples = self.times.shape[1]
         if samples is not None:
-            self.states = np.full((which.size, samples, kernel.layout.states), np.nan)
+            self.states = np.full((which.size, samples, kernels.layout.states), np.nan)
             if self.strobe:
                 self.states[:, 0] = problem.initial[which]
 
@@ -279,27 +323,41 @@ class _Sampler:
         self, lanes: FloatArray, tables: tuple[FloatArray, FloatArray], stretch: Stretch
     ) -> None:
         """Advance by one stretch."""
+        kernel = self.kernels.run if stretch.past else self.kernels.start
         every = self._every(stretch)
-        if not every:
-            self.kernel(lanes, tables, cycles=stretch.cycles)
-            return
-        before = self._flat(lanes[:, self.kernel.layout.group("fine"), :][None].copy())
-        count = 2 * stretch.doubles * stretch.cycles // every
-        record = np.full(
-            (count, lanes.shape[0], self.kernel.layout.states, self.kernel.width), np.nan
-        )
-        self.kernel(lanes, tables, record, cycles=stretch.cycles, every=every)
-        after = self._flat(record)
-        assert self.states is not None
+        before = lanes[:, self.kernels.layout.group("fine"), :][None].copy()
+        count = 2 * stretch.doubles * stretch.cycles // every if every else 0
+        record = np.full((count, *before.shape[1:]), np.nan)
+        kernel(lanes, tables, record, cycles=stretch.cycles, every=every)
+        if not stretch.past and every == 1:
+            remember(lanes, self.kernels, self.problem, stretch, np.concatenate([before, record]))
         if self.strobe:
-            self.states[:, self.done + 1 : self.done + 1 + count] = after
-            self.done += count
-        else:
-            self._interpolate(np.concatenate([before, after], axis=1), lanes, stretch)
+            self._strobe(lanes, record, every, stretch)
+        elif self.times is not None and count:
+            self._interpolate(self._flat(np.concatenate([before, record])), lanes, stretch)
+
+    def _strobe(
+        self, lanes: FloatArray, record: FloatArray, every: int, stretch: Stretch
+    ) -> None:
+        """Keep the state after every so many cycles, recorded or at the end of a stretch."""
+        assert self.states is not None
+        if every == 1 and stretch.end > 0:  # the start: every step was recorded
+            record = record[2 * stretch.doubles - 1 :: 2 * stretch.doubles]
+            wanted = np.arange(1, stretch.cycles + 1) % self.strobe == 0
+            record = record[wanted]
+        elif every <= 1:
+            at_end = stretch.end > 0 and stretch.end % self.strobe == 0
+            record = lanes[:, self.kernels.layout.group("fine"), :][None][: int(at_end)].copy()
+        found = self._flat(record)
+        self.states[:, self.done + 1 : self.done + 1 + found.shape[1]] = found
+        self.done += found.shape[1]
 
     def _every(self, stretch: Stretch) -> int:
+        if not stretch.past:
+            return 1
         if self.strobe:
-            return 2 * stretch.doubles * self.strobe if stretch.cycles >= self.strobe else 0
+            whole = stretch.doubles == stretch.resolution and stretch.first % self.strobe == 0
+            return 2 * stretch.doubles * self.strobe if whole and stretch.cycles >= self.strobe else 0
         if self.times is None:
             return 0
         slack = 1e-9 * stretch.step
@@ -311,7 +369,8 @@ class _Sampler:
     def _flat(self, record: FloatArray) -> FloatArray:
         """From (record, group, state, lane) to (trajectory, record, state)."""
         moved = record.transpose(1, 3, 0, 2)
-        return moved.reshape(-1, *moved.shape[2:])[: self.count]
+        trajectories = moved.shape[0] * moved.shape[1]
+        return moved.reshape(trajectories, *moved.shape[2:])[: self.count]
 
     def _interpolate(self, states: FloatArray, lanes: FloatArray, stretch: Stretch) -> None:
         assert self.times is not None
@@ -322,10 +381,10 @@ class _Sampler:
             near = np.rint(position)
             position = np.where(np.abs(position - near) < 1e-9, near, position)
             inside = (position >= 0.0) & (position <= steps[:, None])
-        horizon = _column(lanes, self.kernel, "horizon")[: self.count]
+        horizon = _column(lanes, self.kernels, "horizon")[: self.count]
         trusted = self.times <= horizon[:, None] * (1.0 + 1e-12)
         trajectory, sample = np.nonzero(inside & trusted & (steps > 0)[:, None])
-        parameters = lanes[:, self.kernel.layout.group("parameter"), :]
+        parameters = lanes[:, self.kernels.layout.group("parameter"), :]
         flat = parameters.transpose(1, 0, 2).reshape(parameters.shape[1], -1)
         for first in range(0, trajectory.size, _SAMPLES_AT_ONCE):
             some = slice(first, first + _SAMPLES_AT_ONCE)
@@ -334,7 +393,7 @@ class _Sampler:
             part = position[row, column] - whole
             self.states[row, column] = dense.between(
                 self.problem.field,
-                self.kernel.method,
+                self.kernels.start.method,
                 self.problem.timeline.waveform,
                 states=states[row, whole],
                 parameters=list(flat[:, row]),

@@ -17,9 +17,8 @@ from llvmlite import binding
 from remanent import _cache
 from remanent._field import Field
 from remanent._typing import FloatArray
-from remanent.integrate.kernel import NAME, Options, error_factor, kernel_source
+from remanent.integrate.kernel import NAME, Method, Options, kernel_source, layout_of
 from remanent.integrate.layout import Layout
-from remanent.integrate.methods import RungeKutta
 
 _SIGNATURE = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 4, *[ctypes.c_int64] * 4)
 _LOCK = threading.Lock()
@@ -38,17 +37,12 @@ class Kernel:
     """
 
     field: Field
-    method: RungeKutta
+    method: Method
     options: Options
     width: int
     layout: Layout
     _call: Callable[..., None]
     _engine: Any
-
-    @property
-    def error_factor(self) -> float:
-        """What turns a difference of the two solutions into an error."""
-        return error_factor(self.method, self.options)
 
     def __call__(
         self,
@@ -87,6 +81,32 @@ class Kernel:
 
 
 @dataclass(frozen=True)
+class Kernels:
+    """Two kernels that work on the same trajectories, one after the other.
+
+    Attributes
+    ----------
+    start
+        Needs no past: for the beginning of every piece of smooth load.
+    run
+        Faster, from past rates.
+    """
+
+    start: Kernel
+    run: Kernel
+
+    @property
+    def layout(self) -> Layout:
+        """Slots of a trajectory, the same for both."""
+        return self.start.layout
+
+    @property
+    def width(self) -> int:
+        """Trajectories per group."""
+        return self.start.width
+
+
+@dataclass(frozen=True)
 class Target:
     """The processor that code is made for."""
 
@@ -119,7 +139,7 @@ def host() -> Target:
     )
 
 
-def compiled(field: Field, method: RungeKutta, options: Options) -> Kernel:
+def compiled(field: Field, method: Method, options: Options) -> Kernel:
     """The kernel of a field, from memory, from disk, or compiled now."""
     with _LOCK:
         return _compiled(_ByFingerprint(field), method.name, _Box(method), options)
@@ -129,7 +149,7 @@ def compiled(field: Field, method: RungeKutta, options: Options) -> Kernel:
 def _compiled(key: _ByFingerprint, _name: str, method: _Box, options: Options) -> Kernel:
     target = host()
     call, engine = _load(_object_code(key.field, method.value, options, target), target)
-    layout = Layout(len(key.field.state), len(key.field.parameters))
+    layout = layout_of(key.field)
     return Kernel(key.field, method.value, options, target.width, layout, call, engine)
 
 
@@ -151,7 +171,7 @@ class _ByFingerprint:
 class _Box:
     """Carries a method past the cache, which knows it by its name."""
 
-    def __init__(self, value: RungeKutta) -> None:
+    def __init__(self, value: Method) -> None:
         self.value = value
 
     def __hash__(self) -> int:
@@ -161,7 +181,7 @@ class _Box:
         return isinstance(other, _Box) and self.value.name == other.value.name
 
 
-def _object_code(field: Field, method: RungeKutta, options: Options, target: Target) -> bytes:
+def _object_code(field: Field, method: Method, options: Options, target: Target) -> bytes:
     key = _key(field, method, options, target)
     stored = _cache.load_bytes("kernel", key)
     if stored is not None:
@@ -188,7 +208,7 @@ def _load(code: bytes, target: Target) -> tuple[Callable[..., None], Any]:
     return _SIGNATURE(engine.get_function_address(NAME)), engine
 
 
-def _key(field: Field, method: RungeKutta, options: Options, target: Target) -> str:
+def _key(field: Field, method: Method, options: Options, target: Target) -> str:
     parts = (field.fingerprint, method.name, options, target, llvmlite.__version__, _sources())
     return hashlib.sha256(repr(parts).encode()).hexdigest()[:32]
 
@@ -196,7 +216,9 @@ def _key(field: Field, method: RungeKutta, options: Options, target: Target) -> 
 @cache
 def _sources() -> str:
     """A digest of the code that writes kernels: a change of it makes new ones."""
-    names = ("kernel", "lanes", "layout", "extrema", "methods", "compile")
+    names = (
+        "adams", "kernel", "lanes", "layout", "extrema", "methods", "stepping", "compile",
+    )  # fmt: skip
     texts = (Path(__file__).with_name(f"{name}.py").read_bytes() for name in names)
     return hashlib.sha256(b"\0".join((*texts, _field_source()))).hexdigest()
 

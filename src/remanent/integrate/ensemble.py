@@ -18,19 +18,20 @@ from typing import NamedTuple
 import numpy as np
 
 from remanent._typing import BoolArray, FloatArray, IntArray
+from remanent.integrate.adams import adams
 from remanent.integrate.chunk import (
     NOMINAL,
     NONLINEAR,
-    ROUND_OFF,
     Attempt,
     attempt,
     cycle_counts,
     double_steps,
     step_counts,
 )
-from remanent.integrate.compile import compiled
-from remanent.integrate.kernel import Options
-from remanent.integrate.methods import RungeKutta, default_method
+from remanent.integrate.compile import Kernels, compiled
+from remanent.integrate.kernel import Method, Options
+from remanent.integrate.layout import PAST
+from remanent.integrate.methods import default_method
 from remanent.integrate.problem import Outcome, Problem, Request
 from remanent.integrate.status import Status
 
@@ -40,8 +41,13 @@ _CHUNK = 512
 MAX_RESOLUTION = 2**14
 #: Most fine steps of one trajectory: minutes of work.
 MAX_STEPS = 2.0**30
+#: Looser tolerances are met with this one: with larger errors the difference of two
+#: solutions is no measure of either (2 in 100 bounds at 1e-3 were too small).
+COARSEST = 1e-4
 #: A state beyond this has left the range of any actuator.
 ESCAPE = 1e6
+#: Least round-off, in units of the last place per root of a step.
+_ROUND_OFF = 1.0
 #: Refinement aims this factor below the tolerance.
 _MARGIN = 0.5
 #: A horizon that grows by less than this factor on refinement will not reach the end.
@@ -54,7 +60,7 @@ def integrate(
     request: Request,
     *,
     tolerance: float,
-    method: RungeKutta | None = None,
+    method: Method | None = None,
     max_resolution: int = MAX_RESOLUTION,
     workers: int | None = None,
     progress: Progress | None = None,
@@ -68,7 +74,7 @@ def integrate(
     tolerance
         Of the error of what is returned, absolute.
     method
-        Runge-Kutta method; the package's own by default.
+        Of the steps after the first few of every piece; by default Adams.
     max_resolution
         Refinement stops there with status ``MAX_STEPS``.
     workers
@@ -80,12 +86,16 @@ def integrate(
     -------
     Outcome
     """
+    tolerance = min(tolerance, COARSEST)
     options = Options(
         states_controlled=request.times is not None or request.strobe > 0 or not request.extremes,
         watched_controlled=request.extremes,
         extremes=request.extremes,
     )
-    kernel = compiled(problem.field, method or default_method(), options)
+    kernels = Kernels(
+        compiled(problem.field, default_method(), options),
+        compiled(problem.field, method or adams(PAST), options),
+    )
     outcome = _empty(problem, request)
     threads = workers or os.cpu_count() or 1
     index = np.flatnonzero(~problem.invalid)
@@ -99,7 +109,7 @@ def integrate(
         ) -> dict[Future[Attempt], tuple[int, IntArray]]:
             def run(resolution: int, which: IntArray) -> Attempt:
                 return attempt(
-                    problem, request, kernel, tolerance, resolution, which,
+                    problem, request, kernels, tolerance, resolution, which,
                     lambda: not stop.is_set(),
                 )  # fmt: skip
 
@@ -108,7 +118,7 @@ def integrate(
         try:
             while pending.index.size:
                 pending = _affordable(problem, outcome, pending)
-                chunks = _chunks(problem, pending, kernel.width, threads)
+                chunks = _chunks(problem, pending, kernels.width, threads)
                 futures = start(search, chunks)
                 again = _settled(problem, outcome, futures, tolerance, max_resolution)
                 pending = _Pending(*map(np.concatenate, zip(*again, strict=True)))
@@ -116,7 +126,7 @@ def integrate(
                     progress(1.0 - pending.index.size / max(problem.duration.size, 1))
             if request.times is not None:
                 found = _Pending(*_found(outcome))
-                _sampled(outcome, start(request, _chunks(problem, found, kernel.width, threads)))
+                _sampled(outcome, start(request, _chunks(problem, found, kernels.width, threads)))
         except BaseException:
             stop.set()
             raise
@@ -156,18 +166,18 @@ class _Pending(NamedTuple):
     resolution: IntArray
 
 
-#: The resolutions tried: 4, 6, 8, 12, 16, 24 ...
-_LADDER = np.array([base << k for k in range(40) for base in (4, 6)], dtype=np.int64)
+#: The resolutions tried: 4, 5, 6, 7, 8, 10, 12, 14, 16 ...
+_LADDER = np.array([base << k for k in range(40) for base in (4, 5, 6, 7)], dtype=np.int64)
 
 
 def ladder(wanted: FloatArray | float) -> IntArray:
-    """The smallest of 4, 6, 8, 12, 16, 24 ... that is not below `wanted`."""
+    """The smallest of 4, 5, 6, 7, 8, 10, 12 ... that is not below `wanted`."""
     return np.asarray(_LADDER[np.searchsorted(_LADDER, wanted)])
 
 
 def first_resolution(tolerance: float) -> int:
     """Double steps per cycle to begin with: enough for a gentle trajectory."""
-    return int(ladder(12.0 * (1e-9 / tolerance) ** 0.125))
+    return int(ladder(28.0 * (1e-9 / tolerance) ** (1.0 / 9.0)))
 
 
 def _settled(
@@ -213,7 +223,7 @@ def _chunks(
 def _next_resolution(total: FloatArray, tolerance: float, resolution: int) -> IntArray:
     """What the order of the method predicts, between the next step up and fourfold."""
     with np.errstate(all="ignore"):
-        factor = (total / (_MARGIN * tolerance)) ** 0.125
+        factor = (total / (_MARGIN * tolerance)) ** (1.0 / 9.0)
     factor = np.where(np.isfinite(factor) & (total < NONLINEAR), factor, 2.0).clip(1.05, 4.0)
     return np.maximum(ladder(factor * resolution), ladder(resolution + 1))
 
@@ -254,7 +264,7 @@ def _round_off(
     else:
         steps = 2 * resolution * horizon / NOMINAL
     scale = np.maximum(1.0, np.abs(last).max(axis=1))
-    return np.asarray(ROUND_OFF * np.finfo(float).eps * scale * np.sqrt(1.0 + steps))
+    return np.asarray(_ROUND_OFF * np.finfo(float).eps * scale * np.sqrt(1.0 + steps))
 
 
 def _empty(problem: Problem, request: Request) -> Outcome:

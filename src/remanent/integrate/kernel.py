@@ -9,13 +9,15 @@ memory, and gives the time up to which the tolerance was met.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from operator import truediv
 from typing import Any
 
 from llvmlite import ir
 
 from remanent._field import Field, Program
+from remanent.integrate.adams import Adams, partners
 from remanent.integrate.extrema import Jet, derivative, hermite_coefficients, horner
 from remanent.integrate.lanes import (
     DOUBLE,
@@ -29,12 +31,12 @@ from remanent.integrate.lanes import (
     smaller,
 )
 from remanent.integrate.layout import Layout
-from remanent.integrate.methods import RungeKutta
+from remanent.integrate.methods import RungeKutta, carried
+from remanent.integrate.stepping import AdamsSteps, RungeKuttaSteps, Stepper
 
 NAME = "kernel"
 #: Newton steps from a secant start; an extremum then moves by less than round-off.
 _NEWTON_STEPS = 4
-
 
 @dataclass(frozen=True)
 class Options:
@@ -62,12 +64,17 @@ class Options:
         return self.extremes or self.watched_controlled
 
 
-def error_factor(method: RungeKutta, options: Options) -> float:
-    """Error of the finer solution over its difference from the coarser one."""
-    return options.safety / float(2**method.order - 1)
+#: What a kernel can integrate with.
+Method = RungeKutta | Adams
 
 
-def kernel_source(field: Field, method: RungeKutta, options: Options, width: int) -> str:
+def layout_of(field: Field) -> Layout:
+    """Slots of the trajectories of a field, the same for all kernels."""
+    pasts = tuple(i for i, partner in enumerate(partners(field)) if partner is None)
+    return Layout(len(field.state), len(field.parameters), pasts)
+
+
+def kernel_source(field: Field, method: Method, options: Options, width: int) -> str:
     """LLVM assembly of the kernel ``void kernel(...)``.
 
     Its arguments are pointers to doubles ``lanes (group, slot, lane)`` (see
@@ -93,13 +100,18 @@ class _Kernel:
     """The pieces of one kernel while it is being written."""
 
     def __init__(
-        self, field: Field, method: RungeKutta, options: Options, writer: Writer, args: Any
+        self, field: Field, method: Method, options: Options, writer: Writer, args: Any
     ) -> None:
         self.field, self.method, self.options, self.w = field, method, options, writer
         self.lanes, self.fine, self.coarse, self.record = args[:4]
         self.groups, self.cycles, self.doubles, self.every = args[4:]
-        self.layout = Layout(len(field.state), len(field.parameters))
+        self.layout = layout_of(field)
         self.functions = LaneFunctions(writer)
+        self.stepper: Stepper = (
+            RungeKuttaSteps(method, self._rates)
+            if isinstance(method, RungeKutta)
+            else AdamsSteps(method, self._rates, partners(field), writer)
+        )
 
     def write(self) -> None:
         with self.w.loop(self.groups) as (group, _):
@@ -123,7 +135,8 @@ class _Kernel:
         return self.w.load(self.lanes, self._index(self.layout.slots[name]))
 
     def _load(self) -> None:
-        names = [n for n in self.layout.slots if not n.startswith("parameter.")]
+        own = {*(f"parameter.{i}" for i in range(self.layout.parameters)), *self.layout.past}
+        names = [n for n in self.layout.slots if n not in own]
         fixed = ("step", "cycle", "start", "begin", "end", "tolerance", "hopeless")
         constants = {n: self._read(n) for n in fixed}
         self.h, self.cycle, self.start, self.begin, self.end = list(constants.values())[:5]
@@ -136,13 +149,18 @@ class _Kernel:
             for n in names
             if n not in constants
         }
+        self.stepper.load(self._read)
         if self.options.watched:
             jet = self._watched(self._state("fine"), self._row(self.fine, self.w.integer(0)), 0)
             self.jet = [self.w.variable(x) for x in jet]
 
     def _save(self) -> None:
         for name, variable in self.v.items():
-            self.w.store(variable.get(), self.lanes, self._index(self.layout.slots[name]))
+            self._write(name, variable.get())
+        self.stepper.save(self._write)
+
+    def _write(self, name: str, value: Lanes) -> None:
+        self.w.store(value, self.lanes, self._index(self.layout.slots[name]))
 
     def _state(self, kind: str) -> list[Lanes]:
         return [self.v[f"{kind}.{i}"].get() for i in range(len(self.field.state))]
@@ -175,25 +193,50 @@ class _Kernel:
 
         return at
 
-    def _run(self, program: Program, y: list[Lanes], load: list[Lanes]) -> list[Lanes]:
+    def _run(
+        self,
+        program: Program,
+        y: Sequence[Lanes],
+        load: list[Lanes],
+        divide: Callable[[Any, Any], Any] = truediv,
+    ) -> list[Lanes]:
         return program(
             [load[0], *y, *self.parameters, *load[1:]],
             functions=self.functions,
             constant=self.w.constant,
+            divide=divide,
         )
 
-    def _step(self, kind: str, h: Lanes, table: ir.Value, step: ir.Value) -> list[Lanes]:
-        """Advance one of the two solutions."""
-        row = self._row(table, step)
-        loads = [row(node) for node in range(len(self.method.nodes))]
-        moved, cut = self.method.compensated(
-            lambda node, z: self._run(self.field.rates, z, loads[node]),
-            self._state(kind),
-            self._state(f"{kind}_rest"),
-            h,
-        )
-        self._set_state(kind, moved)
-        self._set_state(f"{kind}_rest", cut)
+    def _rates(
+        self,
+        y: Sequence[Lanes],
+        load: list[Lanes],
+        divide: Callable[[Any, Any], Any] = truediv,
+    ) -> list[Lanes]:
+        return self._run(self.field.rates, y, load, divide)
+
+    def _fine_step(self, step: ir.Value) -> list[Lanes]:
+        """A step of h; what rounding cuts off is carried on."""
+        y, loads = self._state("fine"), self._row(self.fine, step)
+        change = self.stepper.increment("fine", y, self.h, loads)
+        y, rest = carried(y, change, self._state("fine_rest"))
+        self._set_state("fine", y)
+        self._set_state("fine_rest", rest)
+        self.stepper.settle("fine", y, loads)
+        return y
+
+    def _coarse_step(self, step: ir.Value) -> list[Lanes]:
+        """A step of 2h, rounded to fewer digits.
+
+        Errors of rounding grow along the motion like any other.  Those of the coarser
+        solution are made as much larger as its truncation error is, so that their
+        share in the difference of the solutions is what the finer one makes.
+        """
+        y, loads = self._state("coarse"), self._row(self.coarse, step)
+        change = self.stepper.increment("coarse", y, self.h + self.h, loads)
+        moved = [_rounded(a + b, self.method.order) for a, b in zip(y, change, strict=True)]
+        self._set_state("coarse", moved)
+        self.stepper.settle("coarse", moved, loads)
         return moved
 
     def _watched(self, y: list[Lanes], row: Callable[[int], list[Lanes]], node: int) -> Jet:
@@ -206,9 +249,9 @@ class _Kernel:
         b, w = self.w.builder, self.w
         first = b.mul(double, w.integer(2))
         second = b.add(first, w.integer(1))
-        middle = self._step("fine", self.h, self.fine, first)
-        right = self._step("fine", self.h, self.fine, second)
-        coarse = self._step("coarse", self.h + self.h, self.coarse, double)
+        middle = self._fine_step(first)
+        right = self._fine_step(second)
+        coarse = self._coarse_step(double)
         t0 = self.cycle_start + w.spread_integer(first) * self.h
         t2 = self.cycle_start + w.spread_integer(b.add(second, w.integer(1))) * self.h
         last = len(self.method.nodes) - 1
@@ -242,7 +285,7 @@ class _Kernel:
         last: int,
     ) -> None:
         """Compare the two solutions; move the horizon while the tolerance is met."""
-        scale = error_factor(self.method, self.options)
+        scale = self.options.safety / (2**self.method.order - 1)
         state_error = self.w.constant(0.0)
         for a, c in zip(fine, coarse, strict=True):
             state_error = _worse(state_error, abs(a - c))
@@ -319,6 +362,12 @@ class _Kernel:
 def _worse(a: Lanes, b: Lanes) -> Lanes:
     """The larger of two errors, NaN where `b` is."""
     return (b <= a).choose(a, b)
+
+
+def _rounded(x: Lanes, bits: int) -> Lanes:
+    """`x` without its last `bits` bits, to the nearest."""
+    large = x * 2.0**bits
+    return (x + large) - large
 
 
 def _turning_point(polynomial: list[Any], near: Lanes, far: Lanes, shift: float) -> Lanes:

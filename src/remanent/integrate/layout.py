@@ -5,9 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-#: States that a kernel keeps for every trajectory: two solutions, what rounding cut off
-#: from each, and the finer one at the horizon.
-STATES = ("fine", "coarse", "fine_rest", "coarse_rest", "last")
+#: States that a kernel keeps for every trajectory: the finer solution, what rounding
+#: cut off from it, the coarser solution, and the finer one at the horizon.
+STATES = ("fine", "fine_rest", "coarse", "last")
+#: The two solutions, and how many past rates are kept of each.
+SOLUTIONS = ("fine", "coarse")
+PAST = 8
 #: Scalars that a kernel keeps for every trajectory, beside states and parameters.
 SCALARS = (
     "step",  # length of a fine step, tau
@@ -27,18 +30,42 @@ SCALARS = (
 )
 
 
+def past(kind: str, age: int, variable: int) -> str:
+    """Name of the slot of a past rate; age 0 is the newest."""
+    return f"{kind}_past.{age}.{variable}"
+
+
 @dataclass(frozen=True)
 class Layout:
-    """Slots of one trajectory in the array ``(group, slot, lane)`` that kernels work on."""
+    """Slots of one trajectory in the array ``(group, slot, lane)`` that kernels work on.
+
+    Attributes
+    ----------
+    states, parameters
+        How many there are.
+    pasts
+        Indices of the state variables whose past rates are kept.
+    """
 
     states: int
     parameters: int
+    pasts: tuple[int, ...] = ()
 
     @cached_property
     def slots(self) -> dict[str, int]:
         names = [f"{kind}.{i}" for kind in STATES for i in range(self.states)]
+        names += [
+            past(kind, age, i) for kind in SOLUTIONS for age in range(PAST) for i in self.pasts
+        ]
         names += [f"parameter.{i}" for i in range(self.parameters)]
         return {name: k for k, name in enumerate((*names, *SCALARS))}
+
+    @cached_property
+    def past(self) -> frozenset[str]:
+        """Names of the slots of past rates."""
+        return frozenset(
+            past(kind, age, i) for kind in SOLUTIONS for age in range(PAST) for i in self.pasts
+        )
 
     @property
     def size(self) -> int:

@@ -66,21 +66,22 @@ class RungeKutta:
             slopes.append(rates(node, _moved(y, h, row, slopes)))
         return [h * _combination(self.final, slopes, i) for i in range(len(y))]
 
-    def compensated(
-        self, rates: Rates, y: Sequence[Any], rest: Sequence[Any], h: Any
-    ) -> tuple[list[Any], list[Any]]:
-        """Advance `y` and carry on what rounding cut off from it, `rest`.
 
-        References
-        ----------
-        W. Kahan, Comm. ACM 8 (1965) 40.
-        """
-        moved, cut = [], []
-        for a, b, r in zip(y, self.increment(rates, y, h), rest, strict=True):
-            change = b + r
-            moved.append(a + change)
-            cut.append(change - (moved[-1] - a))
-        return moved, cut
+def carried(
+    y: Sequence[Any], change: Sequence[Any], rest: Sequence[Any]
+) -> tuple[list[Any], list[Any]]:
+    """Add `change` and what earlier roundings cut off, `rest`; return sum and new rest.
+
+    References
+    ----------
+    W. Kahan, Comm. ACM 8 (1965) 40.
+    """
+    moved, cut = [], []
+    for a, b, r in zip(y, change, rest, strict=True):
+        whole = b + r
+        moved.append(a + whole)
+        cut.append(whole - (moved[-1] - a))
+    return moved, cut
 
 
 def _moved(

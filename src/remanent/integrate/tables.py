@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from remanent._typing import FloatArray
-from remanent.integrate.methods import RungeKutta
 
 
 def waveform_tables(
-    waveform: Callable[[FloatArray], FloatArray], method: RungeKutta, doubles: int
+    waveform: Callable[[FloatArray], FloatArray], nodes: Sequence[float], doubles: int
 ) -> tuple[FloatArray, FloatArray]:
     """Phase and waveforms at the nodes of the fine and of the coarse steps.
 
@@ -19,8 +18,8 @@ def waveform_tables(
     ----------
     waveform
         ``waveform(phase)`` gives ``(waveform, *phase.shape)``.
-    method
-        Whose nodes are meant.
+    nodes
+        Where in a step the load is needed, from 0 to 1.
     doubles
         Double steps in a cycle.
 
@@ -29,13 +28,13 @@ def waveform_tables(
     fine, coarse : array (step, node, 1 + waveform)
         The phase in [0, 1], then the waveforms.
     """
-    fine, coarse = (_table(waveform, method, n) for n in (2 * doubles, doubles))
+    fine, coarse = (_table(waveform, nodes, n) for n in (2 * doubles, doubles))
     return fine, coarse
 
 
 def _table(
-    waveform: Callable[[FloatArray], FloatArray], method: RungeKutta, steps: int
+    waveform: Callable[[FloatArray], FloatArray], nodes: Sequence[float], steps: int
 ) -> FloatArray:
-    phase = (np.arange(steps)[:, None] + np.array(method.nodes)) / steps
+    phase = (np.arange(steps)[:, None] + np.array(nodes)) / steps
     values = np.asarray(waveform(phase), dtype=float).reshape(-1, *phase.shape)
     return np.ascontiguousarray(np.concatenate([phase[None], values]).transpose(1, 2, 0))

@@ -267,7 +267,7 @@ def _legend_columns(owner: Axes | Figure, names: Sequence[str]) -> int:
     figure = owner if isinstance(owner, Figure) else owner.get_figure(root=True)
     inches = figure.get_figwidth() if figure is not None else SINGLE
     width = 72.0 * inches * (owner.get_position().width if isinstance(owner, Axes) else 1.0)
-    letters = max(len(re.sub(r"\\[A-Za-z]+", "x", name).replace("$", "")) for name in names)
+    letters = max(len(re.sub(r"\\[A-Za-z]+", "x", re.sub(r"[$^_{}]", "", name))) for name in names)
     return min(len(names), max(1, int(width / (_LETTER * letters + _HANDLE))))
 
 

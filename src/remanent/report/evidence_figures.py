@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
+from matplotlib.lines import Line2D
 
 from remanent import plots
 from remanent.plots import energy, ensemble, footer, style
@@ -21,6 +22,7 @@ __all__ = ["landscapes", "tolerance_story", "valley"]
 
 #: Misfits whose contour lines are drawn: the paper's rounding, and what the audit reaches.
 _CONTOURS = (0.01, 0.025, 0.1)
+_BEHIND = "#bdbdbd"
 _MARK = style.OKABE_ITO["vermillion"]
 
 
@@ -62,8 +64,8 @@ def tolerance_story(sections: xr.Dataset, drift: xr.Dataset) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        One row per temperature; for each prestress a pair of panels on one scale; below,
-        the size of the energy drift.
+        One row per temperature; for each prestress a pair of panels on one scale, with the
+        converged section in grey behind the other; below, the size of the energy drift.
     """
     rows, columns = sections.sizes["temperature"], 2 * sections.sizes["prestress"]
     with style.context():
@@ -74,7 +76,9 @@ def tolerance_story(sections: xr.Dataset, drift: xr.Dataset) -> Figure:
         below = [figure.add_subplot(grid[rows, 2 * k : 2 * k + 2]) for k in range(columns // 2)]
         _drifts(below, drift)
         found = ensemble.members(drift.isel(prestress=0), ("energy_drift",), ("time",))
-        style.legend_above(figure, ensemble.handles(found))
+        behind = Line2D([], [], color=_BEHIND, linestyle="", marker="o", ms=3,
+                        label=f"{sections['solver'].values[0]}, behind the other")  # fmt: skip
+        style.legend_above(figure, [*ensemble.handles(found), behind])
         footer.add(figure, sections)
     return figure
 
@@ -117,7 +121,7 @@ def _pair(figure: Figure, grid: GridSpec, dataset: xr.Dataset, row: int, column:
     last = row == grid.nrows - 2
     temperature = style.title(dataset["temperature"], dataset["temperature"].item())
     rate = style.label(dataset["thickness_stretch_rate"], words=False)
-    plots.section(dataset.isel(solver=0), ax=second, color="#bdbdbd")  # the truth, for comparison
+    plots.section(dataset.isel(solver=0), ax=second, color=_BEHIND)
     for k, ax in enumerate((first, second)):
         plots.section(dataset.isel(solver=k), ax=ax)
         ax.set(xlabel=style.label(dataset["thickness_stretch"], words=False) if last else "")

@@ -1,0 +1,162 @@
+"""Fields come from memory, from the cache or from the derivation, and are always equal."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from remanent import _cache
+from remanent._field import Field
+from remanent.codegen import field as module
+from remanent.codegen import reference
+from remanent.codegen.build import build
+from remanent.codegen.field import field_for
+from remanent.models.actuator import Actuator
+from remanent.models.drives import Constant, Ramp, SineSquared, Steps
+from remanent.models.materials import NeoHookean
+from remanent.models.viscous import Rayleigh
+
+
+@pytest.fixture
+def fresh(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """An empty cache on disk, and nothing in memory."""
+    monkeypatch.setenv("REMANENT_CACHE_DIR", str(tmp_path / "cache"))
+    monkeypatch.setattr(module, "_memory", {})
+    return tmp_path / "cache"
+
+
+@pytest.fixture
+def derivations(fresh: Path, monkeypatch: pytest.MonkeyPatch) -> list[Any]:
+    """Filled with an entry for each derivation."""
+    assert not fresh.exists()
+    done: list[Any] = []
+
+    def derived(actuator: Actuator, drive: Any) -> Field:
+        done.append((actuator, drive))
+        return build(actuator, drive)
+
+    monkeypatch.setattr(module, "_derived", derived)
+    return done
+
+
+def test_names_of_the_papers_field() -> None:
+    field = field_for(Actuator(dissipation=Rayleigh(0.1)), SineSquared(0.4, 1.25))
+    assert field.state == ("stretch", "stretch_rate")
+    assert field.parameters == (
+        "c",
+        "temperature",
+        "reference_temperature",
+        "prestress",
+        "material.entropic_fraction",
+        "dissipation.0.eta",
+        "magnet.temperature_coefficient",
+        "b",
+        "omega",
+        "phase",
+    )
+    assert field.waveforms == ("sin_pi_phase", "cos_pi_phase")
+    assert set(field.observables) == {
+        "thickness_stretch",
+        "thickness_stretch_rate",
+        "energy",
+        "load",
+    }
+
+
+def test_values_of_parameters_make_no_new_field(derivations: list[Any]) -> None:
+    first = field_for(Actuator(), Constant(0.1))
+    assert field_for(Actuator(temperature=350.0), Constant(0.2)) is first
+    assert len(derivations) == 1
+
+
+def test_field_is_read_from_the_cache(
+    derivations: list[Any], fresh: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    first = field_for(Actuator(), Constant(0.1))
+    assert len(list(fresh.rglob("*"))) == 2
+    monkeypatch.setattr(module, "_memory", {})
+    assert field_for(Actuator(), Constant(0.1)).to_json() == first.to_json()
+    assert len(derivations) == 1
+
+
+@pytest.mark.parametrize("text", ["", "{}", "[]", "not JSON", '{"state": 1}'])
+def test_unreadable_entries_are_derived_again(text: str, derivations: list[Any]) -> None:
+    actuator, drive = Actuator(), Constant(0.1)
+    key = module.fingerprint((actuator.structure(), drive.structure()))
+    assert _cache.store_text("fields", key, text)
+    assert field_for(actuator, drive).to_json() == build(actuator, drive).to_json()
+    assert len(derivations) == 1
+
+
+def test_choices_and_kinds_have_their_own_fingerprint() -> None:
+    structures = [
+        (actuator.structure(), drive.structure())
+        for actuator in (Actuator(), Actuator(dissipation=Rayleigh(0.1)))
+        for drive in (Constant(0.1), SineSquared(0.4, 1.0), Steps([0.0], [0.1]))
+    ]
+    assert len({module.fingerprint(s) for s in structures}) == len(structures)
+
+
+def test_tables_of_all_kinds_and_lengths_share_their_equations() -> None:
+    """One compiled kernel serves steps, ramps and sampled signals."""
+    steps = field_for(Actuator(), Steps([0.0, 1.0], [0.1, 0.2]))
+    ramp = field_for(Actuator(), Ramp([0.0, 1.0, 2.0], [0.1, 0.2, 0.3]))
+    assert steps.fingerprint == ramp.fingerprint
+
+
+@dataclass(frozen=True)
+class Homemade(NeoHookean):
+    """A material of somebody else's, whose code may change without notice."""
+
+
+def test_foreign_parts_are_derived_every_time(derivations: list[Any], fresh: Path) -> None:
+    for _ in range(2):
+        field_for(Actuator(material=Homemade()), Constant(0.1))
+    assert len(derivations) == 2
+    assert not list(fresh.rglob("*"))
+
+
+@pytest.mark.usefixtures("fresh")
+def test_a_cached_field_needs_no_sympy() -> None:
+    script = (
+        "import sys\n"
+        "from remanent.codegen.field import field_for\n"
+        "from remanent.models.actuator import Actuator\n"
+        "from remanent.models.drives import Constant\n"
+        "field_for(Actuator(), Constant(0.1))\n"
+        "print('sympy' in sys.modules)"
+    )
+    command, environment = [sys.executable, "-c", script], dict(os.environ)
+    runs = [
+        subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout
+        for _ in range(2)
+    ]
+    assert [run.strip() for run in runs] == ["True", "False"]
+
+
+def test_reference_evaluates_rows() -> None:
+    """At rest the acceleration is 3 (S - m)/(1 + 2 c), the energy -m."""
+    actuator, drive = Actuator(), Constant(0.1)
+    field = field_for(actuator, drive)
+    own = {**actuator.parameters(), **drive.parameters()}
+    loads, prestresses = np.array([0.1, -0.2, 0.0]), np.array([0.0, 1.0, 0.5])
+    rows = [
+        list({**own, "m": m, "prestress": s}.values())
+        for m, s in zip(loads, prestresses, strict=True)
+    ]
+    y, p, u = np.tile([1.0, 0.0], (3, 1)), np.array(rows), np.empty(0)
+    rates = reference.rates(field, 0.0, y, p, u)
+    np.testing.assert_allclose(rates[:, 1], prestresses - loads, rtol=1e-15)
+    np.testing.assert_array_equal(rates[:, 0], 0.0)
+    np.testing.assert_array_equal(reference.observables(field, 0.0, y, p, u)["energy"], -loads)
+    seen = reference.watched(field, 0.0, y, p, u)
+    np.testing.assert_allclose(seen, np.stack([np.ones(3), np.zeros(3), -2 * rates[:, 1]], 1))
+    with pytest.raises(ValueError, match="do not fit"):
+        reference.rates(field, 0.0, y, p[:, :-1], u)

@@ -1,0 +1,72 @@
+"""Straight-line code under construction: signs, powers and repeated values."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from remanent.codegen.instructions import Instructions, Signed
+
+A, B, C = 3.0, 5.0, 7.0
+Make = Callable[[Instructions, list[Signed]], Signed]
+NEGATED: dict[str, tuple[Make, float, int]] = {
+    "a difference": (lambda i, x: i.add(x[0], minus(x[1])), B - A, 1),
+    "a product with a difference": (lambda i, x: i.mul(x[2], i.add(x[0], minus(x[1]))), C * 2, 2),
+    "a product with a constant": (lambda i, x: i.mul(x[2], i.constant(2.0)), -2 * C, 1),
+    "a quotient of a difference": (lambda i, x: i.div(i.add(x[0], minus(x[1])), x[2]), 2 / C, 2),
+    "a sum": (lambda i, x: i.add(x[0], x[1]), -A - B, 2),
+    "an input": (lambda i, x: i.mul(x[0], i.constant(1.0)), -A, 1),
+}
+
+
+def minus(value: Signed) -> Signed:
+    return -value[0], value[1]
+
+
+@pytest.mark.parametrize("name", NEGATED)
+def test_negative_outputs(name: str) -> None:
+    """A sign is moved into a difference or a constant where there is one."""
+    make, expected, length = NEGATED[name]
+    instructions = Instructions(["a", "b", "c"])
+    value = make(instructions, [instructions.input(letter) for letter in "abc"])
+    program = instructions.program([minus(value)])
+    assert program([A, B, C], functions=np) == [expected]
+    assert len(program.code) == length
+
+
+def test_a_division_is_not_done_twice_for_a_sign() -> None:
+    """Negating 1/a anew for a second output would cost more than a negation."""
+    instructions = Instructions(["a", "b"])
+    inverse = instructions.div(instructions.constant(1.0), instructions.input("a"))
+    program = instructions.program([inverse, minus(inverse)])
+    assert [step[0] for step in program.code] == ["div", "neg"]
+
+
+@pytest.mark.parametrize("signs", [(1, 1), (1, -1), (-1, 1), (-1, -1)])
+def test_signs_in_sums_products_and_powers(signs: tuple[int, int]) -> None:
+    instructions = Instructions(["a", "b"])
+    a, b = ((sign, instructions.input(letter)[1]) for sign, letter in zip(signs, "ab", strict=True))
+    results = [instructions.add(a, b), instructions.mul(a, b), instructions.div(a, b)]
+    results += [instructions.power(a, 2), instructions.power(a, 3)]
+    x, y = signs[0] * A, signs[1] * B
+    expected = [x + y, x * y, x / y, x**2, x**3]
+    assert instructions.program(results)([A, B], functions=np) == expected
+
+
+@pytest.mark.parametrize("exponent", range(1, 20))
+def test_powers(exponent: int) -> None:
+    instructions = Instructions(["a"])
+    program = instructions.program([instructions.power(instructions.input("a"), exponent)])
+    assert program([A], functions=np) == [A**exponent]
+    assert len(program.code) <= 2 * exponent.bit_length() - 2
+
+
+def test_values_that_no_output_needs_are_left_out() -> None:
+    instructions = Instructions(["a", "b"])
+    instructions.mul(instructions.input("a"), instructions.constant(3.0))
+    kept = instructions.add(instructions.input("a"), instructions.input("b"))
+    program = instructions.program([kept, kept])
+    assert (len(program.code), program.constants) == (1, ())
+    assert program([A, B], functions=np) == [A + B] * 2

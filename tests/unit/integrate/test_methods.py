@@ -1,0 +1,129 @@
+"""The order of every method, and that wrong coefficients are refused."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+
+from remanent._typing import FloatArray
+from remanent.codegen.field import field_for
+from remanent.integrate import dense
+from remanent.integrate.methods import RungeKutta, cooper_verner_8, default_method
+from remanent.models.actuator import Actuator
+from remanent.models.drives import SineSquared
+
+ACTUATOR = Actuator(c=0.5, temperature=350.0, prestress=0.3)
+DRIVE = SineSquared(0.8, 1.25, 0.2)
+
+
+def march(method: RungeKutta, steps: int, number: Any, functions: Any) -> list[Any]:
+    """Equation 16 over half a drive period in `steps` steps, with numbers of any kind."""
+    field = field_for(ACTUATOR, DRIVE)
+    values = {**ACTUATOR.parameters(), **DRIVE.parameters()}
+    parameters = [number(values[name]) for name in field.parameters]
+    pi, y = functions.pi, [number(1), number(0)]
+    h = pi / number(DRIVE.omega) / 2 / steps
+    for k in range(steps):
+
+        def rates(node: int, z: list[Any], k: int = k) -> list[Any]:
+            s = (k + method.nodes[node]) / number(2 * steps)
+            u = [functions.sin(pi * s), functions.cos(pi * s)]
+            return field.rates([s, *z, *parameters, *u], functions=functions, constant=number)
+
+        y = method.step(rates, y, h)
+    return y
+
+
+def slopes(errors: list[float]) -> FloatArray:
+    return np.diff(-np.log2(errors))
+
+
+def test_runge_kutta_is_of_order_8_in_fifty_digits() -> None:
+    """Halving the step divides the error by 2**8, within 2**0.2."""
+    with mpmath.workdps(50):
+        method = cooper_verner_8(mpmath.sqrt, mpmath.mpf)
+        exact = march(method, 600, mpmath.mpf, mpmath)
+        errors = []
+        for steps in (50, 100):
+            found = march(method, steps, mpmath.mpf, mpmath)
+            errors.append(float(max(abs(a - b) for a, b in zip(found, exact, strict=True))))
+    assert errors[-1] < 1e-15
+    np.testing.assert_allclose(slopes(errors), 8.0, atol=0.2)
+
+
+def test_runge_kutta_is_of_order_8_in_double_precision() -> None:
+    """The same in double precision, while errors are above round-off."""
+    exact = march(default_method(), 1600, float, np)
+    found = [march(default_method(), steps, float, np) for steps in (16, 32, 64)]
+    errors = [max(abs(a - b) for a, b in zip(y, exact, strict=True)) for y in found]
+    assert min(errors) > 1e-12
+    np.testing.assert_allclose(slopes(errors), 8.0, atol=0.2)
+
+
+def test_states_between_steps_have_the_order_of_a_step() -> None:
+    """A step of length t h from an exact state errs by O(h**9), for any t in (0, 1)."""
+    field = field_for(ACTUATOR, DRIVE)
+    values = {**ACTUATOR.parameters(), **DRIVE.parameters()}
+    part = np.array([0.3, 0.5, 0.9])
+    errors = []
+    for h in (0.2, 0.1):
+        arguments = {
+            "states": np.tile([1.0, 0.5], (3, 1)),
+            "parameters": [np.full(3, values[name]) for name in field.parameters],
+            "phase": np.full(3, 0.1),
+        }
+        span = part * h / (math.pi / DRIVE.omega)
+        waveform = DRIVE.timeline({}, np.ones(1)).waveform
+
+        def advanced(parts: int, a: Any = arguments, s: Any = span, h: float = h) -> FloatArray:
+            y, small = a["states"], {"span": s / parts, "time": part * h / parts}
+            for k in range(parts):
+                now = {**a, "states": y, "phase": a["phase"] + k * s / parts}
+                y = dense.between(field, default_method(), waveform, **now, **small)
+            return y
+
+        errors.append(np.abs(advanced(1) - advanced(16)).max(axis=1))
+    np.testing.assert_allclose(np.log2(errors[0] / errors[1]), 9.0, atol=0.35)
+
+
+def test_a_state_at_the_end_of_a_step_is_kept_exactly() -> None:
+    """A step of length zero changes no bit, whatever the state."""
+    field = field_for(ACTUATOR, DRIVE)
+    values = {**ACTUATOR.parameters(), **DRIVE.parameters()}
+    states = np.array([[1.0 / 3.0, -0.1], [1e300, np.inf]])
+    zero = np.zeros(2)
+    found = dense.between(
+        field,
+        default_method(),
+        DRIVE.timeline({}, np.ones(1)).waveform,
+        states=states,
+        parameters=[np.full(2, values[name]) for name in field.parameters],
+        phase=zero,
+        span=zero,
+        time=zero,
+    )
+    assert np.array_equal(found, states)
+
+
+METHOD = default_method()
+WRONG = {
+    "a node": {"nodes": (0.0, 0.2, *METHOD.nodes[2:])},
+    "a weight": {"weights": (*METHOD.weights[:4], {0: 0.1, 2: 0.2}, *METHOD.weights[5:])},
+    "a stage that is not explicit": {
+        "weights": (*METHOD.weights[:3], {0: 0.5, 7: 0.3}, *METHOD.weights[4:])
+    },
+    "a final coefficient": {"final": {**METHOD.final, 8: 0.35}},
+    "a claimed order": {"order": 10},
+}
+
+
+@pytest.mark.parametrize("change", WRONG.values(), ids=list(WRONG))
+def test_wrong_coefficients_are_refused(change: dict[str, Any]) -> None:
+    """A method whose row sums or quadrature conditions fail cannot be built."""
+    with pytest.raises(ValueError, match="cooper-verner-8"):
+        replace(METHOD, **change)
