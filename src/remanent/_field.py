@@ -112,8 +112,9 @@ class Field:
     rates
         One output per state variable.
     watched
-        Three outputs: an observable whose extremes are followed between steps
-        (the thickness stretch), its first and its second time derivative.
+        Four outputs: an observable whose extremes are followed between steps (the
+        thickness stretch), its first and second time derivative, and a cheaper quantity
+        with the sign of the first.
     observables
         Further quantities by name, one output each (``thickness_stretch``,
         ``thickness_stretch_rate``, ``energy``, ``load`` ...).
@@ -136,7 +137,7 @@ class Field:
         for program in (self.rates, self.watched, *self.observables.values()):
             if program.inputs != self.inputs:
                 raise ValueError(f"program inputs {program.inputs} differ from {self.inputs}")
-        if len(self.rates.outputs) != len(self.state) or len(self.watched.outputs) != 3:
+        if len(self.rates.outputs) != len(self.state) or len(self.watched.outputs) != 4:
             raise ValueError("wrong number of outputs")
 
     @cached_property

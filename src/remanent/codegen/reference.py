@@ -34,7 +34,7 @@ def rates(field: Field, phase: ArrayLike, y: FloatArray, p: FloatArray, u: Array
 def watched(
     field: Field, phase: ArrayLike, y: FloatArray, p: FloatArray, u: ArrayLike
 ) -> FloatArray:
-    """The watched observable, its rate and its acceleration, an array (trajectory, 3)."""
+    """The watched observable, two rates, and the sign of the first: array (trajectory, 4)."""
     return _evaluate(field, field.watched, phase, y, p, u)
 
 

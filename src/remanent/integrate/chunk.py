@@ -226,6 +226,7 @@ def _lanes(
         "tolerance": tolerance,
         "hopeless": hopeless(tolerance),
         "alive": 1.0,
+        "horizon": np.inf,
         "maximum": -np.inf,
         "minimum": np.inf,
     }
@@ -259,9 +260,11 @@ def _collect(
     lanes: FloatArray, kernels: Kernels, count: int, states: FloatArray | None
 ) -> Attempt:
     flat = lanes.transpose(0, 2, 1).reshape(-1, kernels.layout.size)[:count]
-    names = ("alive", "horizon", "error", "total", "watched_error", "maximum", "minimum")
+    names = ("alive", "horizon", "error", "total", "maximum", "minimum")
     values = {name: flat[:, kernels.layout.slots[name]].copy() for name in names}
-    return Attempt(values, flat[:, kernels.layout.group("last")].copy(), states)
+    ends = [flat[:, kernels.layout.group(kind)] for kind in ("fine", "last")]
+    last = np.where((values["alive"] > 0.5)[:, None], *ends)
+    return Attempt(values, last, states)
 
 
 def remember(
@@ -385,7 +388,8 @@ class _Sampler:
         trusted = self.times <= horizon[:, None] * (1.0 + 1e-12)
         trajectory, sample = np.nonzero(inside & trusted & (steps > 0)[:, None])
         parameters = lanes[:, self.kernels.layout.group("parameter"), :]
-        flat = parameters.transpose(1, 0, 2).reshape(parameters.shape[1], -1)
+        groups, fields, width = parameters.shape
+        flat = parameters.transpose(1, 0, 2).reshape(fields, groups * width)
         for first in range(0, trajectory.size, _SAMPLES_AT_ONCE):
             some = slice(first, first + _SAMPLES_AT_ONCE)
             row, column = trajectory[some], sample[some]

@@ -52,6 +52,9 @@ _ROUND_OFF = 1.0
 _MARGIN = 0.5
 #: A horizon that grows by less than this factor on refinement will not reach the end.
 _STALLED = 1.05
+#: Refinement is given up after so many such attempts in a row, but not while the horizon
+#: lies within so many cycles, in which a fast stretch of time may just not be resolved.
+_PATIENCE, _BEGUN = 3, 3.0
 Progress = Callable[[float], None]
 
 
@@ -87,11 +90,7 @@ def integrate(
     Outcome
     """
     tolerance = min(tolerance, COARSEST)
-    options = Options(
-        states_controlled=request.times is not None or request.strobe > 0 or not request.extremes,
-        watched_controlled=request.extremes,
-        extremes=request.extremes,
-    )
+    options = Options(extremes=request.extremes)
     kernels = Kernels(
         compiled(problem.field, default_method(), options),
         compiled(problem.field, method or adams(PAST), options),
@@ -100,6 +99,7 @@ def integrate(
     threads = workers or os.cpu_count() or 1
     index = np.flatnonzero(~problem.invalid)
     pending = _Pending(index, np.full(index.size, first_resolution(tolerance)))
+    stalls = np.zeros(problem.duration.size, dtype=np.int64)
     search = replace(request, times=None)  # states between steps cost more than the steps
     stop = threading.Event()
     with ThreadPoolExecutor(max_workers=threads) as pool:
@@ -120,7 +120,7 @@ def integrate(
                 pending = _affordable(problem, outcome, pending)
                 chunks = _chunks(problem, pending, kernels.width, threads)
                 futures = start(search, chunks)
-                again = _settled(problem, outcome, futures, tolerance, max_resolution)
+                again = _settled(problem, outcome, futures, tolerance, max_resolution, stalls)
                 pending = _Pending(*map(np.concatenate, zip(*again, strict=True)))
                 if progress is not None:
                     progress(1.0 - pending.index.size / max(problem.duration.size, 1))
@@ -186,17 +186,19 @@ def _settled(
     futures: dict[Future[Attempt], tuple[int, IntArray]],
     tolerance: float,
     max_resolution: int,
+    stalls: IntArray,
 ) -> list[_Pending]:
     """Take in finished chunks; tell which trajectories to try again and how finely."""
     again = [_Pending(np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64))]
     for future in as_completed(futures):
         resolution, which = futures[future]
         result = future.result()
-        hopeless = _record(problem, outcome, result, resolution, which)
+        hopeless = _record(problem, outcome, result, resolution, which, stalls)
         unfinished = (result.values["alive"] < 0.5) & ~hopeless
         wanted = _next_resolution(result.values["total"], tolerance, resolution)
         possible = wanted <= max_resolution
-        outcome.status[which[unfinished & ~possible]] = Status.MAX_STEPS
+        capped = unfinished & ~possible & (result.values["horizon"] > 0.0)
+        outcome.status[which[capped]] = Status.MAX_STEPS
         retry = unfinished & possible
         again.append(_Pending(which[retry], wanted[retry]))
     return again
@@ -229,30 +231,38 @@ def _next_resolution(total: FloatArray, tolerance: float, resolution: int) -> In
 
 
 def _record(
-    problem: Problem, outcome: Outcome, result: Attempt, resolution: int, which: IntArray
+    problem: Problem,
+    outcome: Outcome,
+    result: Attempt,
+    resolution: int,
+    which: IntArray,
+    stalls: IntArray,
 ) -> BoolArray:
     """Keep the attempt where it is the best so far; tell where refining is in vain."""
     values = result.values
     ok = values["alive"] > 0.5
     horizon = np.where(ok, problem.duration[which], values["horizon"])
     before = outcome.horizon[which]
-    stalled = ~ok & (outcome.resolution[which] > 0) & (horizon <= _STALLED * before)
+    stalls[which] = np.where(horizon <= _STALLED * before, stalls[which] + 1, 0)
+    begun = horizon > _BEGUN * problem.timeline.lengths[0, which].clip(max=NOMINAL)
+    stalled = ~ok & begun & (stalls[which] >= _PATIENCE)
     better = ok | (outcome.resolution[which] == 0) | (horizon > before)
     target, source = which[better], np.flatnonzero(better)
     outcome.horizon[target] = horizon[source]
     outcome.resolution[target] = resolution
     outcome.status[target] = np.where(ok, Status.OK, Status.HORIZON)[source]
     floor = _round_off(problem, result.last, horizon, resolution, which)
-    outcome.error[target] = np.maximum(values["error"], floor)[source]
-    outcome.watched_error[target] = np.maximum(values["watched_error"], floor)[source]
+    error = np.where(ok, values["total"], values["error"])
+    outcome.error[target] = np.maximum(error, floor)[source]
     for name, into in (("maximum", outcome.maximum), ("minimum", outcome.minimum)):
         into[target] = np.where(ok, values[name], np.nan)[source]
     if outcome.states is not None and result.states is not None:
-        outcome.states[target] = result.states[source]
+        reached = result.states.shape[1]  # of the longest in its chunk
+        outcome.states[target, :reached] = result.states[source]
     escaped = ~ok & (np.abs(result.last).max(axis=1) > ESCAPE)
     outcome.status[which[escaped]] = Status.ESCAPED
-    at_once = ~ok & (horizon <= 0.0) & ~np.isfinite(values["total"] + 0.0)
-    outcome.status[which[at_once & stalled]] = Status.SINGULAR
+    at_once = ~ok & (horizon <= 0.0)
+    outcome.status[which[at_once]] = Status.SINGULAR
     return np.asarray(stalled | escaped)
 
 
@@ -276,8 +286,7 @@ def _empty(problem: Problem, request: Request) -> Outcome:
     elif request.times is not None:
         states = np.full((count, request.times.shape[1], dimension), np.nan)
     status = np.where(problem.invalid, Status.INVALID, Status.NOT_COMPUTED).astype(np.int8)
-    nan = (np.full(count, np.nan) for _ in range(5))
-    maximum, minimum, error, watched, horizon = nan
+    maximum, minimum, error, horizon = (np.full(count, np.nan) for _ in range(4))
     return Outcome(
-        states, maximum, minimum, error, watched, horizon, status, np.zeros(count, dtype=np.int64)
+        states, maximum, minimum, error, horizon, status, np.zeros(count, dtype=np.int64)
     )

@@ -36,32 +36,23 @@ from remanent.integrate.stepping import AdamsSteps, RungeKuttaSteps, Stepper
 
 NAME = "kernel"
 #: Newton steps from a secant start; an extremum then moves by less than round-off.
-_NEWTON_STEPS = 4
+_NEWTON_STEPS = 3
 
 @dataclass(frozen=True)
 class Options:
-    """What a kernel does beside integrating.
+    """What a kernel follows.
 
     Attributes
     ----------
-    states_controlled
-        The error that must meet the tolerance includes the state variables.
-    watched_controlled
-        It includes the watched observable.
     extremes
-        Follow the extremes of the watched observable.
+        Follow the extremes of the watched observable, and control their error; else
+        control the error of the state.
     safety
         Factor between the estimate from two step sizes and the error reported.
     """
 
-    states_controlled: bool = True
-    watched_controlled: bool = False
     extremes: bool = False
     safety: float = 4.0
-
-    @property
-    def watched(self) -> bool:
-        return self.extremes or self.watched_controlled
 
 
 #: What a kernel can integrate with.
@@ -122,6 +113,8 @@ class _Kernel:
                 leave_if(self.w.builder.not_(self._active().any()))
                 with self.w.loop(self.doubles) as (double, _):
                     self._double_step(cycle, double)
+            if self.options.extremes:
+                self._resolve()
             self._save()
 
     # state of a group ---------------------------------------------------------------
@@ -150,9 +143,8 @@ class _Kernel:
             if n not in constants
         }
         self.stepper.load(self._read)
-        if self.options.watched:
-            jet = self._watched(self._state("fine"), self._row(self.fine, self.w.integer(0)), 0)
-            self.jet = [self.w.variable(x) for x in jet]
+        if self.options.extremes:
+            self._prepare_extremes()
 
     def _save(self) -> None:
         for name, variable in self.v.items():
@@ -170,11 +162,8 @@ class _Kernel:
             self.v[f"{kind}.{i}"].set(y_i)
 
     def _active(self) -> Mask:
-        """Where there is more to learn.  It depends on nothing but the trajectory itself."""
-        return self._hopeful() & (self.cycle_start < self.end)
-
-    def _hopeful(self) -> Mask:
-        return self.v["total"].get() <= self.hopeless
+        """Where there is more to learn."""
+        return (self.v["total"].get() <= self.hopeless) & (self.cycle_start < self.end)
 
     # field ----------------------------------------------------------------------------
 
@@ -239,82 +228,59 @@ class _Kernel:
         self.stepper.settle("coarse", moved, loads)
         return moved
 
-    def _watched(self, y: list[Lanes], row: Callable[[int], list[Lanes]], node: int) -> Jet:
-        value, rate, acceleration = self._run(self.field.watched, y, row(node))
-        return value, rate, acceleration
-
     # one double step ------------------------------------------------------------------
 
     def _double_step(self, cycle: ir.Value, double: ir.Value) -> None:
         b, w = self.w.builder, self.w
         first = b.mul(double, w.integer(2))
         second = b.add(first, w.integer(1))
+        left = self._state("fine")
         middle = self._fine_step(first)
         right = self._fine_step(second)
         coarse = self._coarse_step(double)
-        t0 = self.cycle_start + w.spread_integer(first) * self.h
-        t2 = self.cycle_start + w.spread_integer(b.add(second, w.integer(1))) * self.h
-        last = len(self.method.nodes) - 1
-        jets: tuple[Jet, ...] = ()
-        if self.options.watched:
-            row = self._row(self.fine, second)
-            value, rate, acceleration = (x.get() for x in self.jet)
-            jets = (
-                (value, rate, acceleration),
-                self._watched(middle, row, 0),
-                self._watched(right, row, last),
-            )
-        self._judge(t0, t2, right, coarse, jets, self._row(self.coarse, double), last)
+        self.t0 = self.cycle_start + w.spread_integer(first) * self.h
         if self.options.extremes:
-            self._follow_extremes(t0, t2, jets)
-        if self.options.watched:
-            for variable, value in zip(self.jet, jets[2], strict=True):
-                variable.set(value)
+            self._note_turns((left, middle, right), coarse, first, second)
+        else:
+            self._judge_state(left, right, coarse)
         count = b.add(b.mul(cycle, b.mul(self.doubles, w.integer(2))), first)
         self._write_record(b.add(count, w.integer(1)), middle)
         self._write_record(b.add(count, w.integer(2)), right)
 
-    def _judge(
-        self,
-        t0: Lanes,
-        t2: Lanes,
-        fine: list[Lanes],
-        coarse: list[Lanes],
-        jets: tuple[Jet, ...],
-        row: Callable[[int], list[Lanes]],
-        last: int,
-    ) -> None:
-        """Compare the two solutions; move the horizon while the tolerance is met."""
-        scale = self.options.safety / (2**self.method.order - 1)
-        state_error = self.w.constant(0.0)
-        for a, c in zip(fine, coarse, strict=True):
-            state_error = _worse(state_error, abs(a - c))
-        state_error = state_error * scale
-        controlled = state_error
-        if self.options.watched:
-            g = self._watched(coarse, row, last)[0]
-            watched_error = abs(jets[2][0] - g) * scale
-            controlled = (
-                _worse(state_error, watched_error)
-                if self.options.states_controlled and self.options.watched_controlled
-                else watched_error
-                if self.options.watched_controlled
-                else state_error
-            )
-        within = t0 < self.end
-        alive = (self.v["alive"].get() > 0.5) & (controlled <= self.tolerance)
-        good = within & alive
-        one, zero = self.w.constant(1.0), self.w.constant(0.0)
-        kept = self.v["alive"].get()
-        self.v["alive"].set(within.choose(alive.choose(one, zero), kept))
-        self._update("horizon", good, smaller(t2, self.end))
-        self._update("error", good, larger(controlled, self.v["error"].get()))
-        self._update("total", within & self._hopeful(), _worse(self.v["total"].get(), controlled))
-        if self.options.watched:
-            worst = larger(watched_error, self.v["watched_error"].get())
-            self._update("watched_error", good, worst)
-        for i, y_i in enumerate(fine):
-            self._update(f"last.{i}", good, y_i)
+    @property
+    def _scale(self) -> float:
+        """Error of the finer solution over its difference from the coarser one."""
+        return self.options.safety / float(2**self.method.order - 1)
+
+    def _judge_state(self, left: list[Lanes], fine: list[Lanes], coarse: list[Lanes]) -> None:
+        """Compare the two solutions at the end of the double step."""
+        error = abs(fine[0] - coarse[0])
+        for a, c in zip(fine[1:], coarse[1:], strict=True):
+            error = _worse(error, abs(a - c))
+        self._judge(self.t0 < self.end, error * self._scale, self.t0, left)
+
+    def _judge(self, where: Mask, error: Lanes, before: Lanes, left: list[Lanes]) -> None:
+        """Take an error into account; past the tolerance, note how far it was met.
+
+        Parameters
+        ----------
+        where
+            Trajectories that the error concerns.
+        before, left
+            Time up to which the tolerance is known to have been met, and the state then.
+        """
+        zero = self.w.constant(0.0)
+        error = where.choose(error, zero)
+        known = self.v["total"].get()
+        met = error <= self.tolerance
+        dies = (self.v["alive"].get() > 0.5).without(met)
+        self.v["total"].set(_worse(known, error))
+        with self.w.builder.if_then(dies.any()):
+            self._update("alive", dies, zero)
+            self._update("horizon", dies, before)
+            self._update("error", dies, known)
+            for i, y_i in enumerate(left):
+                self._update(f"last.{i}", dies, y_i)
 
     def _update(self, name: str, where: Mask, value: Lanes) -> None:
         self.v[name].set(where.choose(value, self.v[name].get()))
@@ -333,26 +299,81 @@ class _Kernel:
 
     # extremes -------------------------------------------------------------------------
 
-    def _follow_extremes(self, t0: Lanes, t2: Lanes, jets: tuple[Jet, ...]) -> None:
-        alive = self.v["alive"].get() > 0.5
-        centre = t0 + self.h
+    def _prepare_extremes(self) -> None:
+        """Cells for one turn of each trajectory that waits to be worked out.
+
+        Turns of different trajectories rarely fall into one step.  They are kept until
+        one of them turns again, and worked out together.
+        """
+        zero = self.w.constant(0.0)
+        states, load = len(self.field.state), 1 + len(self.field.waveforms)
+        self.kept = [self.w.variable(zero) for _ in range(4 * states + 3 * load + 1)]
+        self.waiting = self.w.variable(zero)
+        self.turn = self.w.variable(
+            self._turn(self._state("fine"), self._row(self.fine, self.w.integer(0))(0))
+        )
+
+    def _turn(self, y: list[Lanes], load: list[Lanes]) -> Lanes:
+        """A quantity with the sign of the watched observable's rate."""
+        return self._run(self.field.watched, y, load)[3]
+
+    def _note_turns(
+        self, nodes: tuple[list[Lanes], ...], coarse: list[Lanes], first: ir.Value, second: ir.Value
+    ) -> None:
+        """Keep the double step for every trajectory that turns, begins or ends in it."""
+        last = len(self.method.nodes) - 1
+        row, end = self._row(self.fine, first), self._row(self.fine, second)(last)
+        loads = (row(0), row(last), end)
+        turns = (self.turn.get(), self._turn(nodes[1], loads[1]), self._turn(nodes[2], end))
+        self.turn.set(turns[2])
+        t0, t2 = self.t0, self.t0 + self.h + self.h
+        turned = (turns[0] * turns[1] <= 0.0) | (turns[1] * turns[2] <= 0.0)
+        bounds = ((t0 <= self.begin) & (self.begin < t2)) | ((t0 < self.end) & (self.end <= t2))
+        event = (t0 < self.end) & (self.begin < t2) & (turned | bounds)
+        values = [*nodes[0], *nodes[1], *nodes[2], *coarse, *loads[0], *loads[1], *loads[2], t0]
+        with self.w.builder.if_then(event.any()):
+            with self.w.builder.if_then((event & (self.waiting.get() > 0.5)).any()):
+                self._resolve()
+            for cell, value in zip(self.kept, values, strict=True):
+                cell.set(event.choose(value, cell.get()))
+            self.waiting.set(event.choose(self.w.constant(1.0), self.waiting.get()))
+
+    def _resolve(self) -> None:
+        """Work out the turns that wait: their extremes and the error of these."""
+        states, load = len(self.field.state), 1 + len(self.field.waveforms)
+        cells = iter([cell.get() for cell in self.kept])
+        nodes = [[next(cells) for _ in range(states)] for _ in range(4)]
+        loads = [[next(cells) for _ in range(load)] for _ in range(3)]
+        t0 = next(cells)
+        waiting = self.waiting.get() > 0.5
+        left, middle, right = (
+            self._jet(y, u) for y, u in zip(nodes[:3], loads, strict=True)
+        )
+        coarse = self._run(self.field.watched, nodes[3], loads[2])[0]
+        self._judge(waiting, abs(right[0] - coarse) * self._scale, t0, nodes[0])
+        self._take_extremes(waiting & (self.v["alive"].get() > 0.5), t0, (left, middle, right))
+        self.waiting.set(self.w.constant(0.0))
+
+    def _jet(self, y: list[Lanes], load: list[Lanes]) -> Jet:
+        value, rate, acceleration, _ = self._run(self.field.watched, y, load)
+        return value, rate, acceleration
+
+    def _take_extremes(self, where: Mask, t0: Lanes, jets: tuple[Jet, Jet, Jet]) -> None:
         left, middle, right = jets
-        starts = (t0 <= self.begin) & (self.begin < t2)
-        ends = (t0 < self.end) & (self.end <= t2)
-        inside = alive & (t0 < self.end) & (self.begin < t2)
-        turns = (left[1] * middle[1] <= 0.0) | (middle[1] * right[1] <= 0.0)
-        with self.w.builder.if_then((inside & (starts | ends | turns)).any()):
-            polynomial = hermite_coefficients(left, middle, right, self.h)
-            low = larger((self.begin - centre) / self.h, self.w.constant(-1.0))
-            high = smaller((self.end - centre) / self.h, self.w.constant(1.0))
-            for at in (low, high):
-                self._take(inside & (starts | ends), horner(polynomial, at))
-            for near, far in ((left, middle), (middle, right)):
-                shift = -1.0 if near is left else 0.0
-                turn = inside & (near[1] * far[1] <= 0.0)
-                s = _turning_point(polynomial, near[1], far[1], shift)
-                value = horner(polynomial, s)
-                self._take(turn & (s >= low) & (s <= high), value)
+        polynomial = hermite_coefficients(left, middle, right, self.h)
+        centre, one = t0 + self.h, self.w.constant(1.0)
+        low = larger((self.begin - centre) / self.h, -one)
+        high = smaller((self.end - centre) / self.h, one)
+        for at in (low, high):
+            bound = (at > -1.0) & (at < 1.0) | (t0 <= self.begin) & (at <= -1.0)
+            self._take(where & bound, horner(polynomial, at))
+        first_half = left[1] * middle[1] <= 0.0
+        near, far = (
+            first_half.choose(a, b) for a, b in zip((left[1], middle[1]), (middle[1], right[1]), strict=True)
+        )  # fmt: skip
+        shift = first_half.choose(-one, self.w.constant(0.0))
+        s = _turning_point(polynomial, near, far, shift)
+        self._take(where & (near * far <= 0.0) & (s >= low) & (s <= high), horner(polynomial, s))
 
     def _take(self, where: Mask, value: Lanes) -> None:
         self._update("maximum", where, larger(value, self.v["maximum"].get()))
@@ -370,12 +391,12 @@ def _rounded(x: Lanes, bits: int) -> Lanes:
     return (x + large) - large
 
 
-def _turning_point(polynomial: list[Any], near: Lanes, far: Lanes, shift: float) -> Lanes:
+def _turning_point(polynomial: list[Any], near: Lanes, far: Lanes, shift: Lanes) -> Lanes:
     """Where the derivative vanishes in [shift, shift + 1], by Newton from a secant."""
     slope = derivative(polynomial)
     curvature = derivative(slope)
     s = near / (near - far) + shift
     for _ in range(_NEWTON_STEPS):
         s = s - horner(slope, s) / horner(curvature, s)
-        s = larger(smaller(s, s.writer.constant(shift + 1.0)), s.writer.constant(shift))
+        s = larger(smaller(s, shift + 1.0), shift)
     return s

@@ -196,6 +196,12 @@ class Mask:
     def __or__(self, other: Mask) -> Mask:
         return Mask(self.writer, self.writer.builder.or_(self.value, other.value))
 
+    def without(self, other: Mask) -> Mask:
+        """Where this mask holds and the other does not."""
+        all_ones = ir.Constant(self.value.type, [1] * self.writer.width)
+        b = self.writer.builder
+        return Mask(self.writer, b.and_(self.value, b.xor(other.value, all_ones)))
+
     def choose(self, true: Lanes, false: Lanes) -> Lanes:
         """`true` where the mask holds, else `false`."""
         return Lanes(self.writer, self.writer.builder.select(self.value, true.value, false.value))

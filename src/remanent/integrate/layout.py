@@ -21,10 +21,9 @@ SCALARS = (
     "tolerance",  # of the controlled error
     "hopeless",  # a trajectory is not followed once its error has been larger
     "alive",  # 1 while the controlled error has met the tolerance
-    "horizon",  # tau up to which it did
-    "error",  # its largest value up to the horizon
-    "total",  # its largest value up to the end; the last one once hopeless, NaN included
-    "watched_error",  # largest error of the watched observable up to the horizon
+    "horizon",  # tau up to which it did, where not alive
+    "error",  # its largest value up to the horizon, where not alive
+    "total",  # its largest value so far
     "maximum",  # extremes of the watched observable from begin to the horizon
     "minimum",
 )

@@ -69,9 +69,9 @@ class Outcome:
         At the times asked; NaN beyond the horizon.
     maximum, minimum : array (trajectory,)
         Of the watched observable; NaN unless followed to the end.
-    error, watched_error : array (trajectory,)
-        Estimated largest error of the states, and of the watched observable, up to the
-        horizon.
+    error : array (trajectory,)
+        Estimated largest error up to the horizon: of the extremes if these are wanted,
+        else of the states.
     horizon : array (trajectory,)
         Time up to which the tolerance was met.
     status : array (trajectory,) of int8
@@ -84,7 +84,6 @@ class Outcome:
     maximum: FloatArray
     minimum: FloatArray
     error: FloatArray
-    watched_error: FloatArray
     horizon: FloatArray
     status: IntArray
     resolution: IntArray

@@ -53,7 +53,7 @@ class System:
     rates
         Rate of each state variable.
     watched
-        The thickness stretch, its rate and its acceleration.
+        The thickness stretch, its rate, its acceleration, and the rate's sign.
     observables
         Further quantities by name.
     """
@@ -131,7 +131,7 @@ def first_order(motion: Motion) -> System:
         state=tuple(rates),
         definitions=motion.definitions,
         rates=tuple(rates.values()),
-        watched=(x, x_rate, along(x_rate, rates)),
+        watched=(x, x_rate, along(x_rate, rates), _sign_of(x_rate)),
         observables={
             "thickness_stretch": x,
             "thickness_stretch_rate": x_rate,
@@ -139,6 +139,12 @@ def first_order(motion: Motion) -> System:
             "load": motion.load,
         },
     )
+
+
+def _sign_of(expression: Expression) -> Expression:
+    """Something with the same sign and without a division, where there is one."""
+    numerator, denominator = sp.fraction(sp.together(expression))
+    return numerator if denominator.is_positive else expression
 
 
 def accelerations(motion: Motion) -> list[Expression]:

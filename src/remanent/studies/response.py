@@ -195,7 +195,7 @@ def _variables(
         "amplitude": (ens.dims, amplitude),
         "maximum": (ens.dims, ens.shaped(outcome.maximum)),
         "minimum": (ens.dims, ens.shaped(outcome.minimum)),
-        "amplitude_error": (ens.dims, ens.shaped(outcome.watched_error)),
+        "amplitude_error": (ens.dims, ens.shaped(outcome.error)),
         "resonance": (others, peak.position.reshape(shape)),
         "resonance_amplitude": (others, peak.value.reshape(shape)),
         "resonance_error": (others, (peak.upper - peak.lower).reshape(shape)),

@@ -43,7 +43,7 @@ class Oscillator:
             parameters=names,
             waveforms=("sine", "cosine"),
             rates=program(V, acceleration),
-            watched=program(Q, V, acceleration),
+            watched=program(Q, V, acceleration, V),
             observables={"position": program(Q)},
         )
 

@@ -59,7 +59,7 @@ def test_runge_kutta_is_of_order_8_in_fifty_digits() -> None:
 def test_runge_kutta_is_of_order_8_in_double_precision() -> None:
     """The same in double precision, while errors are above round-off."""
     exact = march(default_method(), 1600, float, np)
-    found = [march(default_method(), steps, float, np) for steps in (16, 32, 64)]
+    found = [march(default_method(), steps, float, np) for steps in (8, 16)]
     errors = [max(abs(a - b) for a, b in zip(y, exact, strict=True)) for y in found]
     assert min(errors) > 1e-12
     np.testing.assert_allclose(slopes(errors), 8.0, atol=0.2)

@@ -1,0 +1,237 @@
+"""What an ensemble promises: bits that depend on nothing, statuses that mean something."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import sympy as sp
+
+from remanent._timeline import Timeline
+from remanent.integrate import chunk, ensemble
+from remanent.integrate.ensemble import integrate, ladder
+from remanent.integrate.problem import Outcome, Problem, Request
+from remanent.integrate.status import Status
+from tests.unit.integrate.handmade import SINE, Oscillator, Q, V, problem
+
+DRIVEN = Oscillator(-sp.sin(Q) + sp.Symbol("a") * SINE, {"a": 0.0})
+RUNAWAY = Oscillator(Q**3, {})
+POLE = Oscillator(1 / Q, {})
+
+
+def driven(count: int = 40) -> Problem:
+    """Pendulums from quiet to wild, under a periodic load, of different durations."""
+    rng = np.random.default_rng(5)
+    start = np.column_stack([rng.uniform(-3.0, 3.0, count), rng.uniform(-1.0, 1.0, count)])
+    duration = rng.uniform(20.0, 90.0, count)
+    return problem(DRIVEN, start, duration, period=3.0, a=np.linspace(0.0, 1.5, count))
+
+
+def subset(whole: Problem, which: np.ndarray) -> Problem:
+    timeline = replace(whole.timeline, lengths=whole.timeline.lengths[:, which])
+    return Problem(
+        whole.field,
+        timeline,
+        whole.parameters[which],
+        whole.initial[which],
+        whole.duration[which],
+        whole.invalid[which],
+    )
+
+
+def requests(whole: Problem) -> list[Request]:
+    times = np.linspace(0.0, 1.0, 31) * whole.duration[:, None]
+    return [Request(times=times), Request(strobe=3), Request(extremes=True)]
+
+
+def columns(outcome: Outcome, rows: np.ndarray | slice = slice(None)) -> list[np.ndarray]:
+    """Everything that an outcome says, of some trajectories; nothing beyond the horizon."""
+    names = ("maximum", "minimum", "error", "horizon", "status", "resolution")
+    return [getattr(outcome, name)[rows] for name in names]
+
+
+def seen(outcome: Outcome, times: np.ndarray, rows: np.ndarray | slice = slice(None)) -> np.ndarray:
+    assert outcome.states is not None
+    beyond = times > outcome.horizon[:, None]
+    return np.where(beyond[:, :, None], np.nan, outcome.states)[rows]
+
+
+def assert_same(a: list[np.ndarray], b: list[np.ndarray]) -> None:
+    for x, y in zip(a, b, strict=True):
+        np.testing.assert_array_equal(x, y)
+
+
+@pytest.mark.parametrize("kind", [0, 1, 2], ids=["times", "strobe", "extremes"])
+def test_bits_do_not_depend_on_the_company(kind: int) -> None:
+    """Alone, in any order, and in parts of any size: the same bits (law N9)."""
+    whole = driven()
+    request = requests(whole)[kind]
+    reference = integrate(whole, request, tolerance=1e-9)
+    assert {Status.OK, Status.HORIZON} <= set(reference.status.tolist())
+    order = np.random.default_rng(6).permutation(whole.duration.size)
+    for which in (order, order[:7], order[:1], order[-17:]):
+        times = None if request.times is None else request.times[which]
+        found = integrate(subset(whole, which), replace(request, times=times), tolerance=1e-9)
+        assert_same(columns(found), columns(reference, which))
+        if times is not None and request.times is not None:
+            np.testing.assert_array_equal(
+                seen(found, times), seen(reference, request.times, which)
+            )
+        elif found.states is not None and reference.states is not None:
+            count = found.states.shape[1]
+            at = 3.0 * 3.0 * np.arange(reference.states.shape[1])[None, :]
+            a = np.where((at[:, :count] > found.horizon[:, None])[..., None], 0, found.states)
+            b = np.where((at > reference.horizon[:, None])[..., None], 0, reference.states)
+            np.testing.assert_array_equal(a, b[which][:, :count])
+
+
+@pytest.mark.parametrize("workers", [1, 2, 5])
+def test_bits_do_not_depend_on_the_threads(workers: int) -> None:
+    """One worker or many: the same bits."""
+    whole = driven()
+    request = requests(whole)[0]
+    reference = integrate(whole, request, tolerance=1e-9, workers=3)
+    found = integrate(whole, request, tolerance=1e-9, workers=workers)
+    assert_same(columns(found), columns(reference))
+    assert request.times is not None
+    np.testing.assert_array_equal(seen(found, request.times), seen(reference, request.times))
+
+
+@pytest.mark.parametrize(("module", "name", "value"), [
+    (ensemble, "_CHUNK", 3),
+    (chunk, "_SAMPLES_AT_ONCE", 13),
+])
+def test_bits_do_not_depend_on_the_size_of_pieces_of_work(
+    module: object, name: str, value: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Chunks and blocks of any size: the same bits."""
+    whole = driven(20)
+    request = requests(whole)[0]
+    reference = integrate(whole, request, tolerance=1e-9)
+    monkeypatch.setattr(module, name, value)
+    found = integrate(whole, request, tolerance=1e-9)
+    assert_same(columns(found), columns(reference))
+    assert request.times is not None
+    np.testing.assert_array_equal(seen(found, request.times), seen(reference, request.times))
+
+
+def test_states_beyond_the_horizon_are_not_given() -> None:
+    """NaN after the horizon, numbers before it, and the bound met up to it."""
+    whole = driven()
+    request = requests(whole)[0]
+    outcome = integrate(whole, request, tolerance=1e-9)
+    short = outcome.status == Status.HORIZON
+    assert short.any()
+    assert request.times is not None
+    assert outcome.states is not None
+    before = request.times <= outcome.horizon[:, None]
+    assert np.isfinite(outcome.states[before]).all()
+    assert np.isnan(outcome.states[request.times > outcome.horizon[:, None] * (1 + 1e-9)]).all()
+    assert (outcome.error <= 1e-9).all()
+    assert (outcome.horizon[short] < whole.duration[short]).all()
+
+
+def test_an_invalid_trajectory_is_not_computed_and_disturbs_nobody() -> None:
+    """Its status is invalid, its numbers NaN; the others keep every bit."""
+    whole = driven(10)
+    request = requests(whole)[0]
+    reference = integrate(whole, request, tolerance=1e-9)
+    invalid = np.zeros(10, dtype=np.bool_)
+    invalid[4] = True
+    found = integrate(replace(whole, invalid=invalid), request, tolerance=1e-9)
+    assert found.status[4] == Status.INVALID
+    assert found.states is not None
+    assert np.isnan(found.states[4]).all()
+    assert np.isnan(found.error[4])
+    others = ~invalid
+    assert_same(columns(found, others), columns(reference, others))
+
+
+def test_a_motion_that_runs_off_to_infinity_has_escaped() -> None:
+    """q'' = q**3 from (1, 1/sqrt 2) is 1/(1 - t/sqrt 2): escaped at t = sqrt 2."""
+    asked = problem(RUNAWAY, (1.0, 2.0**-0.5), 5.0)
+    times = np.linspace(0.0, 5.0, 101)[None]
+    outcome = integrate(asked, Request(times=times), tolerance=1e-6)
+    assert outcome.status[0] in (Status.ESCAPED, Status.HORIZON)
+    assert 1.2 < outcome.horizon[0] < 2.0**0.5
+    assert outcome.states is not None
+    before = times[0] <= outcome.horizon[0]
+    exact = 1.0 / (1.0 - times[0][before] / 2.0**0.5)
+    assert (np.abs(outcome.states[0, before, 0] - exact) <= 2.0 * outcome.error[0]).all()
+    assert np.isnan(outcome.states[0, ~before]).all()
+
+
+def test_a_start_on_a_pole_is_singular() -> None:
+    """q'' = 1/q from q = 0 has no derivative to begin with."""
+    outcome = integrate(problem(POLE, (0.0, 0.0), 1.0), Request(), tolerance=1e-6)
+    assert outcome.status[0] == Status.SINGULAR
+
+
+def test_too_coarse_a_limit_is_reported() -> None:
+    """With a largest resolution that is too small the status is max-steps, not ok."""
+    asked = problem(DRIVEN, (2.9, 0.0), 30.0, period=3.0)
+    outcome = integrate(asked, Request(), tolerance=1e-12, max_resolution=16)
+    assert outcome.status[0] == Status.MAX_STEPS
+
+
+def test_absurdly_long_runs_are_not_begun() -> None:
+    """They would take more steps than anybody waits for: max-steps at once."""
+    asked = problem(DRIVEN, [(1.0, 0.0)] * 2, [1e300, 10.0])
+    outcome = integrate(asked, Request(), tolerance=1e-6)
+    assert outcome.status.tolist() == [Status.MAX_STEPS, Status.OK]
+
+
+def test_a_piece_may_be_empty() -> None:
+    """Pieces of length zero, for some trajectories only, change nothing."""
+    start = np.array([[1.0, 0.0], [1.0, 0.0]])
+    whole = problem(DRIVEN, start, 10.0)
+    lengths = np.array([[10.0, 4.0], [0.0, 6.0]])
+    cut = replace(whole, timeline=Timeline(lengths, False, {}, whole.timeline.waveform))
+    times = np.tile(np.linspace(0.0, 10.0, 21), (2, 1))
+    states = integrate(cut, Request(times=times), tolerance=1e-10).states
+    assert states is not None
+    np.testing.assert_allclose(states[0], states[1], rtol=0, atol=2e-10)
+
+
+def test_progress_rises_to_one() -> None:
+    """Shares of finished trajectories, ascending, the last of them 1."""
+    shares: list[float] = []
+    integrate(driven(10), Request(strobe=1), tolerance=1e-9, progress=shares.append)
+    assert shares == sorted(shares)
+    assert shares[-1] == 1.0
+
+
+def test_an_interrupted_run_stops() -> None:
+    """What `progress` raises comes through, at once."""
+
+    def interrupt(_: float) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        integrate(driven(10), Request(strobe=1), tolerance=1e-9, progress=interrupt)
+
+
+def test_ladder_of_resolutions() -> None:
+    """Never below what is wanted, at most half as much again, and each its own rung."""
+    wanted = np.geomspace(4.0, 1e4, 1001)
+    rungs = ladder(wanted)
+    assert (rungs >= wanted).all()
+    assert (rungs <= 1.5 * wanted).all()
+    assert np.array_equal(ladder(rungs), rungs)
+
+
+@pytest.mark.parametrize("status", Status)
+def test_meanings_of_statuses(status: Status) -> None:
+    """One word each, as in the flag meanings of results."""
+    assert status.meaning.replace("-", "").isalpha()
+    assert Status[status.meaning.upper().replace("-", "_")] == status
+
+
+def test_velocity_is_the_rate_of_position() -> None:
+    """The helper's own field: a free line moves uniformly."""
+    free = Oscillator(0 * Q * V, {})
+    times = np.linspace(0.0, 5.0, 11)[None]
+    states = integrate(problem(free, (1.0, 2.0), 5.0), Request(times=times), tolerance=1e-9).states
+    assert states is not None
+    np.testing.assert_allclose(states[0, :, 0], 1.0 + 2.0 * times[0], rtol=0, atol=1e-13)
