@@ -11,9 +11,8 @@ from remanent._timeline import Timeline
 from remanent._typing import FloatArray, IntArray
 from remanent.integrate import dense
 from remanent.integrate.compile import Kernels
-from remanent.integrate.layout import PAST, past
+from remanent.integrate.layout import PAST
 from remanent.integrate.problem import Problem, Request
-from remanent.integrate.tables import waveform_tables
 
 #: Without a period, resolution counts double steps per this time (about one oscillation).
 NOMINAL = 2.5
@@ -102,27 +101,33 @@ def hopeless(tolerance: float) -> float:
     return max(tolerance, NONLINEAR)
 
 
-def double_steps(timeline: Timeline, resolution: int) -> IntArray:
+def double_steps(
+    timeline: Timeline, resolution: int, which: IntArray | slice = slice(None)
+) -> IntArray:
     """Double steps in every piece, array (piece, trajectory), at a resolution."""
+    lengths = timeline.lengths[:, which]
     if timeline.periodic:
-        return np.full(timeline.lengths.shape, resolution, dtype=np.int64)
-    count = np.ceil(timeline.lengths * (resolution / NOMINAL) - 1e-9)
+        return np.full(lengths.shape, resolution, dtype=np.int64)
+    count = np.ceil(lengths * (resolution / NOMINAL) - 1e-9)
     return np.asarray(np.clip(count, 1, 2**40), dtype=np.int64)
 
 
-def cycle_counts(problem: Problem) -> IntArray:
-    """How many cycles each trajectory takes, array (trajectory,)."""
+def cycle_counts(problem: Problem, which: IntArray | slice = slice(None)) -> IntArray:
+    """How many cycles each of some trajectories takes, array (trajectory,)."""
+    duration = problem.duration[which]
     if not problem.timeline.periodic:
-        return np.ones(problem.duration.shape, dtype=np.int64)
-    ratio = problem.duration / problem.timeline.lengths[0]
+        return np.ones(duration.shape, dtype=np.int64)
+    ratio = duration / problem.timeline.lengths[0, which]
     safe = np.where(np.isfinite(ratio), ratio, 1.0)
     return np.asarray(np.ceil(safe * (1 - 1e-12)), dtype=np.int64).clip(1)
 
 
-def step_counts(problem: Problem, resolution: int) -> FloatArray:
+def step_counts(
+    problem: Problem, resolution: int, which: IntArray | slice = slice(None)
+) -> FloatArray:
     """Fine steps of each trajectory, array (trajectory,)."""
-    steps = double_steps(problem.timeline, resolution).sum(axis=0)
-    return np.asarray(2.0 * steps * cycle_counts(problem))
+    steps = double_steps(problem.timeline, resolution, which).sum(axis=0)
+    return np.asarray(2.0 * steps * cycle_counts(problem, which))
 
 
 def stretches(
@@ -177,6 +182,10 @@ def _parts(first: int, doubles: int) -> Iterator[slice]:
         yield slice(begin, min(begin + size, doubles))
 
 
+#: ``tables(nodes, resolution)`` gives the waveforms of a whole cycle.
+Tables = Callable[[tuple[float, ...], int], tuple[FloatArray, FloatArray]]
+
+
 def attempt(
     problem: Problem,
     request: Request,
@@ -184,26 +193,24 @@ def attempt(
     tolerance: float,
     resolution: int,
     which: IntArray,
+    tables: Tables,
     keep_going: Callable[[], bool],
 ) -> Attempt:
     """Integrate the trajectories `which` once, at one resolution.
 
     All of them must have the same number of double steps in every piece.
     """
-    doubles = double_steps(problem.timeline, resolution)[:, which[0]]
-    cycles = int(cycle_counts(problem)[which].max())
+    doubles = double_steps(problem.timeline, resolution, which[:1])[:, 0]
+    cycles = int(cycle_counts(problem, which).max())
     lanes = _lanes(problem, request, kernels, tolerance, which)
     sampler = _Sampler(problem, request, kernels, which, cycles)
-    tables: dict[tuple[int, bool], tuple[FloatArray, FloatArray]] = {}
     for stretch in stretches(problem.timeline, which, doubles, cycles, request.strobe):
         if not keep_going():
             break
-        key = (stretch.resolution, stretch.past)
-        if key not in tables:
-            nodes = (kernels.run if stretch.past else kernels.start).method.nodes
-            tables[key] = waveform_tables(problem.timeline.waveform, nodes, stretch.resolution)
         _set_stretch(lanes, kernels, problem, stretch)
-        sampler.run(lanes, stretch.tables(tables[key]), stretch)
+        kernel = kernels.run if stretch.past else kernels.start
+        whole = tables(kernel.method.nodes, stretch.resolution)
+        sampler.run(lanes, stretch.tables(whole), stretch)
         if not (_column(lanes, kernels, "total")[: which.size] <= hopeless(tolerance)).any():
             break
     return _collect(lanes, kernels, which.size, sampler.states)
@@ -267,39 +274,6 @@ def _collect(
     return Attempt(values, last, states)
 
 
-def remember(
-    lanes: FloatArray, kernels: Kernels, problem: Problem, stretch: Stretch, states: FloatArray
-) -> None:
-    """Set the past rates of both solutions from the states at the ends of fine steps.
-
-    Parameters
-    ----------
-    states : array (end, group, state, lane)
-        From the beginning of the stretch to its end.
-    """
-    layout, steps = kernels.layout, states.shape[0] - 1
-    if steps < 2 * (PAST - 1):
-        return
-    ages = {"fine": np.arange(PAST), "coarse": 2 * np.arange(PAST)}
-    for kind, age in ages.items():
-        ends = steps - age
-        phase = stretch.phase(ends)
-        waveforms = problem.timeline.waveform(phase)
-        parameters = lanes[:, layout.group("parameter"), :].transpose(1, 0, 2)
-        inputs = [
-            phase[:, None, None],
-            *states[ends].transpose(2, 0, 1, 3),
-            *parameters,
-            *waveforms[:, :, None, None],
-        ]
-        with np.errstate(all="ignore"):
-            rates = problem.field.rates(inputs, functions=np)
-        for i in layout.pasts:
-            values = np.broadcast_to(rates[i], (PAST, lanes.shape[0], lanes.shape[2]))
-            for j in range(PAST):
-                lanes[:, layout.slots[past(kind, j, i)], :] = values[j]
-
-
 class _Sampler:
     """Runs stretches and picks the states that are wanted from each."""
 
@@ -309,7 +283,7 @@ class _Sampler:
         self.problem, self.kernels, self.strobe = problem, kernels, request.strobe
         self.times = None if request.times is None else request.times[which]
         self.count = which.size
-        self.cycles = cycle_counts(problem)[which]
+        self.cycles = cycle_counts(problem, which)
         self.states: FloatArray | None = None
         self.done = 0
         samples = None
@@ -332,8 +306,6 @@ class _Sampler:
         count = 2 * stretch.doubles * stretch.cycles // every if every else 0
         record = np.full((count, *before.shape[1:]), np.nan)
         kernel(lanes, tables, record, cycles=stretch.cycles, every=every)
-        if not stretch.past and every == 1:
-            remember(lanes, self.kernels, self.problem, stretch, np.concatenate([before, record]))
         if self.strobe:
             self._strobe(lanes, record, every, stretch)
         elif self.times is not None and count:
@@ -356,7 +328,7 @@ class _Sampler:
         self.done += found.shape[1]
 
     def _every(self, stretch: Stretch) -> int:
-        if not stretch.past:
+        if self.strobe and not stretch.past:
             return 1
         if self.strobe:
             whole = stretch.doubles == stretch.resolution and stretch.first % self.strobe == 0

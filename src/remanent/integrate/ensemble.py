@@ -12,6 +12,7 @@ import os
 import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor, as_completed
+from functools import cache
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -34,9 +35,10 @@ from remanent.integrate.layout import PAST
 from remanent.integrate.methods import default_method
 from remanent.integrate.problem import Outcome, Problem, Request
 from remanent.integrate.status import Status
+from remanent.integrate.tables import waveform_tables
 
-#: Trajectories in a chunk.
-_CHUNK = 512
+#: Fine steps in a chunk: about a tenth of a second.
+_CHUNK_STEPS = 2.0**23
 #: Largest resolution tried, double steps per cycle.
 MAX_RESOLUTION = 2**14
 #: Most fine steps of one trajectory: minutes of work.
@@ -102,6 +104,11 @@ def integrate(
     stalls = np.zeros(problem.duration.size, dtype=np.int64)
     search = replace(request, times=None)  # states between steps cost more than the steps
     stop = threading.Event()
+
+    @cache
+    def tables(nodes: tuple[float, ...], resolution: int) -> tuple[FloatArray, FloatArray]:
+        return waveform_tables(problem.timeline.waveform, nodes, resolution)
+
     with ThreadPoolExecutor(max_workers=threads) as pool:
 
         def start(
@@ -109,7 +116,7 @@ def integrate(
         ) -> dict[Future[Attempt], tuple[int, IntArray]]:
             def run(resolution: int, which: IntArray) -> Attempt:
                 return attempt(
-                    problem, request, kernels, tolerance, resolution, which,
+                    problem, request, kernels, tolerance, resolution, which, tables,
                     lambda: not stop.is_set(),
                 )  # fmt: skip
 
@@ -153,7 +160,7 @@ def _affordable(problem: Problem, outcome: Outcome, pending: _Pending) -> _Pendi
     possible = np.zeros(pending.index.size, dtype=np.bool_)
     for level in np.unique(pending.resolution):
         members = pending.resolution == level
-        steps = step_counts(problem, int(level))[pending.index[members]]
+        steps = step_counts(problem, int(level), pending.index[members])
         possible[members] = steps <= MAX_STEPS
     outcome.status[pending.index[~possible]] = Status.MAX_STEPS
     return _Pending(pending.index[possible], pending.resolution[possible])
@@ -208,18 +215,25 @@ def _chunks(
     problem: Problem, pending: _Pending, width: int, threads: int
 ) -> Iterator[tuple[int, IntArray]]:
     """Group trajectories that share a resolution, step counts, and about a length."""
-    cycles = cycle_counts(problem)[pending.index]
+    cycles = cycle_counts(problem, pending.index)
     for level in np.unique(pending.resolution):
         members = pending.index[pending.resolution == level]
-        steps = double_steps(problem.timeline, int(level))[:, members]
+        steps = double_steps(problem.timeline, int(level), members)
         order = np.lexsort((members, cycles[pending.resolution == level], *steps[::-1]))
         members, steps = members[order], steps[:, order]
         cuts = np.flatnonzero((steps[:, 1:] != steps[:, :-1]).any(axis=0)) + 1
         for same in np.split(members, cuts):
             share = -(-same.size // (threads * width)) * width
-            size = min(_CHUNK, share)
+            size = min(share, _fitting(problem, same, int(level), width))
             for first in range(0, same.size, size):
                 yield int(level), same[first : first + size]
+
+
+def _fitting(problem: Problem, which: IntArray, resolution: int, width: int) -> int:
+    """How many trajectories make a chunk that is over soon, and is worth its overhead."""
+    each = float(step_counts(problem, resolution, which[:1])[0])
+    groups = np.clip(_CHUNK_STEPS / (each * width), 4, 256)
+    return int(groups) * width
 
 
 def _next_resolution(total: FloatArray, tolerance: float, resolution: int) -> IntArray:

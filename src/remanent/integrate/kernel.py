@@ -99,7 +99,7 @@ class _Kernel:
         self.layout = layout_of(field)
         self.functions = LaneFunctions(writer)
         self.stepper: Stepper = (
-            RungeKuttaSteps(method, self._rates)
+            RungeKuttaSteps(method, self._rates, self.layout.pasts, writer)
             if isinstance(method, RungeKutta)
             else AdamsSteps(method, self._rates, partners(field), writer)
         )
@@ -149,7 +149,10 @@ class _Kernel:
     def _save(self) -> None:
         for name, variable in self.v.items():
             self._write(name, variable.get())
-        self.stepper.save(self._write)
+        last = self.w.builder.sub(self.doubles, self.w.integer(1))
+        last_fine = self.w.builder.add(last, self.doubles)
+        ends = {"fine": self._row(self.fine, last_fine), "coarse": self._row(self.coarse, last)}
+        self.stepper.save(self._write, ends)
 
     def _write(self, name: str, value: Lanes) -> None:
         self.w.store(value, self.lanes, self._index(self.layout.slots[name]))

@@ -69,12 +69,16 @@ class Writer:
     def load_scalar(self, pointer: ir.Value, index: ir.Value) -> ir.Value:
         return self.builder.load(self.builder.gep(pointer, [index]))
 
-    def variable(self, initial: Lanes) -> Variable:
-        """A mutable cell; the optimiser turns it into registers."""
+    def cell(self) -> Variable:
+        """A mutable cell without a value; the optimiser turns it into registers."""
         with self.builder.goto_entry_block():
-            cell = self.builder.alloca(self.vector)
-        self.builder.store(initial.value, cell)
-        return Variable(self, cell)
+            return Variable(self, self.builder.alloca(self.vector))
+
+    def variable(self, initial: Lanes) -> Variable:
+        """A mutable cell."""
+        cell = self.cell()
+        cell.set(initial)
+        return cell
 
     @contextmanager
     def loop(self, count: ir.Value) -> Iterator[tuple[ir.Value, Callable[[ir.Value], None]]]:

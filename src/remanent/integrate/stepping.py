@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 from llvmlite import ir
 
 from remanent.integrate.adams import Adams, combination
-from remanent.integrate.lanes import INTEGER, Lanes, Writer
-from remanent.integrate.layout import SOLUTIONS, past
+from remanent.integrate.lanes import INTEGER, Lanes, Variable, Writer
+from remanent.integrate.layout import PAST, SOLUTIONS, past
 from remanent.integrate.methods import RungeKutta
 
 #: Phase and waveforms at a node of the step.
@@ -25,8 +25,8 @@ class Stepper(Protocol):
     def load(self, read: Callable[[str], Lanes]) -> None:
         """Take over what earlier steps left."""
 
-    def save(self, write: Callable[[str, Lanes], None]) -> None:
-        """Leave what later steps need."""
+    def save(self, write: Callable[[str, Lanes], None], ends: Mapping[str, Loads]) -> None:
+        """Leave what later steps need; `ends` are the loads of the last steps."""
 
     def increment(self, kind: str, y: Sequence[Lanes], h: Lanes, loads: Loads) -> list[Lanes]:
         """What the step adds to the state."""
@@ -37,23 +37,45 @@ class Stepper(Protocol):
 
 @dataclass
 class RungeKuttaSteps:
-    """Steps that need no past."""
+    """Steps that need no past, but leave one."""
 
     method: RungeKutta
     evaluate: Evaluate
+    histories: Sequence[int]
+    writer: Writer
+    rings: dict[str, _Ring] = field(default_factory=dict)
+    ends: dict[str, list[Variable]] = field(default_factory=dict)
 
     def load(self, read: Callable[[str], Lanes]) -> None:
-        pass
+        for kind in SOLUTIONS:
+            self.rings[kind] = _Ring.allocate(self.writer, PAST, self.histories)
 
-    def save(self, write: Callable[[str, Lanes], None]) -> None:
-        pass
+    def save(self, write: Callable[[str, Lanes], None], ends: Mapping[str, Loads]) -> None:
+        for kind, ring in self.rings.items():
+            last = [cell.get() for cell in self.ends[kind]]
+            rates = self.evaluate(last, ends[kind](len(self.method.nodes) - 1))
+            for i in self.histories:
+                for age, rate in enumerate([rates[i], *ring.newest_first(i)[: PAST - 1]]):
+                    write(past(kind, age, i), rate)
 
     def increment(self, kind: str, y: Sequence[Lanes], h: Lanes, loads: Loads) -> list[Lanes]:
         found = [loads(node) for node in range(len(self.method.nodes))]
-        return self.method.increment(lambda node, z: self.evaluate(z, found[node]), y, h)
+        first: list[list[Lanes]] = []
+
+        def rates(node: int, z: Sequence[Lanes]) -> list[Lanes]:
+            slopes = self.evaluate(z, found[node])
+            first.append(slopes)
+            return slopes
+
+        change = self.method.increment(rates, y, h)
+        self.rings[kind].push({i: first[0][i] for i in self.histories})
+        return change
 
     def settle(self, kind: str, y: Sequence[Lanes], loads: Loads) -> None:
-        pass
+        if kind not in self.ends:
+            self.ends[kind] = [self.writer.cell() for _ in y]
+        for cell, value in zip(self.ends[kind], y, strict=True):
+            cell.set(value)
 
 
 @dataclass
@@ -78,7 +100,7 @@ class AdamsSteps:
                 ring.fill(i, [read(past(kind, j, i)) for j in range(self.method.steps)])
             self.rings[kind] = ring
 
-    def save(self, write: Callable[[str, Lanes], None]) -> None:
+    def save(self, write: Callable[[str, Lanes], None], ends: Mapping[str, Loads]) -> None:
         for kind, ring in self.rings.items():
             for i in self._histories():
                 for j, value in enumerate(ring.newest_first(i)):
