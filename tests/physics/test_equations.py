@@ -124,6 +124,13 @@ def test_watched_are_time_derivatives_of_the_thickness_stretch() -> None:
     assert sp.simplify(system.watched[2] - second) == 0
 
 
+@pytest.mark.parametrize("coordinates", [1, 2])
+def test_last_watched_quantity_has_the_sign_of_the_rate(coordinates: int) -> None:
+    """It is the rate times a function that is positive for positive stretches."""
+    system = mechanics.derive(Actuator(), Constant(0.1), coordinates=coordinates)
+    assert sp.simplify(system.watched[1] / system.watched[3]).is_positive
+
+
 def test_temperature_scales_out_exactly() -> None:
     """(T; m, S, eta, tau) and (T0; m/th, S/th, eta/sqrt th, tau sqrt th) move alike."""
     system = mechanics.derive(Actuator(dissipation=Rayleigh(0.1)), Constant(0.1))
