@@ -164,10 +164,14 @@ class Field:
         """Read what :meth:`to_json` wrote; malformed text raises ``ValueError``."""
         try:
             plain = json.loads(text)
-            names = [tuple(plain[k]) for k in ("state", "parameters", "waveforms")]
-            inputs = ("drive_phase", *names[0], *names[1], *names[2])
+            state, parameters, waveforms = (
+                tuple(map(str, plain[k])) for k in ("state", "parameters", "waveforms")
+            )
+            inputs = ("drive_phase", *state, *parameters, *waveforms)
             return cls(
-                *names,
+                state=state,
+                parameters=parameters,
+                waveforms=waveforms,
                 rates=_program_from_plain(inputs, plain["rates"]),
                 watched=_program_from_plain(inputs, plain["watched"]),
                 observables={

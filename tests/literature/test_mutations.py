@@ -40,18 +40,18 @@ def test_all_six_resonances_lie_within_a_hundredth_of_the_published(right: Any) 
     assert np.abs(right - np.array(PUBLISHED)).max() <= AGREEMENT
 
 
-def _velocity(a: Any, x: Any, v: Any) -> Any:
+def _velocity(a: Any, _x: Any, v: Any) -> Any:
     """The sign of the term 6 c lambda'^2."""
     return a.subs(v, sp.I * v)
 
 
-def _load(a: Any, x: Any, v: Any) -> Any:
+def _load(a: Any, _x: Any, _v: Any) -> Any:
     """The sign of the magnetic load m."""
     (load,) = [s for s in a.free_symbols if s.name == "effective_load"]
     return a.subs(load, -load)
 
 
-def _exponent(a: Any, x: Any, v: Any) -> Any:
+def _exponent(a: Any, x: Any, _v: Any) -> Any:
     """The exponent of lambda^-5 becomes -4."""
     (stiffness,) = [s for s in a.free_symbols if s.name == "stiffness"]
     (c,) = [s for s in a.free_symbols if s.name == "c"]
@@ -72,7 +72,7 @@ def test_a_mutated_equation_moves_a_resonance(
 
     monkeypatch.setattr(mechanics, "accelerations", mutated)
     field = codegen_build.build(rm.Actuator(), rm.SineSquared(0.4, 1.0))
-    monkeypatch.setattr(_ensemble, "field_for", lambda actuator, drive: field)
+    monkeypatch.setattr(_ensemble, "field_for", lambda *_: field)
     assert np.nanmax(np.abs(resonances(rm.Actuator()) - right)) > SEEN
 
 

@@ -29,8 +29,11 @@ class Case:
 
     def acceleration(self, m: Any, x: Any, v: Any) -> Any:
         """Equation 16 solved for the acceleration."""
-        force = self.theta * (x - x**-5) - self.prestress + m * x**-3
-        return (6.0 * self.c * x**-7 * v * v - 3.0 * force) / (1.0 + 2.0 * self.c * x**-6)
+        r = 1.0 / x
+        r3 = r * r * r
+        force = self.theta * (x - r3 * r * r) - self.prestress + m * r3
+        inertia = 1.0 + 2.0 * self.c * r3 * r3
+        return (6.0 * self.c * r3 * r3 * r * v * v - 3.0 * force) / inertia
 
 
 def random_drive(kind: type[Drive], rng: np.random.Generator, duration: float) -> Drive:
@@ -72,6 +75,16 @@ def corners(drive: Drive, duration: float) -> list[float]:
     return [0.0, *(t for t in inner if 0.0 < t < duration), duration]
 
 
+def smooth_load(drive: Drive, begin: float) -> Callable[[float], float]:
+    """The load from `begin` to the next corner, as one smooth function of time."""
+    if not isinstance(drive, Table):
+        return lambda t: float(drive(t))
+    piece = int(np.searchsorted(drive.times, begin, side="right")) - 1
+    a0, a1, a2, a3 = drive.coefficients()[:, piece].tolist()
+    start = drive.times[piece]
+    return lambda t: a0 + (t - start) * (a1 + (t - start) * (a2 + (t - start) * a3))
+
+
 def dop853(case: Case, times: FloatArray, rtol: float) -> FloatArray:
     """States (case, time, 2) from rest, all cases in one system of equations."""
     count = case.c.size
@@ -81,12 +94,10 @@ def dop853(case: Case, times: FloatArray, rtol: float) -> FloatArray:
     for begin, end in zip(marks[:-1], marks[1:], strict=True):
         inside = (times >= begin) & (times <= end)
         asked = np.unique(np.concatenate([[begin], times[inside], [end]]))
-        # A step drive jumps at `end`; its load up to there is that just before.
-        held = np.nextafter(end, begin)
+        load = smooth_load(case.drive, begin)
 
-        def rates(t: float, z: FloatArray, held: float = held) -> FloatArray:
-            m = case.drive(min(t, held))
-            return np.concatenate([z[count:], case.acceleration(m, z[:count], z[count:])])
+        def rates(t: float, z: FloatArray, load: Callable[[float], float] = load) -> FloatArray:
+            return np.concatenate([z[count:], case.acceleration(load(t), z[:count], z[count:])])
 
         found = solve_ivp(
             rates, (begin, end), y, method="DOP853", rtol=rtol, atol=1e-16, t_eval=asked

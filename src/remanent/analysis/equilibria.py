@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from scipy.optimize import elementwise
@@ -10,7 +11,7 @@ from scipy.optimize import elementwise
 from remanent._typing import FloatArray, IntArray
 
 #: ``force(case, x)`` with arrays (point,) gives the force (point,).
-Force = Callable[[IntArray, FloatArray], FloatArray]
+Force = Callable[[IntArray, Any], Any]
 
 
 def zeros(force: Force, cases: int, grid: FloatArray) -> FloatArray:
@@ -30,19 +31,16 @@ def zeros(force: Force, cases: int, grid: FloatArray) -> FloatArray:
     array (case, zero)
         Ascending in every row; NaN after the last.
     """
-    index, x = (a.ravel() for a in np.meshgrid(np.arange(cases), grid, indexing="ij"))
-    values = force(index, x).reshape(cases, grid.size)
+    index, x = np.repeat(np.arange(cases), grid.size), np.tile(grid, cases)
+    values = np.asarray(force(index, x)).reshape(cases, grid.size)
     case, k = np.nonzero(np.sign(values[:, 1:]) * np.sign(values[:, :-1]) < 0)
     exact_case, exact_k = np.nonzero(values == 0.0)
     roots = np.empty(0)
     if case.size:
-        solved = elementwise.find_root(
-            lambda position, i: force(i, position), (grid[k], grid[k + 1]), args=(case,)
-        )
+        find_root: Any = elementwise.find_root  # its stubs do not know `args`
+        solved = find_root(lambda x, i: force(i, x), (grid[k], grid[k + 1]), args=(case,))
         roots = np.asarray(solved.x)
-    return _rows(
-        np.concatenate([case, exact_case]), np.concatenate([roots, grid[exact_k]]), cases
-    )
+    return _rows(np.concatenate([case, exact_case]), np.concatenate([roots, grid[exact_k]]), cases)
 
 
 def slope(force: Force, case: IntArray, x: FloatArray) -> FloatArray:

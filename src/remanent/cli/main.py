@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from pathlib import Path
 
@@ -38,8 +39,8 @@ def paper(out: Path) -> None:
             display.update(task, description=stage, completed=share)
 
         found = reproduce(report)
-        report("writing", 0.9)
-        target = write(found, out)
+        report("pictures and page", 0.8)
+        target = write(found, out, processes=os.cpu_count() or 1)
         report("done", 1.0)
     for v in found.verdicts:
         click.echo(f"{v.claim.id:>4}  {v.verdict:<12}  {v.claim.claim}")

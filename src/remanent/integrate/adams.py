@@ -111,7 +111,8 @@ def _product(factors: Sequence[Sequence[Fraction]]) -> _Polynomial:
     result = [Fraction(1)]
     for constant, slope in factors:
         shifted = [Fraction(0), *(slope * c for c in result)]
-        result = [a + b for a, b in zip([*(constant * c for c in result), Fraction(0)], shifted, strict=True)]  # fmt: skip
+        scaled = [*(constant * c for c in result), Fraction(0)]
+        result = [a + b for a, b in zip(scaled, shifted, strict=True)]
     return tuple(result)
 
 

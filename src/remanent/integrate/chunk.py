@@ -12,6 +12,7 @@ from remanent._typing import FloatArray, IntArray
 from remanent.integrate import dense
 from remanent.integrate.compile import Kernels
 from remanent.integrate.layout import PAST
+from remanent.integrate.methods import default_method
 from remanent.integrate.problem import Problem, Request
 
 #: Without a period, resolution counts double steps per this time (about one oscillation).
@@ -263,9 +264,7 @@ def _set_stretch(lanes: FloatArray, kernels: Kernels, problem: Problem, stretch:
         _set_column(lanes, slots[f"parameter.{index}"], values)
 
 
-def _collect(
-    lanes: FloatArray, kernels: Kernels, count: int, states: FloatArray | None
-) -> Attempt:
+def _collect(lanes: FloatArray, kernels: Kernels, count: int, states: FloatArray | None) -> Attempt:
     flat = lanes.transpose(0, 2, 1).reshape(-1, kernels.layout.size)[:count]
     names = ("alive", "horizon", "error", "total", "maximum", "minimum")
     values = {name: flat[:, kernels.layout.slots[name]].copy() for name in names}
@@ -311,9 +310,7 @@ class _Sampler:
         elif self.times is not None and count:
             self._interpolate(self._flat(np.concatenate([before, record])), lanes, stretch)
 
-    def _strobe(
-        self, lanes: FloatArray, record: FloatArray, every: int, stretch: Stretch
-    ) -> None:
+    def _strobe(self, lanes: FloatArray, record: FloatArray, every: int, stretch: Stretch) -> None:
         """Keep the state after every so many cycles, recorded or at the end of a stretch."""
         assert self.states is not None
         if every == 1 and stretch.end > 0:  # the start: every step was recorded
@@ -332,7 +329,9 @@ class _Sampler:
             return 1
         if self.strobe:
             whole = stretch.doubles == stretch.resolution and stretch.first % self.strobe == 0
-            return 2 * stretch.doubles * self.strobe if whole and stretch.cycles >= self.strobe else 0
+            return (
+                2 * stretch.doubles * self.strobe if whole and stretch.cycles >= self.strobe else 0
+            )
         if self.times is None:
             return 0
         slack = 1e-9 * stretch.step
@@ -369,7 +368,7 @@ class _Sampler:
             part = position[row, column] - whole
             self.states[row, column] = dense.between(
                 self.problem.field,
-                self.kernels.start.method,
+                default_method(),
                 self.problem.timeline.waveform,
                 states=states[row, whole],
                 parameters=list(flat[:, row]),

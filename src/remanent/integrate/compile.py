@@ -129,7 +129,7 @@ class Target:
 
 @cache
 def host() -> Target:
-    """This machine."""
+    """The machine that this runs on."""
     binding.initialize_native_target()
     binding.initialize_native_asmprinter()
     return Target(
@@ -227,5 +227,3 @@ def _field_source() -> bytes:
     import remanent._field
 
     return Path(str(remanent._field.__file__)).read_bytes()
-
-

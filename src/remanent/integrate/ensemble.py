@@ -12,9 +12,8 @@ import os
 import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor, as_completed
+from dataclasses import dataclass, replace
 from functools import cache
-from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -128,7 +127,7 @@ def integrate(
                 chunks = _chunks(problem, pending, kernels.width, threads)
                 futures = start(search, chunks)
                 again = _settled(problem, outcome, futures, tolerance, max_resolution, stalls)
-                pending = _Pending(*map(np.concatenate, zip(*again, strict=True)))
+                pending = _joined(again)
                 if progress is not None:
                     progress(1.0 - pending.index.size / max(problem.duration.size, 1))
             if request.times is not None:
@@ -166,18 +165,26 @@ def _affordable(problem: Problem, outcome: Outcome, pending: _Pending) -> _Pendi
     return _Pending(pending.index[possible], pending.resolution[possible])
 
 
-class _Pending(NamedTuple):
+@dataclass(frozen=True)
+class _Pending:
     """Trajectories to try, and how finely."""
 
     index: IntArray
     resolution: IntArray
 
 
+def _joined(some: list[_Pending]) -> _Pending:
+    return _Pending(
+        np.concatenate([one.index for one in some]),
+        np.concatenate([one.resolution for one in some]),
+    )
+
+
 #: The resolutions tried: 4, 5, 6, 7, 8, 10, 12, 14, 16 ...
 _LADDER = np.array([base << k for k in range(40) for base in (4, 5, 6, 7)], dtype=np.int64)
 
 
-def ladder(wanted: FloatArray | float) -> IntArray:
+def ladder(wanted: FloatArray | IntArray | float) -> IntArray:
     """The smallest of 4, 5, 6, 7, 8, 10, 12 ... that is not below `wanted`."""
     return np.asarray(_LADDER[np.searchsorted(_LADDER, wanted)])
 

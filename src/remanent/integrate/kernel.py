@@ -38,6 +38,7 @@ NAME = "kernel"
 #: Newton steps from a secant start; an extremum then moves by less than round-off.
 _NEWTON_STEPS = 3
 
+
 @dataclass(frozen=True)
 class Options:
     """What a kernel follows.
@@ -134,13 +135,9 @@ class _Kernel:
         constants = {n: self._read(n) for n in fixed}
         self.h, self.cycle, self.start, self.begin, self.end = list(constants.values())[:5]
         self.tolerance, self.hopeless = constants["tolerance"], constants["hopeless"]
-        self.parameters = [
-            self._read(f"parameter.{i}") for i in range(len(self.field.parameters))
-        ]
+        self.parameters = [self._read(f"parameter.{i}") for i in range(len(self.field.parameters))]
         self.v: dict[str, Variable] = {
-            n: self.w.variable(self._read(n))
-            for n in names
-            if n not in constants
+            n: self.w.variable(self._read(n)) for n in names if n not in constants
         }
         self.stepper.load(self._read)
         if self.options.extremes:
@@ -179,8 +176,7 @@ class _Kernel:
         def at(node: int) -> list[Lanes]:
             index = (self.w.integer(node * columns + k) for k in range(columns))
             return [
-                self.w.spread(self.w.load_scalar(table, self.w.builder.add(base, k)))
-                for k in index
+                self.w.spread(self.w.load_scalar(table, self.w.builder.add(base, k))) for k in index
             ]
 
         return at
@@ -349,9 +345,7 @@ class _Kernel:
         loads = [[next(cells) for _ in range(load)] for _ in range(3)]
         t0 = next(cells)
         waiting = self.waiting.get() > 0.5
-        left, middle, right = (
-            self._jet(y, u) for y, u in zip(nodes[:3], loads, strict=True)
-        )
+        left, middle, right = (self._jet(y, u) for y, u in zip(nodes[:3], loads, strict=True))
         coarse = self._run(self.field.watched, nodes[3], loads[2])[0]
         self._judge(waiting, abs(right[0] - coarse) * self._scale, t0, nodes[0])
         self._take_extremes(waiting & (self.v["alive"].get() > 0.5), t0, (left, middle, right))
@@ -371,9 +365,8 @@ class _Kernel:
             bound = (at > -1.0) & (at < 1.0) | (t0 <= self.begin) & (at <= -1.0)
             self._take(where & bound, horner(polynomial, at))
         first_half = left[1] * middle[1] <= 0.0
-        near, far = (
-            first_half.choose(a, b) for a, b in zip((left[1], middle[1]), (middle[1], right[1]), strict=True)
-        )  # fmt: skip
+        near = first_half.choose(left[1], middle[1])
+        far = first_half.choose(middle[1], right[1])
         shift = first_half.choose(-one, self.w.constant(0.0))
         s = _turning_point(polynomial, near, far, shift)
         self._take(where & (near * far <= 0.0) & (s >= low) & (s <= high), horner(polynomial, s))

@@ -138,9 +138,7 @@ class Lanes:
         return other.value if isinstance(other, Lanes) else self.writer.constant(other).value
 
     def _apply(self, name: str, left: ir.Value, right: ir.Value) -> Lanes:
-        return Lanes(
-            self.writer, getattr(self.writer.builder, name)(left, right, flags=_FLAGS)
-        )
+        return Lanes(self.writer, getattr(self.writer.builder, name)(left, right, flags=_FLAGS))
 
     def __add__(self, other: Lanes | float) -> Lanes:
         return self._apply("fadd", self.value, self._other(other))

@@ -51,7 +51,9 @@ class RungeKutta:
             if abs(sum(row.values()) - self.nodes[self.stage_nodes[stage]]) > tolerance:
                 raise ValueError(f"{self.name}: row {stage} does not add up to its node")
         for power in range(self.order):
-            moment = sum(b * self.nodes[self.stage_nodes[i]] ** power for i, b in self.final.items())
+            moment = sum(
+                b * self.nodes[self.stage_nodes[i]] ** power for i, b in self.final.items()
+            )
             if abs(moment - 1 / type(moment)(power + 1)) > tolerance:
                 raise ValueError(f"{self.name}: quadrature condition {power + 1} fails")
 

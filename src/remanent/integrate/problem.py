@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
 from remanent._field import Field
 from remanent._timeline import Timeline
 from remanent._typing import BoolArray, FloatArray, IntArray
@@ -85,5 +88,5 @@ class Outcome:
     minimum: FloatArray
     error: FloatArray
     horizon: FloatArray
-    status: IntArray
+    status: NDArray[np.int8]
     resolution: IntArray

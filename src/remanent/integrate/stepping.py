@@ -135,8 +135,10 @@ class AdamsSteps:
     ) -> Lanes:
         partner = self.partners[i]
         if partner is None:
-            return h * combination(self.method.single, before[i])
-        return h * (y[partner] + h * combination(self.method.double, before[partner]))
+            change: Lanes = h * combination(self.method.single, before[i])
+        else:
+            change = h * (y[partner] + h * combination(self.method.double, before[partner]))
+        return change
 
     def _divide(self, a: Any, b: Any) -> Any:
         reciprocal = 1.0 / b
@@ -195,5 +197,3 @@ class _Ring:
 
     def _address(self, variable: int, index: ir.Value) -> ir.Value:
         return self.writer.builder.gep(self.memory[variable], [self.writer.integer(0), index])
-
-

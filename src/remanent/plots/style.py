@@ -102,7 +102,7 @@ _RC: Mapping[str, Any] = MappingProxyType(
         "lines.solid_capstyle": "round",
         "lines.solid_joinstyle": "round",
         "figure.dpi": 150,
-        "savefig.dpi": 300,
+        "savefig.dpi": 200,
         "savefig.bbox": None,
         "figure.facecolor": "white",
         "axes.facecolor": "white",

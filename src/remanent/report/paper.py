@@ -4,24 +4,23 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
 import xarray as xr
-from matplotlib.figure import Figure
 
-from remanent.report import evidence_figures, figures, page, reconstruction, tolerance
+from remanent.report import page, reconstruction, tolerance
 from remanent.report.audit import Verdict, audit
+from remanent.report.drawings import DRAWINGS, draw
 from remanent.report.evidence import Evidence, gather
 from remanent.report.settings import LAWS, PRESTRESSES, REFERENCE, TEMPERATURES
 from remanent.results import store
 
 #: Called with the name of a stage and the share of the whole that is done.
 Report = Callable[[str, float], None]
-#: Width of the figures in the page is set by the page; PNGs are for slides.
-_DPI = 200
 
 
 @dataclass(frozen=True)
@@ -34,18 +33,21 @@ class Paper:
         For the reference setting.
     verdicts
         Of every claim.
-    datasets, figures
+    datasets
         By name.
     """
 
     evidence: Evidence
     verdicts: list[Verdict]
     datasets: Mapping[str, xr.Dataset]
-    figures: Mapping[str, Figure]
 
 
-def reproduce(report: Report = lambda stage, share: None) -> Paper:
-    """Compute figures, reconstruction and audit."""
+def _silent(_stage: str, _share: float) -> None:
+    pass
+
+
+def reproduce(report: Report = _silent) -> Paper:
+    """Compute the data of all figures, the reconstruction and the audit."""
     report("figures 2 to 6", 0.0)
     reference = gather(REFERENCE)
     with ThreadPoolExecutor(max_workers=1) as aside:
@@ -57,32 +59,45 @@ def reproduce(report: Report = lambda stage, share: None) -> Paper:
     reference = replace(reference, misfits=least)
     settings = reconstruction.admissible(valleys["sin2"], "sin2")
     with ThreadPoolExecutor(max_workers=2) as together:
-        others = list(together.map(lambda setting: gather(setting, tolerance=1e-7), settings))
+        others = list(together.map(lambda setting: gather(setting, 1e-7, every=3), settings))
     verdicts = audit(reference, others)
-    report("pictures", 0.75)
-    datasets = _datasets(reference, valleys, sections, drift)
-    return Paper(reference, verdicts, datasets, _figures(datasets))
+    return Paper(reference, verdicts, _datasets(reference, valleys, sections, drift))
 
 
-def write(paper: Paper, out: Path) -> Path:
-    """Write page, JSON, pictures and data into a folder; return the page's path."""
-    out.mkdir(parents=True, exist_ok=True)
+def write(paper: Paper, out: Path, *, processes: int = 1) -> Path:
+    """Write page, JSON, pictures and data into a folder; return the page's path.
+
+    Parameters
+    ----------
+    processes
+        Draw pictures in so many processes.  With more than one, a script that calls
+        this must guard its own start with ``if __name__ == "__main__"``.
+    """
     for folder in ("figures", "data"):
-        (out / folder).mkdir(exist_ok=True)
-    drawings = {}
-    for name, figure in paper.figures.items():
-        figure.savefig(out / "figures" / f"{name}.svg", metadata={"Date": None})
-        figure.savefig(out / "figures" / f"{name}.png", dpi=_DPI)
-        drawings[name] = (out / "figures" / f"{name}.svg").read_text(encoding="utf-8")
+        (out / folder).mkdir(parents=True, exist_ok=True)
+    _draw(paper.datasets, out / "figures", processes)
     for name, dataset in paper.datasets.items():
         store.write(dataset, out / "data" / f"{name}.nc")
     summary = summarise(paper)
     (out / "report.json").write_text(
         json.dumps(summary, indent=2, ensure_ascii=False) + "\n", encoding="utf-8"
     )
+    drawings = {n: (out / "figures" / f"{n}.svg").read_text(encoding="utf-8") for n in DRAWINGS}
     target = out / "report.html"
     target.write_text(page.render(paper, summary, drawings), encoding="utf-8")
     return target
+
+
+def _draw(datasets: Mapping[str, xr.Dataset], folder: Path, processes: int) -> None:
+    """Draw every picture, slow ones first."""
+    jobs = [(name, {k: datasets[k] for k in DRAWINGS[name].needs}, folder) for name in DRAWINGS]
+    if processes == 1:
+        for job in jobs:
+            draw(*job)
+        return
+    with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
+        for done in [pool.submit(draw, *job) for job in jobs]:
+            done.result()
 
 
 def summarise(paper: Paper) -> dict[str, Any]:
@@ -124,7 +139,7 @@ def _scripts(reference: Evidence) -> tuple[xr.Dataset, xr.Dataset]:
 
 def _reconstruct(report: Report) -> dict[str, xr.Dataset]:
     """Misfits of every law; the paper's own reading over every window."""
-    windows = {law: (100.0,) for law in LAWS} | {"sin2": reconstruction.WINDOWS}
+    windows = dict.fromkeys(LAWS, (100.0,)) | {"sin2": reconstruction.WINDOWS}
     total, done = sum(map(len, windows.values())), 0
     found = {}
     for law, lengths in windows.items():
@@ -162,24 +177,3 @@ def _datasets(
         "tolerance_sections": sections,
         "tolerance_energy": drift,
     }
-
-
-def _figures(data: Mapping[str, xr.Dataset]) -> dict[str, Figure]:
-    motion, section = data["periodic_load"], data["sections"].isel(period=slice(0, 501))
-    found = {
-        "figure_2": figures.figure_2(data["constant_load"]),
-        "figure_3": figures.figure_3(data["constant_load"]),
-        "figure_4": figures.figure_4(data["frequency_response"]),
-    }
-    for name, s in zip(("figure_5", "figure_6"), PRESTRESSES, strict=True):
-        found[name] = figures.figure_5_or_6(motion.sel(prestress=s), section.sel(prestress=s))
-    return found | {
-        "landscapes": evidence_figures.landscapes(data["landscape"]),
-        "tolerance": evidence_figures.tolerance_story(
-            data["tolerance_sections"], data["tolerance_energy"]
-        ),
-        "valley": evidence_figures.valley(data["valley_windows"]),
-        "laws": evidence_figures.valley(data["valley_laws"]),
-    }
-
-

@@ -13,11 +13,11 @@ from remanent.results import build, provenance
 from remanent.studies.response import frequency_response
 
 #: The grid on which the misfit is computed.
-REFERENCE_TEMPERATURES = np.arange(281.0, 306.0, 2.0)
-AMPLITUDES = np.round(np.arange(0.32, 0.4601, 0.01), 2)
-WINDOWS = (50.0, 80.0, 100.0, 150.0)
+REFERENCE_TEMPERATURES = np.arange(285.0, 306.0, 2.0)
+AMPLITUDES = np.round(np.arange(0.34, 0.4401, 0.01), 2)
+WINDOWS = (50.0, 100.0, 150.0)
 #: Frequencies searched; m = b₀² sin ωτ resonates at twice the published ones.
-_RANGE = {"sin2": (0.6, 1.6, 51), "cos2": (0.6, 1.6, 51), "sin": (0.6, 3.0, 121)}
+_RANGE = {"sin2": (0.7, 1.5, 41), "cos2": (0.7, 1.5, 41), "sin": (0.7, 3.0, 116)}
 #: A resonance is read to this width; amplitudes need no smaller error than this.
 _TOLERANCE, _WIDTH = 1e-4, 5e-3
 

@@ -52,9 +52,11 @@ class Setting:
 
     @property
     def actuator(self) -> Actuator:
+        """The paper's cube, with this reference temperature."""
         return Actuator(reference_temperature=self.reference_temperature)
 
     def drive(self, omega: float) -> Drive:
+        """The periodic load at a frequency."""
         return LAWS[self.law].drive(self.b, omega)
 
 
@@ -73,6 +75,7 @@ class Law:
     phase: float | None
 
     def drive(self, b: float, omega: float) -> Drive:
+        """The load with amplitude b², at a frequency."""
         if self.phase is None:
             return Sine(b**2, omega)
         return SineSquared(b, omega, self.phase)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
+from functools import partial
 from itertools import product
 
 import numpy as np
@@ -9,7 +12,7 @@ import xarray as xr
 from scipy.integrate import solve_ivp
 
 from remanent._typing import FloatArray
-from remanent.models.drives import Constant, Drive
+from remanent.models.drives import Constant
 from remanent.report.evidence import CASES, DRAWN, Evidence
 from remanent.report.settings import FREQUENCIES, PRESTRESSES, TEMPERATURES, Setting
 from remanent.results import build, provenance
@@ -24,18 +27,27 @@ _LONG_RUN, _POINTS = 1000.0, 2001
 
 
 def at_defaults(
-    setting: Setting, temperature: float, prestress: float, drive: Drive, times: FloatArray
+    setting: Setting,
+    temperature: float,
+    prestress: float,
+    load: Callable[[float], float],
+    times: FloatArray,
 ) -> FloatArray:
     """States (time, 2) from rest, as a script at default tolerances gives them.
 
     SciPy's RK45 is the same Dormand-Prince 5(4) pair as ode45, with a step controller
     of its own: alike in kind, not dot for dot.
+
+    Parameters
+    ----------
+    load
+        The magnetic load m at a time.
     """
     theta = temperature / setting.reference_temperature
 
     def equation_16(tau: float, y: FloatArray) -> tuple[float, float]:
-        x, v = y
-        force = theta * (x - x**-5) - prestress + float(drive(tau)) * x**-3
+        x, v = y.tolist()
+        force = theta * (x - x**-5) - prestress + load(tau) * x**-3
         return v, (6.0 * v * v / x**7 - 3.0 * force) / (1.0 + 2.0 / x**6)
 
     solved = solve_ivp(
@@ -43,6 +55,11 @@ def at_defaults(
         rtol=RELATIVE, atol=ABSOLUTE,
     )  # fmt: skip
     return np.asarray(solved.y.T)
+
+
+def _sine_squared(b: float, omega: float, tau: float) -> float:
+    """m = (b sin ωτ)², the reference law."""
+    return (b * math.sin(omega * tau)) ** 2
 
 
 def section_story(evidence: Evidence) -> xr.Dataset:
@@ -54,14 +71,13 @@ def section_story(evidence: Evidence) -> xr.Dataset:
         ``thickness_stretch``, ``thickness_stretch_rate`` (solver, prestress,
         temperature, period), ``omega`` (prestress).
     """
-    converged = evidence.section.sel(period=slice(0, 2 * DRAWN, 2))
+    converged = evidence.section.sel(period=slice(0, DRAWN, 2))
     shape = (len(PRESTRESSES), len(TEMPERATURES), converged.sizes["period"], 2)
     script = np.empty(shape)
     for (i, s), (j, t) in product(enumerate(PRESTRESSES), enumerate(TEMPERATURES)):
-        drive = evidence.setting.drive(FREQUENCIES[i])
-        length = float(drive.period or 0.0)
-        times = converged["period"].values * length
-        script[i, j] = at_defaults(evidence.setting, t, s, drive, times)
+        times = converged["period"].values * (math.pi / FREQUENCIES[i])
+        load = partial(_sine_squared, evidence.setting.b, FREQUENCIES[i])
+        script[i, j] = at_defaults(evidence.setting, t, s, load, times)
     both = _both(converged, script)
     omega = build.dataset({}, {"omega": (("prestress",), np.array(FREQUENCIES))}, {})
     return both.assign_coords(omega=omega["omega"])
@@ -81,7 +97,7 @@ def energy_story(setting: Setting) -> xr.Dataset:
     energy = np.empty((2, len(PRESTRESSES), len(TEMPERATURES), _POINTS))
     energy[0] = converged["energy"].values
     for (i, s), (j, t) in product(enumerate(PRESTRESSES), enumerate(TEMPERATURES)):
-        x, v = at_defaults(setting, t, s, drive, times).T
+        x, v = at_defaults(setting, t, s, lambda _: drive.m, times).T
         theta = t / setting.reference_temperature
         energy[1, i, j] = (
             (1.0 + 2.0 / x**6) * v**2 / 3.0

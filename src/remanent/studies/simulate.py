@@ -102,16 +102,12 @@ def simulate(
     }
     for name in ("thickness_stretch", "thickness_stretch_rate", "energy"):
         variables[name] = ((*ens.dims, axis), ens.shaped(observe(asked, name, grid, states)))
-    time: Labelled = (
-        (("time",), grid[0]) if shared else ((*ens.dims, "cycle"), ens.shaped(grid))
-    )
+    time: Labelled = (("time",), grid[0]) if shared else ((*ens.dims, "cycle"), ens.shaped(grid))
     settings = {"duration": duration, "periods": periods}
     return label(ens, outcome, variables, {"time": time}, tolerance, **settings)
 
 
-def _grid(
-    ens: Ensemble, duration: Any, periods: Any, times: Any
-) -> tuple[FloatArray, bool]:
+def _grid(ens: Ensemble, duration: Any, periods: Any, times: Any) -> tuple[FloatArray, bool]:
     """Times (trajectory, time), and whether all trajectories share them."""
     if times is not None:
         wanted = np.array(require_increasing("times", times))

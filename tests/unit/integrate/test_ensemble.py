@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import sympy as sp
+from tests.unit.integrate.handmade import SINE, Oscillator, Q, V, problem
 
 from remanent._timeline import Timeline
 from remanent.integrate import chunk, ensemble
 from remanent.integrate.ensemble import integrate, ladder
 from remanent.integrate.problem import Outcome, Problem, Request
 from remanent.integrate.status import Status
-from tests.unit.integrate.handmade import SINE, Oscillator, Q, V, problem
 
 DRIVEN = Oscillator(-sp.sin(Q) + sp.Symbol("a") * SINE, {"a": 0.0})
 RUNAWAY = Oscillator(Q**3, {})
@@ -75,9 +75,7 @@ def test_bits_do_not_depend_on_the_company(kind: int) -> None:
         found = integrate(subset(whole, which), replace(request, times=times), tolerance=1e-9)
         assert_same(columns(found), columns(reference, which))
         if times is not None and request.times is not None:
-            np.testing.assert_array_equal(
-                seen(found, times), seen(reference, request.times, which)
-            )
+            np.testing.assert_array_equal(seen(found, times), seen(reference, request.times, which))
         elif found.states is not None and reference.states is not None:
             count = found.states.shape[1]
             at = 3.0 * 3.0 * np.arange(reference.states.shape[1])[None, :]
@@ -98,10 +96,13 @@ def test_bits_do_not_depend_on_the_threads(workers: int) -> None:
     np.testing.assert_array_equal(seen(found, request.times), seen(reference, request.times))
 
 
-@pytest.mark.parametrize(("module", "name", "value"), [
-    (ensemble, "_CHUNK", 3),
-    (chunk, "_SAMPLES_AT_ONCE", 13),
-])
+@pytest.mark.parametrize(
+    ("module", "name", "value"),
+    [
+        (ensemble, "_CHUNK", 3),
+        (chunk, "_SAMPLES_AT_ONCE", 13),
+    ],
+)
 def test_bits_do_not_depend_on_the_size_of_pieces_of_work(
     module: object, name: str, value: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:

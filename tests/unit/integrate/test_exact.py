@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 import sympy as sp
 from scipy.special import ellipj
+from tests.unit.integrate.handmade import SINE, Oscillator, Q, V, problem, sampled
 
 from remanent._typing import FloatArray
 from remanent.integrate.ensemble import integrate
 from remanent.integrate.methods import default_method
 from remanent.integrate.problem import Request
 from remanent.integrate.status import Status
-from tests.unit.integrate.handmade import SINE, Oscillator, Q, V, problem, sampled
 
 TIMES = np.linspace(0.0, 50.0, 101)
 K, G, A = sp.symbols("k g a")
@@ -100,7 +100,9 @@ def test_error_falls_with_the_order_of_the_method(name: str) -> None:
         outcome = sampled(asked, TIMES, tolerance, method=default_method())
         assert outcome.states is not None
         length = period or 2.5
-        per_piece = outcome.resolution[0] if period else math.ceil(50.0 / length * outcome.resolution[0])
+        per_piece = (
+            outcome.resolution[0] if period else math.ceil(50.0 / length * outcome.resolution[0])
+        )
         steps.append(math.log(per_piece))
         errors.append(math.log(np.abs(outcome.states[0] - exact).max()))
     assert np.polyfit(steps, errors, 1)[0] == pytest.approx(-8.0, abs=0.4)
@@ -109,9 +111,7 @@ def test_error_falls_with_the_order_of_the_method(name: str) -> None:
 def test_extremes_between_steps_are_those_of_the_solution() -> None:
     """Of A cn(w t) they are A and -A, and in a window without a turn those of its ends."""
     asked = problem(DUFFING, [(1.3, 0.0)] * 2, [50.0, 0.4])
-    outcome = integrate(
-        asked, Request(extremes=True, begin=np.array([0.0, 0.1])), tolerance=1e-10
-    )
+    outcome = integrate(asked, Request(extremes=True, begin=np.array([0.0, 0.1])), tolerance=1e-10)
     w = math.sqrt(1.0 + 2.0 * 1.69)
     cn = ellipj(w * np.array([0.1, 0.4]), 1.69 / w**2)[1]
     expected_max, expected_min = [1.3, 1.3 * cn[0]], [-1.3, 1.3 * cn[1]]

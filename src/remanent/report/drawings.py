@@ -1,0 +1,71 @@
+"""Every picture of the report by name, and which data it is drawn from."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+from typing import Final
+
+import xarray as xr
+from matplotlib.figure import Figure
+
+from remanent.plots import style
+from remanent.report import evidence_figures, figures
+from remanent.report.evidence import DRAWN
+from remanent.report.settings import PRESTRESSES
+
+Data = Mapping[str, xr.Dataset]
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """How a picture is drawn, and the names of the Datasets it needs."""
+
+    draw: Callable[[Data], Figure]
+    needs: tuple[str, ...]
+
+
+def _driven(row: int) -> Drawing:
+    """Figure 5 or 6."""
+
+    def drawn(data: Data) -> Figure:
+        at = {"prestress": PRESTRESSES[row]}
+        section = data["sections"].sel(at).isel(period=slice(0, DRAWN + 1))
+        return figures.figure_5_or_6(data["periodic_load"].sel(at), section)
+
+    return Drawing(drawn, ("periodic_load", "sections"))
+
+
+def _single(function: Callable[[xr.Dataset], Figure], name: str) -> Drawing:
+    return Drawing(lambda data: function(data[name]), (name,))
+
+
+#: Pictures by name, those that take longest first.
+DRAWINGS: Final[Mapping[str, Drawing]] = MappingProxyType(
+    {
+        "tolerance": Drawing(
+            lambda data: evidence_figures.tolerance_story(
+                data["tolerance_sections"], data["tolerance_energy"]
+            ),
+            ("tolerance_sections", "tolerance_energy"),
+        ),
+        "figure_5": _driven(0),
+        "figure_6": _driven(1),
+        "valley": _single(evidence_figures.valley, "valley_windows"),
+        "laws": _single(evidence_figures.valley, "valley_laws"),
+        "figure_3": _single(figures.figure_3, "constant_load"),
+        "figure_4": _single(figures.figure_4, "frequency_response"),
+        "landscapes": _single(evidence_figures.landscapes, "landscape"),
+        "figure_2": _single(figures.figure_2, "constant_load"),
+    }
+)
+
+
+def draw(name: str, data: Data, folder: Path) -> None:
+    """Draw a picture into a folder, as vectors and as points."""
+    figure = DRAWINGS[name].draw(data)
+    style.save(figure, folder / f"{name}.svg")
+    figure.set_layout_engine("none")  # it has done its work
+    style.save(figure, folder / f"{name}.png")
