@@ -95,19 +95,22 @@ def valley(dataset: xr.Dataset) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        One row per law, one column per window, all on one logarithmic scale, with
+        One row per law, one column per window (laws side by side for a single window), all on
+        one logarithmic scale, with
         contour lines; in each panel a dot at the least misfit, and its value.
     """
     laws, windows = dataset["law"].values, dataset["window"].values
     finite = dataset["misfit"].values[np.isfinite(dataset["misfit"].values)]
     scale = LogNorm(float(max(finite.min(), 1e-4)), float(finite.max()))
     with style.context():
-        size = (style.DOUBLE, 1.9 * len(laws) + 0.9)
-        figure, grid = panels(len(laws), len(windows), size, sharex=True, sharey=True)
-        for (i, law), (j, window) in product(enumerate(laws), enumerate(windows)):
-            drawn = _misfit(grid[i, j], dataset.isel(law=i, window=j), scale)
+        shape = (len(laws), len(windows)) if len(windows) > 1 else (1, len(laws))
+        size = (style.DOUBLE, 1.9 * shape[0] + 0.9)
+        figure, grid = panels(*shape, size, sharex=True, sharey=True)
+        cases = product(enumerate(laws), enumerate(windows))
+        for axes, ((i, law), (j, window)) in zip(grid.flat, cases, strict=True):
+            drawn = _misfit(axes, dataset.isel(law=i, window=j), scale)
             title = f"{law},  {style.title(dataset['window'], window)}"
-            style.panel_title(grid[i, j], "", title)
+            style.panel_title(axes, "", title)
         only_outer_labels(grid, x=True, y=True)
         figure.colorbar(drawn, ax=grid, label=style.label(dataset["misfit"]), aspect=40)
         footer.add(figure, dataset, hide=("drive", "temperature", "prestress"))

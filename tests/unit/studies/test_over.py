@@ -1,0 +1,141 @@
+"""What `over` means: outer products, shared dimensions, dotted names."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import remanent as rm
+
+DRIVE = rm.SineSquared(0.4, 1.25)
+TIMES = np.linspace(0.0, 5.0, 11)
+
+
+def simulated(actuator: rm.Actuator | None = None, **settings: Any) -> xr.Dataset:
+    return rm.simulate(actuator or rm.Actuator(), DRIVE, times=TIMES, **settings)
+
+
+def assert_bits(a: xr.Dataset, b: xr.Dataset) -> None:
+    for name in ("stretch", "stretch_rate", "thickness_stretch", "energy", "error", "status"):
+        np.testing.assert_array_equal(a[name].values, b[name].values)
+
+
+def test_values_of_two_fields_make_an_outer_product() -> None:
+    """Dimensions in the order given, and every element the single run, bit for bit."""
+    temperatures, omegas = [250.0, 350.0, 400.0], [0.7, 1.1]
+    ds = simulated(over={"temperature": temperatures, "omega": omegas})
+    assert ds.stretch.dims == ("temperature", "omega", "time")
+    assert ds.error.dims == ("temperature", "omega")
+    assert ds.temperature.values.tolist() == temperatures
+    for T in temperatures:
+        for w in omegas:
+            single = rm.simulate(rm.Actuator(temperature=T), DRIVE.replace(omega=w), times=TIMES)
+            assert_bits(ds.sel(temperature=T, omega=w), single)
+
+
+def test_dataarrays_that_share_a_dimension_go_together() -> None:
+    """One with one along `case`, which is the only dimension."""
+    omega = xr.DataArray([0.7, 1.1, 0.7], dims="case")
+    b = xr.DataArray([0.2, 0.3, 0.4], dims="case")
+    ds = simulated(over={"omega": omega, "b": b})
+    assert ds.stretch.dims == ("case", "time")
+    for k in range(3):
+        drive = rm.SineSquared(float(b[k]), float(omega[k]))
+        assert_bits(ds.isel(case=k), rm.simulate(rm.Actuator(), drive, times=TIMES))
+
+
+def test_shared_and_own_dimensions_mix() -> None:
+    """A field on two dimensions, a field on one of them, and a third by itself."""
+    c = xr.DataArray([[0.1, 0.2, 0.3], [0.4, 0.5, 0.6]], dims=("row", "column"))
+    b = xr.DataArray([0.1, 0.2, 0.3], dims="column")
+    ds = simulated(over={"c": c, "temperature": [280.0, 320.0], "b": b})
+    assert ds.error.dims == ("row", "column", "temperature")
+    single = rm.simulate(rm.Actuator(c=0.6, temperature=280.0), rm.SineSquared(0.3, 1.25), times=TIMES)
+    assert_bits(ds.isel(row=1, column=2, temperature=0), single)
+
+
+def test_dotted_names_reach_into_parts() -> None:
+    """`dissipation.0.eta` and `magnet.temperature_coefficient`."""
+    body = rm.Actuator(dissipation=rm.Rayleigh(0.1))
+    ds = simulated(body, over={"dissipation.0.eta": [0.0, 0.2]})
+    for k, eta in enumerate((0.0, 0.2)):
+        single = simulated(rm.Actuator(dissipation=rm.Rayleigh(eta)))
+        assert_bits(ds.isel({"dissipation.0.eta": k}), single)
+    hot = rm.Actuator(temperature=350.0)
+    ds = simulated(hot, over={"magnet.temperature_coefficient": [-0.001, 0.0]})
+    assert_bits(ds.isel({"magnet.temperature_coefficient": 1}), simulated(hot))
+
+
+def test_initial_states_can_be_varied() -> None:
+    """`initial.stretch` and `initial.stretch_rate` replace what `initial` says."""
+    ds = simulated(initial=(1.1, 0.5), over={"initial.stretch": [0.9, 1.0]})
+    assert_bits(ds.isel({"initial.stretch": 0}), simulated(initial=(0.9, 0.5)))
+    ds = simulated(over={"initial.stretch_rate": [-0.5, 0.5]})
+    assert_bits(ds.isel({"initial.stretch_rate": 1}), simulated(initial=(1.0, 0.5)))
+
+
+def test_a_single_value_keeps_its_dimension() -> None:
+    """A number or a list of one is a dimension of length one; no `over`, no dimension."""
+    assert simulated(over={"c": 0.5}).error.dims == ("c",)
+    assert simulated(over={"c": [0.5]}).error.shape == (1,)
+    assert simulated(over={}).error.dims == simulated().error.dims == ()
+
+
+def test_runs_of_different_length_have_their_own_times() -> None:
+    """`periods` with several frequencies: the dimension is `cycle`, `time` a table."""
+    ds = rm.simulate(rm.Actuator(), DRIVE, periods=3, over={"omega": [0.7, 1.1]})
+    assert ds.stretch.dims == ("omega", "cycle")
+    assert ds.time.dims == ("omega", "cycle")
+    assert ds.time.values[:, -1] == pytest.approx(3 * np.pi / np.array([0.7, 1.1]), rel=1e-15)
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_bits_do_not_depend_on_the_processors(workers: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """One processor or two: the same bits, through the public verb (law N9)."""
+    over = {"omega": np.linspace(0.6, 2.0, 30), "temperature": [250.0, 400.0]}
+    reference = simulated(over=over)
+    monkeypatch.setattr("os.cpu_count", lambda: workers)
+    assert_bits(simulated(over=over), reference)
+
+
+def test_sections_do_not_depend_on_their_neighbours() -> None:
+    """A sweep of sections equals its own parts and its mirror image."""
+    omega = np.linspace(0.6, 2.2, 24)
+    drive = rm.SineSquared(0.9, 1.0)
+    body = rm.Actuator(c=0.1, temperature=350.0)
+    whole = rm.poincare_section(body, drive, periods=40, over={"omega": omega})
+    assert set(whole.status.values.tolist()) <= {1, 2}
+    for part in (slice(0, 5), slice(7, 8), slice(9, 24)):
+        some = rm.poincare_section(body, drive, periods=40, over={"omega": omega[part]})
+        for name in ("stretch", "stretch_rate", "error", "horizon", "status"):
+            np.testing.assert_array_equal(some[name].values, whole[name].values[part])
+
+
+def test_invalid_points_leave_the_others_alone() -> None:
+    """Status invalid and NaN there; every other point keeps its bits."""
+    good = [250.0, 300.0, 350.0]
+    reference = simulated(over={"temperature": good})
+    mixed = xr.DataArray([250.0, -5.0, 300.0, np.nan, 350.0, np.inf], dims="case")
+    ds = simulated(over={"temperature": mixed})
+    assert ds.status.values.tolist() == [1, 4, 1, 4, 1, 4]
+    assert np.isnan(ds.stretch.values[[1, 3, 5]]).all()
+    assert np.isnan(ds.error.values[[1, 3, 5]]).all()
+    assert np.isnan(ds.energy.values[[1, 3, 5]]).all()
+    for name in ("stretch", "energy", "error"):
+        np.testing.assert_array_equal(ds[name].values[[0, 2, 4]], reference[name].values)
+
+
+def test_a_strongly_driven_motion_ends_at_its_horizon() -> None:
+    """Status horizon: numbers before it, NaN after it, never the last good value."""
+    ds = rm.simulate(rm.Actuator(), rm.SineSquared(1.5, 1.25), duration=600.0, tolerance=1e-9)
+    assert int(ds.status) == 2
+    horizon = float(ds.horizon)
+    assert 10.0 < horizon < 600.0
+    before = ds.time.values <= horizon
+    assert np.isfinite(ds.stretch.values[before]).all()
+    for name in ("stretch", "stretch_rate", "thickness_stretch", "energy"):
+        assert np.isnan(ds[name].values[~before]).all()
+    assert 0.0 < float(ds.error) <= 1e-9
