@@ -23,7 +23,11 @@ SPLIT = {"3", "6", "8", "12", "14", "16", "17"}
 def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Paper, Path]:
     """The whole report, on a coarser map of the unstated choices."""
     with pytest.MonkeyPatch.context() as patch:
-        coarse = {"REFERENCE_TEMPERATURES": [289.0, 293.0, 297.0, 301.0], "AMPLITUDES": [0.36, 0.4]}
+        coarse = {
+            "REFERENCE_TEMPERATURES": [289.0, 293.0, 297.0],
+            "AMPLITUDES": [0.36, 0.38, 0.4],
+            "WINDOWS": (100.0,),
+        }
         for name, values in coarse.items():
             patch.setattr(reconstruction, name, np.array(values))
         found = reproduce()

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -45,9 +46,9 @@ def random_drive(kind: type[Drive], rng: np.random.Generator, duration: float) -
         Constant: lambda: Constant(u(-3, 3)),
         SineSquared: lambda: SineSquared(u(0.2, 1.7), u(0.4, 4), u(0, 6)),
         Sine: lambda: Sine(u(-2, 2), u(0.4, 5), u(-1, 1), u(0, 6)),
-        Steps: lambda: Steps(times, u(-3, 3, 6)),  # type: ignore[arg-type]
-        Ramp: lambda: Ramp(times, u(-3, 3, 6)),  # type: ignore[arg-type]
-        Sampled: lambda: Sampled(even, u(-1.5, 1.5, 13)),  # type: ignore[arg-type]
+        Steps: lambda: Steps(times, u(-3, 3, 6)),
+        Ramp: lambda: Ramp(times, u(-3, 3, 6)),
+        Sampled: lambda: Sampled(even, u(-1.5, 1.5, 13)),
         Chirp: lambda: Chirp(u(-2, 2), u(0.2, 2), u(2, 5), duration * u(0.5, 1.2), u(-1, 1)),
     }
     return makers[kind]()
@@ -91,7 +92,7 @@ def dop853(case: Case, times: FloatArray, rtol: float) -> FloatArray:
     y = np.concatenate([np.ones(count), np.zeros(count)])
     states = np.full((count, times.size, 2), np.nan)
     marks = corners(case.drive, float(times[-1]))
-    for begin, end in zip(marks[:-1], marks[1:], strict=True):
+    for begin, end in pairwise(marks):
         inside = (times >= begin) & (times <= end)
         asked = np.unique(np.concatenate([[begin], times[inside], [end]]))
         load = smooth_load(case.drive, begin)

@@ -97,12 +97,13 @@ def extremes(case: Case, end: float) -> tuple[FloatArray, FloatArray]:
         def rates(t: float, y: FloatArray, one: Case = one) -> list[float]:
             return [y[1], float(one.acceleration(float(one.drive(t)), y[0], y[1])[0])]
 
-        def turns(t: float, y: FloatArray) -> float:
+        def turns(_t: float, y: FloatArray) -> float:
             return float(y[1])
 
         path = solve_ivp(
             rates, (0.0, end), [1.0, 0.0], method="DOP853", rtol=1e-13, atol=1e-15, events=turns
         )
+        assert path.y_events is not None
         seen = np.concatenate([path.y_events[0][:, 0], path.y[0, [0, -1]]]) ** -2.0
         found.append((seen.max(), seen.min()))
     high, low = np.array(found).T

@@ -21,6 +21,8 @@ NOMINAL = 2.5
 NONLINEAR = 1e-2
 #: Fine steps in one call of the kernel: short enough to cancel soon.
 _STEPS_PER_CALL = 2048
+#: More cycles than anybody waits for; representable.
+_ENDLESS = 2**53
 #: Samples computed together between steps: few enough to stay in the processor's cache.
 _SAMPLES_AT_ONCE = 8192
 #: The end is moved by this factor so that rounding cannot put it past the last step.
@@ -118,9 +120,9 @@ def cycle_counts(problem: Problem, which: IntArray | slice = slice(None)) -> Int
     duration = problem.duration[which]
     if not problem.timeline.periodic:
         return np.ones(duration.shape, dtype=np.int64)
-    ratio = duration / problem.timeline.lengths[0, which]
-    safe = np.where(np.isfinite(ratio), ratio, 1.0)
-    return np.asarray(np.ceil(safe * (1 - 1e-12)), dtype=np.int64).clip(1)
+    with np.errstate(over="ignore"):
+        ratio = duration / problem.timeline.lengths[0, which]
+    return np.asarray(np.ceil(ratio * (1 - 1e-12)).clip(1, _ENDLESS), dtype=np.int64)
 
 
 def step_counts(
@@ -139,7 +141,9 @@ def stretches(
     for k, lengths in enumerate(timeline.lengths[:, which]):
         parameters = {name: v[k, which] for name, v in timeline.parameters.items()}
         total = cycles if timeline.periodic else 1
-        for first, count, part, past in _calls(total, int(doubles[k]), strobe):
+        for first, count, part, past in _calls(
+            total, int(doubles[k]), strobe, single=not timeline.periodic
+        ):
             begin = start + (first + part.start / doubles[k]) * lengths
             yield Stretch(lengths, begin, count, first, int(doubles[k]), part, past, parameters)
         start = start + lengths
@@ -150,15 +154,19 @@ def stretches(
 _Call = tuple[int, int, slice, bool]
 
 
-def _calls(cycles: int, doubles: int, strobe: int) -> Iterator[_Call]:
-    """The calls of one piece: a start, the rest of the cycle it ends in, whole cycles."""
+def _calls(cycles: int, doubles: int, strobe: int, *, single: bool) -> Iterator[_Call]:
+    """The calls of one piece: a start, the rest of the cycle it ends in, whole cycles.
+
+    How a step is made must not depend on how many cycles follow, which other
+    trajectories decide; a `single` piece is the same for all.
+    """
     warm = PAST - 1
-    if doubles * cycles < 3 * warm:
-        yield 0, cycles, slice(0, doubles), False
-        return
     begun = -(-warm // doubles)  # cycles that the start takes part in
+    if single and doubles < 3 * warm:
+        yield 0, 1, slice(0, doubles), False
+        return
     if begun > 1:
-        yield 0, begun, slice(0, doubles), False
+        yield 0, min(begun, cycles), slice(0, doubles), False
     else:
         yield 0, 1, slice(0, warm), False
         yield from ((0, 1, part, True) for part in _parts(warm, doubles))

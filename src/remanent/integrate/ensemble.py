@@ -18,7 +18,7 @@ from functools import cache
 import numpy as np
 
 from remanent._typing import BoolArray, FloatArray, IntArray
-from remanent.integrate.adams import adams
+from remanent.integrate.adams import Adams, adams
 from remanent.integrate.chunk import (
     NOMINAL,
     NONLINEAR,
@@ -41,7 +41,9 @@ _CHUNK_STEPS = 2.0**23
 #: Largest resolution tried, double steps per cycle.
 MAX_RESOLUTION = 2**14
 #: Most fine steps of one trajectory: minutes of work.
-MAX_STEPS = 2.0**30
+MAX_STEPS = 2.0**28
+#: For a slow drive the largest resolution is up to so many times larger.
+_SLOWEST = 16.0
 #: Looser tolerances are met with this one: with larger errors the difference of two
 #: solutions is no measure of either (2 in 100 bounds at 1e-3 were too small).
 COARSEST = 1e-4
@@ -55,7 +57,9 @@ _MARGIN = 0.5
 _STALLED = 1.05
 #: Refinement is given up after so many such attempts in a row, but not while the horizon
 #: lies within so many cycles, in which a fast stretch of time may just not be resolved.
-_PATIENCE, _BEGUN = 3, 3.0
+_PATIENCE, _BEGUN = 2, 3.0
+#: Below this tolerance rounding of past rates would show.
+_FINE = 1e-10
 Progress = Callable[[float], None]
 
 
@@ -92,14 +96,15 @@ def integrate(
     """
     tolerance = min(tolerance, COARSEST)
     options = Options(extremes=request.extremes)
+    method = method or method_for(tolerance)
     kernels = Kernels(
         compiled(problem.field, default_method(), options),
-        compiled(problem.field, method or adams(PAST), options),
+        compiled(problem.field, method, options),
     )
     outcome = _empty(problem, request)
     threads = workers or os.cpu_count() or 1
     index = np.flatnonzero(~problem.invalid)
-    pending = _Pending(index, np.full(index.size, first_resolution(tolerance)))
+    pending = _Pending(index, np.full(index.size, first_resolution(tolerance, method)))
     stalls = np.zeros(problem.duration.size, dtype=np.int64)
     search = replace(request, times=None)  # states between steps cost more than the steps
     stop = threading.Event()
@@ -126,7 +131,9 @@ def integrate(
                 pending = _affordable(problem, outcome, pending)
                 chunks = _chunks(problem, pending, kernels.width, threads)
                 futures = start(search, chunks)
-                again = _settled(problem, outcome, futures, tolerance, max_resolution, stalls)
+                again = _settled(
+                    problem, outcome, futures, tolerance, max_resolution, stalls, method.order
+                )
                 pending = _joined(again)
                 if progress is not None:
                     progress(1.0 - pending.index.size / max(problem.duration.size, 1))
@@ -160,7 +167,8 @@ def _affordable(problem: Problem, outcome: Outcome, pending: _Pending) -> _Pendi
     for level in np.unique(pending.resolution):
         members = pending.resolution == level
         steps = step_counts(problem, int(level), pending.index[members])
-        possible[members] = steps <= MAX_STEPS
+        lengths = problem.timeline.lengths[:, pending.index[members]]
+        possible[members] = (steps <= MAX_STEPS) & np.isfinite(lengths).all(axis=0)
     outcome.status[pending.index[~possible]] = Status.MAX_STEPS
     return _Pending(pending.index[possible], pending.resolution[possible])
 
@@ -189,9 +197,18 @@ def ladder(wanted: FloatArray | IntArray | float) -> IntArray:
     return np.asarray(_LADDER[np.searchsorted(_LADDER, wanted)])
 
 
-def first_resolution(tolerance: float) -> int:
-    """Double steps per cycle to begin with: enough for a gentle trajectory."""
-    return int(ladder(28.0 * (1e-9 / tolerance) ** (1.0 / 9.0)))
+def method_for(tolerance: float) -> Method:
+    """Adams; Runge-Kutta where rounding of past rates would show."""
+    return adams(PAST) if tolerance >= _FINE else default_method()
+
+
+def first_resolution(tolerance: float, method: Method) -> int:
+    """Double steps per cycle to begin with: enough for a gentle trajectory.
+
+    With fewer than the least, differences of solutions say little about their errors.
+    """
+    nine_digits, least = (28.0, 12.0) if isinstance(method, Adams) else (12.0, 6.0)
+    return int(ladder(max(least, nine_digits * (1e-9 / tolerance) ** (1.0 / method.order))))
 
 
 def _settled(
@@ -201,6 +218,7 @@ def _settled(
     tolerance: float,
     max_resolution: int,
     stalls: IntArray,
+    order: int,
 ) -> list[_Pending]:
     """Take in finished chunks; tell which trajectories to try again and how finely."""
     again = [_Pending(np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64))]
@@ -209,13 +227,22 @@ def _settled(
         result = future.result()
         hopeless = _record(problem, outcome, result, resolution, which, stalls)
         unfinished = (result.values["alive"] < 0.5) & ~hopeless
-        wanted = _next_resolution(result.values["total"], tolerance, resolution)
-        possible = wanted <= max_resolution
-        capped = unfinished & ~possible & (result.values["horizon"] > 0.0)
+        wanted = _next_resolution(result.values["total"], tolerance, resolution, order)
+        possible = wanted <= max_resolution * _slowness(problem, which)
+        begun = outcome.horizon[which] > _begun(problem, which)
+        unresolved = ~begun | (result.values["total"] < NONLINEAR)
+        capped = unfinished & ~possible & unresolved & (result.values["horizon"] > 0.0)
         outcome.status[which[capped]] = Status.MAX_STEPS
         retry = unfinished & possible
         again.append(_Pending(which[retry], wanted[retry]))
     return again
+
+
+def _slowness(problem: Problem, which: IntArray) -> FloatArray:
+    """How many times longer a drive period is than the nominal time, up to a limit."""
+    if not problem.timeline.periodic:
+        return np.ones(which.size)
+    return np.asarray((problem.timeline.lengths[0, which] / NOMINAL).clip(1.0, _SLOWEST))
 
 
 def _chunks(
@@ -243,10 +270,10 @@ def _fitting(problem: Problem, which: IntArray, resolution: int, width: int) -> 
     return int(groups) * width
 
 
-def _next_resolution(total: FloatArray, tolerance: float, resolution: int) -> IntArray:
+def _next_resolution(total: FloatArray, tolerance: float, resolution: int, order: int) -> IntArray:
     """What the order of the method predicts, between the next step up and fourfold."""
     with np.errstate(all="ignore"):
-        factor = (total / (_MARGIN * tolerance)) ** (1.0 / 9.0)
+        factor = (total / (_MARGIN * tolerance)) ** (1.0 / order)
     factor = np.where(np.isfinite(factor) & (total < NONLINEAR), factor, 2.0).clip(1.05, 4.0)
     return np.maximum(ladder(factor * resolution), ladder(resolution + 1))
 
@@ -265,14 +292,14 @@ def _record(
     horizon = np.where(ok, problem.duration[which], values["horizon"])
     before = outcome.horizon[which]
     stalls[which] = np.where(horizon <= _STALLED * before, stalls[which] + 1, 0)
-    begun = horizon > _BEGUN * problem.timeline.lengths[0, which].clip(max=NOMINAL)
+    begun = horizon > _begun(problem, which)
     stalled = ~ok & begun & (stalls[which] >= _PATIENCE)
     better = ok | (outcome.resolution[which] == 0) | (horizon > before)
     target, source = which[better], np.flatnonzero(better)
     outcome.horizon[target] = horizon[source]
     outcome.resolution[target] = resolution
     outcome.status[target] = np.where(ok, Status.OK, Status.HORIZON)[source]
-    floor = _round_off(problem, result.last, horizon, resolution, which)
+    floor = _round_off(problem, horizon, resolution, which)
     error = np.where(ok, values["total"], values["error"])
     outcome.error[target] = np.maximum(error, floor)[source]
     for name, into in (("maximum", outcome.maximum), ("minimum", outcome.minimum)):
@@ -287,14 +314,19 @@ def _record(
     return np.asarray(stalled | escaped)
 
 
+def _begun(problem: Problem, which: IntArray) -> FloatArray:
+    """When a motion has shown its fast stretches of time."""
+    return np.asarray(_BEGUN * problem.timeline.lengths[0, which].clip(max=NOMINAL))
+
+
 def _round_off(
-    problem: Problem, last: FloatArray, horizon: FloatArray, resolution: int, which: IntArray
+    problem: Problem, horizon: FloatArray, resolution: int, which: IntArray
 ) -> FloatArray:
     if problem.timeline.periodic:
         steps = 2 * resolution * horizon / problem.timeline.lengths[0, which]
     else:
         steps = 2 * resolution * horizon / NOMINAL
-    scale = np.maximum(1.0, np.abs(last).max(axis=1))
+    scale = np.maximum(1.0, np.abs(problem.initial[which]).max(axis=1))
     return np.asarray(_ROUND_OFF * np.finfo(float).eps * scale * np.sqrt(1.0 + steps))
 
 

@@ -222,7 +222,7 @@ class _Kernel:
         """
         y, loads = self._state("coarse"), self._row(self.coarse, step)
         change = self.stepper.increment("coarse", y, self.h + self.h, loads)
-        moved = [_rounded(a + b, self.method.order) for a, b in zip(y, change, strict=True)]
+        moved = [_rounded(a + b, self.method.lost_bits) for a, b in zip(y, change, strict=True)]
         self._set_state("coarse", moved)
         self.stepper.settle("coarse", moved, loads)
         return moved
@@ -249,7 +249,7 @@ class _Kernel:
     @property
     def _scale(self) -> float:
         """Error of the finer solution over its difference from the coarser one."""
-        return self.options.safety / float(2**self.method.order - 1)
+        return self.options.safety / float(2**self.method.counted_order - 1)
 
     def _judge_state(self, left: list[Lanes], fine: list[Lanes], coarse: list[Lanes]) -> None:
         """Compare the two solutions at the end of the double step."""

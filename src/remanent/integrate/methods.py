@@ -57,6 +57,16 @@ class RungeKutta:
             if abs(moment - 1 / type(moment)(power + 1)) > tolerance:
                 raise ValueError(f"{self.name}: quadrature condition {power + 1} fails")
 
+    @property
+    def counted_order(self) -> int:
+        """Order that the error estimate counts on."""
+        return self.order
+
+    @property
+    def lost_bits(self) -> int:
+        """Digits that the coarser solution does without, see :mod:`.kernel`."""
+        return self.order
+
     def step(self, rates: Rates, y: Sequence[Any], h: Any) -> list[Any]:
         """Advance the state `y` by one step of length `h`."""
         return [a + b for a, b in zip(y, self.increment(rates, y, h), strict=True)]

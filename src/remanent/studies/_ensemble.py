@@ -23,6 +23,10 @@ from remanent.results.build import Labelled
 
 #: What ``over`` accepts.
 Over = Mapping[str, ArrayLike | xr.DataArray]
+#: Largest stretch and rate, and inverse of the smallest stretch, to start from.
+FARTHEST = 1e6
+#: Names of dimensions that results have of their own.
+_RESERVED = frozenset({"time", "cycle", "period", "equilibrium", "thickness_stretch"})
 #: Bytes that a trajectory costs while it is computed, beside its samples.
 _OVERHEAD = 1024
 
@@ -89,6 +93,14 @@ def ensemble(
     require_instance("drive", drive, Drive, "rm.SineSquared(0.4, 1.25)")
     field = field_for(actuator, drive)
     own = {**actuator.parameters(), **drive.parameters()}
+    if over is not None and not isinstance(over, Mapping):
+        raise InputError(
+            "over",
+            "be a mapping of names to values",
+            repr(over)[:80],
+            "It says which fields take many values.",
+            "Pass for example {'temperature': [250, 350, 400]}.",
+        )
     arrays = {name: _labelled(name, v, own, field) for name, v in (over or {}).items()}
     sizes = _sizes(arrays)
     count = math.prod(sizes.values())
@@ -108,12 +120,28 @@ def problem(ens: Ensemble, duration: FloatArray) -> Problem:
     usable = {
         name: np.where(ens.invalid, _harmless(ens, name), v) for name, v in ens.values.items()
     }
-    timeline = ens.drive.timeline(usable, safe)
+    timeline = _timeline(ens.drive, usable, safe)
     lengths = np.broadcast_to(timeline.lengths, (len(timeline.lengths), ens.count))
     timeline = Timeline(lengths, timeline.periodic, timeline.parameters, timeline.waveform)
     columns = [usable.get(name, np.zeros(ens.count)) for name in ens.field.parameters]
     parameters = np.column_stack(columns) if columns else np.zeros((ens.count, 0))
     return Problem(ens.field, timeline, parameters, ens.initial, safe, ens.invalid)
+
+
+def _timeline(drive: Drive, values: Mapping[str, FloatArray], end: FloatArray) -> Timeline:
+    try:
+        with np.errstate(all="ignore"):
+            return drive.timeline(values, end)
+    except InputError:
+        raise
+    except ValueError as error:  # from the interpolation of samples
+        raise InputError(
+            "drive",
+            "have loads that a spline can pass through in floating point",
+            repr(drive)[:80],
+            f"Interpolation failed: {error}",
+            "Use loads and times of ordinary size.",
+        ) from error
 
 
 def require_memory(needed: float, what: str) -> None:
@@ -153,7 +181,9 @@ def _labelled(
             f"Its fields are: {', '.join(known)}.",
         )
     if isinstance(value, xr.DataArray):
-        return tuple(map(str, value.dims)), _floats(name, value.values)
+        dims = tuple(map(str, value.dims))
+        _require_free(name, dims)
+        return dims, _floats(name, value.values)
     array = _floats(name, value)
     if array.ndim == 0:
         array = array[None]
@@ -167,6 +197,18 @@ def _labelled(
         )
     _require_grid(name, array)
     return (name,), array
+
+
+def _require_free(name: str, dims: tuple[str, ...]) -> None:
+    for dim in dims:
+        if dim in _RESERVED:
+            raise InputError(
+                f"over[{name!r}]",
+                "have dimensions that results do not have of their own",
+                repr(dim),
+                "The result has one axis for each name.",
+                "Rename the dimension of the DataArray, for example to 'case'.",
+            )
 
 
 def _floats(name: str, value: Any) -> FloatArray:
@@ -229,7 +271,10 @@ def _initial(
     initial: ArrayLike | None, varied: Mapping[str, FloatArray], field: Field, count: int
 ) -> FloatArray:
     rest = [0.0 if name.endswith("_rate") else 1.0 for name in field.state]
-    given = np.asarray(rest if initial is None else initial, dtype=np.float64)
+    try:
+        given = np.asarray(rest if initial is None else initial, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError):
+        given = np.empty(0)
     if given.shape != (len(rest),) or not np.isfinite(given).all():
         raise InputError(
             "initial",
@@ -253,7 +298,7 @@ def _invalid(
     actuator: Actuator, drive: Drive, values: Mapping[str, FloatArray], start: FloatArray
 ) -> BoolArray:
     broken = actuator.invalid(values) | drive.invalid(values)
-    bad_state = ~np.isfinite(start).all(axis=1) | (start[:, 0] <= 0.0)
+    bad_state = ~(np.abs(start) <= FARTHEST).all(axis=1) | ~(start[:, 0] >= 1.0 / FARTHEST)
     return np.asarray(np.broadcast_to(broken, bad_state.shape) | bad_state)
 
 
@@ -267,3 +312,10 @@ def _refuse_initial(start: FloatArray, field: Field) -> None:
                 "A stretch is a ratio of lengths.",
                 "Pass 1 for the undeformed block.",
             )
+    raise InputError(
+        "initial",
+        f"have stretches from {1.0 / FARTHEST:g} to {FARTHEST:g} and rates up to {FARTHEST:g}",
+        start.tolist(),
+        "No actuator gets beyond them, and formulas with high powers lose their digits there.",
+        "Pass (1, 0) for rest.",
+    )

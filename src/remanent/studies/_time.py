@@ -11,11 +11,17 @@ from remanent._errors import InputError
 from remanent._typing import FloatArray
 from remanent.studies._ensemble import Ensemble
 
+#: Larger integers are not exact in double precision.
+_MOST = 2**53
 _TIME: Rule = positive("A run takes a positive time.", "Pass a time in units of tau.")
 
 
 def require_count(name: str, value: Any, why: str, least: int = 1) -> int:
     """`value` as an integer not below `least`."""
+    if isinstance(value, int | np.integer) and value > _MOST:
+        raise InputError(
+            name, f"be at most {_MOST}", "more", why, "Pass as many as a computer can take."
+        )
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
         raise InputError(
             name,

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from remanent._checks import not_negative, require_increasing, require_real
+from remanent._checks import not_negative, positive, require_increasing, require_real
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, FloatArray, IntArray
 from remanent.analysis.subdivision import Largest, largest
@@ -24,6 +24,7 @@ from remanent.studies._time import durations, require_one
 
 #: Default length of the window, in units of tau: that of the paper.
 WINDOW = 100.0
+_WIDTH = positive("It is the width of the last bracket.", "Pass for example 1e-6.")
 _DISCARD = not_negative("It is the time before the window.", "Pass 0 to start at once.")
 
 
@@ -92,6 +93,7 @@ def frequency_response(
     require_one(duration=duration, periods=periods)
     require_tolerance(tolerance)
     discard = require_real("discard", discard, _DISCARD)
+    resonance_width = require_real("resonance_width", resonance_width, _WIDTH)
     grid = _frequencies(drive, omega, over)
     whole = {**(over or {}), "omega": grid}
     ens = ensemble(actuator, drive, whole, initial)

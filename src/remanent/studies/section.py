@@ -85,10 +85,11 @@ def poincare_section(
     require_tolerance(tolerance)
     ens = ensemble(actuator, drive, over, initial)
     length = require_periods(ens)
+    points = periods // every + 1
+    require_memory(80.0 * ens.count * points, f"{ens.count} x {points} states")
     number = np.arange(0, periods + 1, every)
     if phase:
         number = number[number + phase <= periods]
-    require_memory(80.0 * ens.count * number.size, f"{ens.count} x {number.size} states")
     asked = problem(ens, periods * length)
     times = (number + phase) * length[:, None]
     request = Request(times=times) if phase else Request(strobe=every)

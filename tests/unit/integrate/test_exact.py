@@ -13,10 +13,15 @@ from scipy.special import ellipj
 from tests.unit.integrate.handmade import SINE, Oscillator, Q, V, problem, sampled
 
 from remanent._typing import FloatArray
+from remanent.integrate.adams import adams
+from remanent.integrate.chunk import attempt
+from remanent.integrate.compile import Kernels, compiled
 from remanent.integrate.ensemble import integrate
+from remanent.integrate.kernel import Method, Options
 from remanent.integrate.methods import default_method
 from remanent.integrate.problem import Request
 from remanent.integrate.status import Status
+from remanent.integrate.tables import waveform_tables
 
 TIMES = np.linspace(0.0, 50.0, 101)
 K, G, A = sp.symbols("k g a")
@@ -90,22 +95,27 @@ def test_the_requested_tolerance_is_met(name: str, tolerance: float) -> None:
     assert np.abs(outcome.states[0] - exact).max() <= outcome.error[0] <= tolerance
 
 
-@pytest.mark.parametrize("name", CASES)
-def test_error_falls_with_the_order_of_the_method(name: str) -> None:
-    """The compiled Runge-Kutta kernel is of order 8 (law N1)."""
-    oscillator, initial, period, exact = CASES[name]
+@pytest.mark.parametrize("method", [default_method(), adams(8)])
+def test_error_falls_with_the_order_of_the_method(method: Method) -> None:
+    """The compiled kernels are of order 8 (Runge-Kutta) and 9 (Adams), law N1."""
+    oscillator, initial, period, exact = CASES["forced line"]
     asked = problem(oscillator, initial, TIMES[-1], period=period)
-    steps, errors = [], []
-    for tolerance in (1e-7, 1e-9, 1e-11):
-        outcome = sampled(asked, TIMES, tolerance, method=default_method())
-        assert outcome.states is not None
-        length = period or 2.5
-        per_piece = (
-            outcome.resolution[0] if period else math.ceil(50.0 / length * outcome.resolution[0])
-        )
-        steps.append(math.log(per_piece))
-        errors.append(math.log(np.abs(outcome.states[0] - exact).max()))
-    assert np.polyfit(steps, errors, 1)[0] == pytest.approx(-8.0, abs=0.4)
+    kernels = Kernels(
+        compiled(asked.field, default_method(), Options()),
+        compiled(asked.field, method, Options()),
+    )
+    levels = np.array([16, 20, 24, 28, 32])
+    errors = []
+    for level in levels:
+        found = attempt(
+            asked, Request(times=TIMES[None]), kernels, 1.0, int(level), np.array([0]),
+            lambda nodes, resolution: waveform_tables(asked.timeline.waveform, nodes, resolution),
+            lambda: True,
+        )  # fmt: skip
+        assert found.states is not None
+        errors.append(np.abs(found.states[0] - exact).max())
+    slope = np.polyfit(np.log(levels), np.log(errors), 1)[0]
+    assert slope == pytest.approx(-method.order, abs=0.2)
 
 
 def test_extremes_between_steps_are_those_of_the_solution() -> None:

@@ -80,11 +80,14 @@ def test_states_between_steps_have_the_order_of_a_step() -> None:
         span = part * h / (math.pi / DRIVE.omega)
         waveform = DRIVE.timeline({}, np.ones(1)).waveform
 
-        def advanced(parts: int, a: Any = arguments, s: Any = span, h: float = h) -> FloatArray:
-            y, small = a["states"], {"span": s / parts, "time": part * h / parts}
+        def advanced(
+            parts: int, a: Any = arguments, s: Any = span, h: float = h, wave: Any = waveform
+        ) -> FloatArray:
+            y: FloatArray = a["states"]
+            small = {"span": s / parts, "time": part * h / parts}
             for k in range(parts):
                 now = {**a, "states": y, "phase": a["phase"] + k * s / parts}
-                y = dense.between(field, default_method(), waveform, **now, **small)
+                y = dense.between(field, default_method(), wave, **now, **small)
             return y
 
         errors.append(np.abs(advanced(1) - advanced(16)).max(axis=1))
