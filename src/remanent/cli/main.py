@@ -38,9 +38,10 @@ def paper(out: Path) -> None:
         def report(stage: str, share: float) -> None:
             display.update(task, description=stage, completed=share)
 
-        found = reproduce(report)
+        processes = os.cpu_count() or 1
+        found = reproduce(report, processes=processes)
         report("pictures and page", 0.8)
-        target = write(found, out, processes=os.cpu_count() or 1)
+        target = write(found, out, processes=processes)
         report("done", 1.0)
     for v in found.verdicts:
         click.echo(f"{v.claim.id:>4}  {v.verdict:<12}  {v.claim.claim}")

@@ -111,7 +111,8 @@ def double_steps(
     lengths = timeline.lengths[:, which]
     if timeline.periodic:
         return np.full(lengths.shape, resolution, dtype=np.int64)
-    count = np.ceil(lengths * (resolution / NOMINAL) - 1e-9)
+    with np.errstate(over="ignore"):
+        count = np.ceil(lengths * (resolution / NOMINAL) - 1e-9)
     return np.asarray(np.clip(count, 1, 2**40), dtype=np.int64)
 
 

@@ -44,6 +44,7 @@ MAX_RESOLUTION = 2**14
 MAX_STEPS = 2.0**28
 #: For a slow drive the largest resolution is up to so many times larger.
 _SLOWEST = 16.0
+_LONGEST_PERIOD = NOMINAL * MAX_RESOLUTION * _SLOWEST / 4.0
 #: Looser tolerances are met with this one: with larger errors the difference of two
 #: solutions is no measure of either (2 in 100 bounds at 1e-3 were too small).
 COARSEST = 1e-4
@@ -168,7 +169,9 @@ def _affordable(problem: Problem, outcome: Outcome, pending: _Pending) -> _Pendi
         members = pending.resolution == level
         steps = step_counts(problem, int(level), pending.index[members])
         lengths = problem.timeline.lengths[:, pending.index[members]]
-        possible[members] = (steps <= MAX_STEPS) & np.isfinite(lengths).all(axis=0)
+        # A cycle too long to be resolved at all, even if the run ends early in it.
+        endless = problem.timeline.periodic & (lengths > _LONGEST_PERIOD).any(axis=0)
+        possible[members] = (steps <= MAX_STEPS) & ~endless
     outcome.status[pending.index[~possible]] = Status.MAX_STEPS
     return _Pending(pending.index[possible], pending.resolution[possible])
 
@@ -230,7 +233,7 @@ def _settled(
         wanted = _next_resolution(result.values["total"], tolerance, resolution, order)
         possible = wanted <= max_resolution * _slowness(problem, which)
         begun = outcome.horizon[which] > _begun(problem, which)
-        unresolved = ~begun | (result.values["total"] < NONLINEAR)
+        unresolved = ~begun | (stalls[which] == 0)
         capped = unfinished & ~possible & unresolved & (result.values["horizon"] > 0.0)
         outcome.status[which[capped]] = Status.MAX_STEPS
         retry = unfinished & possible

@@ -64,8 +64,12 @@ class RungeKutta:
 
     @property
     def lost_bits(self) -> int:
-        """Digits that the coarser solution does without, see :mod:`.kernel`."""
-        return self.order
+        """Digits that the coarser solution does without: two more than its order asks.
+
+        Rounding of phases and coefficients, which both solutions share, is thereby
+        allowed for.
+        """
+        return self.order + 2
 
     def step(self, rates: Rates, y: Sequence[Any], h: Any) -> list[Any]:
         """Advance the state `y` by one step of length `h`."""

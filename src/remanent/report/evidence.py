@@ -27,7 +27,7 @@ CASES = {"prestress": PRESTRESSES, "temperature": TEMPERATURES}
 #: Frequencies at which responses are tabulated before the largest is refined.
 OMEGAS = np.linspace(0.5, 2.0, 601)
 #: Drive periods in the sections on which regularity is judged, and in those drawn.
-LONG, DRAWN = 2000, 600
+LONG, DRAWN = 2000, 500
 #: Distance of the neighbour whose separation is followed.
 NUDGE = 1e-6
 

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +15,7 @@ from remanent.report import page, reconstruction, tolerance
 from remanent.report.audit import Verdict, audit
 from remanent.report.drawings import DRAWINGS, draw
 from remanent.report.evidence import Evidence, gather
+from remanent.report.processes import pool
 from remanent.report.settings import LAWS, PRESTRESSES, REFERENCE, TEMPERATURES
 from remanent.results import store
 
@@ -46,11 +46,19 @@ def _silent(_stage: str, _share: float) -> None:
     pass
 
 
-def reproduce(report: Report = _silent) -> Paper:
-    """Compute the data of all figures, the reconstruction and the audit."""
+def reproduce(report: Report = _silent, *, processes: int = 1) -> Paper:
+    """Compute the data of all figures, the reconstruction and the audit.
+
+    Parameters
+    ----------
+    report
+        Called with the name of a stage and the share of the whole that is done.
+    processes
+        See :func:`remanent.report.processes.pool`.
+    """
     report("figures 2 to 6", 0.0)
     reference = gather(REFERENCE)
-    with ThreadPoolExecutor(max_workers=1) as aside:
+    with pool(processes) as aside:
         script = aside.submit(_scripts, reference)
         valleys = _reconstruct(report)
         sections, drift = script.result()
@@ -70,8 +78,7 @@ def write(paper: Paper, out: Path, *, processes: int = 1) -> Path:
     Parameters
     ----------
     processes
-        Draw pictures in so many processes.  With more than one, a script that calls
-        this must guard its own start with ``if __name__ == "__main__"``.
+        See :func:`remanent.report.processes.pool`.
     """
     for folder in ("figures", "data"):
         (out / folder).mkdir(parents=True, exist_ok=True)
@@ -91,12 +98,8 @@ def write(paper: Paper, out: Path, *, processes: int = 1) -> Path:
 def _draw(datasets: Mapping[str, xr.Dataset], folder: Path, processes: int) -> None:
     """Draw every picture, slow ones first."""
     jobs = [(name, {k: datasets[k] for k in DRAWINGS[name].needs}, folder) for name in DRAWINGS]
-    if processes == 1:
-        for job in jobs:
-            draw(*job)
-        return
-    with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
-        for done in [pool.submit(draw, *job) for job in jobs]:
+    with pool(processes) as others:
+        for done in [others.submit(draw, *job) for job in jobs]:
             done.result()
 
 

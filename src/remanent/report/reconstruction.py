@@ -13,7 +13,7 @@ from remanent.results import build, provenance
 from remanent.studies.response import frequency_response
 
 #: The grid on which the misfit is computed.
-REFERENCE_TEMPERATURES = np.arange(285.0, 306.0, 2.0)
+REFERENCE_TEMPERATURES = np.arange(287.0, 304.0, 2.0)
 AMPLITUDES = np.round(np.arange(0.34, 0.4401, 0.01), 2)
 WINDOWS = (50.0, 100.0, 150.0)
 #: Frequencies searched; m = b₀² sin ωτ resonates at twice the published ones.
@@ -95,17 +95,11 @@ def _resonances(
 
 
 def admissible(misfit: xr.Dataset, law: str) -> list[Setting]:
-    """Settings that bring all six resonances back: the best of each window, and the ends.
-
-    For every window the best grid point; and among all within the agreement those with
-    the least and the largest T₀ (and so the largest and the least b₀).
-    """
+    """Settings that bring all six resonances back: the best of each window."""
     values = misfit["misfit"].isel(law=0).transpose("window", "reference_temperature", "b").values
     good = np.argwhere(values <= AGREEMENT)
     best = [good[good[:, 0] == w] for w in range(values.shape[0])]
     picks = [rows[np.argmin(values[tuple(rows.T)])] for rows in best if rows.size]
-    if good.size:
-        picks += [good[np.argmin(good[:, 1])], good[np.argmax(good[:, 1])]]
     settings = [
         Setting(float(AMPLITUDES[j]), float(REFERENCE_TEMPERATURES[i]), float(WINDOWS[w]), law)
         for w, i, j in picks

@@ -23,7 +23,7 @@ RELATIVE, ABSOLUTE = 1e-3, 1e-6
 #: How the two solvers are called in figures.
 SOLVERS = ("converged", "ode45 defaults")
 #: Length and number of points of the runs whose energy is followed.
-_LONG_RUN, _POINTS = 1000.0, 2001
+_LONG_RUN, _POINTS = 500.0, 1001
 
 
 def at_defaults(

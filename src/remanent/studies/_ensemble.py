@@ -109,8 +109,12 @@ def ensemble(
     values = {name: varied.get(name, np.full(count, value)) for name, value in own.items()}
     start = _initial(initial, varied, field, count)
     wrong = _invalid(actuator, drive, values, start)
+    with np.errstate(all="ignore"):
+        periods = drive.periods(values)
+    if periods is not None:
+        wrong = wrong | ~np.isfinite(periods)
     if not sizes and wrong.any():
-        _refuse_initial(start[0], field)
+        _refuse(start[0], field, drive, periods)
     return Ensemble(actuator, drive, field, sizes, dict(arrays), values, start, wrong)
 
 
@@ -302,7 +306,15 @@ def _invalid(
     return np.asarray(np.broadcast_to(broken, bad_state.shape) | bad_state)
 
 
-def _refuse_initial(start: FloatArray, field: Field) -> None:
+def _refuse(start: FloatArray, field: Field, drive: Drive, periods: FloatArray | None) -> None:
+    if periods is not None and not np.isfinite(periods).all():
+        raise InputError(
+            "drive",
+            "have a finite period",
+            repr(drive),
+            "Steps are fractions of it.",
+            "Use Constant for a load that does not change within any run.",
+        )
     for k in _stretches(field):
         if not start[k] > 0.0:
             raise InputError(

@@ -91,7 +91,8 @@ def poincare_section(
     if phase:
         number = number[number + phase <= periods]
     asked = problem(ens, periods * length)
-    times = (number + phase) * length[:, None]
+    with np.errstate(invalid="ignore"):  # where the period is none, the status says so
+        times = (number + phase) * length[:, None]
     request = Request(times=times) if phase else Request(strobe=every)
     outcome = integrate(asked, request, tolerance=tolerance, progress=progress)
     assert outcome.states is not None

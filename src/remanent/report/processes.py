@@ -1,0 +1,28 @@
+"""Where slow single-threaded work goes: other processes, or a thread."""
+
+from __future__ import annotations
+
+import sys
+from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
+from multiprocessing import get_context
+
+#: Imported once and shared by all further processes, where the system can do that.
+_PRELOADED = ["remanent.report.drawings", "remanent.report.tolerance"]
+
+
+def pool(processes: int) -> Executor:
+    """Somewhere to submit work to.
+
+    Parameters
+    ----------
+    processes
+        How many; 1 means a thread of this process.  With more, a script that calls this
+        must guard its own start with ``if __name__ == "__main__"``.
+    """
+    if processes == 1:
+        return ThreadPoolExecutor(1)
+    if sys.platform == "linux":
+        context = get_context("forkserver")
+        context.set_forkserver_preload(_PRELOADED)
+        return ProcessPoolExecutor(processes, mp_context=context)
+    return ProcessPoolExecutor(processes, mp_context=get_context("spawn"))

@@ -1,0 +1,132 @@
+"""Whatever the numbers: finite results, a documented status, or a message."""
+
+from __future__ import annotations
+
+import time
+import warnings
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import remanent as rm
+
+#: Numbers of every size: ordinary, denormal, at the edge of the range, and none at all.
+EDGES = [0.0, -0.0, 5e-324, 1e-308, 1e-300, 1e300, 1e308, -1e308, -5e-324]
+EDGES += [float("nan"), float("inf"), float("-inf")]
+ORDINARY = st.floats(-3.0, 3.0)
+WILD = st.one_of(ORDINARY, ORDINARY, st.sampled_from(EDGES), st.floats())
+SIZE = st.one_of(st.floats(0.01, 3.0), st.floats(0.01, 3.0), st.sampled_from(EDGES), st.floats())
+#: Nothing may take longer, in seconds.
+CAP = 20.0
+
+
+@st.composite
+def drives(draw: st.DrawFn) -> Any:
+    """Any drive, or the arguments it refuses."""
+    kind = draw(st.integers(0, 6))
+    a, b, c, d = (draw(WILD) for _ in range(4))
+    w, t = draw(SIZE), draw(SIZE)
+    makers: list[Callable[[], Any]] = [
+        lambda: rm.Constant(a),
+        lambda: rm.SineSquared(a, w, b),
+        lambda: rm.Sine(a, w, b, c),
+        lambda: rm.Steps([0.0, t, 2.0 * t], [a, b, c]),
+        lambda: rm.Ramp([0.0, t, 2.0 * t], [a, b, c]),
+        lambda: rm.Sampled([0.0, t, 2.0 * t, 100.0], [a, b, c, d]),
+        lambda: rm.Chirp(a, w, t, 3.0, b, c),
+    ]
+    return makers[kind]
+
+
+@st.composite
+def bodies(draw: st.DrawFn) -> Any:
+    """Any actuator, or the arguments it refuses."""
+    c, T, T0, S, eta = draw(SIZE), draw(SIZE), draw(SIZE), draw(WILD), draw(SIZE)
+    damped = draw(st.booleans())
+    return lambda: rm.Actuator(
+        c=c,
+        temperature=300.0 * T,
+        reference_temperature=300.0 * T0,
+        prestress=S,
+        dissipation=rm.Rayleigh(eta) if damped else (),
+    )
+
+
+def judged(ds: xr.Dataset) -> None:
+    """Status ok means finite; any other documented status means NaN where it says."""
+    status = int(ds.status)
+    assert 1 <= status <= 7
+    names = [n for n in ("stretch", "stretch_rate", "thickness_stretch", "amplitude") if n in ds]
+    values = np.concatenate([np.ravel(ds[name].values) for name in names])
+    assert not np.isinf(values).any()
+    if status == 1:
+        assert np.isfinite(values).all()
+        assert np.isfinite(ds.error.values).all()
+
+
+def attempted(call: Callable[[], xr.Dataset]) -> None:
+    """Nothing but InputError, no warning but ours, and soon."""
+    begun = time.perf_counter()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        warnings.simplefilter("ignore", rm.InputWarning)
+        try:
+            ds = call()
+        except rm.InputError:
+            return
+        finally:
+            assert time.perf_counter() - begun < CAP
+    judged(ds)
+
+
+fuzzed = settings(max_examples=max(200, settings.default.max_examples if settings.default else 0))
+
+
+@fuzzed
+@given(body=bodies(), drive=drives(), duration=SIZE, stretch=SIZE, rate=WILD)
+def test_simulate(body: Any, drive: Any, duration: float, stretch: float, rate: float) -> None:
+    """Any actuator, any drive, any initial state, any duration."""
+    attempted(
+        lambda: rm.simulate(
+            body(), drive(), duration=duration, initial=(stretch, rate), tolerance=1e-6
+        )
+    )
+
+
+@given(body=bodies(), b=WILD, omega=SIZE, periods=st.integers(-1, 40), phase=WILD)
+def test_poincare_section(body: Any, b: float, omega: float, periods: int, phase: float) -> None:
+    """Any period, any phase."""
+    attempted(
+        lambda: rm.poincare_section(
+            body(), rm.SineSquared(b, omega), periods=periods, phase=phase, tolerance=1e-6
+        )
+    )
+
+
+@given(body=bodies(), m=WILD, omega=SIZE, duration=SIZE, discard=WILD)
+def test_frequency_response(
+    body: Any, m: float, omega: float, duration: float, discard: float
+) -> None:
+    """Any frequency, any window."""
+    attempted(
+        lambda: rm.frequency_response(
+            body(), rm.Sine(m, 1.0), [omega], duration=duration, discard=discard, tolerance=1e-6
+        ).squeeze("omega")
+    )
+
+
+@given(body=bodies(), m=WILD)
+def test_equilibria(body: Any, m: float) -> None:
+    """Any load: equilibria between the ends of the search, perhaps none."""
+
+    def call() -> xr.Dataset:
+        ds = rm.equilibria(body(), m)
+        found = ds.stretch.values
+        assert ((found >= 0.05) & (found <= 20.0)).all()
+        return xr.Dataset({"status": ds.status, "stretch": ds.stretch, "error": 0.0})
+
+    attempted(call)
