@@ -83,7 +83,7 @@ def integrate(
     tolerance
         Of the error of what is returned, absolute.
     method
-        Of the steps after the first few of every piece; by default Adams.
+        Of the steps after the first few of every piece; by default as :func:`method_for` says.
     max_resolution
         Refinement stops there with status ``MAX_STEPS``.
     workers
@@ -97,7 +97,7 @@ def integrate(
     """
     tolerance = min(tolerance, COARSEST)
     options = Options(extremes=request.extremes)
-    method = method or method_for(tolerance)
+    method = method or method_for(request, tolerance)
     kernels = Kernels(
         compiled(problem.field, default_method(), options),
         compiled(problem.field, method, options),
@@ -200,9 +200,13 @@ def ladder(wanted: FloatArray | IntArray | float) -> IntArray:
     return np.asarray(_LADDER[np.searchsorted(_LADDER, wanted)])
 
 
-def method_for(tolerance: float) -> Method:
-    """Adams; Runge-Kutta where rounding of past rates would show."""
-    return adams(PAST) if tolerance >= _FINE else default_method()
+def method_for(request: Request, tolerance: float) -> Method:
+    """Adams for extremes, of many short runs; Runge-Kutta for states and for many digits.
+
+    Adams is faster by evaluations, but needs a start, more memory, and loses digits to
+    rounding sooner, which long runs show.
+    """
+    return adams(PAST) if request.extremes and tolerance >= _FINE else default_method()
 
 
 def first_resolution(tolerance: float, method: Method) -> int:
