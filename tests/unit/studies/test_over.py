@@ -59,6 +59,19 @@ def test_shared_and_own_dimensions_mix() -> None:
     assert_bits(ds.isel(row=1, column=2, temperature=0), single)
 
 
+def test_dimensions_are_matched_by_name_not_by_position() -> None:
+    """The same two dimensions in the other order."""
+    c = xr.DataArray([[0.1, 0.2, 0.3], [0.4, 0.5, 0.6]], dims=("row", "column"))
+    b = xr.DataArray([[0.1, 0.2], [0.3, 0.4], [0.5, 0.6]], dims=("column", "row"))
+    ds = simulated(over={"c": c, "b": b})
+    single = rm.simulate(rm.Actuator(c=0.5), rm.SineSquared(0.4, 1.25), times=TIMES)
+    assert_bits(ds.isel(row=1, column=1), single)
+    assert_bits(
+        ds.isel(row=1, column=0),
+        rm.simulate(rm.Actuator(c=0.4), rm.SineSquared(0.2, 1.25), times=TIMES),
+    )
+
+
 def test_dotted_names_reach_into_parts() -> None:
     """`dissipation.0.eta` and `magnet.temperature_coefficient`."""
     body = rm.Actuator(dissipation=rm.Rayleigh(0.1))
