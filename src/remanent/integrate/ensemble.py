@@ -105,7 +105,9 @@ def integrate(
     outcome = _empty(problem, request)
     threads = workers or os.cpu_count() or 1
     index = np.flatnonzero(~problem.invalid)
-    pending = _Pending(index, np.full(index.size, first_resolution(tolerance, method)))
+    pending = _Pending(
+        index, np.full(index.size, min(max_resolution, first_resolution(tolerance, method)))
+    )
     stalls = np.zeros(problem.duration.size, dtype=np.int64)
     search = replace(request, times=None)  # states between steps cost more than the steps
     stop = threading.Event()

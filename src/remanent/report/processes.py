@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import sys
+import platform
 from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
 from multiprocessing import get_context
 
@@ -21,7 +21,7 @@ def pool(processes: int) -> Executor:
     """
     if processes == 1:
         return ThreadPoolExecutor(1)
-    if sys.platform == "linux":
+    if platform.system() == "Linux":
         context = get_context("forkserver")
         context.set_forkserver_preload(_PRELOADED)
         return ProcessPoolExecutor(processes, mp_context=context)

@@ -50,7 +50,11 @@ def test_resonance_is_the_largest_of_all_amplitudes() -> None:
 def test_where_the_bound_is_not_met_there_is_no_amplitude() -> None:
     """NaN, not the extremes of a part of the window."""
     ds = rm.frequency_response(
-        rm.Actuator(c=0.05, prestress=2.0), rm.Sine(1.5, 1.0), [1.0, 2.25, 2.5, 3.5], duration=200.0
+        rm.Actuator(c=0.05, prestress=2.0),
+        rm.Sine(1.5, 1.0),
+        [1.0, 2.25, 2.5, 3.5],
+        duration=200.0,
+        resonance_width=10.0,
     )
     short = ds.status.values == 2
     assert short.any()
