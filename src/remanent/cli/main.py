@@ -40,8 +40,8 @@ def paper(out: Path) -> None:
 
         processes = os.cpu_count() or 1
         found = reproduce(report, processes=processes)
-        report("pictures and page", 0.8)
-        target = write(found, out, processes=processes)
+        report("page", 0.95)
+        target = write(found, out)
         report("done", 1.0)
     for v in found.verdicts:
         click.echo(f"{v.claim.id:>4}  {v.verdict:<12}  {v.claim.claim}")

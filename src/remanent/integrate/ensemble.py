@@ -59,6 +59,8 @@ _STALLED = 1.05
 #: Refinement is given up after so many such attempts in a row, but not while the horizon
 #: lies within so many cycles, in which a fast stretch of time may just not be resolved.
 _PATIENCE, _BEGUN = 2, 3.0
+#: Nor where the error was below this share of the tolerance until it passed it.
+_JUMP = 0.05
 #: Below this tolerance rounding of past rates would show.
 _FINE = 1e-10
 Progress = Callable[[float], None]
@@ -234,7 +236,7 @@ def _settled(
     for future in as_completed(futures):
         resolution, which = futures[future]
         result = future.result()
-        hopeless = _record(problem, outcome, result, resolution, which, stalls)
+        hopeless = _record(problem, outcome, result, resolution, which, stalls, tolerance)
         unfinished = (result.values["alive"] < 0.5) & ~hopeless
         wanted = _next_resolution(result.values["total"], tolerance, resolution, order)
         possible = wanted <= max_resolution * _slowness(problem, which)
@@ -294,13 +296,18 @@ def _record(
     resolution: int,
     which: IntArray,
     stalls: IntArray,
+    tolerance: float,
 ) -> BoolArray:
     """Keep the attempt where it is the best so far; tell where refining is in vain."""
     values = result.values
     ok = values["alive"] > 0.5
     horizon = np.where(ok, problem.duration[which], values["horizon"])
     before = outcome.horizon[which]
-    stalls[which] = np.where(horizon <= _STALLED * before, stalls[which] + 1, 0)
+    # An error that jumps past the tolerance tells of steps too long for a fast stretch of
+    # the motion; one that grows past it, of a motion that magnifies errors.
+    jumped = values["error"] < _JUMP * tolerance
+    stuck = horizon <= _STALLED * before
+    stalls[which] = np.where(stuck, stalls[which] + ~jumped, 0)
     begun = horizon > _begun(problem, which)
     stalled = ~ok & begun & (stalls[which] >= _PATIENCE)
     better = ok | (outcome.resolution[which] == 0) | (horizon > before)

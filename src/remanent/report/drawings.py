@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from types import MappingProxyType
 from typing import Final
 
@@ -63,9 +64,11 @@ DRAWINGS: Final[Mapping[str, Drawing]] = MappingProxyType(
 )
 
 
-def draw(name: str, data: Data, folder: Path) -> None:
-    """Draw a picture into a folder, as vectors and as points."""
+def draw(name: str, data: Data) -> dict[str, bytes]:
+    """Draw a picture; return its files by suffix, as vectors and as points."""
     figure = DRAWINGS[name].draw(data)
-    style.save(figure, folder / f"{name}.svg")
-    figure.set_layout_engine("none")  # it has done its work
-    style.save(figure, folder / f"{name}.png")
+    with TemporaryDirectory() as folder:
+        vectors = style.save(figure, Path(folder) / "picture.svg").read_bytes()
+        figure.set_layout_engine("none")  # it has done its work
+        points = style.save(figure, Path(folder) / "picture.png").read_bytes()
+    return {".svg": vectors, ".png": points}

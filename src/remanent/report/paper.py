@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -35,11 +35,14 @@ class Paper:
         Of every claim.
     datasets
         By name.
+    pictures
+        Files by name of the picture and suffix.
     """
 
     evidence: Evidence
     verdicts: list[Verdict]
     datasets: Mapping[str, xr.Dataset]
+    pictures: Mapping[str, Mapping[str, bytes]]
 
 
 def _silent(_stage: str, _share: float) -> None:
@@ -58,49 +61,63 @@ def reproduce(report: Report = _silent, *, processes: int = 1) -> Paper:
     """
     report("figures 2 to 6", 0.0)
     reference = gather(REFERENCE)
+    data = _measured(reference)
     with pool(processes) as aside:
         script = aside.submit(_scripts, reference)
+        drawn = _start(aside, data, ())
         valleys = _reconstruct(report)
         sections, drift = script.result()
-    report("audit", 0.6)
+        ready = tuple(data)
+        data |= _reconstructed(valleys)
+        data |= {"tolerance_sections": sections, "tolerance_energy": drift}
+        drawn |= _start(aside, data, ready)
+        report("audit", 0.6)
+        verdicts, reference = _audited(reference, valleys)
+        report("pictures", 0.8)
+        pictures = {name: drawn[name].result() for name in DRAWINGS}
+    return Paper(reference, verdicts, data, pictures)
+
+
+def _start(
+    aside: Executor, data: Mapping[str, xr.Dataset], before: Sequence[str]
+) -> dict[str, Future[dict[str, bytes]]]:
+    """Have those pictures drawn for which the last data have just come."""
+    return {
+        name: aside.submit(draw, name, {k: data[k] for k in drawing.needs})
+        for name, drawing in DRAWINGS.items()
+        if set(drawing.needs) <= set(data) and not set(drawing.needs) <= set(before)
+    }
+
+
+def _audited(
+    reference: Evidence, valleys: Mapping[str, xr.Dataset]
+) -> tuple[list[Verdict], Evidence]:
+    """Verdicts, and the evidence with what the reconstruction adds to it."""
     least = {law: float(valley["misfit"].min()) for law, valley in valleys.items()}
     reference = replace(reference, misfits=least)
     settings = reconstruction.admissible(valleys["sin2"], "sin2")
     with ThreadPoolExecutor(max_workers=2) as together:
         others = list(together.map(lambda setting: gather(setting, 1e-7, every=3), settings))
-    verdicts = audit(reference, others)
-    return Paper(reference, verdicts, _datasets(reference, valleys, sections, drift))
+    return audit(reference, others), reference
 
 
-def write(paper: Paper, out: Path, *, processes: int = 1) -> Path:
-    """Write page, JSON, pictures and data into a folder; return the page's path.
-
-    Parameters
-    ----------
-    processes
-        See :func:`remanent.report.processes.pool`.
-    """
+def write(paper: Paper, out: Path) -> Path:
+    """Write page, JSON, pictures and data into a folder; return the page's path."""
     for folder in ("figures", "data"):
         (out / folder).mkdir(parents=True, exist_ok=True)
-    _draw(paper.datasets, out / "figures", processes)
+    for name, files in paper.pictures.items():
+        for suffix, content in files.items():
+            (out / "figures" / f"{name}{suffix}").write_bytes(content)
     for name, dataset in paper.datasets.items():
         store.write(dataset, out / "data" / f"{name}.nc")
     summary = summarise(paper)
     (out / "report.json").write_text(
         json.dumps(summary, indent=2, ensure_ascii=False) + "\n", encoding="utf-8"
     )
-    drawings = {n: (out / "figures" / f"{n}.svg").read_text(encoding="utf-8") for n in DRAWINGS}
+    drawings = {name: files[".svg"].decode() for name, files in paper.pictures.items()}
     target = out / "report.html"
     target.write_text(page.render(paper, summary, drawings), encoding="utf-8")
     return target
-
-
-def _draw(datasets: Mapping[str, xr.Dataset], folder: Path, processes: int) -> None:
-    """Draw every picture, slow ones first."""
-    jobs = [(name, {k: datasets[k] for k in DRAWINGS[name].needs}, folder) for name in DRAWINGS]
-    with pool(processes) as others:
-        for done in [others.submit(draw, *job) for job in jobs]:
-            done.result()
 
 
 def summarise(paper: Paper) -> dict[str, Any]:
@@ -157,12 +174,7 @@ def _reconstruct(report: Report) -> dict[str, xr.Dataset]:
     return found
 
 
-def _datasets(
-    e: Evidence,
-    valleys: Mapping[str, xr.Dataset],
-    sections: xr.Dataset,
-    drift: xr.Dataset,
-) -> dict[str, xr.Dataset]:
+def _measured(e: Evidence) -> dict[str, xr.Dataset]:
     return {
         "constant_load": e.constant,
         "landscape": e.landscape,
@@ -170,13 +182,12 @@ def _datasets(
         "periodic_load": e.motion,
         "sections": e.section,
         "neighbours": e.neighbour,
+    }
+
+
+def _reconstructed(valleys: Mapping[str, xr.Dataset]) -> dict[str, xr.Dataset]:
+    laws = [valleys[law].sel(window=[100.0]) for law in LAWS]
+    return {
         "valley_windows": valleys["sin2"],
-        "valley_laws": xr.concat(
-            [valleys[law].sel(window=[100.0]) for law in LAWS],
-            "law",
-            join="inner",
-            combine_attrs="override",
-        ),
-        "tolerance_sections": sections,
-        "tolerance_energy": drift,
+        "valley_laws": xr.concat(laws, "law", join="inner", combine_attrs="override"),
     }
