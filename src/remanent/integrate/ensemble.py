@@ -242,7 +242,7 @@ def _settled(
         possible = wanted <= max_resolution * _slowness(problem, which)
         begun = outcome.horizon[which] > _begun(problem, which)
         unresolved = ~begun | (stalls[which] == 0)
-        capped = unfinished & ~possible & unresolved & (result.values["horizon"] > 0.0)
+        capped = unfinished & ~possible & unresolved & (outcome.status[which] != Status.SINGULAR)
         outcome.status[which[capped]] = Status.MAX_STEPS
         retry = unfinished & possible
         again.append(_Pending(which[retry], wanted[retry]))
@@ -325,7 +325,7 @@ def _record(
         outcome.states[target, :reached] = result.states[source]
     escaped = ~ok & (np.abs(result.last).max(axis=1) > ESCAPE)
     outcome.status[which[escaped]] = Status.ESCAPED
-    at_once = ~ok & (horizon <= 0.0)
+    at_once = ~ok & (horizon <= 0.0) & np.isnan(values["total"])
     outcome.status[which[at_once]] = Status.SINGULAR
     return np.asarray(stalled | escaped)
 

@@ -20,12 +20,12 @@ RUNAWAY = Oscillator(Q**3, {})
 POLE = Oscillator(1 / Q, {})
 
 
-def driven(count: int = 40) -> Problem:
+def driven(count: int = 24) -> Problem:
     """Pendulums from quiet to wild, under a periodic load, of different durations."""
     rng = np.random.default_rng(5)
     start = np.column_stack([rng.uniform(-3.0, 3.0, count), rng.uniform(-1.0, 1.0, count)])
-    duration = rng.uniform(20.0, 90.0, count)
-    return problem(DRIVEN, start, duration, period=3.0, a=np.linspace(0.0, 1.5, count))
+    duration = rng.uniform(20.0, 80.0, count)
+    return problem(DRIVEN, start, duration, period=3.0, a=np.linspace(0.0, 2.0, count))
 
 
 def subset(whole: Problem, which: np.ndarray) -> Problem:
@@ -107,7 +107,7 @@ def test_bits_do_not_depend_on_the_size_of_pieces_of_work(
     module: object, name: str, value: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Chunks and blocks of any size: the same bits."""
-    whole = driven(20)
+    whole = driven(12)
     request = requests(whole)[0]
     reference = integrate(whole, request, tolerance=1e-9)
     monkeypatch.setattr(module, name, value)
