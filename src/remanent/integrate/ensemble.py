@@ -40,7 +40,7 @@ from remanent.integrate.tables import waveform_tables
 _CHUNK_STEPS = 2.0**23
 #: Largest resolution tried, double steps per cycle.
 MAX_RESOLUTION = 2**14
-#: Most fine steps of one trajectory: minutes of work.
+#: Most fine steps of one trajectory.
 MAX_STEPS = 2.0**28
 #: For a slow drive the largest resolution is up to so many times larger.
 _SLOWEST = 16.0
