@@ -19,7 +19,7 @@ from remanent.codegen.field import field_for
 from remanent.integrate.problem import Problem
 from remanent.models.actuator import Actuator
 from remanent.models.drives import Drive
-from remanent.results.build import Labelled, unflatten
+from remanent.results.build import Labelled
 
 #: What ``over`` accepts.
 Over = Mapping[str, ArrayLike | xr.DataArray]
@@ -67,7 +67,7 @@ class Ensemble:
 
     def shaped(self, values: Any) -> Any:
         """From (trajectory, ...) to one axis for each dimension of the ensemble."""
-        return unflatten(np.asarray(values), self.sizes)
+        return np.reshape(values, (*self.sizes.values(), *np.shape(values)[1:]))
 
     def periods(self) -> FloatArray | None:
         """Smallest period of the load of every trajectory, or None."""
