@@ -151,6 +151,60 @@ def integrate(
     return outcome
 
 
+def integrate_fixed(
+    problem: Problem,
+    request: Request,
+    *,
+    resolution: int,
+    method: Method | None = None,
+    workers: int | None = None,
+) -> Outcome:
+    """Integrate every trajectory with the same number of steps, and learn nothing of the error.
+
+    For measurements of the kernel and of the order of a method: what is returned has NaN for
+    its ``error``, and no verb of this package uses it.
+
+    Parameters
+    ----------
+    problem, request, method, workers
+        As for :func:`integrate`.
+    resolution
+        Double steps per cycle, or per nominal time where the load has no period.
+    """
+    options = Options(extremes=request.extremes, companion=False)
+    method = method or (adams(PAST) if request.extremes else default_method())
+    kernels = Kernels(
+        compiled(problem.field, default_method(), options),
+        compiled(problem.field, method, options),
+    )
+    outcome = _empty(problem, request)
+    threads = workers or os.cpu_count() or 1
+    index = np.flatnonzero(~problem.invalid)
+    pending = _Pending(index, np.full(index.size, resolution))
+
+    @cache
+    def tables(nodes: tuple[float, ...], resolution: int) -> tuple[FloatArray, FloatArray]:
+        return waveform_tables(problem.timeline.waveform, nodes, resolution)
+
+    def run(chunk: tuple[int, IntArray]) -> tuple[IntArray, Attempt]:
+        level, which = chunk
+        return which, attempt(
+            problem, request, kernels, np.inf, level, which, tables, lambda: True
+        )
+
+    with ThreadPoolExecutor(max_workers=threads) as pool:
+        for which, result in pool.map(run, _chunks(problem, pending, kernels.width, threads)):
+            finite = np.isfinite(result.last).all(axis=1)
+            outcome.status[which] = np.where(finite, Status.OK, Status.DIVERGED)
+            outcome.horizon[which] = problem.duration[which]
+            outcome.resolution[which] = resolution
+            outcome.maximum[which] = result.values["maximum"]
+            outcome.minimum[which] = result.values["minimum"]
+            if outcome.states is not None and result.states is not None:
+                outcome.states[which, : result.states.shape[1]] = result.states
+    return outcome
+
+
 def _found(outcome: Outcome) -> tuple[IntArray, IntArray]:
     """Trajectories that were computed, and the resolution that reached furthest."""
     index = np.flatnonzero(outcome.resolution > 0)

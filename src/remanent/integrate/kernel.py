@@ -30,7 +30,7 @@ from remanent.integrate.lanes import (
     larger,
     smaller,
 )
-from remanent.integrate.layout import Layout
+from remanent.integrate.layout import SOLUTIONS, Layout
 from remanent.integrate.methods import RungeKutta, carried
 from remanent.integrate.stepping import AdamsSteps, RungeKuttaSteps, Stepper
 
@@ -50,10 +50,13 @@ class Options:
         control the error of the state.
     safety
         Factor between the estimate from two step sizes and the error reported.
+    companion
+        Advance the coarser solution too.  Without it nothing is known of the error.
     """
 
     extremes: bool = False
     safety: float = 4.0
+    companion: bool = True
 
 
 #: What a kernel can integrate with.
@@ -99,10 +102,11 @@ class _Kernel:
         self.groups, self.cycles, self.doubles, self.every = args[4:]
         self.layout = layout_of(field)
         self.functions = LaneFunctions(writer)
+        kinds = SOLUTIONS if options.companion else SOLUTIONS[:1]
         self.stepper: Stepper = (
-            RungeKuttaSteps(method, self._rates, self.layout.pasts, writer)
+            RungeKuttaSteps(method, self._rates, self.layout.pasts, kinds, writer)
             if isinstance(method, RungeKutta)
-            else AdamsSteps(method, self._rates, partners(field), writer)
+            else AdamsSteps(method, self._rates, partners(field), kinds, writer)
         )
 
     def write(self) -> None:
@@ -236,11 +240,11 @@ class _Kernel:
         left = self._state("fine")
         middle = self._fine_step(first)
         right = self._fine_step(second)
-        coarse = self._coarse_step(double)
+        coarse = self._coarse_step(double) if self.options.companion else None
         self.t0 = self.cycle_start + w.spread_integer(first) * self.h
         if self.options.extremes:
-            self._note_turns((left, middle, right), coarse, first, second)
-        else:
+            self._note_turns((left, middle, right), coarse or right, first, second)
+        elif coarse:
             self._judge_state(left, right, coarse)
         count = b.add(b.mul(cycle, b.mul(self.doubles, w.integer(2))), first)
         self._write_record(b.add(count, w.integer(1)), middle)
@@ -346,8 +350,9 @@ class _Kernel:
         t0 = next(cells)
         waiting = self.waiting.get() > 0.5
         left, middle, right = (self._jet(y, u) for y, u in zip(nodes[:3], loads, strict=True))
-        coarse = self._run(self.field.watched, nodes[3], loads[2])[0]
-        self._judge(waiting, abs(right[0] - coarse) * self._scale, t0, nodes[0])
+        if self.options.companion:
+            coarse = self._run(self.field.watched, nodes[3], loads[2])[0]
+            self._judge(waiting, abs(right[0] - coarse) * self._scale, t0, nodes[0])
         self._take_extremes(waiting & (self.v["alive"].get() > 0.5), t0, (left, middle, right))
         self.waiting.set(self.w.constant(0.0))
 
