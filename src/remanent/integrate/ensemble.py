@@ -56,10 +56,13 @@ _ROUND_OFF = 1.0
 _MARGIN = 0.5
 #: A horizon that grows by less than this factor on refinement will not reach the end.
 _STALLED = 1.05
-#: Refinement is given up after so many such attempts in a row, but not while the horizon
-#: lies within so many cycles, in which a fast stretch of time may just not be resolved.
-_PATIENCE, _BEGUN = 2, 3.0
-#: Nor where the error was below this share of the tolerance until it passed it.
+#: Refinement is given up at the first such attempt with so many times the steps of the best,
+#: at the second if the horizon lies past this share of the run ...
+_FINER, _ALMOST = 1.5, 0.8
+#: ... but not while it lies within so many cycles, in which a fast stretch of time may just
+#: not be resolved,
+_BEGUN = 3.0
+#: nor where the error was below this share of the tolerance until it passed it.
 _JUMP = 0.05
 #: Below this tolerance rounding of past rates would show.
 _FINE = 1e-10
@@ -361,9 +364,11 @@ def _record(
     # the motion; one that grows past it, of a motion that magnifies errors.
     jumped = values["error"] < _JUMP * tolerance
     stuck = horizon <= _STALLED * before
-    stalls[which] = np.where(stuck, stalls[which] + ~jumped, 0)
+    telling = stuck & ~jumped & (resolution >= _FINER * outcome.resolution[which])
+    stalls[which] = np.where(stuck, stalls[which] + telling, 0)
     begun = horizon > _begun(problem, which)
-    stalled = ~ok & begun & (stalls[which] >= _PATIENCE)
+    patience = np.where(horizon > _ALMOST * problem.duration[which], 2, 1)
+    stalled = ~ok & begun & (stalls[which] >= patience)
     better = ok | (outcome.resolution[which] == 0) | (horizon > before)
     target, source = which[better], np.flatnonzero(better)
     outcome.horizon[target] = horizon[source]

@@ -382,8 +382,8 @@ class _Kernel:
 
 
 def _worse(a: Lanes, b: Lanes) -> Lanes:
-    """The larger of two errors, NaN where `b` is."""
-    return (b <= a).choose(a, b)
+    """The larger of two errors, NaN where one is."""
+    return ((b <= a) | a.is_nan()).choose(a, b)
 
 
 def _rounded(x: Lanes, bits: int) -> Lanes:
