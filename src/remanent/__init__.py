@@ -19,6 +19,7 @@ if TYPE_CHECKING:
         Ramp,
         Sampled,
         Sine,
+        Sines,
         SineSquared,
         Steps,
     )
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from remanent.models.materials import NeoHookean
     from remanent.models.viscous import Rayleigh
     from remanent.results.si import to_si
+    from remanent.studies.balance import energy_balance
     from remanent.studies.equilibria import equilibria
     from remanent.studies.response import frequency_response
     from remanent.studies.section import poincare_section
@@ -48,8 +50,10 @@ __all__ = [
     "Sampled",
     "Sine",
     "SineSquared",
+    "Sines",
     "Steps",
     "__version__",
+    "energy_balance",
     "equilibria",
     "frequency_response",
     "plot",
@@ -74,7 +78,9 @@ _HOME: Final = {
     "Sampled": "models.drives",
     "Sine": "models.drives",
     "SineSquared": "models.drives",
+    "Sines": "models.drives",
     "Steps": "models.drives",
+    "energy_balance": "studies.balance",
     "equilibria": "studies.equilibria",
     "frequency_response": "studies.response",
     "poincare_section": "studies.section",

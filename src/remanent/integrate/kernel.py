@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import reduce
 from operator import truediv
 from typing import Any
 
@@ -52,11 +53,19 @@ class Options:
         Factor between the estimate from two step sizes and the error reported.
     companion
         Advance the coarser solution too.  Without it nothing is known of the error.
+    local
+        Start the coarser solution anew from the finer one in every cycle, so that the
+        error of each cycle by itself is controlled.  Only for methods that need no past.
+    absolute
+        How many of the first state variables have their error counted as it is (all by
+        default); that of the others is divided by the largest of them, where above 1.
     """
 
     extremes: bool = False
     safety: float = 4.0
     companion: bool = True
+    local: bool = False
+    absolute: int | None = None
 
 
 #: What a kernel can integrate with.
@@ -116,6 +125,8 @@ class _Kernel:
             with self.w.loop(self.cycles) as (cycle, leave_if):
                 self.cycle_start = self.start + self.w.spread_integer(cycle) * self.cycle
                 leave_if(self.w.builder.not_(self._active().any()))
+                if self.options.local:
+                    self._set_state("coarse", self._state("fine"))
                 with self.w.loop(self.doubles) as (double, _):
                     self._double_step(cycle, double)
             if self.options.extremes:
@@ -257,9 +268,12 @@ class _Kernel:
 
     def _judge_state(self, left: list[Lanes], fine: list[Lanes], coarse: list[Lanes]) -> None:
         """Compare the two solutions at the end of the double step."""
-        error = abs(fine[0] - coarse[0])
-        for a, c in zip(fine[1:], coarse[1:], strict=True):
-            error = _worse(error, abs(a - c))
+        parts = [abs(a - c) for a, c in zip(fine, coarse, strict=True)]
+        count = self.options.absolute or len(parts)
+        error = reduce(_worse, parts[:count])
+        if parts[count:]:
+            size = reduce(larger, map(abs, fine[count:]), self.w.constant(1.0))
+            error = _worse(error, reduce(_worse, parts[count:]) / size)
         self._judge(self.t0 < self.end, error * self._scale, self.t0, left)
 
     def _judge(self, where: Mask, error: Lanes, before: Lanes, left: list[Lanes]) -> None:

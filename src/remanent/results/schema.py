@@ -96,6 +96,22 @@ _ROWS = (
         _ALONG,
         Kind.ENERGY_DENSITY,
     ),
+    Variable(
+        "stored_energy",
+        "1",
+        "energy per reference volume, without that in the field",
+        r"E_s",
+        _ALONG,
+        Kind.ENERGY_DENSITY,
+    ),
+    Variable("drive_work", "1", "work of the magnetic load", r"W", _ALONG, Kind.ENERGY_DENSITY),
+    Variable(
+        "dissipated_energy", "1", "dissipated energy", r"D", _ALONG, Kind.ENERGY_DENSITY
+    ),
+    Variable("balance", "1", "defect of the energy balance", r"r", _ALONG, Kind.ENERGY_DENSITY),
+    Variable(
+        "mean_thickness_stretch", "1", "mean thickness stretch", r"\langle\lambda_3\rangle", _ALONG
+    ),
     Variable("load", "1", "magnetic load", r"m", _ALONG, Kind.LOAD),
     # Where along a run.
     Variable("time", "1", "time", r"\tau", kind=Kind.TIME),
