@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from remanent.models.viscous import Rayleigh
     from remanent.results.si import to_si
     from remanent.studies.balance import energy_balance
+    from remanent.studies.crossings import crossings
     from remanent.studies.equilibria import equilibria
     from remanent.studies.response import frequency_response
     from remanent.studies.section import poincare_section
@@ -53,6 +54,7 @@ __all__ = [
     "Sines",
     "Steps",
     "__version__",
+    "crossings",
     "energy_balance",
     "equilibria",
     "frequency_response",
@@ -80,6 +82,7 @@ _HOME: Final = {
     "SineSquared": "models.drives",
     "Sines": "models.drives",
     "Steps": "models.drives",
+    "crossings": "studies.crossings",
     "energy_balance": "studies.balance",
     "equilibria": "studies.equilibria",
     "frequency_response": "studies.response",

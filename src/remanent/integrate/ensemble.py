@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor, as_completed
 from dataclasses import dataclass, replace
 from functools import cache
+from typing import Any
 
 import numpy as np
 
@@ -114,7 +115,8 @@ def integrate(
         index, np.full(index.size, min(max_resolution, first_resolution(tolerance, method)))
     )
     stalls = np.zeros(problem.duration.size, dtype=np.int64)
-    search = replace(request, times=None)  # states between steps cost more than the steps
+    late = request.times is not None or request.inspect is not None
+    search = replace(request, times=None, inspect=None)  # these cost more than the steps
     stop = threading.Event()
 
     @cache
@@ -145,11 +147,14 @@ def integrate(
                 pending = _joined(again)
                 if progress is not None:
                     progress(1.0 - pending.index.size / max(problem.duration.size, 1))
-            if request.times is not None:
+            if late:
                 found = _Pending(*_found(outcome))
-                _sampled(outcome, start(request, _chunks(problem, found, kernels.width, threads)))
+                outcome = _sampled(
+                    outcome, start(request, _chunks(problem, found, kernels.width, threads))
+                )
         except BaseException:
             stop.set()
+            pool.shutdown(wait=False, cancel_futures=True)
             raise
     return outcome
 
@@ -191,9 +196,7 @@ def integrate_fixed(
 
     def run(chunk: tuple[int, IntArray]) -> tuple[IntArray, Attempt]:
         level, which = chunk
-        return which, attempt(
-            problem, request, kernels, np.inf, level, which, tables, lambda: True
-        )
+        return which, attempt(problem, request, kernels, np.inf, level, which, tables, lambda: True)
 
     with ThreadPoolExecutor(max_workers=threads) as pool:
         for which, result in pool.map(run, _chunks(problem, pending, kernels.width, threads)):
@@ -214,13 +217,15 @@ def _found(outcome: Outcome) -> tuple[IntArray, IntArray]:
     return index, outcome.resolution[index]
 
 
-def _sampled(outcome: Outcome, futures: dict[Future[Attempt], tuple[int, IntArray]]) -> None:
-    """Take in the states at the times wanted."""
-    assert outcome.states is not None
+def _sampled(outcome: Outcome, futures: dict[Future[Attempt], tuple[int, IntArray]]) -> Outcome:
+    """Take in the states at the times wanted, and what was found between them."""
+    findings: list[Any] = []
     for future in as_completed(futures):
-        states = future.result().states
-        assert states is not None
-        outcome.states[futures[future][1]] = states
+        result = future.result()
+        if outcome.states is not None and result.states is not None:
+            outcome.states[futures[future][1]] = result.states
+        findings += result.findings
+    return replace(outcome, findings=tuple(findings))
 
 
 def _affordable(problem: Problem, outcome: Outcome, pending: _Pending) -> _Pending:

@@ -79,7 +79,12 @@ def with_integrals(field: Field, names: Sequence[str]) -> Field:
 
 
 def derivatives(field: Field, name: str, variables: Sequence[str]) -> Program:
-    """An observable and its partial derivatives with respect to state variables or parameters.
+    """An observable, or a state variable, and its partial derivatives.
+
+    Parameters
+    ----------
+    variables
+        State variables or parameters to differentiate with respect to.
 
     Returns
     -------
@@ -92,7 +97,10 @@ def derivatives(field: Field, name: str, variables: Sequence[str]) -> Program:
         _Dual(into, into.input(i), tuple(one if i == v else None for v in variables))
         for i in field.inputs
     ]
-    (value,) = _run(field.observables[name], values, into, columns)
+    if name in field.state:
+        value = values[field.inputs.index(name)]
+    else:
+        (value,) = _run(field.observables[name], values, into, columns)
     return into.program([value.value, *(s or into.constant(0.0) for s in value.slopes)])
 
 
@@ -146,9 +154,7 @@ class _Dual:
     slopes: tuple[Signed | None, ...]
 
     def __add__(self, other: _Dual) -> _Dual:
-        return self._with(
-            self.into.add(self.value, other.value), other, lambda a, b: self._sum(a, b)
-        )
+        return self._with(self.into.add(self.value, other.value), other, self._sum)
 
     def __sub__(self, other: _Dual) -> _Dual:
         return self + -other
@@ -211,9 +217,7 @@ class _Functions:
 
     @staticmethod
     def log(x: _Dual) -> _Dual:
-        return x.mapped(
-            x.into.call("log", x.value), x.into.div(x.into.constant(1.0), x.value)
-        )
+        return x.mapped(x.into.call("log", x.value), x.into.div(x.into.constant(1.0), x.value))
 
     @staticmethod
     def sin(x: _Dual) -> _Dual:

@@ -25,8 +25,8 @@ class Motion:
     """Energies of a mechanical system with internal variables.
 
     All energies are per 8 H L^2 mu.  `potential` contains `magnetic`, the energy in the
-    field, and `viscous`, what dissipative elements store.  `load` and the keys of `definitions` are symbols
-    that depend on parameters and on the drive, not on the state.
+    field, and `viscous`, what dissipative elements store.  `load` and the keys of
+    `definitions` are symbols that depend on parameters and on the drive, not on the state.
     """
 
     coordinates: tuple[Symbol, ...]
@@ -155,9 +155,7 @@ def powers(motion: Motion, rates: Mapping[Symbol, Expression]) -> dict[str, Expr
     drive's power is -dU_m/dq q' and the dissipated one q' dD/dq' - dU_v/dxi xi'.
     """
     moving = {q: rates[q] for q in motion.coordinates}
-    dashpots = sum(
-        (v * sp.diff(motion.rayleigh, v) for v in motion.rates), start=sp.Integer(0)
-    )
+    dashpots = sum((v * sp.diff(motion.rayleigh, v) for v in motion.rates), start=sp.Integer(0))
     return {
         "stored_energy": motion.kinetic + motion.potential - motion.magnetic,
         "drive_power": -along(motion.magnetic, moving),

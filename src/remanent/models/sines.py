@@ -138,7 +138,9 @@ class Sines(Drive):
     def periods(self, values: Mapping[str, FloatArray]) -> FloatArray | None:
         """2 pi/(g omega), with g the greatest common divisor of the multiples, or None."""
         base = self._base()
-        return None if base is None else np.asarray(2.0 * np.pi / base / self.value(values, "omega"))
+        return (
+            None if base is None else np.asarray(2.0 * np.pi / base / self.value(values, "omega"))
+        )
 
     def timeline(self, values: Mapping[str, FloatArray], duration: FloatArray) -> Timeline:
         """One period, repeated, or one piece as long as the trajectory."""

@@ -107,9 +107,7 @@ def simulate(
     return label(ens, outcome, variables, {"time": time}, tolerance, **settings)
 
 
-def time_grid(
-    ens: Ensemble, duration: Any, periods: Any, times: Any
-) -> tuple[FloatArray, bool]:
+def time_grid(ens: Ensemble, duration: Any, periods: Any, times: Any) -> tuple[FloatArray, bool]:
     """Times (trajectory, time), and whether all trajectories share them."""
     if times is not None:
         wanted = np.array(require_increasing("times", times))
