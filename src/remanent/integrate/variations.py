@@ -50,8 +50,8 @@ def tangent(field: Field, *, directions: int, parameters: Sequence[str] = ()) ->
     for k, name in enumerate(parameters, start=directions):
         if name != LOG_PERIOD:
             at = field.inputs.index(name)
-            slopes = tuple(into.constant(1.0) if j == k else None for j in range(columns))
-            values[at] = replace(values[at], slopes=slopes)
+            unit = tuple(into.constant(1.0) if j == k else None for j in range(columns))
+            values[at] = replace(values[at], slopes=unit)
     rates = _run(field.rates, values, into, columns)
     outputs = [rate.value for rate in rates]
     for k in range(columns):

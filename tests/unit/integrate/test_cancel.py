@@ -15,7 +15,7 @@ from remanent.integrate.ensemble import integrate
 from remanent.integrate.problem import Request
 
 
-class Interruption(Exception):
+class InterruptionError(Exception):
     """Raised by a progress display."""
 
 
@@ -31,13 +31,13 @@ def test_nothing_is_computed_after_an_interruption(monkeypatch: pytest.MonkeyPat
 
     def report(_share: float) -> None:
         raised.set()
-        raise Interruption
+        raise InterruptionError
 
     monkeypatch.setattr(Kernel, "__call__", counted)
     count = 40_000  # for most of which the second attempt would follow
     asked = problem(Oscillator(-Q - Q**3, {}), np.ones((count, 2)), 5.0, period=1.0)
     begun = threading.active_count()
-    with pytest.raises(Interruption):
+    with pytest.raises(InterruptionError):
         integrate(asked, Request(strobe=1), tolerance=1e-12, workers=2, progress=report)
     assert len(late) <= 2
     assert threading.active_count() <= begun + 2
