@@ -76,7 +76,7 @@ class Kernel:
             if record.shape[0] < needed or not record.flags.c_contiguous:
                 raise ValueError(f"record holds {record.shape[0]} states; {needed} are needed")
         pointers = (lanes, fine, coarse, lanes if record is None else record)
-        addresses = (array.ctypes.data for array in pointers)
+        addresses = (array.__array_interface__["data"][0] for array in pointers)
         self._call(*addresses, groups, cycles, doubles, every)
 
 
