@@ -164,9 +164,7 @@ class PeriodMap:
                 tangent[:, k, k] = 1.0
         return np.concatenate([states, tangent.reshape(count, -1)], axis=1)
 
-    def _finer(
-        self, error: FloatArray, tolerance: float, levels: IntArray, half: bool
-    ) -> IntArray:
+    def _finer(self, error: FloatArray, tolerance: float, levels: IntArray, half: bool) -> IntArray:
         with np.errstate(all="ignore"):
             factor = (error / (_MARGIN * tolerance)) ** (1.0 / self.order)
         factor = np.where(np.isfinite(factor) & (error < 1.0), factor, 2.0).clip(1.05, 4.0)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -23,6 +23,9 @@ class Drive(Part, ABC):
     fields, of waveforms all trajectories share, and of the phase in the current piece
     of the :meth:`timeline`.  A contract test holds the two together.
     """
+
+    #: The field to which the period is inversely proportional, where there is a period.
+    timed_by: ClassVar[str] = "omega"
 
     @property
     def waveforms(self) -> tuple[str, ...]:

@@ -1,0 +1,201 @@
+"""Special points of a branch of periodic orbits: where multipliers leave or meet.
+
+References
+----------
+Y. A. Kuznetsov, Elements of Applied Bifurcation Theory (Springer, 2004), chapter 10.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from itertools import combinations
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from scipy.optimize import elementwise
+
+from remanent._typing import FloatArray, IntArray
+from remanent.analysis.continuation import Equations, Evaluated, Points, corrected
+from remanent.analysis.maps import Map
+
+#: Its annotations know nothing of `args`.
+find_root: Any = elementwise.find_root
+
+
+@dataclass(frozen=True)
+class Special:
+    """A special point of a branch.
+
+    Attributes
+    ----------
+    kind
+        ``fold``, ``period doubling``, ``Neimark-Sacker`` or ``branch point``.
+    segment
+        It lies between this point of the branch and the next.
+    points
+        The point itself, a :class:`Points` of length 1.
+    error
+        Estimated error of the parameter.
+    """
+
+    kind: str
+    segment: int
+    points: Points
+    error: float
+
+
+def orbit_equations(map_: Map, iterate: int) -> Equations:
+    """Periodic orbits as curves: unknowns (state, parameter), equations map^q(x) - x = 0.
+
+    ``extra["jacobian"]`` is that of the iterate, ``extra["derivative"]`` of the equations.
+    """
+
+    def equations(unknown: FloatArray) -> Evaluated:
+        x, p = unknown[:, :-1], unknown[:, -1:]
+        image = map_(x, p, iterate)
+        derivative = np.concatenate(
+            [image.jacobian - np.eye(x.shape[1]), image.slope[:, :, :1]], axis=2
+        )
+        extra = {"jacobian": image.jacobian, "derivative": derivative}
+        return Evaluated(image.state - x, derivative, image.error, extra)
+
+    return equations
+
+
+# Test functions: each changes sign at its kind of point.  Points in, array (point,) out.
+
+
+def _fold(points: Points, scale: FloatArray) -> FloatArray:
+    return points.tangent[:, -1]
+
+
+def _doubling(points: Points, scale: FloatArray) -> FloatArray:
+    jacobian = points.extra["jacobian"]
+    return np.asarray(np.linalg.det(jacobian + np.eye(jacobian.shape[1])))
+
+
+def _branch_point(points: Points, scale: FloatArray) -> FloatArray:
+    """Determinant of the derivatives bordered by the tangent."""
+    bordered = np.concatenate([points.extra["derivative"] * scale, points.tangent[:, None]], axis=1)
+    return np.asarray(np.linalg.det(bordered))
+
+
+def _torus(points: Points, scale: FloatArray) -> FloatArray:
+    """Product over pairs of multipliers of their product less one."""
+    values = np.linalg.eigvals(points.extra["jacobian"])
+    pairs = [values[:, i] * values[:, j] - 1.0 for i, j in combinations(range(values.shape[1]), 2)]
+    return np.asarray(np.prod(pairs, axis=0).real if pairs else np.ones(len(points)))
+
+
+TESTS: Mapping[str, Callable[[Points, FloatArray], FloatArray]] = MappingProxyType(
+    {
+        "fold": _fold,
+        "period doubling": _doubling,
+        "branch point": _branch_point,
+        "Neimark-Sacker": _torus,
+    }
+)
+
+
+def special_points(
+    equations: Equations,
+    points: Points,
+    *,
+    scale: FloatArray,
+    tolerance: float,
+    conservative: bool,
+) -> list[Special]:
+    """All special points of a branch, in order along it.
+
+    Parameters
+    ----------
+    points
+        Along the branch, with ``jacobian`` and ``derivative`` in their ``extra``.
+    conservative
+        Products of multipliers are 1 throughout, so that no Neimark-Sacker point exists.
+    """
+    found: list[Special] = []
+    for kind, test in TESTS.items():
+        if kind == "Neimark-Sacker" and conservative:
+            continue
+        values = test(points, scale)
+        with np.errstate(invalid="ignore"):
+            segment = np.flatnonzero(values[:-1] * values[1:] < 0.0)
+        if segment.size:
+            found += _located(equations, points, segment, kind, scale, tolerance)
+    return sorted(found, key=lambda special: special.segment)
+
+
+def _located(
+    equations: Equations,
+    points: Points,
+    segment: IntArray,
+    kind: str,
+    scale: FloatArray,
+    tolerance: float,
+) -> list[Special]:
+    """Roots of a test function on some segments, all together."""
+    test = TESTS[kind]
+
+    def at(part: FloatArray, number: FloatArray) -> Points:
+        k = segment[number.astype(np.int64)]
+        guess, direction = between(points, k, part, scale)
+        return corrected(equations, guess, direction, scale=scale, tolerance=tolerance)[0]
+
+    number = np.arange(segment.size, dtype=np.float64)
+    ends = (np.zeros(segment.size), np.ones(segment.size))
+    root = find_root(
+        lambda s, k: test(at(s, k), scale), ends, args=(number,),
+        tolerances={"xatol": 1e-13, "xrtol": 1e-13, "fatol": 0.0, "frtol": 0.0}, maxiter=60,
+    )  # fmt: skip
+    here = at(root.x, number)
+    kept = [k for k in range(segment.size) if root.success[k] and _is(kind, here, k)]
+    return [
+        Special(
+            kind,
+            int(segment[k]),
+            here.taken(slice(k, k + 1)),
+            _uncertainty(points, int(segment[k]), here, k, test, scale),
+        )
+        for k in kept
+    ]
+
+
+def _is(kind: str, here: Points, k: int) -> bool:
+    """Whether a Neimark-Sacker point is one: the multipliers that meet 1 are complex."""
+    if kind != "Neimark-Sacker":
+        return True
+    values = np.linalg.eigvals(here.extra["jacobian"][k])
+    pair = min(combinations(values, 2), key=lambda two: abs(two[0] * two[1] - 1.0))
+    return bool(abs(pair[0].imag) > 1e-6)
+
+
+def _uncertainty(
+    points: Points, segment: int, here: Points, k: int, test: Any, scale: FloatArray
+) -> float:
+    """Error of the parameter: of the point itself, and of where the test vanishes."""
+    ends = points.taken(slice(segment, segment + 2))
+    values = test(ends, scale)
+    chord = np.diff(ends.unknown, axis=0)[0] / scale
+    slope = abs(values[1] - values[0]) / max(float(np.linalg.norm(chord)), 1e-300)
+    jacobian = here.extra["jacobian"][k]
+    size = max(1.0, float(np.abs(jacobian).max()))
+    error = float(here.error[k] + here.residual[k])
+    shift = error * size / max(slope, 1e-300)
+    return float(scale[-1] * (error * size + shift * (abs(here.tangent[k, -1]) + shift)))
+
+
+def between(
+    points: Points, segment: IntArray, part: FloatArray, scale: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """A guess on the cubic between two points of a curve, and its direction."""
+    a, b = points.unknown[segment] / scale, points.unknown[segment + 1] / scale
+    ta, tb = points.tangent[segment], points.tangent[segment + 1]
+    gap = np.linalg.norm(b - a, axis=1)[:, None]
+    s = part[:, None]
+    h01 = s * s * (3.0 - 2.0 * s)
+    guess = a + h01 * (b - a) + gap * s * (1.0 - s) * ((1.0 - s) * ta - s * tb)
+    direction = (1.0 - s) * ta + s * tb
+    return guess * scale, direction / np.linalg.norm(direction, axis=1)[:, None]
