@@ -67,11 +67,11 @@ def orbit_equations(map_: Map, iterate: int) -> Equations:
 # Test functions: each changes sign at its kind of point.  Points in, array (point,) out.
 
 
-def _fold(points: Points, scale: FloatArray) -> FloatArray:
+def _fold(points: Points, _scale: FloatArray) -> FloatArray:
     return points.tangent[:, -1]
 
 
-def _doubling(points: Points, scale: FloatArray) -> FloatArray:
+def _doubling(points: Points, _scale: FloatArray) -> FloatArray:
     jacobian = points.extra["jacobian"]
     return np.asarray(np.linalg.det(jacobian + np.eye(jacobian.shape[1])))
 
@@ -82,7 +82,7 @@ def _branch_point(points: Points, scale: FloatArray) -> FloatArray:
     return np.asarray(np.linalg.det(bordered))
 
 
-def _torus(points: Points, scale: FloatArray) -> FloatArray:
+def _torus(points: Points, _scale: FloatArray) -> FloatArray:
     """Product over pairs of multipliers of their product less one."""
     values = np.linalg.eigvals(points.extra["jacobian"])
     pairs = [values[:, i] * values[:, j] - 1.0 for i, j in combinations(range(values.shape[1]), 2)]

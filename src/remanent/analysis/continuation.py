@@ -258,11 +258,11 @@ def _grown(
     chain = np.vstack([z, points.unknown]) / settings.scale
     gap = np.linalg.norm(np.diff(chain, axis=0), axis=1)
     turned = np.einsum("ij,ij->i", np.vstack([t, points.tangent[:-1]]), points.tangent)
-    good = reached & (correction < _FAR * arm.step) & (turned > _TURN)
-    good &= (gap > 0.5 * arm.step) & (gap < 2.0 * arm.step)
+    even = (gap > 0.5 * arm.step) & (gap < 2.0 * arm.step)
+    good = reached & (correction < _FAR * arm.step) & (turned > _TURN) & even
     kept = int(np.cumprod(good).sum())
-    inside = ((points.unknown >= settings.lower) & (points.unknown <= settings.upper)).all(axis=1)
-    out = np.flatnonzero(~inside[:kept])
+    box = (points.unknown[:kept] >= settings.lower) & (points.unknown[:kept] <= settings.upper)
+    out = np.flatnonzero(~np.all(box, axis=1))
     if out.size:
         kept, arm.end = int(out[0]) + 1, "bounds"
     home = _home(arm, chain[1 : kept + 1], points.tangent[:kept], settings)
@@ -312,7 +312,10 @@ def _curve(forth: _Arm, back: _Arm) -> Curve:
 
 
 def _joined(parts: list[Points]) -> Points:
-    names = ("unknown", "tangent", "residual", "error")
-    columns = (np.concatenate([getattr(part, name) for part in parts]) for name in names)
-    extra = {name: np.concatenate([part.extra[name] for part in parts]) for name in parts[0].extra}
-    return Points(*columns, extra)
+    return Points(
+        np.concatenate([part.unknown for part in parts]),
+        np.concatenate([part.tangent for part in parts]),
+        np.concatenate([part.residual for part in parts]),
+        np.concatenate([part.error for part in parts]),
+        {name: np.concatenate([part.extra[name] for part in parts]) for name in parts[0].extra},
+    )

@@ -109,7 +109,7 @@ def _newton_step(x: FloatArray, image: Mapped) -> tuple[FloatArray, FloatArray]:
         move[~usable | singular] = np.nan
         length = np.abs(move).max(axis=1)
         move *= np.minimum(1.0, _LONGEST / np.maximum(length, 1e-300))[:, None]
-    return move, np.where(np.isfinite(residual), residual, np.inf)
+    return np.asarray(move), np.where(np.isfinite(residual), residual, np.inf)
 
 
 def _orbits(x: FloatArray, image: Mapped, residual: FloatArray, which: BoolArray) -> Orbits:
