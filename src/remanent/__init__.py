@@ -28,8 +28,10 @@ if TYPE_CHECKING:
     from remanent.models.viscous import Rayleigh
     from remanent.results.si import to_si
     from remanent.studies.balance import energy_balance
+    from remanent.studies.branches import continue_orbit, response_diagram
     from remanent.studies.crossings import crossings
     from remanent.studies.equilibria import equilibria
+    from remanent.studies.orbits import periodic_orbits
     from remanent.studies.response import frequency_response
     from remanent.studies.section import poincare_section
     from remanent.studies.simulate import simulate
@@ -54,12 +56,15 @@ __all__ = [
     "Sines",
     "Steps",
     "__version__",
+    "continue_orbit",
     "crossings",
     "energy_balance",
     "equilibria",
     "frequency_response",
+    "periodic_orbits",
     "plot",
     "poincare_section",
+    "response_diagram",
     "simulate",
     "to_si",
 ]
@@ -82,10 +87,13 @@ _HOME: Final = {
     "SineSquared": "models.drives",
     "Sines": "models.drives",
     "Steps": "models.drives",
+    "continue_orbit": "studies.branches",
     "crossings": "studies.crossings",
     "energy_balance": "studies.balance",
     "equilibria": "studies.equilibria",
     "frequency_response": "studies.response",
+    "periodic_orbits": "studies.orbits",
+    "response_diagram": "studies.branches",
     "poincare_section": "studies.section",
     "simulate": "studies.simulate",
     "to_si": "results.si",

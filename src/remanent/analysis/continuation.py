@@ -302,16 +302,17 @@ def _home(arm: _Arm, chain: FloatArray, tangent: FloatArray, settings: Settings)
 def _curve(forth: _Arm, back: _Arm) -> Curve:
     """Both arms as one curve, in the direction of the first."""
     closed = forth.end == "closed" and back.end == "closed" and forth.total > 1
-    ahead = _joined(forth.parts)
+    ahead = joined(forth.parts)
     if closed:
-        whole = ahead if forth.total >= back.total else _joined(back.parts)
+        whole = ahead if forth.total >= back.total else joined(back.parts)
         return Curve(whole.taken(np.append(np.arange(len(whole)), 0)), True, ("closed", "closed"))
-    behind = _joined(back.parts).taken(slice(None, 0, -1))
+    behind = joined(back.parts).taken(slice(None, 0, -1))
     flipped = Points(behind.unknown, -behind.tangent, behind.residual, behind.error, behind.extra)
-    return Curve(_joined([flipped, ahead]), False, (back.end, forth.end))
+    return Curve(joined([flipped, ahead]), False, (back.end, forth.end))
 
 
-def _joined(parts: list[Points]) -> Points:
+def joined(parts: list[Points]) -> Points:
+    """Some stretches of points as one."""
     return Points(
         np.concatenate([part.unknown for part in parts]),
         np.concatenate([part.tangent for part in parts]),

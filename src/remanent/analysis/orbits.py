@@ -11,9 +11,9 @@ from remanent._typing import BoolArray, ComplexArray, FloatArray, IntArray
 from remanent.analysis.maps import Map, Mapped
 
 #: Newton steps at most, and the longest one, of a component of the state.
-_STEPS, _LONGEST = 40, 0.25
-#: Images with a larger error than this tell nothing.
-_WORST = 1e-6
+_STEPS, _LONGEST = 25, 0.25
+#: How near to 1 the size of a complex multiplier of a conservative map is, on the circle.
+_CIRCLE = 1e-6
 #: Orbits nearer to each other than this are one.
 _APART = 1e-7
 
@@ -61,6 +61,7 @@ def newton(
     iterate: int,
     tolerance: float,
     bounds: FloatArray,
+    worst: float = 1e-6,
 ) -> Orbits:
     """Fixed points of an iterate of a map, from many guesses; those that were reached.
 
@@ -72,19 +73,24 @@ def newton(
         Of the residual, beside the map's own error.
     bounds : array (state, 2)
         Guesses that leave a box of twice this size are given up.
+    worst
+        So are guesses whose image has a larger error.
     """
     x, p = guesses.copy(), parameters
+    if not len(x):
+        return _joined([], map_.dimension)
     centre, reach = bounds.mean(axis=1), bounds[:, 1] - bounds[:, 0]
     found: list[Orbits] = []
     for _ in range(_STEPS):
         image = map_(x, p, iterate)
         move, residual = _newton_step(x, image)
         done = residual <= np.maximum(tolerance, 4.0 * image.error)
-        known = done & (image.error <= _WORST) & _within(x, bounds)
-        if known.any():
-            found.append(_orbits(x, image, residual, known))
+        known = image.error <= worst
+        kept = done & known & _within(x, bounds)
+        if kept.any():
+            found.append(_orbits(x, image, residual, kept))
         inside = (np.abs(x + move - centre) <= reach).all(axis=1)
-        going = ~done & np.isfinite(move).all(axis=1) & inside
+        going = ~done & known & np.isfinite(move).all(axis=1) & inside
         if not going.any():
             break
         x, p = (x + move)[going], p[going]
@@ -139,13 +145,15 @@ def distinct(map_: Map, orbits: Orbits, parameter: FloatArray, *, iterate: int) 
     parameter : array (parameter,)
         At which all of them were found.
     """
+    if not orbits.residual.size:
+        return orbits
     order = np.lexsort(np.round(orbits.state, 6).T[::-1])
     orbits = taken(orbits, order)
     points = [orbits.state]
     for _ in range(iterate - 1):
         points.append(map_(points[-1], np.tile(parameter, (len(order), 1)), 1).state)
     path = np.stack(points)  # (iterate, orbit, state)
-    slack = _APART + 100.0 * _sensitivity(orbits)
+    slack = _APART + 10.0 * _sensitivity(orbits)
     kept: list[int] = []
     for k in range(len(order)):
         returns = [j for j in range(1, iterate) if iterate % j == 0]
@@ -160,8 +168,6 @@ def distinct(map_: Map, orbits: Orbits, parameter: FloatArray, *, iterate: int) 
 
 def _sensitivity(orbits: Orbits) -> FloatArray:
     """How far from the orbit a point with its residual may be."""
-    if not orbits.residual.size:
-        return np.empty(0)
     matrix = np.eye(orbits.state.shape[1]) - orbits.jacobian
     smallest = np.linalg.svd(matrix, compute_uv=False)[:, -1]
     reach = (orbits.residual + orbits.error) / np.maximum(smallest, 1e-12)
@@ -213,8 +219,8 @@ def stability(values: ComplexArray, errors: FloatArray, *, conservative: bool) -
     size, slack = np.abs(values), 4.0 * errors
     outside, inside = size > 1.0 + slack, size < 1.0 - slack
     if conservative:
-        # A pair on the unit circle has an angle; apart from rounding its size is 1.
-        turning = (np.abs(values.imag) > slack).all(axis=1) & (np.abs(size - 1.0) <= slack).all(
+        # Multipliers off the unit circle are real, but for quartets of four or more.
+        turning = (np.abs(values.imag) > slack).all(axis=1) & (np.abs(size - 1.0) <= np.maximum(slack, _CIRCLE)).all(
             axis=1
         )
         saddle = outside.any(axis=1) & inside.any(axis=1)

@@ -109,6 +109,7 @@ class PeriodMap:
         half: bool = False,
         tangent: FloatArray | None = None,
         resolution: IntArray | int = _FIRST,
+        most: int = MAX_RESOLUTION,
         visited: bool = False,
     ) -> Image:
         """Apply the map to many states.
@@ -130,6 +131,8 @@ class PeriodMap:
             To start from; by default unit directions, and nothing along parameters.
         resolution : array (point,) or int
             Double steps per period to begin with; an :class:`Image` says which were enough.
+        most
+            Largest resolution tried; an error above the tolerance tells where it is too small.
         visited
             Keep the state after each period.
         """
@@ -150,8 +153,8 @@ class PeriodMap:
                     path[some] = seen
             missed = pending[~(error[pending] <= tolerance)]
             wanted = self._finer(error[missed], tolerance, levels[missed], half)
-            pending = missed[wanted <= MAX_RESOLUTION]
-            levels[pending] = wanted[wanted <= MAX_RESOLUTION]
+            pending = missed[wanted <= most]
+            levels[pending] = wanted[wanted <= most]
         d = self.dimension
         columns = ends[:, d:].reshape(count, self.columns, d)
         return Image(ends[:, :d], columns, error, levels, path)

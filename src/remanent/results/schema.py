@@ -177,6 +177,10 @@ _ROWS = (
     Variable("state", "1", "state variable", r"\mathrm{state}"),
     Variable("initial", "1", "initial state of the orbit", r"y_0", ("orbit", "state")),
     Variable("multiplier", "1", "number of the multiplier", r"j"),
+    Variable("branch", "1", "number of the branch", r"k"),
+    Variable("point", "1", "point of the branch", r"i"),
+    Variable("special", "1", "special point", r"j"),
+    Variable("special_kind", "1", "kind of the special point", r"\mathrm{kind}", ("special",)),
     Variable("multipliers", "1", "Floquet multipliers", r"\rho", ("orbit", "multiplier")),
     # The reconstruction of what the paper leaves unstated.
     Variable(
@@ -237,6 +241,7 @@ def describe(name: str) -> Variable:
     Besides the rows themselves, the table describes by rule:
 
     * ``initial.<state>``, the initial value of a state variable;
+    * ``special_<name>``, a row at a special point of a branch;
     * ``dissipation.0.eta`` and the like, the row without the number;
     * ``<name>_error``, the estimated error of a row, in the same unit;
     * any other dotted name, a dimensionless field of the user's own part.
@@ -266,7 +271,7 @@ def describe(name: str) -> Variable:
     """
     if name in TABLE:
         return TABLE[name]
-    for rule in (_initial, _numbered, _error, _own_part):
+    for rule in (_initial, _special, _numbered, _error, _own_part):
         found = rule(name)
         if found is not None:
             return found
@@ -297,6 +302,16 @@ def _initial(name: str) -> Variable | None:
     row = TABLE[base]
     return replace(
         row, name=name, long_name=f"initial {row.long_name}", symbol=f"{row.symbol}(0)", dims=()
+    )
+
+
+def _special(name: str) -> Variable | None:
+    base = name.removeprefix("special_")
+    if base == name:
+        return None
+    row = describe(base)
+    return replace(
+        row, name=name, long_name=f"{row.long_name} at the special point", dims=("special",)
     )
 
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from remanent._typing import FloatArray, IntArray
 from remanent.analysis.maps import Mapped
+from remanent.integrate.ensemble import MAX_RESOLUTION
 from remanent.integrate.period_map import PeriodMap
 from remanent.integrate.problem import Problem
 from remanent.integrate.variations import LOG_PERIOD
@@ -30,12 +31,15 @@ class StroboscopicMap:
         Of the error that a period adds.
     phase
         Of the section within the drive period.
+    most
+        Largest resolution tried, double steps per period.
     """
 
     ensemble: Ensemble
     names: Sequence[str]
     tolerance: float
     phase: float = 0.0
+    most: int = MAX_RESOLUTION
     _resolution: int = field(default=8, repr=False)
 
     def __post_init__(self) -> None:
@@ -84,6 +88,7 @@ class StroboscopicMap:
             cycles=iterate,
             half=half,
             resolution=self._resolution,
+            most=self.most,
         )
         self._resolution = self._typical(image.resolution)
         slope = np.moveaxis(image.tangent[:, d:-1], 1, 2)
@@ -98,7 +103,26 @@ class StroboscopicMap:
     @staticmethod
     def _typical(resolution: IntArray) -> int:
         """What was enough for most points: others are refined by themselves."""
-        return int(np.quantile(resolution, 0.9, method="lower"))
+        if not resolution.size:
+            return 8
+        middle = (9 * (resolution.size - 1)) // 10
+        return int(np.partition(resolution, middle)[middle])
+
+
+def spread(
+    ensemble: Ensemble, states: FloatArray, varied: Mapping[str, FloatArray]
+) -> Ensemble:
+    """Many trajectories like a single one, with their own initial states and some values."""
+    count = len(states)
+    own = {name: np.broadcast_to(v, count).copy() for name, v in ensemble.values.items()}
+    return replace(
+        ensemble,
+        sizes={"point": count},
+        coords={},
+        values=own | dict(varied),
+        initial=states,
+        invalid=np.zeros(count, dtype=np.bool_),
+    )
 
 
 def at(ensemble: Ensemble, which: int) -> Ensemble:
