@@ -1,0 +1,73 @@
+"""Remanent: through the public verb, with its error; and at one resolution, without."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+import remanent as rm
+from benchmarks.jobs import Job
+from benchmarks.tools.tool import TOLERANCES, Run, Tool
+from remanent._typing import FloatArray
+from remanent.integrate import ensemble as engine
+from remanent.integrate.problem import Problem, Request
+from remanent.studies._ensemble import ensemble, problem
+
+#: The engine at one resolution for all, without the companion solution of the bound.
+_FIXED: Any = getattr(engine, "integrate_fixed", None)
+
+
+def actuator(job: Job) -> rm.Actuator:
+    return rm.Actuator(temperature=job.temperature, prestress=job.prestress, c=job.c)
+
+
+def asked(job: Job, omegas: FloatArray) -> Problem:
+    """The work in plain arrays."""
+    ens = ensemble(actuator(job), rm.SineSquared(job.b, 1.0), {"omega": omegas})
+    return problem(ens, np.full(omegas.size, job.window))
+
+
+def build_verb(job: Job) -> Run:
+    drive = rm.SineSquared(job.b, 1.0)
+
+    def run(omegas: FloatArray, tolerance: float) -> FloatArray:
+        ds = rm.frequency_response(
+            actuator(job), drive, omegas, duration=job.window, tolerance=tolerance
+        )
+        return np.column_stack([ds.maximum.values, ds.minimum.values])
+
+    return run
+
+
+def build_fixed(job: Job) -> Run:
+    def run(omegas: FloatArray, resolution: float) -> FloatArray:
+        outcome = _FIXED(
+            asked(job, omegas), Request(extremes=True), resolution=int(resolution), workers=1
+        )
+        return np.column_stack([outcome.maximum, outcome.minimum])
+
+    return run
+
+
+class _Fixed(Tool):
+    def missing(self) -> str:
+        return "" if _FIXED else "integrate.ensemble.integrate_fixed does not exist yet"
+
+
+FIXED = _Fixed(
+    "Remanent, one resolution, no bound",
+    "remanent",
+    "extremes",
+    build_fixed,
+    settings=tuple(float(r) for r in engine.ladder(np.geomspace(8, 8192, 41))),
+    setting_name="double steps per cycle",
+)
+VERB = Tool(
+    "Remanent, frequency_response",
+    "remanent",
+    "extremes",
+    build_verb,
+    settings=tuple(t for t in TOLERANCES if t >= 1e-12),
+    bound=True,
+)
