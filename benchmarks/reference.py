@@ -41,7 +41,7 @@ class Reference:
 def reference(job: Job) -> Reference:
     """Integrate the checked frequencies of a job once more, as well as can be."""
     precise = _precise(job)
-    in_double = heyoka_batch.build_end(job)(job.omegas[job.subset], _DOUBLE)
+    in_double = heyoka_batch.build_end(job)(job.omegas[job.subset], _DOUBLE).values
     resolved = np.abs(in_double - precise["end"]).max(axis=1) <= UNRESOLVED
     return Reference(precise, resolved)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from benchmarks.jobs import Job, thickness_stretch
-from benchmarks.tools.tool import Run, Tool
+from benchmarks.tools.tool import Package, Run, Tool, clocked
 from remanent._typing import FloatArray
 
 #: Neighbouring frequencies that step together; a batch takes as many steps as its slowest.
@@ -41,7 +41,9 @@ def build(job: Job) -> Run:
         ends = [np.asarray(batch(group, tolerance)) for group in padded.reshape(-1, _BATCH)]
         return np.concatenate(ends)[: omegas.size, None]
 
-    return run
+    return clocked(run)
 
 
-TOOL = Tool("diffrax Dopri8, vmap, end state only", "diffrax", "end", build)
+TOOL = Tool(
+    "diffrax", "diffrax Dopri8, vmap, end state only", Package("diffrax"), "end", build
+)

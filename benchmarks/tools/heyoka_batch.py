@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.jobs import Job, thickness_stretch
-from benchmarks.tools.tool import Run, Tool
+from benchmarks.tools.tool import Package, Run, Tool, clocked
 from remanent._typing import FloatArray
 
 #: Lanes, and whether its compact mode is used; the fastest on this machine is taken.
@@ -43,7 +43,7 @@ def build_end(job: Job) -> Run:
     def run(omegas: FloatArray, tolerance: float) -> FloatArray:
         return _propagate(integrator(tolerance, best()), job, omegas)
 
-    return run
+    return clocked(run)
 
 
 def build_extremes(job: Job) -> Run:
@@ -76,7 +76,7 @@ def build_extremes(job: Job) -> Run:
                 found[first + lane] = stretches.max(), stretches.min()
         return found
 
-    return run
+    return clocked(run)
 
 
 def _integrator(job: Job, tolerance: float, form: tuple[int, bool], events: list[Any]) -> Any:
@@ -113,5 +113,8 @@ def _trial(ta: Any, job: Job, omegas: FloatArray) -> float:
     return min(times)
 
 
-END = Tool("heyoka.py, batch, end state only", "heyoka", "end", build_end)
-EXTREMES = Tool("heyoka.py, batch, extremes by events", "heyoka", "extremes", build_extremes)
+_PACKAGE = Package("heyoka")
+END = Tool("heyoka", "heyoka.py, batch, end state only", _PACKAGE, "end", build_end)
+EXTREMES = Tool(
+    "heyoka-extremes", "heyoka.py, batch, extremes by events", _PACKAGE, "extremes", build_extremes
+)

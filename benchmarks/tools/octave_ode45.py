@@ -12,7 +12,7 @@ from functools import cache
 import numpy as np
 
 from benchmarks.jobs import Job, thickness_stretch
-from benchmarks.tools.tool import TOLERANCES, Run, Tool
+from benchmarks.tools.tool import TOLERANCES, Answer, Run, Tool
 from remanent._typing import FloatArray
 
 _PROGRAM = "octave-cli"
@@ -33,7 +33,7 @@ printf("%.17g\\n", toc);
 """
 
 
-class _Octave(Tool):
+class _Octave:
     def missing(self) -> str:
         return "" if shutil.which(_PROGRAM) else f"{_PROGRAM} is not on the path"
 
@@ -42,17 +42,15 @@ class _Octave(Tool):
 
 
 def build(job: Job) -> Run:
-    return lambda omegas, tolerance: timed(job, omegas, tolerance)[0]
+    def run(omegas: FloatArray, tolerance: float) -> Answer:
+        script = _SCRIPT.format(
+            b=job.b, theta=repr(job.theta), prestress=job.prestress, c=job.c, window=job.window,
+            tolerance=tolerance, omegas=" ".join(map(repr, omegas.tolist())),
+        )  # fmt: skip
+        *ends, seconds = map(float, _execute(script).split())
+        return Answer(np.asarray(thickness_stretch(np.array(ends)))[:, None], seconds)
 
-
-def timed(job: Job, omegas: FloatArray, tolerance: float) -> tuple[FloatArray, float]:
-    """The last thickness stretch of each, and the seconds that Octave took."""
-    script = _SCRIPT.format(
-        b=job.b, theta=repr(job.theta), prestress=job.prestress, c=job.c, window=job.window,
-        tolerance=tolerance, omegas=" ".join(map(repr, omegas.tolist())),
-    )  # fmt: skip
-    *ends, seconds = map(float, _execute(script).split())
-    return np.asarray(thickness_stretch(np.array(ends)))[:, None], seconds
+    return run
 
 
 @cache
@@ -67,9 +65,10 @@ def _execute(script: str) -> str:
     return subprocess.run(command, check=True, capture_output=True, text=True).stdout
 
 
-TOOL = _Octave(
-    "GNU Octave ode45, end state only",
+TOOL = Tool(
     "octave",
+    "GNU Octave ode45, end state only",
+    _Octave(),
     "end",
     build,
     settings=tuple(t for t in TOLERANCES if 1e-12 < t < 2e-8),

@@ -8,7 +8,7 @@ import numpy as np
 
 import remanent as rm
 from benchmarks.jobs import Job
-from benchmarks.tools.tool import TOLERANCES, Run, Tool
+from benchmarks.tools.tool import TOLERANCES, Package, Run, Tool, clocked
 from remanent._typing import FloatArray
 from remanent.integrate import ensemble as engine
 from remanent.integrate.problem import Problem, Request
@@ -37,7 +37,7 @@ def build_verb(job: Job) -> Run:
         )
         return np.column_stack([ds.maximum.values, ds.minimum.values])
 
-    return run
+    return clocked(run)
 
 
 def build_fixed(job: Job) -> Run:
@@ -47,27 +47,32 @@ def build_fixed(job: Job) -> Run:
         )
         return np.column_stack([outcome.maximum, outcome.minimum])
 
-    return run
+    return clocked(run)
 
 
-class _Fixed(Tool):
+class _Engine:
     def missing(self) -> str:
         return "" if _FIXED else "integrate.ensemble.integrate_fixed does not exist yet"
 
+    def version(self) -> str:
+        return _PACKAGE.version()
 
-FIXED = _Fixed(
+
+_PACKAGE = Package("remanent")
+FIXED = Tool(
+    "remanent-fixed",
     "Remanent, one resolution, no bound",
-    "remanent",
+    _Engine(),
     "extremes",
     build_fixed,
     settings=tuple(float(r) for r in engine.ladder(np.geomspace(8, 8192, 41))),
     setting_name="double steps per cycle",
 )
 VERB = Tool(
-    "Remanent, frequency_response",
     "remanent",
+    "Remanent, with its error",
+    _PACKAGE,
     "extremes",
     build_verb,
     settings=tuple(t for t in TOLERANCES if t >= 1e-12),
-    bound=True,
 )

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.jobs import Job, thickness_stretch
-from benchmarks.tools.tool import Run, Tool
+from benchmarks.tools.tool import Package, Run, Tool, clocked
 from remanent._typing import FloatArray
 
 
@@ -40,7 +40,14 @@ def build(job: Job) -> Run:
         ]
         return np.asarray(thickness_stretch(np.array(ends)))[:, None]
 
-    return run
+    return clocked(run)
 
 
-TOOL = Tool("pynamicalsys rk45, end state only", "pynamicalsys", "end", build, sample=24)
+TOOL = Tool(
+    "pynamicalsys",
+    "pynamicalsys rk45, end state only",
+    Package("pynamicalsys"),
+    "end",
+    build,
+    sample=24,
+)

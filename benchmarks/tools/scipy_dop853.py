@@ -9,7 +9,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from benchmarks.jobs import Job, thickness_stretch
-from benchmarks.tools.tool import TOLERANCES, Run, Tool
+from benchmarks.tools.tool import TOLERANCES, Package, Run, Tool, clocked
 from remanent._typing import FloatArray
 
 
@@ -29,12 +29,13 @@ def build(job: Job) -> Run:
     def run(omegas: FloatArray, tolerance: float) -> FloatArray:
         return np.array([[one(omega, tolerance)] for omega in omegas.tolist()])
 
-    return run
+    return clocked(run)
 
 
 TOOL = Tool(
-    "SciPy DOP853, end state only",
     "scipy",
+    "SciPy DOP853, end state only",
+    Package("scipy"),
     "end",
     build,
     settings=tuple(t for t in TOLERANCES if t > 3e-14),  # below, SciPy takes its own
