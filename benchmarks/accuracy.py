@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -24,7 +24,9 @@ class Achieved:
     setting
         A tolerance or resolution.
     median, worst
-        Error over the checked frequencies.
+        Error over the checked frequencies that have a value.
+    missing
+        How many have none.
     compiling
         Seconds that the first run took more than the second.
     """
@@ -32,7 +34,13 @@ class Achieved:
     setting: float
     median: float
     worst: float
+    missing: int
     compiling: float
+
+    @property
+    def met(self) -> bool:
+        """Whether every error is within the limit."""
+        return self.worst <= LIMIT and not self.missing
 
 
 def achieved(tool: Tool, run: Run, job: Job, truth: Reference, setting: float) -> Achieved:
@@ -42,7 +50,11 @@ def achieved(tool: Tool, run: Run, job: Job, truth: Reference, setting: float) -
     answers = [run(omegas, setting) for _ in range(1 + tool.compiles)]
     error = truth.error(tool.gives, answers[-1].values, checked)
     compiling = max(answers[0].seconds - answers[-1].seconds, 0.0) if tool.compiles else 0.0
-    return Achieved(setting, float(np.median(error)), float(error.max()), compiling)
+    known = error[~np.isnan(error)]
+    median, worst = (
+        (float(np.median(known)), float(known.max())) if known.size else (np.inf, np.inf)
+    )
+    return Achieved(setting, median, worst, error.size - known.size, compiling)
 
 
 def settled(tool: Tool, run: Run, job: Job, truth: Reference) -> Achieved:
@@ -51,14 +63,13 @@ def settled(tool: Tool, run: Run, job: Job, truth: Reference) -> Achieved:
     A tool that compiles anew for every setting is charged for one.
     """
     tried = list(_until_met(tool, run, job, truth))
-    best = tried[-1] if tried[-1].worst <= LIMIT else min(tried, key=lambda one: one.worst)
-    compiling = max(one.compiling for one in tried)
-    return Achieved(best.setting, best.median, best.worst, compiling)
+    best = tried[-1] if tried[-1].met else min(tried, key=lambda one: (one.missing, one.worst))
+    return replace(best, compiling=max(one.compiling for one in tried))
 
 
 def _until_met(tool: Tool, run: Run, job: Job, truth: Reference) -> Iterator[Achieved]:
     for setting in tool.settings:
         found = achieved(tool, run, job, truth, setting)
         yield found
-        if found.worst <= LIMIT:
+        if found.met:
             return

@@ -108,7 +108,7 @@ def _details(row: str, data: Any) -> Iterator[str]:
 def _pictures(row: str, data: Any) -> Iterator[str]:
     if row == "precision":
         for name, one in data.items():
-            yield from _picture(f"precision-{name}", figures.precision, one, f"{name}, work and precision")
+            yield from _picture(f"precision-{name}", figures.precision, one, _CAPTIONS[name])
     elif row == "growth":
         yield from _picture("growth", figures.growth, data, "Time and memory")
 
@@ -118,6 +118,7 @@ def _picture(name: str, draw: Any, data: Any, caption: str) -> Iterator[str]:
     yield f"```{{figure}} results/{name}.svg\n{caption}\n```\n"
 
 
+_CAPTIONS = {"response": "The cube: time against error.", "film": "The film: the same."}
 _SECTIONS: tuple[tuple[str, str, str, Any], ...] = (
     ("response", "Frequency response of a cube", _WORK, tables.work),
     ("film", "Frequency response of a film", _FILM, tables.work),

@@ -32,10 +32,9 @@ class Reference:
     resolved: BoolArray
 
     def error(self, gives: str, values: FloatArray, sample: slice = slice(None)) -> FloatArray:
-        """Largest error of each resolved trajectory; infinite where there is no value."""
+        """Largest error of each resolved trajectory; NaN where there is no value."""
         difference = np.abs(values - self.values[gives][sample]).max(axis=1)
-        error = np.where(np.isnan(difference), np.inf, difference)
-        return np.asarray(error[self.resolved[sample]])
+        return np.asarray(difference[self.resolved[sample]])
 
 
 def reference(job: Job) -> Reference:
@@ -56,7 +55,7 @@ def _precise(job: Job) -> dict[str, FloatArray]:
         ta.update_d_output(time)
         seen.append(ta.d_output[0])
 
-    x, v, system = heyoka_batch.equations(job)
+    _, v, system = heyoka_batch.equations(job)
     start = np.array([1.0, 0.0], dtype=real)
     events = [hy.nt_event(v, turn, fp_type=real)]
     ta = hy.taylor_adaptive(

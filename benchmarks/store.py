@@ -7,17 +7,17 @@ import math
 from pathlib import Path
 from typing import Any
 
-from benchmarks.machine import busy, environment
+from benchmarks.machine import environment
 
 FOLDER = Path(__file__).with_name("results")
 
 
-def described(data: dict[str, Any], *, quick: bool, busy_before: float) -> dict[str, Any]:
-    """Results with versions, hardware, and how much else ran on the machine."""
+def described(data: dict[str, Any], *, quick: bool, busy: float) -> dict[str, Any]:
+    """Results with versions, hardware, and how busy the machine was before."""
     return {
         "quick": quick,
         "environment": environment(),
-        "busy": round(max(busy_before, busy() - 1.0), 2),
+        "busy": round(busy, 2),
         "data": _plain(data),
     }
 

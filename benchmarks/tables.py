@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,7 +16,7 @@ class Table:
     """A heading for every column, and rows."""
 
     heading: tuple[str, ...]
-    rows: list[tuple[str, ...]]
+    rows: Sequence[tuple[str, ...]]
 
     def drawn(self) -> Drawn:
         """For the terminal."""
@@ -60,26 +60,38 @@ def work(data: Any) -> Table:
     tools = data["tools"]
     ours = tools["remanent"]["microseconds"] if "remanent" in tools else None
     heading = ("tool", "version", "µs", "ratio", "median error", "worst error",
-               "compiling, s", "chosen")  # fmt: skip
+               "compiling, s", "setting")  # fmt: skip
     rows = [
         (
             one["name"], one["version"], number(one["microseconds"]),
             number(one["microseconds"] / ours if ours else None),
-            error(one["median"]), error(one["worst"]) + ("" if one["met"] else " (too large)"),
-            number(one["compiling"]), f"{one['setting_name']} {one['setting']:.2g}",
+            error(one["median"]), error(one["worst"]) + _remark(one),
+            number(one["compiling"]), _setting(one),
         )
         for one in sorted(tools.values(), key=lambda one: one["microseconds"])
     ]  # fmt: skip
     return Table(heading, rows)
 
 
+def _remark(one: Any) -> str:
+    if one["missing"]:
+        return f", {one['missing']} without a value"
+    return "" if one["met"] else " (too large)"
+
+
+def _setting(one: Any) -> str:
+    exact = one["setting_name"] != "tolerance"
+    return f"{one['setting']:.0f} {one['setting_name']}" if exact else f"{one['setting']:.1e}"
+
+
 def kernel(data: Any) -> Table:
-    heading = ("kernel", "ns", "multiply–adds", "multiplications", "additions", "divisions",
-               "share of slots", "share of operations")  # fmt: skip
+    heading = ("kernel", "method", "ns", "multiply–adds", "multiplications", "additions",
+               "divisions", "share of slots", "share of operations")  # fmt: skip
+    kinds = ("fma", "mul", "add", "div")
     rows = [
         (
-            name, number(one["nanoseconds"]),
-            *(str(one["work"].get(kind, 0) // one["lanes"]) for kind in ("fma", "mul", "add", "div")),
+            name, one["method"], number(one["nanoseconds"]),
+            *(str(one["work"].get(kind, 0) // one["lanes"]) for kind in kinds),
             f"{one['share']:.0%}", f"{one['flops_share']:.0%}",
         )
         for name, one in data["kernels"].items()

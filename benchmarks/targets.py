@@ -74,13 +74,13 @@ def _faster(ours: str, peer: str) -> Callable[[Any], float | None]:
 
     def value(data: Any) -> float | None:
         a, b = data["tools"].get(ours), data["tools"].get(peer)
-        return b["microseconds"] / a["microseconds"] if a and b and a["met"] else None
+        return float(b["microseconds"] / a["microseconds"]) if a and b and a["met"] else None
 
     return value
 
 
 def _seconds(numerator: str, denominator: str) -> Callable[[Any], float | None]:
-    return lambda data: data["seconds"][numerator] / data["seconds"][denominator]
+    return lambda data: float(data["seconds"][numerator] / data["seconds"][denominator])
 
 
 def _cold(data: Any) -> float | None:
@@ -102,7 +102,8 @@ def _flat(data: Any) -> float | None:
 
 
 def _share(data: Any) -> float | None:
-    return 100.0 * max(kernel["share"] for kernel in data["kernels"].values())
+    """Of the kernel of frequency responses."""
+    return 100.0 * float(data["kernels"]["extremes and bound"]["share"])
 
 
 _RESPONSE = "frequency response, one resolution, no bound"

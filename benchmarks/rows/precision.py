@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import asdict
 from typing import Any
 
@@ -15,7 +14,9 @@ from benchmarks.tools import heyoka_batch, ours, scipy_dop853
 from benchmarks.tools.tool import Tool
 
 TOOLS = (ours.FIXED, ours.VERB, heyoka_batch.END, scipy_dop853.TOOL)
-_ERRORS, _LOOSEST, _TIGHTEST = (3e-14, 1e-2), 1e-5, 1e-12
+_LOOSEST, _TIGHTEST = 1e-5, 1e-12
+#: Errors that tell nothing, and times that nobody waits for, are left out.
+_USELESS, _SLOWEST = 1.0, 30.0
 
 
 def measure(plan: Plan, name: str) -> dict[str, Any]:
@@ -33,18 +34,21 @@ def measure(plan: Plan, name: str) -> dict[str, Any]:
 
 def _points(plan: Plan, tool: Tool, job: Job, truth: Reference) -> list[dict[str, float]]:
     run = tool.build(job)
+    omegas = tool.omegas(job)
+    repeats = 1 if tool.sample else 3
     points = []
     for setting in _settings(plan, tool):
         at = achieved(tool, run, job, truth, setting)
-        omegas = tool.omegas(job)
-        seconds = min(run(omegas, setting).seconds for _ in range(plan.repeats if omegas.size > 99 else 1))
-        microseconds = seconds / omegas.size / job.window * 1e6
-        plan.say(f"{job.name}: {tool.name}, {setting:g}: {at.worst:.1e}, {microseconds:.3g} µs")
-        if not math.isfinite(at.worst):
+        if at.worst > _USELESS:
             continue
-        points.append({"setting": setting, "median": at.median, "worst": at.worst,
-                       "microseconds": microseconds})
-        if at.worst < _ERRORS[0]:
+        seconds = min(run(omegas, setting).seconds for _ in range(repeats))
+        microseconds = seconds / omegas.size / job.window * 1e6
+        plan.say(
+            f"{job.name}: {tool.name}, {setting:g}: {at.worst:.1e}, {at.missing} missing, "
+            f"{microseconds:.3g} µs"
+        )
+        points.append({**asdict(at), "microseconds": microseconds})
+        if at.worst < _TIGHTEST or (microseconds > _SLOWEST and not tool.sample):
             break
     return points
 

@@ -64,7 +64,7 @@ def _prepared(plan: Plan, tool: Tool, job: Job, truth: Reference) -> _Ready:
     at = settled(tool, run, job, truth)
     plan.say(
         f"{job.name}: {tool.name}: {tool.setting_name} {at.setting:g}, "
-        f"errors {at.median:.1e} and {at.worst:.1e}"
+        f"errors {at.median:.1e} and {at.worst:.1e}, {at.missing} missing"
     )
     return _Ready(tool, run, at)
 
@@ -93,6 +93,6 @@ def _row(job: Job, one: _Ready, seconds: list[float]) -> dict[str, Any]:
         "microseconds": statistics.median(seconds) * microseconds,
         "fastest": min(seconds) * microseconds,
         "slowest": max(seconds) * microseconds,
-        "met": one.at.worst <= LIMIT,
+        "met": one.at.met,
         **asdict(one.at),
     }

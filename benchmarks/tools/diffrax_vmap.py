@@ -44,6 +44,4 @@ def build(job: Job) -> Run:
     return clocked(run)
 
 
-TOOL = Tool(
-    "diffrax", "diffrax Dopri8, vmap, end state only", Package("diffrax"), "end", build
-)
+TOOL = Tool("diffrax", "diffrax Dopri8, vmap, end state only", Package("diffrax"), "end", build)

@@ -36,9 +36,7 @@ def build_end(job: Job) -> Run:
     @cache
     def best() -> tuple[int, bool]:
         sample = np.linspace(job.low, job.high, _TRIAL)
-        return min(
-            _FORMS, key=lambda form: _trial(integrator(_TRIAL_TOLERANCE, form), job, sample)
-        )
+        return min(_FORMS, key=lambda form: _trial(integrator(_TRIAL_TOLERANCE, form), job, sample))
 
     def run(omegas: FloatArray, tolerance: float) -> FloatArray:
         return _propagate(integrator(tolerance, best()), job, omegas)
