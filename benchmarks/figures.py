@@ -41,6 +41,11 @@ def _curve(axes: Axes, tool: str, curve: Any, key: str) -> Any:
         [p[key] for p in points], [p["microseconds"] for p in points], dashes,
         color=style.OKABE_ITO[colour], marker=marker, markersize=3.5, label=curve["name"],
     )  # fmt: skip
+    hollow = [p for p in points if p["missing"]]
+    axes.plot(
+        [p[key] for p in hollow], [p["microseconds"] for p in hollow], marker, markersize=3.5,
+        color=style.OKABE_ITO[colour], markerfacecolor="white",
+    )  # fmt: skip
     return line
 
 

@@ -25,8 +25,9 @@ microseconds per trajectory and unit of $\\tau$; tools take turns. Compiling is 
 _WORK = """\
 Ours gives the extremes of $\\lambda_3$ over the whole motion, between steps too; the second of its
 rows also gives an error for each. Ratios are to that row. For heyoka.py, extremes by events cost
-more than the motion, since their callbacks are Python; the targets therefore compare with its row
-that gives the state at the end only, which is less work. diffrax, SciPy, pynamicalsys and Octave
+more than the motion, since their callbacks are Python; the targets therefore compare with the
+faster of two rows that are less work: the state at the end only, and "extremes at no cost", the
+bare motion at the tolerance that its extremes need. diffrax, SciPy, pynamicalsys and Octave
 give the end only, too, and are timed on the frequencies stated. The peers have the parameters
 written in as numbers; ours takes them as data.
 """
@@ -36,7 +37,8 @@ that should differ a hundredfold between frequencies.
 """
 _PRECISION = """\
 Time against achieved error, each point one setting. heyoka.py and SciPy give the end only and
-their errors are of the end; ours are of the extremes.
+their errors are of the end; ours are of the extremes. Hollow: some motions have no value, because
+their error could not be bounded.
 """
 _KERNEL = """\
 One double step of one group of lanes: two steps of the solution, one of its coarser companion, and

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import statistics
-from dataclasses import asdict, dataclass
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from benchmarks.accuracy import LIMIT, Achieved, settled
@@ -42,6 +43,7 @@ def measure(plan: Plan, name: str) -> dict[str, Any]:
     with one_core():
         truth = plan.truth(job)
         ready = [_prepared(plan, tool, job, truth) for tool in tools if _present(plan, tool)]
+        ready.extend(_steps_alone(ready))
         times = _times(plan, job, ready)
     return {
         "job": asdict(job),
@@ -67,6 +69,18 @@ def _prepared(plan: Plan, tool: Tool, job: Job, truth: Reference) -> _Ready:
         f"errors {at.median:.1e} and {at.worst:.1e}, {at.missing} missing"
     )
     return _Ready(tool, run, at)
+
+
+def _steps_alone(ready: list[_Ready]) -> Iterator[_Ready]:
+    """heyoka.py's motion without events, at the tolerance that its extremes need.
+
+    What it would take if turns were found for nothing: the most favourable to it.
+    """
+    found = {one.tool.key: one for one in ready}
+    end, extremes = (found.get(tool.key) for tool in (heyoka_batch.END, heyoka_batch.EXTREMES))
+    if end and extremes:
+        name = "heyoka.py, batch, extremes at no cost"
+        yield _Ready(replace(end.tool, key="heyoka-steps", name=name), end.run, extremes.at)
 
 
 def _times(plan: Plan, job: Job, ready: list[_Ready]) -> dict[str, list[float]]:
