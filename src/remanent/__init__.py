@@ -19,6 +19,7 @@ if TYPE_CHECKING:
         Ramp,
         Sampled,
         Sine,
+        Sines,
         SineSquared,
         Steps,
     )
@@ -26,6 +27,8 @@ if TYPE_CHECKING:
     from remanent.models.materials import NeoHookean
     from remanent.models.viscous import Rayleigh
     from remanent.results.si import to_si
+    from remanent.studies.balance import energy_balance
+    from remanent.studies.crossings import crossings
     from remanent.studies.equilibria import equilibria
     from remanent.studies.response import frequency_response
     from remanent.studies.section import poincare_section
@@ -48,8 +51,11 @@ __all__ = [
     "Sampled",
     "Sine",
     "SineSquared",
+    "Sines",
     "Steps",
     "__version__",
+    "crossings",
+    "energy_balance",
     "equilibria",
     "frequency_response",
     "plot",
@@ -74,7 +80,10 @@ _HOME: Final = {
     "Sampled": "models.drives",
     "Sine": "models.drives",
     "SineSquared": "models.drives",
+    "Sines": "models.drives",
     "Steps": "models.drives",
+    "crossings": "studies.crossings",
+    "energy_balance": "studies.balance",
     "equilibria": "studies.equilibria",
     "frequency_response": "studies.response",
     "poincare_section": "studies.section",

@@ -82,6 +82,7 @@ def _sources() -> tuple[str, str]:
     package = Path(_field.__file__).parent
     for path in (
         Path(_field.__file__),
+        package / "_instructions.py",
         *sorted(package.glob("models/*.py")),
         *sorted(package.glob("codegen/*.py")),
     ):

@@ -17,7 +17,7 @@ from typing import Any
 import sympy as sp
 
 from remanent._field import Program
-from remanent.codegen.instructions import Instructions, Signed
+from remanent._instructions import Instructions, Signed
 from remanent.codegen.rational import Quotient, common, quotient, rationalised
 
 Expression = Any  # SymPy is not typed

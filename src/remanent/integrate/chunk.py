@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -13,14 +14,16 @@ from remanent.integrate import dense
 from remanent.integrate.compile import Kernels
 from remanent.integrate.layout import PAST
 from remanent.integrate.methods import default_method
-from remanent.integrate.problem import Problem, Request
+from remanent.integrate.problem import Problem, Request, Window
 
 #: Without a period, resolution counts double steps per this time (about one oscillation).
 NOMINAL = 2.5
 #: Errors above this no longer follow the order of the method.
 NONLINEAR = 1e-2
-#: Fine steps in one call of the kernel: short enough to cancel soon.
-_STEPS_PER_CALL = 2048
+#: Fine steps of all trajectories in one call of the kernel, short enough to cancel within
+#: a fifth of a second; and the least and the most of one trajectory.
+_LANE_STEPS_PER_CALL = 2**17
+_STEPS_PER_CALL = (64, 2048)
 #: More cycles than anybody waits for; representable.
 _ENDLESS = 2**53
 #: Samples computed together between steps: few enough to stay in the processor's cache.
@@ -97,6 +100,7 @@ class Attempt:
     values: dict[str, FloatArray]
     last: FloatArray
     states: FloatArray | None
+    findings: list[Any]
 
 
 def hopeless(tolerance: float) -> float:
@@ -137,13 +141,17 @@ def step_counts(
 def stretches(
     timeline: Timeline, which: IntArray, doubles: IntArray, cycles: int, strobe: int
 ) -> Iterator[Stretch]:
-    """Cut the run of some trajectories into calls of a kernel."""
+    """Cut the run of some trajectories into calls of a kernel.
+
+    The cuts change nothing in what a trajectory undergoes.
+    """
     start = np.zeros(which.size)
+    longest = int(np.clip(_LANE_STEPS_PER_CALL // which.size, *_STEPS_PER_CALL))
     for k, lengths in enumerate(timeline.lengths[:, which]):
         parameters = {name: v[k, which] for name, v in timeline.parameters.items()}
         total = cycles if timeline.periodic else 1
         for first, count, part, past in _calls(
-            total, int(doubles[k]), strobe, single=not timeline.periodic
+            total, int(doubles[k]), strobe, longest, single=not timeline.periodic
         ):
             begin = start + (first + part.start / doubles[k]) * lengths
             yield Stretch(lengths, begin, count, first, int(doubles[k]), part, past, parameters)
@@ -155,7 +163,9 @@ def stretches(
 _Call = tuple[int, int, slice, bool]
 
 
-def _calls(cycles: int, doubles: int, strobe: int, *, single: bool) -> Iterator[_Call]:
+def _calls(
+    cycles: int, doubles: int, strobe: int, longest: int, *, single: bool
+) -> Iterator[_Call]:
     """The calls of one piece: a start, the rest of the cycle it ends in, whole cycles.
 
     How a step is made must not depend on how many cycles follow, which other
@@ -170,8 +180,8 @@ def _calls(cycles: int, doubles: int, strobe: int, *, single: bool) -> Iterator[
         yield 0, min(begun, cycles), slice(0, doubles), False
     else:
         yield 0, 1, slice(0, warm), False
-        yield from ((0, 1, part, True) for part in _parts(warm, doubles))
-    per_call = max(1, _STEPS_PER_CALL // (2 * doubles))
+        yield from ((0, 1, part, True) for part in _parts(warm, doubles, longest))
+    per_call = max(1, longest // (2 * doubles))
     if strobe and begun % strobe and begun < cycles:
         aligned = min(strobe - begun % strobe, cycles - begun)
         yield begun, aligned, slice(0, doubles), True
@@ -179,15 +189,15 @@ def _calls(cycles: int, doubles: int, strobe: int, *, single: bool) -> Iterator[
     if strobe:
         per_call = strobe * max(1, per_call // strobe)
     for first in range(begun, cycles, per_call):
-        if 2 * doubles <= _STEPS_PER_CALL or strobe:
+        if 2 * doubles <= longest or strobe:
             yield first, min(per_call, cycles - first), slice(0, doubles), True
         else:
-            yield from ((first, 1, part, True) for part in _parts(0, doubles))
+            yield from ((first, 1, part, True) for part in _parts(0, doubles, longest))
 
 
-def _parts(first: int, doubles: int) -> Iterator[slice]:
+def _parts(first: int, doubles: int, longest: int) -> Iterator[slice]:
     """Parts of a cycle that are short enough for one call."""
-    size = _STEPS_PER_CALL // 2
+    size = longest // 2
     for begin in range(first, doubles, size):
         yield slice(begin, min(begin + size, doubles))
 
@@ -213,7 +223,7 @@ def attempt(
     doubles = double_steps(problem.timeline, resolution, which[:1])[:, 0]
     cycles = int(cycle_counts(problem, which).max())
     lanes = _lanes(problem, request, kernels, tolerance, which)
-    sampler = _Sampler(problem, request, kernels, which, cycles)
+    sampler = _Sampler(problem, request, kernels, which, cycles, keep_going)
     for stretch in stretches(problem.timeline, which, doubles, cycles, request.strobe):
         if not keep_going():
             break
@@ -223,7 +233,7 @@ def attempt(
         sampler.run(lanes, stretch.tables(whole), stretch)
         if not (_column(lanes, kernels, "total")[: which.size] <= hopeless(tolerance)).any():
             break
-    return _collect(lanes, kernels, which.size, sampler.states)
+    return _collect(lanes, kernels, which.size, sampler)
 
 
 def _lanes(
@@ -273,23 +283,32 @@ def _set_stretch(lanes: FloatArray, kernels: Kernels, problem: Problem, stretch:
         _set_column(lanes, slots[f"parameter.{index}"], values)
 
 
-def _collect(lanes: FloatArray, kernels: Kernels, count: int, states: FloatArray | None) -> Attempt:
+def _collect(lanes: FloatArray, kernels: Kernels, count: int, sampler: _Sampler) -> Attempt:
     flat = lanes.transpose(0, 2, 1).reshape(-1, kernels.layout.size)[:count]
     names = ("alive", "horizon", "error", "total", "maximum", "minimum")
     values = {name: flat[:, kernels.layout.slots[name]].copy() for name in names}
     ends = [flat[:, kernels.layout.group(kind)] for kind in ("fine", "last")]
     last = np.where((values["alive"] > 0.5)[:, None], *ends)
-    return Attempt(values, last, states)
+    return Attempt(values, last, sampler.states, sampler.findings)
 
 
 class _Sampler:
     """Runs stretches and picks the states that are wanted from each."""
 
     def __init__(
-        self, problem: Problem, request: Request, kernels: Kernels, which: IntArray, cycles: int
+        self,
+        problem: Problem,
+        request: Request,
+        kernels: Kernels,
+        which: IntArray,
+        cycles: int,
+        keep_going: Callable[[], bool],
     ) -> None:
+        self.keep_going = keep_going
         self.problem, self.kernels, self.strobe = problem, kernels, request.strobe
         self.times = None if request.times is None else request.times[which]
+        self.which, self.inspect = which, request.inspect
+        self.findings: list[Any] = []
         self.count = which.size
         self.cycles = cycle_counts(problem, which)
         self.states: FloatArray | None = None
@@ -316,8 +335,36 @@ class _Sampler:
         kernel(lanes, tables, record, cycles=stretch.cycles, every=every)
         if self.strobe:
             self._strobe(lanes, record, every, stretch)
-        elif self.times is not None and count:
-            self._interpolate(self._flat(np.concatenate([before, record])), lanes, stretch)
+        elif count:
+            states = self._flat(np.concatenate([before, record]))
+            if self.inspect is not None:
+                self.findings.append(self.inspect(self._window(states, lanes, stretch)))
+            if self.times is not None:
+                self._interpolate(states, lanes, stretch)
+
+    def _window(self, states: FloatArray, lanes: FloatArray, stretch: Stretch) -> Window:
+        nodes = np.arange(states.shape[1])
+        return Window(
+            self.which,
+            states,
+            stretch.start,
+            stretch.step,
+            stretch.phase(nodes),
+            1.0 / (2 * stretch.resolution),
+            self._parameters(lanes)[:, : self.count],
+            self._steps(stretch),
+        )
+
+    def _steps(self, stretch: Stretch) -> IntArray:
+        """Steps of the stretch that belong to the run of each trajectory."""
+        cycles = (self.cycles - stretch.first).clip(0, stretch.cycles)
+        return np.asarray(2 * stretch.doubles * cycles)
+
+    def _parameters(self, lanes: FloatArray) -> FloatArray:
+        """Array (parameter, trajectory)."""
+        found = lanes[:, self.kernels.layout.group("parameter"), :]
+        groups, fields, width = found.shape
+        return found.transpose(1, 0, 2).reshape(fields, groups * width)
 
     def _strobe(self, lanes: FloatArray, record: FloatArray, every: int, stretch: Stretch) -> None:
         """Keep the state after every so many cycles, recorded or at the end of a stretch."""
@@ -341,6 +388,8 @@ class _Sampler:
             return (
                 2 * stretch.doubles * self.strobe if whole and stretch.cycles >= self.strobe else 0
             )
+        if self.inspect is not None:
+            return 1
         if self.times is None:
             return 0
         slack = 1e-9 * stretch.step
@@ -358,7 +407,7 @@ class _Sampler:
     def _interpolate(self, states: FloatArray, lanes: FloatArray, stretch: Stretch) -> None:
         assert self.times is not None
         assert self.states is not None
-        steps = 2 * stretch.doubles * (self.cycles - stretch.first).clip(0, stretch.cycles)
+        steps = self._steps(stretch)
         with np.errstate(all="ignore"):  # a piece may be empty for some trajectories
             position = (self.times - stretch.start[:, None]) / stretch.step[:, None]
             near = np.rint(position)
@@ -367,10 +416,10 @@ class _Sampler:
         horizon = _column(lanes, self.kernels, "horizon")[: self.count]
         trusted = self.times <= horizon[:, None] * (1.0 + 1e-12)
         trajectory, sample = np.nonzero(inside & trusted & (steps > 0)[:, None])
-        parameters = lanes[:, self.kernels.layout.group("parameter"), :]
-        groups, fields, width = parameters.shape
-        flat = parameters.transpose(1, 0, 2).reshape(fields, groups * width)
+        flat = self._parameters(lanes)
         for first in range(0, trajectory.size, _SAMPLES_AT_ONCE):
+            if not self.keep_going():
+                return
             some = slice(first, first + _SAMPLES_AT_ONCE)
             row, column = trajectory[some], sample[some]
             whole = np.floor(position[row, column]).astype(np.int64)

@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor, as_completed
 from dataclasses import dataclass, replace
 from functools import cache
+from typing import Any
 
 import numpy as np
 
@@ -56,10 +57,13 @@ _ROUND_OFF = 1.0
 _MARGIN = 0.5
 #: A horizon that grows by less than this factor on refinement will not reach the end.
 _STALLED = 1.05
-#: Refinement is given up after so many such attempts in a row, but not while the horizon
-#: lies within so many cycles, in which a fast stretch of time may just not be resolved.
-_PATIENCE, _BEGUN = 2, 3.0
-#: Nor where the error was below this share of the tolerance until it passed it.
+#: Refinement is given up at the first such attempt with so many times the steps of the best,
+#: at the second if the horizon lies past this share of the run ...
+_FINER, _ALMOST = 1.5, 0.8
+#: ... but not while it lies within so many cycles, in which a fast stretch of time may just
+#: not be resolved,
+_BEGUN = 3.0
+#: nor where the error was below this share of the tolerance until it passed it.
 _JUMP = 0.05
 #: Below this tolerance rounding of past rates would show.
 _FINE = 1e-10
@@ -111,7 +115,8 @@ def integrate(
         index, np.full(index.size, min(max_resolution, first_resolution(tolerance, method)))
     )
     stalls = np.zeros(problem.duration.size, dtype=np.int64)
-    search = replace(request, times=None)  # states between steps cost more than the steps
+    late = request.times is not None or request.inspect is not None
+    search = replace(request, times=None, inspect=None)  # these cost more than the steps
     stop = threading.Event()
 
     @cache
@@ -142,12 +147,67 @@ def integrate(
                 pending = _joined(again)
                 if progress is not None:
                     progress(1.0 - pending.index.size / max(problem.duration.size, 1))
-            if request.times is not None:
+            if late:
                 found = _Pending(*_found(outcome))
-                _sampled(outcome, start(request, _chunks(problem, found, kernels.width, threads)))
+                outcome = _sampled(
+                    outcome, start(request, _chunks(problem, found, kernels.width, threads))
+                )
         except BaseException:
             stop.set()
+            pool.shutdown(wait=False, cancel_futures=True)
             raise
+    return outcome
+
+
+def integrate_fixed(
+    problem: Problem,
+    request: Request,
+    *,
+    resolution: int,
+    method: Method | None = None,
+    workers: int | None = None,
+) -> Outcome:
+    """Integrate every trajectory with the same number of steps, and learn nothing of the error.
+
+    For measurements of the kernel and of the order of a method: what is returned has NaN for
+    its ``error``, and no verb of this package uses it.
+
+    Parameters
+    ----------
+    problem, request, method, workers
+        As for :func:`integrate`.
+    resolution
+        Double steps per cycle, or per nominal time where the load has no period.
+    """
+    options = Options(extremes=request.extremes, companion=False)
+    method = method or (adams(PAST) if request.extremes else default_method())
+    kernels = Kernels(
+        compiled(problem.field, default_method(), options),
+        compiled(problem.field, method, options),
+    )
+    outcome = _empty(problem, request)
+    threads = workers or os.cpu_count() or 1
+    index = np.flatnonzero(~problem.invalid)
+    pending = _Pending(index, np.full(index.size, resolution))
+
+    @cache
+    def tables(nodes: tuple[float, ...], resolution: int) -> tuple[FloatArray, FloatArray]:
+        return waveform_tables(problem.timeline.waveform, nodes, resolution)
+
+    def run(chunk: tuple[int, IntArray]) -> tuple[IntArray, Attempt]:
+        level, which = chunk
+        return which, attempt(problem, request, kernels, np.inf, level, which, tables, lambda: True)
+
+    with ThreadPoolExecutor(max_workers=threads) as pool:
+        for which, result in pool.map(run, _chunks(problem, pending, kernels.width, threads)):
+            finite = np.isfinite(result.last).all(axis=1)
+            outcome.status[which] = np.where(finite, Status.OK, Status.DIVERGED)
+            outcome.horizon[which] = problem.duration[which]
+            outcome.resolution[which] = resolution
+            outcome.maximum[which] = result.values["maximum"]
+            outcome.minimum[which] = result.values["minimum"]
+            if outcome.states is not None and result.states is not None:
+                outcome.states[which, : result.states.shape[1]] = result.states
     return outcome
 
 
@@ -157,13 +217,15 @@ def _found(outcome: Outcome) -> tuple[IntArray, IntArray]:
     return index, outcome.resolution[index]
 
 
-def _sampled(outcome: Outcome, futures: dict[Future[Attempt], tuple[int, IntArray]]) -> None:
-    """Take in the states at the times wanted."""
-    assert outcome.states is not None
+def _sampled(outcome: Outcome, futures: dict[Future[Attempt], tuple[int, IntArray]]) -> Outcome:
+    """Take in the states at the times wanted, and what was found between them."""
+    findings: list[Any] = []
     for future in as_completed(futures):
-        states = future.result().states
-        assert states is not None
-        outcome.states[futures[future][1]] = states
+        result = future.result()
+        if outcome.states is not None and result.states is not None:
+            outcome.states[futures[future][1]] = result.states
+        findings += result.findings
+    return replace(outcome, findings=tuple(findings))
 
 
 def _affordable(problem: Problem, outcome: Outcome, pending: _Pending) -> _Pending:
@@ -307,9 +369,11 @@ def _record(
     # the motion; one that grows past it, of a motion that magnifies errors.
     jumped = values["error"] < _JUMP * tolerance
     stuck = horizon <= _STALLED * before
-    stalls[which] = np.where(stuck, stalls[which] + ~jumped, 0)
+    telling = stuck & ~jumped & (resolution >= _FINER * outcome.resolution[which])
+    stalls[which] = np.where(stuck, stalls[which] + telling, 0)
     begun = horizon > _begun(problem, which)
-    stalled = ~ok & begun & (stalls[which] >= _PATIENCE)
+    patience = np.where(horizon > _ALMOST * problem.duration[which], 2, 1)
+    stalled = ~ok & begun & (stalls[which] >= patience)
     better = ok | (outcome.resolution[which] == 0) | (horizon > before)
     target, source = which[better], np.flatnonzero(better)
     outcome.horizon[target] = horizon[source]

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import reduce
 from operator import truediv
 from typing import Any
 
@@ -30,7 +31,7 @@ from remanent.integrate.lanes import (
     larger,
     smaller,
 )
-from remanent.integrate.layout import Layout
+from remanent.integrate.layout import SOLUTIONS, Layout
 from remanent.integrate.methods import RungeKutta, carried
 from remanent.integrate.stepping import AdamsSteps, RungeKuttaSteps, Stepper
 
@@ -50,10 +51,21 @@ class Options:
         control the error of the state.
     safety
         Factor between the estimate from two step sizes and the error reported.
+    companion
+        Advance the coarser solution too.  Without it nothing is known of the error.
+    local
+        Start the coarser solution anew from the finer one in every cycle, so that the
+        error of each cycle by itself is controlled.  Only for methods that need no past.
+    absolute
+        How many of the first state variables have their error counted as it is (all by
+        default); that of the others is divided by the largest of them, where above 1.
     """
 
     extremes: bool = False
     safety: float = 4.0
+    companion: bool = True
+    local: bool = False
+    absolute: int | None = None
 
 
 #: What a kernel can integrate with.
@@ -99,10 +111,11 @@ class _Kernel:
         self.groups, self.cycles, self.doubles, self.every = args[4:]
         self.layout = layout_of(field)
         self.functions = LaneFunctions(writer)
+        kinds = SOLUTIONS if options.companion else SOLUTIONS[:1]
         self.stepper: Stepper = (
-            RungeKuttaSteps(method, self._rates, self.layout.pasts, writer)
+            RungeKuttaSteps(method, self._rates, self.layout.pasts, kinds, writer)
             if isinstance(method, RungeKutta)
-            else AdamsSteps(method, self._rates, partners(field), writer)
+            else AdamsSteps(method, self._rates, partners(field), kinds, writer)
         )
 
     def write(self) -> None:
@@ -112,6 +125,8 @@ class _Kernel:
             with self.w.loop(self.cycles) as (cycle, leave_if):
                 self.cycle_start = self.start + self.w.spread_integer(cycle) * self.cycle
                 leave_if(self.w.builder.not_(self._active().any()))
+                if self.options.local:
+                    self._set_state("coarse", self._state("fine"))
                 with self.w.loop(self.doubles) as (double, _):
                     self._double_step(cycle, double)
             if self.options.extremes:
@@ -236,11 +251,11 @@ class _Kernel:
         left = self._state("fine")
         middle = self._fine_step(first)
         right = self._fine_step(second)
-        coarse = self._coarse_step(double)
+        coarse = self._coarse_step(double) if self.options.companion else None
         self.t0 = self.cycle_start + w.spread_integer(first) * self.h
         if self.options.extremes:
-            self._note_turns((left, middle, right), coarse, first, second)
-        else:
+            self._note_turns((left, middle, right), coarse or right, first, second)
+        elif coarse:
             self._judge_state(left, right, coarse)
         count = b.add(b.mul(cycle, b.mul(self.doubles, w.integer(2))), first)
         self._write_record(b.add(count, w.integer(1)), middle)
@@ -253,9 +268,12 @@ class _Kernel:
 
     def _judge_state(self, left: list[Lanes], fine: list[Lanes], coarse: list[Lanes]) -> None:
         """Compare the two solutions at the end of the double step."""
-        error = abs(fine[0] - coarse[0])
-        for a, c in zip(fine[1:], coarse[1:], strict=True):
-            error = _worse(error, abs(a - c))
+        parts = [abs(a - c) for a, c in zip(fine, coarse, strict=True)]
+        count = self.options.absolute or len(parts)
+        error = reduce(_worse, parts[:count])
+        if parts[count:]:
+            size = reduce(larger, map(abs, fine[count:]), self.w.constant(1.0))
+            error = _worse(error, reduce(_worse, parts[count:]) / size)
         self._judge(self.t0 < self.end, error * self._scale, self.t0, left)
 
     def _judge(self, where: Mask, error: Lanes, before: Lanes, left: list[Lanes]) -> None:
@@ -346,8 +364,9 @@ class _Kernel:
         t0 = next(cells)
         waiting = self.waiting.get() > 0.5
         left, middle, right = (self._jet(y, u) for y, u in zip(nodes[:3], loads, strict=True))
-        coarse = self._run(self.field.watched, nodes[3], loads[2])[0]
-        self._judge(waiting, abs(right[0] - coarse) * self._scale, t0, nodes[0])
+        if self.options.companion:
+            coarse = self._run(self.field.watched, nodes[3], loads[2])[0]
+            self._judge(waiting, abs(right[0] - coarse) * self._scale, t0, nodes[0])
         self._take_extremes(waiting & (self.v["alive"].get() > 0.5), t0, (left, middle, right))
         self.waiting.set(self.w.constant(0.0))
 
@@ -377,8 +396,8 @@ class _Kernel:
 
 
 def _worse(a: Lanes, b: Lanes) -> Lanes:
-    """The larger of two errors, NaN where `b` is."""
-    return (b <= a).choose(a, b)
+    """The larger of two errors, NaN where one is."""
+    return ((b <= a) | a.is_nan()).choose(a, b)
 
 
 def _rounded(x: Lanes, bits: int) -> Lanes:

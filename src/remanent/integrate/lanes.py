@@ -172,6 +172,9 @@ class Lanes:
         compare = self.writer.builder.fcmp_ordered
         return Mask(self.writer, compare(sign, self.value, self._other(other)))
 
+    def is_nan(self) -> Mask:
+        return Mask(self.writer, self.writer.builder.fcmp_unordered("uno", self.value, self.value))
+
     def __lt__(self, other: Lanes | float) -> Mask:
         return self._compare("<", other)
 

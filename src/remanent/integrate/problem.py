@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,6 +43,38 @@ class Problem:
 
 
 @dataclass(frozen=True)
+class Window:
+    """Consecutive steps of some trajectories, to be looked at.
+
+    Attributes
+    ----------
+    which : array (trajectory,)
+        Numbers of the trajectories.
+    states : array (trajectory, node, state)
+        At the ends of the steps, the first at the beginning.
+    start, step : array (trajectory,)
+        Time of the first node and distance of the nodes, tau.
+    phase : array (node,)
+        Phase of the drive, or fraction of the piece, at the nodes.
+    span : float
+        Its change from node to node.
+    parameters : array (parameter, trajectory)
+        In the order of ``field.parameters``.
+    steps : array (trajectory,)
+        How many of the steps belong to the run of each trajectory.
+    """
+
+    which: IntArray
+    states: FloatArray
+    start: FloatArray
+    step: FloatArray
+    phase: FloatArray
+    span: float
+    parameters: FloatArray
+    steps: IntArray
+
+
+@dataclass(frozen=True)
 class Request:
     """What is wanted of every trajectory.
 
@@ -54,12 +88,16 @@ class Request:
         The largest and smallest value of the watched observable are wanted.
     begin : array (trajectory,), optional
         Extremes are taken from here on; from the start by default.
+    inspect : callable, optional
+        Called with every :class:`Window` of steps, from several threads; what it returns
+        is gathered in ``Outcome.findings``.
     """
 
     times: FloatArray | None = None
     strobe: int = 0
     extremes: bool = False
     begin: FloatArray | None = None
+    inspect: Callable[[Window], Any] | None = None
 
 
 @dataclass(frozen=True)
@@ -81,6 +119,8 @@ class Outcome:
         Values of :class:`~remanent.integrate.status.Status`.
     resolution : array (trajectory,)
         Double steps per cycle (or per nominal time) that were needed.
+    findings : tuple
+        What ``Request.inspect`` returned, in no order.
     """
 
     states: FloatArray | None
@@ -90,3 +130,4 @@ class Outcome:
     horizon: FloatArray
     status: NDArray[np.int8]
     resolution: IntArray
+    findings: tuple[Any, ...] = ()

@@ -10,7 +10,7 @@ from llvmlite import ir
 
 from remanent.integrate.adams import Adams, combination
 from remanent.integrate.lanes import INTEGER, Lanes, Variable, Writer
-from remanent.integrate.layout import PAST, SOLUTIONS, past
+from remanent.integrate.layout import PAST, past
 from remanent.integrate.methods import RungeKutta
 
 #: Phase and waveforms at a node of the step.
@@ -42,12 +42,13 @@ class RungeKuttaSteps:
     method: RungeKutta
     evaluate: Evaluate
     histories: Sequence[int]
+    solutions: Sequence[str]
     writer: Writer
     rings: dict[str, _Ring] = field(default_factory=dict)
     ends: dict[str, list[Variable]] = field(default_factory=dict)
 
     def load(self, read: Callable[[str], Lanes]) -> None:
-        for kind in SOLUTIONS:
+        for kind in self.solutions:
             self.rings[kind] = _Ring.allocate(self.writer, PAST, self.histories)
 
     def save(self, write: Callable[[str, Lanes], None], ends: Mapping[str, Loads]) -> None:
@@ -89,12 +90,13 @@ class AdamsSteps:
     method: Adams
     evaluate: Evaluate
     partners: tuple[int | None, ...]
+    solutions: Sequence[str]
     writer: Writer
     rings: dict[str, _Ring] = field(default_factory=dict)
     reciprocals: list[Lanes] = field(default_factory=list)
 
     def load(self, read: Callable[[str], Lanes]) -> None:
-        for kind in SOLUTIONS:
+        for kind in self.solutions:
             ring = _Ring.allocate(self.writer, self.method.steps, self._histories())
             for i in self._histories():
                 ring.fill(i, [read(past(kind, j, i)) for j in range(self.method.steps)])

@@ -129,7 +129,7 @@ class Actuator:
         nested = {
             f"{prefix}.{name}": rule
             for prefix, part in self.parts().items()
-            for name, rule in part.rules.items()
+            for name, rule in part.numeric_rules().items()
         }
         return {**self.rules, **nested}
 

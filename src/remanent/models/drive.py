@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
@@ -24,10 +24,15 @@ class Drive(Part, ABC):
     of the :meth:`timeline`.  A contract test holds the two together.
     """
 
-    #: Names of the waveforms that :meth:`load` uses.
-    waveforms: ClassVar[tuple[str, ...]] = ()
-    #: Names of further parameters whose values come with each piece of the timeline.
-    piece_parameters: ClassVar[tuple[str, ...]] = ()
+    @property
+    def waveforms(self) -> tuple[str, ...]:
+        """Names of the waveforms that :meth:`load` uses."""
+        return ()
+
+    @property
+    def piece_parameters(self) -> tuple[str, ...]:
+        """Names of further parameters whose values come with each piece of the timeline."""
+        return ()
 
     @abstractmethod
     def __call__(self, tau: ArrayLike) -> FloatArray:
@@ -73,7 +78,16 @@ class Drive(Part, ABC):
 
     def value(self, values: Mapping[str, FloatArray], name: str) -> FloatArray:
         """The field `name` of a batch: from `values`, else the drive's own."""
-        return np.asarray(values.get(name, getattr(self, name)), dtype=np.float64)
+        own = values[name] if name in values else self.parameters()[name]
+        return np.asarray(own, dtype=np.float64)
+
+
+def repeated(
+    period: FloatArray, duration: FloatArray, waveform: Callable[[FloatArray], FloatArray]
+) -> Timeline:
+    """The timeline of a load that repeats itself: one piece, the period."""
+    lengths = np.broadcast_to(period, np.shape(np.atleast_1d(duration)))[np.newaxis].copy()
+    return Timeline(lengths, periodic=True, parameters={}, waveform=waveform)
 
 
 def no_waveform(phase: FloatArray) -> FloatArray:

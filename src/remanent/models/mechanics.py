@@ -24,15 +24,18 @@ Symbol = Any
 class Motion:
     """Energies of a mechanical system with internal variables.
 
-    All energies are per 8 H L^2 mu.  `load` and the keys of `definitions` are symbols
-    that depend on parameters and on the drive, not on the state.
+    All energies are per 8 H L^2 mu.  `potential` contains `magnetic`, the energy in the
+    field, and `viscous`, what dissipative elements store.  `load` and the keys of
+    `definitions` are symbols that depend on parameters and on the drive, not on the state.
     """
 
     coordinates: tuple[Symbol, ...]
     rates: tuple[Symbol, ...]
     kinetic: Expression
     potential: Expression
+    magnetic: Expression
     rayleigh: Expression
+    viscous: Expression
     internal: Mapping[Symbol, Expression]
     thickness: Expression
     load: Symbol
@@ -97,13 +100,16 @@ def motion(actuator: Actuator, drive: Drive | None, *, coordinates: int = 1) -> 
     ]
     strain = actuator.material.energy(*pair, thickness, _own(p, "material"), sp)
     magnetic = actuator.magnet.energy(effective, thickness)
+    stored = sum((e.stored for e in viscous), start=sp.Integer(0))
     dead = sum(s * (stretch - 1) for s, stretch in zip(_prestress(p), pair, strict=True))
     return Motion(
         coordinates=q,
         rates=v,
         kinetic=kinetic_energy(pair, pair_rate, p["c"]),
-        potential=stiffness * strain + magnetic - dead + sum(e.stored for e in viscous),
+        potential=stiffness * strain + magnetic - dead + stored,
+        magnetic=magnetic,
         rayleigh=sum((e.rayleigh for e in viscous), start=sp.Integer(0)),
+        viscous=stored,
         internal={k: rate for e in viscous for k, rate in e.internal.items()},
         thickness=thickness,
         load=load,
@@ -137,8 +143,24 @@ def first_order(motion: Motion) -> System:
             "thickness_stretch_rate": x_rate,
             "energy": motion.kinetic + motion.potential,
             "load": motion.load,
+            **powers(motion, rates),
         },
     )
+
+
+def powers(motion: Motion, rates: Mapping[Symbol, Expression]) -> dict[str, Expression]:
+    """The energy without that in the field, and the two powers that change it.
+
+    Equations: stored = T + U - U_m; stored' = drive power - dissipated power, where the
+    drive's power is -dU_m/dq q' and the dissipated one q' dD/dq' - dU_v/dxi xi'.
+    """
+    moving = {q: rates[q] for q in motion.coordinates}
+    dashpots = sum((v * sp.diff(motion.rayleigh, v) for v in motion.rates), start=sp.Integer(0))
+    return {
+        "stored_energy": motion.kinetic + motion.potential - motion.magnetic,
+        "drive_power": -along(motion.magnetic, moving),
+        "dissipated_power": dashpots - along(motion.viscous, motion.internal),
+    }
 
 
 def _sign_of(expression: Expression) -> Expression:

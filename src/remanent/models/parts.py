@@ -21,12 +21,16 @@ class Part:
     """A small immutable value: a material, a magnet, a drive ...
 
     A subclass is a frozen dataclass.  Its numeric fields, those that ``over`` and
-    continuation may vary, are the keys of :attr:`rules`.  Fields that decide the form
+    continuation may vary, are the keys of :attr:`rules` and the entries of
+    :attr:`tables`.  Fields that decide the form
     of the equations are named in :attr:`choices`.
     """
 
     #: The rule of each numeric field.
     rules: ClassVar[Mapping[str, Rule]] = MappingProxyType({})
+    #: The rule of the entries of each table of numbers, whose entries are numeric fields
+    #: too, ``name.0``, ``name.1`` ...; the form of the equations depends on their count.
+    tables: ClassVar[Mapping[str, Rule]] = MappingProxyType({})
     #: Names of the fields on which the form of the equations depends.
     choices: ClassVar[tuple[str, ...]] = ()
 
@@ -34,6 +38,11 @@ class Part:
         for name, rule in self.rules.items():
             number = _checks.require_real(name, getattr(self, name), rule)
             object.__setattr__(self, name, number)
+        for name, rule in self.tables.items():
+            numbers = _checks.require_numbers(name, getattr(self, name))
+            for i, number in enumerate(numbers):
+                _checks.require_real(f"{name}.{i}", number, rule)
+            object.__setattr__(self, name, numbers)
         for name, value in self.checked_options().items():
             object.__setattr__(self, name, value)
 
@@ -43,20 +52,42 @@ class Part:
 
     def parameters(self) -> dict[str, float]:
         """Value of every numeric field, by name, in the order of definition."""
-        return {name: float(getattr(self, name)) for name in self.rules}
+        entries = {
+            f"{name}.{i}": number
+            for name in self.tables
+            for i, number in enumerate(getattr(self, name))
+        }
+        return {name: float(getattr(self, name)) for name in self.rules} | entries
+
+    def numeric_rules(self) -> dict[str, Rule]:
+        """Rule of every numeric field, by name."""
+        entries = {
+            f"{name}.{i}": rule
+            for name, rule in self.tables.items()
+            for i in range(len(getattr(self, name)))
+        }
+        return {**self.rules, **entries}
 
     def structure(self) -> Structure:
-        """What identifies the equations of this part: its class and its choices."""
+        """What identifies the equations of this part: its class, choices, lengths of tables."""
         kind = type(self)
         chosen = (getattr(self, name) for name in self.choices)
-        return (f"{kind.__module__}:{kind.__qualname__}", *chosen)
+        lengths = (len(getattr(self, name)) for name in self.tables)
+        return (f"{kind.__module__}:{kind.__qualname__}", *chosen, *lengths)
 
     def replace(self, **changes: Any) -> Self:
         """A copy with some fields changed; unknown fields raise `InputError`."""
+        entries = [name for name in self.numeric_rules() if name not in self.rules]
         known = [f.name for f in fields(self) if f.init]
-        _checks.require_known(changes, known, type(self).__name__)
-        return replace_fields(self, **changes)
+        _checks.require_known(changes, [*known, *entries], type(self).__name__)
+        whole = {name: value for name, value in changes.items() if name not in entries}
+        for name in changes.keys() - whole.keys():
+            table, _, i = name.partition(".")
+            number = _checks.require_real(name, changes[name], self.tables[table])
+            row = list(whole.get(table, getattr(self, table)))
+            whole[table] = [*row[: int(i)], number, *row[int(i) + 1 :]]
+        return replace_fields(self, **whole)
 
     def invalid(self, values: Mapping[str, ArrayLike]) -> BoolArray:
         """Where a batch of values of the numeric fields breaks a rule."""
-        return _checks.broken(self.rules, values)
+        return _checks.broken(self.numeric_rules(), values)

@@ -13,7 +13,7 @@ from remanent import _checks
 from remanent._checks import Rule
 from remanent._timeline import Timeline
 from remanent._typing import ArrayLike, FloatArray
-from remanent.models.drive import Drive, no_waveform
+from remanent.models.drive import Drive, no_waveform, repeated
 
 LOAD = _checks.finite("It is a magnetic load, B_r B/(mu mu0).")
 PHASE = _checks.finite("It is an angle in radians.")
@@ -104,7 +104,7 @@ class SineSquared(Drive):
 
     def timeline(self, values: Mapping[str, FloatArray], duration: FloatArray) -> Timeline:
         """One piece, the period of the load, repeated."""
-        return _repeated(self.periods(values), duration, _half_turn)
+        return repeated(self.periods(values), duration, _half_turn)
 
 
 @dataclass(frozen=True)
@@ -154,12 +154,7 @@ class Sine(Drive):
 
     def timeline(self, values: Mapping[str, FloatArray], duration: FloatArray) -> Timeline:
         """One piece, the period of the load, repeated."""
-        return _repeated(self.periods(values), duration, _full_turn)
-
-
-def _repeated(period: FloatArray, duration: FloatArray, waveform: Any) -> Timeline:
-    lengths = np.broadcast_to(period, np.shape(np.atleast_1d(duration)))[np.newaxis].copy()
-    return Timeline(lengths, periodic=True, parameters={}, waveform=waveform)
+        return repeated(self.periods(values), duration, _full_turn)
 
 
 def _half_turn(phase: FloatArray) -> FloatArray:

@@ -96,11 +96,29 @@ _ROWS = (
         _ALONG,
         Kind.ENERGY_DENSITY,
     ),
+    Variable(
+        "stored_energy",
+        "1",
+        "energy per reference volume, without that in the field",
+        r"E_s",
+        _ALONG,
+        Kind.ENERGY_DENSITY,
+    ),
+    Variable("drive_work", "1", "work of the magnetic load", r"W", _ALONG, Kind.ENERGY_DENSITY),
+    Variable("dissipated_energy", "1", "dissipated energy", r"D", _ALONG, Kind.ENERGY_DENSITY),
+    Variable("balance", "1", "defect of the energy balance", r"r", _ALONG, Kind.ENERGY_DENSITY),
+    Variable(
+        "mean_thickness_stretch", "1", "mean thickness stretch", r"\langle\lambda_3\rangle", _ALONG
+    ),
     Variable("load", "1", "magnetic load", r"m", _ALONG, Kind.LOAD),
     # Where along a run.
     Variable("time", "1", "time", r"\tau", kind=Kind.TIME),
     Variable("cycle", "1", "sample within the run", r"k"),
     Variable("period", "1", "drive periods", r"n"),
+    Variable("crossing", "1", "number of the crossing", r"k"),
+    Variable("crossing_time", "1", "time of the crossing", r"\tau_k", ("crossing",), Kind.TIME),
+    Variable("direction", "1", "direction of the crossing", r"\pm", ("crossing",)),
+    Variable("crossings", "1", "number of crossings", r"n"),
     Variable("drive_period", "1", "smallest period of the load", r"\tau_m", kind=Kind.TIME),
     Variable("section_phase", "1", "phase of the section within the drive period", r"s"),
     # Forced response.

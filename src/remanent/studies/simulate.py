@@ -89,7 +89,7 @@ def simulate(
     require_one(duration=duration, periods=periods, times=times)
     require_tolerance(tolerance)
     ens = ensemble(actuator, drive, over, initial)
-    grid, shared = _grid(ens, duration, periods, times)
+    grid, shared = time_grid(ens, duration, periods, times)
     asked = problem(ens, np.maximum(grid[:, -1], np.finfo(float).tiny))
     outcome = integrate(asked, Request(times=grid), tolerance=tolerance, progress=progress)
     states = outcome.states
@@ -107,7 +107,7 @@ def simulate(
     return label(ens, outcome, variables, {"time": time}, tolerance, **settings)
 
 
-def _grid(ens: Ensemble, duration: Any, periods: Any, times: Any) -> tuple[FloatArray, bool]:
+def time_grid(ens: Ensemble, duration: Any, periods: Any, times: Any) -> tuple[FloatArray, bool]:
     """Times (trajectory, time), and whether all trajectories share them."""
     if times is not None:
         wanted = np.array(require_increasing("times", times))

@@ -67,6 +67,9 @@ def test_names_of_the_papers_field() -> None:
         "thickness_stretch_rate",
         "energy",
         "load",
+        "stored_energy",
+        "drive_power",
+        "dissipated_power",
     }
 
 

@@ -44,7 +44,7 @@ class Oscillator:
             waveforms=("sine", "cosine"),
             rates=program(V, acceleration),
             watched=program(Q, V, acceleration, V),
-            observables={"position": program(Q)},
+            observables={"position": program(Q), "acceleration": program(acceleration)},
         )
 
 

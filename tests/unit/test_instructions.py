@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from remanent.codegen.instructions import Instructions, Signed
+from remanent._instructions import Instructions, Signed
 
 A, B, C = 3.0, 5.0, 7.0
 Make = Callable[[Instructions, list[Signed]], Signed]

@@ -1,4 +1,8 @@
-"""Straight-line code under construction: each distinct value is computed once."""
+"""Straight-line code under construction: each distinct value is computed once.
+
+Both columns write code this way: the symbolic one from expressions, the numeric one from
+code that exists already (its derivatives).
+"""
 
 from __future__ import annotations
 
@@ -19,8 +23,8 @@ class Instructions:
     """Instructions collected so far, numbered by value.
 
     Asking twice for the same operation on the same operands gives the same value:
-    common subexpressions appear once.  (The one mutable object of the symbolic
-    column; it lives as long as one call of :func:`remanent.codegen.lower.lower`.)
+    common subexpressions appear once.  (A mutable object, which lives
+    as long as the call that writes one program.)
     """
 
     def __init__(self, inputs: Sequence[str]) -> None:

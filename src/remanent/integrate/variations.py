@@ -1,0 +1,228 @@
+"""Fields that carry more along a motion: derivatives of the state, integrals of observables.
+
+Both are written from a field's straight-line code by running it on numbers that record what
+is done with them, so they hold for any field, and no symbols are needed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from remanent._field import Field, Program
+from remanent._instructions import Instructions, Signed
+
+#: Stands among `parameters` of :func:`tangent` for the logarithm of the length of a cycle.
+LOG_PERIOD = "log_period"
+
+
+def tangent(field: Field, *, directions: int, parameters: Sequence[str] = ()) -> Field:
+    """A field whose state also holds derivatives of the state.
+
+    Equations, with f the rates, J = df/dy: w' = J w for each direction, and
+    w' = J w + df/dp for the derivative with respect to a parameter p.  All of it is
+    differentiated at a fixed phase of the drive.  The length L of a cycle enters through
+    dtau = L dphase only: the derivative with respect to log L obeys w' = J w + f.
+
+    Parameters
+    ----------
+    field
+        With state variables y.
+    directions
+        How many derivatives along changes of the initial state.
+    parameters
+        Names of parameters, or :data:`LOG_PERIOD`.
+
+    Returns
+    -------
+    Field
+        State ``(*y, *w[0], *w[1], ...)``: first the directions, then the parameters.
+    """
+    columns = directions + len(parameters)
+    added = tuple(f"tangent.{k}.{name}" for k in range(columns) for name in field.state)
+    inputs = _inputs(field, added)
+    into = Instructions(inputs)
+    values = [_Dual(into, into.input(name), (None,) * columns) for name in field.inputs]
+    for i, name in enumerate(field.state):
+        slopes = tuple(into.input(f"tangent.{k}.{name}") for k in range(columns))
+        values[1 + i] = replace(values[1 + i], slopes=slopes)
+    for k, name in enumerate(parameters, start=directions):
+        if name != LOG_PERIOD:
+            at = field.inputs.index(name)
+            unit = tuple(into.constant(1.0) if j == k else None for j in range(columns))
+            values[at] = replace(values[at], slopes=unit)
+    rates = _run(field.rates, values, into, columns)
+    outputs = [rate.value for rate in rates]
+    for k in range(columns):
+        itself = k >= directions and parameters[k - directions] == LOG_PERIOD
+        for rate in rates:
+            slope = rate.slopes[k] or into.constant(0.0)
+            outputs.append(into.add(slope, rate.value) if itself else slope)
+    return _widened(field, added, into.program(outputs))
+
+
+def with_integrals(field: Field, names: Sequence[str]) -> Field:
+    """A field whose state also holds integrals over time of some of its observables.
+
+    Returns
+    -------
+    Field
+        State ``(*y, "integral.NAME", ...)``.
+    """
+    added = tuple(f"integral.{name}" for name in names)
+    into = Instructions(_inputs(field, added))
+    values = [_Dual(into, into.input(name), ()) for name in field.inputs]
+    programs = (field.rates, *(field.observables[name] for name in names))
+    outputs = [rate.value for program in programs for rate in _run(program, values, into, 0)]
+    return _widened(field, added, into.program(outputs))
+
+
+def derivatives(field: Field, name: str, variables: Sequence[str]) -> Program:
+    """An observable, or a state variable, and its partial derivatives.
+
+    Parameters
+    ----------
+    variables
+        State variables or parameters to differentiate with respect to.
+
+    Returns
+    -------
+    Program
+        Outputs: the value, then one derivative for each of `variables`.
+    """
+    into = Instructions(field.inputs)
+    one, columns = into.constant(1.0), len(variables)
+    values = [
+        _Dual(into, into.input(i), tuple(one if i == v else None for v in variables))
+        for i in field.inputs
+    ]
+    if name in field.state:
+        value = values[field.inputs.index(name)]
+    else:
+        (value,) = _run(field.observables[name], values, into, columns)
+    return into.program([value.value, *(s or into.constant(0.0) for s in value.slopes)])
+
+
+def _inputs(field: Field, added: tuple[str, ...]) -> tuple[str, ...]:
+    return ("drive_phase", *field.state, *added, *field.parameters, *field.waveforms)
+
+
+def _run(
+    program: Program, values: Sequence[_Dual], into: Instructions, columns: int
+) -> list[_Dual]:
+    return program(
+        values,
+        functions=_Functions,
+        constant=lambda x: _Dual(into, into.constant(x), (None,) * columns),
+    )
+
+
+def _widened(field: Field, added: tuple[str, ...], rates: Program) -> Field:
+    state, inputs = (*field.state, *added), _inputs(field, added)
+    return Field(
+        state=state,
+        parameters=field.parameters,
+        waveforms=field.waveforms,
+        rates=rates,
+        watched=_with_inputs(field.watched, inputs),
+        observables={name: _with_inputs(p, inputs) for name, p in field.observables.items()},
+    )
+
+
+def _with_inputs(program: Program, inputs: tuple[str, ...]) -> Program:
+    """The same code for a longer list of inputs."""
+    before, more = len(program.inputs), len(inputs) - len(program.inputs)
+
+    def moved(slot: int) -> int:
+        return inputs.index(program.inputs[slot]) if slot < before else slot + more
+
+    return Program(
+        inputs=inputs,
+        constants=program.constants,
+        code=tuple((step[0], *map(moved, step[1:])) for step in program.code),  # type: ignore[misc]
+        outputs=tuple(map(moved, program.outputs)),
+    )
+
+
+@dataclass(frozen=True)
+class _Dual:
+    """A recorded value and its derivative along each direction; None stands for zero."""
+
+    into: Instructions
+    value: Signed
+    slopes: tuple[Signed | None, ...]
+
+    def __add__(self, other: _Dual) -> _Dual:
+        return self._with(self.into.add(self.value, other.value), other, self._sum)
+
+    def __sub__(self, other: _Dual) -> _Dual:
+        return self + -other
+
+    def __neg__(self) -> _Dual:
+        return _Dual(self.into, _minus(self.value), tuple(s and _minus(s) for s in self.slopes))
+
+    def __mul__(self, other: _Dual) -> _Dual:
+        def slope(a: Signed | None, b: Signed | None) -> Signed | None:
+            return self._sum(self._times(other.value, a), self._times(self.value, b))
+
+        return self._with(self.into.mul(self.value, other.value), other, slope)
+
+    def __truediv__(self, other: _Dual) -> _Dual:
+        """a/b by the reciprocal of b, which its derivative (a' - (a/b) b')/b needs too."""
+        if not any((*self.slopes, *other.slopes)):
+            return replace(self, value=self.into.div(self.value, other.value))
+        inverse = self.into.div(self.into.constant(1.0), other.value)
+        quotient = self.into.mul(self.value, inverse)
+
+        def slope(a: Signed | None, b: Signed | None) -> Signed | None:
+            change = self._times(quotient, b)
+            return self._times(inverse, self._sum(a, change and _minus(change)))
+
+        return self._with(quotient, other, slope)
+
+    def mapped(self, value: Signed, factor: Signed) -> _Dual:
+        """A function of this value with the derivative `factor`."""
+        return _Dual(self.into, value, tuple(self._times(factor, s) for s in self.slopes))
+
+    def _with(self, value: Signed, other: _Dual, slope: Any) -> _Dual:
+        pairs = zip(self.slopes, other.slopes, strict=True)
+        return _Dual(self.into, value, tuple(slope(a, b) for a, b in pairs))
+
+    def _times(self, factor: Signed, slope: Signed | None) -> Signed | None:
+        return None if slope is None else self.into.mul(factor, slope)
+
+    def _sum(self, a: Signed | None, b: Signed | None) -> Signed | None:
+        if a is None or b is None:
+            return b if a is None else a
+        return self.into.add(a, b)
+
+
+def _minus(a: Signed) -> Signed:
+    return -a[0], a[1]
+
+
+class _Functions:
+    """The functions of programs, with their derivatives."""
+
+    @staticmethod
+    def sqrt(x: _Dual) -> _Dual:
+        root = x.into.call("sqrt", x.value)
+        return x.mapped(root, x.into.div(x.into.constant(0.5), root))
+
+    @staticmethod
+    def exp(x: _Dual) -> _Dual:
+        value = x.into.call("exp", x.value)
+        return x.mapped(value, value)
+
+    @staticmethod
+    def log(x: _Dual) -> _Dual:
+        return x.mapped(x.into.call("log", x.value), x.into.div(x.into.constant(1.0), x.value))
+
+    @staticmethod
+    def sin(x: _Dual) -> _Dual:
+        return x.mapped(x.into.call("sin", x.value), x.into.call("cos", x.value))
+
+    @staticmethod
+    def cos(x: _Dual) -> _Dual:
+        return x.mapped(x.into.call("cos", x.value), _minus(x.into.call("sin", x.value)))

@@ -1,0 +1,56 @@
+"""A run that is interrupted stops at the next call of a kernel, and calls are short."""
+
+from __future__ import annotations
+
+import threading
+from typing import Any
+
+import numpy as np
+import pytest
+from tests.unit.integrate.handmade import Oscillator, Q, problem
+
+from remanent.integrate import chunk
+from remanent.integrate.compile import Kernel
+from remanent.integrate.ensemble import integrate
+from remanent.integrate.problem import Request
+
+
+class InterruptionError(Exception):
+    """Raised by a progress display."""
+
+
+def test_nothing_is_computed_after_an_interruption(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every worker finishes the call it is in, at most, and no chunk that waits begins."""
+    raised, late = threading.Event(), []
+    call = Kernel.__call__
+
+    def counted(self: Kernel, *args: Any, **options: Any) -> None:
+        if raised.is_set():
+            late.append(1)
+        call(self, *args, **options)
+
+    def report(_share: float) -> None:
+        raised.set()
+        raise InterruptionError
+
+    monkeypatch.setattr(Kernel, "__call__", counted)
+    count = 40_000  # for most of which the second attempt would follow
+    asked = problem(Oscillator(-Q - Q**3, {}), np.ones((count, 2)), 5.0, period=1.0)
+    begun = threading.active_count()
+    with pytest.raises(InterruptionError):
+        integrate(asked, Request(strobe=1), tolerance=1e-12, workers=2, progress=report)
+    assert len(late) <= 2
+    assert threading.active_count() <= begun + 2
+
+
+@pytest.mark.parametrize("trajectories", [1, 16, 1024, 4096])
+@pytest.mark.parametrize("doubles", [6, 100, 5000])
+def test_calls_are_short(trajectories: int, doubles: int) -> None:
+    """No call takes more than 2**17 steps of single trajectories, but for whole cycles."""
+    longest = int(np.clip(2**17 // trajectories, 64, 2048))
+    for cycles, strobe in ((1, 0), (100, 0), (100, 1)):
+        calls = list(chunk._calls(cycles, doubles, strobe, longest, single=False))
+        assert sum(n * (part.stop - part.start) for _, n, part, _ in calls) == cycles * doubles
+        for _, n, part, past in calls:
+            taken = 2 * n * (part.stop - part.start)
+            assert taken <= max(longest, 2 * doubles if strobe or not past else 0) or n == 1

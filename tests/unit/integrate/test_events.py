@@ -1,0 +1,93 @@
+"""Crossings: every one once, at the right time, in the awkward places too."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from tests.unit.integrate.handmade import SINE, Oscillator, Q, problem
+
+import remanent as rm
+from remanent.integrate.events import Crossings, crossings
+
+HARMONIC = Oscillator(-Q, {})
+
+
+def of_cosine(value: float, end: float = 50.0) -> Crossings:
+    """Crossings of cos tau."""
+    found, _ = crossings(problem(HARMONIC, (1.0, 0.0), end), "position", value, tolerance=1e-10)
+    return found
+
+
+@pytest.mark.parametrize("value", [0.0, 0.5, -0.99, 0.999999])
+def test_crossings_of_a_cosine(value: float) -> None:
+    found = of_cosine(value)
+    angle, turns = np.arccos(value), 2.0 * np.pi * np.arange(9)
+    expected = np.sort(np.concatenate([turns + angle, turns - angle]))
+    expected = expected[(expected > 0.0) & (expected < 50.0)]
+    steepness = np.sqrt(1.0 - value**2)
+    np.testing.assert_allclose(found.time, expected, rtol=0.0, atol=1e-10 / steepness)
+    assert found.direction.tolist() == np.where(np.sin(expected) > 0.0, -1, 1).tolist()
+
+
+def test_two_crossings_within_one_step() -> None:
+    """cos tau is above 0.99999 for 0.009 only: a small part of any step."""
+    found = of_cosine(0.99999)
+    assert np.diff(found.time[1:3])[0] == pytest.approx(2.0 * np.arccos(0.99999), rel=1e-4)
+
+
+@pytest.mark.parametrize("value", [-1.0, -1.0 - 1e-12])
+def test_a_touch_is_found_once(value: float) -> None:
+    found = of_cosine(value)
+    np.testing.assert_allclose(found.time, np.pi * np.arange(1, 16, 2), rtol=0.0, atol=1e-5)
+    assert not found.direction.any()
+
+
+def test_a_miss_is_a_miss() -> None:
+    assert of_cosine(-1.0 - 1e-9).time.size == 0
+
+
+def test_a_start_on_the_value_is_no_crossing() -> None:
+    """sin tau from 0: the first crossing is at pi, also for a start that moves at once."""
+    asked = problem(HARMONIC, [(0.0, 1.0), (0.0, -1.0)], 4.0)
+    found, _ = crossings(asked, "position", 0.0, tolerance=1e-10)
+    np.testing.assert_allclose(found.time, [np.pi, np.pi], rtol=0.0, atol=1e-10)
+    assert found.direction.tolist() == [-1, 1]
+
+
+def test_crossings_at_ends_of_steps_are_found_once() -> None:
+    """q'' = 0 passes whole numbers exactly at ends of steps of a load with period 1."""
+    asked = problem(Oscillator(0.0 * Q, {}), (-3.0, 1.0), 8.0, period=1.0)
+    for value in (-2.0, 0.0, 4.0):
+        found, _ = crossings(asked, "position", value, tolerance=1e-10)
+        np.testing.assert_allclose(found.time, [value + 3.0], rtol=0.0, atol=1e-14)
+
+
+def test_no_crossing_beyond_the_end() -> None:
+    found, _ = crossings(problem(HARMONIC, [(1.0, 0.0)] * 3, [1.5, 1.6, 5.0], period=0.7),
+                         "position", 0.0, tolerance=1e-10)  # fmt: skip
+    assert found.trajectory.tolist() == [1, 2, 2]
+
+
+def test_rates_of_the_motion_cross_zero_at_its_extremes() -> None:
+    drive = rm.SineSquared(0.4, 1.25)
+    extremes = rm.crossings(rm.Actuator(), drive, "thickness_stretch_rate", 0.0, duration=100.0)
+    largest = (extremes.stretch**-2).max()
+    response = rm.frequency_response(rm.Actuator(), drive, [1.0, 1.25])
+    assert float(largest) == pytest.approx(float(response.maximum[1]), abs=1e-9)
+
+
+def test_the_drive_itself_is_refused() -> None:
+    asked = problem(Oscillator(-Q + SINE, {}), (1.0, 0.0), 1.0, period=1.0)
+    with pytest.raises(ValueError, match="drive"):
+        crossings(asked, "acceleration", 0.0, tolerance=1e-9)
+
+
+def test_periods_between_crossings_are_those_of_the_orbit() -> None:
+    """A constant load: successive crossings in one direction are one period apart."""
+    ds = rm.crossings(rm.Actuator(c=0.1), rm.Constant(0.5), "thickness_stretch", 1.1,
+                      direction="up", duration=60.0, over={"prestress": [-0.2, 0.0]})  # fmt: skip
+    for p in range(2):
+        times = ds.crossing_time[p].values
+        gaps = np.diff(times[np.isfinite(times)])
+        assert gaps.size > 5
+        assert np.ptp(gaps) < 1e-8
