@@ -41,12 +41,12 @@ their errors are of the end; ours are of the extremes. Hollow: some motions have
 their error could not be bounded.
 """
 _KERNEL = """\
-One double step of one group of lanes: two steps of the solution, one of its coarser companion, and
-their comparison. Numbers are operations per trajectory that are always done, read from the
-assembly. The share of slots is that of the instructions through the multiply–add units in what
-a loop of nothing but independent multiply–adds issues in the same time on the same core; the share
-of operations counts a multiply–add as two. Divisions, comparisons and moves take time and count
-for nothing.
+One double step of one group of lanes: two steps of the solution and, for a bound, one of its
+coarser companion and their comparison. Numbers are operations per trajectory that are always done,
+read from the assembly. The share of slots is that of the instructions through the multiply–add
+units in what a loop of nothing but independent multiply–adds issues in the same time on the same
+core; the share of operations counts a multiply–add as two. Divisions, comparisons
+and moves take time and count for nothing.
 """
 _GROWTH = """\
 `frequency_response` at tolerance $10^{-8}$ on one core, each size in a process of its own after a

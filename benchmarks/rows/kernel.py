@@ -34,6 +34,7 @@ from remanent.integrate.tables import waveform_tables
 _RESOLUTION, _GROUPS, _TOLERANCE, _NO_LIMIT = 64, 64, 1e-9, 1.0
 _CASES = {
     "extremes and bound": (Request(extremes=True), Options(extremes=True)),
+    "extremes alone": (Request(extremes=True), Options(extremes=True, companion=False)),
     "states and bound": (Request(), Options()),
 }
 

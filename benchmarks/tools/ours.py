@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 import remanent as rm
 from benchmarks.jobs import Job
 from benchmarks.tools.tool import TOLERANCES, Package, Run, Tool, clocked
 from remanent._typing import FloatArray
-from remanent.integrate import ensemble as engine
+from remanent.integrate.ensemble import integrate_fixed, ladder
 from remanent.integrate.problem import Problem, Request
 from remanent.studies._ensemble import ensemble, problem
-
-#: The engine at one resolution for all, without the companion solution of the bound.
-_FIXED: Any = getattr(engine, "integrate_fixed", None)
 
 
 def actuator(job: Job) -> rm.Actuator:
@@ -41,8 +36,10 @@ def build_verb(job: Job) -> Run:
 
 
 def build_fixed(job: Job) -> Run:
+    """One resolution for all, without the companion solution that the bound needs."""
+
     def run(omegas: FloatArray, resolution: float) -> FloatArray:
-        outcome = _FIXED(
+        outcome = integrate_fixed(
             asked(job, omegas), Request(extremes=True), resolution=int(resolution), workers=1
         )
         return np.column_stack([outcome.maximum, outcome.minimum])
@@ -50,22 +47,14 @@ def build_fixed(job: Job) -> Run:
     return clocked(run)
 
 
-class _Engine:
-    def missing(self) -> str:
-        return "" if _FIXED else "integrate.ensemble.integrate_fixed does not exist yet"
-
-    def version(self) -> str:
-        return _PACKAGE.version()
-
-
 _PACKAGE = Package("remanent")
 FIXED = Tool(
     "remanent-fixed",
     "Remanent, one resolution, no bound",
-    _Engine(),
+    _PACKAGE,
     "extremes",
     build_fixed,
-    settings=tuple(float(r) for r in engine.ladder(np.geomspace(8, 8192, 41))),
+    settings=tuple(float(r) for r in ladder(np.geomspace(8, 8192, 41))),
     setting_name="double steps per cycle",
 )
 VERB = Tool(
