@@ -1,1 +1,1 @@
-"""Speed, beside the peers, in one run; run with ``python -m benchmarks``."""
+"""Speed beside the peers, in one run: ``python -m benchmarks``."""

@@ -1,0 +1,74 @@
+"""Pictures of results in the house style; nothing is computed here."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from remanent.plots import style
+
+#: Colour and marker of a tool; Okabe and Ito's colours, ours in blue.
+_LOOK = {
+    "remanent": ("blue", "o", "-"),
+    "remanent-fixed": ("sky", "D", "-"),
+    "heyoka": ("vermillion", "s", "--"),
+    "scipy": ("green", "^", ":"),
+}
+
+
+def precision(data: Any, path: Path) -> None:
+    """Time against error, worst and median."""
+    with style.context():
+        figure = Figure(figsize=(style.DOUBLE, 3.0), layout="constrained")
+        panels = figure.subplots(1, 2, sharey=True)
+        for letter, key, axes in zip("ab", ("worst", "median"), panels, strict=True):
+            lines = [_curve(axes, tool, curve, key) for tool, curve in data["curves"].items()]
+            axes.set(xscale="log", yscale="log", xlabel=f"{key} error of $\\lambda_3$")
+            axes.invert_xaxis()
+            style.panel_title(axes, letter, "")
+        panels[0].set_ylabel(r"µs per trajectory and unit of $\tau$")
+        style.legend_above(figure, lines)
+        style.save(figure, path)
+
+
+def _curve(axes: Axes, tool: str, curve: Any, key: str) -> Any:
+    colour, marker, dashes = _LOOK[tool]
+    points = curve["points"]
+    (line,) = axes.plot(
+        [p[key] for p in points], [p["microseconds"] for p in points], dashes,
+        color=style.OKABE_ITO[colour], marker=marker, markersize=3.5, label=curve["name"],
+    )  # fmt: skip
+    hollow = [p for p in points if p["missing"]]
+    axes.plot(
+        [p[key] for p in hollow], [p["microseconds"] for p in hollow], marker, markersize=3.5,
+        color=style.OKABE_ITO[colour], markerfacecolor="white",
+    )  # fmt: skip
+    return line
+
+
+def growth(data: Any, path: Path) -> None:
+    """Time and memory against the number of trajectories."""
+    rows = data["rows"]
+    count = [row["trajectories"] for row in rows]
+    with style.context():
+        figure = Figure(figsize=(style.DOUBLE, 2.6), layout="constrained")
+        left, right = figure.subplots(1, 2)
+        blue, red = style.OKABE_ITO["blue"], style.OKABE_ITO["vermillion"]
+        left.loglog(count, [row["seconds"] for row in rows], "o-", color=blue, markersize=3.5)
+        left.set(xlabel="trajectories", ylabel="time (s)")
+        parts = (("result", "the result", blue, "o-"), ("beyond", "beyond the result", red, "s--"))
+        lines = [
+            right.loglog(
+                count, [max(row[key], 1) / 2**20 for row in rows], form, color=colour, label=label,
+                markersize=3.5,
+            )[0]
+            for key, label, colour, form in parts
+        ]  # fmt: skip
+        right.set(xlabel="trajectories", ylabel="memory (MiB)")
+        style.panel_title(left, "a", "")
+        style.panel_title(right, "b", "")
+        style.legend_above(figure, lines)
+        style.save(figure, path)

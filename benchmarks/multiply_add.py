@@ -1,0 +1,60 @@
+"""The most arithmetic that a core can do: a loop of independent fused multiply-adds."""
+
+from __future__ import annotations
+
+import ctypes
+import statistics
+import time
+
+import numpy as np
+from llvmlite import binding, ir
+
+from remanent.integrate.compile import Target
+from remanent.integrate.lanes import DOUBLE, INTEGER, Writer
+
+#: Chains that wait for nothing but themselves: enough to hide the latency of one.
+_CHAINS = 6
+_PASSES = 4_000_000
+
+
+def source(width: int) -> str:
+    """LLVM assembly of ``void loop(double *values, long passes)``."""
+    module = ir.Module(name="multiply_add")
+    signature = ir.FunctionType(ir.VoidType(), [DOUBLE.as_pointer(), INTEGER])
+    function = ir.Function(module, signature, "loop")
+    builder = ir.IRBuilder(function.append_basic_block("entry"))
+    begin = function.append_basic_block("begin")
+    builder.branch(begin)
+    builder.position_at_end(begin)
+    values, passes = function.args
+    w = Writer(builder, width)
+    places = [w.integer(k * width) for k in range(_CHAINS + 2)]
+    factor, term = w.load(values, places[-2]), w.load(values, places[-1])
+    chains = [w.variable(w.load(values, k)) for k in places[:-2]]
+    with w.loop(passes):
+        for chain in chains:
+            chain.set(chain.get() * factor + term)
+    for chain, k in zip(chains, places, strict=False):
+        w.store(chain.get(), values, k)
+    builder.ret_void()
+    return str(module)
+
+
+def lanes_per_second(target: Target, repeats: int) -> float:
+    """Multiply-adds of single numbers that one core does in a second."""
+    module = binding.parse_assembly(source(target.width))
+    machine = target.machine()
+    builder = binding.create_pass_builder(
+        machine, binding.create_pipeline_tuning_options(speed_level=3)
+    )
+    builder.getModulePassManager().run(module, builder)
+    engine = binding.create_mcjit_compiler(module, machine)
+    signature = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_int64)
+    loop = signature(engine.get_function_address("loop"))
+    values = np.full((_CHAINS + 2) * target.width, 0.5)
+    times = []
+    for _ in range(repeats + 1):
+        begin = time.thread_time()
+        loop(values.ctypes.data, _PASSES)
+        times.append(time.thread_time() - begin)
+    return _PASSES * _CHAINS * target.width / statistics.median(times[1:])

@@ -1,0 +1,131 @@
+"""The page of the results, with its pictures, written from the saved results."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from benchmarks import figures, tables
+from benchmarks.targets import Results
+
+DOCS = Path(__file__).parents[1] / "docs"
+_BUSY = 0.2
+
+_INTRODUCTION = """\
+# Measured speed
+
+This page is written by `make bench`, from one run on one machine. Every tool gets the same work:
+motions of equation (16) from rest under $m = (b \\sin\\omega\\tau)^2$, up to $\\tau = 100$. Each is
+set so that its **worst error** in $\\lambda_3$ over the checked frequencies stays within
+$10^{-8}$, by the cheapest of its settings that does; errors are differences from a solution in
+extended precision (heyoka.py, tolerance $10^{-18}$). Times are medians, on one core, in
+microseconds per trajectory and unit of $\\tau$; tools take turns. Compiling is shown apart.
+"""
+_WORK = """\
+Ours gives the extremes of $\\lambda_3$ over the whole motion, between steps too; the second of its
+rows also gives an error for each. Ratios are to that row. For heyoka.py, extremes by events cost
+more than the motion, since their callbacks are Python; the targets therefore compare with the
+faster of two rows that are less work: the state at the end only, and "extremes at no cost", the
+bare motion at the tolerance that its extremes need. diffrax, SciPy, pynamicalsys and Octave
+give the end only, too, and are timed on the frequencies stated. The peers have the parameters
+written in as numbers; ours takes them as data.
+"""
+_FILM = """\
+$c = 0.01$, $S = 1$, $b = 0.9$, $\\omega$ from 0.5 to 4: fast stretches of the motion, and steps
+that should differ a hundredfold between frequencies.
+"""
+_PRECISION = """\
+Time against achieved error, each point one setting. heyoka.py and SciPy give the end only and
+their errors are of the end; ours are of the extremes. Hollow: some motions have no value, because
+their error could not be bounded.
+"""
+_KERNEL = """\
+One double step of one group of lanes: two steps of the solution and, for a bound, one of its
+coarser companion and their comparison. Numbers are operations per trajectory that are always done,
+read from the assembly. The share of slots is that of the instructions through the multiply–add
+units in what a loop of nothing but independent multiply–adds issues in the same time on the same
+core; the share of operations counts a multiply–add as two. Divisions, comparisons
+and moves take time and count for nothing.
+"""
+_GROWTH = """\
+`frequency_response` at tolerance $10^{-8}$ on one core, each size in a process of its own after a
+small run. Memory is the peak of the resident set less that before, and less the result.
+"""
+_START = """\
+Whole processes, medians; "first figure" computes and draws a frequency response of 301 points.
+"""
+
+
+def write(results: Results) -> Path:
+    """Write ``docs/results.md`` and ``docs/results/*.svg``."""
+    (DOCS / "results").mkdir(exist_ok=True)
+    path = DOCS / "results.md"
+    path.write_text("\n".join(_page(results)).rstrip() + "\n", encoding="utf-8")
+    return path
+
+
+def _page(results: Results) -> Iterator[str]:
+    yield _INTRODUCTION
+    yield from _warnings(results)
+    yield from ("## What is asked", "", tables.asked(results).markdown(), "")
+    yield "Met: `aim` where that is reached, `yes` where what is asked at least is.\n"
+    for row, title, text, table in _SECTIONS:
+        if row in results:
+            data = results[row]["data"]
+            yield from (f"## {title}", "", text, table(data).markdown() if table else "", "")
+            yield from _details(row, data)
+            yield from _pictures(row, data)
+    yield from ("## Machine and versions", "", tables.environment(results.values()).markdown())
+
+
+def _warnings(results: Results) -> Iterator[str]:
+    quick = [row for row, result in results.items() if result["quick"]]
+    busy = [row for row, result in results.items() if result["busy"] > _BUSY]
+    if quick or busy:
+        yield ":::{warning}"
+        if quick:
+            yield f"Small sizes (`--quick`), to try the code: {', '.join(quick)}."
+        if busy:
+            yield f"The machine was busy with other work: {', '.join(busy)}."
+        yield ":::\n"
+
+
+def _details(row: str, data: Any) -> Iterator[str]:
+    if row not in ("response", "film"):
+        return
+    job = data["job"]
+    samples = [f"{one['name']}: {one['timed_on']}" for one in data["tools"].values()
+               if one["timed_on"] < job["count"]]  # fmt: skip
+    yield (
+        f"{job['count']} frequencies, {job['checked']} checked, "
+        f"{data['unresolved']} left out because even the best of double precision is off by "
+        f"more than 1e-9; median of {data['repeats']}."
+    )
+    if samples:
+        yield "Timed on fewer frequencies: " + "; ".join(samples) + "."
+    yield ""
+
+
+def _pictures(row: str, data: Any) -> Iterator[str]:
+    if row == "precision":
+        for name, one in data.items():
+            yield from _picture(f"precision-{name}", figures.precision, one, _CAPTIONS[name])
+    elif row == "growth":
+        yield from _picture("growth", figures.growth, data, "Time and memory")
+
+
+def _picture(name: str, draw: Any, data: Any, caption: str) -> Iterator[str]:
+    draw(data, DOCS / "results" / f"{name}.svg")
+    yield f"```{{figure}} results/{name}.svg\n{caption}\n```\n"
+
+
+_CAPTIONS = {"response": "The cube: time against error.", "film": "The film: the same."}
+_SECTIONS: tuple[tuple[str, str, str, Any], ...] = (
+    ("response", "Frequency response of a cube", _WORK, tables.work),
+    ("film", "Frequency response of a film", _FILM, tables.work),
+    ("precision", "Work and precision", _PRECISION, None),
+    ("kernel", "Arithmetic", _KERNEL, tables.kernel),
+    ("growth", "Growth", _GROWTH, tables.growth),
+    ("start", "Start", _START, tables.start),
+)

@@ -1,0 +1,107 @@
+"""Arithmetic of the kernels against a loop that does nothing else, on the same core.
+
+Counted are the instructions that go through the multiply-add units (fused
+multiply-adds, multiplications, additions, subtractions, each one slot per lane) of the
+part of a double step that is always done.  Divisions, comparisons, turns and loads of
+tables take time and count for nothing.
+"""
+
+from __future__ import annotations
+
+import statistics
+import time
+from collections import Counter
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from benchmarks.jobs import RESPONSE
+from benchmarks.machine import one_core
+from benchmarks.machine_code import assembly, work_per_pass
+from benchmarks.multiply_add import lanes_per_second
+from benchmarks.rows.plan import Plan
+from benchmarks.tools import ours
+from remanent._typing import FloatArray
+from remanent.integrate.chunk import attempt
+from remanent.integrate.compile import Kernel, Kernels, compiled, host
+from remanent.integrate.ensemble import method_for
+from remanent.integrate.kernel import Method, Options, kernel_source
+from remanent.integrate.methods import default_method
+from remanent.integrate.problem import Request
+from remanent.integrate.tables import waveform_tables
+
+_RESOLUTION, _GROUPS, _TOLERANCE, _NO_LIMIT = 64, 64, 1e-9, 1.0
+_CASES = {
+    "extremes and bound": (Request(extremes=True), Options(extremes=True)),
+    "extremes alone": (Request(extremes=True), Options(extremes=True, companion=False)),
+    "states and bound": (Request(), Options()),
+}
+
+
+@dataclass
+class _Timed:
+    """A kernel that counts its double steps, and the processor time they take."""
+
+    kernel: Kernel
+    seconds: float = 0.0
+    passes: int = 0
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.kernel, name)
+
+    def __call__(
+        self, lanes: FloatArray, tables: tuple[FloatArray, FloatArray], *rest: Any, **options: Any
+    ) -> None:
+        begin = time.thread_time()
+        self.kernel(lanes, tables, *rest, **options)
+        self.seconds += time.thread_time() - begin
+        self.passes += lanes.shape[0] * options["cycles"] * tables[1].shape[0]
+
+
+def measure(plan: Plan) -> dict[str, Any]:
+    """Share of the multiply-add loop that every kernel reaches."""
+    target = host()
+    with one_core():
+        rows, peaks = {}, []
+        for name, (request, options) in _CASES.items():
+            method = method_for(request, _TOLERANCE)
+            peaks.append(lanes_per_second(target, plan.repeats))
+            rows[name] = _row(method, options, plan.repeats, peaks[-1])
+            plan.say(f"kernel: {name}: {rows[name]['share']:.0%} of the multiply-add loop")
+    return {"peak": statistics.median(peaks), "kernels": rows}
+
+
+def _row(method: Method, options: Options, repeats: int, peak: float) -> dict[str, Any]:
+    work = _work(method, options)
+    seconds = _seconds_per_pass(method, options, repeats)
+    slots = work["fma"] + work["mul"] + work["add"]
+    return {
+        "method": method.name,
+        "work": dict(work),
+        "lanes": host().width,
+        "nanoseconds": seconds * 1e9,
+        "share": slots / seconds / peak,
+        "flops_share": (slots + work["fma"]) / seconds / (2.0 * peak),
+    }
+
+
+def _work(method: Method, options: Options) -> Counter[str]:
+    field = ours.asked(RESPONSE, RESPONSE.omegas[:1]).field
+    return work_per_pass(assembly(kernel_source(field, method, options, host().width), host()))
+
+
+def _seconds_per_pass(method: Method, options: Options, repeats: int) -> float:
+    """Of one double step of one group, by trajectories with equally many cycles."""
+    problem = ours.asked(RESPONSE, np.linspace(1.25, 1.2501, _GROUPS * host().width))
+    start = compiled(problem.field, default_method(), options)
+    found = []
+    for _ in range(repeats + 1):
+        run = _Timed(compiled(problem.field, method, options))
+        attempt(
+            problem, Request(extremes=options.extremes), Kernels(start, run),  # type: ignore[arg-type]
+            _NO_LIMIT, _RESOLUTION, np.arange(problem.duration.size),
+            lambda nodes, n: waveform_tables(problem.timeline.waveform, nodes, n), lambda: True,
+        )  # fmt: skip
+        found.append(run.seconds / run.passes)
+    return statistics.median(found[1:])

@@ -1,0 +1,61 @@
+"""Work against precision: error and time of several tools over their settings."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Any
+
+from benchmarks.accuracy import achieved
+from benchmarks.jobs import Job
+from benchmarks.machine import one_core
+from benchmarks.reference import Reference
+from benchmarks.rows.plan import Plan
+from benchmarks.tools import heyoka_batch, ours, scipy_dop853
+from benchmarks.tools.tool import Tool
+
+TOOLS = (ours.FIXED, ours.VERB, heyoka_batch.END, scipy_dop853.TOOL)
+_LOOSEST, _TIGHTEST = 1e-5, 1e-12
+#: Errors that tell nothing, and times that nobody waits for, are left out.
+_USELESS, _SLOWEST = 1.0, 30.0
+
+
+def measure(plan: Plan, name: str) -> dict[str, Any]:
+    """Curves of one job."""
+    job = plan.job(name)
+    with one_core():
+        truth = plan.truth(job)
+        curves = {
+            tool.key: {"name": tool.name, "gives": tool.gives, "points": points}
+            for tool in TOOLS
+            if not tool.source.missing() and (points := _points(plan, tool, job, truth))
+        }
+    return {"job": asdict(job), "curves": curves}
+
+
+def _points(plan: Plan, tool: Tool, job: Job, truth: Reference) -> list[dict[str, float]]:
+    run = tool.build(job)
+    omegas = tool.omegas(job)
+    repeats = 1 if tool.sample else 3
+    points = []
+    for setting in _settings(plan, tool):
+        at = achieved(tool, run, job, truth, setting)
+        if at.worst > _USELESS:
+            continue
+        seconds = min(run(omegas, setting).seconds for _ in range(repeats))
+        microseconds = seconds / omegas.size / job.window * 1e6
+        plan.say(
+            f"{job.name}: {tool.name}, {setting:g}: {at.worst:.1e}, {at.missing} missing, "
+            f"{microseconds:.3g} µs"
+        )
+        points.append({**asdict(at), "microseconds": microseconds})
+        if at.worst < _TIGHTEST or (microseconds > _SLOWEST and not tool.sample):
+            break
+    return points
+
+
+def _settings(plan: Plan, tool: Tool) -> list[float]:
+    """Decades of a tolerance; every second resolution."""
+    if tool.setting_name != "tolerance":
+        return list(tool.settings[:: 4 if plan.quick else 2])
+    decades = [s for s in tool.settings[::2] if _TIGHTEST * 0.9 < s < _LOOSEST * 1.1]
+    return decades[:: 3 if plan.quick else 1]

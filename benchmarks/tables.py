@@ -1,0 +1,127 @@
+"""Results as tables of text, for the terminal and for the page."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from rich.table import Table as Drawn
+
+from benchmarks.targets import Results, verdicts
+
+
+@dataclass(frozen=True)
+class Table:
+    """A heading for every column, and rows."""
+
+    heading: tuple[str, ...]
+    rows: Sequence[tuple[str, ...]]
+
+    def drawn(self) -> Drawn:
+        """For the terminal."""
+        drawn = Drawn(*self.heading)
+        for row in self.rows:
+            drawn.add_row(*row)
+        return drawn
+
+    def markdown(self) -> str:
+        lines = [self.heading, tuple("---" for _ in self.heading), *self.rows]
+        return "\n".join("| " + " | ".join(line) + " |" for line in lines)
+
+
+def number(x: float | None) -> str:
+    """Three digits, without an exponent where that is short."""
+    if x is None:
+        return "–"
+    return f"{x:.0f}" if abs(x) >= 100 else f"{x:.3g}"
+
+
+def error(x: float | None) -> str:
+    return "none" if x is None else f"{x:.0e}"
+
+
+def asked(results: Results) -> Table:
+    """What is asked against what was found."""
+    heading = ("work", "against", "measured", "at least", "aim", "met")
+    rows = []
+    for verdict in verdicts(results):
+        t = verdict.target
+        aim = "" if t.aim is None else number(t.aim) + t.unit
+        measured = "–" if verdict.value is None else number(verdict.value) + t.unit
+        sign = "" if t.larger else "≤ "
+        least = sign + number(t.least) + t.unit
+        rows.append((t.work, t.against, measured, least, aim and sign + aim, verdict.text))
+    return Table(heading, rows)
+
+
+def work(data: Any) -> Table:
+    """Tools on one job."""
+    tools = data["tools"]
+    ours = tools["remanent"]["microseconds"] if "remanent" in tools else None
+    heading = ("tool", "version", "µs", "ratio", "median error", "worst error",
+               "compiling, s", "setting")  # fmt: skip
+    rows = [
+        (
+            one["name"], one["version"], number(one["microseconds"]),
+            number(one["microseconds"] / ours if ours else None),
+            error(one["median"]), error(one["worst"]) + _remark(one),
+            number(one["compiling"]), _setting(one),
+        )
+        for one in sorted(tools.values(), key=lambda one: one["microseconds"])
+    ]  # fmt: skip
+    return Table(heading, rows)
+
+
+def _remark(one: Any) -> str:
+    if one["missing"]:
+        return f", {one['missing']} without a value"
+    return "" if one["met"] else " (too large)"
+
+
+def _setting(one: Any) -> str:
+    exact = one["setting_name"] != "tolerance"
+    return f"{one['setting']:.0f} {one['setting_name']}" if exact else f"{one['setting']:.1e}"
+
+
+def kernel(data: Any) -> Table:
+    heading = ("kernel", "method", "ns", "multiply–adds", "multiplications", "additions",
+               "divisions", "share of slots", "share of operations")  # fmt: skip
+    kinds = ("fma", "mul", "add", "div")
+    rows = [
+        (
+            name, one["method"], number(one["nanoseconds"]),
+            *(str(one["work"].get(kind, 0) // one["lanes"]) for kind in kinds),
+            f"{one['share']:.0%}", f"{one['flops_share']:.0%}",
+        )
+        for name, one in data["kernels"].items()
+    ]  # fmt: skip
+    return Table(heading, rows)
+
+
+def growth(data: Any) -> Table:
+    heading = ("trajectories", "s", "µs each", "result, MiB", "memory beyond it, MiB")
+    rows = [
+        (
+            f"{one['trajectories']:,}".replace(",", "\N{NARROW NO-BREAK SPACE}"),
+            number(one["seconds"]), number(1e6 * one["seconds"] / one["trajectories"]),
+            number(one["result"] / 2**20), number(one["beyond"] / 2**20),
+        )
+        for one in data["rows"]
+    ]  # fmt: skip
+    return Table(heading, rows)
+
+
+def start(data: Any) -> Table:
+    rows = [(name, number(seconds)) for name, seconds in data["seconds"].items()]
+    return Table(("a new process", "s"), rows)
+
+
+def environment(results: Iterable[dict[str, Any]]) -> Table:
+    """Hardware and versions; several where rows were taken apart."""
+    found: dict[str, list[str]] = {}
+    for result in results:
+        for name, value in result["environment"].items():
+            if value not in found.setdefault(name, []):
+                found[name].append(value)
+    return Table(("", ""), [(name, ", ".join(values)) for name, values in found.items()])

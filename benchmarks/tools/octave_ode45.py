@@ -1,0 +1,77 @@
+"""GNU Octave's ode45, the paper's tool, where ``octave-cli`` is on the path.
+
+Its own clock is read, so that its start does not count.
+"""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from functools import cache
+
+import numpy as np
+
+from benchmarks.jobs import Job, thickness_stretch
+from benchmarks.tools.tool import TOLERANCES, Answer, Run, Tool
+from remanent._typing import FloatArray
+
+_PROGRAM = "octave-cli"
+_SCRIPT = """
+function dy = rates(tau, y, omega)
+  x = y(1); v = y(2);
+  m = ({b} * sin(omega * tau)) ^ 2;
+  force = {theta} * (x ^ 8 - x ^ 2) + m * x ^ 4 - {prestress} * x ^ 7;
+  dy = [v; (6 * {c} * v * v - 3 * force) / (x ^ 7 + 2 * {c} * x)];
+end
+options = odeset("RelTol", {tolerance}, "AbsTol", {tolerance});
+tic;
+for omega = [{omegas}]
+  [t, y] = ode45(@(t, y) rates(t, y, omega), [0 {window}], [1; 0], options);
+  printf("%.17g\\n", y(end, 1));
+end
+printf("%.17g\\n", toc);
+"""
+
+
+class _Octave:
+    def missing(self) -> str:
+        return "" if shutil.which(_PROGRAM) else f"{_PROGRAM} is not on the path"
+
+    def version(self) -> str:
+        return _execute("disp(version)").strip()
+
+
+def build(job: Job) -> Run:
+    def run(omegas: FloatArray, tolerance: float) -> Answer:
+        script = _SCRIPT.format(
+            b=job.b, theta=repr(job.theta), prestress=job.prestress, c=job.c, window=job.window,
+            tolerance=tolerance, omegas=" ".join(map(repr, omegas.tolist())),
+        )  # fmt: skip
+        *ends, seconds = map(float, _execute(script).split())
+        return Answer(np.asarray(thickness_stretch(np.array(ends)))[:, None], seconds)
+
+    return run
+
+
+@cache
+def _path() -> str:
+    path = shutil.which(_PROGRAM)
+    assert path is not None
+    return path
+
+
+def _execute(script: str) -> str:
+    command = [_path(), "--norc", "--quiet", "--eval", script]
+    return subprocess.run(command, check=True, capture_output=True, text=True).stdout
+
+
+TOOL = Tool(
+    "octave",
+    "GNU Octave ode45, end state only",
+    _Octave(),
+    "end",
+    build,
+    settings=tuple(t for t in TOLERANCES if 1e-12 < t < 2e-8),
+    sample=3,
+    compiles=False,
+)

@@ -1,0 +1,67 @@
+"""Remanent: through the public verb, with its error; and at one resolution, without."""
+
+from __future__ import annotations
+
+import numpy as np
+
+import remanent as rm
+from benchmarks.jobs import Job
+from benchmarks.tools.tool import TOLERANCES, Package, Run, Tool, clocked
+from remanent._typing import FloatArray
+from remanent.integrate.ensemble import integrate_fixed, ladder
+from remanent.integrate.problem import Problem, Request
+from remanent.studies._ensemble import ensemble, problem
+
+
+def actuator(job: Job) -> rm.Actuator:
+    return rm.Actuator(temperature=job.temperature, prestress=job.prestress, c=job.c)
+
+
+def asked(job: Job, omegas: FloatArray) -> Problem:
+    """The work in plain arrays."""
+    ens = ensemble(actuator(job), rm.SineSquared(job.b, 1.0), {"omega": omegas})
+    return problem(ens, np.full(omegas.size, job.window))
+
+
+def build_verb(job: Job) -> Run:
+    drive = rm.SineSquared(job.b, 1.0)
+
+    def run(omegas: FloatArray, tolerance: float) -> FloatArray:
+        ds = rm.frequency_response(
+            actuator(job), drive, omegas, duration=job.window, tolerance=tolerance
+        )
+        return np.column_stack([ds.maximum.values, ds.minimum.values])
+
+    return clocked(run)
+
+
+def build_fixed(job: Job) -> Run:
+    """One resolution for all, without the companion solution that the bound needs."""
+
+    def run(omegas: FloatArray, resolution: float) -> FloatArray:
+        outcome = integrate_fixed(
+            asked(job, omegas), Request(extremes=True), resolution=int(resolution), workers=1
+        )
+        return np.column_stack([outcome.maximum, outcome.minimum])
+
+    return clocked(run)
+
+
+_PACKAGE = Package("remanent")
+FIXED = Tool(
+    "remanent-fixed",
+    "Remanent, one resolution, no bound",
+    _PACKAGE,
+    "extremes",
+    build_fixed,
+    settings=tuple(float(r) for r in ladder(np.geomspace(8, 8192, 41))),
+    setting_name="double steps per cycle",
+)
+VERB = Tool(
+    "remanent",
+    "Remanent, with its error",
+    _PACKAGE,
+    "extremes",
+    build_verb,
+    settings=tuple(t for t in TOLERANCES if t >= 1e-12),
+)
