@@ -2,15 +2,17 @@
 
 The kernel advances two solutions in lockstep, one with steps of length h and one
 with steps of length 2h.  Their difference after each double step, divided by
-2**order - 1 and multiplied by a safety factor, estimates the error of the finer
+2**(counted order) - 1 and multiplied by a safety factor, estimates the error of the finer
 one at that instant, so the bound costs half as much as the solution, needs no
 memory, and gives the time up to which the tolerance was met.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from operator import truediv
 from typing import Any
 
@@ -37,6 +39,12 @@ from remanent.integrate.stepping import AdamsSteps, RungeKuttaSteps, Stepper
 NAME = "kernel"
 #: Newton steps from a secant start; an extremum then moves by less than round-off.
 _NEWTON_STEPS = 3
+#: The polynomial between steps errs by its next coefficient times (s**3 - s)**3, at most
+#: this in [-1, 1]; its last coefficient is larger than the next, where steps resolve the motion.
+_BETWEEN = 0.057
+#: Estimated error of the state, relative to one plus its size, from which on two solutions
+#: have parted, so that their extremes are no measure of each other.
+_PARTED = 1e-2
 
 
 @dataclass(frozen=True)
@@ -233,13 +241,14 @@ class _Kernel:
         b, w = self.w.builder, self.w
         first = b.mul(double, w.integer(2))
         second = b.add(first, w.integer(1))
-        left = self._state("fine")
+        left, before = self._state("fine"), self._state("coarse")
         middle = self._fine_step(first)
         right = self._fine_step(second)
         coarse = self._coarse_step(double)
         self.t0 = self.cycle_start + w.spread_integer(first) * self.h
         if self.options.extremes:
-            self._note_turns((left, middle, right), coarse, first, second)
+            self._judge_drift(left, right, coarse)
+            self._note_turns((left, middle, right, before, coarse), first, second)
         else:
             self._judge_state(left, right, coarse)
         count = b.add(b.mul(cycle, b.mul(self.doubles, w.integer(2))), first)
@@ -257,6 +266,18 @@ class _Kernel:
         for a, c in zip(fine[1:], coarse[1:], strict=True):
             error = _worse(error, abs(a - c))
         self._judge(self.t0 < self.end, error * self._scale, self.t0, left)
+
+    def _judge_drift(self, left: list[Lanes], fine: list[Lanes], coarse: list[Lanes]) -> None:
+        """Give up where the two solutions have parted.
+
+        Extremes are compared at turns only, and two solutions that have both left the
+        motion, to a thickness stretch of nearly nothing, agree on that.
+        """
+        together = self.w.constant(0.0) <= self.w.constant(0.0)
+        for a, c in zip(fine, coarse, strict=True):
+            together = together & (abs(a - c) * self._scale <= (abs(a) + 1.0) * _PARTED)
+        zero, endless = self.w.constant(0.0), self.w.constant(math.inf)
+        self._judge(self.t0 < self.end, together.choose(zero, endless), self.t0, left)
 
     def _judge(self, where: Mask, error: Lanes, before: Lanes, left: list[Lanes]) -> None:
         """Take an error into account; past the tolerance, note how far it was met.
@@ -306,7 +327,7 @@ class _Kernel:
         """
         zero = self.w.constant(0.0)
         states, load = len(self.field.state), 1 + len(self.field.waveforms)
-        self.kept = [self.w.variable(zero) for _ in range(4 * states + 3 * load + 1)]
+        self.kept = [self.w.variable(zero) for _ in range(5 * states + 3 * load + 1)]
         self.waiting = self.w.variable(zero)
         self.turn = self.w.variable(
             self._turn(self._state("fine"), self._row(self.fine, self.w.integer(0))(0))
@@ -317,7 +338,7 @@ class _Kernel:
         return self._run(self.field.watched, y, load)[3]
 
     def _note_turns(
-        self, nodes: tuple[list[Lanes], ...], coarse: list[Lanes], first: ir.Value, second: ir.Value
+        self, nodes: tuple[list[Lanes], ...], first: ir.Value, second: ir.Value
     ) -> None:
         """Keep the double step for every trajectory that turns, begins or ends in it."""
         last = len(self.method.nodes) - 1
@@ -329,7 +350,7 @@ class _Kernel:
         turned = (turns[0] * turns[1] <= 0.0) | (turns[1] * turns[2] <= 0.0)
         bounds = ((t0 <= self.begin) & (self.begin < t2)) | ((t0 < self.end) & (self.end <= t2))
         event = (t0 < self.end) & (self.begin < t2) & (turned | bounds)
-        values = [*nodes[0], *nodes[1], *nodes[2], *coarse, *loads[0], *loads[1], *loads[2], t0]
+        values = [*chain(*nodes), *loads[0], *loads[1], *loads[2], t0]
         with self.w.builder.if_then(event.any()):
             with self.w.builder.if_then((event & (self.waiting.get() > 0.5)).any()):
                 self._resolve()
@@ -341,23 +362,35 @@ class _Kernel:
         """Work out the turns that wait: their extremes and the error of these."""
         states, load = len(self.field.state), 1 + len(self.field.waveforms)
         cells = iter([cell.get() for cell in self.kept])
-        nodes = [[next(cells) for _ in range(states)] for _ in range(4)]
+        nodes = [[next(cells) for _ in range(states)] for _ in range(5)]
         loads = [[next(cells) for _ in range(load)] for _ in range(3)]
         t0 = next(cells)
         waiting = self.waiting.get() > 0.5
         left, middle, right = (self._jet(y, u) for y, u in zip(nodes[:3], loads, strict=True))
-        coarse = self._run(self.field.watched, nodes[3], loads[2])[0]
-        self._judge(waiting, abs(right[0] - coarse) * self._scale, t0, nodes[0])
-        self._take_extremes(waiting & (self.v["alive"].get() > 0.5), t0, (left, middle, right))
+        apart = [
+            self._apart(jet, self._jet(y, load))
+            for jet, y, load in ((left, nodes[3], loads[0]), (right, nodes[4], loads[2]))
+        ]
+        polynomial = hermite_coefficients(left, middle, right, self.h)
+        error = _worse(*apart) * self._scale + abs(polynomial[-1]) * _BETWEEN
+        self._judge(waiting, error, t0, nodes[0])
+        alive = waiting & (self.v["alive"].get() > 0.5)
+        self._take_extremes(alive, t0, (left, middle, right), polynomial)
         self.waiting.set(self.w.constant(0.0))
+
+    def _apart(self, fine: Jet, coarse: Jet) -> Lanes:
+        """How far two solutions may be apart within a step of a place where both are known."""
+        value, rate = (abs(a - b) for a, b in zip(fine[:2], coarse[:2], strict=True))
+        return value + self.h * rate
 
     def _jet(self, y: list[Lanes], load: list[Lanes]) -> Jet:
         value, rate, acceleration, _ = self._run(self.field.watched, y, load)
         return value, rate, acceleration
 
-    def _take_extremes(self, where: Mask, t0: Lanes, jets: tuple[Jet, Jet, Jet]) -> None:
+    def _take_extremes(
+        self, where: Mask, t0: Lanes, jets: tuple[Jet, Jet, Jet], polynomial: list[Any]
+    ) -> None:
         left, middle, right = jets
-        polynomial = hermite_coefficients(left, middle, right, self.h)
         centre, one = t0 + self.h, self.w.constant(1.0)
         low = larger((self.begin - centre) / self.h, -one)
         high = smaller((self.end - centre) / self.h, one)
