@@ -247,7 +247,6 @@ class _Kernel:
         coarse = self._coarse_step(double)
         self.t0 = self.cycle_start + w.spread_integer(first) * self.h
         if self.options.extremes:
-            self._judge_drift(left, right, coarse)
             self._note_turns((left, middle, right, before, coarse), first, second)
         else:
             self._judge_state(left, right, coarse)
@@ -267,18 +266,6 @@ class _Kernel:
             error = _worse(error, abs(a - c))
         self._judge(self.t0 < self.end, error * self._scale, self.t0, left)
 
-    def _judge_drift(self, left: list[Lanes], fine: list[Lanes], coarse: list[Lanes]) -> None:
-        """Give up where the two solutions have parted.
-
-        Extremes are compared at turns only, and two solutions that have both left the
-        motion, to a thickness stretch of nearly nothing, agree on that.
-        """
-        together = self.w.constant(0.0) <= self.w.constant(0.0)
-        for a, c in zip(fine, coarse, strict=True):
-            together = together & (abs(a - c) * self._scale <= (abs(a) + 1.0) * _PARTED)
-        zero, endless = self.w.constant(0.0), self.w.constant(math.inf)
-        self._judge(self.t0 < self.end, together.choose(zero, endless), self.t0, left)
-
     def _judge(self, where: Mask, error: Lanes, before: Lanes, left: list[Lanes]) -> None:
         """Take an error into account; past the tolerance, note how far it was met.
 
@@ -294,7 +281,8 @@ class _Kernel:
         known = self.v["total"].get()
         met = error <= self.tolerance
         dies = (self.v["alive"].get() > 0.5).without(met)
-        self.v["total"].set(_worse(known, error))
+        # NaN is kept: what is no number now is none after a step that does not count
+        self.v["total"].set((known <= known).choose(_worse(known, error), known))
         with self.w.builder.if_then(dies.any()):
             self._update("alive", dies, zero)
             self._update("horizon", dies, before)
@@ -327,7 +315,7 @@ class _Kernel:
         """
         zero = self.w.constant(0.0)
         states, load = len(self.field.state), 1 + len(self.field.waveforms)
-        self.kept = [self.w.variable(zero) for _ in range(5 * states + 3 * load + 1)]
+        self.kept = [self.w.variable(zero) for _ in range(5 * states + 3 * load + 2)]
         self.waiting = self.w.variable(zero)
         self.turn = self.w.variable(
             self._turn(self._state("fine"), self._row(self.fine, self.w.integer(0))(0))
@@ -340,7 +328,7 @@ class _Kernel:
     def _note_turns(
         self, nodes: tuple[list[Lanes], ...], first: ir.Value, second: ir.Value
     ) -> None:
-        """Keep the double step for every trajectory that turns, begins or ends in it."""
+        """Keep the double step for every trajectory that turns, begins, ends or parts in it."""
         last = len(self.method.nodes) - 1
         row, end = self._row(self.fine, first), self._row(self.fine, second)(last)
         loads = (row(0), row(last), end)
@@ -349,8 +337,10 @@ class _Kernel:
         t0, t2 = self.t0, self.t0 + self.h + self.h
         turned = (turns[0] * turns[1] <= 0.0) | (turns[1] * turns[2] <= 0.0)
         bounds = ((t0 <= self.begin) & (self.begin < t2)) | ((t0 < self.end) & (self.end <= t2))
-        event = (t0 < self.end) & (self.begin < t2) & (turned | bounds)
-        values = [*chain(*nodes), *loads[0], *loads[1], *loads[2], t0]
+        parted = self._parted(nodes[2], nodes[4]) & (self.v["total"].get() <= self.hopeless)
+        event = (t0 < self.end) & ((self.begin < t2) & (turned | bounds) | parted)
+        zero, one = self.w.constant(0.0), self.w.constant(1.0)
+        values = [*chain(*nodes, *loads), t0, parted.choose(one, zero)]
         with self.w.builder.if_then(event.any()):
             with self.w.builder.if_then((event & (self.waiting.get() > 0.5)).any()):
                 self._resolve()
@@ -358,13 +348,25 @@ class _Kernel:
                 cell.set(event.choose(value, cell.get()))
             self.waiting.set(event.choose(self.w.constant(1.0), self.waiting.get()))
 
+    def _parted(self, fine: list[Lanes], coarse: list[Lanes]) -> Mask:
+        """Where the two solutions differ too much to tell anything about each other.
+
+        Extremes are compared at turns only, and two solutions that have both left the
+        motion, to a thickness stretch of nearly nothing, agree on that.
+        """
+        zero = self.w.constant(0.0)
+        together = zero <= zero
+        for a, c in zip(fine, coarse, strict=True):
+            together = together & (abs(a - c) * self._scale <= (abs(a) + 1.0) * _PARTED)
+        return (zero <= zero).without(together)
+
     def _resolve(self) -> None:
         """Work out the turns that wait: their extremes and the error of these."""
         states, load = len(self.field.state), 1 + len(self.field.waveforms)
         cells = iter([cell.get() for cell in self.kept])
         nodes = [[next(cells) for _ in range(states)] for _ in range(5)]
         loads = [[next(cells) for _ in range(load)] for _ in range(3)]
-        t0 = next(cells)
+        t0, parted = next(cells), next(cells) > 0.5
         waiting = self.waiting.get() > 0.5
         left, middle, right = (self._jet(y, u) for y, u in zip(nodes[:3], loads, strict=True))
         apart = [
@@ -373,7 +375,8 @@ class _Kernel:
         ]
         polynomial = hermite_coefficients(left, middle, right, self.h)
         error = _worse(*apart) * self._scale + abs(polynomial[-1]) * _BETWEEN
-        self._judge(waiting, error, t0, nodes[0])
+        endless = self.w.constant(math.inf)
+        self._judge(waiting, parted.choose(endless, error), t0, nodes[0])
         alive = waiting & (self.v["alive"].get() > 0.5)
         self._take_extremes(alive, t0, (left, middle, right), polynomial)
         self.waiting.set(self.w.constant(0.0))
