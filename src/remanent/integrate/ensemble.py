@@ -387,7 +387,8 @@ def _record(
     if outcome.states is not None and result.states is not None:
         reached = result.states.shape[1]  # of the longest in its chunk
         outcome.states[target, :reached] = result.states[source]
-    escaped = ~ok & (np.abs(result.last).max(axis=1) > ESCAPE)
+    # Steps that are too long run away as well, but not twice to the same time.
+    escaped = ~ok & stuck & (np.abs(result.last).max(axis=1) > ESCAPE)
     outcome.status[which[escaped]] = Status.ESCAPED
     at_once = ~ok & (horizon <= 0.0) & np.isnan(values["total"])
     outcome.status[which[at_once]] = Status.SINGULAR

@@ -2,16 +2,18 @@
 
 The kernel advances two solutions in lockstep, one with steps of length h and one
 with steps of length 2h.  Their difference after each double step, divided by
-2**order - 1 and multiplied by a safety factor, estimates the error of the finer
+2**(counted order) - 1 and multiplied by a safety factor, estimates the error of the finer
 one at that instant, so the bound costs half as much as the solution, needs no
 memory, and gives the time up to which the tolerance was met.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import reduce
+from itertools import chain
 from operator import truediv
 from typing import Any
 
@@ -38,6 +40,12 @@ from remanent.integrate.stepping import AdamsSteps, RungeKuttaSteps, Stepper
 NAME = "kernel"
 #: Newton steps from a secant start; an extremum then moves by less than round-off.
 _NEWTON_STEPS = 3
+#: The polynomial between steps errs by its next coefficient times (s**3 - s)**3, at most
+#: this in [-1, 1]; its last coefficient is larger than the next, where steps resolve the motion.
+_BETWEEN = 0.057
+#: Estimated error of the state, relative to one plus its size, from which on two solutions
+#: have parted, so that their extremes are no measure of each other.
+_PARTED = 1e-2
 
 
 @dataclass(frozen=True)
@@ -248,13 +256,14 @@ class _Kernel:
         b, w = self.w.builder, self.w
         first = b.mul(double, w.integer(2))
         second = b.add(first, w.integer(1))
-        left = self._state("fine")
+        left, before = self._state("fine"), self._state("coarse")
         middle = self._fine_step(first)
         right = self._fine_step(second)
         coarse = self._coarse_step(double) if self.options.companion else None
         self.t0 = self.cycle_start + w.spread_integer(first) * self.h
         if self.options.extremes:
-            self._note_turns((left, middle, right), coarse or right, first, second)
+            known = (before, coarse) if coarse else (left, right)
+            self._note_turns((left, middle, right, *known), first, second)
         elif coarse:
             self._judge_state(left, right, coarse)
         count = b.add(b.mul(cycle, b.mul(self.doubles, w.integer(2))), first)
@@ -324,7 +333,7 @@ class _Kernel:
         """
         zero = self.w.constant(0.0)
         states, load = len(self.field.state), 1 + len(self.field.waveforms)
-        self.kept = [self.w.variable(zero) for _ in range(4 * states + 3 * load + 1)]
+        self.kept = [self.w.variable(zero) for _ in range(5 * states + 3 * load + 2)]
         self.waiting = self.w.variable(zero)
         self.turn = self.w.variable(
             self._turn(self._state("fine"), self._row(self.fine, self.w.integer(0))(0))
@@ -335,9 +344,9 @@ class _Kernel:
         return self._run(self.field.watched, y, load)[3]
 
     def _note_turns(
-        self, nodes: tuple[list[Lanes], ...], coarse: list[Lanes], first: ir.Value, second: ir.Value
+        self, nodes: tuple[list[Lanes], ...], first: ir.Value, second: ir.Value
     ) -> None:
-        """Keep the double step for every trajectory that turns, begins or ends in it."""
+        """Keep the double step for every trajectory that turns, begins, ends or parts in it."""
         last = len(self.method.nodes) - 1
         row, end = self._row(self.fine, first), self._row(self.fine, second)(last)
         loads = (row(0), row(last), end)
@@ -346,8 +355,10 @@ class _Kernel:
         t0, t2 = self.t0, self.t0 + self.h + self.h
         turned = (turns[0] * turns[1] <= 0.0) | (turns[1] * turns[2] <= 0.0)
         bounds = ((t0 <= self.begin) & (self.begin < t2)) | ((t0 < self.end) & (self.end <= t2))
-        event = (t0 < self.end) & (self.begin < t2) & (turned | bounds)
-        values = [*nodes[0], *nodes[1], *nodes[2], *coarse, *loads[0], *loads[1], *loads[2], t0]
+        parted = self._parted(nodes[2], nodes[4]) & (self.v["total"].get() <= self.hopeless)
+        event = (t0 < self.end) & ((self.begin < t2) & (turned | bounds) | parted)
+        zero, one = self.w.constant(0.0), self.w.constant(1.0)
+        values = [*chain(*nodes, *loads), t0, parted.choose(one, zero)]
         with self.w.builder.if_then(event.any()):
             with self.w.builder.if_then((event & (self.waiting.get() > 0.5)).any()):
                 self._resolve()
@@ -355,28 +366,53 @@ class _Kernel:
                 cell.set(event.choose(value, cell.get()))
             self.waiting.set(event.choose(self.w.constant(1.0), self.waiting.get()))
 
+    def _parted(self, fine: list[Lanes], coarse: list[Lanes]) -> Mask:
+        """Where the two solutions differ too much to tell anything about each other.
+
+        Extremes are compared at turns only, and two solutions that have both left the
+        motion, to a thickness stretch of nearly nothing, agree on that.
+        """
+        always = self.w.constant(0.0) <= 0.0
+        together = always
+        for a, c in zip(fine, coarse, strict=True):
+            together = together & (abs(a - c) * self._scale <= (abs(a) + 1.0) * _PARTED)
+        return always.without(together)
+
     def _resolve(self) -> None:
         """Work out the turns that wait: their extremes and the error of these."""
         states, load = len(self.field.state), 1 + len(self.field.waveforms)
         cells = iter([cell.get() for cell in self.kept])
-        nodes = [[next(cells) for _ in range(states)] for _ in range(4)]
+        nodes = [[next(cells) for _ in range(states)] for _ in range(5)]
         loads = [[next(cells) for _ in range(load)] for _ in range(3)]
-        t0 = next(cells)
+        t0, parted = next(cells), next(cells) > 0.5
         waiting = self.waiting.get() > 0.5
         left, middle, right = (self._jet(y, u) for y, u in zip(nodes[:3], loads, strict=True))
+        polynomial = hermite_coefficients(left, middle, right, self.h)
         if self.options.companion:
-            coarse = self._run(self.field.watched, nodes[3], loads[2])[0]
-            self._judge(waiting, abs(right[0] - coarse) * self._scale, t0, nodes[0])
-        self._take_extremes(waiting & (self.v["alive"].get() > 0.5), t0, (left, middle, right))
+            apart = [
+                self._apart(jet, self._jet(y, load))
+                for jet, y, load in ((left, nodes[3], loads[0]), (right, nodes[4], loads[2]))
+            ]
+            error = _worse(*apart) * self._scale + abs(polynomial[-1]) * _BETWEEN
+            endless = self.w.constant(math.inf)
+            self._judge(waiting, parted.choose(endless, error), t0, nodes[0])
+        alive = waiting & (self.v["alive"].get() > 0.5)
+        self._take_extremes(alive, t0, (left, middle, right), polynomial)
         self.waiting.set(self.w.constant(0.0))
+
+    def _apart(self, fine: Jet, coarse: Jet) -> Lanes:
+        """How far two solutions may be apart within a step of a place where both are known."""
+        value, rate = (abs(a - b) for a, b in zip(fine[:2], coarse[:2], strict=True))
+        return value + self.h * rate
 
     def _jet(self, y: list[Lanes], load: list[Lanes]) -> Jet:
         value, rate, acceleration, _ = self._run(self.field.watched, y, load)
         return value, rate, acceleration
 
-    def _take_extremes(self, where: Mask, t0: Lanes, jets: tuple[Jet, Jet, Jet]) -> None:
+    def _take_extremes(
+        self, where: Mask, t0: Lanes, jets: tuple[Jet, Jet, Jet], polynomial: list[Any]
+    ) -> None:
         left, middle, right = jets
-        polynomial = hermite_coefficients(left, middle, right, self.h)
         centre, one = t0 + self.h, self.w.constant(1.0)
         low = larger((self.begin - centre) / self.h, -one)
         high = smaller((self.end - centre) / self.h, one)

@@ -59,17 +59,23 @@ class RungeKutta:
 
     @property
     def counted_order(self) -> int:
-        """Order that the error estimate counts on."""
-        return self.order
+        """Order that the error estimate counts on: two less, as a reserve.
+
+        Where steps are long, and where errors of several pieces of time cancel, halving
+        the step gains less than the order promises.  Measured by ``benchmarks.coverage``:
+        a reserve of none covers 99.1 % of trajectories (97 % at tolerances above 1e-5),
+        of two 99.9 %.
+        """
+        return self.order - 2
 
     @property
     def lost_bits(self) -> int:
-        """Digits that the coarser solution does without: two more than its order asks.
+        """Digits that the coarser solution does without: two more than its counted order asks.
 
         Rounding of phases and coefficients, which both solutions share, is thereby
         allowed for.
         """
-        return self.order + 2
+        return self.counted_order + 2
 
     def step(self, rates: Rates, y: Sequence[Any], h: Any) -> list[Any]:
         """Advance the state `y` by one step of length `h`."""

@@ -1,0 +1,120 @@
+"""N9: bits that depend on the trajectory alone, for every drive."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from tests.physics.independent import DRIVES, random_drive
+
+import remanent as rm
+from remanent._typing import FloatArray, IntArray
+from remanent.integrate import chunk, ensemble
+from remanent.integrate.ensemble import integrate
+from remanent.integrate.problem import Outcome, Request
+from remanent.models.drives import Drive
+from remanent.studies._ensemble import ensemble as laid_out
+from remanent.studies._ensemble import problem
+
+COUNT, LONGEST = 20, 18.0
+#: What is asked: states between steps, states after cycles, extremes.
+ASKED = ("times", "strobe", "extremes")
+
+
+def fields(rng: np.random.Generator) -> dict[str, FloatArray]:
+    """Slender and stout, damped: resolutions from low to high."""
+    return {
+        "c": 10.0 ** rng.uniform(-3.0, 0.0, COUNT),
+        "temperature": 293.0 * rng.uniform(0.5, 2.0, COUNT),
+        "prestress": rng.uniform(-1.0, 2.0, COUNT),
+        "dissipation.0.eta": 10.0 ** rng.uniform(-3.0, 0.0, COUNT),
+    }
+
+
+def run(drive: Drive, asked: str, which: IntArray, workers: int = 2) -> list[Any]:
+    """Everything that is answered of some of the trajectories, each as long as its own."""
+    rng = np.random.default_rng(12)
+    values, duration = fields(rng), rng.uniform(1.0, LONGEST, COUNT)
+    over = {name: xr.DataArray(v[which], dims="case") for name, v in values.items()}
+    body = rm.Actuator(dissipation=rm.Rayleigh(0.1))
+    end = duration[which]
+    request = {
+        "times": Request(times=np.linspace(0.0, 1.0, 23) * end[:, None]),
+        "strobe": Request(strobe=2),
+        "extremes": Request(extremes=True, begin=0.3 * end),
+    }[asked]
+    whole = problem(laid_out(body, drive, over), end)
+    found = columns(integrate(whole, request, tolerance=1e-8, workers=workers))
+    if asked == "strobe":
+        # after its end a trajectory goes on for the sake of longer ones only
+        own = np.floor(end / (2.0 * (drive.period or np.inf))).astype(int) + 1
+        found[-1] = [row[:count] for row, count in zip(found[-1], own, strict=True)]
+    return found
+
+
+def columns(outcome: Outcome) -> list[Any]:
+    names = ("maximum", "minimum", "error", "horizon", "status", "resolution")
+    states = [] if outcome.states is None else [outcome.states]
+    return [*(getattr(outcome, name) for name in names), *states]
+
+
+def assert_same(found: list[Any], reference: list[Any], which: IntArray) -> None:
+    for a, b in zip(found, reference, strict=True):
+        for k, row in enumerate(which):
+            np.testing.assert_array_equal(a[k], b[row])
+
+
+def kinds() -> list[Any]:
+    """Every drive with states, the periodic ones with everything."""
+    pairs = [(kind, "times") for kind in DRIVES]
+    pairs += [(kind, asked) for kind in (rm.Sine, rm.SineSquared) for asked in ASKED[1:]]
+    return [pytest.param(*pair, id=f"{pair[0].__name__}-{pair[1]}") for pair in pairs]
+
+
+@pytest.mark.parametrize(("kind", "asked"), kinds())
+def test_bits_depend_on_nothing_but_the_trajectory(
+    kind: type[Drive], asked: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """N9: reordered, alone, in parts, by one thread, in small chunks: every bit the same."""
+    drive = random_drive(kind, np.random.default_rng([7, DRIVES.index(kind)]), LONGEST)
+    everybody = np.arange(COUNT)
+    reference = run(drive, asked, everybody)
+    mixed = np.random.default_rng(8).permutation(COUNT)
+    for which in (mixed, mixed[:9], mixed[9:], mixed[:1]):
+        assert_same(run(drive, asked, which), reference, which)
+    assert_same(run(drive, asked, everybody, workers=1), reference, everybody)
+    monkeypatch.setattr(ensemble, "_CHUNK_STEPS", 1)
+    monkeypatch.setattr(chunk, "_SAMPLES_AT_ONCE", 7)
+    assert_same(run(drive, asked, everybody, workers=3), reference, everybody)
+
+
+@pytest.mark.parametrize("asked", ["strobe", "extremes"])
+def test_bits_do_not_depend_on_the_length_of_calls(
+    asked: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """N9: a run cut into kernel calls of any length."""
+    drive = rm.Sine(0.5, 3.0, 0.1)
+    everybody = np.arange(COUNT)
+    reference = run(drive, asked, everybody)
+    for steps in (64, 300):
+        monkeypatch.setattr(chunk, "_STEPS_PER_CALL", steps)
+        assert_same(run(drive, asked, everybody), reference, everybody)
+
+
+def test_verbs_are_deterministic_in_any_order() -> None:
+    """N9: reversed values of ``over`` give the reversed results, bit for bit."""
+    rng = np.random.default_rng(3)
+    values = fields(rng)
+    body, drive = rm.Actuator(dissipation=rm.Rayleigh(0.1)), rm.SineSquared(0.9, 1.3)
+
+    def answered(step: int) -> xr.Dataset:
+        over = {name: xr.DataArray(v[::step], dims="case") for name, v in values.items()}
+        return rm.frequency_response(body, drive, [0.8, 1.6], duration=12.0, over=over)
+
+    there, back = answered(1), answered(-1)
+    for name in ("maximum", "minimum", "error", "status", "horizon"):
+        there_values = there[name].transpose("case", "omega").values
+        np.testing.assert_array_equal(there_values[::-1], back[name].transpose("case", "omega"))
