@@ -25,7 +25,7 @@ from benchmarks.tools import ours
 from remanent._typing import FloatArray
 from remanent.integrate.chunk import attempt
 from remanent.integrate.compile import Kernel, Kernels, compiled, host
-from remanent.integrate.ensemble import method_for
+from remanent.integrate.foresight import method_for
 from remanent.integrate.kernel import Method, Options, kernel_source
 from remanent.integrate.methods import default_method
 from remanent.integrate.problem import Request

@@ -8,7 +8,7 @@ import remanent as rm
 from benchmarks.jobs import Job
 from benchmarks.tools.tool import TOLERANCES, Package, Run, Tool, clocked
 from remanent._typing import FloatArray
-from remanent.integrate.ensemble import integrate_fixed, ladder
+from remanent.integrate.ensemble import integrate_unbounded, ladder
 from remanent.integrate.problem import Problem, Request
 from remanent.studies._ensemble import ensemble, problem
 
@@ -39,7 +39,7 @@ def build_fixed(job: Job) -> Run:
     """One resolution for all, without the companion solution that the bound needs."""
 
     def run(omegas: FloatArray, resolution: float) -> FloatArray:
-        outcome = integrate_fixed(
+        outcome = integrate_unbounded(
             asked(job, omegas), Request(extremes=True), resolution=int(resolution), workers=1
         )
         return np.column_stack([outcome.maximum, outcome.minimum])

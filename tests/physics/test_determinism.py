@@ -12,7 +12,7 @@ from tests.physics.independent import DRIVES, random_drive
 
 import remanent as rm
 from remanent._typing import FloatArray, IntArray
-from remanent.integrate import chunk, ensemble
+from remanent.integrate import chunk, crew
 from remanent.integrate.ensemble import integrate
 from remanent.integrate.problem import Outcome, Request
 from remanent.models.drives import Drive
@@ -86,7 +86,7 @@ def test_bits_depend_on_nothing_but_the_trajectory(
     for which in (mixed, mixed[:9], mixed[9:], mixed[:1]):
         assert_same(run(drive, asked, which), reference, which)
     assert_same(run(drive, asked, everybody, workers=1), reference, everybody)
-    monkeypatch.setattr(ensemble, "_CHUNK_STEPS", 1)
+    monkeypatch.setattr(crew, "_CHUNK_STEPS", 1)
     monkeypatch.setattr(chunk, "_SAMPLES_AT_ONCE", 7)
     assert_same(run(drive, asked, everybody, workers=3), reference, everybody)
 
@@ -100,7 +100,7 @@ def test_bits_do_not_depend_on_the_length_of_calls(
     everybody = np.arange(COUNT)
     reference = run(drive, asked, everybody)
     for steps in (64, 300):
-        monkeypatch.setattr(chunk, "_STEPS_PER_CALL", steps)
+        monkeypatch.setattr(chunk, "_STEPS_PER_CALL", (steps, steps))
         assert_same(run(drive, asked, everybody), reference, everybody)
 
 

@@ -227,6 +227,8 @@ def _arms(equations: Equations, heads: Points, settings: Settings) -> list[_Arm]
             equations, guess, direction, scale=settings.scale, tolerance=settings.tolerance
         )
         for i, k in enumerate(growing):
+            if arms[k].end:  # its other half came round just now
+                continue
             block = slice(i * settings.block, (i + 1) * settings.block)
             _grown(arms[k], points.taken(block), reached[block], guess[block], settings)
             if arms[k].end == "closed":

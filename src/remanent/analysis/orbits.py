@@ -98,7 +98,8 @@ def newton(
 
 
 def _within(x: FloatArray, bounds: FloatArray) -> BoolArray:
-    return np.asarray(((x >= bounds[:, 0]) & (x <= bounds[:, 1])).all(axis=1))
+    slack = 1e-9 * (bounds[:, 1] - bounds[:, 0])
+    return np.asarray(((x >= bounds[:, 0] - slack) & (x <= bounds[:, 1] + slack)).all(axis=1))
 
 
 def _newton_step(x: FloatArray, image: Mapped) -> tuple[FloatArray, FloatArray]:
@@ -200,8 +201,10 @@ def multipliers(jacobian: FloatArray, error: FloatArray) -> tuple[ComplexArray, 
     change = (error + 4.0 * np.finfo(float).eps) * size
     d = jacobian.shape[1]
     with np.errstate(all="ignore"):
-        left = np.linalg.pinv(right)  # no inverse where two multipliers meet
+        left = np.linalg.pinv(right)
         condition = np.linalg.norm(left, axis=2) * np.linalg.norm(right, axis=1)
+        together = np.linalg.svd(right, compute_uv=False)[:, -1] < 1e-7
+        condition[together] = np.inf  # two multipliers have met
         double = np.maximum(size, 1.0) ** (1.0 - 1.0 / d) * change ** (1.0 / d)
         errors = np.fmin(condition * change[:, None], double[:, None])
     order = np.argsort(-np.abs(values) - 1e-9 * values.imag, axis=1, kind="stable")

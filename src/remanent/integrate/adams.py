@@ -147,8 +147,17 @@ def _double_integral(p: _Polynomial) -> Fraction:
 
 
 def combination(weights: Sequence[float], values: Sequence[Any]) -> Any:
-    """Sum of weights times values, oldest (smallest) terms first."""
-    total = None
-    for w, v in zip(reversed(weights), reversed(values), strict=True):
-        total = v * w if total is None else total + v * w
+    """Sum of weights times values, oldest (smallest) terms first.
+
+    In two halves that do not wait for each other.
+    """
+    terms = list(zip(reversed(weights), reversed(values), strict=True))
+    return _summed(terms[::2]) + _summed(terms[1::2])
+
+
+def _summed(terms: Sequence[tuple[float, Any]]) -> Any:
+    w, v = terms[0]
+    total = v * w
+    for w, v in terms[1:]:
+        total = total + v * w
     return total

@@ -8,37 +8,27 @@ results are bit-identical however the work is divided.
 
 from __future__ import annotations
 
-import os
-import threading
-from collections.abc import Callable, Iterator
-from concurrent.futures import Future, ThreadPoolExecutor, as_completed
-from dataclasses import dataclass, replace
-from functools import cache
+from collections.abc import Callable
+from concurrent.futures import as_completed
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from remanent._typing import BoolArray, FloatArray, IntArray
-from remanent.integrate.adams import Adams, adams
-from remanent.integrate.chunk import (
-    NOMINAL,
-    NONLINEAR,
-    Attempt,
-    attempt,
-    cycle_counts,
-    double_steps,
-    step_counts,
+from remanent.integrate.chunk import NOMINAL, NONLINEAR, Attempt, cycle_counts, step_counts
+from remanent.integrate.crew import Crew, Futures, Pending, joined
+from remanent.integrate.foresight import (
+    MARGIN,
+    first_resolution,
+    foreseen,
+    ladder,
+    method_for,
 )
-from remanent.integrate.compile import Kernels, compiled
 from remanent.integrate.kernel import Method, Options
-from remanent.integrate.layout import PAST
-from remanent.integrate.methods import default_method
 from remanent.integrate.problem import Outcome, Problem, Request
 from remanent.integrate.status import Status
-from remanent.integrate.tables import waveform_tables
 
-#: Fine steps in a chunk: about a tenth of a second.
-_CHUNK_STEPS = 2.0**23
 #: Largest resolution tried, double steps per cycle.
 MAX_RESOLUTION = 2**14
 #: Most fine steps of one trajectory.
@@ -53,8 +43,6 @@ COARSEST = 1e-4
 ESCAPE = 1e6
 #: Least round-off, in units of the last place per root of a step.
 _ROUND_OFF = 1.0
-#: Refinement aims this factor below the tolerance.
-_MARGIN = 0.5
 #: A horizon that grows by less than this factor on refinement will not reach the end.
 _STALLED = 1.05
 #: Refinement is given up at the first such attempt with so many times the steps of the best,
@@ -65,8 +53,6 @@ _FINER, _ALMOST = 1.5, 0.8
 _BEGUN = 3.0
 #: nor where the error was below this share of the tolerance until it passed it.
 _JUMP = 0.05
-#: Below this tolerance rounding of past rates would show.
-_FINE = 1e-10
 Progress = Callable[[float], None]
 
 
@@ -102,108 +88,74 @@ def integrate(
     Outcome
     """
     tolerance = min(tolerance, COARSEST)
-    options = Options(extremes=request.extremes)
     method = method or method_for(request, tolerance)
-    kernels = Kernels(
-        compiled(problem.field, default_method(), options),
-        compiled(problem.field, method, options),
-    )
     outcome = _empty(problem, request)
-    threads = workers or os.cpu_count() or 1
     index = np.flatnonzero(~problem.invalid)
-    pending = _Pending(
-        index, np.full(index.size, min(max_resolution, first_resolution(tolerance, method)))
-    )
+    first = min(max_resolution, first_resolution(tolerance, method))
+    pending = Pending(index, np.full(index.size, first))
     stalls = np.zeros(problem.duration.size, dtype=np.int64)
     late = request.times is not None or request.inspect is not None
     search = replace(request, times=None, inspect=None)  # these cost more than the steps
-    stop = threading.Event()
-
-    @cache
-    def tables(nodes: tuple[float, ...], resolution: int) -> tuple[FloatArray, FloatArray]:
-        return waveform_tables(problem.timeline.waveform, nodes, resolution)
-
-    with ThreadPoolExecutor(max_workers=threads) as pool:
-
-        def start(
-            request: Request, chunks: Iterator[tuple[int, IntArray]]
-        ) -> dict[Future[Attempt], tuple[int, IntArray]]:
-            def run(resolution: int, which: IntArray) -> Attempt:
-                return attempt(
-                    problem, request, kernels, tolerance, resolution, which, tables,
-                    lambda: not stop.is_set(),
-                )  # fmt: skip
-
-            return {pool.submit(run, *chunk): chunk for chunk in chunks}
-
-        try:
-            while pending.index.size:
-                pending = _affordable(problem, outcome, pending)
-                chunks = _chunks(problem, pending, kernels.width, threads)
-                futures = start(search, chunks)
-                again = _settled(
-                    problem, outcome, futures, tolerance, max_resolution, stalls, method.order
-                )
-                pending = _joined(again)
-                if progress is not None:
-                    progress(1.0 - pending.index.size / max(problem.duration.size, 1))
-            if late:
-                found = _Pending(*_found(outcome))
-                outcome = _sampled(
-                    outcome, start(request, _chunks(problem, found, kernels.width, threads))
-                )
-        except BaseException:
-            stop.set()
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
+    with Crew(problem, method, Options(request.extremes), tolerance, workers) as crew:
+        pending = _affordable(problem, outcome, pending)
+        pending = foreseen(crew, problem, search, pending, method, most=max_resolution)
+        while pending.index.size:
+            pending = _affordable(problem, outcome, pending)
+            futures = crew.attempts(problem, search, pending)
+            again = _settled(
+                problem, outcome, futures, tolerance, max_resolution, stalls, method.order
+            )
+            pending = joined(again)
+            if progress is not None:
+                progress(1.0 - pending.index.size / max(problem.duration.size, 1))
+        if late:
+            found = Pending(*_found(outcome))
+            outcome = _sampled(outcome, crew.attempts(problem, request, found))
     return outcome
 
 
-def integrate_fixed(
+def integrate_unbounded(
     problem: Problem,
     request: Request,
     *,
-    resolution: int,
+    tolerance: float | None = None,
+    resolution: int | None = None,
     method: Method | None = None,
     workers: int | None = None,
 ) -> Outcome:
-    """Integrate every trajectory with the same number of steps, and learn nothing of the error.
+    """Integrate every trajectory once, without a second solution to tell its error.
 
-    For measurements of the kernel and of the order of a method: what is returned has NaN for
+    For measurements beside programs that give no bound either: what is returned has NaN for
     its ``error``, and no verb of this package uses it.
 
     Parameters
     ----------
     problem, request, method, workers
         As for :func:`integrate`.
+    tolerance
+        Aimed at by the resolution that the beginning of each trajectory asks for.
     resolution
-        Double steps per cycle, or per nominal time where the load has no period.
+        Or: the same for all, double steps per cycle, or per nominal time where the load has
+        no period.
     """
-    options = Options(extremes=request.extremes, companion=False)
-    method = method or (adams(PAST) if request.extremes else default_method())
-    kernels = Kernels(
-        compiled(problem.field, default_method(), options),
-        compiled(problem.field, method, options),
-    )
+    method = method or method_for(request, tolerance or 1e-8)
     outcome = _empty(problem, request)
-    threads = workers or os.cpu_count() or 1
     index = np.flatnonzero(~problem.invalid)
-    pending = _Pending(index, np.full(index.size, resolution))
-
-    @cache
-    def tables(nodes: tuple[float, ...], resolution: int) -> tuple[FloatArray, FloatArray]:
-        return waveform_tables(problem.timeline.waveform, nodes, resolution)
-
-    def run(chunk: tuple[int, IntArray]) -> tuple[IntArray, Attempt]:
-        level, which = chunk
-        return which, attempt(problem, request, kernels, np.inf, level, which, tables, lambda: True)
-
-    with ThreadPoolExecutor(max_workers=threads) as pool:
-        for which, result in pool.map(run, _chunks(problem, pending, kernels.width, threads)):
+    pending = Pending(index, np.full(index.size, resolution or 0))
+    if tolerance is not None:
+        pending.resolution[:] = first_resolution(tolerance, method)
+        with Crew(problem, method, Options(request.extremes), tolerance, workers) as crew:
+            pending = foreseen(crew, problem, request, pending, method, most=MAX_RESOLUTION)
+    options = Options(request.extremes, companion=False)
+    with Crew(problem, method, options, np.inf, workers) as crew:
+        futures = crew.attempts(problem, request, pending)
+        for future in as_completed(futures):
+            level, which = futures[future]
+            result = future.result()
             finite = np.isfinite(result.last).all(axis=1)
             outcome.status[which] = np.where(finite, Status.OK, Status.DIVERGED)
             outcome.horizon[which] = problem.duration[which]
-            outcome.resolution[which] = resolution
+            outcome.resolution[which] = level
             outcome.maximum[which] = result.values["maximum"]
             outcome.minimum[which] = result.values["minimum"]
             if outcome.states is not None and result.states is not None:
@@ -217,7 +169,7 @@ def _found(outcome: Outcome) -> tuple[IntArray, IntArray]:
     return index, outcome.resolution[index]
 
 
-def _sampled(outcome: Outcome, futures: dict[Future[Attempt], tuple[int, IntArray]]) -> Outcome:
+def _sampled(outcome: Outcome, futures: Futures) -> Outcome:
     """Take in the states at the times wanted, and what was found between them."""
     findings: list[Any] = []
     for future in as_completed(futures):
@@ -228,7 +180,7 @@ def _sampled(outcome: Outcome, futures: dict[Future[Attempt], tuple[int, IntArra
     return replace(outcome, findings=tuple(findings))
 
 
-def _affordable(problem: Problem, outcome: Outcome, pending: _Pending) -> _Pending:
+def _affordable(problem: Problem, outcome: Outcome, pending: Pending) -> Pending:
     """Leave out what would take too many steps; that is its status."""
     possible = np.zeros(pending.index.size, dtype=np.bool_)
     for level in np.unique(pending.resolution):
@@ -239,62 +191,20 @@ def _affordable(problem: Problem, outcome: Outcome, pending: _Pending) -> _Pendi
         endless = problem.timeline.periodic & (lengths > _LONGEST_PERIOD).any(axis=0)
         possible[members] = (steps <= MAX_STEPS) & ~endless
     outcome.status[pending.index[~possible]] = Status.MAX_STEPS
-    return _Pending(pending.index[possible], pending.resolution[possible])
-
-
-@dataclass(frozen=True)
-class _Pending:
-    """Trajectories to try, and how finely."""
-
-    index: IntArray
-    resolution: IntArray
-
-
-def _joined(some: list[_Pending]) -> _Pending:
-    return _Pending(
-        np.concatenate([one.index for one in some]),
-        np.concatenate([one.resolution for one in some]),
-    )
-
-
-#: The resolutions tried: 4, 5, 6, 7, 8, 10, 12, 14, 16 ...
-_LADDER = np.array([base << k for k in range(40) for base in (4, 5, 6, 7)], dtype=np.int64)
-
-
-def ladder(wanted: FloatArray | IntArray | float) -> IntArray:
-    """The smallest of 4, 5, 6, 7, 8, 10, 12 ... that is not below `wanted`."""
-    return np.asarray(_LADDER[np.searchsorted(_LADDER, wanted)])
-
-
-def method_for(request: Request, tolerance: float) -> Method:
-    """Adams for extremes, of many short runs; Runge-Kutta for states and for many digits.
-
-    Adams is faster by evaluations, but needs a start, more memory, and loses digits to
-    rounding sooner, which long runs show.
-    """
-    return adams(PAST) if request.extremes and tolerance >= _FINE else default_method()
-
-
-def first_resolution(tolerance: float, method: Method) -> int:
-    """Double steps per cycle to begin with: enough for a gentle trajectory.
-
-    With fewer than the least, differences of solutions say little about their errors.
-    """
-    nine_digits, least = (28.0, 12.0) if isinstance(method, Adams) else (12.0, 6.0)
-    return int(ladder(max(least, nine_digits * (1e-9 / tolerance) ** (1.0 / method.order))))
+    return Pending(pending.index[possible], pending.resolution[possible])
 
 
 def _settled(
     problem: Problem,
     outcome: Outcome,
-    futures: dict[Future[Attempt], tuple[int, IntArray]],
+    futures: Futures,
     tolerance: float,
     max_resolution: int,
     stalls: IntArray,
     order: int,
-) -> list[_Pending]:
+) -> list[Pending]:
     """Take in finished chunks; tell which trajectories to try again and how finely."""
-    again = [_Pending(np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64))]
+    again = [Pending(np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64))]
     for future in as_completed(futures):
         resolution, which = futures[future]
         result = future.result()
@@ -307,7 +217,7 @@ def _settled(
         capped = unfinished & ~possible & unresolved & (outcome.status[which] != Status.SINGULAR)
         outcome.status[which[capped]] = Status.MAX_STEPS
         retry = unfinished & possible
-        again.append(_Pending(which[retry], wanted[retry]))
+        again.append(Pending(which[retry], wanted[retry]))
     return again
 
 
@@ -318,35 +228,10 @@ def _slowness(problem: Problem, which: IntArray) -> FloatArray:
     return np.asarray((problem.timeline.lengths[0, which] / NOMINAL).clip(1.0, _SLOWEST))
 
 
-def _chunks(
-    problem: Problem, pending: _Pending, width: int, threads: int
-) -> Iterator[tuple[int, IntArray]]:
-    """Group trajectories that share a resolution, step counts, and about a length."""
-    cycles = cycle_counts(problem, pending.index)
-    for level in np.unique(pending.resolution):
-        members = pending.index[pending.resolution == level]
-        steps = double_steps(problem.timeline, int(level), members)
-        order = np.lexsort((members, cycles[pending.resolution == level], *steps[::-1]))
-        members, steps = members[order], steps[:, order]
-        cuts = np.flatnonzero((steps[:, 1:] != steps[:, :-1]).any(axis=0)) + 1
-        for same in np.split(members, cuts):
-            share = -(-same.size // (threads * width)) * width
-            size = min(share, _fitting(problem, same, int(level), width))
-            for first in range(0, same.size, size):
-                yield int(level), same[first : first + size]
-
-
-def _fitting(problem: Problem, which: IntArray, resolution: int, width: int) -> int:
-    """How many trajectories make a chunk that is over soon, and is worth its overhead."""
-    each = float(step_counts(problem, resolution, which[:1])[0])
-    groups = np.clip(_CHUNK_STEPS / (each * width), 4, 256)
-    return int(groups) * width
-
-
 def _next_resolution(total: FloatArray, tolerance: float, resolution: int, order: int) -> IntArray:
     """What the order of the method predicts, between the next step up and fourfold."""
     with np.errstate(all="ignore"):
-        factor = (total / (_MARGIN * tolerance)) ** (1.0 / order)
+        factor = (total / (MARGIN * tolerance)) ** (1.0 / order)
     factor = np.where(np.isfinite(factor) & (total < NONLINEAR), factor, 2.0).clip(1.05, 4.0)
     return np.maximum(ladder(factor * resolution), ladder(resolution + 1))
 

@@ -17,7 +17,8 @@ import numpy as np
 from remanent._field import Field
 from remanent._typing import FloatArray, IntArray
 from remanent.integrate.compile import Kernel, compiled
-from remanent.integrate.ensemble import MAX_RESOLUTION, ladder
+from remanent.integrate.ensemble import MAX_RESOLUTION
+from remanent.integrate.foresight import ladder
 from remanent.integrate.kernel import Options
 from remanent.integrate.methods import default_method
 from remanent.integrate.tables import waveform_tables

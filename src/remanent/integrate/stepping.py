@@ -126,7 +126,7 @@ class AdamsSteps:
 
     def settle(self, kind: str, y: Sequence[Lanes], loads: Loads) -> None:
         known = iter(self.reciprocals)
-        rates = self.evaluate(y, loads(1), lambda a, b: a * refined(next(known), b))
+        rates = self.evaluate(y, loads(1), lambda a, b: refined(a, next(known), b))
         self.rings[kind].push({i: rates[i] for i in self._histories()})
 
     def _histories(self) -> list[int]:
@@ -148,9 +148,12 @@ class AdamsSteps:
         return a * reciprocal
 
 
-def refined(reciprocal: Lanes, b: Lanes) -> Lanes:
-    """1/b from the reciprocal of a number close to b, by a Newton step."""
-    return reciprocal * (2.0 - b * reciprocal)
+def refined(a: Lanes, reciprocal: Lanes, b: Lanes) -> Lanes:
+    """a/b from the reciprocal of a number close to b, by a Newton step.
+
+    The two factors do not wait for each other.
+    """
+    return (a * reciprocal) * (2.0 - b * reciprocal)
 
 
 @dataclass

@@ -10,8 +10,9 @@ import sympy as sp
 from tests.unit.integrate.handmade import SINE, Oscillator, Q, V, problem
 
 from remanent._timeline import Timeline
-from remanent.integrate import chunk, ensemble
-from remanent.integrate.ensemble import integrate, ladder
+from remanent.integrate import chunk, crew
+from remanent.integrate.ensemble import integrate
+from remanent.integrate.foresight import ladder
 from remanent.integrate.problem import Outcome, Problem, Request
 from remanent.integrate.status import Status
 
@@ -24,7 +25,7 @@ def driven(count: int = 24) -> Problem:
     """Pendulums from quiet to wild, under a periodic load, of different durations."""
     rng = np.random.default_rng(5)
     start = np.column_stack([rng.uniform(-3.0, 3.0, count), rng.uniform(-1.0, 1.0, count)])
-    duration = rng.uniform(20.0, 80.0, count)
+    duration = rng.uniform(40.0, 120.0, count)
     return problem(DRIVEN, start, duration, period=3.0, a=np.linspace(0.0, 2.0, count))
 
 
@@ -99,7 +100,7 @@ def test_bits_do_not_depend_on_the_threads(workers: int) -> None:
 @pytest.mark.parametrize(
     ("module", "name", "value"),
     [
-        (ensemble, "_CHUNK_STEPS", 1),
+        (crew, "_CHUNK_STEPS", 1),
         (chunk, "_SAMPLES_AT_ONCE", 13),
     ],
 )
