@@ -282,7 +282,9 @@ class _Kernel:
         met = error <= self.tolerance
         dies = (self.v["alive"].get() > 0.5).without(met)
         # NaN is kept: what is no number now is none after a step that does not count
-        self.v["total"].set((known <= known).choose(_worse(known, error), known))
+        self.v["total"].set(
+            (known <= self.w.constant(math.inf)).choose(_worse(known, error), known)
+        )
         with self.w.builder.if_then(dies.any()):
             self._update("alive", dies, zero)
             self._update("horizon", dies, before)
@@ -354,11 +356,11 @@ class _Kernel:
         Extremes are compared at turns only, and two solutions that have both left the
         motion, to a thickness stretch of nearly nothing, agree on that.
         """
-        zero = self.w.constant(0.0)
-        together = zero <= zero
+        everywhere = self.w.constant(0.0) <= self.w.constant(1.0)
+        together = everywhere
         for a, c in zip(fine, coarse, strict=True):
             together = together & (abs(a - c) * self._scale <= (abs(a) + 1.0) * _PARTED)
-        return (zero <= zero).without(together)
+        return everywhere.without(together)
 
     def _resolve(self) -> None:
         """Work out the turns that wait: their extremes and the error of these."""
@@ -383,7 +385,8 @@ class _Kernel:
 
     def _apart(self, fine: Jet, coarse: Jet) -> Lanes:
         """How far two solutions may be apart within a step of a place where both are known."""
-        value, rate = (abs(a - b) for a, b in zip(fine[:2], coarse[:2], strict=True))
+        value: Lanes = abs(fine[0] - coarse[0])
+        rate: Lanes = abs(fine[1] - coarse[1])
         return value + self.h * rate
 
     def _jet(self, y: list[Lanes], load: list[Lanes]) -> Jet:
