@@ -1,4 +1,7 @@
-"""Whatever the numbers: finite results, a documented status, or a message."""
+"""Whatever the numbers: finite results, a documented status, or a message.
+
+Six hundred cases with the fast profile, more than ten thousand with the nightly one.
+"""
 
 from __future__ import annotations
 
@@ -20,6 +23,10 @@ EDGES += [float("nan"), float("inf"), float("-inf")]
 ORDINARY = st.floats(-3.0, 3.0)
 WILD = st.one_of(ORDINARY, ORDINARY, st.sampled_from(EDGES), st.floats())
 SIZE = st.one_of(st.floats(0.01, 3.0), st.floats(0.01, 3.0), st.sampled_from(EDGES), st.floats())
+#: Shares, usually of everything; small coefficients, usually none; tolerances, usually loose.
+SHARE = st.one_of(st.just(1.0), st.floats(0.0, 1.0), st.sampled_from(EDGES))
+SLIGHT = st.one_of(st.just(0.0), st.floats(-2e-3, 2e-3), st.sampled_from(EDGES))
+TOLERANCE = st.one_of(st.just(1e-6), st.sampled_from([1e-3, 1e-12, *EDGES]), st.floats())
 #: Nothing may take longer, in seconds.
 CAP = 20.0
 
@@ -46,13 +53,16 @@ def drives(draw: st.DrawFn) -> Any:
 def bodies(draw: st.DrawFn) -> Any:
     """Any actuator, or the arguments it refuses."""
     c, T, T0, S, eta = draw(SIZE), draw(SIZE), draw(SIZE), draw(WILD), draw(SIZE)
-    damped = draw(st.booleans())
+    fraction, weakening = draw(SHARE), draw(SLIGHT)
+    damped, law = draw(st.booleans()), draw(st.sampled_from(["deformation-gradient", "rotation"]))
     return lambda: rm.Actuator(
         c=c,
         temperature=300.0 * T,
         reference_temperature=300.0 * T0,
         prestress=S,
+        material=rm.NeoHookean(entropic_fraction=fraction),
         dissipation=rm.Rayleigh(eta) if damped else (),
+        magnet=rm.Magnet(weakening, law=law),
     )
 
 
@@ -83,30 +93,50 @@ def attempted(call: Callable[[], xr.Dataset]) -> None:
     judged(ds)
 
 
-fuzzed = settings(max_examples=max(200, settings.default.max_examples if settings.default else 0))
+#: Cases of each of the six tests: six hundred together, or twelve thousand.
+FEW, MANY = 100, 2000
+fuzzed = settings(max_examples=MANY if settings().max_examples > FEW else FEW)
 
 
 @fuzzed
-@given(body=bodies(), drive=drives(), duration=SIZE, stretch=SIZE, rate=WILD)
-def test_simulate(body: Any, drive: Any, duration: float, stretch: float, rate: float) -> None:
-    """Any actuator, any drive, any initial state, any duration."""
+@given(body=bodies(), drive=drives(), duration=SIZE, stretch=SIZE, rate=WILD, tolerance=TOLERANCE)
+def test_simulate(
+    body: Any, drive: Any, duration: float, stretch: float, rate: float, tolerance: float
+) -> None:
+    """Any actuator, any drive, any initial state, any duration, any tolerance."""
     attempted(
         lambda: rm.simulate(
-            body(), drive(), duration=duration, initial=(stretch, rate), tolerance=1e-6
+            body(), drive(), duration=duration, initial=(stretch, rate), tolerance=tolerance
         )
     )
 
 
-@given(body=bodies(), b=WILD, omega=SIZE, periods=st.integers(-1, 40), phase=WILD)
-def test_poincare_section(body: Any, b: float, omega: float, periods: int, phase: float) -> None:
-    """Any period, any phase."""
+@fuzzed
+@given(body=bodies(), drive=drives(), times=st.lists(SIZE, min_size=1, max_size=5))
+def test_times(body: Any, drive: Any, times: list[float]) -> None:
+    """Any instants, in or out of order."""
+    attempted(lambda: rm.simulate(body(), drive(), times=times, tolerance=1e-6))
+    attempted(lambda: rm.simulate(body(), drive(), times=sorted(set(times)), tolerance=1e-6))
+
+
+@fuzzed
+@given(
+    body=bodies(), b=WILD, omega=SIZE, periods=st.integers(-1, 40), phase=WILD,
+    every=st.integers(-1, 5),
+)  # fmt: skip
+def test_poincare_section(
+    body: Any, b: float, omega: float, periods: int, phase: float, every: int
+) -> None:
+    """Any period, any phase, any stride."""
     attempted(
         lambda: rm.poincare_section(
-            body(), rm.SineSquared(b, omega), periods=periods, phase=phase, tolerance=1e-6
+            body(), rm.SineSquared(b, omega), periods=periods, phase=phase, every=every,
+            tolerance=1e-6,
         )
-    )
+    )  # fmt: skip
 
 
+@fuzzed
 @given(body=bodies(), m=WILD, omega=SIZE, duration=SIZE, discard=WILD)
 def test_frequency_response(
     body: Any, m: float, omega: float, duration: float, discard: float
@@ -119,6 +149,41 @@ def test_frequency_response(
     )
 
 
+#: Fields that a sweep may give any values.
+VARIED = ("c", "temperature", "reference_temperature", "prestress", "material.entropic_fraction",
+          "magnet.temperature_coefficient", "b", "omega", "phase", "initial.stretch",
+          "initial.stretch_rate")  # fmt: skip
+
+
+@fuzzed
+@given(
+    name=st.sampled_from(VARIED), other=st.sampled_from(VARIED),
+    values=st.lists(st.tuples(WILD, WILD), min_size=1, max_size=4), duration=st.floats(0.1, 30.0),
+)  # fmt: skip
+def test_sweeps(name: str, other: str, values: list[tuple[float, float]], duration: float) -> None:
+    """Any values of any two fields: each point has its status, and disturbs no sound one."""
+    columns = zip((name, other), np.array(values).T, strict=True)
+    over = {field: xr.DataArray([*column, SOUND[field]], dims="case") for field, column in columns}
+    body, drive = rm.Actuator(), rm.SineSquared(0.4, 1.25)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", rm.InputWarning)
+        begun = time.perf_counter()
+        ds = rm.simulate(body, drive, duration=duration, over=over, tolerance=1e-6)
+        assert time.perf_counter() - begun < CAP
+    for k in range(ds.sizes["case"]):
+        judged(ds.isel(case=k))
+    alone = rm.simulate(body, drive, duration=duration, tolerance=1e-6)
+    np.testing.assert_array_equal(ds.stretch.values[-1], alone.stretch.values)
+
+
+#: Of a point that is computed whatever stands beside it: the defaults.
+SOUND = {
+    **rm.Actuator().parameters(), **rm.SineSquared(0.4, 1.25).parameters(),
+    "initial.stretch": 1.0, "initial.stretch_rate": 0.0,
+}  # fmt: skip
+
+
+@fuzzed
 @given(body=bodies(), m=WILD)
 def test_equilibria(body: Any, m: float) -> None:
     """Any load: equilibria between the ends of the search, perhaps none."""

@@ -402,7 +402,8 @@ class _Kernel:
 
     def _apart(self, fine: Jet, coarse: Jet) -> Lanes:
         """How far two solutions may be apart within a step of a place where both are known."""
-        value, rate = (abs(a - b) for a, b in zip(fine[:2], coarse[:2], strict=True))
+        value: Lanes = abs(fine[0] - coarse[0])
+        rate: Lanes = abs(fine[1] - coarse[1])
         return value + self.h * rate
 
     def _jet(self, y: list[Lanes], load: list[Lanes]) -> Jet:

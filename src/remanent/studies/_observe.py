@@ -39,10 +39,11 @@ def locate(timeline: Timeline, times: FloatArray) -> tuple[FloatArray, np.ndarra
     belongs to the last piece.
     """
     if timeline.periodic:
-        turns = times / timeline.lengths[0][:, None]
-        near = np.rint(turns)
-        turns = np.where(np.abs(turns - near) < 1e-12 * np.maximum(near, 1.0), near, turns)
-        return turns - np.floor(turns), np.zeros(times.shape, dtype=np.int64)
+        with np.errstate(all="ignore"):  # more periods than numbers: no phase, and no states
+            turns = times / timeline.lengths[0][:, None]
+            near = np.rint(turns)
+            turns = np.where(np.abs(turns - near) < 1e-12 * np.maximum(near, 1.0), near, turns)
+            return turns - np.floor(turns), np.zeros(times.shape, dtype=np.int64)
     ends = np.cumsum(timeline.lengths, axis=0)
     piece = np.zeros(times.shape, dtype=np.int64)
     for end in ends[:-1]:

@@ -99,7 +99,8 @@ def _landscape(ens: Ensemble, at_rest: _AtRest, found: FloatArray) -> dict[str, 
     potential = at_rest.potential(case, np.tile(grid**-0.5, ens.count))
     potential = potential.reshape(ens.count, _POINTS)
     level = at_rest.potential(np.arange(ens.count), np.ones(ens.count))
-    lower, upper = np.sort(_turning_points(ens, at_rest, level), axis=0)
+    with np.errstate(all="ignore"):  # of loads near the largest number
+        lower, upper = np.sort(_turning_points(ens, at_rest, level), axis=0)
     return {
         "thickness_stretch": (("thickness_stretch",), grid),
         "potential": ((*ens.dims, "thickness_stretch"), ens.shaped(potential)),

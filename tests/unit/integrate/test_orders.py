@@ -85,11 +85,11 @@ def test_order_of_extremes(method: Method) -> None:
 
 def hermite_error(function: Callable[[Any], Any], centre: float, h: Any) -> Any:
     """Largest error between the nodes of the polynomial through three jets."""
-    jets = [
+    left, middle, right = [
         (function(t), mpmath.diff(function, t), mpmath.diff(function, t, 2))
         for t in (centre - h, mpmath.mpf(centre), centre + h)
     ]
-    polynomial = hermite_coefficients(*jets, h)
+    polynomial = hermite_coefficients(left, middle, right, h)
     places = [mpmath.mpf(s) for s in (-0.71, -0.3, 0.52, 0.9)]
     return max(abs(horner(polynomial, s) - function(centre + s * h)) for s in places)
 
@@ -178,11 +178,11 @@ def test_the_polynomial_is_exact_for_its_degree() -> None:
     """N1: every power up to 8 is reproduced, so the error begins with the ninth."""
     h = 0.5
     for power in range(10):
-        jets = [
+        left, middle, right = [
             (s**power, power * s ** max(power - 1, 0), power * (power - 1) * s ** max(power - 2, 0))
             for s in (-h, 0.0, h)
         ]
-        found: FloatArray = np.array(hermite_coefficients(*jets, h))
+        found: FloatArray = np.array(hermite_coefficients(left, middle, right, h))
         exact = np.zeros(9)
         if power < 9:
             exact[power] = h**power

@@ -1,0 +1,130 @@
+"""The picture and the page of the coverage study, from what was measured."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from remanent.plots import style
+
+#: Looseness up to which a bound counts as useful, and coverage that is asked.
+LOOSE, ASKED = 100.0, 0.995
+_PAGE = """\
+| {0} | trajectories | to the end | covered | at least | covered up to the horizon | median ratio |
+|---|---:|---:|---:|---:|---:|---:|
+"""
+
+
+def draw(found: Mapping[str, Any], path: Path) -> Figure:
+    """Reported against true errors, and the share of them covered by decade of tolerance."""
+    with style.context():
+        figure = Figure(figsize=(style.DOUBLE, 3.1), layout="constrained")
+        left, right = figure.subplots(1, 2, width_ratios=(1.25, 1.0))
+        _errors(left, np.array(found["points"], dtype=float))
+        _coverage(right, found["decades"], found["total"])
+        footer = f"seed {found['seed']}   remanent {found['remanent']}   {found['reference']}"
+        figure.supxlabel(footer, x=0.01, ha="left", fontsize=6.0, color=style.FAINT)
+    style.save(figure, path)
+    return figure
+
+
+def _errors(ax: Axes, points: np.ndarray[Any, np.dtype[np.float64]]) -> None:
+    ends = np.array([1e-16, 1e-3])
+    true, reported = np.clip(10.0**points.T, *ends)
+    covered = true <= reported
+    ax.plot(true[covered], reported[covered], ".", ms=1.6, mew=0.0, alpha=0.6,
+            color=style.OKABE_ITO["blue"], rasterized=True)  # fmt: skip
+    ax.plot(true[~covered], reported[~covered], "x", ms=4.0, mew=0.9, clip_on=False,
+            color=style.OKABE_ITO["vermillion"], label="not covered")  # fmt: skip
+    ax.plot(ends, ends, "-", color=style.INK, lw=0.8)
+    ax.plot(ends, LOOSE * ends, color=style.INK, lw=0.8, ls=style.DASHES[1])
+    ax.set(xscale="log", yscale="log", xlim=ends, ylim=ends)
+    ax.set(xlabel="true error", ylabel="reported error")
+    style.panel_title(ax, "a", f"{true.size} trajectories")
+    on_line: Any = {"rotation": 45.0, "rotation_mode": "anchor", "transform_rotates_text": True}
+    on_line["fontsize"] = 7.5
+    ax.text(1.5e-15, 0.8e-15, "equal", va="top", **on_line)
+    ax.text(1.5e-16, 2.2e-14, "100 times", va="bottom", **on_line)
+
+
+def _coverage(ax: Axes, decades: Mapping[str, Any], total: Mapping[str, Any]) -> None:
+    powers = np.array([int(name[2:]) for name in decades])
+    missed = np.array([100.0 * (1.0 - row["coverage"]) for row in decades.values()])
+    worst = np.array([100.0 * (1.0 - row["coverage_at_least"]) for row in decades.values()])
+    ax.bar(powers + 0.5, missed, width=0.7, color=style.OKABE_ITO["blue"])
+    ax.errorbar(powers + 0.5, missed, yerr=[0.0 * worst, worst - missed], fmt="none",
+                ecolor=style.INK, elinewidth=0.8, capsize=2.0)  # fmt: skip
+    asked = 100.0 * (1.0 - ASKED)
+    ax.axhline(asked, color=style.INK, lw=0.8, ls=style.DASHES[1])
+    ax.text(powers[0] + 0.1, asked, "asked", va="bottom", fontsize=7.5)
+    ticks = np.arange(powers[0], powers[-1] + 2, 2)
+    ax.set_xticks(ticks, [f"$10^{{{k}}}$" for k in ticks])
+    ax.set(xlabel="tolerance", ylabel="not covered (%)", xlim=(powers[0], powers[-1] + 1))
+    ax.set_ylim(0.0, 1.25 * max(asked, worst.max()))
+    style.panel_title(ax, "b", f"covered in all: {100.0 * total['coverage']:.2f} %")
+
+
+def write_page(found: Mapping[str, Any], path: Path) -> None:
+    """Tables in MyST, to be included in a page of the documentation."""
+    total = found["total"]
+    parts = [
+        "<!-- Written by `python -m benchmarks.coverage`; do not edit. -->\n",
+        f"Of {total['cases']} random trajectories {_percent(total['ok'])} met the tolerance to "
+        f"their end. The reported error covered the true one in {_percent(total['coverage'])} of "
+        f"these (at least {_percent(total['coverage_at_least'])} at 95 % confidence) and was "
+        f"{total['median_ratio']:.1f} times as large at the median. The true errors are "
+        f"differences from {found['reference']}.\n",
+        "```{figure} /results/coverage.svg\n"
+        ":alt: Reported against true errors; share not covered\n\n"
+        "Reported against true errors, and the share of trajectories whose reported error was\n"
+        "smaller than the true one, by decade of the tolerance.\n```\n",
+        _table("tolerance", {_decade(name): row for name, row in found["decades"].items()}),
+        _table("drive", found["drives"]),
+        _table("slenderness c", {_decade(n): row for n, row in found["slenderness"].items()}),
+    ]
+    if found["uncovered"]:
+        parts.append(_uncovered(found["uncovered"]))
+    path.write_text("\n".join(parts))
+
+
+def _table(what: str, rows: Mapping[str, Any]) -> str:
+    lines = [
+        f"| {name} | {row['cases']} | {_percent(row['ok'])} | {_percent(row['coverage'])} "
+        f"| {_percent(row['coverage_at_least'])} | {_percent(row['coverage_up_to_horizon'])} "
+        f"| {row['median_ratio']:.1f} |\n"
+        for name, row in rows.items()
+    ]
+    return _PAGE.format(what) + "".join(lines)
+
+
+def _uncovered(rows: list[dict[str, Any]]) -> str:
+    lines = [
+        "| not covered | drive | c | tolerance | status | reported | true |\n",
+        "|---|---|---:|---:|---|---:|---:|\n",
+    ]
+    lines += [
+        f"| `{r['case']}` | {r['kind']} | {r['c']:.2g} | {r['tolerance']:.1e} | {r['status']} "
+        f"| {r['reported']:.1e} | {r['true']:.1e} |\n"
+        for r in rows
+    ]
+    return "`python -m benchmarks.coverage --one CASE` measures one of these again.\n\n" + "".join(
+        lines
+    )
+
+
+def _decade(name: str) -> str:
+    low = int(name[2:])
+    return f"10{_raised(low)} to 10{_raised(low + 1)}"
+
+
+def _raised(power: int) -> str:
+    return str(power).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+
+
+def _percent(share: float | None) -> str:
+    return "–" if share is None else f"{100.0 * share:.2f} %"

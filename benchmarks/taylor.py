@@ -1,0 +1,165 @@
+"""Equation 16 by heyoka's Taylor series in extended precision: what errors are measured against.
+
+The equation and the loads are written out here once more, from the paper and from the
+documentation of the drives.  Of the package only the values of its own fields are used,
+and the coefficients of the spline that defines a sampled signal.  With 64 bits of
+mantissa the reference errs 2000 times less than anything in double precision, however
+the motion magnifies errors, so its own error never decides.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from remanent._typing import FloatArray
+from remanent.models.drives import Chirp, Constant, Drive, Sine, SineSquared
+from remanent.models.piecewise import Table
+
+LONG = np.longdouble
+#: Relative error of a step.
+PRECISION = 1e-19
+#: Load laws of the numbers a0 ... a3 and the time t since the piece began: the cubic
+#: a0 + a1 t + a2 t^2 + a3 t^3; mean + a3 sin(a0 + a1 t + a2 t^2); and (a3 sin(...))^2.
+CUBIC, WAVE, SQUARED = "cubic", "wave", "squared"
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A stretch of time on which the load is smooth, and its five numbers."""
+
+    begin: Any
+    end: Any
+    numbers: tuple[Any, ...]
+
+
+@dataclass(frozen=True)
+class Motion:
+    """One trajectory: numbers of the actuator, the drive with its values, where it starts.
+
+    Attributes
+    ----------
+    values : mapping of name to float
+        Numeric fields of actuator and drive as the package takes them.
+    """
+
+    drive: Drive
+    values: Mapping[str, float]
+    initial: tuple[float, float] = (1.0, 0.0)
+
+    @property
+    def body(self) -> list[Any]:
+        """c, theta, S and eta; theta is a quotient, so it is formed with all digits."""
+        v = self.values
+        theta = LONG(v["temperature"]) / LONG(v["reference_temperature"])
+        return [v["c"], theta, v["prestress"], v.get("dissipation.0.eta", 0.0)]
+
+
+def law(drive: Drive) -> str:
+    """Which of the three load laws a drive follows."""
+    if isinstance(drive, SineSquared):
+        return SQUARED
+    return WAVE if isinstance(drive, Sine | Chirp) else CUBIC
+
+
+def pieces(drive: Drive, values: Mapping[str, float], duration: float) -> list[Piece]:
+    """The load from 0 to `duration`."""
+    end, v = LONG(duration), {name: LONG(value) for name, value in values.items()}
+    if isinstance(drive, Constant):
+        return [Piece(LONG(0), end, (v["m"], 0, 0, 0, 0))]
+    if isinstance(drive, SineSquared):
+        return [Piece(LONG(0), end, (v["phase"], v["omega"], 0, v["b"], 0))]
+    if isinstance(drive, Sine):
+        return [Piece(LONG(0), end, (v["phase"], v["omega"], 0, v["m"], v["mean"]))]
+    if isinstance(drive, Chirp):
+        return _swept(v, end)
+    if isinstance(drive, Table):
+        marks = [LONG(t) for t in drive.times if t < duration] + [end]
+        columns = drive.coefficients().T
+        return [Piece(a, b, (*columns[k], 0)) for k, (a, b) in enumerate(pairwise(marks))]
+    raise TypeError(f"no load law for {type(drive).__name__}")
+
+
+def _swept(v: Mapping[str, Any], end: Any) -> list[Piece]:
+    sweep, rest = v["duration"], (v["m"], v["mean"])
+    curvature = (v["stop"] - v["start"]) / (2 * sweep)
+    first = Piece(LONG(0), min(sweep, end), (v["phase"], v["start"], curvature, *rest))
+    turned = v["phase"] + (v["start"] + v["stop"]) / 2 * sweep
+    held = Piece(sweep, end, (turned, v["stop"], 0, *rest))
+    return [first, held] if end > sweep else [first]
+
+
+@cache
+def _engine(kind: str, turns: bool) -> tuple[Any, list[Any]]:
+    """An integrator of one load law, and where it notes the stretch when it turns."""
+    import heyoka as hy
+
+    x, v = hy.make_vars("x", "v")
+    c, theta, prestress, eta, a0, a1, a2, a3, mean = (hy.par[k] for k in range(9))
+    t = hy.time
+    if kind == CUBIC:
+        m = a0 + t * (a1 + t * (a2 + t * a3))
+    else:
+        sine = a3 * hy.sin(a0 + t * (a1 + t * a2))
+        m = sine * sine if kind == SQUARED else mean + sine
+    x2 = x * x
+    x4, x7 = x2 * x2, x2 * x2 * x2 * x
+    force = theta * (x4 * x4 - x2) - prestress * x7 + m * x4 + eta * v * x7
+    rate = (6.0 * c * v * v - 3.0 * force) / (x7 + 2.0 * c * x)
+    found: list[Any] = []
+
+    def note(ta: Any, time: Any, _sign: int) -> None:
+        ta.update_d_output(time)
+        found.append(ta.d_output[0])
+
+    events = [hy.nt_event(v, note, fp_type=LONG)] if turns else []
+    engine = hy.taylor_adaptive(
+        [(x, v), (v, rate)], np.array([1, 0], dtype=LONG), fp_type=LONG,
+        tol=LONG(PRECISION), nt_events=events,
+    )  # fmt: skip
+    return engine, found
+
+
+def states(motion: Motion, times: FloatArray) -> FloatArray:
+    """Stretch and rate at ascending `times` from 0 on, an array (time, 2)."""
+    engine, _ = _engine(law(motion.drive), False)
+    engine.state[:] = motion.initial
+    result = np.full((times.size, 2), np.nan)
+    for piece in pieces(motion.drive, motion.values, float(times[-1])):
+        _begin(engine, motion, piece)
+        inside = np.flatnonzero((times >= piece.begin) & (times <= piece.end))
+        wanted = times[inside].astype(LONG) - piece.begin
+        grid = np.unique(np.array([LONG(0), *wanted, piece.end - piece.begin]))
+        found = engine.propagate_grid(grid)[-1]
+        result[inside] = found[np.searchsorted(grid, wanted)]
+        engine.state[:] = found[-1]
+    return result
+
+
+def extremes(motion: Motion, begin: float, end: float) -> tuple[float, float]:
+    """Largest and smallest thickness stretch between `begin` and `end`."""
+    engine, found = _engine(law(motion.drive), True)
+    engine.state[:] = motion.initial
+    seen: list[Any] = []
+    for piece in pieces(motion.drive, motion.values, end):
+        _begin(engine, motion, piece)
+        if piece.begin < begin:
+            engine.propagate_until(min(LONG(begin), piece.end) - piece.begin)
+        if piece.end > begin:
+            found.clear()
+            start = engine.state[0]
+            engine.propagate_until(piece.end - piece.begin)
+            seen += [start, *found, engine.state[0]]
+    thickness = np.array(seen, dtype=LONG) ** -2
+    return float(thickness.max()), float(thickness.min())
+
+
+def _begin(engine: Any, motion: Motion, piece: Piece) -> None:
+    engine.time = LONG(0)
+    numbers = [*motion.body, *piece.numbers]
+    engine.pars[:] = numbers[: len(engine.pars)]  # not every law has a mean
