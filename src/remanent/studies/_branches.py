@@ -59,7 +59,7 @@ class Tracing:
         lower, upper = (np.append(self.box[:, k], self.bounds[k]) for k in (0, 1))
         scale = np.append(np.ones(len(self.box)), self.bounds[1] - self.bounds[0])
         return Settings(
-            lower, upper, scale, step=_STEP, longest=_LONGEST, tolerance=self.tolerance,
+            lower, upper, scale, step=_STEP, longest=_LONGEST, tolerance=0.1 * self.tolerance,
             most=self.most,
         )  # fmt: skip
 

@@ -215,7 +215,7 @@ def _tracing(
     require_tolerance(tolerance)
     require_periods(ens)
     return Tracing(
-        map=StroboscopicMap(ens, (parameter,), min(tolerance, 1e-9)),
+        map=StroboscopicMap(ens, (parameter,), min(0.1 * tolerance, 1e-10)),
         box=box_of(ens.field.state, state_bounds),
         bounds=bounds,
         period=require_count("period", period, "Orbits close after whole drive periods."),

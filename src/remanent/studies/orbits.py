@@ -94,7 +94,7 @@ def _of_one(ens: Ensemble, box: FloatArray, period: int, tolerance: float) -> di
     """Orbits of a single actuator and drive, with all that is known of them."""
     if ens.invalid[0]:
         return {}
-    map_ = StroboscopicMap(ens, (), min(tolerance, 1e-9))
+    map_ = StroboscopicMap(ens, (), min(0.1 * tolerance, 1e-10))
     symmetric = is_symmetric(ens.actuator, ens.drive)
     (orbits,) = all_orbits(Search(map_, box, period, tolerance, symmetric), np.empty((1, 0)))
     return described(ens, orbits, period, {})

@@ -1,0 +1,128 @@
+"""Branches and special points against AUTO-07p, refined in extended precision.
+
+What the reference is and how it was made: tests/literature/auto/README.md.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from tests.literature.flows import ForcedOscillator
+
+import remanent as rm
+from remanent._typing import FloatArray
+from remanent.analysis.bifurcations import Special, orbit_equations, special_points
+from remanent.analysis.continuation import Points, Settings, follow, tangents
+
+HERE = Path(__file__).parent / "auto" / "reference"
+KINDS = {"LP": "fold", "PD": "period doubling", "TR": "Neimark-Sacker", "BP": "branch point"}
+
+
+def reference(name: str) -> dict[str, Any]:
+    found: dict[str, Any] = json.loads((HERE / f"{name}.json").read_text())
+    return found
+
+
+def actuator(eta: float) -> rm.Actuator:
+    return rm.Actuator(temperature=350.0, dissipation=(rm.Rayleigh(eta),) if eta else ())
+
+
+@pytest.fixture(scope="module", params=["actuator", "actuator_damped"])
+def diagram(request: pytest.FixtureRequest) -> tuple[dict[str, Any], xr.Dataset]:
+    """The reference and the response diagram of the same actuator."""
+    known = reference(request.param)
+    drive = rm.SineSquared(known["parameters"]["b"], 1.0)
+    return known, rm.response_diagram(actuator(known["parameters"]["eta"]), drive, (0.6, 1.6))
+
+
+def test_folds_are_those_of_auto(diagram: tuple[dict[str, Any], xr.Dataset]) -> None:
+    """To 1e-8, and to the error reported; no other fold, and none missing."""
+    known, ds = diagram
+    expected = np.sort([one["omega"] for one in known["special"] if one["kind"] == "LP"])
+    folds = ds.where(ds.special_kind == "fold", drop=True)
+    order = np.argsort(folds.special_omega.values)
+    found, error = folds.special_omega.values[order], folds.special_error.values[order]
+    np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-8)
+    assert (np.abs(found - expected) <= error + 1e-15).all()
+
+
+def test_no_branch_is_missing(diagram: tuple[dict[str, Any], xr.Dataset]) -> None:
+    """Every point of AUTO's branches lies on one of ours."""
+    known, ds = diagram
+    ours = np.stack([ds.omega, ds.stretch, ds.stretch_rate], axis=-1).reshape(-1, 3)
+    ours = ours[np.isfinite(ours).all(axis=1)]
+    for branch in known["branches"]:
+        for column in zip(*(branch["points"][k] for k in ("omega", "x", "v")), strict=True):
+            assert np.linalg.norm(ours - column, axis=1).min() < 0.03
+
+
+def test_multipliers_along_branches(diagram: tuple[dict[str, Any], xr.Dataset]) -> None:
+    """N8: their product is exp of the integral of the trace, 1 without damping."""
+    known, ds = diagram
+    product = ds.multipliers.prod("multiplier", skipna=False).values
+    product = product[np.isfinite(product)]
+    assert np.abs(product.imag).max() < 1e-8
+    if known["parameters"]["eta"] == 0.0:
+        np.testing.assert_allclose(product, 1.0, rtol=0.0, atol=1e-8)
+    else:
+        assert (product.real < 1.0).all()
+
+
+def test_all_orbits_are_found(diagram: tuple[dict[str, Any], xr.Dataset]) -> None:
+    """Those that a search of 80 x 80 cells found, at five frequencies."""
+    known, _ = diagram
+    for omega, orbits in known["search"].items():
+        body = actuator(known["parameters"]["eta"])
+        drive = rm.SineSquared(known["parameters"]["b"], float(omega))
+        ds = rm.periodic_orbits(body, drive, bounds={"stretch_rate": (-3.0, 3.0)})
+        found = ds.initial.values[np.argsort(ds.initial.values[:, 0])]
+        expected = np.array(sorted(orbits))
+        assert found.shape == expected.shape
+        np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-7)
+
+
+def specials(
+    map_: ForcedOscillator, x: float, v: float, value: float, bounds: tuple[float, float], period: int
+) -> list[Special]:
+    """Special points of the branch through a state."""
+    equations = orbit_equations(map_, period)
+    scale = np.array([1.0, 1.0, bounds[1] - bounds[0]])
+    unknown = np.array([[x, v, value]])
+    here = equations(unknown)
+    ahead: FloatArray = np.array([[0.0, 0.0, 1.0]])
+    start = Points(unknown, tangents(here.derivative, ahead, scale),
+                   np.abs(here.value).max(axis=1), here.error, here.extra)  # fmt: skip
+    settings = Settings(np.array([-9.0, -9.0, bounds[0]]), np.array([9.0, 9.0, bounds[1]]), scale,
+                        step=0.005, longest=0.02, tolerance=1e-11, block=8)  # fmt: skip
+    (curve,) = follow(equations, start, settings)
+    return special_points(equations, curve.points, scale=scale, tolerance=1e-11,
+                          conservative=False)  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ["duffing", "van_der_pol", "double_well"])
+def test_special_points_of_forced_oscillators(name: str) -> None:
+    """Folds, doublings and torus points of every branch, to 1e-8 and to the reported error."""
+    known = reference(name)
+    free = known["free"]
+    branches = {branch["name"]: branch for branch in known["branches"]}
+    for label, branch in branches.items():
+        marks = [m for m in known["special"] if m.get("branch", label) == label]
+        values = np.array(branch["points"][free])
+        low, high = values.min() - 1e-3, values.max() + 1e-3
+        k = len(values) // 2
+        start = (branch["points"]["x"][k], branch["points"]["v"][k], values[k])
+        map_ = ForcedOscillator({**known["parameters"], free: 0.0}, free)
+        found = specials(map_, *start, (low, high), branch["period"])
+        for mark in marks:
+            near = [
+                one for one in found
+                if one.kind == KINDS[mark["kind"]]
+                and abs(one.points.unknown[0, 2] - mark[free]) < 1e-8
+            ]  # fmt: skip
+            assert near, (label, mark["kind"], mark[free], [(f.kind, f.points.unknown) for f in found])
+            assert abs(near[0].points.unknown[0, 2] - mark[free]) <= near[0].error + 1e-15
