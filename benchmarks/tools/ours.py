@@ -8,7 +8,8 @@ import remanent as rm
 from benchmarks.jobs import Job
 from benchmarks.tools.tool import TOLERANCES, Package, Run, Tool, clocked
 from remanent._typing import FloatArray
-from remanent.integrate.ensemble import integrate_unbounded, ladder
+from remanent.integrate.ensemble import integrate_unbounded
+from remanent.integrate.foresight import ladder
 from remanent.integrate.problem import Problem, Request
 from remanent.studies._ensemble import ensemble, problem
 

@@ -87,7 +87,12 @@ def test_all_orbits_are_found(diagram: tuple[dict[str, Any], xr.Dataset]) -> Non
 
 
 def specials(
-    map_: ForcedOscillator, x: float, v: float, value: float, bounds: tuple[float, float], period: int
+    map_: ForcedOscillator,
+    x: float,
+    v: float,
+    value: float,
+    bounds: tuple[float, float],
+    period: int,
 ) -> list[Special]:
     """Special points of the branch through a state."""
     equations = orbit_equations(map_, period)
@@ -124,5 +129,10 @@ def test_special_points_of_forced_oscillators(name: str) -> None:
                 if one.kind == KINDS[mark["kind"]]
                 and abs(one.points.unknown[0, 2] - mark[free]) < 1e-8
             ]  # fmt: skip
-            assert near, (label, mark["kind"], mark[free], [(f.kind, f.points.unknown) for f in found])
+            assert near, (
+                label,
+                mark["kind"],
+                mark[free],
+                [(f.kind, f.points.unknown) for f in found],
+            )
             assert abs(near[0].points.unknown[0, 2] - mark[free]) <= near[0].error + 1e-15

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from remanent._typing import BoolArray, FloatArray
+from remanent._typing import BoolArray, FloatArray, IntArray
 
 #: Newton steps at most.
 _CORRECTIONS = 6
@@ -76,7 +76,7 @@ class Points:
     def __len__(self) -> int:
         return int(self.unknown.shape[0])
 
-    def taken(self, which: slice | FloatArray | BoolArray) -> Points:
+    def taken(self, which: slice | IntArray | BoolArray) -> Points:
         """Some of the points, in the order asked."""
         extra = {name: values[which] for name, values in self.extra.items()}
         return Points(

@@ -223,9 +223,9 @@ def stability(values: ComplexArray, errors: FloatArray, *, conservative: bool) -
     outside, inside = size > 1.0 + slack, size < 1.0 - slack
     if conservative:
         # Multipliers off the unit circle are real, but for quartets of four or more.
-        turning = (np.abs(values.imag) > slack).all(axis=1) & (np.abs(size - 1.0) <= np.maximum(slack, _CIRCLE)).all(
-            axis=1
-        )
+        turning = (np.abs(values.imag) > slack).all(axis=1) & (
+            np.abs(size - 1.0) <= np.maximum(slack, _CIRCLE)
+        ).all(axis=1)
         saddle = outside.any(axis=1) & inside.any(axis=1)
         kinds = [(turning, Stability.ELLIPTIC), (saddle, Stability.SADDLE)]
     else:

@@ -1,7 +1,8 @@
 """Pictures of results: a dataset in, Matplotlib artists out; nothing is computed here."""
 
+from remanent.plots.branches import branch
 from remanent.plots.energy import landscape
 from remanent.plots.forced import response
 from remanent.plots.motion import history, phase, section
 
-__all__ = ["history", "landscape", "phase", "response", "section"]
+__all__ = ["branch", "history", "landscape", "phase", "response", "section"]

@@ -96,7 +96,10 @@ def through(tracing: Tracing, orbits: Orbits, values: FloatArray) -> list[Branch
         Branch(
             curve,
             special_points(
-                equations, curve.points, scale=settings.scale, tolerance=settings.tolerance,
+                equations,
+                curve.points,
+                scale=settings.scale,
+                tolerance=settings.tolerance,
                 conservative=tracing.conservative,
             ),
         )  # fmt: skip

@@ -109,9 +109,7 @@ class StroboscopicMap:
         return int(np.partition(resolution, middle)[middle])
 
 
-def spread(
-    ensemble: Ensemble, states: FloatArray, varied: Mapping[str, FloatArray]
-) -> Ensemble:
+def spread(ensemble: Ensemble, states: FloatArray, varied: Mapping[str, FloatArray]) -> Ensemble:
     """Many trajectories like a single one, with their own initial states and some values."""
     count = len(states)
     own = {name: np.broadcast_to(v, count).copy() for name, v in ensemble.values.items()}

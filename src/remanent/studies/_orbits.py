@@ -160,7 +160,7 @@ def _symmetric(search: Search, parameters: FloatArray, late: bool) -> list[Float
         own = parameters[case.astype(np.int64)]
         return map_.run(states, own, q // 2, half=q % 2 == 1).state[:, 1]
 
-    grid = np.geomspace(*search.box[0], _LINE)
+    grid = np.geomspace(search.box[0, 0], search.box[0, 1], _LINE)
     case = np.repeat(np.arange(len(parameters), dtype=float), grid.size)
     values = rate(np.tile(grid, len(parameters)), case).reshape(-1, grid.size)
     with np.errstate(invalid="ignore"):

@@ -89,8 +89,9 @@ def continue_orbit(
     --------
     >>> import remanent as rm
     >>> hot = rm.Actuator(temperature=350)
-    >>> ds = rm.continue_orbit(hot, rm.SineSquared(0.4, 1.25), "omega", (1.0, 1.6),
-    ...                        start=(1.433, 0.0))
+    >>> ds = rm.continue_orbit(
+    ...     hot, rm.SineSquared(0.4, 1.25), "omega", (1.0, 1.6), start=(1.433, 0.0)
+    ... )
     >>> ds.special_kind.values.tolist(), float(ds.special_omega[0].round(4))
     (['fold'], 1.2668)
     """

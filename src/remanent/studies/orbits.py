@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,9 @@ from remanent.studies._ensemble import Ensemble, Over, ensemble, problem
 from remanent.studies._map import StroboscopicMap, at, spread
 from remanent.studies._orbits import Search, all_orbits, box_of, is_symmetric
 from remanent.studies._time import require_count, require_periods
+
+#: Tolerances of the extremes along an orbit: the second where the first cannot be met.
+_FINE, _COARSE = 1e-8, 1e-5
 
 
 def periodic_orbits(
@@ -134,8 +138,16 @@ def _extremes(
         return np.empty(0), np.empty(0)
     some = spread(ens, states, varied)
     asked = problem(some, period * require_periods(some))
-    outcome = integrate(asked, Request(extremes=True), tolerance=1e-8)
-    return outcome.maximum, outcome.minimum
+    first = integrate(asked, Request(extremes=True), tolerance=_FINE)
+    maximum, minimum = first.maximum, first.minimum
+    missed = np.isnan(maximum)
+    if missed.any():  # motions of large amplitude, whose extremes have fewer digits
+        again = integrate(
+            replace(asked, invalid=~missed), Request(extremes=True), tolerance=_COARSE
+        )
+        maximum = np.where(missed, again.maximum, maximum)
+        minimum = np.where(missed, again.minimum, minimum)
+    return maximum, minimum
 
 
 def _labelled(
@@ -148,10 +160,10 @@ def _labelled(
         "multipliers": (("orbit", "multiplier"), (most, d), np.nan + 0j),
         "multipliers_error": (("orbit", "multiplier"), (most, d), np.nan),
         "stability": (("orbit",), (most,), ""),
-        **{
-            name: (("orbit",), (most,), np.nan)
-            for name in ("maximum", "minimum", "amplitude", "residual", "error")
-        },
+        **dict.fromkeys(
+            ("maximum", "minimum", "amplitude", "residual", "error"),
+            (("orbit",), (most,), np.nan),
+        ),
     }
     variables: dict[str, Labelled] = {}
     for name, (dims, shape, missing) in shapes.items():

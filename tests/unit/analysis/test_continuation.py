@@ -178,7 +178,9 @@ def test_multipliers_and_their_error() -> None:
     rng = np.random.default_rng(3)
     exact = np.array([[3.0, 0.5], [1.2, -0.4]])
     base = rng.normal(size=(2, 2, 2)) + 2.0 * np.eye(2)
-    jacobian = np.stack([b @ np.diag(e) @ np.linalg.inv(b) for b, e in zip(base, exact, strict=True)])
+    jacobian = np.stack(
+        [b @ np.diag(e) @ np.linalg.inv(b) for b, e in zip(base, exact, strict=True)]
+    )
     noise = 1e-9
     values, errors = multipliers(jacobian * (1.0 + noise * rng.uniform(-1, 1, jacobian.shape)),
                                  np.full(2, noise))  # fmt: skip
