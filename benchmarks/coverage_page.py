@@ -82,7 +82,8 @@ def write_page(found: Mapping[str, Any], path: Path) -> None:
         "```{figure} /results/coverage.svg\n"
         ":alt: Reported against true errors; share not covered\n\n"
         "Reported against true errors, and the share of trajectories whose reported error was\n"
-        "smaller than the true one, by decade of the tolerance.\n```\n",
+        "smaller than the true one, by decade of the tolerance, with limits at 95 % confidence.\n"
+        "```\n",
         _table("tolerance", {_decade(name): row for name, row in found["decades"].items()}),
         _table("drive", found["drives"]),
         _table("slenderness c", {_decade(n): row for n, row in found["slenderness"].items()}),

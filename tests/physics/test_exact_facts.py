@@ -12,6 +12,7 @@ from scipy.optimize import brentq
 
 import remanent as rm
 from remanent._typing import FloatArray
+from remanent.models.drives import Drive
 
 COLD = {"temperature": 300.0, "reference_temperature": 300.0}
 
@@ -60,21 +61,40 @@ def test_energy_over_many_periods(periods: int) -> None:
     assert np.abs(energy - energy[0]).max() <= min(allowed, 1e-8)
 
 
-def test_work_of_the_drive_and_loss_to_the_dashpot_balance() -> None:
-    """E(end) - E(0) = - int lambda**-2 m' dtau - int 2 eta lambda'**2 dtau (law N5)."""
-    eta, drive = 0.15, rm.Sine(0.4, 1.3, 0.2)
-    body = rm.Actuator(c=0.5, dissipation=rm.Rayleigh(eta))
+KNOTS = [0.0, 3.1, 7.4, 12.6, 20.0]
+WORKING: dict[str, Drive] = {
+    "sine": rm.Sine(0.4, 1.3, 0.2),
+    "sine squared": rm.SineSquared(0.7, 0.9, 0.3),
+    "chirp": rm.Chirp(0.4, 0.3, 2.0, 15.0, 0.1, 0.2),
+    "steps": rm.Steps(KNOTS[:-1], [0.3, -0.4, 0.6, 0.1]),
+    "ramp": rm.Ramp(KNOTS, [0.3, -0.4, 0.6, 0.1, 0.2]),
+    "sampled": rm.Sampled(KNOTS, [0.3, -0.4, 0.6, 0.1, 0.2]),
+}
+
+
+@pytest.mark.parametrize("eta", [0.0, 0.15])
+@pytest.mark.parametrize("name", WORKING)
+def test_work_of_the_drive_and_loss_to_the_dashpot_balance(name: str, eta: float) -> None:
+    """N5: E + m x, x the thickness stretch, gains int (m x' - 2 eta lambda'**2) dtau, to 1e-8.
+
+    The work of the drive, - int x m' dtau, is integrated by parts, so that loads may jump.
+    """
+    drive = WORKING[name]
+    body = rm.Actuator(c=0.5, dissipation=rm.Rayleigh(eta) if eta else ())
     nodes, weights = np.polynomial.legendre.leggauss(10)
-    pieces = np.linspace(0.0, 20.0, 101)
+    corners = np.concatenate([np.linspace(0.0, 20.0, 101), KNOTS])
+    pieces = np.unique(corners.round(9))
     half = np.diff(pieces) / 2.0
     grid = (pieces[:-1, None] + half[:, None] * (1.0 + nodes)).ravel()
     ds = rm.simulate(body, drive, times=np.concatenate([[0.0], grid, [20.0]]), tolerance=1e-11)
-    inner = ds.isel(time=slice(1, -1))
-    slope = 0.4 * 1.3 * np.cos(1.3 * grid)
-    power = -slope * inner.stretch.values**-2 - 2.0 * eta * inner.stretch_rate.values**2
-    work = ((power.reshape(-1, nodes.size) * weights).sum(axis=1) * half).sum()
-    gained = float(ds.energy[-1] - ds.energy[0])
-    assert gained == pytest.approx(work, abs=1e-8)
+    inner, load = ds.isel(time=slice(1, -1)), drive(grid)
+    moved = load * inner.thickness_stretch_rate.values
+    power = moved - 2.0 * eta * inner.stretch_rate.values**2
+    gain = ((power.reshape(-1, nodes.size) * weights).sum(axis=1) * half).sum()
+    ends = ds.isel(time=[0, -1])
+    without_load = ends.energy.values + drive([0.0, 20.0]) * ends.thickness_stretch.values
+    assert without_load[1] - without_load[0] == pytest.approx(gain, abs=1e-8)
+    assert abs(gain) > 1e-3
 
 
 # constant loads -----------------------------------------------------------------------
@@ -342,7 +362,7 @@ def test_motion_under_an_even_load_runs_back() -> None:
 
 
 def test_error_follows_the_tolerance() -> None:
-    """Median achieved error against tolerance 1e-4 ... 1e-12: slope 0.8 to 1.2 (law N2)."""
+    """N2: median achieved error against tolerance 1e-3 ... 1e-12, slope 0.8 to 1.2."""
     rng = np.random.default_rng(8)
     values = {
         "c": 10.0 ** rng.uniform(-2, 0, 24),
@@ -354,7 +374,7 @@ def test_error_follows_the_tolerance() -> None:
     body, times = actuator(), np.linspace(0.0, 12.0, 25)
     drive = rm.Sine(0.3, 1.7)
     exact = rm.simulate(body, drive, times=times, over=over, tolerance=1e-13)
-    tolerances = 10.0 ** -np.arange(4.0, 13.0)
+    tolerances = 10.0 ** -np.arange(3.0, 13.0)
     medians = []
     for tolerance in tolerances:
         ds = rm.simulate(body, drive, times=times, over=over, tolerance=tolerance)

@@ -34,6 +34,7 @@ class Pending:
 
 
 def joined(some: list[Pending]) -> Pending:
+    """Several lists as one."""
     return Pending(
         np.concatenate([one.index for one in some]),
         np.concatenate([one.resolution for one in some]),

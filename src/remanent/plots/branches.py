@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from types import MappingProxyType
 from typing import Any
 
@@ -126,7 +127,7 @@ def _runs(kinds: Any, count: int) -> list[tuple[int, int]]:
     """Stretches of equal stability among the first `count` points."""
     edges = np.flatnonzero(kinds[1:count] != kinds[: max(count - 1, 0)]) + 1
     cuts = [0, *edges.tolist(), count]
-    return [(a, b) for a, b in zip(cuts, cuts[1:], strict=False) if b > a]
+    return [(a, b) for a, b in itertools.pairwise(cuts) if b > a]
 
 
 def _marked(axes: Axes, one: ensemble.Member, x: str, variable: str) -> None:
@@ -135,8 +136,9 @@ def _marked(axes: Axes, one: ensemble.Member, x: str, variable: str) -> None:
         return
     for kind, marker in _MARKS.items():
         chosen = data["special_kind"].values == kind
+        where, height = data[f"special_{x}"].values[chosen], data[name].values[chosen]
         axes.plot(
-            data[f"special_{x}"].values[chosen], data[name].values[chosen], marker, ms=4.0, mfc="white",
+            where, height, marker, ms=4.0, mfc="white",
             mec=one.colour, mew=1.0, zorder=5, linestyle="",
         )  # fmt: skip
 

@@ -102,7 +102,7 @@ def through(tracing: Tracing, orbits: Orbits, values: FloatArray) -> list[Branch
                 tolerance=settings.tolerance,
                 conservative=tracing.conservative,
             ),
-        )  # fmt: skip
+        )
         for curve in kept
     ]
 

@@ -135,6 +135,18 @@ def test_coefficients_of_adams_are_the_published_ones() -> None:
     assert adams(8).single_correction == float(Fraction(1070017, 3628800))
 
 
+def test_the_next_terms_are_integrals_of_newtons_polynomial() -> None:
+    """N1: the integral of s (s + 1) ... (s + 7)/8! over a step, and its double integral."""
+
+    def newton(s: Any) -> Any:
+        return mpmath.rf(s, 8) / mpmath.factorial(8)
+
+    single = mpmath.quad(newton, [0, 1])
+    double = mpmath.quad(lambda s: (1 - s) * newton(s), [0, 1])
+    assert adams(8).single_correction == pytest.approx(float(single), rel=1e-14)
+    assert adams(8).double_correction == pytest.approx(float(double), rel=1e-14)
+
+
 def adams_march(steps: int) -> Any:
     """Error of the limit cycle after 2 units of time, in fifty digits, from exact past rates.
 
