@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any
 
@@ -18,7 +19,7 @@ from remanent.plots import ensemble, footer, style
 __all__ = ["branch"]
 
 #: Line styles of what multipliers say; a double line is a broad one with a white core.
-_LOOKS = MappingProxyType(
+_LOOKS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
     {
         "stable": {"linestyle": "-", "linewidth": 1.3},
         "elliptic": {"linestyle": "-", "linewidth": 2.2},
