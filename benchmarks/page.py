@@ -76,6 +76,7 @@ def _page(results: Results) -> Iterator[str]:
             yield from (f"## {title}", "", text, table(data).markdown() if table else "", "")
             yield from _details(row, data)
             yield from _pictures(row, data)
+    yield from ("## The error estimate", "", "```{include} results/coverage.md\n```", "")
     yield from ("## Machine and versions", "", tables.environment(results.values()).markdown())
 
 

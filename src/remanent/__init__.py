@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from remanent.models.materials import NeoHookean
     from remanent.models.viscous import Rayleigh
     from remanent.results.si import to_si
+    from remanent.studies.backbone import backbone
     from remanent.studies.balance import energy_balance
     from remanent.studies.branches import continue_orbit, response_diagram
     from remanent.studies.crossings import crossings
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
     from remanent.studies.response import frequency_response
     from remanent.studies.section import poincare_section
     from remanent.studies.simulate import simulate
+    from remanent.studies.special import continue_special
 
     __version__: str
 
@@ -56,7 +58,9 @@ __all__ = [
     "Sines",
     "Steps",
     "__version__",
+    "backbone",
     "continue_orbit",
+    "continue_special",
     "crossings",
     "energy_balance",
     "equilibria",
@@ -87,7 +91,9 @@ _HOME: Final = {
     "SineSquared": "models.drives",
     "Sines": "models.drives",
     "Steps": "models.drives",
+    "backbone": "studies.backbone",
     "continue_orbit": "studies.branches",
+    "continue_special": "studies.special",
     "crossings": "studies.crossings",
     "energy_balance": "studies.balance",
     "equilibria": "studies.equilibria",

@@ -199,3 +199,45 @@ def between(
     guess = a + h01 * (b - a) + gap * s * (1.0 - s) * ((1.0 - s) * ta - s * tb)
     direction = (1.0 - s) * ta + s * tb
     return guess * scale, direction / np.linalg.norm(direction, axis=1)[:, None]
+
+
+#: Half the distance over which a test function is differenced, in scaled unknowns.
+_APART = 1e-5
+_SIGNS = MappingProxyType({"fold": -1.0, "period doubling": 1.0})
+
+
+def special_equations(map_: Map, iterate: int, kind: str, scale: FloatArray) -> Equations:
+    """Folds or period doublings as curves: unknowns (state, two parameters).
+
+    Equations: map^q(x) - x = 0 and det(J - 1) = 0 at a fold, det(J + 1) = 0 at a doubling.
+    The derivatives of the determinant are differences; they decide how fast Newton's method
+    converges, not where.
+
+    Parameters
+    ----------
+    kind
+        ``fold`` or ``period doubling``.
+    scale : array (state + 2,)
+    """
+    sign = _SIGNS[kind]
+
+    def determinant(jacobian: FloatArray) -> FloatArray:
+        return np.asarray(np.linalg.det(jacobian + sign * np.eye(jacobian.shape[-1])))
+
+    def equations(unknown: FloatArray) -> Evaluated:
+        count, size = unknown.shape
+        d = size - 2
+        moves = _APART * np.concatenate([np.zeros((1, size)), np.diag(scale), -np.diag(scale)])
+        all_ = (unknown[:, None, :] + moves).reshape(-1, size)
+        image = map_(all_[:, :d], all_[:, d:], iterate)
+        test = determinant(image.jacobian).reshape(count, -1)
+        here = slice(None, None, 2 * size + 1)
+        slope = (test[:, 1 : 1 + size] - test[:, 1 + size :]) / (2.0 * _APART * scale)
+        orbit = np.concatenate([image.jacobian[here] - np.eye(d), image.slope[here]], axis=2)
+        jacobian = image.jacobian[here]
+        grown = np.maximum(1.0, np.abs(jacobian).max(axis=(1, 2))) ** d
+        value = np.column_stack([image.state[here] - unknown[:, :d], test[:, 0]])
+        derivative = np.concatenate([orbit, slope[:, None, :]], axis=1)
+        return Evaluated(value, derivative, image.error[here] * grown, {"jacobian": jacobian})
+
+    return equations

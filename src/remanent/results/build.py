@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
@@ -59,7 +60,7 @@ def dataset(
     _require_equal_lengths({**coords, **variables})
     return xr.Dataset(
         {name: _variable(name, *labelled) for name, labelled in variables.items()},
-        coords={name: _variable(name, *labelled) for name, labelled in coords.items()},
+        coords={name: _coordinate(name, *labelled) for name, labelled in coords.items()},
         attrs=dict(provenance),
     )
 
@@ -94,6 +95,17 @@ def _variable(name: str, dims: tuple[str, ...], values: NDArray[Any]) -> xr.Vari
     if name in FLAGS:
         values = np.asarray(values, dtype=np.int8)
     return xr.Variable(dims, values, {**describe(name).attributes(), **flag_attributes(name)})
+
+
+def _coordinate(name: str, dims: tuple[str, ...], values: NDArray[Any]) -> xr.Variable:
+    """A coordinate; one that labels its dimension is an index.
+
+    xarray would make the index itself, but looks for pint in any array, and importing
+    that takes longer than most runs.
+    """
+    if dims == (name,):
+        return xr.Variable(dims, pd.Index(values), describe(name).attributes())
+    return _variable(name, dims, values)
 
 
 def _require_equal_lengths(labelled: Mapping[str, Labelled]) -> None:

@@ -127,6 +127,7 @@ _ROWS = (
     Variable("minimum", "1", "smallest thickness stretch", r"\lambda_3^{\min}"),
     Variable("resonance", "rad", "resonance frequency", r"\omega_r", kind=Kind.FREQUENCY),
     Variable("resonance_amplitude", "1", "amplitude at resonance", r"\lambda_3^a(\omega_r)"),
+    Variable("frequency", "rad", "frequency", r"\omega_0", kind=Kind.FREQUENCY),
     # Evidence.
     Variable("error", "1", "estimated largest error of the state", r"\varepsilon"),
     Variable("horizon", "1", "time up to which the error bound holds", r"\tau_h", kind=Kind.TIME),

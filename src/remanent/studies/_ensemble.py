@@ -27,20 +27,7 @@ Over = Mapping[str, ArrayLike | xr.DataArray]
 FARTHEST = 1e6
 #: Names of dimensions that results have of their own.
 _RESERVED = frozenset(
-    {
-        "time",
-        "cycle",
-        "period",
-        "crossing",
-        "equilibrium",
-        "thickness_stretch",
-        "orbit",
-        "state",
-        "multiplier",
-        "branch",
-        "point",
-        "special",
-    }
+    {"time", "cycle", "period", "crossing", "equilibrium", "thickness_stretch"}
 )
 #: Bytes that a trajectory costs while it is computed, beside its samples.
 _OVERHEAD = 1024
@@ -92,9 +79,16 @@ class Ensemble:
 
 
 def ensemble(
-    actuator: Actuator, drive: Drive, over: Over | None = None, initial: ArrayLike | None = None
+    actuator: Actuator,
+    drive: Drive,
+    over: Over | None = None,
+    initial: ArrayLike | None = None,
+    *,
+    reserved: frozenset[str] = _RESERVED,
 ) -> Ensemble:
     """Lay out the trajectories that a verb was asked for.
+
+    `reserved` are the names of dimensions that its result has of its own.
 
     Raises
     ------
@@ -116,7 +110,7 @@ def ensemble(
             "It says which fields take many values.",
             "Pass for example {'temperature': [250, 350, 400]}.",
         )
-    arrays = {name: _labelled(name, v, own, field) for name, v in (over or {}).items()}
+    arrays = {name: _labelled(name, v, own, field, reserved) for name, v in (over or {}).items()}
     sizes = _sizes(arrays)
     count = math.prod(sizes.values())
     require_memory(count * _OVERHEAD, f"{count} trajectories")
@@ -188,7 +182,11 @@ def _harmless(ens: Ensemble, name: str) -> float:
 
 
 def _labelled(
-    name: str, value: ArrayLike | xr.DataArray, own: Mapping[str, float], field: Field
+    name: str,
+    value: ArrayLike | xr.DataArray,
+    own: Mapping[str, float],
+    field: Field,
+    reserved: frozenset[str],
 ) -> Labelled:
     known = [*own, *(f"initial.{s}" for s in field.state)]
     if name not in known:
@@ -201,7 +199,7 @@ def _labelled(
         )
     if isinstance(value, xr.DataArray):
         dims = tuple(map(str, value.dims))
-        _require_free(name, dims)
+        _require_free(name, dims, reserved)
         return dims, _floats(name, value.values)
     array = _floats(name, value)
     if array.ndim == 0:
@@ -218,9 +216,9 @@ def _labelled(
     return (name,), array
 
 
-def _require_free(name: str, dims: tuple[str, ...]) -> None:
+def _require_free(name: str, dims: tuple[str, ...], reserved: frozenset[str]) -> None:
     for dim in dims:
-        if dim in _RESERVED:
+        if dim in reserved:
             raise InputError(
                 f"over[{name!r}]",
                 "have dimensions that results do not have of their own",

@@ -17,6 +17,10 @@ from remanent.studies._ensemble import Ensemble, problem
 from remanent.studies._time import require_periods
 
 
+#: Dimensions that results about orbits have of their own.
+DIMENSIONS = frozenset({"orbit", "state", "multiplier", "branch", "point", "special"})
+
+
 @dataclass
 class StroboscopicMap:
     """The map over one drive period of a single actuator and drive.

@@ -23,7 +23,7 @@ from remanent.results.build import Labelled
 from remanent.studies._branches import Branch, Tracing, everywhere, through
 from remanent.studies._checks import require_tolerance
 from remanent.studies._ensemble import Ensemble, Over, ensemble
-from remanent.studies._map import StroboscopicMap, at
+from remanent.studies._map import DIMENSIONS, StroboscopicMap, at
 from remanent.studies._orbits import Search, all_orbits, box_of, is_symmetric, nearest_rest
 from remanent.studies._time import require_count, require_periods
 from remanent.studies.orbits import described
@@ -96,7 +96,7 @@ def continue_orbit(
     (['fold'], 1.2668)
     """
     ens = ensemble(actuator, drive)
-    low, high = _bounds(parameter, bounds, ens)
+    low, high = parameter_bounds(parameter, bounds, ens)
     tracing = _tracing(ens, parameter, (low, high), state_bounds, period, max_points, tolerance)
     value = float(ens.values[parameter][0])
     orbit = _start(tracing, start, value)
@@ -161,8 +161,8 @@ def response_diagram(
     [1.2668]
     """
     whole = dict(over or {})
-    ens = ensemble(actuator, drive, whole)
-    low, high = _bounds("omega", omega_bounds, ens)
+    ens = ensemble(actuator, drive, whole, reserved=DIMENSIONS)
+    low, high = parameter_bounds("omega", omega_bounds, ens)
     slices = require_count("slices", slices, "Orbits are looked for at each of them.")
     done: list[int] = []
 
@@ -186,7 +186,8 @@ def response_diagram(
     return _labelled(ens, found, "omega", tolerance, settings)
 
 
-def _bounds(parameter: str, bounds: ArrayLike, ens: Ensemble) -> tuple[float, float]:
+def parameter_bounds(parameter: str, bounds: ArrayLike, ens: Ensemble) -> tuple[float, float]:
+    """The lowest and the highest value of a field; raises what is wrong with them."""
     require_choice("parameter", parameter, list(ens.values))
     pair = np.asarray(bounds, dtype=float)
     if pair.shape != (2,) or not np.isfinite(pair).all() or not pair[0] < pair[1]:

@@ -20,7 +20,7 @@ from remanent.results import build, provenance
 from remanent.results.build import Labelled
 from remanent.studies._checks import require_tolerance
 from remanent.studies._ensemble import Ensemble, Over, ensemble, problem
-from remanent.studies._map import StroboscopicMap, at, spread
+from remanent.studies._map import DIMENSIONS, StroboscopicMap, at, spread
 from remanent.studies._orbits import Search, all_orbits, box_of, is_symmetric
 from remanent.studies._time import require_count, require_periods
 
@@ -87,7 +87,7 @@ def periodic_orbits(
     """
     period = require_count("period", period, "Orbits close after whole drive periods.")
     require_tolerance(tolerance)
-    ens = ensemble(actuator, drive, over)
+    ens = ensemble(actuator, drive, over, reserved=DIMENSIONS)
     require_periods(ens)
     box = box_of(ens.field.state, bounds)
     found = [_of_one(at(ens, k), box, period, tolerance) for k in range(ens.count)]
