@@ -29,7 +29,9 @@ if TYPE_CHECKING:
     from remanent.results.si import to_si
     from remanent.studies.balance import energy_balance
     from remanent.studies.crossings import crossings
+    from remanent.studies.classify import classify
     from remanent.studies.equilibria import equilibria
+    from remanent.studies.lyapunov import lyapunov
     from remanent.studies.response import frequency_response
     from remanent.studies.section import poincare_section
     from remanent.studies.simulate import simulate
@@ -54,10 +56,12 @@ __all__ = [
     "Sines",
     "Steps",
     "__version__",
+    "classify",
     "crossings",
     "energy_balance",
     "equilibria",
     "frequency_response",
+    "lyapunov",
     "plot",
     "poincare_section",
     "simulate",
@@ -82,10 +86,12 @@ _HOME: Final = {
     "SineSquared": "models.drives",
     "Sines": "models.drives",
     "Steps": "models.drives",
+    "classify": "studies.classify",
     "crossings": "studies.crossings",
     "energy_balance": "studies.balance",
     "equilibria": "studies.equilibria",
     "frequency_response": "studies.response",
+    "lyapunov": "studies.lyapunov",
     "poincare_section": "studies.section",
     "simulate": "studies.simulate",
     "to_si": "results.si",
