@@ -28,8 +28,11 @@ if TYPE_CHECKING:
     from remanent.models.viscous import Rayleigh
     from remanent.results.si import to_si
     from remanent.studies.balance import energy_balance
-    from remanent.studies.crossings import crossings
+    from remanent.studies.basins import basins
+    from remanent.studies.bifurcation import bifurcation_diagram
+    from remanent.studies.chart import regime_chart
     from remanent.studies.classify import classify
+    from remanent.studies.crossings import crossings
     from remanent.studies.equilibria import equilibria
     from remanent.studies.lyapunov import lyapunov
     from remanent.studies.response import frequency_response
@@ -56,6 +59,8 @@ __all__ = [
     "Sines",
     "Steps",
     "__version__",
+    "basins",
+    "bifurcation_diagram",
     "classify",
     "crossings",
     "energy_balance",
@@ -64,6 +69,7 @@ __all__ = [
     "lyapunov",
     "plot",
     "poincare_section",
+    "regime_chart",
     "simulate",
     "to_si",
 ]
@@ -86,6 +92,8 @@ _HOME: Final = {
     "SineSquared": "models.drives",
     "Sines": "models.drives",
     "Steps": "models.drives",
+    "basins": "studies.basins",
+    "bifurcation_diagram": "studies.bifurcation",
     "classify": "studies.classify",
     "crossings": "studies.crossings",
     "energy_balance": "studies.balance",
@@ -93,6 +101,7 @@ _HOME: Final = {
     "frequency_response": "studies.response",
     "lyapunov": "studies.lyapunov",
     "poincare_section": "studies.section",
+    "regime_chart": "studies.chart",
     "simulate": "studies.simulate",
     "to_si": "results.si",
 }

@@ -185,9 +185,7 @@ def follow(
             horizon[into] = np.where(carried[into] <= lost, np.inf, np.minimum(horizon[into], done))
         active, done = into, end
     horizon = np.minimum(horizon, length)
-    return Path(
-        periods, block, factors, now, visited, escaped, trusted, length, error, horizon
-    )
+    return Path(periods, block, factors, now, visited, escaped, trusted, length, error, horizon)
 
 
 def _frame(dimension: int) -> FloatArray:

@@ -51,9 +51,7 @@ def alignment(factors: FloatArray) -> FloatArray:
     return index
 
 
-def zero_one(
-    values: FloatArray, *, rng: np.random.Generator, frequencies: int = 50
-) -> FloatArray:
+def zero_one(values: FloatArray, *, rng: np.random.Generator, frequencies: int = 50) -> FloatArray:
     """The 0-1 test for chaos: about 0 for regular motion, about 1 for chaotic motion.
 
     With phi the values and c a random frequency, the path p(n) = sum phi(j) e^{icj},

@@ -15,7 +15,7 @@ import numpy as np
 from remanent._typing import FloatArray, IntArray
 
 #: Numbers of batches whose scatter is looked at.
-_BATCHES = (8, 16, 32)
+_BATCHES = (10, 20)
 #: Share of a run that is left out: tangents are still turning to the direction that grows.
 TRANSIENT = 0.1
 
@@ -68,7 +68,7 @@ def batch_error(values: FloatArray) -> FloatArray:
 
     Neighbouring values are correlated, and so are those of a torus, whose growth swings to
     and fro; means over batches that outlast this are not.  The largest of the errors from
-    8, 16 and 32 batches is returned: more batches measure the scatter better, fewer outlast
+    10 and 20 batches is returned: more batches measure the scatter better, fewer outlast
     longer correlations.
 
     Parameters
@@ -78,7 +78,7 @@ def batch_error(values: FloatArray) -> FloatArray:
     Returns
     -------
     array (...)
-        Infinite with fewer than eight samples.
+        Infinite with fewer than ten samples.
     """
     largest = np.zeros(values.shape[:-1])
     for batches in _BATCHES:

@@ -20,7 +20,6 @@ from remanent.analysis.indicators import alignment, zero_one
 from remanent.analysis.lyapunov import exponents
 from remanent.analysis.returns import Iterate, approaches, limit, returns
 
-
 #: Return defect of a closed orbit, relative to its extent.
 CLOSED = 1e-6
 
@@ -48,32 +47,40 @@ class Rules:
     closed, open
         An orbit whose return defect (relative to its extent) is below the first is closed;
         above the second it is not; between them nobody can tell.
-    torus_digits
-        Digits of the weighted averages on a torus, at least.
+    torus_digits, few_digits, rotation_digits
+        Digits of the weighted averages on a torus, at least; or the second, if those of the
+        rotation number are at least the third.
     chaos_digits
-        The same in chaos, at most.
+        Digits of the averages in chaos, at most.
     significance
         Standard errors by which an exponent must exceed 0.
-    power
-        Growth of tangents on a torus: at most about this power of the time ...
-    excess
-        ... times e to this.
-    steady
+    power, excess
+        Tangents grow at most like n e^excess on a torus; in chaos they grow at least like
+        n^power e^(2 excess), and by e^half in each half of the run.
+    steady, steadier
         Change of the logarithm of a tangent between the second and the last quarter of the
-        run, at most, on a torus.
-    wandering
-        The 0-1 test in chaos, at least, and on a torus, at most half of it.
+        run, at most, on a torus: n^2 would give 1.7.  The second where digits are few.
+    wandering, calm
+        The 0-1 test, at most, on a torus; the second where digits are few.
+    alike
+        Factor between exponents at different tolerances that are the same, at most.
     """
 
     closed: float = CLOSED
     open: float = 1e-5
     torus_digits: float = 5.0
-    chaos_digits: float = 3.0
+    few_digits: float = 3.4
+    rotation_digits: float = 4.5
+    chaos_digits: float = 3.5
     significance: float = 3.0
     power: float = 1.5
-    excess: float = 4.0
-    steady: float = 2.0
-    wandering: float = 0.8
+    excess: float = 2.0
+    half: float = 4.5
+    steady: float = 2.5
+    steadier: float = 1.5
+    wandering: float = 0.4
+    calm: float = 0.2
+    alike: float = 3.0
 
 
 @dataclass(frozen=True)
@@ -92,6 +99,8 @@ class Evidence:
         Its mean over the last quarter less that over the second.
     digits
         Digits to which weighted averages agree, the fewest over the observables.
+    banded_digits
+        The same within the bands of an orbit that visits some in turn.
     zero_one
         Result of the 0-1 test, NaN where it was not needed.
     sali
@@ -111,6 +120,7 @@ class Evidence:
     halves: FloatArray
     steady: FloatArray
     digits: FloatArray
+    banded_digits: FloatArray
     zero_one: FloatArray
     sali: FloatArray
     rotation_number: FloatArray
@@ -123,6 +133,10 @@ class Evidence:
     def taken(self, which: IntArray | BoolArray) -> Evidence:
         """That of some orbits."""
         return Evidence(*(getattr(self, f.name)[which] for f in fields(self)))
+
+
+#: Share of a damped motion that is left out.
+_TRANSIENT = 0.4
 
 
 def plain(states: FloatArray) -> FloatArray:
@@ -144,7 +158,7 @@ def gather(
     path
         With all states; orbits that ended early give NaN.
     damped : array (orbit,) of bool
-        Where motion contracts, so that its first half is a transient.
+        Where motion contracts, so that its beginning is a transient.
     seed
         For the random frequencies of the 0-1 test, the same for every orbit.
     observables
@@ -154,7 +168,7 @@ def gather(
     assert path.visited is not None
     found = [
         (which, _gather(path, which, kept, seed, observables))
-        for which, kept in ((np.flatnonzero(~damped), 0.0), (np.flatnonzero(damped), 0.5))
+        for which, kept in ((np.flatnonzero(~damped), 0.0), (np.flatnonzero(damped), _TRANSIENT))
         if which.size
     ]
     order = np.argsort(np.concatenate([which for which, _ in found]), kind="stable")
@@ -189,7 +203,8 @@ def _gather(
         growth=logs[:, -1],
         halves=np.column_stack([middle, logs[:, -1] - middle]),
         steady=logs[:, -quarter:].mean(axis=1) - logs[:, quarter : 2 * quarter].mean(axis=1),
-        digits=_digits(points, back.period),
+        digits=overlapping_digits(np.moveaxis(points, 1, 2)).min(axis=1),
+        banded_digits=_banded(points),
         zero_one=zero_one(points[:, :, 0], rng=np.random.default_rng(seed)),
         sali=alignment(path.factors[which])[:, -1] if growth.shape[2] > 1 else none,
         rotation_number=none if turning is None else turning.number,
@@ -201,9 +216,31 @@ def _gather(
     )
 
 
-def _digits(points: FloatArray, period: IntArray) -> FloatArray:
-    """Digits of the averages of the observables, the fewest."""
-    return np.asarray(overlapping_digits(np.moveaxis(points, 1, 2)).min(axis=1))
+#: Numbers of bands that are looked for, and how narrow they are beside the whole.
+_BANDS, _NARROW = (2, 4, 8, 16, 3, 6, 12), 0.5
+
+
+def _banded(points: FloatArray) -> FloatArray:
+    """Digits of averages over one band, for orbits that visit bands in turn.
+
+    The step from band to band is as regular as a clock; it would hide how little the motion
+    within the bands is.
+    """
+    values = np.moveaxis(points, 1, 2)
+    digits = overlapping_digits(values).min(axis=1)
+    extent = np.std(values, axis=2)
+    for bands in _BANDS:
+        one = values[..., ::bands]
+        with np.errstate(invalid="ignore"):
+            narrow = (np.std(one, axis=2) < _NARROW * extent).any(axis=1)
+        if narrow.any() and one.shape[2] >= _SHORTEST:
+            own = overlapping_digits(one[narrow]).min(axis=1)
+            digits[narrow] = np.fmin(digits[narrow], own)
+    return digits
+
+
+#: Fewest points of an average.
+_SHORTEST = 24
 
 
 @dataclass(frozen=True)
@@ -253,11 +290,10 @@ def judge(
     candidates = [_judge(run, damped, periods, rules) for run in runs]
     label = candidates[0][0]
     agreed = np.all([other == label for other, _ in candidates[1:]], axis=0)
-    apart = [np.abs(run.exponent - runs[0].exponent) for run in runs[1:]]
-    chaotic = label == Regime.CHAOTIC
-    for difference in apart:
-        stable = difference <= 0.5 * np.abs(runs[0].exponent)
-        agreed = agreed & (~chaotic | stable)
+    found = np.array([run.exponent for run in runs])
+    with np.errstate(invalid="ignore"):
+        stable = found.max(axis=0) <= rules.alike * found.min(axis=0)
+    agreed = agreed & (stable | (label != Regime.CHAOTIC))
     margin = np.min([own for _, own in candidates], axis=0)
     label = np.where(agreed, label, Regime.UNDECIDED)
     return label, np.where(label == Regime.UNDECIDED, np.nan, margin)
@@ -268,28 +304,31 @@ def _judge(
 ) -> tuple[IntArray, FloatArray]:
     """The regime that one run speaks for, and the margin."""
     with np.errstate(all="ignore"):
-        most = rules.power * np.log(periods) + rules.excess
-        regular = (e.growth <= most) & (e.steady <= rules.steady)
-        still = regular & (~damped | (e.steady >= -rules.steady))
-        contracts = np.where(damped, e.growth < 0.0, regular)
-        closed = np.where(damped, e.late, e.defect) <= rules.closed
-        periodic = closed & contracts
-        torus = (
-            (np.maximum(e.defect, e.late) >= rules.open)
-            & still
-            & (e.digits >= rules.torus_digits)
-            & ~(e.zero_one > 0.5 * rules.wandering)
+        defect = np.where(damped, e.late, e.defect)
+        regular = (e.growth <= np.log(periods) + rules.excess) & (e.steady <= rules.steady)
+        periodic = (defect <= rules.closed) & np.where(damped, e.growth < 0.0, regular)
+        apart = np.maximum(e.defect, e.late) >= rules.open
+        lasting = (e.steady >= -0.4 * rules.steady) & (e.late >= 0.5 * e.defect)
+        many = (e.digits >= rules.torus_digits) & ~(e.zero_one > rules.wandering)
+        few = (
+            (e.digits >= rules.few_digits)
+            & (e.rotation_digits >= rules.rotation_digits)
+            & (e.steady <= rules.steadier)
+            & ~(e.zero_one > rules.calm)
         )
+        torus = apart & regular & (~damped | lasting) & (many | few)
         significance = e.exponent / (rules.significance * e.exponent_error)
+        most = rules.power * np.log(periods) + 2.0 * rules.excess
         chaotic = (
-            (significance > 1.0)
+            apart
+            & (significance > 1.0)
             & (e.growth >= most)
-            & (e.halves.min(axis=1) >= 0.2 * e.growth)
-            & (e.digits <= rules.chaos_digits)
-            & (np.maximum(e.defect, e.late) >= rules.open)
+            & (e.halves.min(axis=1) >= rules.half)
+            & (e.banded_digits <= rules.chaos_digits)
         )
-        closeness = np.log(np.where(damped, e.late, e.defect)) / np.log(rules.closed)
-        margins = [closeness, e.digits / rules.torus_digits, np.minimum(significance, e.growth / most)]
+        closeness = np.log(defect) / np.log(rules.closed)
+        smooth = e.digits / np.where(many, rules.torus_digits, rules.few_digits)
+        margins = [closeness, smooth, np.minimum(significance, e.growth / most)]
     label = np.full(e.exponent.size, int(Regime.UNDECIDED))
     margin = np.full(e.exponent.size, np.nan)
     kinds = (Regime.PERIODIC, Regime.QUASI_PERIODIC, Regime.CHAOTIC)
@@ -360,33 +399,44 @@ def classify(
     period = np.where(label == Regime.PERIODIC, first.period, 0)
     if iterate is not None:
         ahead = damped & (label == Regime.UNDECIDED) & ~escaped & ~untrusted
-        for k in np.flatnonzero(ahead & (first.exponent < 0.0) & (first.late < _NEAR)):
-            found = _settling(path, int(k), int(first.period[k]), iterate)
-            if found:
-                label[k], period[k], margin[k] = Regime.PERIODIC, found, 1.0
+        ahead &= (first.exponent < 0.0) & (first.late < _NEAR)
+        which = np.flatnonzero(ahead)
+        found = _settling(path, which, first.period[which], iterate)
+        there = which[found > 0]
+        label[there], period[there], margin[there] = Regime.PERIODIC, found[found > 0], 1.0
+        # An orbit that still settles may seem to have a multiple of its period.
+        which = np.flatnonzero(damped & (period > 1) & (first.late > _SETTLED))
+        found = _settling(path, which, period[which], iterate)
+        period[which] = np.where(found > 0, found, period[which])
     label = np.where(escaped, int(Regime.ESCAPED), label)
     error = np.hypot(first.exponent_error, spread)
     return Verdict(label, period, margin, first, error), path
 
 
 #: An orbit that returns worse than this, relative to its extent, is not settling yet.
-_NEAR = 0.1
+_NEAR = 0.5
+#: An orbit that returns better than this has settled.
+_SETTLED = 1e-10
 #: Newton's residual at a periodic orbit.
 _RESIDUAL = 1e-8
 
 
-def _settling(path: Path, orbit: int, guess: int, iterate: Iterate) -> int:
-    """Period of the stable orbit that a motion is seen to approach, or 0."""
+def _settling(path: Path, which: IntArray, guess: IntArray, iterate: Iterate) -> IntArray:
+    """Periods of the stable orbits that motions are seen to approach, or 0."""
     assert path.visited is not None
-    which = np.array([orbit])
-    states = path.visited[which]
-    for period in (q for q in range(1, guess + 1) if guess % q == 0):
-        ahead = limit(iterate, which, states[:, -1], period)
-        rate = np.log(np.maximum(ahead.multiplier, 1e-300)) / period
-        known = (ahead.residual <= _RESIDUAL) & (rate < 0.0)
-        if known[0] and approaches(states[:, path.periods // 2 :], ahead.state, period, rate)[0]:
-            return period
-    return 0
+    period = np.zeros(which.size, dtype=np.int64)
+    for q in range(1, int(guess.max(initial=0)) + 1):
+        some = np.flatnonzero((guess % q == 0) & (period == 0))
+        if not some.size:
+            continue
+        states = path.visited[which[some]]
+        ahead = limit(iterate, which[some], states[:, -1], q)
+        with np.errstate(invalid="ignore"):
+            rate = np.log(np.maximum(ahead.multiplier, 1e-300)) / q
+            known = (ahead.residual <= _RESIDUAL) & (rate < 0.0)
+        late = states[:, path.periods // 2 :]
+        period[some[known & approaches(late, ahead.state, q, rate)]] = q
+    return period
 
 
 def _missing(like: Evidence) -> Evidence:

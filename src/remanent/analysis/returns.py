@@ -62,7 +62,7 @@ def returns(points: FloatArray, *, closed: float = 0.0) -> Returns:
     whole, late = whole / spread[:, None], late / spread[:, None]
     with np.errstate(invalid="ignore"):
         alike = late <= _ALIKE * np.nanmin(late, axis=1, initial=np.inf)[:, None] + 1e-15
-    alike |= whole <= closed
+    alike |= late <= closed
     best = np.argmax(alike, axis=1)
     rows = np.arange(count)
     return Returns(best + 1, whole[rows, best], late[rows, best], spread)
@@ -144,9 +144,9 @@ def approaches(points: FloatArray, end: FloatArray, period: int, rate: FloatArra
         slope = slope / ((n - n.mean()) ** 2).sum()
         fallen = -slope * n[-1]
         alike = np.abs(slope - rate) <= _RATE * np.abs(rate)
-        inside = distance[:, -1] <= distance[:, : max(count // 4, 1)].min(axis=1)
-    return np.asarray((fallen >= _FALLEN) & alike & inside)
+        nearer = distance[:, 0] <= distance[:, -max(count // 4, 1) :].min(axis=1)
+    return np.asarray((fallen >= _FALLEN) & alike & nearer)
 
 
 #: Fewest distances that show a rate; how well it must agree; e-folds that must be seen.
-_SHORTEST, _RATE, _FALLEN = 6, 0.25, 1.5
+_SHORTEST, _RATE, _FALLEN = 6, 0.15, 1.2

@@ -189,7 +189,10 @@ _ROWS = (
     Variable("margin", "1", "factor by which the evidence clears its line", r"q"),
     Variable("defect", "1", "return defect relative to the extent", r"\delta"),
     Variable("attractor", "1", "number of the attractor", r"k"),
-    Variable("attractor_regime", "1", "regime of the attractor", r"\mathrm{regime}", ("attractor",)),
+    Variable("basin", "1", "number of the attractor that is reached", r"k"),
+    Variable(
+        "attractor_regime", "1", "regime of the attractor", r"\mathrm{regime}", ("attractor",)
+    ),
     Variable("attractor_period", "1", "period of the attractor", r"n_k", ("attractor",)),
     Variable("attractor_state", "1", "a point of the attractor", r"y_k", ("attractor", "state")),
     Variable("fraction", "1", "fraction of initial states", r"f", ("attractor",)),

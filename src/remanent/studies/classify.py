@@ -7,7 +7,6 @@ from collections.abc import Callable
 import numpy as np
 import xarray as xr
 
-from remanent._errors import InputError
 from remanent._typing import ArrayLike, FloatArray, IntArray
 from remanent.analysis import regimes
 from remanent.analysis.following import Path
@@ -24,8 +23,8 @@ from remanent.studies._time import require_count, require_periods
 #: Factors between the tolerances that have to agree.
 _TOLERANCES = (1.0, 10.0, 100.0)
 #: Shorter runs say nothing of their regime.
-_FEWEST = 100
-_WHY = "A regime shows in a long run."
+FEWEST = 100
+WHY = "A regime shows in a long run."
 _EVIDENCE = ("digits", "zero_one", "sali", "rotation_number", "rotation_digits", "defect")
 
 
@@ -95,7 +94,7 @@ def classify(
     >>> str(ds.regime.values), int(ds.period)
     ('periodic', 1)
     """
-    periods = require_count("periods", periods, _WHY, _FEWEST)
+    periods = require_count("periods", periods, WHY, FEWEST)
     tolerance = require_tolerance(tolerance)
     ens = ensemble(actuator, drive, over, initial)
     length = require_periods(ens)
@@ -143,6 +142,10 @@ class Judged:
     def chunk(self, which: IntArray, cancelled: Callable[[], bool]) -> dict[str, np.ndarray]:
         """Label some trajectories: variables by name."""
         verdict, path = self.verdict(which, cancelled)
+        return self.variables(which, verdict, path)
+
+    def variables(self, which: IntArray, verdict: Verdict, path: Path) -> dict[str, np.ndarray]:
+        """What is told of some trajectories, by name."""
         tau = self.follower.lengths[which]
         values = {
             "regime": np.array([Regime(code).meaning for code in verdict.regime], dtype="<U14"),
@@ -155,15 +158,3 @@ class Judged:
             "status": status_of(path),
         }
         return values | {name: getattr(verdict.evidence, name) for name in _EVIDENCE}
-
-
-def require_two(over: Over) -> None:
-    """A chart has two parameters."""
-    if len(over) != 2:
-        raise InputError(
-            "over",
-            "have two entries",
-            f"{len(over)}",
-            "A chart has two axes.",
-            "Pass for example {'omega': ..., 'b': ...}; for others use rm.classify.",
-        )
