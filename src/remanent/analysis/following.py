@@ -43,6 +43,19 @@ class Advanced:
     trusted: BoolArray
 
 
+class Moved(Protocol):
+    """What :class:`Advanced` holds, whoever made it."""
+
+    @property
+    def visited(self) -> FloatArray: ...
+    @property
+    def tangents(self) -> FloatArray: ...
+    @property
+    def error(self) -> FloatArray: ...
+    @property
+    def trusted(self) -> BoolArray: ...
+
+
 class Advance(Protocol):
     """A map with tangents, of points that it knows by their numbers."""
 
@@ -54,7 +67,7 @@ class Advance(Protocol):
         periods: int,
         *,
         every: bool,
-    ) -> Advanced:
+    ) -> Moved:
         """Advance points by so many periods.
 
         Parameters

@@ -236,7 +236,7 @@ def _banded(points: FloatArray) -> FloatArray:
         if narrow.any() and one.shape[2] >= _SHORTEST:
             own = overlapping_digits(one[narrow]).min(axis=1)
             digits[narrow] = np.fmin(digits[narrow], own)
-    return digits
+    return np.asarray(digits)
 
 
 #: Fewest points of an average.
