@@ -29,9 +29,14 @@ if TYPE_CHECKING:
     from remanent.results.si import to_si
     from remanent.studies.backbone import backbone
     from remanent.studies.balance import energy_balance
+    from remanent.studies.basins import basins
+    from remanent.studies.bifurcation import bifurcation_diagram
     from remanent.studies.branches import continue_orbit, response_diagram
+    from remanent.studies.chart import regime_chart
+    from remanent.studies.classify import classify
     from remanent.studies.crossings import crossings
     from remanent.studies.equilibria import equilibria
+    from remanent.studies.lyapunov import lyapunov
     from remanent.studies.orbits import periodic_orbits
     from remanent.studies.response import frequency_response
     from remanent.studies.section import poincare_section
@@ -59,15 +64,20 @@ __all__ = [
     "Steps",
     "__version__",
     "backbone",
+    "basins",
+    "bifurcation_diagram",
+    "classify",
     "continue_orbit",
     "continue_special",
     "crossings",
     "energy_balance",
     "equilibria",
     "frequency_response",
+    "lyapunov",
     "periodic_orbits",
     "plot",
     "poincare_section",
+    "regime_chart",
     "response_diagram",
     "simulate",
     "to_si",
@@ -92,15 +102,20 @@ _HOME: Final = {
     "Sines": "models.drives",
     "Steps": "models.drives",
     "backbone": "studies.backbone",
+    "basins": "studies.basins",
+    "bifurcation_diagram": "studies.bifurcation",
+    "classify": "studies.classify",
     "continue_orbit": "studies.branches",
     "continue_special": "studies.special",
     "crossings": "studies.crossings",
     "energy_balance": "studies.balance",
     "equilibria": "studies.equilibria",
     "frequency_response": "studies.response",
+    "lyapunov": "studies.lyapunov",
     "periodic_orbits": "studies.orbits",
     "response_diagram": "studies.branches",
     "poincare_section": "studies.section",
+    "regime_chart": "studies.chart",
     "simulate": "studies.simulate",
     "to_si": "results.si",
 }

@@ -7,6 +7,8 @@ S. Das, Y. Saiki, E. Sander and J. A. Yorke, Nonlinearity 30 (2017) 4111.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from remanent._typing import FloatArray
@@ -48,7 +50,92 @@ def converged_digits(values: FloatArray) -> FloatArray:
     """
     half = values.shape[-1] // 2
     first, second = weighted_average(values[..., :half]), weighted_average(values[..., half:])
+    return _digits(first, second, values)
+
+
+def overlapping_digits(values: FloatArray) -> FloatArray:
+    """As :func:`converged_digits`, of the first and the last two thirds.
+
+    The windows are longer, so slow angles turn more often within each, and their weights
+    still lie apart.
+    """
+    share = -(-2 * values.shape[-1] // 3)
+    first, second = weighted_average(values[..., :share]), weighted_average(values[..., -share:])
+    return _digits(first, second, values)
+
+
+def _digits(first: FloatArray, second: FloatArray, values: FloatArray) -> FloatArray:
     spread = np.std(values, axis=-1)
     with np.errstate(divide="ignore", invalid="ignore"):
         digits = -np.log10(np.abs(first - second) / spread)
     return np.asarray(np.where(spread == 0.0, 16.0, np.minimum(digits, 16.0)))
+
+
+@dataclass(frozen=True)
+class Rotation:
+    """How fast orbits turn about a centre.
+
+    Attributes
+    ----------
+    number : array (orbit,)
+        Turns per iterate, clockwise, in [0, 1); NaN where the orbit does not encircle
+        its centre.
+    digits : array (orbit,)
+        Decimal digits on which the first and the last two thirds of the orbit agree.
+    """
+
+    number: FloatArray
+    digits: FloatArray
+
+
+#: An orbit encircles a centre if no gap between the directions to its points is wider.
+_WIDEST_GAP = 0.5
+
+
+def rotation(points: FloatArray, centre: FloatArray | None = None) -> Rotation:
+    """Rotation numbers by weighted averages of the angle from each iterate to the next.
+
+    The angle from a point to its image is known up to whole turns.  On a curve about the
+    centre it is a continuous function of the point, so the cut between representatives is
+    laid where no angle falls: in the widest gap between the angles found.  The average,
+    modulo 1, then does not depend on where.  Clockwise is the sense in which a point
+    (x, x') turns.
+
+    Parameters
+    ----------
+    points : array (orbit, iterate, 2)
+        Two coordinates along each orbit.
+    centre : array (orbit, 2), optional
+        By default the weighted average of the points.
+
+    Returns
+    -------
+    Rotation
+    """
+    if centre is None:
+        centre = weighted_average(np.moveaxis(points, 1, -1))
+    away = points - centre[:, None]
+    size = np.std(away, axis=1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        # Scaled, so that flat curves are as good as round ones.
+        angle = -np.arctan2(away[..., 1] / size[:, None, 1], away[..., 0] / size[:, None, 0])
+    turn = angle / (2.0 * np.pi)
+    step = np.diff(turn, axis=1) % 1.0
+    cut, _ = _widest_gap(step)
+    step = (step - cut[:, None]) % 1.0 + cut[:, None]
+    share = -(-2 * step.shape[1] // 3)
+    first, second = weighted_average(step[:, :share]), weighted_average(step[:, -share:])
+    with np.errstate(divide="ignore"):
+        digits = np.minimum(-np.log10(np.abs(first - second)), 16.0)
+    known = (_widest_gap(turn % 1.0)[1] <= _WIDEST_GAP) & np.isfinite(first + second)
+    number = weighted_average(step) % 1.0
+    return Rotation(np.where(known, number, np.nan), np.where(known, digits, 0.0))
+
+
+def _widest_gap(turns: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Middle and width of the widest interval of the circle [0, 1) without a value."""
+    ordered = np.sort(turns, axis=1)
+    gaps = np.diff(ordered, axis=1, append=ordered[:, :1] + 1.0)
+    widest = np.argmax(np.where(np.isnan(gaps), -1.0, gaps), axis=1)[:, None]
+    width = np.take_along_axis(gaps, widest, 1)[:, 0]
+    return np.take_along_axis(ordered, widest, 1)[:, 0] + 0.5 * width, width

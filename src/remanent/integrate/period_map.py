@@ -105,12 +105,12 @@ class PeriodMap:
         parameters: FloatArray,
         length: FloatArray,
         *,
-        tolerance: float,
+        tolerance: FloatArray | float,
         cycles: int = 1,
         half: bool = False,
         tangent: FloatArray | None = None,
         resolution: IntArray | int = _FIRST,
-        most: int = MAX_RESOLUTION,
+        finest: int = MAX_RESOLUTION,
         visited: bool = False,
     ) -> Image:
         """Apply the map to many states.
@@ -122,7 +122,7 @@ class PeriodMap:
             In the order of ``field.parameters``.
         length : array (point,)
             Of a period, tau.
-        tolerance
+        tolerance : array (point,) or float
             Of the error that one period adds.
         cycles
             Periods.
@@ -132,8 +132,8 @@ class PeriodMap:
             To start from; by default unit directions, and nothing along parameters.
         resolution : array (point,) or int
             Double steps per period to begin with; an :class:`Image` says which were enough.
-        most
-            Largest resolution tried; an error above the tolerance tells where it is too small.
+        finest
+            Most double steps per period; points that need more keep the error they have.
         visited
             Keep the state after each period.
         """
@@ -141,6 +141,7 @@ class PeriodMap:
         start = self._start(states, tangent)
         levels = np.broadcast_to(ladder(np.asarray(resolution)), (count,)).copy()
         levels += levels % 2 if half else 0
+        asked = np.broadcast_to(np.asarray(tolerance, dtype=np.float64), (count,))
         ends, error = np.full(start.shape, np.nan), np.full(count, np.inf)
         path = np.full((count, cycles, self.dimension), np.nan) if visited else None
         pending = np.arange(count)
@@ -152,10 +153,10 @@ class PeriodMap:
                 )
                 if path is not None and seen is not None:
                     path[some] = seen
-            missed = pending[~(error[pending] <= tolerance)]
-            wanted = self._finer(error[missed], tolerance, levels[missed], half)
-            pending = missed[wanted <= most]
-            levels[pending] = wanted[wanted <= most]
+            missed = pending[~(error[pending] <= asked[pending])]
+            wanted = self._finer(error[missed], asked[missed], levels[missed], half)
+            pending = missed[wanted <= finest]
+            levels[pending] = wanted[wanted <= finest]
         d = self.dimension
         columns = ends[:, d:].reshape(count, self.columns, d)
         return Image(ends[:, :d], columns, error, levels, path)
@@ -168,7 +169,9 @@ class PeriodMap:
                 tangent[:, k, k] = 1.0
         return np.concatenate([states, tangent.reshape(count, -1)], axis=1)
 
-    def _finer(self, error: FloatArray, tolerance: float, levels: IntArray, half: bool) -> IntArray:
+    def _finer(
+        self, error: FloatArray, tolerance: FloatArray, levels: IntArray, half: bool
+    ) -> IntArray:
         with np.errstate(all="ignore"):
             factor = (error / (_MARGIN * tolerance)) ** (1.0 / self.order)
         factor = np.where(np.isfinite(factor) & (error < 1.0), factor, 2.0).clip(1.05, 4.0)

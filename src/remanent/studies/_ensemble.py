@@ -26,9 +26,7 @@ Over = Mapping[str, ArrayLike | xr.DataArray]
 #: Largest stretch and rate, and inverse of the smallest stretch, to start from.
 FARTHEST = 1e6
 #: Names of dimensions that results have of their own.
-_RESERVED = frozenset(
-    {"time", "cycle", "period", "crossing", "equilibrium", "thickness_stretch"}
-)
+_RESERVED = frozenset({"time", "cycle", "period", "crossing", "equilibrium", "thickness_stretch"})
 #: Bytes that a trajectory costs while it is computed, beside its samples.
 _OVERHEAD = 1024
 

@@ -16,7 +16,6 @@ from remanent.integrate.variations import LOG_PERIOD
 from remanent.studies._ensemble import Ensemble, problem
 from remanent.studies._time import require_periods
 
-
 #: Dimensions that results about orbits have of their own.
 DIMENSIONS = frozenset({"orbit", "state", "multiplier", "branch", "point", "special"})
 
@@ -92,7 +91,7 @@ class StroboscopicMap:
             cycles=iterate,
             half=half,
             resolution=self._resolution,
-            most=self.most,
+            finest=self.most,
         )
         self._resolution = self._typical(image.resolution)
         slope = np.moveaxis(image.tangent[:, d:-1], 1, 2)

@@ -81,8 +81,14 @@ def continue_special(
     --------
     >>> import remanent as rm
     >>> hot = rm.Actuator(temperature=350)
-    >>> ds = rm.continue_special(hot, rm.SineSquared(0.4, 1.2668), "fold", ("omega", "b"),
-    ...                          [(1.0, 1.45), (0.2, 0.6)], start=(1.2268, 0.0))
+    >>> ds = rm.continue_special(
+    ...     hot,
+    ...     rm.SineSquared(0.4, 1.2668),
+    ...     "fold",
+    ...     ("omega", "b"),
+    ...     [(1.0, 1.45), (0.2, 0.6)],
+    ...     start=(1.2268, 0.0),
+    ... )
     >>> bool(ds.residual.max() < 1e-8), ds.omega.size > 20
     (True, True)
     """

@@ -1,0 +1,110 @@
+"""Lyapunov exponents from the growth of tangents, with their statistical error.
+
+References
+----------
+G. Benettin, L. Galgani, A. Giorgilli and J.-M. Strelcyn, Meccanica 15 (1980) 9.
+C. J. Geyer, Statistical Science 7 (1992) 473 (batch means).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from remanent._typing import FloatArray, IntArray
+
+#: Numbers of batches whose scatter is looked at.
+_BATCHES = (10, 20)
+#: Share of a run that is left out: tangents are still turning to the direction that grows.
+TRANSIENT = 0.1
+
+
+@dataclass(frozen=True)
+class Exponents:
+    """Exponents of many orbits, per period.
+
+    Attributes
+    ----------
+    mean : array (orbit, direction)
+        Largest first.
+    error : array (orbit, direction)
+        Standard error of the mean.
+    history : array (orbit, block, direction)
+        The mean over the blocks so far, the transient included.
+    """
+
+    mean: FloatArray
+    error: FloatArray
+    history: FloatArray
+
+
+def exponents(growth: FloatArray, lengths: IntArray, *, transient: float = TRANSIENT) -> Exponents:
+    """Average the growth of tangents.
+
+    Equation: the exponent of direction j is the mean over blocks of ln R[j, j], divided by
+    the periods of a block, R the triangular factor of the tangents after the block.
+
+    Parameters
+    ----------
+    growth : array (orbit, block, direction)
+        Logarithms of growth in each block.
+    lengths : array (block,)
+        Periods of each block.
+    transient
+        Share of the blocks at the beginning that are left out of the mean.
+    """
+    first = int(transient * lengths.size)
+    kept, periods = growth[:, first:], lengths[first:]
+    mean = kept.sum(axis=1) / periods.sum()
+    whole = periods == periods[0]  # the last block may be shorter
+    error = batch_error(np.moveaxis(kept[:, whole], 1, -1)) / periods[0]
+    history = np.cumsum(growth, axis=1) / np.cumsum(lengths)[:, None]
+    return Exponents(mean, error, history)
+
+
+def batch_error(values: FloatArray) -> FloatArray:
+    """Standard error of the mean along the last axis, by means of batches.
+
+    Neighbouring values are correlated, and so are those of a torus, whose growth swings to
+    and fro; means over batches that outlast this are not.  The largest of the errors from
+    10 and 20 batches is returned: more batches measure the scatter better, fewer outlast
+    longer correlations.
+
+    Parameters
+    ----------
+    values : array (..., sample)
+
+    Returns
+    -------
+    array (...)
+        Infinite with fewer than ten samples.
+    """
+    largest = np.zeros(values.shape[:-1])
+    for batches in _BATCHES:
+        length = values.shape[-1] // batches
+        if length == 0:
+            return largest if batches > _BATCHES[0] else np.full(values.shape[:-1], np.inf)
+        kept = values[..., values.shape[-1] - batches * length :]
+        means = kept.reshape(*kept.shape[:-1], batches, length).mean(axis=-1)
+        error = np.std(means, axis=-1, ddof=1) / np.sqrt(batches)
+        largest = np.where(np.isnan(error), error, np.maximum(largest, error))
+    return largest
+
+
+def pairing(mean: FloatArray) -> FloatArray:
+    """Sums of the largest and the smallest exponent, the second and the last but one ...
+
+    They vanish where the flow preserves phase volume.
+
+    Parameters
+    ----------
+    mean : array (orbit, direction)
+        The whole spectrum.
+
+    Returns
+    -------
+    array (orbit, pair)
+    """
+    half = mean.shape[1] // 2
+    return np.asarray((mean + mean[:, ::-1])[:, :half])

@@ -1,0 +1,452 @@
+"""What kind of motion an orbit is: a label only where independent indicators agree.
+
+Three kinds of evidence are weighed, at more than one tolerance: the growth of tangents, the
+convergence of weighted averages along the orbit, and its return to the same point.  Where
+they disagree, or where the run is too short for them to speak, the label is `undecided`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields
+from enum import IntEnum
+
+import numpy as np
+
+from remanent._typing import BoolArray, FloatArray, IntArray
+from remanent.analysis.birkhoff import overlapping_digits, rotation
+from remanent.analysis.following import Path
+from remanent.analysis.indicators import alignment, zero_one
+from remanent.analysis.lyapunov import exponents
+from remanent.analysis.returns import Iterate, approaches, limit, returns
+
+#: Return defect of a closed orbit, relative to its extent.
+CLOSED = 1e-6
+
+
+class Regime(IntEnum):
+    """The kinds of motion that are told apart."""
+
+    UNDECIDED = 0
+    PERIODIC = 1
+    QUASI_PERIODIC = 2
+    CHAOTIC = 3
+    ESCAPED = 4
+
+    @property
+    def meaning(self) -> str:
+        return self.name.lower().replace("_", "-")
+
+
+@dataclass(frozen=True)
+class Rules:
+    """Where the lines are drawn.
+
+    Attributes
+    ----------
+    closed, open
+        An orbit whose return defect (relative to its extent) is below the first is closed;
+        above the second it is not; between them nobody can tell.
+    torus_digits, few_digits, rotation_digits
+        Digits of the weighted averages on a torus, at least; or the second, if those of the
+        rotation number are at least the third.
+    chaos_digits
+        Digits of the averages in chaos, at most.
+    significance
+        Standard errors by which an exponent must exceed 0.
+    power, excess
+        Tangents grow at most like n e^excess on a torus; in chaos they grow at least like
+        n^power e^(2 excess), and by e^half in each half of the run.
+    steady, steadier
+        Change of the logarithm of a tangent between the second and the last quarter of the
+        run, at most, on a torus: n^2 would give 1.7.  The second where digits are few.
+    wandering, calm
+        The 0-1 test, at most, on a torus; the second where digits are few.
+    alike
+        Factor between exponents at different tolerances that are the same, at most.
+    """
+
+    closed: float = CLOSED
+    open: float = 1e-5
+    torus_digits: float = 5.0
+    few_digits: float = 3.4
+    rotation_digits: float = 4.5
+    chaos_digits: float = 3.5
+    significance: float = 3.0
+    power: float = 1.5
+    excess: float = 2.0
+    half: float = 4.5
+    steady: float = 2.5
+    steadier: float = 1.5
+    wandering: float = 0.4
+    calm: float = 0.2
+    alike: float = 3.0
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """Numbers about many orbits at one tolerance, arrays (orbit,).
+
+    Attributes
+    ----------
+    exponent, exponent_error
+        Largest Lyapunov exponent per period, its standard error.
+    growth
+        Logarithm of the tangent's growth over the stretch looked at.
+    halves : array (orbit, 2)
+        The same over its two halves.
+    steady
+        Its mean over the last quarter less that over the second.
+    digits
+        Digits to which weighted averages agree, the fewest over the observables.
+    banded_digits
+        The same within the bands of an orbit that visits some in turn.
+    zero_one
+        Result of the 0-1 test, NaN where it was not needed.
+    sali
+        Smaller alignment index at the end, NaN with one tangent.
+    rotation_number, rotation_digits
+        Turns per period about the middle of the orbit, and how many digits agree.
+    period, defect, late
+        After how many periods the orbit comes back best, to within what part of its
+        extent, over the whole stretch and at its end.
+    spread
+        Its extent.
+    """
+
+    exponent: FloatArray
+    exponent_error: FloatArray
+    growth: FloatArray
+    halves: FloatArray
+    steady: FloatArray
+    digits: FloatArray
+    banded_digits: FloatArray
+    zero_one: FloatArray
+    sali: FloatArray
+    rotation_number: FloatArray
+    rotation_digits: FloatArray
+    period: IntArray
+    defect: FloatArray
+    late: FloatArray
+    spread: FloatArray
+
+    def taken(self, which: IntArray | BoolArray) -> Evidence:
+        """That of some orbits."""
+        return Evidence(*(getattr(self, f.name)[which] for f in fields(self)))
+
+
+#: Share of a damped motion that is left out.
+_TRANSIENT = 0.4
+
+
+def plain(states: FloatArray) -> FloatArray:
+    """The states themselves as observables."""
+    return states
+
+
+def gather(
+    path: Path,
+    *,
+    damped: BoolArray,
+    seed: int = 0,
+    observables: Callable[[FloatArray], FloatArray] = plain,
+) -> Evidence:
+    """Collect the evidence of one run.
+
+    Parameters
+    ----------
+    path
+        With all states; orbits that ended early give NaN.
+    damped : array (orbit,) of bool
+        Where motion contracts, so that its beginning is a transient.
+    seed
+        For the random frequencies of the 0-1 test, the same for every orbit.
+    observables
+        Of states (..., state), bounded functions (..., observable): cosine and sine for an
+        angle.
+    """
+    assert path.visited is not None
+    found = [
+        (which, _gather(path, which, kept, seed, observables))
+        for which, kept in ((np.flatnonzero(~damped), 0.0), (np.flatnonzero(damped), _TRANSIENT))
+        if which.size
+    ]
+    order = np.argsort(np.concatenate([which for which, _ in found]), kind="stable")
+    names = [f.name for f in fields(Evidence)]
+    return Evidence(
+        *(np.concatenate([getattr(part, name) for _, part in found])[order] for name in names)
+    )
+
+
+def _gather(
+    path: Path,
+    which: IntArray,
+    transient: float,
+    seed: int,
+    observables: Callable[[FloatArray], FloatArray],
+) -> Evidence:
+    assert path.visited is not None
+    states = path.visited[which]
+    first = int(transient * path.periods)
+    points = observables(states[:, first:])
+    growth, lengths = path.growth[which], path.lengths
+    statistics = exponents(growth[:, :, :1], lengths, transient=max(transient, 0.1))
+    logs = np.cumsum(growth[:, int(transient * lengths.size) :, 0], axis=1)
+    quarter = max(logs.shape[1] // 4, 1)
+    middle = logs[:, logs.shape[1] // 2]
+    back = returns(points, closed=CLOSED)
+    turning = rotation(points[:, :, :2]) if points.shape[2] > 1 else None
+    none = np.full(which.size, np.nan)
+    return Evidence(
+        exponent=statistics.mean[:, 0],
+        exponent_error=statistics.error[:, 0],
+        growth=logs[:, -1],
+        halves=np.column_stack([middle, logs[:, -1] - middle]),
+        steady=logs[:, -quarter:].mean(axis=1) - logs[:, quarter : 2 * quarter].mean(axis=1),
+        digits=overlapping_digits(np.moveaxis(points, 1, 2)).min(axis=1),
+        banded_digits=_banded(points),
+        zero_one=zero_one(points[:, :, 0], rng=np.random.default_rng(seed)),
+        sali=alignment(path.factors[which])[:, -1] if growth.shape[2] > 1 else none,
+        rotation_number=none if turning is None else turning.number,
+        rotation_digits=np.zeros(which.size) if turning is None else turning.digits,
+        period=back.period,
+        defect=back.defect,
+        late=back.late,
+        spread=back.spread,
+    )
+
+
+#: Numbers of bands that are looked for, and how narrow they are beside the whole.
+_BANDS, _NARROW = (2, 4, 8, 16, 3, 6, 12), 0.5
+
+
+def _banded(points: FloatArray) -> FloatArray:
+    """Digits of averages over one band, for orbits that visit bands in turn.
+
+    The step from band to band is as regular as a clock; it would hide how little the motion
+    within the bands is.
+    """
+    values = np.moveaxis(points, 1, 2)
+    digits = overlapping_digits(values).min(axis=1)
+    extent = np.std(values, axis=2)
+    for bands in _BANDS:
+        one = values[..., ::bands]
+        with np.errstate(invalid="ignore"):
+            narrow = (np.std(one, axis=2) < _NARROW * extent).any(axis=1)
+        if narrow.any() and one.shape[2] >= _SHORTEST:
+            own = overlapping_digits(one[narrow]).min(axis=1)
+            digits[narrow] = np.fmin(digits[narrow], own)
+    return np.asarray(digits)
+
+
+#: Fewest points of an average.
+_SHORTEST = 24
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """Labels of many orbits with what decided.
+
+    Attributes
+    ----------
+    regime : array (orbit,)
+        Values of :class:`Regime`.
+    period : array (orbit,)
+        In periods of the map; 0 where the label is another.
+    margin : array (orbit,)
+        By what factor the evidence that was nearest to its line is beyond it; NaN where
+        nothing was decided.
+    evidence
+        At the finest tolerance.
+    exponent_error : array (orbit,)
+        Standard error and spread over the tolerances, together.
+    """
+
+    regime: IntArray
+    period: IntArray
+    margin: FloatArray
+    evidence: Evidence
+    exponent_error: FloatArray
+
+
+def judge(
+    runs: Sequence[Evidence],
+    *,
+    damped: BoolArray,
+    periods: int,
+    rules: Rules | None = None,
+) -> tuple[IntArray, FloatArray]:
+    """The regime that all runs agree on, and the margin.
+
+    Parameters
+    ----------
+    runs
+        Evidence at two tolerances or more, the finest first.
+    damped : array (orbit,) of bool
+    periods
+        Length of the runs.
+    """
+    rules = rules or Rules()
+    candidates = [_judge(run, damped, periods, rules) for run in runs]
+    label = candidates[0][0]
+    agreed = np.all([other == label for other, _ in candidates[1:]], axis=0)
+    found = np.array([run.exponent for run in runs])
+    with np.errstate(invalid="ignore"):
+        stable = found.max(axis=0) <= rules.alike * found.min(axis=0)
+    agreed = agreed & (stable | (label != Regime.CHAOTIC))
+    margin = np.min([own for _, own in candidates], axis=0)
+    label = np.where(agreed, label, Regime.UNDECIDED)
+    return label, np.where(label == Regime.UNDECIDED, np.nan, margin)
+
+
+def _judge(
+    e: Evidence, damped: BoolArray, periods: int, rules: Rules
+) -> tuple[IntArray, FloatArray]:
+    """The regime that one run speaks for, and the margin."""
+    with np.errstate(all="ignore"):
+        defect = np.where(damped, e.late, e.defect)
+        regular = (e.growth <= np.log(periods) + rules.excess) & (e.steady <= rules.steady)
+        periodic = (defect <= rules.closed) & np.where(damped, e.growth < 0.0, regular)
+        apart = np.maximum(e.defect, e.late) >= rules.open
+        lasting = (e.steady >= -0.4 * rules.steady) & (e.late >= 0.5 * e.defect)
+        many = (e.digits >= rules.torus_digits) & ~(e.zero_one > rules.wandering)
+        few = (
+            (e.digits >= rules.few_digits)
+            & (e.rotation_digits >= rules.rotation_digits)
+            & (e.steady <= rules.steadier)
+            & ~(e.zero_one > rules.calm)
+        )
+        torus = apart & regular & (~damped | lasting) & (many | few)
+        significance = e.exponent / (rules.significance * e.exponent_error)
+        most = rules.power * np.log(periods) + 2.0 * rules.excess
+        chaotic = (
+            apart
+            & (significance > 1.0)
+            & (e.growth >= most)
+            & (e.halves.min(axis=1) >= rules.half)
+            & (e.banded_digits <= rules.chaos_digits)
+        )
+        closeness = np.log(defect) / np.log(rules.closed)
+        smooth = e.digits / np.where(many, rules.torus_digits, rules.few_digits)
+        margins = [closeness, smooth, np.minimum(significance, e.growth / most)]
+    label = np.full(e.exponent.size, int(Regime.UNDECIDED))
+    margin = np.full(e.exponent.size, np.nan)
+    kinds = (Regime.PERIODIC, Regime.QUASI_PERIODIC, Regime.CHAOTIC)
+    for which, kind, own in zip((periodic, torus, chaotic), kinds, margins, strict=True):
+        label, margin = np.where(which, int(kind), label), np.where(which, own, margin)
+    return label, margin
+
+
+#: Follows some orbits, by number, at the n-th tolerance: 0 is the finest.
+Follow = Callable[[IntArray, int], Path]
+
+
+def classify(
+    follow: Follow,
+    count: int,
+    *,
+    damped: BoolArray,
+    iterate: Iterate | None = None,
+    seed: int = 0,
+    observables: Callable[[FloatArray], FloatArray] = plain,
+    rules: Rules | None = None,
+) -> tuple[Verdict, Path]:
+    """Label many orbits.
+
+    Two tolerances speak for every orbit; what both call chaotic must be so at a third.
+    Where motion is damped but has not settled, Newton's method looks for the periodic
+    orbit ahead, and the motion has to approach it at the rate of its multiplier.
+
+    Parameters
+    ----------
+    follow
+        Gives the path of some orbits at a tolerance.
+    count
+        Orbits.
+    damped : array (orbit,) of bool
+    iterate
+        Image and Jacobian of some orbits' maps at the finest tolerance.
+    seed, observables, rules
+        As for :func:`gather` and :func:`judge`.
+
+    Returns
+    -------
+    Verdict
+    Path
+        At the finest tolerance.
+    """
+    everyone = np.arange(count)
+
+    def evidence(path: Path, which: IntArray) -> Evidence:
+        return gather(path, damped=damped[which], seed=seed, observables=observables)
+
+    path = follow(everyone, 0)
+    escaped, untrusted = path.escaped.copy(), ~path.trusted
+    first = evidence(path, everyone)
+    runs = [first, _missing(first)]
+    at = np.flatnonzero(~escaped & ~untrusted)
+    if at.size:
+        second = follow(at, 1)
+        runs[1] = _with(runs[1], evidence(second, at), at)
+    label, margin = judge(runs, damped=damped, periods=path.periods, rules=rules)
+    at = np.flatnonzero(label == Regime.CHAOTIC)
+    spread = np.abs(runs[0].exponent - runs[1].exponent)
+    if at.size:
+        third = evidence(follow(at, 2), at)
+        three = [run.taken(at) for run in runs] + [third]
+        label[at], margin[at] = judge(three, damped=damped[at], periods=path.periods, rules=rules)
+        spread[at] = np.fmax(spread[at], np.abs(first.exponent[at] - third.exponent))
+    period = np.where(label == Regime.PERIODIC, first.period, 0)
+    if iterate is not None:
+        ahead = damped & (label == Regime.UNDECIDED) & ~escaped & ~untrusted
+        ahead &= (first.exponent < 0.0) & (first.late < _NEAR)
+        which = np.flatnonzero(ahead)
+        found = _settling(path, which, first.period[which], iterate)
+        there = which[found > 0]
+        label[there], period[there], margin[there] = Regime.PERIODIC, found[found > 0], 1.0
+        # An orbit that still settles may seem to have a multiple of its period.
+        which = np.flatnonzero(damped & (period > 1) & (first.late > _SETTLED))
+        found = _settling(path, which, period[which], iterate)
+        period[which] = np.where(found > 0, found, period[which])
+    label = np.where(escaped, int(Regime.ESCAPED), label)
+    error = np.hypot(first.exponent_error, spread)
+    return Verdict(label, period, margin, first, error), path
+
+
+#: An orbit that returns worse than this, relative to its extent, is not settling yet.
+_NEAR = 0.5
+#: An orbit that returns better than this has settled.
+_SETTLED = 1e-10
+#: Newton's residual at a periodic orbit.
+_RESIDUAL = 1e-8
+
+
+def _settling(path: Path, which: IntArray, guess: IntArray, iterate: Iterate) -> IntArray:
+    """Periods of the stable orbits that motions are seen to approach, or 0."""
+    assert path.visited is not None
+    period = np.zeros(which.size, dtype=np.int64)
+    for q in range(1, int(guess.max(initial=0)) + 1):
+        some = np.flatnonzero((guess % q == 0) & (period == 0))
+        if not some.size:
+            continue
+        states = path.visited[which[some]]
+        ahead = limit(iterate, which[some], states[:, -1], q)
+        with np.errstate(invalid="ignore"):
+            rate = np.log(np.maximum(ahead.multiplier, 1e-300)) / q
+            known = (ahead.residual <= _RESIDUAL) & (rate < 0.0)
+        late = states[:, path.periods // 2 :]
+        period[some[known & approaches(late, ahead.state, q, rate)]] = q
+    return period
+
+
+def _missing(like: Evidence) -> Evidence:
+    """Evidence of nothing."""
+    values = (getattr(like, f.name) for f in fields(like))
+    return Evidence(*(np.full_like(v, 0 if v.dtype.kind == "i" else np.nan) for v in values))
+
+
+def _with(whole: Evidence, part: Evidence, which: IntArray) -> Evidence:
+    """The evidence with that of some orbits put in."""
+    for f in fields(whole):
+        getattr(whole, f.name)[which] = getattr(part, f.name)
+    return whole

@@ -1,0 +1,152 @@
+"""How nearly orbits come back: distances after so many iterates, and what they tend to."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from remanent._typing import BoolArray, FloatArray, IntArray
+
+#: Longest period that is looked for.
+LONGEST = 128
+#: Orbits smaller than this count as this large.
+_SMALLEST = 1e-3
+#: Among distances this near to the least, the shortest period is the period.
+_ALIKE = 10.0
+#: Newton steps.
+_STEPS = 6
+
+
+@dataclass(frozen=True)
+class Returns:
+    """The period after which orbits come back best.
+
+    Attributes
+    ----------
+    period : array (orbit,)
+    defect : array (orbit,)
+        Largest distance after a period over the stretch looked at, relative to the spread.
+    late : array (orbit,)
+        The same over the last quarter of the stretch.
+    spread : array (orbit,)
+        Extent of the orbit.
+    """
+
+    period: IntArray
+    defect: FloatArray
+    late: FloatArray
+    spread: FloatArray
+
+
+def returns(points: FloatArray, *, closed: float = 0.0) -> Returns:
+    """Look for the period after which orbits come back best.
+
+    Parameters
+    ----------
+    points : array (orbit, iterate, observable)
+        Without the transient.
+    closed
+        Distances below this, relative to the extent, are as good as none: the shortest
+        period that reaches it is the best.
+    """
+    count, length = points.shape[:2]
+    spread = np.maximum(np.ptp(points, axis=1).max(axis=1), _SMALLEST)
+    most = max(min(LONGEST, length // 2), 1)
+    whole, late = np.full((count, most), np.inf), np.full((count, most), np.inf)
+    for q in range(1, min(most, length - 1) + 1):
+        distance = np.abs(points[:, q:] - points[:, :-q]).max(axis=2)
+        whole[:, q - 1] = distance.max(axis=1)
+        late[:, q - 1] = distance[:, -max(length // 4, q) :].max(axis=1)
+    whole, late = whole / spread[:, None], late / spread[:, None]
+    with np.errstate(invalid="ignore"):
+        alike = late <= _ALIKE * np.nanmin(late, axis=1, initial=np.inf)[:, None] + 1e-15
+    alike |= late <= closed
+    best = np.argmax(alike, axis=1)
+    rows = np.arange(count)
+    return Returns(best + 1, whole[rows, best], late[rows, best], spread)
+
+
+@dataclass(frozen=True)
+class Limit:
+    """The periodic orbit that motions tend to.
+
+    Attributes
+    ----------
+    state : array (orbit, state)
+        A point of it; NaN where Newton's method did not get there.
+    residual : array (orbit,)
+        Distance of the point from its image.
+    multiplier : array (orbit,)
+        Size of the largest multiplier of the whole period.
+    """
+
+    state: FloatArray
+    residual: FloatArray
+    multiplier: FloatArray
+
+
+#: Image and Jacobian (point, state, state) of some points after so many periods.
+Iterate = Callable[[IntArray, FloatArray, int], tuple[FloatArray, FloatArray]]
+
+
+def limit(iterate: Iterate, which: IntArray, states: FloatArray, period: int) -> Limit:
+    """Periodic orbits near some states, by a few steps of Newton's method.
+
+    Parameters
+    ----------
+    which : array (point,)
+        Numbers of the points.
+    states : array (point, state)
+        Near the orbits.
+    period
+        The same for all.
+    """
+    x = states.copy()
+    count, d = x.shape
+    residual, largest = np.full(count, np.inf), np.full(count, np.inf)
+    for _ in range(_STEPS):
+        image, jacobian = iterate(which, x, period)
+        with np.errstate(all="ignore"):
+            residual = np.abs(image - x).max(axis=1)
+        usable = np.isfinite(jacobian).all(axis=(1, 2)) & np.isfinite(residual)
+        safe = np.where(usable[:, None, None], jacobian, 0.0)
+        largest = np.where(usable, np.abs(np.linalg.eigvals(safe)).max(axis=1), np.inf)
+        matrix = np.eye(d) - safe
+        matrix[np.abs(np.linalg.det(matrix)) < np.finfo(float).tiny] = np.eye(d)
+        defect = np.where(usable[:, None], image - x, np.nan)
+        x = x + np.linalg.solve(matrix, defect[..., None])[..., 0]
+    return Limit(x, np.where(np.isfinite(residual), residual, np.inf), largest)
+
+
+def approaches(points: FloatArray, end: FloatArray, period: int, rate: FloatArray) -> BoolArray:
+    """Whether orbits come nearer to a limit as its multiplier says.
+
+    Parameters
+    ----------
+    points : array (orbit, iterate, state)
+        The last stretch.
+    end : array (orbit, state)
+        The point of the limit that belongs to the last iterate.
+    period : int
+    rate : array (orbit,)
+        Logarithm of the multiplier, per period of the map.
+    """
+    distance = np.sqrt(((points[:, ::-1][:, ::period] - end[:, None]) ** 2).sum(axis=2))
+    count = distance.shape[1]
+    if count < _SHORTEST:
+        return np.zeros(len(points), dtype=np.bool_)
+    with np.errstate(all="ignore"):
+        size = np.log(distance[:, ::-1])
+        n = period * np.arange(count)
+        slope = ((n - n.mean()) * (size - size.mean(axis=1, keepdims=True))).sum(axis=1)
+        slope = slope / ((n - n.mean()) ** 2).sum()
+        fallen = -slope * n[-1]
+        alike = np.abs(slope - rate) <= _RATE * np.abs(rate)
+        nearer = distance[:, 0] <= distance[:, -max(count // 4, 1) :].min(axis=1)
+    return np.asarray((fallen >= _FALLEN) & alike & nearer)
+
+
+#: Fewest distances that show a rate; how well it must agree; e-folds that must be seen.
+_SHORTEST, _RATE, _FALLEN = 6, 0.15, 1.2

@@ -1,0 +1,104 @@
+"""The period map as something that follows trajectories, each with steps of its own."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from remanent._typing import BoolArray, FloatArray, IntArray
+from remanent.integrate.ensemble import MAX_RESOLUTION
+from remanent.integrate.foresight import ladder
+from remanent.integrate.period_map import Image, PeriodMap
+
+#: Tangents enter with this size: their errors are controlled relative to the larger of their
+#: size and 1, and an exponent needs fewer of their digits than of the state's.
+_SIZE = 1e-3
+#: States up to this have their error counted as it is, larger ones relative to it.
+_NEAR = 10.0
+#: Resolution may fall again to what was wanted in so many blocks.
+_MEMORY = 8
+#: It aims this factor below the tolerance.
+_AIM = 0.3
+
+
+@dataclass(frozen=True)
+class Step:
+    """What became of trajectories in one block; see `remanent.analysis.following.Advanced`."""
+
+    visited: FloatArray
+    tangents: FloatArray
+    error: FloatArray
+    trusted: BoolArray
+
+
+@dataclass
+class Advancer:
+    """Advances trajectories that differ in parameters and in the steps they need.
+
+    Resolution is kept from block to block, raised where the error of a period exceeds the
+    tolerance, and lowered where a few blocks in a row could do with less.  What a trajectory
+    undergoes depends on itself alone.
+
+    Attributes
+    ----------
+    parameters : array (trajectory, parameter)
+    lengths : array (trajectory,)
+        Of a period.
+    tolerance
+        Of the error of a period.
+    """
+
+    flow: PeriodMap
+    parameters: FloatArray
+    lengths: FloatArray
+    tolerance: float
+    finest: int = MAX_RESOLUTION
+    _level: IntArray = field(init=False, repr=False)
+    _wanted: FloatArray = field(init=False, repr=False)
+    _blocks: IntArray = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        count = self.lengths.size
+        self._level = np.full(count, 8, dtype=np.int64)
+        self._wanted, self._blocks = np.zeros(count), np.zeros(count, dtype=np.int64)
+
+    def __call__(
+        self,
+        which: IntArray,
+        states: FloatArray,
+        tangents: FloatArray,
+        periods: int,
+        *,
+        every: bool,
+    ) -> Step:
+        """Advance some of the trajectories by so many periods."""
+        # Far away a digit is worth more: what escapes must be followed until it has.
+        asked = self.tolerance * np.maximum(np.abs(states).max(axis=1) / _NEAR, 1.0)
+        image = self.flow(
+            states,
+            self.parameters[which],
+            self.lengths[which],
+            tolerance=asked,
+            cycles=periods,
+            tangent=_SIZE * tangents,
+            resolution=self._level[which],
+            finest=self.finest,
+            visited=every,
+        )
+        self._learn(which, image, asked)
+        visited = image.state[:, None] if image.visited is None else image.visited
+        trusted = image.error <= asked
+        return Step(visited, image.tangent / _SIZE, image.error, np.asarray(trusted))
+
+    def _learn(self, which: IntArray, image: Image, asked: FloatArray) -> None:
+        with np.errstate(all="ignore"):
+            share = image.error / (_AIM * asked)
+            wanted = image.resolution * np.maximum(share, 1e-8) ** (1.0 / self.flow.order)
+        self._wanted[which] = np.fmax(self._wanted[which], wanted)
+        self._level[which] = image.resolution
+        self._blocks[which] += 1
+        due = which[self._blocks[which] % _MEMORY == 0]
+        lower = ladder(np.clip(self._wanted[due], 6, self.finest))
+        self._level[due] = np.minimum(self._level[due], lower)
+        self._wanted[due] = 0.0

@@ -1,0 +1,178 @@
+"""Ensembles followed over many drive periods, a chunk at a time, in threads."""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, TypeVar
+
+import numpy as np
+import xarray as xr
+
+from remanent._typing import BoolArray, FloatArray, IntArray
+from remanent.analysis.following import Path, follow
+from remanent.integrate.advance import Advancer
+from remanent.integrate.ensemble import Progress
+from remanent.integrate.period_map import PeriodMap
+from remanent.integrate.problem import Problem
+from remanent.integrate.status import Status
+from remanent.results import build, provenance
+from remanent.results.build import Labelled
+from remanent.studies._ensemble import Ensemble, problem
+from remanent.studies._time import require_periods
+
+#: Trajectories followed together: enough to keep a kernel busy, few enough to stay in cache.
+CHUNK = 512
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class Follower:
+    """Follows trajectories of an ensemble.
+
+    Attributes
+    ----------
+    periods
+        How many drive periods.
+    directions
+        Tangents that are carried along.
+    """
+
+    ensemble: Ensemble
+    periods: int
+    directions: int
+
+    @cached_property
+    def problem(self) -> Problem:
+        """The trajectories as arrays."""
+        return problem(self.ensemble, np.ones(self.ensemble.count))
+
+    @cached_property
+    def lengths(self) -> FloatArray:
+        """The drive period of each trajectory, tau; NaN-free where that is invalid."""
+        return np.where(self.ensemble.invalid, 1.0, require_periods(self.ensemble))
+
+    @cached_property
+    def _flow(self) -> PeriodMap:
+        return self.flow(self.directions)
+
+    def flow(self, directions: int) -> PeriodMap:
+        """The period map with so many tangents."""
+        asked = self.problem
+        return PeriodMap(asked.field, asked.timeline.waveform, directions=directions)
+
+    def advancer(
+        self, which: IntArray, tolerance: float, *, directions: int | None = None
+    ) -> Advancer:
+        """What advances some of the trajectories, from then on by their number among these."""
+        flow = self._flow
+        if directions is not None and directions != self.directions:
+            flow = self.flow(directions)
+        return Advancer(flow, self.problem.parameters[which], self.lengths[which], tolerance)
+
+    def run(
+        self,
+        which: IntArray,
+        tolerance: float,
+        *,
+        every: bool = False,
+        cancelled: Callable[[], bool] = lambda: False,
+    ) -> Path:
+        """Follow some of the trajectories; the errors of their periods stay below `tolerance`."""
+        return follow(
+            self.advancer(which, tolerance),
+            self.problem.initial[which],
+            self.periods,
+            directions=self.directions,
+            every=every,
+            cancelled=cancelled,
+        )
+
+    def each(
+        self,
+        work: Callable[[IntArray, Callable[[], bool]], T],
+        progress: Progress | None,
+        *,
+        most: int = CHUNK,
+    ) -> list[tuple[IntArray, T]]:
+        """Do `work` on every chunk of the valid trajectories, in threads."""
+        index = np.flatnonzero(~self.ensemble.invalid)
+        chunks = [index[i : i + most] for i in range(0, index.size, most)]
+        if chunks:
+            _ = self._flow  # compiled before the threads ask for it
+        stop = threading.Event()
+        found: list[tuple[IntArray, T]] = []
+        with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
+            try:
+                futures = {pool.submit(work, chunk, stop.is_set): chunk for chunk in chunks}
+                for done, future in enumerate(as_completed(futures), start=1):
+                    found.append((futures[future], future.result()))
+                    if progress is not None:
+                        progress(done / len(chunks))
+            except BaseException:
+                stop.set()
+                pool.shutdown(wait=False, cancel_futures=True)
+                raise
+        return found
+
+
+def damped(ens: Ensemble) -> BoolArray:
+    """Where the motion loses energy, array (trajectory,)."""
+    result = np.zeros(ens.count, dtype=np.bool_)
+    for name, values in ens.values.items():
+        if name.startswith("dissipation.") and name.endswith((".eta", ".modulus")):
+            result |= values > 0.0
+    return result
+
+
+def status_of(path: Path) -> IntArray:
+    """Status of followed trajectories."""
+    kinds = np.where(path.trusted, int(Status.OK), int(Status.MAX_STEPS))
+    return np.where(path.escaped, int(Status.ESCAPED), kinds)
+
+
+def gathered(
+    parts: list[tuple[IntArray, dict[str, np.ndarray]]], ens: Ensemble
+) -> dict[str, np.ndarray]:
+    """Arrays of all trajectories from those of chunks; what was not computed is NaN, 0 or ''."""
+    whole: dict[str, np.ndarray] = {}
+    for which, values in parts:
+        for name, part in values.items():
+            if name not in whole:
+                whole[name] = _empty(name, part, ens)
+            whole[name][which] = part
+    return whole
+
+
+def _empty(name: str, like: np.ndarray, ens: Ensemble) -> np.ndarray:
+    shape = (ens.count, *like.shape[1:])
+    if name == "status":
+        codes = np.where(ens.invalid, int(Status.INVALID), int(Status.NOT_COMPUTED))
+        return codes.astype(np.int8)
+    if like.dtype.kind == "f":
+        return np.full(shape, np.nan)
+    return np.zeros(shape, dtype=like.dtype)
+
+
+def labelled(
+    ens: Ensemble,
+    variables: Mapping[str, Labelled],
+    coords: Mapping[str, Labelled],
+    tolerance: float,
+    **settings: Any,
+) -> xr.Dataset:
+    """Variables with their coordinates, labelled and attributed."""
+    scales = getattr(ens.actuator, "scales", None)
+    attributes = provenance.attributes(
+        ens.actuator,
+        ens.drive,
+        tolerance,
+        over=ens.coords,
+        scales=None if scales is None else scales.factors(),
+        **settings,
+    )
+    return build.dataset(dict(variables), {**ens.coords, **coords}, attributes)

@@ -1,0 +1,140 @@
+"""Lyapunov exponents: how fast neighbouring motions part."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import xarray as xr
+
+from remanent._errors import InputError
+from remanent._typing import ArrayLike, IntArray
+from remanent.analysis.lyapunov import exponents
+from remanent.integrate.ensemble import Progress
+from remanent.models.actuator import Actuator
+from remanent.models.drives import Drive
+from remanent.results.build import Labelled
+from remanent.studies._checks import require_tolerance
+from remanent.studies._ensemble import Over, ensemble, require_memory
+from remanent.studies._follow import Follower, gathered, labelled, status_of
+from remanent.studies._time import require_count, require_periods
+
+#: The run is repeated with this many times the tolerance.
+COARSER = 10.0
+#: Most points of the history.
+_HISTORY = 100
+
+
+def lyapunov(
+    actuator: Actuator,
+    drive: Drive,
+    *,
+    periods: int,
+    count: int = 1,
+    initial: ArrayLike | None = None,
+    over: Over | None = None,
+    tolerance: float = 1e-9,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Average the growth of small differences over many drive periods.
+
+    Parameters
+    ----------
+    actuator, drive
+        What moves, and a periodic load.
+    periods
+        Length of the run in smallest periods of the load.  The first tenth is left out of
+        the average.
+    count
+        How many exponents, the largest first; at most as many as there are state variables.
+    initial, over, progress
+        As for :func:`remanent.simulate`.
+    tolerance
+        Of the error that one drive period adds.  Chaotic motion itself is known for a short
+        time only; its statistics are those of a motion nearby.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``exponent``, per unit of τ, with a dimension ``exponent_number`` if `count` is above
+        1; ``exponent_error``: standard error by batch means, plus the difference from a run
+        at ten times the tolerance; ``exponent_history``, the mean up to each of some
+        ``period``; ``drive_period``; ``horizon``, up to which the motion itself is known to
+        0.01; ``local_error``, the largest error of one period; ``status``.
+
+    Raises
+    ------
+    InputError
+        A bad argument, or a load without a period.
+
+    Notes
+    -----
+    Tangents obey w' = J w along the motion and are made orthonormal again after every few
+    periods (W = Q R); the exponent of direction j is the mean of ln R[j, j] over time.
+    Source: G. Benettin et al., Meccanica 15 (1980) 9.  With few periods, ``exponent_error``
+    is infinite: there are no batches to compare.
+
+    Examples
+    --------
+    An undamped torus has exponent 0:
+
+    >>> import remanent as rm
+    >>> ds = rm.lyapunov(rm.Actuator(), rm.SineSquared(0.4, 1.25), periods=100)
+    >>> bool(abs(ds.exponent) < 3 * ds.exponent_error + 0.05)
+    True
+    """
+    periods = require_count("periods", periods, "Exponents are averaged over whole drive periods.")
+    count = require_count("count", count, "It is a number of exponents.")
+    tolerance = require_tolerance(tolerance)
+    ens = ensemble(actuator, drive, over, initial)
+    length = require_periods(ens)
+    dimension = len(ens.field.state)
+    if count > dimension:
+        raise InputError(
+            "count",
+            f"be at most {dimension}",
+            count,
+            "There is one exponent for each state variable.",
+            f"Pass {dimension} for the whole spectrum.",
+        )
+    shown = min(periods, _HISTORY)
+    require_memory(8.0 * ens.count * count * (shown + 3), f"{ens.count} histories")
+    follower = Follower(ens, periods, count)
+
+    def work(which: IntArray, cancelled: Callable[[], bool]) -> dict[str, np.ndarray]:
+        path = follower.run(which, tolerance, cancelled=cancelled)
+        other = follower.run(which, COARSER * tolerance, cancelled=cancelled)
+        fine, coarse = (exponents(p.growth, p.lengths) for p in (path, other))
+        ends = np.cumsum(path.lengths)
+        some = np.unique(np.linspace(0, ends.size - 1, shown).astype(int))
+        tau = follower.lengths[which]
+        error = fine.error + np.abs(fine.mean - coarse.mean)
+        return {
+            "exponent": fine.mean / tau[:, None],
+            "exponent_error": error / tau[:, None],
+            "exponent_history": fine.history[:, some] / tau[:, None, None],
+            "horizon": path.horizon * tau,
+            "local_error": path.error,
+            "status": status_of(path),
+            "ends": np.tile(ends[some], (which.size, 1)),
+        }
+
+    parts = follower.each(work, progress)
+    whole = gathered(parts, ens)
+    ends = parts[0][1]["ends"][0] if parts else np.arange(1, 1)
+    number: tuple[str, ...] = ("exponent_number",) if count > 1 else ()
+    coords: dict[str, Labelled] = {"period": (("period",), ends)}
+    if count > 1:
+        coords["exponent_number"] = (number, np.arange(count))
+    variables: dict[str, Labelled] = {"drive_period": (ens.dims, ens.shaped(length))}
+    for name in ("exponent", "exponent_error"):
+        values = whole.get(name, np.full((ens.count, count), np.nan))
+        values = values if count > 1 else values[:, 0]
+        variables[name] = ((*ens.dims, *number), ens.shaped(values))
+    history = whole.get("exponent_history", np.full((ens.count, ends.size, count), np.nan))
+    history = history if count > 1 else history[..., 0]
+    variables["exponent_history"] = ((*ens.dims, "period", *number), ens.shaped(history))
+    for name in ("horizon", "local_error", "status"):
+        values = whole.get(name, np.full(ens.count, np.nan if name != "status" else 4))
+        variables[name] = (ens.dims, ens.shaped(values))
+    return labelled(ens, variables, coords, tolerance, periods=periods, count=count)

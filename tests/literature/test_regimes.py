@@ -1,0 +1,193 @@
+"""Labels of a thousand motions against references that no label of ours went into.
+
+The cases and how their truth was found: ``regimes/README.md``.
+"""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path as File
+from typing import Any
+
+import numpy as np
+import pytest
+import sympy as sp
+import xarray as xr
+from tests.unit.analysis.iterated import Iterated, henon, logistic, rolled, standard
+from tests.unit.integrate.handmade import COSINE, Oscillator, Q, V, turning
+
+from remanent._typing import FloatArray, IntArray
+from remanent.analysis import regimes
+from remanent.analysis.following import Advance, Path, follow
+from remanent.analysis.regimes import Regime
+from remanent.integrate.advance import Advancer, Step
+from remanent.integrate.period_map import PeriodMap
+from remanent.models.actuator import Actuator
+from remanent.models.drives import SineSquared
+from remanent.models.viscous import Rayleigh
+from remanent.studies._ensemble import ensemble, problem
+
+CASES: list[dict[str, Any]] = json.loads(
+    (File(__file__).parent / "regimes" / "cases.json").read_text("utf-8")
+)["cases"]
+TOLERANCES = (1e-9, 1e-8, 1e-7)
+#: Chaos that ends after the run looks like any other.
+LATER = "settled"
+
+
+@dataclass
+class Rolling:
+    """A pendulum's angle stays within a turn, where its error is small."""
+
+    flow: Advancer
+
+    def __call__(
+        self,
+        which: IntArray,
+        states: FloatArray,
+        tangents: FloatArray,
+        periods: int,
+        *,
+        every: bool,
+    ) -> Step:
+        wound = states.copy()
+        wound[:, 0] = np.remainder(wound[:, 0] + np.pi, 2.0 * np.pi) - np.pi
+        return self.flow(which, wound, tangents, periods, every=every)
+
+
+def forced(acceleration: Any, names: str, par: FloatArray, tolerance: float) -> Advancer:
+    """q'' = acceleration, driven at the frequency that comes first among the parameters."""
+    field = Oscillator(acceleration, dict.fromkeys(names.split()[1:], 0.0)).field()
+    flow = PeriodMap(field, turning, directions=2)
+    return Advancer(flow, np.ascontiguousarray(par[:, 1:]), 2.0 * np.pi / par[:, 0], tolerance)
+
+
+def oscillator(par: FloatArray, tolerance: float) -> Advance:
+    d, g, a, e, k, F = sp.symbols("d g a e k F", real=True)
+    law = F * COSINE - (d + g * Q**2) * V - (a + e * COSINE) * Q - k * Q**3
+    return forced(law, "omega d g a e k F", par, tolerance)
+
+
+def pendulum(par: FloatArray, tolerance: float) -> Advance:
+    d, F = sp.symbols("d F", real=True)
+    return Rolling(forced(F * COSINE - d * V - sp.sin(Q), "omega d F", par, tolerance))
+
+
+def actuator(par: FloatArray, tolerance: float) -> Advance:
+    names = ("omega", "temperature", "prestress", "b", "c", "dissipation.0.eta")
+    values = par * [1.0, 293.0, 1.0, 1.0, 1.0, 1.0]
+    over = {n: xr.DataArray(v, dims="case") for n, v in zip(names, values.T, strict=True)}
+    ens = ensemble(Actuator(dissipation=Rayleigh(0.1)), SineSquared(0.4, 1.0), over)
+    asked, length = problem(ens, np.ones(ens.count)), ens.periods()
+    assert length is not None
+    flow = PeriodMap(asked.field, asked.timeline.waveform, directions=2)
+    return Advancer(flow, asked.parameters, length, tolerance)
+
+
+def plain_map(step: Any) -> Callable[[FloatArray, float], Advance]:
+    return lambda par, tolerance: Iterated(step, par)
+
+
+def winding(y: FloatArray) -> FloatArray:
+    """Cosine and sine of the angle, and the rate."""
+    return np.stack([np.cos(y[..., 0]), np.sin(y[..., 0]), y[..., 1]], axis=-1)
+
+
+FAMILIES: dict[str, tuple[Callable[[FloatArray, float], Advance], Any]] = {
+    "actuator": (actuator, regimes.plain),
+    "oscillator": (oscillator, regimes.plain),
+    "pendulum": (pendulum, winding),
+    "standard": (plain_map(standard), rolled),
+    "logistic": (plain_map(logistic), regimes.plain),
+    "henon": (plain_map(henon), regimes.plain),
+}
+
+
+def label(cases: list[dict[str, Any]], periods: int) -> list[tuple[str, int]]:
+    """Regime and period of cases of one family."""
+    family = cases[0]["family"]
+    make, observables = FAMILIES[family]
+    parameters = np.array([case["parameters"] for case in cases])
+    start = np.array([case["initial"] for case in cases])
+    start = start[:, :1] if family == "logistic" else start
+    dimension = start.shape[1]
+
+    def run(which: IntArray, n: int) -> Path:
+        advance = make(parameters[which], TOLERANCES[n])
+        return follow(advance, start[which], periods, directions=dimension, every=True)
+
+    finest = make(parameters, TOLERANCES[0])
+
+    def iterate(which: IntArray, states: FloatArray, period: int) -> tuple[FloatArray, FloatArray]:
+        unit = np.tile(np.eye(dimension), (which.size, 1, 1))
+        image = finest(which, states, unit, period, every=False)
+        return image.visited[:, -1], np.moveaxis(image.tangents, 1, 2)
+
+    verdict, _ = regimes.classify(
+        run,
+        len(cases),
+        damped=np.array([case["dissipative"] for case in cases]),
+        iterate=iterate,
+        observables=observables,
+    )
+    names = [Regime(code).meaning for code in verdict.regime]
+    return list(zip(names, verdict.period.tolist(), strict=True))
+
+
+def confusion(cases: list[dict[str, Any]], periods: int) -> tuple[Counter[Any], list[str]]:
+    """Counts of (truth, label), and what is wrong."""
+    counts: Counter[Any] = Counter()
+    wrong: list[str] = []
+    for family in FAMILIES:
+        some = [case for case in cases if case["family"] == family]
+        for case, (name, period) in zip(some, label(some, periods) if some else [], strict=True):
+            truth = case["truth"]
+            counts[truth, name] += 1
+            if (
+                truth != "undecided"
+                and name != "undecided"
+                and not right(case, name, period, periods)
+            ):
+                wrong.append(
+                    f"{case['id']} {case['group']}: {truth} {case['period']}, {name} {period}"
+                )
+    return counts, wrong
+
+
+def right(case: dict[str, Any], name: str, period: int, periods: int) -> bool:
+    """Whether a label is true, as far as a run of this length can know."""
+    settled = case["evidence"].get(LATER)
+    if case["truth"] == "periodic" and name == "chaotic":
+        return settled is not None and settled > periods
+    if name != case["truth"]:
+        return False
+    if name != "periodic" or case["period"] == period:
+        return True
+    # Where the reference returns to within rounding, a multiple may return exactly.
+    return case["period"] % period == 0 and case["evidence"]["defect"] < 1e-10
+
+
+def undecided(counts: Counter[Any]) -> float:
+    """Share of undecided labels among motions of known regime."""
+    known = {key: n for key, n in counts.items() if key[0] != "undecided"}
+    return sum(n for (_, name), n in known.items() if name == "undecided") / sum(known.values())
+
+
+def test_every_twelfth_motion() -> None:
+    """No wrong label after 500 periods, and few undecided."""
+    counts, wrong = confusion(CASES[::12], 500)
+    assert not wrong
+    assert undecided(counts) < 0.12
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("periods", "share"), [(500, 0.10), (2000, 0.05)])
+def test_all_motions(periods: int, share: float) -> None:
+    """No wrong label, and hardly any undecided: the confusion is printed."""
+    counts, wrong = confusion(CASES, periods)
+    print(periods, dict(sorted(counts.items())))
+    assert not wrong
+    assert undecided(counts) < share
