@@ -88,7 +88,7 @@ def actuator(par: FloatArray, tolerance: float) -> Advance:
 
 
 def plain_map(step: Any) -> Callable[[FloatArray, float], Advance]:
-    return lambda par, tolerance: Iterated(step, par)
+    return lambda par, _tolerance: Iterated(step, par)
 
 
 def winding(y: FloatArray) -> FloatArray:
@@ -161,13 +161,13 @@ def right(case: dict[str, Any], name: str, period: int, periods: int) -> bool:
     """Whether a label is true, as far as a run of this length can know."""
     settled = case["evidence"].get(LATER)
     if case["truth"] == "periodic" and name == "chaotic":
-        return settled is not None and settled > periods
+        return settled is not None and bool(settled > periods)
     if name != case["truth"]:
         return False
     if name != "periodic" or case["period"] == period:
         return True
     # Where the reference returns to within rounding, a multiple may return exactly.
-    return case["period"] % period == 0 and case["evidence"]["defect"] < 1e-10
+    return bool(case["period"] % period == 0 and case["evidence"]["defect"] < 1e-10)
 
 
 def undecided(counts: Counter[Any]) -> float:
