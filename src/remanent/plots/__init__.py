@@ -3,6 +3,7 @@
 from remanent.plots.branches import branch
 from remanent.plots.energy import landscape
 from remanent.plots.forced import response
+from remanent.plots.maps import map
 from remanent.plots.motion import history, phase, section
 
-__all__ = ["branch", "history", "landscape", "phase", "response", "section"]
+__all__ = ["branch", "history", "landscape", "map", "phase", "response", "section"]

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from remanent._errors import InputError
 from remanent.results.schema import FLAGS, describe, flag_attributes
 
-__all__ = ["Labelled", "dataset", "unflatten"]
+__all__ = ["Labelled", "dataset"]
 
 #: Dimension names and values, as xarray takes them.
 Labelled = tuple[tuple[str, ...], NDArray[Any]]
@@ -63,32 +63,6 @@ def dataset(
         coords={name: _coordinate(name, *labelled) for name, labelled in coords.items()},
         attrs=dict(provenance),
     )
-
-
-def unflatten(values: NDArray[Any], sizes: Mapping[str, int]) -> NDArray[Any]:
-    """Give trajectory-major values the shape of their ensemble.
-
-    Parameters
-    ----------
-    values : array (trajectory, ...)
-        Values, the first dimension of the ensemble varying slowest.
-    sizes
-        Length of each dimension of the ensemble, in order; empty for a single run.
-
-    Returns
-    -------
-    array (*sizes, ...)
-        A view where possible.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> unflatten(np.zeros((6, 5)), {"temperature": 3, "prestress": 2}).shape
-    (3, 2, 5)
-    >>> unflatten(np.zeros((1, 5)), {}).shape
-    (5,)
-    """
-    return values.reshape(*sizes.values(), *values.shape[1:])
 
 
 def _variable(name: str, dims: tuple[str, ...], values: NDArray[Any]) -> xr.Variable:

@@ -50,15 +50,6 @@ def test_wrong_input_is_refused(variables: dict[str, build.Labelled], match: str
         build.dataset(variables, {"time": (("time",), np.arange(3.0))}, {})
 
 
-def test_unflatten_keeps_the_first_dimension_slowest() -> None:
-    """Trajectory i * n + j is member (i, j) of the ensemble."""
-    flat = np.arange(24).reshape(6, 4)
-    found = build.unflatten(flat, {"temperature": 2, "prestress": 3})
-    for i in range(2):
-        for j in range(3):
-            np.testing.assert_array_equal(found[i, j], flat[3 * i + j])
-
-
 def test_equal_runs_have_equal_provenance() -> None:
     """Nothing in the attributes depends on when they were made."""
     first = provenance.attributes("Actuator()", "Constant(0.1)", 1e-9, over=["omega"], every=2)
