@@ -147,11 +147,10 @@ def _explain(axes: Axes, dataset: xr.Dataset, variable: str) -> None:
         style.legend_above(axes, entries)
     if "chaotic" in seen and "exponent" in dataset:
         scale = ScalarMappable(Normalize(0.0, _largest(dataset)), _part(_CHAOS))
-        _bar(axes, scale, "chaotic: " + style.label(dataset["exponent"]))
+        _bar(axes, scale, "chaotic: exponent $\\Lambda$")
     if "quasi-periodic" in seen and "rotation_number" in dataset:
         scale = ScalarMappable(Normalize(0.0, 0.5), _part(_TORUS))
-        words = style.label(dataset["rotation_number"])
-        _bar(axes, scale, f"quasi-periodic: {words}, to the nearest whole turn")
+        _bar(axes, scale, "quasi-periodic: rotation number $\\nu$")
 
 
 def _part(name: str) -> Any:
