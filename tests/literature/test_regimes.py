@@ -88,7 +88,12 @@ def actuator(par: FloatArray, tolerance: float) -> Advance:
 
 
 def plain_map(step: Any) -> Callable[[FloatArray, float], Advance]:
-    return lambda par, tolerance: Iterated(step, par)
+    """A map is exact: nothing depends on the tolerance."""
+
+    def make(par: FloatArray, _: float) -> Advance:
+        return Iterated(step, par)
+
+    return make
 
 
 def winding(y: FloatArray) -> FloatArray:
@@ -146,8 +151,14 @@ def confusion(cases: list[dict[str, Any]], periods: int) -> tuple[Counter[Any], 
         for case, (name, period) in zip(some, label(some, periods) if some else [], strict=True):
             truth = case["truth"]
             counts[truth, name] += 1
-            if truth != "undecided" and name != "undecided" and not right(case, name, period, periods):
-                wrong.append(f"{case['id']} {case['group']}: {truth} {case['period']}, {name} {period}")
+            if (
+                truth != "undecided"
+                and name != "undecided"
+                and not right(case, name, period, periods)
+            ):
+                wrong.append(
+                    f"{case['id']} {case['group']}: {truth} {case['period']}, {name} {period}"
+                )
     return counts, wrong
 
 
@@ -155,13 +166,13 @@ def right(case: dict[str, Any], name: str, period: int, periods: int) -> bool:
     """Whether a label is true, as far as a run of this length can know."""
     settled = case["evidence"].get(LATER)
     if case["truth"] == "periodic" and name == "chaotic":
-        return settled is not None and settled > periods
+        return bool(settled is not None and settled > periods)
     if name != case["truth"]:
         return False
     if name != "periodic" or case["period"] == period:
         return True
     # Where the reference returns to within rounding, a multiple may return exactly.
-    return case["period"] % period == 0 and case["evidence"]["defect"] < 1e-10
+    return bool(case["period"] % period == 0 and case["evidence"]["defect"] < 1e-10)
 
 
 def undecided(counts: Counter[Any]) -> float:
