@@ -88,7 +88,12 @@ def actuator(par: FloatArray, tolerance: float) -> Advance:
 
 
 def plain_map(step: Any) -> Callable[[FloatArray, float], Advance]:
-    return lambda par, _tolerance: Iterated(step, par)
+    """A map is exact: nothing depends on the tolerance."""
+
+    def make(par: FloatArray, _: float) -> Advance:
+        return Iterated(step, par)
+
+    return make
 
 
 def winding(y: FloatArray) -> FloatArray:
@@ -161,7 +166,7 @@ def right(case: dict[str, Any], name: str, period: int, periods: int) -> bool:
     """Whether a label is true, as far as a run of this length can know."""
     settled = case["evidence"].get(LATER)
     if case["truth"] == "periodic" and name == "chaotic":
-        return settled is not None and bool(settled > periods)
+        return bool(settled is not None and settled > periods)
     if name != case["truth"]:
         return False
     if name != "periodic" or case["period"] == period:

@@ -30,6 +30,8 @@ def weighted_average(values: FloatArray) -> FloatArray:
     """
     s = np.arange(1, values.shape[-1] + 1) / (values.shape[-1] + 1)
     weight = np.exp(-1.0 / (s * (1.0 - s)))
+    # Contiguous, so that the order of summation does not depend on how many orbits there are.
+    values = np.ascontiguousarray(values)
     return np.asarray(np.sum(values * (weight / weight.sum()), axis=-1))
 
 
@@ -65,7 +67,7 @@ def overlapping_digits(values: FloatArray) -> FloatArray:
 
 
 def _digits(first: FloatArray, second: FloatArray, values: FloatArray) -> FloatArray:
-    spread = np.std(values, axis=-1)
+    spread = np.std(np.ascontiguousarray(values), axis=-1)
     with np.errstate(divide="ignore", invalid="ignore"):
         digits = -np.log10(np.abs(first - second) / spread)
     return np.asarray(np.where(spread == 0.0, 16.0, np.minimum(digits, 16.0)))
@@ -115,7 +117,7 @@ def rotation(points: FloatArray, centre: FloatArray | None = None) -> Rotation:
     if centre is None:
         centre = weighted_average(np.moveaxis(points, 1, -1))
     away = points - centre[:, None]
-    size = np.std(away, axis=1)
+    size = np.std(np.ascontiguousarray(np.moveaxis(away, 1, -1)), axis=-1)
     with np.errstate(divide="ignore", invalid="ignore"):
         # Scaled, so that flat curves are as good as round ones.
         angle = -np.arctan2(away[..., 1] / size[:, None, 1], away[..., 0] / size[:, None, 0])

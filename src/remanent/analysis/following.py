@@ -139,6 +139,13 @@ def _ends(periods: int, block: int) -> IntArray:
     return np.append(np.arange(block, periods, block), periods)
 
 
+def block_lengths(periods: int, directions: int, block: int | None = None) -> IntArray:
+    """Periods of each block of a run; the last may be shorter."""
+    if block is None:
+        block = _ALONE if directions <= 1 else _TOGETHER
+    return np.diff(_ends(periods, block), prepend=0)
+
+
 def follow(
     advance: Advance,
     states: FloatArray,
@@ -147,6 +154,7 @@ def follow(
     directions: int,
     every: bool = False,
     lost: float = 1e-2,
+    block: int | None = None,
     cancelled: Callable[[], bool] = lambda: False,
 ) -> Path:
     """Follow points over many periods.
@@ -163,11 +171,15 @@ def follow(
         Keep all states.
     lost
         Error of the state from which on it is not known any more, for `horizon`.
+    block
+        Periods between renormalisations; one where the smallest exponent matters, since of
+        tangents that lined up nothing is left but rounding.
     cancelled
         Asked before each block; if it says so, the rest is left out.
     """
     count, dimension = states.shape
-    block = _ALONE if directions <= 1 else _TOGETHER
+    if block is None:
+        block = _ALONE if directions <= 1 else _TOGETHER
     ends = _ends(periods, block)
     factors = np.full((count, ends.size, directions, directions), np.nan)
     visited = np.full((count, periods + 1, dimension), np.nan) if every else None

@@ -56,9 +56,11 @@ def exponents(growth: FloatArray, lengths: IntArray, *, transient: float = TRANS
     """
     first = int(transient * lengths.size)
     kept, periods = growth[:, first:], lengths[first:]
-    mean = kept.sum(axis=1) / periods.sum()
+    # Contiguous, so that the order of summation does not depend on how many orbits there are.
+    series = np.ascontiguousarray(np.moveaxis(kept, 1, -1))
+    mean = series.sum(axis=-1) / periods.sum()
     whole = periods == periods[0]  # the last block may be shorter
-    error = batch_error(np.moveaxis(kept[:, whole], 1, -1)) / periods[0]
+    error = batch_error(np.ascontiguousarray(series[..., whole])) / periods[0]
     history = np.cumsum(growth, axis=1) / np.cumsum(lengths)[:, None]
     return Exponents(mean, error, history)
 

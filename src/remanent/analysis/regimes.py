@@ -62,6 +62,9 @@ class Rules:
         run, at most, on a torus: n^2 would give 1.7.  The second where digits are few.
     wandering, calm
         The 0-1 test, at most, on a torus; the second where digits are few.
+    pieces
+        Extent of every eighth point on a torus that attracts, relative to all, at least:
+        where periods double for ever, motion is as regular as on a torus, in pieces.
     alike
         Factor between exponents at different tolerances that are the same, at most.
     """
@@ -80,6 +83,7 @@ class Rules:
     steadier: float = 1.5
     wandering: float = 0.4
     calm: float = 0.2
+    pieces: float = 0.1
     alike: float = 3.0
 
 
@@ -101,6 +105,8 @@ class Evidence:
         Digits to which weighted averages agree, the fewest over the observables.
     banded_digits
         The same within the bands of an orbit that visits some in turn.
+    pieces
+        Extent of every eighth point relative to that of all.
     zero_one
         Result of the 0-1 test, NaN where it was not needed.
     sali
@@ -121,6 +127,7 @@ class Evidence:
     steady: FloatArray
     digits: FloatArray
     banded_digits: FloatArray
+    pieces: FloatArray
     zero_one: FloatArray
     sali: FloatArray
     rotation_number: FloatArray
@@ -205,6 +212,7 @@ def _gather(
         steady=logs[:, -quarter:].mean(axis=1) - logs[:, quarter : 2 * quarter].mean(axis=1),
         digits=overlapping_digits(np.moveaxis(points, 1, 2)).min(axis=1),
         banded_digits=_banded(points),
+        pieces=_pieces(points),
         zero_one=zero_one(points[:, :, 0], rng=np.random.default_rng(seed)),
         sali=alignment(path.factors[which])[:, -1] if growth.shape[2] > 1 else none,
         rotation_number=none if turning is None else turning.number,
@@ -228,9 +236,9 @@ def _banded(points: FloatArray) -> FloatArray:
     """
     values = np.moveaxis(points, 1, 2)
     digits = overlapping_digits(values).min(axis=1)
-    extent = np.std(values, axis=2)
+    extent = np.std(np.ascontiguousarray(values), axis=2)
     for bands in _BANDS:
-        one = values[..., ::bands]
+        one = np.ascontiguousarray(values[..., ::bands])
         with np.errstate(invalid="ignore"):
             narrow = (np.std(one, axis=2) < _NARROW * extent).any(axis=1)
         if narrow.any() and one.shape[2] >= _SHORTEST:
@@ -241,6 +249,14 @@ def _banded(points: FloatArray) -> FloatArray:
 
 #: Fewest points of an average.
 _SHORTEST = 24
+
+
+def _pieces(points: FloatArray) -> FloatArray:
+    """Scatter of every eighth point relative to that of all, the least over observables."""
+    values = np.moveaxis(points, 1, 2)
+    some, whole = (np.ascontiguousarray(part) for part in (values[..., ::8], values))
+    with np.errstate(all="ignore"):
+        return np.asarray(np.fmin.reduce(some.std(axis=2) / whole.std(axis=2), axis=1))
 
 
 @dataclass(frozen=True)
@@ -316,7 +332,7 @@ def _judge(
             & (e.steady <= rules.steadier)
             & ~(e.zero_one > rules.calm)
         )
-        torus = apart & regular & (~damped | lasting) & (many | few)
+        torus = apart & regular & (~damped | lasting & (e.pieces >= rules.pieces)) & (many | few)
         significance = e.exponent / (rules.significance * e.exponent_error)
         most = rules.power * np.log(periods) + 2.0 * rules.excess
         chaotic = (

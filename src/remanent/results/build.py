@@ -72,12 +72,12 @@ def _variable(name: str, dims: tuple[str, ...], values: NDArray[Any]) -> xr.Vari
 
 
 def _coordinate(name: str, dims: tuple[str, ...], values: NDArray[Any]) -> xr.Variable:
-    """A coordinate; one that labels its dimension is an index.
+    """A coordinate; one of numbers that label its dimension is an index.
 
     xarray would make the index itself, but looks for pint in any array, and importing
     that takes longer than most runs.
     """
-    if dims == (name,):
+    if dims == (name,) and values.dtype.kind in "iuf":
         return xr.Variable(dims, pd.Index(values), describe(name).attributes())
     return _variable(name, dims, values)
 

@@ -14,7 +14,7 @@ import numpy as np
 import xarray as xr
 
 from remanent._typing import BoolArray, FloatArray, IntArray
-from remanent.analysis.following import Path, follow
+from remanent.analysis.following import Path, block_lengths, follow
 from remanent.integrate.advance import Advancer
 from remanent.integrate.ensemble import Progress
 from remanent.integrate.period_map import PeriodMap
@@ -26,7 +26,7 @@ from remanent.studies._ensemble import Ensemble, problem
 from remanent.studies._time import require_periods
 
 #: Trajectories followed together: enough to keep a kernel busy, few enough to stay in cache.
-CHUNK = 512
+CHUNK = 1024
 T = TypeVar("T")
 
 
@@ -80,6 +80,7 @@ class Follower:
         tolerance: float,
         *,
         every: bool = False,
+        block: int | None = None,
         cancelled: Callable[[], bool] = lambda: False,
     ) -> Path:
         """Follow some of the trajectories; the errors of their periods stay below `tolerance`."""
@@ -89,8 +90,13 @@ class Follower:
             self.periods,
             directions=self.directions,
             every=every,
+            block=block,
             cancelled=cancelled,
         )
+
+    def blocks(self, block: int | None) -> IntArray:
+        """Periods of each block of a run."""
+        return block_lengths(self.periods, self.directions, block)
 
     def each(
         self,
@@ -136,15 +142,21 @@ def status_of(path: Path) -> IntArray:
 
 
 def gathered(
-    parts: list[tuple[IntArray, dict[str, np.ndarray]]], ens: Ensemble
+    parts: list[tuple[IntArray, dict[str, np.ndarray]]],
+    ens: Ensemble,
+    kinds: Mapping[str, np.ndarray],
 ) -> dict[str, np.ndarray]:
-    """Arrays of all trajectories from those of chunks; what was not computed is NaN, 0 or ''."""
-    whole: dict[str, np.ndarray] = {}
+    """Arrays of all trajectories from those of chunks; what was not computed is NaN, 0 or ''.
+
+    Parameters
+    ----------
+    kinds
+        For each name an array with the type and the later dimensions of its values.
+    """
+    whole = {name: _empty(name, like, ens) for name, like in kinds.items()}
     for which, values in parts:
-        for name, part in values.items():
-            if name not in whole:
-                whole[name] = _empty(name, part, ens)
-            whole[name][which] = part
+        for name in kinds:
+            whole[name][which] = values[name]
     return whole
 
 

@@ -20,7 +20,7 @@ from remanent.studies._checks import require_tolerance
 from remanent.studies._ensemble import ensemble, require_memory
 from remanent.studies._follow import Follower, damped, gathered, labelled
 from remanent.studies._time import require_count, require_periods
-from remanent.studies.classify import FEWEST, WHY, Judged
+from remanent.studies.classify import FEWEST, KINDS, WHY, Judged
 
 #: Periods at the end of a run that tell attractors apart.
 _TAIL = 128
@@ -97,13 +97,15 @@ def basins(
         tail = path.visited[:, -_TAIL:].copy()
         return judged.variables(which, verdict, path) | {"tail": tail, "code": verdict.regime}
 
-    whole = gathered(judged.follower.each(work, progress, most=judged.most), ens)
-    tail, code = whole.pop("tail", None), whole.pop("code", None)
+    shape = (0, min(_TAIL, periods), len(ens.field.state))
+    kinds = {**KINDS, "tail": np.empty(shape), "code": np.empty(0, dtype=np.int64)}
+    whole = gathered(judged.follower.each(work, progress, most=judged.most), ens, kinds)
+    tail, code = whole.pop("tail"), whole.pop("code")
     variables: dict[str, Labelled] = {"drive_period": (ens.dims, ens.shaped(length))}
     for name, values in whole.items():
         variables[name] = (ens.dims, ens.shaped(values))
     coords: dict[str, Labelled] = {}
-    if tail is not None and code is not None and damped(ens).all():
+    if damped(ens).all():
         found = attractors(tail, code, whole["period"])
         variables["basin"] = (ens.dims, ens.shaped(found.which))
         along = ("attractor",)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import numpy as np
 import xarray as xr
@@ -24,8 +24,16 @@ from remanent.studies._time import require_count, require_periods
 _TOLERANCES = (1.0, 10.0, 100.0)
 #: Shorter runs say nothing of their regime.
 FEWEST = 100
-WHY = "A regime shows in a long run."
 _EVIDENCE = ("digits", "zero_one", "sali", "rotation_number", "rotation_digits", "defect")
+#: Types of what is told of each trajectory.
+KINDS: Mapping[str, np.ndarray] = {
+    "regime": np.empty(0, dtype="<U14"),
+    "period": np.empty(0, dtype=np.int64),
+    **dict.fromkeys(("margin", "exponent", "exponent_error"), np.empty(0)),
+    **dict.fromkeys(("horizon", "local_error", "status"), np.empty(0)),
+    **dict.fromkeys(_EVIDENCE, np.empty(0)),
+}
+WHY = "A regime shows in a long run."
 
 
 def classify(
@@ -101,7 +109,8 @@ def classify(
     require_memory(300.0 * ens.count, f"{ens.count} labels")
     seed = 0 if rng is None else int(rng.integers(2**31))
     judged = Judged(Follower(ens, periods, min(2, len(ens.field.state))), tolerance, seed)
-    whole = gathered(judged.follower.each(judged.chunk, progress, most=judged.most), ens)
+    parts = judged.follower.each(judged.chunk, progress, most=judged.most)
+    whole = gathered(parts, ens, KINDS)
     variables: dict[str, Labelled] = {"drive_period": (ens.dims, ens.shaped(length))}
     for name, values in whole.items():
         variables[name] = (ens.dims, ens.shaped(values))

@@ -23,6 +23,8 @@ from remanent.studies._time import require_count, require_periods
 COARSER = 10.0
 #: Most points of the history.
 _HISTORY = 100
+#: A tangent with less than this share of the growth of the first is rounding.
+_COLLAPSED = 1e-13
 
 
 def lyapunov(
@@ -100,15 +102,21 @@ def lyapunov(
     shown = min(periods, _HISTORY)
     require_memory(8.0 * ens.count * count * (shown + 3), f"{ens.count} histories")
     follower = Follower(ens, periods, count)
+    block = None if count == 1 else 1
+    blocks = follower.blocks(block)
+    some = np.unique(np.linspace(0, blocks.size - 1, shown).astype(int))
+    ends = np.cumsum(blocks)[some]
 
     def work(which: IntArray, cancelled: Callable[[], bool]) -> dict[str, np.ndarray]:
-        path = follower.run(which, tolerance, cancelled=cancelled)
-        other = follower.run(which, COARSER * tolerance, cancelled=cancelled)
+        path = follower.run(which, tolerance, block=block, cancelled=cancelled)
+        coarser = COARSER * tolerance
+        other = follower.run(which, coarser, block=block, cancelled=cancelled)
         fine, coarse = (exponents(p.growth, p.lengths) for p in (path, other))
-        ends = np.cumsum(path.lengths)
-        some = np.unique(np.linspace(0, ends.size - 1, shown).astype(int))
         tau = follower.lengths[which]
         error = fine.error + np.abs(fine.mean - coarse.mean)
+        # Tangents that lined up within a period leave a bound, not a value.
+        collapsed = path.growth - path.growth[:, :, :1] < np.log(_COLLAPSED)
+        error[collapsed.any(axis=1)] = np.inf
         return {
             "exponent": fine.mean / tau[:, None],
             "exponent_error": error / tau[:, None],
@@ -116,25 +124,24 @@ def lyapunov(
             "horizon": path.horizon * tau,
             "local_error": path.error,
             "status": status_of(path),
-            "ends": np.tile(ends[some], (which.size, 1)),
         }
 
-    parts = follower.each(work, progress)
-    whole = gathered(parts, ens)
-    ends = parts[0][1]["ends"][0] if parts else np.arange(1, 1)
+    each = np.empty(0)
+    kinds = dict.fromkeys(("horizon", "local_error", "status"), each)
+    kinds |= dict.fromkeys(("exponent", "exponent_error"), np.empty((0, count)))
+    kinds["exponent_history"] = np.empty((0, ends.size, count))
+    whole = gathered(follower.each(work, progress), ens, kinds)
     number: tuple[str, ...] = ("exponent_number",) if count > 1 else ()
     coords: dict[str, Labelled] = {"period": (("period",), ends)}
     if count > 1:
         coords["exponent_number"] = (number, np.arange(count))
     variables: dict[str, Labelled] = {"drive_period": (ens.dims, ens.shaped(length))}
     for name in ("exponent", "exponent_error"):
-        values = whole.get(name, np.full((ens.count, count), np.nan))
-        values = values if count > 1 else values[:, 0]
+        values = whole[name] if count > 1 else whole[name][:, 0]
         variables[name] = ((*ens.dims, *number), ens.shaped(values))
-    history = whole.get("exponent_history", np.full((ens.count, ends.size, count), np.nan))
+    history = whole["exponent_history"]
     history = history if count > 1 else history[..., 0]
     variables["exponent_history"] = ((*ens.dims, "period", *number), ens.shaped(history))
     for name in ("horizon", "local_error", "status"):
-        values = whole.get(name, np.full(ens.count, np.nan if name != "status" else 4))
-        variables[name] = (ens.dims, ens.shaped(values))
+        variables[name] = (ens.dims, ens.shaped(whole[name]))
     return labelled(ens, variables, coords, tolerance, periods=periods, count=count)

@@ -1,0 +1,146 @@
+"""Long runs of flows: exponents that are known, steps that follow each trajectory."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import sympy as sp
+from tests.unit.integrate.handmade import COSINE, Oscillator, Q, V, turning
+
+from remanent._field import Field
+from remanent._typing import FloatArray
+from remanent.analysis.following import Path, follow
+from remanent.analysis.lyapunov import Exponents, exponents
+from remanent.codegen.lower import lower
+from remanent.integrate.advance import Advancer
+from remanent.integrate.period_map import PeriodMap
+
+X, Y, Z = sp.symbols("x y z", real=True)
+
+
+def autonomous(rates: list[sp.Expr]) -> Field:
+    """A field of x, y, z without parameters; the phase is there but plays no part."""
+    names = ("x", "y", "z")[: len(rates)]
+    inputs = ("drive_phase", *names, "sine", "cosine")
+    levels = dict.fromkeys((X, Y, Z), 2) | dict.fromkeys(sp.symbols("sine cosine", real=True), 1)
+
+    def program(*outputs: sp.Expr) -> object:
+        return lower(outputs, inputs=inputs, levels=levels, definitions={})
+
+    return Field(
+        state=names,
+        parameters=(),
+        waveforms=("sine", "cosine"),
+        rates=program(*rates),  # type: ignore[arg-type]
+        watched=program(X, rates[0], rates[0], rates[0]),  # type: ignore[arg-type]
+        observables={},
+    )
+
+
+def spectrum(
+    field: Field, start: list[float], length: float, periods: int, *, directions: int | None = None
+) -> tuple[Exponents, Path]:
+    """Exponents per unit of time of an autonomous flow, strobed every `length`."""
+    count = len(start) if directions is None else directions
+    flow = PeriodMap(field, turning, directions=count)
+    advance = Advancer(flow, np.zeros((1, 0)), np.array([length]), 1e-9)
+    path = follow(advance, np.array([start]), periods, directions=count)
+    found = exponents(path.growth, path.lengths)
+    return Exponents(found.mean / length, found.error / length, found.history / length), path
+
+
+def test_decay_has_exponent_minus_one() -> None:
+    """N7: x' = -x."""
+    found, _ = spectrum(autonomous([-X]), [1.0], 0.7, 200)
+    assert found.mean[0, 0] == pytest.approx(-1.0, abs=1e-8)
+
+
+def test_lorenz_exponents() -> None:
+    """N7: their sum is the trace, -(10 + 1 + 8/3); the largest is 0.9056 (Viswanath 1998)."""
+    rates = [10 * (Y - X), 28 * X - Y - X * Z, X * Y - sp.Rational(8, 3) * Z]
+    found, path = spectrum(autonomous(rates), [1.0, 1.0, 20.0], 0.2, 4000)
+    assert path.trusted.all()
+    assert found.mean[0].sum() == pytest.approx(-(11.0 + 8.0 / 3.0), abs=1e-5)
+    assert found.mean[0, 0] == pytest.approx(0.9056, abs=3 * found.error[0, 0] + 1e-3)
+    assert abs(found.mean[0, 1]) < 3 * found.error[0, 1] + 5e-3
+    assert found.error[0, 0] < 0.03
+
+
+def test_roessler_exponents() -> None:
+    """a = 0.15, b = 0.2, c = 10: largest 0.09 (Wolf 1985: 0.13 bits), the next 0."""
+    rates = [-Y - Z, X + 0.15 * Y, sp.Rational(1, 5) + Z * (X - 10)]
+    found, _ = spectrum(autonomous(rates), [1.0, 1.0, 1.0], 1.0, 4000, directions=2)
+    assert found.mean[0, 0] == pytest.approx(0.13 * np.log(2.0), abs=0.005)
+    assert abs(found.mean[0, 1]) < 3 * found.error[0, 1] + 2e-3
+
+
+def test_exponent_of_the_map_is_period_times_that_of_the_flow() -> None:
+    """N7: strobing half as often doubles growth per period."""
+    rates = [10 * (Y - X), 28 * X - Y - X * Z, X * Y - sp.Rational(8, 3) * Z]
+    often, _ = spectrum(autonomous(rates), [1.0, 1.0, 20.0], 0.2, 2000, directions=1)
+    seldom, _ = spectrum(autonomous(rates), [1.0, 1.0, 20.0], 0.4, 1000, directions=1)
+    slack = 3 * float(np.hypot(often.error[0, 0], seldom.error[0, 0]))
+    assert often.mean[0, 0] == pytest.approx(seldom.mean[0, 0], abs=slack)
+
+
+def duffing(par: FloatArray, tolerance: float, directions: int = 2) -> Advancer:
+    """Parameters omega, damping, force; two wells."""
+    d, f = sp.symbols("d F", real=True)
+    field = Oscillator(f * COSINE - d * V + Q - Q**3, {"d": 0.0, "F": 0.0}).field()
+    flow = PeriodMap(field, turning, directions=directions)
+    return Advancer(flow, np.ascontiguousarray(par[:, 1:]), 2 * np.pi / par[:, 0], tolerance)
+
+
+def test_forced_duffing_is_chaotic_and_contracts_as_its_damping_says() -> None:
+    """omega = 1, F = 0.3, d = 0.15: the sum of the exponents is -d, the largest positive."""
+    par = np.array([[1.0, 0.15, 0.3]])
+    path = follow(duffing(par, 1e-9), np.array([[0.5, 0.0]]), 1500, directions=2)
+    found = exponents(path.growth, path.lengths)
+    assert found.mean[0].sum() == pytest.approx(-0.15 * 2 * np.pi, abs=1e-6)
+    assert found.mean[0, 0] > 5 * found.error[0, 0]
+
+
+def test_company_and_blocks_do_not_change_a_run() -> None:
+    """N9: a trajectory alone, among others, and after others with other steps."""
+    forces = np.linspace(0.05, 0.5, 37)
+    par = np.column_stack([np.linspace(0.5, 1.5, 37), np.full(37, 0.1), forces])
+    start = np.tile([0.5, 0.0], (37, 1))
+    whole = follow(duffing(par, 1e-8), start, 60, directions=2, every=True)
+    alone = follow(duffing(par[9:10], 1e-8), start[9:10], 60, directions=2, every=True)
+    assert whole.visited is not None
+    assert alone.visited is not None
+    np.testing.assert_array_equal(whole.visited[9], alone.visited[0])
+    np.testing.assert_array_equal(whole.factors[9], alone.factors[0])
+
+
+def test_errors_of_periods_meet_the_tolerance() -> None:
+    """Each period against the same map at 1e-13."""
+    par = np.array([[0.7, 0.0, 0.4], [1.3, 0.0, 0.3]])
+    start = np.array([[0.5, 0.0], [1.2, 0.4]])
+    path = follow(duffing(par, 1e-8, 1), start, 40, directions=1, every=True)
+    assert path.visited is not None
+    exact = duffing(par, 1e-13, 0)
+    for n in range(39):
+        now = path.visited[:, n]
+        image = exact(np.arange(2), now, np.empty((2, 0, 2)), 1, every=False)
+        assert np.abs(image.visited[:, 0] - path.visited[:, n + 1]).max() <= 1e-8
+    assert (path.error <= 1e-8).all()
+
+
+def test_what_escapes_is_told_from_what_cannot_be_resolved() -> None:
+    """x'' = 6 x^2 from (1, 2) is infinite at 1; 16 rad per period need more than 8 steps."""
+    start = np.array([[1.0, 2.0]])
+
+    def run(acceleration: sp.Expr, finest: int) -> Path:
+        flow = PeriodMap(Oscillator(acceleration, {}).field(), turning, directions=1)
+        advance = Advancer(flow, np.zeros((1, 0)), np.full(1, 0.9), 1e-11, finest=finest)
+        return follow(advance, start, 20, directions=1)
+
+    lost = run(6 * Q**2, 2**12)
+    assert lost.escaped.all()
+    assert lost.trusted.all()
+    assert lost.length[0] < 20
+    stuck = run(-256 * Q, 8)
+    assert not stuck.trusted.any()
+    assert not stuck.escaped.any()
+    assert run(-256 * Q, 2**12).trusted.all()

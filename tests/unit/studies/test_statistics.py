@@ -1,0 +1,143 @@
+"""Exponents, regimes, basins, charts and diagrams of actuators."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import remanent as rm
+
+DRIVE = rm.SineSquared(0.4, 1.25)
+DAMPED = rm.Actuator(dissipation=rm.Rayleigh(0.2))
+
+
+def test_exponents_of_an_undamped_actuator_are_a_pair() -> None:
+    """Their sum is what M(start)/M(end) leaves over, and tends to 0 as the run grows."""
+    ds = rm.lyapunov(rm.Actuator(), rm.SineSquared(2.0, 0.85), periods=400, count=2)
+    assert ds.exponent.dims == ("exponent_number",)
+    length = 0.9 * 400 * float(ds.drive_period)
+    assert abs(float(ds.exponent.sum())) < np.log(3.0) / length
+    assert ds.exponent_history.dims == ("period", "exponent_number")
+
+
+def test_exponents_at_rest_are_those_of_the_equilibrium() -> None:
+    """A load of nothing: -3 eta/(2 M) and the pair's real part; M = 3 at c = 1."""
+    eta = 0.2
+    ds = rm.lyapunov(
+        rm.Actuator(dissipation=rm.Rayleigh(eta)), rm.SineSquared(0.0, 1.0), periods=400, count=2
+    )
+    exact = -3.0 * eta / (2.0 * 3.0)
+    np.testing.assert_allclose(ds.exponent, exact, atol=3e-3)
+    assert float(ds.exponent.mean()) == pytest.approx(exact, abs=1e-8)
+
+
+def test_an_overdamped_equilibrium_has_two_exponents() -> None:
+    """M s^2 + 3 eta s + 18 = 0 at rest, with real roots: 1 % and better."""
+    eta = 8.0
+    body = rm.Actuator(dissipation=rm.Rayleigh(eta))
+    ds = rm.lyapunov(body, rm.SineSquared(0.0, 2.0), periods=200, count=2)
+    np.testing.assert_allclose(ds.exponent, np.sort(np.roots([3.0, 3.0 * eta, 18.0]))[::-1],
+                               rtol=1e-6)  # fmt: skip
+
+
+def test_a_sea_is_chaotic_and_an_island_is_not() -> None:
+    """A strong load: the exponent is told with its errors; by the same rules, a torus is not."""
+    body = rm.Actuator(c=0.2, prestress=1.0)
+    over = {"b": xr.DataArray([0.3, 2.2], dims="case")}
+    found = rm.classify(body, rm.SineSquared(0.4, 1.0), periods=600, over=over)
+    assert found.regime.dims == ("case",)
+    assert found.regime.values.tolist() == ["quasi-periodic", "chaotic"]
+    assert float(found.exponent[1]) > 3.0 * float(found.exponent_error[1]) / 2.0
+    assert float(found.zero_one[1]) > 0.4
+    assert float(found.digits[0]) > 3.4 > float(found.digits[1])
+    assert float(found.horizon[1]) < 600 * float(found.drive_period[1])
+
+
+def test_the_rotation_number_of_small_motion_is_a_ratio_of_frequencies() -> None:
+    """omega_n over the load's 2 omega, of an undriven actuator near rest; modulo 1."""
+    ds = rm.classify(rm.Actuator(), rm.SineSquared(0.0, 1.7), periods=400, initial=(1.001, 0.0))
+    assert ds.regime.item() == "quasi-periodic"
+    assert float(ds.rotation_number) == pytest.approx(np.sqrt(6.0) / 3.4, abs=1e-5)
+
+
+def test_labels_do_not_depend_on_company() -> None:
+    """N9: alone and among others, equal to the bit."""
+    omega = np.linspace(0.8, 2.0, 9)
+    body = rm.Actuator(dissipation=rm.Rayleigh(0.02))
+    whole = rm.classify(body, DRIVE, periods=150, over={"omega": omega})
+    alone = rm.classify(body, DRIVE.replace(omega=omega[4]), periods=150)
+    for name in alone.data_vars:
+        np.testing.assert_array_equal(whole[name][4], alone[name])
+
+
+def test_two_attractors_and_who_goes_there() -> None:
+    """Two stable equilibria beyond the cusp (S/theta inside the wedge): two basins."""
+    body = rm.Actuator(prestress=2.2, c=0.2, dissipation=rm.Rayleigh(0.5))
+    drive = rm.Sine(0.02, 3.0, mean=2.3)
+    grid = {"stretch": np.linspace(0.6, 2.4, 10), "stretch_rate": np.zeros(1)}
+    ds = rm.basins(body, drive, grid, periods=150)
+    assert ds.regime.dims == ("stretch", "stretch_rate")
+    assert (ds.regime == "periodic").all()
+    assert ds.sizes["attractor"] == 2
+    assert float(ds.fraction.sum()) == 1.0
+    assert float(ds.fraction[0]) >= float(ds.fraction[1])
+    share = float(ds.fraction[0])
+    assert float(ds.fraction_error[0]) == pytest.approx(np.sqrt(share * (1 - share) / 10))
+    assert set(np.unique(ds.basin)) == {0, 1}
+    for k in range(2):  # the point of the attractor is what motions there end near
+        again = rm.classify(body, drive, periods=150, initial=ds.attractor_state.values[k])
+        assert again.period.item() == ds.attractor_period.values[k]
+
+
+def test_undamped_starts_have_a_rotation_number() -> None:
+    ds = rm.basins(rm.Actuator(), DRIVE, {"stretch": [1.05, 1.1]}, periods=300)
+    assert "basin" not in ds
+    assert ds.rotation_number.notnull().all()
+
+
+def test_a_sweep_shows_hysteresis() -> None:
+    """Up and down differ where two motions coexist, and each continues the one before."""
+    omega = np.linspace(1.0, 1.25, 11)
+    body = rm.Actuator(dissipation=rm.Rayleigh(0.02))
+    ds = rm.bifurcation_diagram(
+        body, rm.SineSquared(0.5, 1.0), "omega", omega, direction="both", discard=300, keep=3
+    )
+    assert ds.stretch.dims == ("sweep", "omega", "period")
+    apart = np.abs(ds.stretch.sel(sweep="up") - ds.stretch.sel(sweep="down")).max("period")
+    assert float(apart.max()) > 0.05
+    assert float(apart.min()) < 1e-3
+    np.testing.assert_allclose(ds.thickness_stretch, ds.stretch**-2.0, rtol=1e-14)
+    up = rm.bifurcation_diagram(body, rm.SineSquared(0.5, 1.0), "omega", omega, discard=300, keep=3)
+    assert up.stretch.dims == ("omega", "period")
+    np.testing.assert_array_equal(up.stretch, ds.stretch.sel(sweep="up"))
+
+
+def test_bad_arguments_say_what_to_do() -> None:
+    with pytest.raises(rm.InputError, match="`periods`"):
+        rm.lyapunov(DAMPED, DRIVE, periods=0)
+    with pytest.raises(rm.InputError, match="at most 2"):
+        rm.lyapunov(DAMPED, DRIVE, periods=10, count=3)
+    with pytest.raises(rm.InputError, match="drive without a period"):
+        rm.classify(DAMPED, rm.Constant(0.1), periods=200)
+    with pytest.raises(rm.InputError, match="at least 100"):
+        rm.classify(DAMPED, DRIVE, periods=10)
+    with pytest.raises(rm.InputError, match="two axes"):
+        rm.regime_chart(DAMPED, DRIVE, {"omega": [1.0, 2.0]}, periods=200)
+    with pytest.raises(rm.InputError, match="grid"):
+        rm.basins(DAMPED, DRIVE, {}, periods=200)
+    with pytest.raises(rm.InputError, match="omgea"):
+        rm.bifurcation_diagram(DAMPED, DRIVE, "omgea", [1.0, 2.0])
+    with pytest.raises(rm.InputError, match="direction"):
+        rm.bifurcation_diagram(DAMPED, DRIVE, "omega", [1.0, 2.0], direction="left")
+
+
+def test_an_invalid_point_does_not_stop_the_rest() -> None:
+    over = {"omega": xr.DataArray([-1.0, 1.25], dims="case")}
+    for verb in (rm.lyapunov, rm.classify):
+        ds = verb(DAMPED, DRIVE, periods=120, over=over)
+        assert ds.status.values.tolist() == [4, 1]
+        assert np.isnan(ds.exponent[0])
+        assert np.isfinite(ds.exponent[1])
+    ds = rm.classify(DAMPED, DRIVE, periods=120, over={"omega": xr.DataArray([-1.0], dims="case")})
+    assert ds.status.values.tolist() == [4]
