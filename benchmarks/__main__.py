@@ -13,7 +13,7 @@ from rich.console import Console
 
 from benchmarks import page, store, tables
 from benchmarks.machine import busy
-from benchmarks.rows import growth, kernel, precision, start, work
+from benchmarks.rows import branch, growth, kernel, lyapunov, precision, start, work
 from benchmarks.rows.plan import Plan
 
 #: In the order they run: the first compiles what later ones find in memory.
@@ -21,6 +21,8 @@ ROWS: dict[str, Callable[[Plan], dict[str, Any]]] = {
     "response": lambda plan: work.measure(plan, "response"),
     "film": lambda plan: work.measure(plan, "film"),
     "kernel": kernel.measure,
+    "branch": branch.measure,
+    "lyapunov": lyapunov.measure,
     "start": start.measure,
     "growth": growth.measure,
     "precision": lambda plan: {n: precision.measure(plan, n) for n in ("response", "film")},
@@ -28,6 +30,8 @@ ROWS: dict[str, Callable[[Plan], dict[str, Any]]] = {
 _TABLES: dict[str, Callable[[Any], tables.Table]] = {
     "kernel": tables.kernel,
     "start": tables.start,
+    "branch": tables.branch,
+    "lyapunov": tables.lyapunov,
     "response": tables.work,
     "film": tables.work,
     "growth": tables.growth,

@@ -112,6 +112,25 @@ def growth(data: Any) -> Table:
     return Table(heading, rows)
 
 
+def branch(data: Any) -> Table:
+    heading = ("branches", "points", "µs a point", "largest residual and error")
+    rows = [
+        (str(one["branches"]), str(one["points"]), number(one["microseconds"]), error(one["worst"]))
+        for one in (data["one"], data["family"])
+    ]
+    return Table(heading, [*rows, (data["auto_version"], "500", number(data["auto"]), "")])
+
+
+def lyapunov(data: Any) -> Table:
+    rows = [("Remanent, at two tolerances, with its error", f"{data['side']} × {data['side']}",
+             number(data["microseconds"]))]  # fmt: skip
+    if data["peer"]:
+        peer = data["peer"]
+        name = f"pynamicalsys {peer['version']}"
+        rows.append((name, str(peer["points"]), number(peer["microseconds"])))
+    return Table(("tool", "points", "µs per trajectory and τ"), rows)
+
+
 def start(data: Any) -> Table:
     rows = [(name, number(seconds)) for name, seconds in data["seconds"].items()]
     return Table(("a new process", "s"), rows)

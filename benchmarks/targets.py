@@ -110,6 +110,14 @@ def _share(data: Any) -> float | None:
     return 100.0 * float(data["kernels"]["extremes and bound"]["share"])
 
 
+def _points(name: str) -> Callable[[Any], float | None]:
+    return lambda data: data["auto"] and float(data["auto"] / data[name]["microseconds"])
+
+
+def _chaos(data: Any) -> float | None:
+    return data["peer"] and float(data["peer"]["microseconds"] / data["microseconds"])
+
+
 _RESPONSE = "frequency response, one resolution, no bound"
 TARGETS = (
     Target("response", _RESPONSE, "heyoka.py, per core", _faster(_FIXED, *_HEYOKA), 2.5, 10),
@@ -118,6 +126,9 @@ TARGETS = (
     Target("response", _RESPONSE, "diffrax", _faster(_FIXED, "diffrax"), 12, 50),
     Target("response", _RESPONSE, "SciPy DOP853", _faster(_FIXED, "scipy"), 1500, 5000),
     Target("kernel", "arithmetic of the kernel", "a multiply–add loop", _share, 55, 80, " %"),
+    Target("lyapunov", "Lyapunov exponents, a map", "pynamicalsys, per core", _chaos, 300, 1000),
+    Target("branch", "one branch, per point", "AUTO-07p", _points("one"), 1, 5),
+    Target("branch", "64 branches together, per point", "AUTO-07p", _points("family"), 5, 20),
     Target(
         "growth", "ten times as many trajectories", "ten times the time", _linear, 1.1, None,
         larger=False,

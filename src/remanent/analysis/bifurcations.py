@@ -47,19 +47,26 @@ class Special:
 
 
 def orbit_equations(map_: Map, iterate: int) -> Equations:
-    """Periodic orbits as curves: unknowns (state, parameter), equations map^q(x) - x = 0.
+    """Periodic orbits as curves: unknowns (state, parameters), equations map^q(x) - x = 0.
 
+    The last parameter varies along a curve; those before it, if there are any, stay as they
+    are where the curve begins, so that curves of different systems are followed together.
     ``extra["jacobian"]`` is that of the iterate, ``extra["derivative"]`` of the equations.
     """
 
     def equations(unknown: FloatArray) -> Evaluated:
-        x, p = unknown[:, :-1], unknown[:, -1:]
+        d = map_.dimension
+        x, p = unknown[:, :d], unknown[:, d:]
         image = map_(x, p, iterate)
-        derivative = np.concatenate(
-            [image.jacobian - np.eye(x.shape[1]), image.slope[:, :, :1]], axis=2
-        )
+        derivative = np.concatenate([image.jacobian - np.eye(d), image.slope], axis=2)
+        value, held = image.state - x, p.shape[1] - 1
+        if held:
+            rows = np.zeros((len(x), held, d + held + 1))
+            rows[:, np.arange(held), d + np.arange(held)] = 1.0
+            derivative = np.concatenate([derivative, rows], axis=1)
+            value = np.concatenate([value, np.zeros((len(x), held))], axis=1)
         extra = {"jacobian": image.jacobian, "derivative": derivative}
-        return Evaluated(image.state - x, derivative, image.error, extra)
+        return Evaluated(value, derivative, image.error, extra)
 
     return equations
 

@@ -1,0 +1,80 @@
+"""Branches of periodic orbits beside AUTO-07p: one, and a family of 64 together."""
+
+from __future__ import annotations
+
+import statistics
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+import remanent as rm
+from benchmarks import auto07p
+from benchmarks.machine import one_core
+from benchmarks.rows.plan import Plan
+from remanent._typing import FloatArray
+from remanent.analysis.bifurcations import orbit_equations
+from remanent.analysis.continuation import Curve, Settings, corrected, follow
+from remanent.analysis.orbits import multipliers
+from remanent.studies._ensemble import ensemble
+from remanent.studies._map import StroboscopicMap
+
+_TOLERANCE, _POINTS = 1e-8, 500
+_TEMPERATURES, _PRESTRESSES = np.linspace(250.0, 400.0, 8), np.linspace(0.0, 1.0, 8)
+_LOW, _HIGH = 0.6, 1.6
+
+
+def measure(plan: Plan) -> dict[str, Any]:
+    """Processor time of a point, with its multipliers."""
+    found: dict[str, Any] = {}
+    one = np.array([[350.0, 0.0]])
+    grid = np.stack(np.meshgrid(_TEMPERATURES, _PRESTRESSES), axis=-1).reshape(-1, 2)
+    with one_core():
+        for name, cases, block in (("one", one, 16), ("family", grid, 4)):
+            found[name] = _timed(lambda c=cases, b=block: _traced(c, b), plan.repeats)  # type: ignore[misc]
+            plan.say(f"branch: {name}: {found[name]['microseconds']:.0f} µs a point")
+        theirs = auto07p.seconds_per_point(plan.repeats)
+    found["auto"] = None if theirs is None else 1e6 * theirs
+    found["auto_version"] = auto07p.versions()
+    return found
+
+
+def _timed(work: Callable[[], list[Curve]], repeats: int) -> dict[str, Any]:
+    work()
+    times, points, worst = [], 0, 0.0
+    for _ in range(repeats):
+        begin = time.process_time()
+        curves = work()
+        for curve in curves:
+            multipliers(curve.points.extra["jacobian"], curve.points.error)
+        times.append(time.process_time() - begin)
+        points = sum(len(curve.points) for curve in curves)
+        worst = max(float((c.points.residual + c.points.error).max()) for c in curves)
+    spent = 1e6 * statistics.median(times) / points
+    return {"microseconds": spent, "points": points, "worst": worst, "branches": len(curves)}
+
+
+def _traced(cases: FloatArray, block: int) -> list[Curve]:
+    """The branch of the smallest orbit of every actuator, down from the highest frequency."""
+    ens = ensemble(rm.Actuator(), rm.SineSquared(0.4, _HIGH))
+    map_ = StroboscopicMap(ens, ("temperature", "prestress", "omega"), 0.1 * _TOLERANCE)
+    equations = orbit_equations(map_, 1)
+    scale = np.array([1.0, 1.0, 100.0, 1.0, _HIGH - _LOW])
+    rest = np.array([_equilibrium(t / 293.0, s) for t, s in cases])
+    guess = np.column_stack([rest, np.zeros(len(cases)), cases, np.full(len(cases), _HIGH)])
+    held = np.zeros(guess.shape)
+    held[:, -1] = -1.0
+    starts, reached = corrected(equations, guess, held, scale=scale, tolerance=_TOLERANCE)
+    settings = Settings(
+        np.array([0.3, -8.0, 0.0, -9.0, _LOW]), np.array([4.0, 8.0, 999.0, 9.0, _HIGH + 1e-9]),
+        scale, step=0.004, longest=0.004, tolerance=_TOLERANCE, block=block, most=_POINTS,
+    )  # fmt: skip
+    return follow(equations, starts.taken(reached), settings)
+
+
+def _equilibrium(theta: float, prestress: float) -> float:
+    """Where theta (x - x^-5) = S, by Newton's method from above."""
+    roots = np.roots([theta, -prestress, 0.0, 0.0, 0.0, 0.0, -theta])
+    real = roots[np.abs(roots.imag) < 1e-9].real
+    return float(real[real > 0.0][0])
