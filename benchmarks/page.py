@@ -50,13 +50,13 @@ and moves take time and count for nothing.
 """
 _BRANCH = """\
 The branch of the smallest orbit of the undamped actuator, down from $\\omega = 1.6$, with
-multipliers, and the same for 64 actuators (temperatures from 250 to 400 K, prestress from 0 to 1)
-followed together. AUTO-07p, in the fastest form we found, on a mesh of 60 intervals with 4 collocation
-points at tolerance $10^{-8}$; its multipliers are then good to $10^{-4}$. Processor time.
+multipliers, and the same for 64 actuators (temperatures from 250 to 400 K, prestress from 0 to
+1) followed together. AUTO-07p, in the fastest form we found, has 60 intervals with 4 collocation
+points and tolerance $10^{-8}$; its multipliers are then good to $10^{-4}$. Processor time.
 """
 _LYAPUNOV = """\
-The largest exponent over 500 drive periods, from rest, over $\\omega$ from 0.8 to 2 and $b$ from 0.2
-to 1.2, tolerance $10^{-8}$. Ours runs everything at two tolerances to give the exponent's error;
+The largest exponent over 500 drive periods, from rest, over $\\omega$ from 0.8 to 2 and $b$ from
+0.2 to 1.2, tolerance $10^{-8}$. Ours runs everything at two tolerances to give the exponent's error;
 pynamicalsys runs points drawn at random, once. Processor time.
 """
 _GROWTH = """\

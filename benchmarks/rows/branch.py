@@ -31,7 +31,7 @@ def measure(plan: Plan) -> dict[str, Any]:
     one = np.array([[350.0, 0.0]])
     grid = np.stack(np.meshgrid(_TEMPERATURES, _PRESTRESSES), axis=-1).reshape(-1, 2)
     with one_core():
-        for name, cases, block in (("one", one, 16), ("family", grid, 4)):
+        for name, cases, block in (("one", one, 32), ("family", grid, 8)):
             found[name] = _timed(lambda c=cases, b=block: _traced(c, b), plan.repeats)  # type: ignore[misc]
             plan.say(f"branch: {name}: {found[name]['microseconds']:.0f} µs a point")
         theirs = auto07p.seconds_per_point(plan.repeats)
@@ -58,17 +58,19 @@ def _timed(work: Callable[[], list[Curve]], repeats: int) -> dict[str, Any]:
 def _traced(cases: FloatArray, block: int) -> list[Curve]:
     """The branch of the smallest orbit of every actuator, down from the highest frequency."""
     ens = ensemble(rm.Actuator(), rm.SineSquared(0.4, _HIGH))
-    map_ = StroboscopicMap(ens, ("temperature", "prestress", "omega"), 0.1 * _TOLERANCE)
+    held = ("temperature", "prestress")
+    map_ = StroboscopicMap(ens, (*held, "omega"), 0.5 * _TOLERANCE, held=held)
     equations = orbit_equations(map_, 1)
     scale = np.array([1.0, 1.0, 100.0, 1.0, _HIGH - _LOW])
     rest = np.array([_equilibrium(t / 293.0, s) for t, s in cases])
     guess = np.column_stack([rest, np.zeros(len(cases)), cases, np.full(len(cases), _HIGH)])
-    held = np.zeros(guess.shape)
-    held[:, -1] = -1.0
-    starts, reached = corrected(equations, guess, held, scale=scale, tolerance=_TOLERANCE)
+    down = np.zeros(guess.shape)
+    down[:, -1] = -1.0
+    starts, reached = corrected(equations, guess, down, scale=scale, tolerance=_TOLERANCE)
     settings = Settings(
         np.array([0.3, -8.0, 0.0, -9.0, _LOW]), np.array([4.0, 8.0, 999.0, 9.0, _HIGH + 1e-9]),
         scale, step=0.004, longest=0.004, tolerance=_TOLERANCE, block=block, most=_POINTS,
+        held=(2, 3),
     )  # fmt: skip
     return follow(equations, starts.taken(reached), settings)
 

@@ -111,6 +111,8 @@ class Settings:
         Points predicted at once on each curve.
     most : int
         Points of a curve, in each direction.
+    held : tuple of int
+        Unknowns that do not change along a curve.
     """
 
     lower: FloatArray
@@ -121,6 +123,7 @@ class Settings:
     tolerance: float = 1e-10
     block: int = 8
     most: int = 1000
+    held: tuple[int, ...] = ()
 
 
 def tangents(derivative: FloatArray, like: FloatArray, scale: FloatArray) -> FloatArray:
@@ -248,7 +251,10 @@ def _predicted(arm: _Arm, settings: Settings) -> tuple[FloatArray, FloatArray]:
     guess = scaled1 + ahead * (t1 + ahead * (curve2 + ahead * curve3))
     direction = t1 + ahead * (2.0 * curve2 + 3.0 * ahead * curve3)
     length = np.linalg.norm(direction, axis=1, keepdims=True)
-    return guess * settings.scale, direction / np.maximum(length, 1e-300)
+    guess = guess * settings.scale
+    for k in settings.held:  # extrapolated, their rounding would grow without bound
+        guess[:, k] = z1[k]
+    return guess, direction / np.maximum(length, 1e-300)
 
 
 def _grown(

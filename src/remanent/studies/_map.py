@@ -16,6 +16,8 @@ from remanent.integrate.variations import LOG_PERIOD
 from remanent.studies._ensemble import Ensemble, problem
 from remanent.studies._time import require_periods
 
+#: Double steps per period to begin with.
+_FIRST = 8
 #: Dimensions that results about orbits have of their own.
 DIMENSIONS = frozenset({"orbit", "state", "multiplier", "branch", "point", "special"})
 
@@ -30,6 +32,8 @@ class StroboscopicMap:
         Of one trajectory, whose values hold for all fields that do not vary.
     names
         Fields that vary: they are the map's parameters.
+    held
+        Those of them by which no derivative is wanted: it is given as 0.
     tolerance
         Of the error that a period adds.
     phase
@@ -42,8 +46,9 @@ class StroboscopicMap:
     names: Sequence[str]
     tolerance: float
     phase: float = 0.0
+    held: Sequence[str] = ()
     most: int = MAX_RESOLUTION
-    _resolution: int = field(default=8, repr=False)
+    _resolution: int = field(default=_FIRST, repr=False)
 
     def __post_init__(self) -> None:
         require_periods(self.ensemble)
@@ -51,11 +56,15 @@ class StroboscopicMap:
         own = [name for name in self.names if name in base.field.parameters]
         self._problem: Problem = base
         self._slots: list[int] = [base.field.parameters.index(name) for name in own]
+        # The field that times the drive acts through the length of the period alone.
+        timed = self.ensemble.drive.timed_by
+        self._carried: list[str] = [n for n in own if n not in self.held and n != timed]
+        last = [LOG_PERIOD] if timed in self.names else []
         self._flow = PeriodMap(
             base.field,
             base.timeline.waveform,
             directions=len(base.field.state),
-            parameters=(*own, LOG_PERIOD),
+            parameters=(*self._carried, *last),
             phase=self.phase,
         )
 
@@ -94,12 +103,12 @@ class StroboscopicMap:
             finest=self.most,
         )
         self._resolution = self._typical(image.resolution)
-        slope = np.moveaxis(image.tangent[:, d:-1], 1, 2)
-        if drive.timed_by in values:  # its period is inversely proportional to this field
-            k = list(values).index(drive.timed_by)
-            change = image.tangent[:, -1] / -values[drive.timed_by][:, None]
-            slope = slope.copy()
-            slope[:, :, k] += change
+        slope = np.zeros((count, d, len(self.names)))
+        for k, name in enumerate(self.names):
+            if name == drive.timed_by:  # the period is inversely proportional to this field
+                slope[:, :, k] = image.tangent[:, -1] / -values[name][:, None]
+            elif name in self._carried:
+                slope[:, :, k] = image.tangent[:, d + self._carried.index(name)]
         jacobian = np.moveaxis(image.tangent[:, :d], 1, 2)
         return Mapped(image.state, jacobian, slope, image.error * max(iterate, 1))
 
@@ -107,7 +116,7 @@ class StroboscopicMap:
     def _typical(resolution: IntArray) -> int:
         """What was enough for most points: others are refined by themselves."""
         if not resolution.size:
-            return 8
+            return _FIRST
         middle = (9 * (resolution.size - 1)) // 10
         return int(np.partition(resolution, middle)[middle])
 
