@@ -56,8 +56,8 @@ points and tolerance $10^{-8}$; its multipliers are then good to $10^{-4}$. Proc
 """
 _LYAPUNOV = """\
 The largest exponent over 500 drive periods, from rest, over $\\omega$ from 0.8 to 2 and $b$ from
-0.2 to 1.2, tolerance $10^{-8}$. Ours runs everything at two tolerances to give the exponent's error;
-pynamicalsys runs points drawn at random, once. Processor time.
+0.2 to 1.2, tolerance $10^{-8}$. Ours runs everything at two tolerances, to give the exponent's
+error; pynamicalsys runs points drawn at random, once. Processor time.
 """
 _GROWTH = """\
 `frequency_response` at tolerance $10^{-8}$ on one core, each size in a process of its own after a

@@ -9,7 +9,6 @@ from benchmarks.jobs import Job
 from benchmarks.tools.tool import TOLERANCES, Package, Run, Tool, clocked
 from remanent._typing import FloatArray
 from remanent.integrate.ensemble import integrate_unbounded
-from remanent.integrate.foresight import ladder
 from remanent.integrate.problem import Problem, Request
 from remanent.studies._ensemble import ensemble, problem
 
@@ -55,7 +54,7 @@ FIXED = Tool(
     _PACKAGE,
     "extremes",
     build_fixed,
-    settings=tuple(float(r) for r in ladder(np.geomspace(8, 8192, 41))),
+    settings=tuple(float(r) for r in np.unique(np.geomspace(8, 8192, 150).astype(int))),
     setting_name="double steps per cycle",
 )
 VERB = Tool(

@@ -82,6 +82,15 @@ class Adams:
         return self.order - 2
 
     @property
+    def compensated(self) -> bool:
+        """Whether what rounding cuts off from the state is carried on.
+
+        It is not: rounding of the past rates costs more digits, and the sums half as much
+        time again.
+        """
+        return False
+
+    @property
     def lost_bits(self) -> int:
         """Digits that the coarser solution does without.
 

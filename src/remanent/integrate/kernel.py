@@ -227,12 +227,15 @@ class _Kernel:
         return self._run(self.field.rates, y, load, divide)
 
     def _fine_step(self, step: ir.Value) -> list[Lanes]:
-        """A step of h; what rounding cuts off is carried on."""
+        """A step of h; what rounding cuts off is carried on, where many digits are wanted."""
         y, loads = self._state("fine"), self._row(self.fine, step)
         change = self.stepper.increment("fine", y, self.h, loads)
-        y, rest = carried(y, change, self._state("fine_rest"))
+        if self.method.compensated:
+            y, rest = carried(y, change, self._state("fine_rest"))
+            self._set_state("fine_rest", rest)
+        else:
+            y = [a + b for a, b in zip(y, change, strict=True)]
         self._set_state("fine", y)
-        self._set_state("fine_rest", rest)
         self.stepper.settle("fine", y, loads)
         return y
 
@@ -262,7 +265,7 @@ class _Kernel:
         coarse = self._coarse_step(double) if self.options.companion else None
         self.t0 = self.cycle_start + w.spread_integer(first) * self.h
         if self.options.extremes:
-            known = (before, coarse) if coarse else (left, right)
+            known = (before, coarse) if coarse else ()
             self._note_turns((left, middle, right, *known), first, second)
         elif coarse:
             self._judge_state(left, right, coarse)
@@ -333,11 +336,17 @@ class _Kernel:
         """
         zero = self.w.constant(0.0)
         states, load = len(self.field.state), 1 + len(self.field.waveforms)
-        self.kept = [self.w.variable(zero) for _ in range(5 * states + 3 * load + 2)]
+        count = self._nodes * states + 3 * load + 2
+        self.kept = [self.w.variable(zero) for _ in range(count)]
         self.waiting = self.w.variable(zero)
         self.turn = self.w.variable(
             self._turn(self._state("fine"), self._row(self.fine, self.w.integer(0))(0))
         )
+
+    @property
+    def _nodes(self) -> int:
+        """States kept of a turn: three of the solution, two of its companion."""
+        return 5 if self.options.companion else 3
 
     def _turn(self, y: list[Lanes], load: list[Lanes]) -> Lanes:
         """A quantity with the sign of the watched observable's rate."""
@@ -354,10 +363,12 @@ class _Kernel:
         self.turn.set(turns[2])
         t0, t2 = self.t0, self.t0 + self.h + self.h
         turned = (turns[0] * turns[1] <= 0.0) | (turns[1] * turns[2] <= 0.0)
-        bounds = ((t0 <= self.begin) & (self.begin < t2)) | ((t0 < self.end) & (self.end <= t2))
-        parted = self._parted(nodes[2], nodes[4]) & (self.v["total"].get() <= self.hopeless)
-        event = (t0 < self.end) & ((self.begin < t2) & (turned | bounds) | parted)
         zero, one = self.w.constant(0.0), self.w.constant(1.0)
+        parted = zero > one
+        if self.options.companion:
+            parted = self._parted(nodes[2], nodes[4]) & (self.v["total"].get() <= self.hopeless)
+        inside = (self.begin < t2) & (turned | (t0 <= self.begin) | (self.end <= t2))
+        event = (t0 < self.end) & (inside | parted)
         values = [*chain(*nodes, *loads), t0, parted.choose(one, zero)]
         with self.w.builder.if_then(event.any()):
             with self.w.builder.if_then((event & (self.waiting.get() > 0.5)).any()):
@@ -382,7 +393,7 @@ class _Kernel:
         """Work out the turns that wait: their extremes and the error of these."""
         states, load = len(self.field.state), 1 + len(self.field.waveforms)
         cells = iter([cell.get() for cell in self.kept])
-        nodes = [[next(cells) for _ in range(states)] for _ in range(5)]
+        nodes = [[next(cells) for _ in range(states)] for _ in range(self._nodes)]
         loads = [[next(cells) for _ in range(load)] for _ in range(3)]
         t0, parted = next(cells), next(cells) > 0.5
         waiting = self.waiting.get() > 0.5

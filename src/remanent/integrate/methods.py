@@ -69,6 +69,11 @@ class RungeKutta:
         return self.order - 2
 
     @property
+    def compensated(self) -> bool:
+        """Whether what rounding cuts off from the state is carried on."""
+        return True
+
+    @property
     def lost_bits(self) -> int:
         """Digits that the coarser solution does without: two more than its counted order asks.
 
