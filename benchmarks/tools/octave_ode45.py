@@ -72,6 +72,6 @@ TOOL = Tool(
     "end",
     build,
     settings=tuple(t for t in TOLERANCES if 1e-12 < t < 2e-8),
-    sample=3,
+    sample=1,
     compiles=False,
 )

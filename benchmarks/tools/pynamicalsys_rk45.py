@@ -49,5 +49,5 @@ TOOL = Tool(
     Package("pynamicalsys"),
     "end",
     build,
-    sample=24,
+    sample=8,
 )

@@ -39,6 +39,6 @@ TOOL = Tool(
     "end",
     build,
     settings=tuple(t for t in TOLERANCES if t > 3e-14),  # below, SciPy takes its own
-    sample=24,
+    sample=8,
     compiles=False,
 )
