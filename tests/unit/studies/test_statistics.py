@@ -42,16 +42,27 @@ def test_an_overdamped_equilibrium_has_two_exponents() -> None:
 
 
 def test_a_sea_is_chaotic_and_an_island_is_not() -> None:
-    """A strong load: the exponent is told with its errors; by the same rules, a torus is not."""
+    """A strong load: the exponent is told with its errors; by the same rules, a torus is not.
+
+    What a single chaotic run shows depends on its rounding; eight of them together do not.
+    """
     body = rm.Actuator(c=0.2, prestress=1.0)
-    over = {"b": xr.DataArray([0.3, 2.2], dims="case")}
+    starts = np.array([1.0, *np.linspace(0.99, 1.01, 8)])
+    over = {
+        "b": xr.DataArray([0.3] + [1.9] * 8, dims="case"),
+        "initial.stretch": xr.DataArray(starts, dims="case"),
+    }
     found = rm.classify(body, rm.SineSquared(0.4, 1.0), periods=600, over=over)
+    torus, sea = found.isel(case=0), found.isel(case=slice(1, None))
     assert found.regime.dims == ("case",)
-    assert found.regime.values.tolist() == ["quasi-periodic", "chaotic"]
-    assert float(found.exponent[1]) > 3.0 * float(found.exponent_error[1]) / 2.0
-    assert float(found.zero_one[1]) > 0.4
-    assert float(found.digits[0]) > 3.4 > float(found.digits[1])
-    assert float(found.horizon[1]) < 600 * float(found.drive_period[1])
+    assert torus.regime.item() == "quasi-periodic"
+    assert set(sea.regime.values.tolist()) <= {"chaotic", "undecided"}
+    assert (sea.regime == "chaotic").sum() >= 5
+    assert float(sea.exponent.mean()) > 3.0 * float((sea.exponent_error**2).mean() ** 0.5) / 8**0.5
+    assert abs(float(torus.zero_one)) < 0.2
+    assert float(sea.zero_one.median()) > 0.3
+    assert float(torus.digits) > 3.4 > float(sea.digits.median())
+    assert (sea.horizon < 600 * sea.drive_period).all()
 
 
 def test_the_rotation_number_of_small_motion_is_a_ratio_of_frequencies() -> None:
