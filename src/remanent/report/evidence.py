@@ -68,7 +68,7 @@ class Evidence:
     misfits: Mapping[str, float] = field(default_factory=dict)
 
 
-def gather(setting: Setting, tolerance: float = 1e-9, every: int = 1) -> Evidence:
+def gather(setting: Setting, tolerance: float = 1e-8, every: int = 1) -> Evidence:
     """Compute everything that verdicts need, for one setting.
 
     Parameters
