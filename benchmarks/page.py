@@ -15,7 +15,7 @@ _BUSY = 0.2
 _INTRODUCTION = """\
 # Measured speed
 
-This page is written by `make bench`, from one run on one machine. Every tool gets the same work:
+This page is written by `make bench`, each section from one run. Every tool gets the same work:
 motions of equation (16) from rest under $m = (b \\sin\\omega\\tau)^2$, up to $\\tau = 100$. Each is
 set so that its **worst error** in $\\lambda_3$ over the checked frequencies stays within
 $10^{-8}$, by the cheapest of its settings that does; errors are differences from a solution in

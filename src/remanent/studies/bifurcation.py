@@ -10,6 +10,7 @@ import xarray as xr
 from remanent._checks import require_choice, require_known
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, FloatArray
+from remanent.analysis.following import FARTHEST
 from remanent.integrate.advance import Advancer
 from remanent.integrate.ensemble import Progress
 from remanent.integrate.period_map import PeriodMap
@@ -28,8 +29,6 @@ from remanent.studies._time import require_count, require_periods
 _SWEEPS = {"up": ("up",), "down": ("down",), "both": ("up", "down")}
 #: Periods advanced at once.
 _BLOCK = 64
-#: A state beyond this has escaped.
-_FARTHEST = 1e6
 
 
 def bifurcation_diagram(
@@ -165,7 +164,7 @@ def _sweep(
             some = at[valid]
             lap = Advancer(flow, asked.parameters[some], lengths[some], tolerance)
             last, visited, worst, trusted = _settle(lap, now[valid], discard, keep)
-            gone = ~(np.abs(visited) < _FARTHEST).all(axis=(1, 2))
+            gone = ~(np.abs(visited) < FARTHEST).all(axis=(1, 2))
             kinds = np.where(trusted, int(Status.OK), int(Status.MAX_STEPS))
             status[valid, some] = np.where(gone, int(Status.ESCAPED), kinds)
             good = ~gone & trusted
