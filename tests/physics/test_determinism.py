@@ -117,3 +117,12 @@ def test_verbs_are_deterministic_in_any_order() -> None:
     for name in ("maximum", "minimum", "error", "status", "horizon"):
         there_values = there[name].transpose("case", "omega").values
         np.testing.assert_array_equal(there_values[::-1], back[name].transpose("case", "omega"))
+
+
+def test_bits_do_not_depend_on_the_parts_of_a_response(monkeypatch: pytest.MonkeyPatch) -> None:
+    """N9: a response that is worked out in parts is the whole one."""
+    actuator, drive = rm.Actuator(temperature=350), rm.SineSquared(0.4, 1.0)
+    omega = np.linspace(0.5, 2.0, 100)
+    whole = rm.frequency_response(actuator, drive, omega, tolerance=1e-7)
+    monkeypatch.setattr("remanent.studies._ensemble._SLAB", 37)
+    assert rm.frequency_response(actuator, drive, omega, tolerance=1e-7).identical(whole)

@@ -38,8 +38,9 @@ from remanent.integrate.methods import RungeKutta, carried
 from remanent.integrate.stepping import AdamsSteps, RungeKuttaSteps, Stepper
 
 NAME = "kernel"
-#: Newton steps from a secant start; an extremum then moves by less than round-off.
-_NEWTON_STEPS = 3
+#: Newton steps from a secant start, before one more with the same curvature; an extremum
+#: then moves by less than round-off.
+_NEWTON_STEPS = 2
 #: The polynomial between steps errs by its next coefficient times (s**3 - s)**3, at most
 #: this in [-1, 1]; its last coefficient is larger than the next, where steps resolve the motion.
 _BETWEEN = 0.057
@@ -135,6 +136,8 @@ class _Kernel:
                 leave_if(self.w.builder.not_(self._active().any()))
                 if self.options.local:
                     self._set_state("coarse", self._state("fine"))
+                if self.options.extremes:
+                    self.at_edge = self._near_an_end()
                 with self.w.loop(self.doubles) as (double, _):
                     self._double_step(cycle, double)
             if self.options.extremes:
@@ -263,12 +266,11 @@ class _Kernel:
         middle = self._fine_step(first)
         right = self._fine_step(second)
         coarse = self._coarse_step(double) if self.options.companion else None
-        self.t0 = self.cycle_start + w.spread_integer(first) * self.h
         if self.options.extremes:
             known = (before, coarse) if coarse else ()
             self._note_turns((left, middle, right, *known), first, second)
         elif coarse:
-            self._judge_state(left, right, coarse)
+            self._judge_state(left, right, coarse, self._time(first))
         count = b.add(b.mul(cycle, b.mul(self.doubles, w.integer(2))), first)
         self._write_record(b.add(count, w.integer(1)), middle)
         self._write_record(b.add(count, w.integer(2)), right)
@@ -278,15 +280,21 @@ class _Kernel:
         """Error of the finer solution over its difference from the coarser one."""
         return self.options.safety / float(2**self.method.counted_order - 1)
 
-    def _judge_state(self, left: list[Lanes], fine: list[Lanes], coarse: list[Lanes]) -> None:
-        """Compare the two solutions at the end of the double step."""
+    def _time(self, step: ir.Value) -> Lanes:
+        """tau at the beginning of a fine step of the cycle."""
+        return self.cycle_start + self.w.spread_integer(step) * self.h
+
+    def _judge_state(
+        self, left: list[Lanes], fine: list[Lanes], coarse: list[Lanes], t0: Lanes
+    ) -> None:
+        """Compare the two solutions at the end of the double step that begins at `t0`."""
         parts = [abs(a - c) for a, c in zip(fine, coarse, strict=True)]
         count = self.options.absolute or len(parts)
         error = reduce(_worse, parts[:count])
         if parts[count:]:
             size = reduce(larger, map(abs, fine[count:]), self.w.constant(1.0))
             error = _worse(error, reduce(_worse, parts[count:]) / size)
-        self._judge(self.t0 < self.end, error * self._scale, self.t0, left)
+        self._judge(t0 < self.end, error * self._scale, t0, left)
 
     def _judge(self, where: Mask, error: Lanes, before: Lanes, left: list[Lanes]) -> None:
         """Take an error into account; past the tolerance, note how far it was met.
@@ -304,7 +312,7 @@ class _Kernel:
         met = error <= self.tolerance
         dies = (self.v["alive"].get() > 0.5).without(met)
         self.v["total"].set(_worse(known, error))
-        with self.w.builder.if_then(dies.any()):
+        with self.w.builder.if_then(dies.any(), likely=False):
             self._update("alive", dies, zero)
             self._update("horizon", dies, before)
             self._update("error", dies, known)
@@ -316,15 +324,17 @@ class _Kernel:
 
     def _write_record(self, count: ir.Value, y: list[Lanes]) -> None:
         b, w = self.w.builder, self.w
-        none = b.icmp_signed("==", self.every, w.integer(0))
-        divisor = b.select(none, w.integer(1), self.every)
-        due = b.icmp_signed("==", b.srem(count, divisor), w.integer(0))
-        with b.if_then(b.and_(b.not_(none), due)):
-            number = b.sub(b.sdiv(count, divisor), w.integer(1))
-            base = b.add(b.mul(number, self.groups), self.group)
-            base = b.mul(base, w.integer(len(y) * w.width))
-            for i, y_i in enumerate(y):
-                w.store(y_i, self.record, b.add(base, w.integer(i * w.width)))
+        with b.if_then(b.icmp_signed("!=", self.every, w.integer(0)), likely=False):
+            due = b.icmp_signed("==", b.srem(count, self.every), w.integer(0))
+            with b.if_then(due, likely=False):
+                self._write_state(b.sub(b.sdiv(count, self.every), w.integer(1)), y)
+
+    def _write_state(self, number: ir.Value, y: list[Lanes]) -> None:
+        b, w = self.w.builder, self.w
+        base = b.add(b.mul(number, self.groups), self.group)
+        base = b.mul(base, w.integer(len(y) * w.width))
+        for i, y_i in enumerate(y):
+            w.store(y_i, self.record, b.add(base, w.integer(i * w.width)))
 
     # extremes -------------------------------------------------------------------------
 
@@ -361,21 +371,32 @@ class _Kernel:
         loads = (row(0), row(last), end)
         turns = (self.turn.get(), self._turn(nodes[1], loads[1]), self._turn(nodes[2], end))
         self.turn.set(turns[2])
-        t0, t2 = self.t0, self.t0 + self.h + self.h
         turned = (turns[0] * turns[1] <= 0.0) | (turns[1] * turns[2] <= 0.0)
-        zero, one = self.w.constant(0.0), self.w.constant(1.0)
-        parted = zero > one
+        parted = turned.without(turned)
         if self.options.companion:
             parted = self._parted(nodes[2], nodes[4]) & (self.v["total"].get() <= self.hopeless)
-        inside = (self.begin < t2) & (turned | (t0 <= self.begin) | (self.end <= t2))
-        event = (t0 < self.end) & (inside | parted)
-        values = [*chain(*nodes, *loads), t0, parted.choose(one, zero)]
-        with self.w.builder.if_then(event.any()):
-            with self.w.builder.if_then((event & (self.waiting.get() > 0.5)).any()):
-                self._resolve()
-            for cell, value in zip(self.kept, values, strict=True):
-                cell.set(event.choose(value, cell.get()))
-            self.waiting.set(event.choose(self.w.constant(1.0), self.waiting.get()))
+        b = self.w.builder
+        with b.if_then(b.or_((turned | parted).any(), self.at_edge), likely=False):
+            t0 = self._time(first)
+            t2 = t0 + self.h + self.h
+            inside = (self.begin < t2) & (turned | (t0 <= self.begin) | (self.end <= t2))
+            event = (t0 < self.end) & (inside | parted)
+            zero, one = self.w.constant(0.0), self.w.constant(1.0)
+            self._keep(event, [*chain(*nodes, *loads), t0, parted.choose(one, zero)])
+
+    def _keep(self, event: Mask, values: list[Lanes]) -> None:
+        """Let a double step wait to be worked out, after the one that has waited."""
+        with self.w.builder.if_then((event & (self.waiting.get() > 0.5)).any(), likely=False):
+            self._resolve()
+        for cell, value in zip(self.kept, values, strict=True):
+            cell.set(event.choose(value, cell.get()))
+        self.waiting.set(event.choose(self.w.constant(1.0), self.waiting.get()))
+
+    def _near_an_end(self) -> ir.Value:
+        """Whether one of the group begins or ends to be followed in this cycle or next to it."""
+        before, after = self.cycle_start - self.cycle, self.cycle_start + self.cycle * 2.0
+        well = (self.begin < before) & (after < self.end)
+        return (self.w.constant(0.0) <= 0.0).without(well).any()
 
     def _parted(self, fine: list[Lanes], coarse: list[Lanes]) -> Mask:
         """Where the two solutions differ too much to tell anything about each other.
@@ -425,18 +446,27 @@ class _Kernel:
         self, where: Mask, t0: Lanes, jets: tuple[Jet, Jet, Jet], polynomial: list[Any]
     ) -> None:
         left, middle, right = jets
-        centre, one = t0 + self.h, self.w.constant(1.0)
-        low = larger((self.begin - centre) / self.h, -one)
-        high = smaller((self.end - centre) / self.h, one)
-        for at in (low, high):
-            bound = (at > -1.0) & (at < 1.0) | (t0 <= self.begin) & (at <= -1.0)
-            self._take(where & bound, horner(polynomial, at))
+        centre = t0 + self.h
         first_half = left[1] * middle[1] <= 0.0
         near = first_half.choose(left[1], middle[1])
         far = first_half.choose(middle[1], right[1])
-        shift = first_half.choose(-one, self.w.constant(0.0))
+        shift = first_half.choose(self.w.constant(-1.0), self.w.constant(0.0))
         s = _turning_point(polynomial, near, far, shift)
-        self._take(where & (near * far <= 0.0) & (s >= low) & (s <= high), horner(polynomial, s))
+        at = centre + s * self.h
+        turned = (near * far <= 0.0) & (self.begin <= at) & (at <= self.end)
+        self._take(where & turned, horner(polynomial, s))
+        at_edge = where & ((t0 <= self.begin) | (self.end < centre + self.h))
+        with self.w.builder.if_then(at_edge.any(), likely=False):
+            self._take_edges(at_edge, t0, polynomial)
+
+    def _take_edges(self, where: Mask, t0: Lanes, polynomial: list[Any]) -> None:
+        """Values where the extremes begin and end to be followed, inside a double step."""
+        centre = t0 + self.h
+        low = larger((self.begin - centre) / self.h, self.w.constant(-1.0))
+        high = smaller((self.end - centre) / self.h, self.w.constant(1.0))
+        for at in (low, high):
+            bound = (at > -1.0) & (at < 1.0) | (t0 <= self.begin) & (at <= -1.0)
+            self._take(where & bound, horner(polynomial, at))
 
     def _take(self, where: Mask, value: Lanes) -> None:
         self._update("maximum", where, larger(value, self.v["maximum"].get()))
@@ -460,6 +490,11 @@ def _turning_point(polynomial: list[Any], near: Lanes, far: Lanes, shift: Lanes)
     curvature = derivative(slope)
     s = near / (near - far) + shift
     for _ in range(_NEWTON_STEPS):
-        s = s - horner(slope, s) / horner(curvature, s)
-        s = larger(smaller(s, shift + 1.0), shift)
-    return s
+        inverse = 1.0 / horner(curvature, s)
+        s = _within(s - horner(slope, s) * inverse, shift)
+    # So close by now that the curvature is that of the last step.
+    return _within(s - horner(slope, s) * inverse, shift)
+
+
+def _within(s: Lanes, shift: Lanes) -> Lanes:
+    return larger(smaller(s, shift + 1.0), shift)

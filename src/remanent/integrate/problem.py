@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -131,3 +131,17 @@ class Outcome:
     status: NDArray[np.int8]
     resolution: IntArray
     findings: tuple[Any, ...] = ()
+
+
+def together(parts: Sequence[Outcome]) -> Outcome:
+    """The outcomes of parts of an ensemble, one after the other, as that of the whole."""
+    if len(parts) == 1:
+        return parts[0]
+
+    changes: dict[str, Any] = {}
+    for field in fields(Outcome):
+        values = [getattr(part, field.name) for part in parts]
+        if isinstance(values[0], np.ndarray):
+            changes[field.name] = np.concatenate(values)
+    found = tuple(finding for part in parts for finding in part.findings)
+    return replace(parts[0], findings=found, **changes)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -27,6 +27,8 @@ Over = Mapping[str, ArrayLike | xr.DataArray]
 FARTHEST = 1e6
 #: Names of dimensions that results have of their own.
 _RESERVED = frozenset({"time", "cycle", "period", "crossing", "equilibrium", "thickness_stretch"})
+#: Trajectories that are worked on together where their results are all that is kept.
+_SLAB = 2**16
 #: Bytes that a trajectory costs while it is computed, beside its samples.
 _OVERHEAD = 1024
 
@@ -68,6 +70,21 @@ class Ensemble:
     def shaped(self, values: Any) -> Any:
         """From (trajectory, ...) to one axis for each dimension of the ensemble."""
         return np.reshape(values, (*self.sizes.values(), *np.shape(values)[1:]))
+
+    def slabs(self) -> Iterator[tuple[slice, Ensemble]]:
+        """The trajectories in parts, so that work on each takes memory for itself only."""
+        for first in range(0, self.count, _SLAB):
+            part = slice(first, min(first + _SLAB, self.count))
+            yield (
+                part,
+                replace(
+                    self,
+                    sizes={"trajectory": part.stop - part.start},
+                    values={name: v[part] for name, v in self.values.items()},
+                    initial=self.initial[part],
+                    invalid=self.invalid[part],
+                ),
+            )
 
     def periods(self) -> FloatArray | None:
         """Smallest period of the load of every trajectory, or None."""
@@ -113,7 +130,8 @@ def ensemble(
     count = math.prod(sizes.values())
     require_memory(count * _OVERHEAD, f"{count} trajectories")
     varied = {name: _spread(*array, sizes) for name, array in arrays.items()}
-    values = {name: varied.get(name, np.full(count, value)) for name, value in own.items()}
+    same = {name: np.broadcast_to(value, count) for name, value in own.items()}  # costs no memory
+    values = {name: varied.get(name, same[name]) for name in own}
     start = _initial(initial, varied, field, count)
     wrong = _invalid(actuator, drive, values, start)
     with np.errstate(all="ignore"):
@@ -298,10 +316,12 @@ def _initial(
             "A motion starts from one state.",
             "Leave it out to start from rest; vary it by over={'initial.stretch': ...}.",
         )
-    start = np.tile(given, (count, 1))
-    for k, name in enumerate(field.state):
-        if f"initial.{name}" in varied:
-            start[:, k] = varied[f"initial.{name}"]
+    own = {k: varied[f"initial.{n}"] for k, n in enumerate(field.state) if f"initial.{n}" in varied}
+    start = np.broadcast_to(given, (count, len(rest)))
+    if own:
+        start = start.copy()
+        for k, column in own.items():
+            start[:, k] = column
     return start
 
 

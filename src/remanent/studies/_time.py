@@ -52,7 +52,7 @@ def durations(ens: Ensemble, duration: Any, periods: Any) -> FloatArray:
     if periods is not None:
         count = require_count("periods", periods, "Runs are counted in whole drive periods.")
         return count * require_periods(ens)
-    return np.full(ens.count, require_real("duration", duration, _TIME))
+    return np.broadcast_to(require_real("duration", duration, _TIME), ens.count)
 
 
 def require_one(**given: Any) -> None:

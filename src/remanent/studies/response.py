@@ -13,7 +13,7 @@ from remanent._errors import InputError
 from remanent._typing import ArrayLike, FloatArray, IntArray
 from remanent.analysis.subdivision import Largest, largest
 from remanent.integrate.ensemble import Progress, integrate
-from remanent.integrate.problem import Outcome, Request
+from remanent.integrate.problem import Outcome, Request, together
 from remanent.models.actuator import Actuator
 from remanent.models.drives import Drive
 from remanent.results.build import Labelled
@@ -146,9 +146,18 @@ def _respond(
             "Nothing would be left of the window.",
             "Pass a longer `duration`.",
         )
-    begin = np.full(ens.count, discard)
-    request = Request(extremes=True, begin=begin)
-    return integrate(problem(ens, end), request, tolerance=tolerance, progress=progress)
+    parts = []
+    for part, some in ens.slabs():
+        request = Request(extremes=True, begin=np.full(some.count, discard))
+        share = None if progress is None else _share(progress, part, ens.count)
+        asked = problem(some, end[part])
+        parts.append(integrate(asked, request, tolerance=tolerance, progress=share))
+    return together(parts)
+
+
+def _share(progress: Progress, part: slice, count: int) -> Progress:
+    """Progress within a part, told as progress of the whole."""
+    return lambda done: progress((part.start + done * (part.stop - part.start)) / count)
 
 
 def _amplitude(outcome: Outcome) -> FloatArray:
