@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from remanent.studies.orbits import periodic_orbits
     from remanent.studies.response import frequency_response
     from remanent.studies.section import poincare_section
+    from remanent.studies.separatrix import manifold_crossing
     from remanent.studies.simulate import simulate
     from remanent.studies.special import continue_special
 
@@ -74,6 +75,7 @@ __all__ = [
     "equilibria",
     "frequency_response",
     "lyapunov",
+    "manifold_crossing",
     "periodic_orbits",
     "plot",
     "poincare_section",
@@ -112,6 +114,7 @@ _HOME: Final = {
     "equilibria": "studies.equilibria",
     "frequency_response": "studies.response",
     "lyapunov": "studies.lyapunov",
+    "manifold_crossing": "studies.separatrix",
     "periodic_orbits": "studies.orbits",
     "response_diagram": "studies.branches",
     "poincare_section": "studies.section",

@@ -11,6 +11,7 @@ import h5py
 import numpy as np
 import pytest
 
+import remanent as rm
 from remanent.report import reconstruction
 from remanent.report.drawings import DRAWINGS
 from remanent.report.paper import Paper, reproduce, write
@@ -119,3 +120,71 @@ def test_converged_and_default_tolerances_tell_different_stories(made: tuple[Pap
     ours, script = (drift.sel(solver=s).values for s in drift["solver"].values)
     assert (ours < 1e-10).all()
     assert (script > 1e4 * ours).all()
+
+
+def test_all_six_motions_are_quasi_periodic_with_evidence(summary: Any) -> None:
+    """Claims 15 to 18 rest on labels that independent indicators agree on."""
+    assert len(summary["regimes"]) == 6
+    for one in summary["regimes"]:
+        assert one["regime"] == "quasi-periodic"
+        assert one["margin"] > 1.0
+        assert abs(one["exponent"]) < 0.01
+    for number in ("15", "17a", "18"):
+        assert verdict(summary, number) == "contradicted"
+    for number in ("16", "17b"):
+        assert verdict(summary, number) == "supported"
+
+
+def test_two_centres_and_a_saddle_stand_behind_every_peak(summary: Any) -> None:
+    """Undamped, multipliers of each orbit are a pair whose product is 1."""
+    for peak in summary["resonances"]:
+        here = [
+            one
+            for one in summary["orbits"]
+            if all(one[name] == peak[name] for name in ("temperature", "prestress", "omega"))
+        ]
+        assert sorted(one["stability"] for one in here) == ["elliptic", "elliptic", "saddle"]
+        for one in here:
+            first, second = (complex(*pair) for pair in one["multipliers"])
+            assert abs(first * second - 1.0) < 1e-8
+            assert one["residual"] < 1e-8
+
+
+def test_the_jump_lies_between_bounds_below_the_fold(summary: Any) -> None:
+    """The largest amplitude of a finite window lies just above the jump, below the fold."""
+    jump = summary["jump"]
+    assert jump["error"] <= 1e-9
+    assert jump["fold_error"] <= 1e-8
+    (peak,) = [
+        r["omega"]
+        for r in summary["resonances"]
+        if all(r[name] == jump[name] for name in ("temperature", "prestress"))
+    ]
+    assert jump["omega"] < peak < jump["fold"]
+    assert peak - jump["omega"] < 1e-3
+
+
+def test_folds_scale_with_temperature(summary: Any) -> None:
+    """N6: without prestress they are one curve in (b²/θ, ω/√θ); another verb follows it."""
+    found = [f for f in summary["folds"] if f["prestress"] == 0.0]
+    assert len(found) == 3
+    for one in found:
+        theta = one["temperature"] / 293.0
+        at = rm.continue_orbit(
+            rm.Actuator(),
+            rm.SineSquared(0.4 / theta**0.5, (one["omega"] - 0.005) / theta**0.5),
+            "omega",
+            ((one["omega"] - 0.01) / theta**0.5, (one["omega"] + 0.01) / theta**0.5),
+            start=(one["stretch"], 0.0),
+        )
+        assert float(at.special_omega[0]) * theta**0.5 == pytest.approx(one["omega"], abs=1e-8)
+
+
+def test_chaos_is_far_from_the_papers_motions(summary: Any) -> None:
+    """Chaotic points have an exponent above its error; the least load is well above theirs."""
+    chaos = summary["chaos"]
+    assert sum(chaos["counts"].values()) == len(chaos["b"]) * len(chaos["omega"])
+    assert chaos["chaotic"]
+    for one in chaos["chaotic"]:
+        assert one["exponent"] > 3.0 * one["exponent_error"] > 0.0
+    assert chaos["least_b"] > 2.0 * max(one["b"] for one in chaos["paper"])

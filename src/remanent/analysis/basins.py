@@ -9,9 +9,12 @@ import numpy as np
 from remanent._typing import FloatArray, IntArray
 from remanent.analysis.birkhoff import weighted_average
 from remanent.analysis.regimes import Regime
+from remanent.analysis.returns import Iterate, limit
 
 #: Points of periodic orbits nearer than this, relative to the extent of all motion, are one.
 _SAME = 1e-4
+#: Newton's residual at a periodic orbit.
+_RESIDUAL = 1e-8
 #: Averages of other attractors: within this share of their scatter.
 _SAME_AVERAGE = 0.25
 
@@ -74,6 +77,34 @@ def attractors(tails: FloatArray, regime: IntArray, period: IntArray) -> Attract
     place = np.empty(len(first) + 1, dtype=np.int64)
     place[order], place[-1] = np.arange(len(first)), -1
     return Attractors(place[which], np.array(first, dtype=np.int64)[order])
+
+
+def settled(iterate: Iterate, tails: FloatArray, regime: IntArray, period: IntArray) -> FloatArray:
+    """The ends of orbits with the periodic orbits that they approach as their last points.
+
+    Where damping is slight motion is still far from its attractor when it is known to be
+    on the way there; by the places it has reached alone, each would have an attractor of
+    its own.
+
+    Parameters
+    ----------
+    iterate
+        Image and Jacobian of some orbits' maps.
+    tails, regime, period
+        As for :func:`attractors`.
+    """
+    ends = tails.copy()
+    periodic = regime == Regime.PERIODIC
+    for q in np.unique(period[periodic]).tolist():
+        which = np.flatnonzero(periodic & (period == q))
+        ahead = limit(iterate, which, tails[which, -1], q)
+        there = (ahead.residual <= _RESIDUAL) & (ahead.multiplier < 1.0)
+        some, point = which[there], ahead.state[there]
+        for k in range(q):
+            ends[some, -1 - k] = point
+            if k < q - 1:
+                point = iterate(some, point, 1)[0]
+    return ends
 
 
 def _features(tails: FloatArray) -> tuple[FloatArray, FloatArray]:

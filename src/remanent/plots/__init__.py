@@ -1,9 +1,20 @@
 """Pictures of results: a dataset in, Matplotlib artists out; nothing is computed here."""
 
-from remanent.plots.branches import branch
+from remanent.plots.basins import basins
+from remanent.plots.branches import branch, multipliers
 from remanent.plots.energy import landscape
 from remanent.plots.forced import response
 from remanent.plots.maps import map
 from remanent.plots.motion import history, phase, section
 
-__all__ = ["branch", "history", "landscape", "map", "phase", "response", "section"]
+__all__ = [
+    "basins",
+    "branch",
+    "history",
+    "landscape",
+    "map",
+    "multipliers",
+    "phase",
+    "response",
+    "section",
+]

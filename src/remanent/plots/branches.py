@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping
+from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
 
@@ -16,7 +17,7 @@ from matplotlib.lines import Line2D
 from remanent._errors import InputError
 from remanent.plots import ensemble, footer, style
 
-__all__ = ["branch"]
+__all__ = ["branch", "entries", "multipliers"]
 
 #: Line styles of what multipliers say; a double line is a broad one with a white core.
 _LOOKS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
@@ -81,11 +82,63 @@ def branch(
         if variable == "amplitude":
             axes.set_ylim(bottom=0.0)
         if legend:
-            entries = [*ensemble.handles(found), *_entries(dataset)]
-            style.legend_above(axes, entries)
+            style.legend_above(axes, [*ensemble.handles(found), *entries(dataset)])
         if ax is None:
             footer.add(axes.get_figure(root=True), dataset)  # type: ignore[arg-type]
     return artists
+
+
+def multipliers(
+    dataset: xr.Dataset,
+    *,
+    parameter: str | None = None,
+    ax: Axes | None = None,
+    legend: bool = True,
+    **line: Any,
+) -> list[Line2D]:
+    """Draw the moduli of Floquet multipliers against the parameter that was followed.
+
+    Meant to stand under :func:`branch`, with the same axis: an orbit is stable while all
+    moduli are below 1, and special points lie where one of them reaches it.
+
+    Parameters
+    ----------
+    dataset, parameter, ax, legend
+        As for :func:`branch`.
+    **line
+        Passed to matplotlib's ``plot``.
+
+    Returns
+    -------
+    list of matplotlib.lines.Line2D
+        One for each multiplier on each stretch of a branch with one stability.
+    """
+    x = parameter or _followed(dataset)
+    with style.context():
+        axes = style.owned_axes(ax, height=2.0)
+        names = (x, "multipliers", "stability", "special_kind", f"special_{x}")
+        found = ensemble.members(dataset, names, ("branch", "point", "special", "multiplier"))
+        axes.axhline(1.0, color=style.FAINT, linewidth=0.5)
+        artists: list[Line2D] = []
+        for one in found:
+            sizes = one.data.assign(multipliers=abs(one.data["multipliers"]))
+            for k in range(sizes.sizes["multiplier"]):
+                own = replace(one, data=sizes.isel(multiplier=k))
+                artists += _drawn(axes, own, x, "multipliers", line)
+            _marked(axes, replace(one, data=_on_circle(one.data)), x, "multipliers")
+        symbol = dataset["multipliers"].attrs["symbol"]
+        axes.set(xlabel=style.label(dataset[x]), ylabel=f"modulus of multipliers, $|{symbol}|$")
+        axes.margins(x=0.0)
+        if legend:
+            style.legend_above(axes, [*ensemble.handles(found), *entries(dataset)])
+        if ax is None:
+            footer.add(axes.get_figure(root=True), dataset)  # type: ignore[arg-type]
+    return artists
+
+
+def _on_circle(data: xr.Dataset) -> xr.Dataset:
+    """Special points are where a modulus is 1."""
+    return data.assign(special_multipliers=xr.ones_like(data["special_kind"], dtype=float))
 
 
 def _followed(dataset: xr.Dataset) -> str:
@@ -144,7 +197,7 @@ def _marked(axes: Axes, one: ensemble.Member, x: str, variable: str) -> None:
         )  # fmt: skip
 
 
-def _entries(dataset: xr.Dataset) -> list[Line2D]:
+def entries(dataset: xr.Dataset) -> list[Line2D]:
     """Legend entries of the kinds of stability and of special points that occur."""
     seen = set(np.unique(dataset["stability"].values.astype(str)))
     lines = [

@@ -19,11 +19,12 @@ from remanent._errors import InputError
 from remanent._typing import FloatArray
 from remanent.plots import footer, style
 
-__all__ = ["map"]
+__all__ = ["UNDECIDED", "map"]
 
+UNDECIDED = "#9a9a9a"
 #: Regimes of one tone; the others are shaded by what is known of them.
 _TONES: Mapping[str, str] = MappingProxyType(
-    {"periodic": "#f4f1e8", "undecided": "#9a9a9a", "escaped": "#101018"}
+    {"periodic": "#f4f1e8", "undecided": UNDECIDED, "escaped": "#101018"}
 )
 #: Shades: of tori by their rotation number, of chaos by its exponent.
 _TORUS, _CHAOS = "cool", "inferno"

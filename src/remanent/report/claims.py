@@ -8,6 +8,7 @@ that bring the published resonances back; see :func:`remanent.report.audit.audit
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
@@ -259,36 +260,42 @@ def _beats_near_natural(e: Evidence) -> Findings:
 # Regimes -----------------------------------------------------------------------------------
 
 
-def _regular(e: Evidence, row: int) -> tuple[measures.Regularity, str]:
-    found = measures.regularity(e.section, e.neighbour)
-    numbers = (
-        f"Over {e.section.sizes['period'] - 1} drive periods at S = {PRESTRESSES[row]:g}, ω = "
-        f"{FREQUENCIES[row]:g}, T = 250, 350, 400 K: averages agree to "
-        f"{_list(found.digits[row], '.1f')} digits; a neighbour's separation grows by "
-        f"{_list(found.growth[row], '.2f')} from the first half to the whole (2 is linear); "
-        f"estimated error at most {float(e.section['error'].max()):.0e}."
+def _regimes(e: Evidence, row: int) -> tuple[list[str], str]:
+    """Regimes at the three temperatures, and the evidence for them."""
+    found = e.regimes.isel(prestress=row).transpose("temperature", ...)
+    known = [str(name) for name in found["regime"].values]
+    exponents = ", ".join(
+        f"{float(one):.1e} ± {float(error):.1e}"
+        for one, error in zip(found["exponent"], found["exponent_error"], strict=True)
     )
-    return found, numbers
+    return known, (
+        f"At S = {PRESTRESSES[row]:g}, ω = {FREQUENCIES[row]:g}, T = 250, 350, 400 K the motion is "
+        f"{', '.join(known)}, judged after {_list(found['run_periods'].values, '.0f')} drive "
+        f"periods. Lyapunov exponents {exponents}; weighted averages agree to "
+        f"{_list(found['digits'].values, '.1f')} digits; turns per period "
+        f"{_list(found['rotation_number'].values)}, known to "
+        f"{_list(found['rotation_digits'].values, '.1f')} digits. The weakest evidence clears "
+        f"its line by the factors {_list(found['margin'].values, '.2f')}."
+    )
 
 
 def _aperiodic_at_resonance(row: int, e: Evidence) -> Findings:
-    found, numbers = _regular(e, row)
-    return _one(found.aperiodic[row, 1], numbers)
+    known, numbers = _regimes(e, row)
+    return _one(known[1] == "chaotic", numbers)
 
 
 def _quasi_periodic_elsewhere(row: int, e: Evidence) -> Findings:
-    found, numbers = _regular(e, row)
-    return _one(found.quasi_periodic[row, [0, 2]].all(), numbers)
+    known, numbers = _regimes(e, row)
+    return _one(known[0] == known[2] == "quasi-periodic", numbers)
 
 
 def _transition(e: Evidence) -> Findings:
-    found = measures.regularity(e.section, e.neighbour)
-    count = int(found.quasi_periodic.sum())
-    holds = found.aperiodic[:, 1].all() and found.quasi_periodic[:, [0, 2]].all()
+    known = [_regimes(e, row)[0] for row in range(len(PRESTRESSES))]
+    counts = Counter(name for row in known for name in row)
+    holds = all(row == ["quasi-periodic", "chaotic", "quasi-periodic"] for row in known)
+    said = ", ".join(f"{number} {name}" for name, number in counts.most_common())
     return _one(
-        holds,
-        f"{count} of the six motions are quasi-periodic, {int(found.aperiodic.sum())} aperiodic: "
-        "temperature moves them from one closed curve to another.",
+        holds, f"Of the six motions: {said}. Temperature moves them from one curve to another."
     )
 
 
@@ -302,7 +309,7 @@ def _settles_faster(e: Evidence) -> Findings:
 
 
 def _bounded_is_stable(e: Evidence) -> Findings:
-    found = measures.regularity(e.section, e.neighbour)
+    growth = measures.separation_growth(e.section, e.neighbour)
     ratio = measures.decay(e.motion)
     largest = float(e.section["stretch"].max())
     return {
@@ -311,9 +318,9 @@ def _bounded_is_stable(e: Evidence) -> Findings:
             f"All six stay below λ = {largest:.3f} over {e.section.sizes['period'] - 1} periods.",
         ),
         "stable means that neighbours stay near": Finding(
-            bool((found.growth < 1.1).all()),
+            bool((growth < 1.1).all()),
             f"The separation of neighbours grows without bound, in proportion to time: "
-            f"{_by_prestress(found.growth, '.2f')} from the first half to the whole.",
+            f"{_by_prestress(growth, '.2f')} from the first half to the whole.",
         ),
         "stable means that disturbances die out": Finding(
             bool((ratio < 0.9).all()),

@@ -13,7 +13,8 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from remanent.plots import style
-from remanent.report import evidence_figures, figures
+from remanent.report import dynamics_figures, evidence_figures, figures
+from remanent.report.dynamics import NEAR
 from remanent.report.evidence import DRAWN
 from remanent.report.settings import PRESTRESSES
 
@@ -54,6 +55,25 @@ DRAWINGS: Final[Mapping[str, Drawing]] = MappingProxyType(
         ),
         "figure_5": _driven(0),
         "figure_6": _driven(1),
+        "orbits": Drawing(
+            lambda data: dynamics_figures.resonance_orbits(
+                data["branches"], data["frequency_response"], data["resonance_orbits"]
+            ),
+            ("branches", "frequency_response", "resonance_orbits"),
+        ),
+        "jump": Drawing(
+            lambda data: dynamics_figures.jump(
+                data["branches"].sel(NEAR),
+                data["jump_response"],
+                data["jump_sections"],
+                data["jump"],
+            ),
+            ("branches", "jump_response", "jump_sections", "jump"),
+        ),
+        "chaos": Drawing(
+            lambda data: dynamics_figures.chaos(data["chart"], data["chart_cases"]),
+            ("chart", "chart_cases"),
+        ),
         "valley": _single(evidence_figures.valley, "valley_windows"),
         "laws": _single(evidence_figures.valley, "valley_laws"),
         "figure_3": _single(figures.figure_3, "constant_load"),

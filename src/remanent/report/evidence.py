@@ -17,6 +17,7 @@ from remanent.report.settings import (
     Setting,
 )
 from remanent.results import build
+from remanent.studies.classify import classify
 from remanent.studies.equilibria import equilibria
 from remanent.studies.response import frequency_response
 from remanent.studies.section import poincare_section
@@ -26,8 +27,10 @@ from remanent.studies.simulate import simulate
 CASES = {"prestress": PRESTRESSES, "temperature": TEMPERATURES}
 #: Frequencies at which responses are tabulated before the largest is refined.
 OMEGAS = np.linspace(0.5, 2.0, 601)
-#: Drive periods in the sections on which regularity is judged, and in those drawn.
-LONG, DRAWN = 2000, 500
+#: Drive periods in sections.
+DRAWN = 500
+#: Drive periods after which regimes are judged; the next where one is still undecided.
+JUDGED = (500, 2000, 8000)
 #: Distance of the neighbour whose separation is followed.
 NUDGE = 1e-6
 
@@ -48,6 +51,9 @@ class Evidence:
         Equilibria without load or prestress (temperature): the small-strain modulus.
     motion
         Histories under the periodic load (figures 5 and 6).
+    regimes
+        What kind of motion that is, with the evidence (``remanent.classify``), and the
+        length of the run it took, ``run_periods``.
     section, neighbour
         Sections at every drive period, of the motion from rest and of one that starts
         at a stretch larger by :data:`NUDGE`.
@@ -63,6 +69,7 @@ class Evidence:
     unloaded: xr.Dataset
     response: xr.Dataset
     motion: xr.Dataset
+    regimes: xr.Dataset
     section: xr.Dataset
     neighbour: xr.Dataset
     misfits: Mapping[str, float] = field(default_factory=dict)
@@ -88,6 +95,7 @@ def gather(setting: Setting, tolerance: float = 1e-8, every: int = 1) -> Evidenc
         unloaded=equilibria(actuator, 0.0, over={"temperature": TEMPERATURES}),
         response=responses(setting, tolerance, every),
         motion=motions(setting, tolerance),
+        regimes=regimes(setting, tolerance),
         section=section,
         neighbour=neighbour,
     )
@@ -112,11 +120,36 @@ def motions(setting: Setting, tolerance: float) -> xr.Dataset:
     )  # fmt: skip
 
 
+def regimes(setting: Setting, tolerance: float) -> xr.Dataset:
+    """What kind of motion each is; runs are made longer where that is undecided."""
+    actuator, drive = setting.actuator, setting.drive(1.0)
+    found = classify(actuator, drive, periods=JUDGED[0], over=_driven(), tolerance=tolerance)
+    found = found.assign(_lengths(np.full(found["regime"].shape, JUDGED[0])))
+    for periods in JUDGED[1:]:
+        i, j = np.nonzero(found["regime"].values == "undecided")
+        if not i.size:
+            break
+        over = {
+            "prestress": xr.DataArray(np.array(PRESTRESSES)[i], dims="case"),
+            "omega": xr.DataArray(np.array(FREQUENCIES)[i], dims="case"),
+            "temperature": xr.DataArray(np.array(TEMPERATURES)[j], dims="case"),
+        }
+        again = classify(actuator, drive, periods=periods, over=over, tolerance=tolerance)
+        for name in again.data_vars:
+            found[name].values[i, j] = again[name].values
+        found["run_periods"].values[i, j] = periods
+    return found
+
+
+def _lengths(periods: np.ndarray) -> xr.Dataset:
+    return build.dataset({"run_periods": (("prestress", "temperature"), periods)}, {}, {})
+
+
 def sections(setting: Setting, tolerance: float) -> tuple[xr.Dataset, xr.Dataset]:
-    """Long sections of each motion and of a neighbour."""
+    """Sections of each motion and of a neighbour."""
     start = xr.DataArray([1.0, 1.0 + NUDGE], dims="start")
     found = poincare_section(
-        setting.actuator, setting.drive(1.0), periods=LONG,
+        setting.actuator, setting.drive(1.0), periods=DRAWN,
         over={**_driven(), "initial.stretch": start}, tolerance=tolerance,
     )  # fmt: skip
     return found.isel(start=0), found.isel(start=1)

@@ -2,61 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import xarray as xr
 
 from remanent._typing import FloatArray
-from remanent.analysis.birkhoff import converged_digits
-
-#: Decimal digits of agreement beyond which an average has settled super-fast.
-_REGULAR_DIGITS = 5.0
-#: A linear separation doubles from the first half to the whole; this leaves room.
-_LINEAR_GROWTH = 4.0
 
 
-@dataclass(frozen=True)
-class Regularity:
-    """What a long section says of each motion, arrays (prestress, temperature).
+def separation_growth(section: xr.Dataset, neighbour: xr.Dataset) -> FloatArray:
+    """How much further neighbours part over the whole than over the first half.
 
-    Attributes
-    ----------
-    digits
-        Agreement of weighted averages over both halves of the section.
-    growth
-        Largest separation of a neighbour over the whole, divided by that over the
-        first half: about 2 where it grows in proportion to time, exponentially large
-        where the motion is chaotic.
-    spread
-        Extent of the section in the stretch; 0 for a periodic motion.
+    Array (prestress, temperature): about 2 where their separation grows in proportion to
+    time, exponentially large where the motion is chaotic.
     """
-
-    digits: FloatArray
-    growth: FloatArray
-    spread: FloatArray
-
-    @property
-    def quasi_periodic(self) -> np.ndarray:
-        """Both indicators say regular, and the section is not a point."""
-        regular = (self.digits >= _REGULAR_DIGITS) & (self.growth <= _LINEAR_GROWTH)
-        return np.asarray(regular & (self.spread > 1e-6))
-
-    @property
-    def aperiodic(self) -> np.ndarray:
-        """Both indicators say irregular."""
-        return np.asarray((self.digits < _REGULAR_DIGITS) & (self.growth > _LINEAR_GROWTH))
-
-
-def regularity(section: xr.Dataset, neighbour: xr.Dataset) -> Regularity:
-    """Judge motions by two independent indicators; see :class:`Regularity`."""
     order = ("prestress", "temperature", "period")
     x, z = (one["stretch"].transpose(*order).values for one in (section, neighbour))
     v, w = (one["stretch_rate"].transpose(*order).values for one in (section, neighbour))
     distance = np.hypot(x - z, v - w)
     half = distance.shape[-1] // 2
-    growth = distance.max(axis=-1) / distance[..., :half].max(axis=-1)
-    return Regularity(converged_digits(x), growth, np.ptp(x, axis=-1))
+    return np.asarray(distance.max(axis=-1) / distance[..., :half].max(axis=-1))
 
 
 def local_amplitudes(thickness: FloatArray) -> FloatArray:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import base64
+import math
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
@@ -49,7 +51,25 @@ def render(paper: Paper, summary: Mapping[str, Any], drawings: Mapping[str, str]
         drift=_drifts(paper),
         error=float(paper.evidence.section["error"].max()),
         datasets=sorted(paper.datasets),
+        multiplier=_multiplier,
+        fold=partial(_fold, summary["folds"]),
     )
+
+
+def _multiplier(orbit: Mapping[str, Any]) -> str:
+    """The largest multiplier: its angle where it lies on the unit circle."""
+    real, imaginary = orbit["multipliers"][0]
+    if imaginary == 0.0:
+        return f"{real:.4f}"
+    return f"exp(±{abs(math.atan2(imaginary, real)):.4f} i)"
+
+
+def _fold(folds: Sequence[Mapping[str, float]], orbit: Mapping[str, Any]) -> str:
+    """The folds of the saddle's branch at this setting; nothing for other orbits."""
+    if orbit["stability"] != "saddle":
+        return ""
+    here = [f for f in folds if all(f[n] == orbit[n] for n in ("temperature", "prestress"))]
+    return ", ".join(f"{one['omega']:.8f}" for one in here)
 
 
 def _data_address(svg: str) -> str:

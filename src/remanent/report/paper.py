@@ -11,7 +11,7 @@ from typing import Any
 
 import xarray as xr
 
-from remanent.report import page, reconstruction, tolerance
+from remanent.report import dynamics, page, reconstruction, tolerance
 from remanent.report.audit import Verdict, audit
 from remanent.report.drawings import DRAWINGS, draw
 from remanent.report.evidence import Evidence, gather
@@ -62,14 +62,20 @@ def reproduce(report: Report = _silent, *, processes: int = 1) -> Paper:
     report("figures 2 to 6", 0.0)
     reference = gather(REFERENCE)
     data = _measured(reference)
+    resonance = reference.response["resonance"]
     with pool(processes) as aside:
-        script = aside.submit(_scripts, reference)
+        apart = [
+            aside.submit(_scripts, reference),
+            aside.submit(dynamics.chart),
+            aside.submit(dynamics.orbits, resonance),
+            aside.submit(dynamics.jump, resonance),
+        ]
         drawn = _start(aside, data, ())
         valleys = _reconstruct(report)
-        sections, drift = script.result()
         ready = tuple(data)
         data |= _reconstructed(valleys)
-        data |= {"tolerance_sections": sections, "tolerance_energy": drift}
+        for one in apart:
+            data |= one.result()
         drawn |= _start(aside, data, ready)
         report("audit", 0.6)
         verdicts, reference = _audited(reference, valleys)
@@ -121,7 +127,7 @@ def write(paper: Paper, out: Path) -> Path:
 
 
 def summarise(paper: Paper) -> dict[str, Any]:
-    """What programs read: resonances and claims."""
+    """What programs read: resonances, claims, and the dynamics behind them."""
     response = paper.evidence.response.transpose("prestress", "temperature", ...)
     resonances = [
         {
@@ -150,11 +156,15 @@ def summarise(paper: Paper) -> dict[str, Any]:
         "versions": paper.evidence.response.attrs["versions"],
         "resonances": resonances,
         "claims": claims,
+        **dynamics.summarise(paper.datasets),
     }
 
 
-def _scripts(reference: Evidence) -> tuple[xr.Dataset, xr.Dataset]:
-    return tolerance.section_story(reference), tolerance.energy_story(REFERENCE)
+def _scripts(reference: Evidence) -> dict[str, xr.Dataset]:
+    return {
+        "tolerance_sections": tolerance.section_story(reference),
+        "tolerance_energy": tolerance.energy_story(REFERENCE),
+    }
 
 
 def _reconstruct(report: Report) -> dict[str, xr.Dataset]:
@@ -180,6 +190,7 @@ def _measured(e: Evidence) -> dict[str, xr.Dataset]:
         "landscape": e.landscape,
         "frequency_response": e.response,
         "periodic_load": e.motion,
+        "regimes": e.regimes,
         "sections": e.section,
         "neighbours": e.neighbour,
     }

@@ -7,7 +7,7 @@ from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
 from multiprocessing import get_context
 
 #: Imported once and shared by all further processes, where the system can do that.
-_PRELOADED = ["remanent.report.drawings", "remanent.report.tolerance"]
+_PRELOADED = ["remanent.report.drawings", "remanent.report.dynamics", "remanent.report.tolerance"]
 
 
 def pool(processes: int) -> Executor:

@@ -182,6 +182,7 @@ _ROWS = (
         Kind.RATE,
     ),
     Variable("local_error", "1", "estimated largest error of one period", r"\varepsilon_1"),
+    Variable("run_periods", "1", "length of the run in drive periods", r"N"),
     Variable("rotation_number", "1", "rotation number", r"\nu"),
     Variable("rotation_digits", "1", "converged digits of the rotation number", r"d_\nu"),
     Variable("digits", "1", "converged digits of weighted averages", r"d"),

@@ -10,7 +10,7 @@ import xarray as xr
 
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, IntArray
-from remanent.analysis.basins import attractors
+from remanent.analysis.basins import attractors, settled
 from remanent.analysis.regimes import Regime
 from remanent.integrate.ensemble import Progress
 from remanent.models.actuator import Actuator
@@ -95,6 +95,8 @@ def basins(
         verdict, path = judged.verdict(which, cancelled)
         assert path.visited is not None
         tail = path.visited[:, -_TAIL:].copy()
+        if judged.damped[which].all():
+            tail = settled(judged.iterate(which), tail, verdict.regime, verdict.period)
         return judged.variables(which, verdict, path) | {"tail": tail, "code": verdict.regime}
 
     shape = (0, min(_TAIL, periods), len(ens.field.state))

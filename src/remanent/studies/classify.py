@@ -11,6 +11,7 @@ from remanent._typing import ArrayLike, FloatArray, IntArray
 from remanent.analysis import regimes
 from remanent.analysis.following import Path
 from remanent.analysis.regimes import Regime, Verdict
+from remanent.analysis.returns import Iterate
 from remanent.integrate.ensemble import Progress
 from remanent.models.actuator import Actuator
 from remanent.models.drives import Drive
@@ -130,23 +131,27 @@ class Judged:
         self, which: IntArray, cancelled: Callable[[], bool] = lambda: False
     ) -> tuple[Verdict, Path]:
         """Label some trajectories."""
-        follower, dimension = self.follower, len(self.follower.ensemble.field.state)
-        finest = follower.advancer(which, self.tolerance, directions=dimension)
+        follower = self.follower
 
         def run(some: IntArray, n: int) -> Path:
             tolerance = self.tolerance * _TOLERANCES[n]
             return follower.run(which[some], tolerance, every=True, cancelled=cancelled)
 
-        def iterate(
-            some: IntArray, states: FloatArray, period: int
-        ) -> tuple[FloatArray, FloatArray]:
-            unit = np.tile(np.eye(dimension), (some.size, 1, 1))
-            image = finest(some, states, unit, period, every=False)
-            return image.visited[:, -1], np.moveaxis(image.tangents, 1, 2)
-
         return regimes.classify(
-            run, which.size, damped=self.damped[which], iterate=iterate, seed=self.seed
+            run, which.size, damped=self.damped[which], iterate=self.iterate(which), seed=self.seed
         )
+
+    def iterate(self, which: IntArray) -> Iterate:
+        """Images and Jacobians of some trajectories' maps at the finest tolerance."""
+        dimension = len(self.follower.ensemble.field.state)
+        finest = self.follower.advancer(which, self.tolerance, directions=dimension)
+
+        def image(some: IntArray, states: FloatArray, period: int) -> tuple[FloatArray, FloatArray]:
+            unit = np.tile(np.eye(dimension), (some.size, 1, 1))
+            found = finest(some, states, unit, period, every=False)
+            return found.visited[:, -1], np.moveaxis(found.tangents, 1, 2)
+
+        return image
 
     def chunk(self, which: IntArray, cancelled: Callable[[], bool]) -> dict[str, np.ndarray]:
         """Label some trajectories: variables by name."""

@@ -283,6 +283,129 @@ def two_wells() -> xr.Dataset:
     )
 
 
+def basins_of_two() -> xr.Dataset:
+    """Two attractors: left of stretch 1 and right of it, one initial state undecided."""
+    x, v = np.linspace(0.6, 1.4, 9), np.linspace(-1.0, 1.0, 5)
+    basin = np.where(x[:, None] < 1.0, 0, 1) * np.ones(v.size, dtype=int)
+    basin[0, 0] = -1
+    grid = ("initial.stretch", "initial.stretch_rate")
+    found = build.dataset(
+        {
+            "basin": (grid, basin),
+            "regime": (grid, np.where(basin < 0, "undecided", "periodic")),
+            "attractor_regime": (("attractor",), np.array(["periodic", "chaotic"])),
+            "attractor_period": (("attractor",), np.array([3, 0])),
+            "attractor_state": (("attractor", "state"), np.array([[0.7, 0.1], [1.2, -0.5]])),
+            "fraction": (("attractor",), np.array([0.4, 0.58])),
+            "fraction_error": (("attractor",), np.array([0.01, 0.02])),
+        },
+        {
+            grid[0]: ((grid[0],), x),
+            grid[1]: ((grid[1],), v),
+            "state": (("state",), np.array(["stretch", "stretch_rate"])),
+        },
+        provenance.attributes(ACTUATOR, "SineSquared(b=0.4, omega=1.2)", 1e-9, over=grid),
+    )
+    return found.rename({name: name.removeprefix("initial.") for name in grid})
+
+
+def fold() -> xr.Dataset:
+    """A branch with multipliers rho = 1 +- sqrt(1 - omega): a fold at omega = 1."""
+    s = np.linspace(-0.5, 0.5, 41)
+    pair = np.stack([1.0 + np.abs(s), 1.0 - np.abs(s)], axis=1).astype(complex)
+    kinds = np.where(s < 0.0, "stable", "saddle")
+    return build.dataset(
+        {
+            "omega": (("point",), 1.0 - s**2),
+            "amplitude": (("point",), 1.0 + s),
+            "multipliers": (("point", "multiplier"), pair),
+            "stability": (("point",), kinds),
+            "special_kind": (("special",), np.array(["fold"])),
+            "special_omega": (("special",), np.array([1.0])),
+            "special_amplitude": (("special",), np.array([1.0])),
+        },
+        {},
+        provenance.attributes(ACTUATOR, "SineSquared(b=0.4, omega=1.0)", 1e-9),
+    )
+
+
+def diagram() -> xr.Dataset:
+    """A fold at omega = 1.2 for every prestress and temperature."""
+    s = np.linspace(-0.5, 0.5, 41)
+    cases = (PRESTRESSES.size, TEMPERATURES.size)
+    along = ("prestress", "temperature", "branch", "point")
+    spot = ("prestress", "temperature", "special")
+
+    def everywhere(values: Any, ndim: int) -> Any:
+        one = np.asarray(values)
+        return np.broadcast_to(one, (*cases, *(1,) * (ndim - one.ndim), *one.shape))
+
+    return build.dataset(
+        {
+            "omega": (along, everywhere(1.2 - s**2, 2)),
+            "amplitude": (along, everywhere(0.6 + s, 2)),
+            "stability": (along, everywhere(np.where(s < 0.0, "elliptic", "saddle"), 2)),
+            "special_kind": (spot, everywhere(["fold"], 1)),
+            "special_omega": (spot, everywhere([1.2], 1)),
+            "special_amplitude": (spot, everywhere([0.6], 1)),
+        },
+        _coords(),
+        provenance.attributes(ACTUATOR, "SineSquared(b=0.4, omega=1.0)", 1e-9),
+    )
+
+
+def resonance_orbits() -> xr.Dataset:
+    """Two orbits at a resonance near 1.15, the third missing."""
+    at = ("prestress", "temperature")
+    return build.dataset(
+        {"amplitude": ((*at, "orbit"), np.tile([0.4, 0.8, np.nan], (2, 3, 1)))},
+        _coords(omega=(at, np.full((2, 3), 1.15))),
+        provenance.attributes(ACTUATOR, "SineSquared(b=0.4, omega=1.0)", 1e-9),
+    )
+
+
+def beside_a_saddle() -> xr.Dataset:
+    """Two motions that part at (1.4, 0)."""
+    t = np.linspace(-3.0, 3.0, 30)
+    x = np.stack([1.4 - 0.4 * np.tanh(t) ** 2, 1.4 + 0.4 * np.sinh(t) / 10.0])
+    return build.dataset(
+        {"stretch": (("omega", "period"), x), "stretch_rate": (("omega", "period"), 1.4 - x)},
+        {"omega": (("omega",), 1.15 + 1e-6 * np.array([-1.0, 1.0])),
+         "period": (("period",), np.arange(30))},
+        provenance.attributes(ACTUATOR, "SineSquared(b=0.4, omega=1.0)", 1e-6, over=("omega",)),
+    )  # fmt: skip
+
+
+def crossing() -> xr.Dataset:
+    """Where they part."""
+    values = {"omega": 1.15, "omega_error": 1e-9, "stretch": 1.4, "stretch_rate": 0.0}
+    return build.dataset({n: ((), np.array(v)) for n, v in values.items()}, {}, {})
+
+
+def regimes() -> xr.Dataset:
+    """A chart with every kind of cell but one."""
+    names = ["quasi-periodic", "undecided", "chaotic", "quasi-periodic"]
+    at = ("b", "omega")
+    return build.dataset(
+        {
+            "regime": (at, np.array([names, names[::-1]])),
+            "exponent": (at, np.array([[0.0, 0.0, 0.1, 0.0], [0.0, 0.05, 0.0, 0.0]])),
+            "rotation_number": (at, np.array([[0.1, np.nan, np.nan, 0.4]] * 2)),
+        },
+        {"b": (("b",), np.array([0.5, 3.0])), "omega": (("omega",), np.arange(1.0, 5.0))},
+        provenance.attributes(ACTUATOR, "SineSquared(b=0.4, omega=1.0)", 1e-6, over=at),
+    )
+
+
+def cases() -> xr.Dataset:
+    """The paper's places in such a chart."""
+    return build.dataset(
+        {"omega": (("temperature",), 1.25 * np.sqrt(T0 / TEMPERATURES)),
+         "b": (("temperature",), 0.4 * np.sqrt(T0 / TEMPERATURES))},
+        {"temperature": (("temperature",), TEMPERATURES)}, {},
+    )  # fmt: skip
+
+
 def with_scales(dataset: xr.Dataset) -> xr.Dataset:
     """Add the scales of the physics page's realistic set."""
     scales = {"time_s": 7.07e-4, "frequency_hz": 225.1, "load_T": 0.879, "stress_pa": 1e5}

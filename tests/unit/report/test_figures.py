@@ -11,7 +11,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 from tests.unit.plots import synthetic
 
-from remanent.report import evidence_figures, figures
+from remanent.report import dynamics_figures, evidence_figures, figures
 
 Make = Callable[[], list[xr.Dataset]]
 KINDS: dict[str, tuple[Callable[..., Figure], Make, int]] = {
@@ -29,6 +29,26 @@ KINDS: dict[str, tuple[Callable[..., Figure], Make, int]] = {
         lambda: [synthetic.two_tolerances(12), synthetic.drift(10.0)],
         14,
     ),
+    "orbits": (
+        dynamics_figures.resonance_orbits,
+        lambda: [
+            synthetic.diagram(),
+            synthetic.frequency_response(7, 10.0),
+            synthetic.resonance_orbits(),
+        ],
+        6,
+    ),
+    "jump": (
+        dynamics_figures.jump,
+        lambda: [
+            synthetic.diagram().isel(prestress=0, temperature=1),
+            synthetic.frequency_response(7, 10.0).isel(prestress=0, temperature=1),
+            synthetic.beside_a_saddle(),
+            synthetic.crossing(),
+        ],
+        2,
+    ),
+    "chaos": (dynamics_figures.chaos, lambda: [synthetic.regimes(), synthetic.cases()], 3),
     "valley": (evidence_figures.valley, lambda: [synthetic.valley()], 7),
 }
 every_figure = pytest.mark.parametrize("kind", KINDS)
@@ -110,3 +130,29 @@ def test_pairs_of_sections_share_their_scale() -> None:
     for first, second in zip(axes[0:12:2], axes[1:12:2], strict=True):
         assert first.get_xlim() == second.get_xlim()
         assert first.get_ylim() == second.get_ylim()
+
+
+def test_both_motions_beside_the_jump_and_the_saddle_are_drawn() -> None:
+    """Panel (b) holds each motion in its colour, and the saddle where it is."""
+    axes = dynamics_figures.jump(
+        synthetic.diagram().isel(prestress=0, temperature=1),
+        synthetic.frequency_response(7, 10.0).isel(prestress=0, temperature=1),
+        synthetic.beside_a_saddle(),
+        synthetic.crossing(),
+    ).axes[1]
+    points = [line for line in axes.lines if len(np.asarray(line.get_xdata())) == 30]
+    assert len({str(line.get_color()) for line in points}) == 2
+    (saddle,) = [line for line in axes.lines if line.get_marker() == "X"]
+    assert float(np.ravel(saddle.get_xdata())[0]) == 1.4
+
+
+def test_the_papers_motions_lie_in_the_chart() -> None:
+    """Their places are those of their own Dataset, within the axes."""
+    cases = synthetic.cases()
+    axes = dynamics_figures.chaos(synthetic.regimes(), cases).axes[0]
+    drawn = [(float(np.ravel(one.get_xdata())[0]), float(np.ravel(one.get_ydata())[0]))
+             for one in axes.lines]  # fmt: skip
+    assert drawn == list(zip(cases["omega"].values, cases["b"].values, strict=True))
+    for x, y in drawn:
+        assert axes.get_xlim()[0] < x < axes.get_xlim()[1]
+        assert axes.get_ylim()[0] < y < axes.get_ylim()[1]

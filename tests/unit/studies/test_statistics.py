@@ -152,3 +152,21 @@ def test_an_invalid_point_does_not_stop_the_rest() -> None:
         assert np.isfinite(ds.exponent[1])
     ds = rm.classify(DAMPED, DRIVE, periods=120, over={"omega": xr.DataArray([-1.0], dims="case")})
     assert ds.status.values.tolist() == [4]
+
+
+def test_slightly_damped_motion_is_sorted_by_the_orbits_it_is_on_the_way_to() -> None:
+    """Far from settled after 200 periods, it ends on the stable orbits and on no others."""
+    body, drive = (
+        rm.Actuator(temperature=350, dissipation=rm.Rayleigh(0.01)),
+        rm.SineSquared(0.4, 1.2),
+    )
+    orbits = rm.periodic_orbits(body, drive)
+    stable = orbits.initial.values[orbits.stability.values == "stable"]
+    ds = rm.basins(
+        body, drive, {"stretch": [0.62, 1.0, 1.1], "stretch_rate": [0.0, 0.15]},
+        periods=200, tolerance=1e-7,
+    )  # fmt: skip
+    assert ds.attractor.size == 2
+    assert (ds.basin.values >= 0).any(axis=1).all()
+    for state in ds.attractor_state.values:
+        assert np.abs(stable - state).max(axis=1).min() < 1e-7

@@ -1,0 +1,175 @@
+"""Figures of periodic orbits, of the jump at resonance and of chaos; nothing is computed here."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from remanent import plots
+from remanent.plots import branches as drawn
+from remanent.plots import footer, maps, style
+from remanent.report.figures import only_outer_labels, panels
+
+__all__ = ["chaos", "jump", "resonance_orbits"]
+
+_REST = style.OKABE_ITO["orange"]
+_SIDES = (style.OKABE_ITO["blue"], style.OKABE_ITO["vermillion"])
+_MARK = style.OKABE_ITO["vermillion"]
+
+
+def resonance_orbits(branches: xr.Dataset, response: xr.Dataset, orbits: xr.Dataset) -> Figure:
+    """Draw the periodic orbits behind each resonance.
+
+    Parameters
+    ----------
+    branches
+        A response diagram (prestress, temperature, branch, point).
+    response
+        The response from rest: ``amplitude`` (prestress, temperature, omega).
+    orbits
+        Periodic orbits at the resonances: ``amplitude`` (prestress, temperature, orbit) and
+        the coordinate ``omega`` (prestress, temperature).
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        One row per prestress, one panel per temperature.
+    """
+    rows, columns = branches["prestress"].values, branches["temperature"].values
+    with style.context():
+        size = (style.DOUBLE, 2.1 * len(rows) + 0.7)
+        figure, grid = panels(len(rows), len(columns), size, sharex=True, sharey=True)
+        for k, axes in enumerate(grid.flat):
+            at = {"prestress": k // len(columns), "temperature": k % len(columns)}
+            _resonance(axes, branches.isel(at), response.isel(at), orbits.isel(at))
+            title = ", ".join(style.title(branches[n], branches[n].values[at[n]]) for n in at)
+            style.panel_title(axes, "abcdefgh"[k], title)
+        only_outer_labels(grid, x=True, y=True)
+        known = [Line2D([], [], color=_REST, linewidth=0.8, label="from rest"), _orbit_handle()]
+        style.legend_above(figure, [*drawn.entries(branches), *known])
+        footer.add(figure, branches)
+    return figure
+
+
+def jump(branches: xr.Dataset, response: xr.Dataset, sections: xr.Dataset,
+         crossing: xr.Dataset) -> Figure:  # fmt: skip
+    """Draw why the response from rest jumps: on which side of a saddle the motion passes.
+
+    Parameters
+    ----------
+    branches
+        Of one actuator (branch, point).
+    response
+        The response from rest, ``amplitude`` (omega).
+    sections
+        Two motions from rest, on both sides of the jump (omega, period).
+    crossing
+        ``omega`` at which the motion crosses the stable manifold; the saddle's ``stretch``
+        and ``stretch_rate``.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Left the response with the branches; right the two motions, strobed.
+    """
+    with style.context():
+        figure, grid = panels(1, 2, (style.DOUBLE, 3.3))
+        left, right = grid[0]
+        plots.branch(branches, ax=left, legend=False)
+        low, high = float(response["omega"].min()), float(response["omega"].max())
+        left.plot(response["omega"], response["amplitude"], color=_REST, linewidth=0.9)
+        left.axvline(float(crossing["omega"]), color=_MARK, linewidth=0.8, linestyle=":")
+        left.set(xlim=(low, high), ylim=(0.0, 1.1 * float(response["amplitude"].max())))
+        for k, colour in enumerate(_SIDES):
+            one = sections.isel(omega=k)
+            x, y = one["stretch"].values, one["stretch_rate"].values
+            right.plot(x, y, color=colour, linewidth=0.4, alpha=0.6)
+            right.plot(x, y, "o", ms=2.0, mew=0.0, color=colour)
+        saddle = float(crossing["stretch"]), float(crossing["stretch_rate"])
+        right.plot(*saddle, "X", ms=6, color=style.INK, mec="white", mew=0.6, zorder=5)
+        right.plot(1.0, 0.0, "o", ms=4, mfc="white", mec=style.INK, mew=0.8, zorder=5)
+        right.set(xlabel=style.label(sections["stretch"]),
+                  ylabel=style.label(sections["stretch_rate"]))  # fmt: skip
+        style.panel_title(left, "a", "response from rest and branches")
+        style.panel_title(right, "b", "from rest, once per drive period")
+        style.legend_above(figure, [*drawn.entries(branches), *_sides(sections["omega"], crossing)])
+        footer.add(figure, sections)
+    return figure
+
+
+def chaos(chart: xr.Dataset, cases: xr.Dataset) -> Figure:
+    """Draw where in the plane of frequency and load the motion from rest is chaotic.
+
+    Parameters
+    ----------
+    chart
+        ``regime``, ``exponent``, ``rotation_number`` (b, omega).
+    cases
+        ``omega`` and ``b`` (temperature) of the paper's motions in that plane.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    with style.context():
+        figure, grid = panels(1, 1, (5.4, 3.6))
+        axes = grid[0, 0]
+        plots.map(chart, ax=axes)
+        entries: list[Artist] = [Patch(color=maps.UNDECIDED, label="undecided")]
+        temperatures = cases["temperature"].values
+        for colour, t in zip(style.temperature_colours(temperatures), temperatures, strict=True):
+            one = cases.sel(temperature=t)
+            entries += axes.plot(
+                float(one["omega"]), float(one["b"]), "o", ms=4.5, color=colour, mec="white",
+                mew=0.7, label=f"figure 5, {style.title(cases['temperature'], t)}",
+            )  # fmt: skip
+        axes.set(
+            xlabel=r"drive frequency, $\omega/\sqrt{\theta}$",
+            ylabel=r"root of the peak magnetic load, $b/\sqrt{\theta}$",
+        )
+        style.legend_above(figure, entries)
+        footer.add(figure, chart)
+    return figure
+
+
+def _resonance(axes: Axes, branches: xr.Dataset, response: xr.Dataset, orbits: xr.Dataset) -> None:
+    colour = style.temperature_colours([float(branches["temperature"])])[0]
+    axes.plot(response["omega"], response["amplitude"], color=_REST, linewidth=0.8)
+    plots.branch(branches, ax=axes, legend=False)
+    omega = float(orbits["omega"])
+    axes.axvline(omega, color=style.FAINT, linewidth=0.5, linestyle=":")
+    found = orbits["amplitude"].values[np.isfinite(orbits["amplitude"].values)]
+    axes.plot(np.full(found.size, omega), found, "o", ms=3.2, color=colour, mec="white", mew=0.5,
+              zorder=6)  # fmt: skip
+    axes.set(xlim=(float(branches["omega"].min()), float(branches["omega"].max())),
+             ylim=(0.0, 1.5))  # fmt: skip
+
+
+def _orbit_handle() -> Line2D:
+    return Line2D([], [], color=style.INK, marker="o", mec="white", ms=4, linestyle="",
+                  label="orbits at resonance")  # fmt: skip
+
+
+def _sides(omega: xr.DataArray, crossing: xr.Dataset) -> list[Line2D]:
+    gap = float(omega[1] - omega[0]) / 2.0
+    looks: dict[str, Any] = {"marker": "o", "ms": 3, "linewidth": 0.5}
+    return [
+        Line2D([], [], color=_REST, linewidth=0.9, label="from rest"),
+        *(
+            Line2D([], [], color=colour, label=rf"$\omega^* {sign} {style.number(gap)}$", **looks)
+            for colour, sign in zip(_SIDES, "-+", strict=True)
+        ),
+        Line2D([], [], color=_MARK, linewidth=0.8, linestyle=":",
+               label=rf"$\omega^* = {float(crossing['omega']):.8f}$"),
+        Line2D([], [], color=style.INK, marker="X", mec="white", ms=6, linestyle="",
+               label="saddle, strobed"),
+        Line2D([], [], color=style.INK, marker="o", mfc="white", ms=4, linestyle="",
+               label="rest"),
+    ]  # fmt: skip
