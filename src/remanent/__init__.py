@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from remanent.studies.equilibria import equilibria
     from remanent.studies.lyapunov import lyapunov
     from remanent.studies.orbits import periodic_orbits
+    from remanent.studies.resonances import resonances
     from remanent.studies.response import frequency_response
     from remanent.studies.section import poincare_section
     from remanent.studies.separatrix import manifold_crossing
@@ -80,6 +81,7 @@ __all__ = [
     "plot",
     "poincare_section",
     "regime_chart",
+    "resonances",
     "response_diagram",
     "simulate",
     "to_si",
@@ -119,6 +121,7 @@ _HOME: Final = {
     "response_diagram": "studies.branches",
     "poincare_section": "studies.section",
     "regime_chart": "studies.chart",
+    "resonances": "studies.resonances",
     "simulate": "studies.simulate",
     "to_si": "results.si",
 }

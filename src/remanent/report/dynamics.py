@@ -29,7 +29,7 @@ _WIDTH, _BESIDE, _PERIODS = 1e-9, 1e-6, 160
 #: Frequencies drawn around the jump, from so far below it to the fold.
 _BELOW, _POINTS = 0.02, 241
 #: The chart of regimes, at the reference temperature.
-_AMPLITUDES, _FREQUENCIES = np.linspace(0.5, 4.0, 8), np.linspace(0.75, 3.0, 10)
+_AMPLITUDES, _FREQUENCIES = np.array([0.5, 1.0, 1.5, 2.0, 3.0, 4.0]), np.linspace(0.75, 3.0, 10)
 _CHART_PERIODS, _CHART_TOLERANCE = 400, 1e-6
 
 Data = dict[str, xr.Dataset]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -30,7 +30,7 @@ OMEGAS = np.linspace(0.5, 2.0, 601)
 #: Drive periods in sections.
 DRAWN = 500
 #: Drive periods after which regimes are judged; the next where one is still undecided.
-JUDGED = (500, 2000, 8000)
+JUDGED = (500, 1000, 2000, 8000)
 #: Distance of the neighbour whose separation is followed.
 NUDGE = 1e-6
 
@@ -53,7 +53,7 @@ class Evidence:
         Histories under the periodic load (figures 5 and 6).
     regimes
         What kind of motion that is, with the evidence (``remanent.classify``), and the
-        length of the run it took, ``run_periods``.
+        length of the run it took, ``run_periods``; empty until :func:`regimes` is asked.
     section, neighbour
         Sections at every drive period, of the motion from rest and of one that starts
         at a stretch larger by :data:`NUDGE`.
@@ -69,9 +69,9 @@ class Evidence:
     unloaded: xr.Dataset
     response: xr.Dataset
     motion: xr.Dataset
-    regimes: xr.Dataset
     section: xr.Dataset
     neighbour: xr.Dataset
+    regimes: xr.Dataset = field(default_factory=xr.Dataset)
     misfits: Mapping[str, float] = field(default_factory=dict)
 
 
@@ -95,7 +95,6 @@ def gather(setting: Setting, tolerance: float = 1e-8, every: int = 1) -> Evidenc
         unloaded=equilibria(actuator, 0.0, over={"temperature": TEMPERATURES}),
         response=responses(setting, tolerance, every),
         motion=motions(setting, tolerance),
-        regimes=regimes(setting, tolerance),
         section=section,
         neighbour=neighbour,
     )
@@ -120,29 +119,46 @@ def motions(setting: Setting, tolerance: float) -> xr.Dataset:
     )  # fmt: skip
 
 
-def regimes(setting: Setting, tolerance: float) -> xr.Dataset:
-    """What kind of motion each is; runs are made longer where that is undecided."""
-    actuator, drive = setting.actuator, setting.drive(1.0)
-    found = classify(actuator, drive, periods=JUDGED[0], over=_driven(), tolerance=tolerance)
-    found = found.assign(_lengths(np.full(found["regime"].shape, JUDGED[0])))
+def regimes(settings: Sequence[Setting], tolerance: float) -> list[xr.Dataset]:
+    """What kind of motion each is, for settings of one law, all judged together.
+
+    Runs are made longer where it is still undecided.
+    """
+    cases = _driven() | {
+        name: xr.DataArray([getattr(one, name) for one in settings], dims="setting")
+        for name in ("reference_temperature", "b")
+    }
+    order = ("setting", "prestress", "temperature")
+    found = _judged(settings[0], cases, JUDGED[0], tolerance).transpose(*order)
     for periods in JUDGED[1:]:
-        i, j = np.nonzero(found["regime"].values == "undecided")
-        if not i.size:
+        left = np.nonzero(found["regime"].values == "undecided")
+        if not left[0].size:
             break
-        over = {
-            "prestress": xr.DataArray(np.array(PRESTRESSES)[i], dims="case"),
-            "omega": xr.DataArray(np.array(FREQUENCIES)[i], dims="case"),
-            "temperature": xr.DataArray(np.array(TEMPERATURES)[j], dims="case"),
+        some = {
+            name: xr.DataArray(_everywhere(values, found)[left], dims="case")
+            for name, values in cases.items()
         }
-        again = classify(actuator, drive, periods=periods, over=over, tolerance=tolerance)
+        again = _judged(settings[0], some, periods, tolerance)
         for name in again.data_vars:
-            found[name].values[i, j] = again[name].values
-        found["run_periods"].values[i, j] = periods
-    return found
+            found[name].values[left] = again[name].values
+    return [found.isel(setting=k) for k in range(len(settings))]
 
 
-def _lengths(periods: np.ndarray) -> xr.Dataset:
-    return build.dataset({"run_periods": (("prestress", "temperature"), periods)}, {}, {})
+def _judged(
+    like: Setting, over: Mapping[str, xr.DataArray], periods: int, tolerance: float
+) -> xr.Dataset:
+    found = classify(
+        like.actuator, like.drive(1.0), periods=periods, over=over, tolerance=tolerance
+    )
+    regime = found["regime"]
+    length = {"run_periods": (tuple(map(str, regime.dims)), np.full(regime.shape, periods))}
+    return found.assign(build.dataset(length, {}, {}))
+
+
+def _everywhere(values: xr.DataArray, found: xr.Dataset) -> np.ndarray:
+    """Values of a field for every motion, in the shape of the regimes."""
+    regime = found["regime"].reset_coords(drop=True).drop_vars(list(found["regime"].indexes))
+    return np.asarray(values.broadcast_like(regime).transpose(*regime.dims).values)
 
 
 def sections(setting: Setting, tolerance: float) -> tuple[xr.Dataset, xr.Dataset]:

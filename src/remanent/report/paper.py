@@ -14,7 +14,7 @@ import xarray as xr
 from remanent.report import dynamics, page, reconstruction, tolerance
 from remanent.report.audit import Verdict, audit
 from remanent.report.drawings import DRAWINGS, draw
-from remanent.report.evidence import Evidence, gather
+from remanent.report.evidence import Evidence, gather, regimes
 from remanent.report.processes import pool
 from remanent.report.settings import LAWS, PRESTRESSES, REFERENCE, TEMPERATURES
 from remanent.results import store
@@ -72,13 +72,13 @@ def reproduce(report: Report = _silent, *, processes: int = 1) -> Paper:
         ]
         drawn = _start(aside, data, ())
         valleys = _reconstruct(report)
+        report("audit", 0.6)
+        verdicts, reference = _audited(reference, valleys)
         ready = tuple(data)
-        data |= _reconstructed(valleys)
+        data |= _reconstructed(valleys) | {"regimes": reference.regimes}
         for one in apart:
             data |= one.result()
         drawn |= _start(aside, data, ready)
-        report("audit", 0.6)
-        verdicts, reference = _audited(reference, valleys)
         report("pictures", 0.8)
         pictures = {name: drawn[name].result() for name in DRAWINGS}
     return Paper(reference, verdicts, data, pictures)
@@ -103,7 +103,12 @@ def _audited(
     reference = replace(reference, misfits=least)
     settings = reconstruction.admissible(valleys["sin2"], "sin2")
     with ThreadPoolExecutor(max_workers=2) as together:
+        known = together.submit(regimes, [REFERENCE, *settings], 1e-8)
         others = list(together.map(lambda setting: gather(setting, 1e-7, every=3), settings))
+    reference, *others = [
+        replace(evidence, regimes=own)
+        for evidence, own in zip([reference, *others], known.result(), strict=True)
+    ]
     return audit(reference, others), reference
 
 
@@ -190,7 +195,6 @@ def _measured(e: Evidence) -> dict[str, xr.Dataset]:
         "landscape": e.landscape,
         "frequency_response": e.response,
         "periodic_load": e.motion,
-        "regimes": e.regimes,
         "sections": e.section,
         "neighbours": e.neighbour,
     }

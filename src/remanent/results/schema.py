@@ -209,6 +209,25 @@ _ROWS = (
     Variable("special", "1", "special point", r"j"),
     Variable("special_kind", "1", "kind of the special point", r"\mathrm{kind}", ("special",)),
     Variable("multipliers", "1", "Floquet multipliers", r"\rho", ("orbit", "multiplier")),
+    Variable("peak", "1", "number of the peak", r"k"),
+    Variable("unbounded", "1", "whether the branch runs off", r"\infty", ("peak",)),
+    Variable("resonance_kind", "1", "kind of resonance", r"\mathrm{kind}", ("peak",)),
+    Variable("order_p", "1", "oscillations", r"p", ("peak",)),
+    Variable("order_q", "1", "drive periods they take", r"q", ("peak",)),
+    Variable("orbit_period", "1", "period of the orbit in drive periods", r"n", ("peak",)),
+    Variable("phase_lag", "rad", "phase lag behind the load", r"\varphi", ("peak",)),
+    Variable("harmonic", "1", "number of the harmonic", r"k"),
+    Variable("harmonics", "1", "harmonics of the thickness stretch", r"c_k", ("peak", "harmonic")),
+    Variable("share", "1", "share of the harmonic in the mean square", r"s", ("peak",)),
+    Variable(
+        "free_frequency",
+        "rad",
+        "frequency of the free oscillation as large",
+        r"\omega_0",
+        ("peak",),
+        Kind.FREQUENCY,
+    ),
+    Variable("detuning", "1", "detuning from the free oscillation", r"\sigma", ("peak",)),
     # The reconstruction of what the paper leaves unstated.
     Variable(
         "misfit", "rad", "largest resonance misfit", r"\max|\Delta\omega_r|", kind=Kind.FREQUENCY

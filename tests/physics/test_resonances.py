@@ -1,0 +1,89 @@
+"""The names of resonances, against the linear oscillator and the theory of weak damping."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import remanent as rm
+from remanent.analysis.harmonics import Resonant, harmonics, kind, resonant
+
+
+def test_harmonics_of_a_sum_of_cosines_are_its_coefficients() -> None:
+    t = 2.0 * np.pi * np.arange(64) / 64
+    c = harmonics((0.7 + 2.0 * np.cos(t - 0.3) + 0.5 * np.cos(3.0 * t + 1.0))[None], 5)[0]
+    expected = [0.7, 2.0 * np.exp(-0.3j), 0.0, 0.5 * np.exp(1j), 0.0, 0.0]
+    np.testing.assert_allclose(c, expected, atol=1e-14)
+
+
+def test_the_harmonic_that_resonates_is_the_one_nearest_to_the_free_oscillation() -> None:
+    found = resonant(np.array([[1.0, 3.0, 4.0j, 0.0]]), np.array([1.0]), np.array([2.05]))
+    assert found.harmonic.tolist() == [2]
+    assert found.share[0] == pytest.approx(16.0 / 25.0)
+    assert found.detuning[0] == pytest.approx(2.0 / 2.05 - 1.0)
+
+
+@pytest.mark.parametrize(
+    ("harmonic", "period", "doubled", "expected"),
+    [
+        (1, 1, False, ("primary", 1, 1)),
+        (2, 2, True, ("primary", 1, 1)),
+        (3, 1, False, ("superharmonic", 3, 1)),
+        (1, 3, False, ("subharmonic", 1, 3)),
+        (1, 2, False, ("subharmonic", 1, 2)),
+        (1, 2, True, ("parametric", 1, 2)),
+        (3, 2, False, ("ultrasubharmonic", 3, 2)),
+    ],
+)
+def test_orders_have_their_names(
+    harmonic: int, period: int, doubled: bool, expected: tuple[str, int, int]
+) -> None:
+    found = Resonant(np.array([harmonic]), np.array([0.01]), np.array([0.9]))
+    assert kind(found, 0, period, doubled=doubled) == expected
+
+
+@pytest.mark.parametrize(("detuning", "share"), [(0.2, 0.9), (-0.2, 0.9), (0.0, 0.01), (np.nan, 1)])
+def test_what_the_evidence_does_not_carry_is_undecided(detuning: float, share: float) -> None:
+    found = Resonant(np.array([1]), np.array([detuning]), np.array([share]))
+    assert kind(found, 0, 1, doubled=False) == ("undecided", 0, 0)
+
+
+def test_a_small_load_finds_the_linear_resonance() -> None:
+    """x'' + eta x' + 6 x at c = 1: largest at W² = 6 − eta²/2, behind by atan(eta W/(6 − W²))."""
+    eta = 0.2
+    ds = rm.resonances(
+        rm.Actuator(dissipation=rm.Rayleigh(eta)), rm.SineSquared(0.03, 1.0), (1.0, 1.5)
+    )
+    assert ds.resonance_kind.values.tolist() == ["primary"]
+    exact = np.sqrt(6.0 - eta**2 / 2.0)
+    assert abs(2.0 * float(ds.omega[0]) - exact) <= 2.0 * float(ds.omega_error[0])
+    load = 2.0 * float(ds.omega[0])
+    lag = np.arctan2(eta * load, 6.0 - load**2)
+    assert float(ds.phase_lag[0]) == pytest.approx(lag, abs=2e-3)
+    assert float(ds.share[0]) > 0.999
+
+
+def test_superharmonic_peaks_lie_on_the_backbone() -> None:
+    """With slight damping both peaks have the free frequency of their amplitude."""
+    ds = rm.resonances(
+        rm.Actuator(dissipation=rm.Rayleigh(0.03)), rm.SineSquared(0.4, 1.0), (0.56, 1.3), slices=5
+    )
+    assert ds.resonance_kind.values.tolist() == ["superharmonic", "primary"]
+    assert ds.order_p.values.tolist() == [2, 1]
+    assert np.abs(ds.detuning.values).max() < 2e-3
+    np.testing.assert_allclose(ds.phase_lag, np.pi / 2.0, atol=0.05)
+
+
+def test_a_response_born_by_period_doubling_is_parametric() -> None:
+    """Near twice the natural frequency the forced orbit is unstable, and a 1:2 response grows."""
+    body = rm.Actuator(dissipation=rm.Rayleigh(0.01))
+    ds = rm.resonances(
+        body, rm.SineSquared(0.8, 1.0), (2.1, 2.6), periods=(2,), slices=3,
+        bounds={"stretch": (0.7, 2.0), "stretch_rate": (-2.0, 2.0)},
+    )  # fmt: skip
+    assert set(ds.resonance_kind.values.tolist()) == {"parametric"}
+    assert set(ds.order_p.values.tolist()) == {1}
+    assert set(ds.order_q.values.tolist()) == {2}
+    assert ds.unbounded.values.all()  # cut by the bounds before it turns back
+    inside = rm.periodic_orbits(body, rm.SineSquared(0.8, 2.315))
+    assert "stable" not in inside.stability.values.tolist()
