@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from remanent.studies.balance import energy_balance
     from remanent.studies.basins import basins
     from remanent.studies.bifurcation import bifurcation_diagram
-    from remanent.studies.branches import continue_orbit, response_diagram
+    from remanent.studies.branches import continue_orbit, response_diagram, switch_branch
     from remanent.studies.chart import regime_chart
     from remanent.studies.classify import classify
     from remanent.studies.crossings import crossings
@@ -84,6 +84,7 @@ __all__ = [
     "resonances",
     "response_diagram",
     "simulate",
+    "switch_branch",
     "to_si",
 ]
 
@@ -123,6 +124,7 @@ _HOME: Final = {
     "regime_chart": "studies.chart",
     "resonances": "studies.resonances",
     "simulate": "studies.simulate",
+    "switch_branch": "studies.branches",
     "to_si": "results.si",
 }
 

@@ -18,6 +18,7 @@ import remanent as rm
 from remanent._typing import FloatArray
 from remanent.analysis.bifurcations import Special, orbit_equations, special_points
 from remanent.analysis.continuation import Points, Settings, follow, tangents
+from remanent.analysis.switching import other_branch
 
 HERE = Path(__file__).parent / "auto" / "reference"
 KINDS = {"LP": "fold", "PD": "period doubling", "TR": "Neimark-Sacker", "BP": "branch point"}
@@ -136,3 +137,59 @@ def test_special_points_of_forced_oscillators(name: str) -> None:
                 [(f.kind, f.points.unknown) for f in found],
             )
             assert abs(near[0].points.unknown[0, 2] - mark[free]) <= near[0].error + 1e-15
+
+
+def test_doublings_lead_to_the_next_branch() -> None:
+    """AUTO's branches of period 2 and 4 of the double well, each from the doubling before it."""
+    known = reference("double_well")
+    branches = {one["period"]: one["points"] for one in known["branches"]}
+    marks = [one for one in known["special"] if one["kind"] == "PD"]
+    map_ = ForcedOscillator({**known["parameters"], "F": 0.0}, "F")
+    for mark, period in zip(marks, (2, 4), strict=False):
+        scale = np.array([1.0, 1.0, 0.05])
+        equations = orbit_equations(map_, period)
+        crossing = np.array([mark["x"], mark["v"], mark["F"]])
+        start = other_branch(equations, crossing, scale=scale, tolerance=1e-11)
+        assert start is not None
+        low, high = min(branches[period]["F"]) - 1e-4, max(branches[period]["F"]) + 1e-4
+        settings = Settings(np.array([-9.0, -9.0, low]), np.array([9.0, 9.0, high]), scale,
+                            step=0.005, longest=0.02, tolerance=1e-11, block=8)  # fmt: skip
+        (curve,) = follow(equations, start, settings)
+        ours = [curve.points.unknown]
+        for n in range(1, period):  # the other phases of the same orbits
+            z = curve.points.unknown
+            ours.append(np.column_stack([map_(z[:, :2], z[:, 2:], n).state, z[:, 2]]))
+        chain = np.concatenate(ours)
+        columns = np.column_stack([branches[period][name] for name in ("x", "v", "F")])
+        away = np.abs((chain[None] - columns[:, None]) / scale).max(axis=2).min(axis=1)
+        assert away.max() < 0.03
+        nearest = special_points(equations, curve.points, scale=scale, tolerance=1e-11,
+                                 conservative=False)  # fmt: skip
+        following = marks[marks.index(mark) + 1]["F"]
+        doublings = [s.points.unknown[0, 2] for s in nearest if s.kind == "period doubling"]
+        assert min(abs(value - following) for value in doublings) < 1e-8
+
+
+def test_a_doubled_branch_is_that_of_a_direct_search() -> None:
+    """At a frequency inside the tongue the search without a guess finds the same orbit."""
+    body, drive = rm.Actuator(dissipation=rm.Rayleigh(0.01)), rm.SineSquared(0.8, 2.4)
+    forced = rm.continue_orbit(body, drive, "omega", (2.31, 2.45))
+    doubled = rm.switch_branch(body, drive, forced)
+    assert doubled.attrs["orbit_period"] == 2
+    k = int(np.abs(doubled.omega.values - 2.32).argmin())
+    found = rm.periodic_orbits(body, drive.replace(omega=float(doubled.omega[k])), period=2)
+    own = np.array([float(doubled.stretch[k]), float(doubled.stretch_rate[k])])
+    section = rm.poincare_section(
+        body, drive.replace(omega=float(doubled.omega[k])), periods=1, initial=own
+    )
+    phases = np.column_stack([section.stretch.values, section.stretch_rate.values])
+    stable = found.initial.values[found.stability.values == "stable"]
+    assert stable.shape == (1, 2)
+    assert np.abs(phases - stable).max(axis=1).min() < 1e-6
+
+
+def test_a_fold_is_no_place_to_switch() -> None:
+    body, drive = rm.Actuator(temperature=350), rm.SineSquared(0.4, 1.25)
+    branch = rm.continue_orbit(body, drive, "omega", (1.2, 1.3), start=(1.433, 0.0))
+    with pytest.raises(rm.InputError, match="period doubling"):
+        rm.switch_branch(body, drive, branch)

@@ -1,0 +1,58 @@
+"""From branch to branch: where the other one is known in closed form."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from tests.unit.analysis.test_continuation import Logistic
+
+from remanent._typing import FloatArray
+from remanent.analysis.bifurcations import orbit_equations
+from remanent.analysis.maps import Mapped
+from remanent.analysis.switching import other_branch
+
+
+@dataclass(frozen=True)
+class Pitchfork:
+    """x -> x + p x - x^3: beside 0 the pair x^2 = p that breaks the symmetry."""
+
+    dimension: int = 1
+
+    def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> Mapped:
+        assert iterate == 1
+        x, p = states[:, 0], parameters[:, 0]
+        return Mapped((x + p * x - x**3)[:, None], (1.0 + p - 3.0 * x**2)[:, None, None],
+                      x[:, None, None], np.full(len(x), 1e-16))  # fmt: skip
+
+
+def test_the_pair_beside_a_symmetric_orbit_is_found() -> None:
+    point = other_branch(
+        orbit_equations(Pitchfork(), 1), np.zeros(2), scale=np.ones(2), tolerance=1e-13
+    )
+    assert point is not None
+    x, p = point.unknown[0]
+    assert abs(x) > 1e-3
+    assert x**2 == pytest.approx(p, rel=1e-9)
+
+
+def test_the_doubled_orbit_of_the_logistic_map_is_found() -> None:
+    """Of period 2 beyond r = 3: x = (r + 1 ± √((r − 3)(r + 1)))/(2r)."""
+    point = other_branch(
+        orbit_equations(Logistic(), 2), np.array([2.0 / 3.0, 3.0]), scale=np.ones(2),
+        tolerance=1e-13,
+    )  # fmt: skip
+    assert point is not None
+    x, r = point.unknown[0]
+    roots = [(r + 1.0 + s * np.sqrt((r - 3.0) * (r + 1.0))) / (2.0 * r) for s in (-1.0, 1.0)]
+    assert min(abs(x - root) for root in roots) < 1e-8
+    assert abs(x - (1.0 - 1.0 / r)) > 1e-3  # not the orbit of period 1
+
+
+def test_where_no_branch_crosses_none_is_found() -> None:
+    """At an ordinary point the second vector leads away from every solution."""
+    point = other_branch(
+        orbit_equations(Logistic(), 1), np.array([0.6, 2.5]), scale=np.ones(2), tolerance=1e-13
+    )
+    assert point is None
