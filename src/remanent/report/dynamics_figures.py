@@ -48,6 +48,7 @@ def resonance_orbits(branches: xr.Dataset, response: xr.Dataset, orbits: xr.Data
         figure, grid = panels(len(rows), len(columns), size, sharex=True, sharey=True)
         for k, axes in enumerate(grid.flat):
             at = {"prestress": k // len(columns), "temperature": k % len(columns)}
+            axes.set_ylim(0.0, 1.05 * float(response["amplitude"].max()))
             _resonance(axes, branches.isel(at), response.isel(at), orbits.isel(at))
             title = ", ".join(style.title(branches[n], branches[n].values[at[n]]) for n in at)
             style.panel_title(axes, "abcdefgh"[k], title)
@@ -148,8 +149,7 @@ def _resonance(axes: Axes, branches: xr.Dataset, response: xr.Dataset, orbits: x
     found = orbits["amplitude"].values[np.isfinite(orbits["amplitude"].values)]
     axes.plot(np.full(found.size, omega), found, "o", ms=3.2, color=colour, mec="white", mew=0.5,
               zorder=6)  # fmt: skip
-    axes.set(xlim=(float(branches["omega"].min()), float(branches["omega"].max())),
-             ylim=(0.0, 1.5))  # fmt: skip
+    axes.set_xlim(float(branches["omega"].min()), float(branches["omega"].max()))
 
 
 def _orbit_handle() -> Line2D:
