@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from remanent.models.magnetics import Magnet
     from remanent.models.materials import NeoHookean
     from remanent.models.viscous import Rayleigh
+    from remanent.results.rescale import rescale
     from remanent.results.si import to_si
     from remanent.studies.backbone import backbone
     from remanent.studies.balance import energy_balance
@@ -81,6 +82,7 @@ __all__ = [
     "plot",
     "poincare_section",
     "regime_chart",
+    "rescale",
     "resonances",
     "response_diagram",
     "simulate",
@@ -122,6 +124,7 @@ _HOME: Final = {
     "response_diagram": "studies.branches",
     "poincare_section": "studies.section",
     "regime_chart": "studies.chart",
+    "rescale": "results.rescale",
     "resonances": "studies.resonances",
     "simulate": "studies.simulate",
     "switch_branch": "studies.branches",

@@ -84,7 +84,7 @@ def branch(
         if legend:
             style.legend_above(axes, [*ensemble.handles(found), *entries(dataset)])
         if ax is None:
-            footer.add(axes.get_figure(root=True), dataset)  # type: ignore[arg-type]
+            footer.add(axes.get_figure(root=True), dataset, hide=(x,))  # type: ignore[arg-type]
     return artists
 
 
@@ -132,7 +132,7 @@ def multipliers(
         if legend:
             style.legend_above(axes, [*ensemble.handles(found), *entries(dataset)])
         if ax is None:
-            footer.add(axes.get_figure(root=True), dataset)  # type: ignore[arg-type]
+            footer.add(axes.get_figure(root=True), dataset, hide=(x,))  # type: ignore[arg-type]
     return artists
 
 

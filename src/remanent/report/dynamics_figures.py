@@ -55,7 +55,7 @@ def resonance_orbits(branches: xr.Dataset, response: xr.Dataset, orbits: xr.Data
         only_outer_labels(grid, x=True, y=True)
         known = [Line2D([], [], color=_REST, linewidth=0.8, label="from rest"), _orbit_handle()]
         style.legend_above(figure, [*drawn.entries(branches), *known])
-        footer.add(figure, branches)
+        footer.add(figure, branches, hide=("omega",))
     return figure
 
 

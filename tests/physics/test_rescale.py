@@ -1,0 +1,109 @@
+"""N6: results at another temperature are the same motions, exactly."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import remanent as rm
+
+HOT = 350.0
+ROOT = np.sqrt(HOT / 293.0)
+DAMPED = rm.Actuator(prestress=0.3, dissipation=(rm.Rayleigh(0.1),))
+HOT_DAMPED = rm.Actuator(
+    temperature=HOT, prestress=0.3 * ROOT**2, dissipation=(rm.Rayleigh(0.1 * ROOT),)
+)
+DRIVE, HOT_DRIVE = rm.SineSquared(0.4, 1.25), rm.SineSquared(0.4 * ROOT, 1.25 * ROOT)
+
+
+def compared(scaled: xr.Dataset, direct: xr.Dataset, tolerance: float) -> None:
+    """Every number of both, and what they say made them."""
+    assert set(scaled.variables) == set(direct.variables)
+    for name in direct.variables:
+        ours, theirs = scaled[name].values, direct[name].values
+        if ours.dtype.kind in "fc" and "error" not in str(name):
+            np.testing.assert_allclose(ours, theirs, rtol=tolerance, atol=tolerance, err_msg=name)
+        elif ours.dtype.kind not in "fc":
+            np.testing.assert_array_equal(ours, theirs)
+    assert _rounded(scaled.attrs["actuator"]) == _rounded(direct.attrs["actuator"])
+    assert _rounded(scaled.attrs["drive"]) == _rounded(direct.attrs["drive"])
+
+
+def _rounded(text: str) -> list[str]:
+    """A repr with its numbers to 12 digits."""
+    parts = text.replace("=", " ").replace("(", " ").replace(")", " ").replace(",", " ").split()
+    return [f"{float(one):.12g}" if one[0].isdigit() else one for one in parts]
+
+
+def test_motion() -> None:
+    """Within the two reported errors."""
+    times = np.linspace(0.0, 50.0, 101)
+    scaled = rm.rescale(rm.simulate(DAMPED, DRIVE, times=times), temperature=HOT)
+    compared(scaled, rm.simulate(HOT_DAMPED, HOT_DRIVE, times=times / ROOT), 1e-8)
+
+
+def test_a_response_and_its_window() -> None:
+    omega = np.linspace(1.0, 1.4, 9)
+    scaled = rm.rescale(
+        rm.frequency_response(DAMPED, DRIVE, omega, duration=40.0, resonance_width=1e-4),
+        temperature=HOT,
+    )
+    direct = rm.frequency_response(
+        HOT_DAMPED, HOT_DRIVE, omega * ROOT, duration=40.0 / ROOT, resonance_width=1e-4 * ROOT
+    )
+    assert scaled.attrs["duration"] == pytest.approx(40.0 / ROOT)
+    compared(scaled, direct, 1e-8)
+
+
+def test_orbits() -> None:
+    """Rates among the states scale, stretches and multipliers stay."""
+    scaled = rm.rescale(rm.periodic_orbits(DAMPED, DRIVE), temperature=HOT)
+    direct = rm.periodic_orbits(HOT_DAMPED, HOT_DRIVE)
+    compared(scaled.drop_vars("residual"), direct.drop_vars("residual"), 1e-7)
+
+
+def test_the_fold_of_the_paper_from_the_reference_temperature() -> None:
+    drive = rm.SineSquared(0.4 / ROOT, 1.25 / ROOT)
+    branch = rm.continue_orbit(
+        rm.Actuator(), drive, "omega", (1.2 / ROOT, 1.3 / ROOT), start=(1.433, 0.0)
+    )
+    hot = rm.rescale(branch, temperature=HOT)
+    assert float(hot.special_omega[0]) == pytest.approx(1.26679529184453, abs=1e-10)
+    np.testing.assert_allclose(hot.attrs["bounds"], (1.2, 1.3))
+
+
+def test_there_and_back_again() -> None:
+    """Round trips change nothing but the last digits, and the bound on the error, upwards."""
+    start = rm.simulate(DAMPED, DRIVE, periods=3)
+    back = rm.rescale(rm.rescale(start, temperature=HOT), temperature=293.0)
+    for name in start.variables:
+        if name != "error":
+            np.testing.assert_allclose(back[name].values, start[name].values, rtol=1e-14)
+    assert (back.error.values >= start.error.values).all()
+
+
+@pytest.mark.parametrize(
+    ("actuator", "reason"),
+    [
+        (rm.Actuator(material=rm.NeoHookean(entropic_fraction=0.5)), "entropic_fraction = 0.5"),
+        (rm.Actuator(magnet=rm.Magnet(temperature_coefficient=-1e-3)), "temperature_coefficient"),
+    ],
+)
+def test_what_does_not_scale_is_refused(actuator: rm.Actuator, reason: str) -> None:
+    result = rm.simulate(actuator, DRIVE, periods=1)
+    with pytest.raises(rm.InputError, match=reason):
+        rm.rescale(result, temperature=HOT)
+
+
+def test_several_temperatures_are_refused() -> None:
+    result = rm.simulate(rm.Actuator(), DRIVE, periods=1, over={"temperature": [250.0, 350.0]})
+    with pytest.raises(rm.InputError, match="one temperature"):
+        rm.rescale(result, temperature=HOT)
+    assert float(rm.rescale(result.isel(temperature=0), temperature=HOT).temperature) == HOT
+
+
+def test_a_drive_of_unknown_fields_is_refused() -> None:
+    result = rm.simulate(rm.Actuator(), rm.Steps([0.0, 1.0], [0.1, 0.2]), duration=2.0)
+    with pytest.raises(rm.InputError, match="how this one scales"):
+        rm.rescale(result, temperature=HOT)
