@@ -87,6 +87,14 @@ def test_all_orbits_are_found(diagram: tuple[dict[str, Any], xr.Dataset]) -> Non
         np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-7)
 
 
+@pytest.mark.parametrize(("b", "omega", "count"), [(0.3, 1.2, 3), (0.3, 1.32, 1)])
+def test_each_orbit_is_counted_once_at_any_tolerance(b: float, omega: float, count: int) -> None:
+    """Newton's method stops short of the same orbit in different places."""
+    for tolerance in (1e-6, 1e-7, 1e-9):
+        ds = rm.periodic_orbits(actuator(0.0), rm.SineSquared(b, omega), tolerance=tolerance)
+        assert int(ds.orbits) == ds.orbit.size == count
+
+
 def specials(
     map_: ForcedOscillator,
     x: float,

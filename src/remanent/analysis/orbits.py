@@ -161,7 +161,9 @@ def distinct(map_: Map, orbits: Orbits, parameter: FloatArray, *, iterate: int) 
         if any(_near(path[0, k], path[j, k], slack[k]) for j in returns):
             continue
         if not any(
-            _near(path[j, k], orbits.state[i], slack[k]) for i in kept for j in range(iterate)
+            _near(path[j, k], orbits.state[i], slack[k] + slack[i])
+            for i in kept
+            for j in range(iterate)
         ):
             kept.append(k)
     return taken(orbits, np.array(kept, dtype=np.int64))

@@ -201,6 +201,7 @@ _ROWS = (
     Variable("sweep", "1", "direction of the sweep", r"\pm"),
     Variable("regime", "1", "regime of the motion", r"\mathrm{regime}"),
     Variable("orbit", "1", "number of the orbit", r"k"),
+    Variable("orbits", "1", "how many orbits exist side by side", r"n"),
     Variable("state", "1", "state variable", r"\mathrm{state}"),
     Variable("initial", "1", "initial state of the orbit", r"y_0", ("orbit", "state")),
     Variable("multiplier", "1", "number of the multiplier", r"j"),

@@ -63,7 +63,8 @@ def periodic_orbits(
         ``multipliers_error``; ``stability`` (orbit): ``elliptic`` or ``saddle`` without
         dissipation, ``stable``, ``saddle`` or ``unstable`` with it, ``undecided`` within the
         error; ``maximum``, ``minimum`` and ``amplitude`` of the thickness stretch along the
-        orbit; ``residual``; ``status``.  NaN where there are fewer orbits than elsewhere.
+        orbit; ``residual``; ``orbits``, how many there are; ``status``.  NaN where there are
+        fewer orbits than elsewhere.
 
     Raises
     ------
@@ -175,6 +176,8 @@ def _labelled(
         variables[name] = ((*ens.dims, *dims), ens.shaped(whole))
     status = np.where(ens.invalid, Status.INVALID, Status.OK).astype(np.int8)
     variables["status"] = (ens.dims, ens.shaped(status))
+    known = [len(one["residual"]) if one else 0 for one in found]
+    variables["orbits"] = (ens.dims, ens.shaped(np.array(known, dtype=np.int64)))
     coords: dict[str, Labelled] = {
         **ens.coords,
         "orbit": (("orbit",), np.arange(most)),
