@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from remanent.studies.balance import energy_balance
     from remanent.studies.basins import basins
     from remanent.studies.bifurcation import bifurcation_diagram
-    from remanent.studies.branches import continue_orbit, response_diagram, switch_branch
+    from remanent.studies.branches import continue_orbit, response_diagram
     from remanent.studies.chart import regime_chart
     from remanent.studies.classify import classify
     from remanent.studies.crossings import crossings
@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from remanent.studies.separatrix import manifold_crossing
     from remanent.studies.simulate import simulate
     from remanent.studies.special import continue_special
+    from remanent.studies.switch import switch_branch
 
     __version__: str
 
@@ -127,7 +128,7 @@ _HOME: Final = {
     "rescale": "results.rescale",
     "resonances": "studies.resonances",
     "simulate": "studies.simulate",
-    "switch_branch": "studies.branches",
+    "switch_branch": "studies.switch",
     "to_si": "results.si",
 }
 

@@ -43,6 +43,13 @@ def test_motion() -> None:
     compared(scaled, rm.simulate(HOT_DAMPED, HOT_DRIVE, times=times / ROOT), 1e-8)
 
 
+def test_loads_energies_and_their_balance() -> None:
+    times = np.linspace(0.0, 10.0, 21)
+    scaled = rm.rescale(rm.energy_balance(DAMPED, rm.Constant(0.3), times=times), temperature=HOT)
+    load = rm.Constant(0.3 * ROOT**2)
+    compared(scaled, rm.energy_balance(HOT_DAMPED, load, times=times / ROOT), 1e-8)
+
+
 def test_a_response_and_its_window() -> None:
     omega = np.linspace(1.0, 1.4, 9)
     scaled = rm.rescale(

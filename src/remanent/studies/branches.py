@@ -14,7 +14,6 @@ from remanent._checks import require_choice
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, FloatArray
 from remanent.analysis.orbits import Orbits, newton
-from remanent.analysis.switching import other_branch
 from remanent.integrate.ensemble import Progress
 from remanent.integrate.status import Status
 from remanent.models.actuator import Actuator
@@ -28,9 +27,6 @@ from remanent.studies._map import DIMENSIONS, StroboscopicMap, at
 from remanent.studies._orbits import Search, all_orbits, box_of, is_symmetric, nearest_rest
 from remanent.studies._time import require_count, require_periods
 from remanent.studies.orbits import described
-
-#: Where other branches start, and how many times longer the period of their orbits is.
-_SWITCHES = {"period doubling": 2, "branch point": 1}
 
 
 def continue_orbit(
@@ -99,94 +95,13 @@ def continue_orbit(
     """
     ens = ensemble(actuator, drive)
     low, high = parameter_bounds(parameter, bounds, ens)
-    tracing = _tracing(ens, parameter, (low, high), state_bounds, period, max_points, tolerance)
+    tracing = trace_with(ens, parameter, (low, high), state_bounds, period, max_points, tolerance)
     value = float(ens.values[parameter][0])
     orbit = _start(tracing, start, value)
     branches = through(tracing, orbit, np.array([value]))
-    found = [_described(at(ens, 0), branches, parameter, period)]
+    found = [describe_branches(at(ens, 0), branches, parameter, period)]
     settings = {"parameter": parameter, "bounds": (low, high), "orbit_period": period}
-    return _labelled(ens, found, parameter, tolerance, settings).isel(branch=0, drop=True)
-
-
-def switch_branch(
-    actuator: Actuator,
-    drive: Drive,
-    branch: xr.Dataset,
-    special: int = 0,
-    *,
-    state_bounds: Mapping[str, Any] | None = None,
-    max_points: int = 1000,
-    tolerance: float = 1e-9,
-) -> xr.Dataset:
-    """Follow the other branch that starts at a special point of a branch.
-
-    Parameters
-    ----------
-    actuator, drive
-        Those of the branch.
-    branch
-        A result of :func:`remanent.continue_orbit` or of this verb.
-    special
-        Which of its special points: a ``period doubling``, where the branch of twice the
-        period starts, or a ``branch point``, where another of the same period does (the pair
-        of orbits that break a symmetry).
-    state_bounds, max_points, tolerance
-        As for :func:`remanent.continue_orbit`.
-
-    Returns
-    -------
-    xarray.Dataset
-        As that of :func:`remanent.continue_orbit`, within the bounds of the first branch.
-
-    Raises
-    ------
-    InputError
-        A bad argument, another kind of special point, or a branch that is not reached.
-
-    Notes
-    -----
-    At the point the equations have a second null vector, for a doubling the eigenvector of
-    the multiplier −1; a step along it, corrected across it, is a point of the other branch.
-
-    Examples
-    --------
-    >>> import remanent as rm
-    >>> damped, drive = rm.Actuator(dissipation=rm.Rayleigh(0.01)), rm.SineSquared(0.8, 2.4)
-    >>> forced = rm.continue_orbit(damped, drive, "omega", (2.25, 2.45))
-    >>> forced.special_kind.values.tolist()
-    ['period doubling', 'period doubling']
-    >>> doubled = rm.switch_branch(damped, drive, forced, 1)
-    >>> doubled.attrs["orbit_period"], set(doubled.stability.values.tolist()) >= {"stable"}
-    (2, True)
-    """
-    kinds = [str(one) for one in branch["special_kind"].values.ravel()]
-    which = require_count("special", special, "It is the number of a special point.", 0)
-    if which >= len(kinds) or kinds[which] not in _SWITCHES or "orbit_period" not in branch.attrs:
-        raise InputError(
-            "special", "be the number of a period doubling or of a branch point", special,
-            f"The special points are {kinds}.", "Pass one of these, of a result of continue_orbit.",
-        )  # fmt: skip
-    parameter = str(branch.attrs.get("parameter", "omega"))
-    period = int(branch.attrs["orbit_period"]) * _SWITCHES[kinds[which]]
-    ens = ensemble(actuator, drive)
-    limits = parameter_bounds(parameter, branch.attrs["bounds"], ens)
-    tracing = _tracing(ens, parameter, limits, state_bounds, period, max_points, tolerance)
-    names = [f"special_{name}" for name in (*ens.field.state, parameter)]
-    crossing = np.array([float(branch[name].values.ravel()[which]) for name in names])
-    point = other_branch(
-        tracing.equations, crossing, scale=tracing.settings.scale, tolerance=0.1 * tolerance
-    )
-    if point is None:
-        raise InputError(
-            "special", "have another branch beside it", kinds[which],
-            "No point of one was reached by short steps across the branch.",
-            "Look for its orbits with periodic_orbits, and start there.",
-        )  # fmt: skip
-    z = point.unknown
-    orbit = Orbits(z[:, :-1], point.extra["jacobian"], point.residual, point.error)
-    found = [_described(at(ens, 0), through(tracing, orbit, z[:, -1]), parameter, period)]
-    settings = {"parameter": parameter, "bounds": limits, "orbit_period": period}
-    return _labelled(ens, found, parameter, tolerance, settings).isel(branch=0, drop=True)
+    return label_branches(ens, found, parameter, tolerance, settings).isel(branch=0, drop=True)
 
 
 def response_diagram(
@@ -254,10 +169,10 @@ def response_diagram(
         if ens.invalid[k]:
             return {}
         own.values["omega"] = np.array([0.5 * (low + high)])
-        tracing = _tracing(own, "omega", (low, high), bounds, period, max_points, tolerance)
+        tracing = trace_with(own, "omega", (low, high), bounds, period, max_points, tolerance)
         symmetric = is_symmetric(actuator, drive)
         search = Search(tracing.map, tracing.box, period, tolerance, symmetric, dense=False)
-        found = _described(own, everywhere(tracing, search, slices), "omega", period)
+        found = describe_branches(own, everywhere(tracing, search, slices), "omega", period)
         done.append(k)
         if progress is not None:
             progress(len(done) / ens.count)
@@ -266,7 +181,7 @@ def response_diagram(
     with ThreadPoolExecutor(min(os.cpu_count() or 1, ens.count)) as pool:
         found = list(pool.map(one, range(ens.count)))
     settings = {"bounds": (low, high), "orbit_period": period, "slices": slices}
-    return _labelled(ens, found, "omega", tolerance, settings)
+    return label_branches(ens, found, "omega", tolerance, settings)
 
 
 def parameter_bounds(parameter: str, bounds: ArrayLike, ens: Ensemble) -> tuple[float, float]:
@@ -288,7 +203,7 @@ def parameter_bounds(parameter: str, bounds: ArrayLike, ens: Ensemble) -> tuple[
     return float(pair[0]), float(pair[1])
 
 
-def _tracing(
+def trace_with(
     ens: Ensemble,
     parameter: str,
     bounds: tuple[float, float],
@@ -297,6 +212,7 @@ def _tracing(
     max_points: int,
     tolerance: float,
 ) -> Tracing:
+    """How branches are followed over one parameter; raises what is wrong with the settings."""
     require_tolerance(tolerance)
     require_periods(ens)
     return Tracing(
@@ -343,7 +259,7 @@ def _start(tracing: Tracing, start: ArrayLike | None, value: float) -> Orbits:
     return nearest_rest(orbits) if start is None else orbits
 
 
-def _described(
+def describe_branches(
     ens: Ensemble, branches: list[Branch], parameter: str, period: int
 ) -> dict[str, Any]:
     """Everything about the branches of one actuator, as lists of arrays."""
@@ -368,13 +284,14 @@ def _described(
     return {"points": points, "special": special, "ends": ends}
 
 
-def _labelled(
+def label_branches(
     ens: Ensemble,
     found: list[dict[str, Any]],
     parameter: str,
     tolerance: float,
     settings: dict[str, Any],
 ) -> xr.Dataset:
+    """Tables of all branches, padded, as a Dataset."""
     d, n = len(ens.field.state), ens.count
     branches = max((len(one["points"]) for one in found if one), default=0)
     lengths = [len(p["parameter"]) for one in found if one for p in one["points"]]

@@ -37,6 +37,45 @@ def test_the_pair_beside_a_symmetric_orbit_is_found() -> None:
     assert x**2 == pytest.approx(p, rel=1e-9)
 
 
+@dataclass(frozen=True)
+class Turned:
+    """The same beside a coordinate that follows the parameter, in turned coordinates."""
+
+    angle: float
+    dimension: int = 2
+
+    @property
+    def axes(self) -> FloatArray:
+        c, s = np.cos(self.angle), np.sin(self.angle)
+        return np.array([[c, -s], [s, c]])
+
+    def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> Mapped:
+        (u, w), p, r = (states @ self.axes).T, parameters[:, 0], self.axes
+        image = np.stack([u + p * u - u**3, 0.5 * w + 0.3 * p], axis=1)
+        slopes = np.zeros((len(u), 2, 2))
+        slopes[:, 0, 0], slopes[:, 1, 1] = 1.0 + p - 3.0 * u**2, 0.5
+        by_p = np.stack([u, np.full(len(u), 0.3)], axis=1)
+        return Mapped(image @ r.T, r @ slopes @ r.T, (by_p @ r.T)[:, :, None],
+                      np.full(len(u), 1e-16))  # fmt: skip
+
+
+@pytest.mark.parametrize("angle", np.linspace(0.0, 3.0, 13))
+@pytest.mark.parametrize("stretch", [0.2, 1.0, 5.0])
+def test_the_first_branch_is_left_however_it_runs(angle: float, stretch: float) -> None:
+    """Its tangent holds the parameter, the other's does not."""
+    map_ = Turned(angle)
+    point = other_branch(
+        orbit_equations(map_, 1), np.zeros(3), scale=np.array([1.0, 1.0, stretch]),
+        tolerance=1e-13,
+    )  # fmt: skip
+    assert point is not None
+    u, w = point.unknown[0, :2] @ map_.axes
+    p = point.unknown[0, 2]
+    assert abs(u) == pytest.approx(0.01, rel=0.1)
+    assert u**2 == pytest.approx(p, rel=1e-6)
+    assert w == pytest.approx(0.6 * p, rel=1e-6)
+
+
 def test_the_doubled_orbit_of_the_logistic_map_is_found() -> None:
     """Of period 2 beyond r = 3: x = (r + 1 ± √((r − 3)(r + 1)))/(2r)."""
     point = other_branch(
