@@ -58,39 +58,41 @@ class Rolling:
         return self.flow(which, wound, tangents, periods, every=every)
 
 
-def forced(acceleration: Any, names: str, par: FloatArray, tolerance: float) -> Advancer:
+def forced(
+    acceleration: Any, names: str, par: FloatArray, tolerance: float, count: int
+) -> Advancer:
     """q'' = acceleration, driven at the frequency that comes first among the parameters."""
     field = Oscillator(acceleration, dict.fromkeys(names.split()[1:], 0.0)).field()
-    flow = PeriodMap(field, turning, directions=2)
+    flow = PeriodMap(field, turning, directions=count)
     return Advancer(flow, np.ascontiguousarray(par[:, 1:]), 2.0 * np.pi / par[:, 0], tolerance)
 
 
-def oscillator(par: FloatArray, tolerance: float) -> Advance:
+def oscillator(par: FloatArray, tolerance: float, count: int) -> Advance:
     d, g, a, e, k, F = sp.symbols("d g a e k F", real=True)
     law = F * COSINE - (d + g * Q**2) * V - (a + e * COSINE) * Q - k * Q**3
-    return forced(law, "omega d g a e k F", par, tolerance)
+    return forced(law, "omega d g a e k F", par, tolerance, count)
 
 
-def pendulum(par: FloatArray, tolerance: float) -> Advance:
+def pendulum(par: FloatArray, tolerance: float, count: int) -> Advance:
     d, F = sp.symbols("d F", real=True)
-    return Rolling(forced(F * COSINE - d * V - sp.sin(Q), "omega d F", par, tolerance))
+    return Rolling(forced(F * COSINE - d * V - sp.sin(Q), "omega d F", par, tolerance, count))
 
 
-def actuator(par: FloatArray, tolerance: float) -> Advance:
+def actuator(par: FloatArray, tolerance: float, count: int) -> Advance:
     names = ("omega", "temperature", "prestress", "b", "c", "dissipation.0.eta")
     values = par * [1.0, 293.0, 1.0, 1.0, 1.0, 1.0]
     over = {n: xr.DataArray(v, dims="case") for n, v in zip(names, values.T, strict=True)}
     ens = ensemble(Actuator(dissipation=Rayleigh(0.1)), SineSquared(0.4, 1.0), over)
     asked, length = problem(ens, np.ones(ens.count)), ens.periods()
     assert length is not None
-    flow = PeriodMap(asked.field, asked.timeline.waveform, directions=2)
+    flow = PeriodMap(asked.field, asked.timeline.waveform, directions=count)
     return Advancer(flow, asked.parameters, length, tolerance)
 
 
-def plain_map(step: Any) -> Callable[[FloatArray, float], Advance]:
+def plain_map(step: Any) -> Callable[..., Advance]:
     """A map is exact: nothing depends on the tolerance."""
 
-    def make(par: FloatArray, _: float) -> Advance:
+    def make(par: FloatArray, _: float, _count: int) -> Advance:
         return Iterated(step, par)
 
     return make
@@ -101,7 +103,7 @@ def winding(y: FloatArray) -> FloatArray:
     return np.stack([np.cos(y[..., 0]), np.sin(y[..., 0]), y[..., 1]], axis=-1)
 
 
-FAMILIES: dict[str, tuple[Callable[[FloatArray, float], Advance], Any]] = {
+FAMILIES: dict[str, tuple[Callable[..., Advance], Any]] = {
     "actuator": (actuator, regimes.plain),
     "oscillator": (oscillator, regimes.plain),
     "pendulum": (pendulum, winding),
@@ -121,10 +123,11 @@ def label(cases: list[dict[str, Any]], periods: int) -> list[tuple[str, int]]:
     dimension = start.shape[1]
 
     def run(which: IntArray, n: int) -> Path:
-        advance = make(parameters[which], TOLERANCES[n])
-        return follow(advance, start[which], periods, directions=dimension, every=True)
+        count = dimension if n == 0 else 1
+        advance = make(parameters[which], TOLERANCES[n], count)
+        return follow(advance, start[which], periods, directions=count, every=True)
 
-    finest = make(parameters, TOLERANCES[0])
+    finest = make(parameters, TOLERANCES[0], dimension)
 
     def iterate(which: IntArray, states: FloatArray, period: int) -> tuple[FloatArray, FloatArray]:
         unit = np.tile(np.eye(dimension), (which.size, 1, 1))

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from itertools import combinations
 from types import MappingProxyType
 from typing import Any
@@ -20,8 +21,13 @@ from remanent._typing import FloatArray, IntArray
 from remanent.analysis.continuation import Equations, Evaluated, Points, corrected
 from remanent.analysis.maps import Map
 
-#: Its annotations know nothing of `args`.
+#: Their annotations know nothing of `args`.
 find_root: Any = elementwise.find_root
+find_minimum: Any = elementwise.find_minimum
+#: A test function is beyond zero if it is by so many times its error.
+_NOISE = 8.0
+#: Roots are found to this share of their number along the branch.
+_ROOT = 1e-13
 
 
 @dataclass(frozen=True)
@@ -96,7 +102,8 @@ def _torus(points: Points, _scale: FloatArray) -> FloatArray:
     return np.asarray(np.prod(pairs, axis=0).real if pairs else np.ones(len(points)))
 
 
-TESTS: Mapping[str, Callable[[Points, FloatArray], FloatArray]] = MappingProxyType(
+Test = Callable[[Points, FloatArray], FloatArray]
+TESTS: Mapping[str, Test] = MappingProxyType(
     {
         "fold": _fold,
         "period doubling": _doubling,
@@ -124,49 +131,94 @@ def special_points(
         Products of multipliers are 1 throughout, so that no Neimark-Sacker point exists.
     """
     found: list[Special] = []
+    along = partial(_along, equations, points, scale, tolerance)
     for kind, test in TESTS.items():
         if kind == "Neimark-Sacker" and conservative:
             continue
+
+        def value(where: FloatArray, test: Test = test) -> FloatArray:
+            return np.asarray(test(along(where), scale), dtype=np.float64)
+
         values = test(points, scale)
         with np.errstate(invalid="ignore"):
-            segment = np.flatnonzero(values[:-1] * values[1:] < 0.0)
-        if segment.size:
-            found += _located(equations, points, segment, kind, scale, tolerance)
+            crossed = np.flatnonzero(values[:-1] * values[1:] < 0.0)
+        middle, left, right = _dips(value, values, points)
+        low = np.concatenate([crossed, left, middle]).astype(np.float64)
+        high = np.concatenate([crossed + 1, middle, right]).astype(np.float64)
+        if low.size:
+            found += _located(kind, along, value, low, high, scale)
     return sorted(found, key=lambda special: special.segment)
 
 
-def _located(
-    equations: Equations,
-    points: Points,
-    segment: IntArray,
-    kind: str,
-    scale: FloatArray,
-    tolerance: float,
-) -> list[Special]:
-    """Roots of a test function on some segments, all together."""
-    test = TESTS[kind]
+def _along(
+    equations: Equations, points: Points, scale: FloatArray, tolerance: float, where: FloatArray
+) -> Points:
+    """Points of a branch at real numbers: 2.5 lies midway between its third and fourth."""
+    segment = np.clip(where.astype(np.int64), 0, len(points) - 2)
+    guess, direction = between(points, segment, where - segment, scale)
+    return corrected(equations, guess, direction, scale=scale, tolerance=tolerance)[0]
 
-    def at(part: FloatArray, number: FloatArray) -> Points:
-        k = segment[number.astype(np.int64)]
-        guess, direction = between(points, k, part, scale)
-        return corrected(equations, guess, direction, scale=scale, tolerance=tolerance)[0]
 
-    number = np.arange(segment.size, dtype=np.float64)
-    ends = (np.zeros(segment.size), np.ones(segment.size))
-    root = find_root(
-        lambda s, k: test(at(s, k), scale), ends, args=(number,),
-        tolerances={"xatol": 1e-13, "xrtol": 1e-13, "fatol": 0.0, "frtol": 0.0}, maxiter=60,
+def _dips(
+    value: Callable[[FloatArray], FloatArray], values: FloatArray, points: Points
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Where a test function passes zero and comes back between points of one sign.
+
+    The size of its values is least at some points.  Where its neighbours differ from that by
+    more than it is away from zero, the minimum near it is looked for.
+
+    Returns
+    -------
+    middle, left, right : array (dip,)
+        Numbers along the branch: beyond zero, and on this side before and after.
+    """
+    size = np.abs(values)
+    before, here, after = size[:-2], size[1:-1], size[2:]
+    with np.errstate(invalid="ignore"):
+        same = (values[:-2] * values[1:-1] > 0.0) & (values[2:] * values[1:-1] > 0.0)
+        near = (here <= before) & (here < after) & (here < before + after - 2.0 * here)
+    k = np.flatnonzero(same & near) + 1
+    if not k.size:
+        return (np.empty(0),) * 3
+    side, x = np.sign(values[k]), k.astype(np.float64)
+    least = find_minimum(
+        lambda x, side: side * value(x), (x - 1.0, x, x + 1.0), args=(side,), maxiter=60,
+        tolerances={"xatol": 1e-7, "xrtol": 0.0, "fatol": 0.0, "frtol": 1e-9},
     )  # fmt: skip
-    here = at(root.x, number)
-    kept = [k for k in range(segment.size) if root.success[k] and _is(kind, here, k)]
+    rounding = _NOISE * (points.error[k] + points.residual[k] + np.finfo(float).eps)
+    beyond = least.f_x < -rounding * _sizes(points)[k]
+    return least.x[beyond], x[beyond] - 1.0, x[beyond] + 1.0
+
+
+def _sizes(points: Points) -> FloatArray:
+    return np.asarray(np.maximum(1.0, np.abs(points.extra["jacobian"]).max(axis=(1, 2))))
+
+
+def _located(
+    kind: str,
+    along: Callable[[FloatArray], Points],
+    value: Callable[[FloatArray], FloatArray],
+    low: FloatArray,
+    high: FloatArray,
+    scale: FloatArray,
+) -> list[Special]:
+    """Roots of a test function between numbers along a branch, all together."""
+    root = find_root(
+        value, (low, high),
+        tolerances={"xatol": _ROOT, "xrtol": _ROOT, "fatol": 0.0, "frtol": 0.0}, maxiter=60,
+    )  # fmt: skip
+    here, ends = along(root.x), (along(low), along(high))
+    steps = [np.linalg.norm((end.unknown - here.unknown) / scale, axis=1) for end in ends]
+    # No steeper at the root than towards either end: next to a turn it is half as steep.
+    slope = np.minimum(*(np.abs(value(x)) / s for x, s in zip((low, high), steps, strict=True)))
+    error = (here.error + here.residual) * _sizes(here)
+    shift = error / np.maximum(slope, 1e-300)
+    shift += 2.0 * _ROOT * (1.0 + root.x) * (steps[0] + steps[1]) / (high - low)
+    uncertainty = scale[-1] * (error + shift * (np.abs(here.tangent[:, -1]) + shift))
     return [
-        Special(
-            kind,
-            int(segment[k]),
-            here.taken(slice(k, k + 1)),
-            _uncertainty(points, int(segment[k]), here, k, test, scale),
-        )
-        for k in kept
+        Special(kind, int(root.x[k]), here.taken(slice(k, k + 1)), float(uncertainty[k]))
+        for k in range(root.x.size)
+        if root.success[k] and _is(kind, here, k)
     ]
 
 
@@ -177,21 +229,6 @@ def _is(kind: str, here: Points, k: int) -> bool:
     values = np.linalg.eigvals(here.extra["jacobian"][k])
     pair = min(combinations(values, 2), key=lambda two: abs(two[0] * two[1] - 1.0))
     return bool(abs(pair[0].imag) > 1e-6)
-
-
-def _uncertainty(
-    points: Points, segment: int, here: Points, k: int, test: Any, scale: FloatArray
-) -> float:
-    """Error of the parameter: of the point itself, and of where the test vanishes."""
-    ends = points.taken(slice(segment, segment + 2))
-    values = test(ends, scale)
-    chord = np.diff(ends.unknown, axis=0)[0] / scale
-    slope = abs(values[1] - values[0]) / max(float(np.linalg.norm(chord)), 1e-300)
-    jacobian = here.extra["jacobian"][k]
-    size = max(1.0, float(np.abs(jacobian).max()))
-    error = float(here.error[k] + here.residual[k])
-    shift = error * size / max(slope, 1e-300)
-    return float(scale[-1] * (error * size + shift * (abs(here.tangent[k, -1]) + shift)))
 
 
 def between(

@@ -8,7 +8,7 @@ line up or overflow; how much each had grown, and how they had lined up, is kept
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -128,6 +128,14 @@ class Path:
         """Logarithms of the tangents' growth in each block, array (point, block, direction)."""
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.log(np.diagonal(self.factors, axis1=2, axis2=3))
+
+    def updated(self, other: Path, which: IntArray) -> Path:
+        """With what became of some points in another run, but for their tangents."""
+        names = ("last", "visited", "escaped", "trusted", "length", "error", "horizon")
+        values = {name: getattr(self, name).copy() for name in names}
+        for name, value in values.items():
+            value[which] = getattr(other, name)
+        return replace(self, factors=self.factors[:, :0], **values)
 
     @property
     def lengths(self) -> IntArray:

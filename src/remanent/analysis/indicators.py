@@ -9,7 +9,6 @@ G. A. Gottwald and I. Melbourne, SIAM J. Appl. Dyn. Syst. 8 (2009) 129 (0-1 test
 from __future__ import annotations
 
 import numpy as np
-import scipy.fft
 
 from remanent._typing import FloatArray
 
@@ -17,6 +16,8 @@ from remanent._typing import FloatArray
 _LOWEST, _HIGHEST = np.pi / 5.0, 4.0 * np.pi / 5.0
 #: The mean-square displacement is followed over this share of the series.
 _LAGS = 0.1
+#: Products in memory at once.
+_TOGETHER = 2**17
 
 
 def alignment(factors: FloatArray) -> FloatArray:
@@ -75,36 +76,42 @@ def zero_one(values: FloatArray, *, rng: np.random.Generator, frequencies: int =
         NaN where values are constant or not numbers.
     """
     c = rng.uniform(_LOWEST, _HIGHEST, frequencies)
-    count = values.shape[1]
-    lags = max(int(_LAGS * count), 2)
+    lags = max(int(_LAGS * values.shape[1]), 2)
     n = np.arange(1.0, lags + 1)
-    turn = np.exp(1j * c[:, None] * np.arange(1, count + 1))
-    oscillation = (1.0 - np.cos(c[:, None] * n)) / (1.0 - np.cos(c[:, None]))
+    oscillation = (1.0 - np.cos(np.outer(n, c))) / (1.0 - np.cos(c))
+    each = max(_TOGETHER // lags**2, 1)
     result = np.empty(values.shape[0])
-    for k, series in enumerate(values):
-        path = np.cumsum(series * turn, axis=1)
-        moved = _displacement(path, lags) - np.mean(series) ** 2 * oscillation
-        result[k] = np.median(_correlation(n, moved))
+    for first in range(0, values.shape[0], each):
+        series = np.ascontiguousarray(values[first : first + each])
+        mean = np.mean(series, axis=1)[:, None, None]
+        moved = _displacement(series, c, lags) - mean**2 * oscillation
+        result[first : first + each] = np.median(_correlation(n, moved), axis=1)
     return result
 
 
-def _displacement(path: FloatArray, lags: int) -> FloatArray:
-    """Mean over j < N - lags of |p(j + n) - p(j)|^2 for n = 1 ... lags, by convolution."""
-    count = path.shape[1] - lags
-    path = path - path.mean(axis=1, keepdims=True)
-    size = scipy.fft.next_fast_len(path.shape[1] + count)
-    spectrum = scipy.fft.fft(path, size, axis=1)
-    start = scipy.fft.fft(path[:, :count], size, axis=1)
-    mixed = scipy.fft.ifft(spectrum * np.conj(start), axis=1)[:, 1 : lags + 1].real
-    square = np.cumsum(np.abs(path) ** 2, axis=1)
-    whole = np.concatenate([np.zeros((len(path), 1)), square], axis=1)
-    ends = np.arange(1, lags + 1)
-    later = whole[:, ends + count] - whole[:, ends]
-    return np.asarray((later + square[:, count - 1 : count] - 2.0 * mixed) / count)
+def _displacement(series: FloatArray, c: FloatArray, lags: int) -> FloatArray:
+    """Mean over j = 1 ... N - lags of |p(j + n) - p(j)|^2, array (orbit, n, frequency).
+
+    It is the sum over a, b <= n of cos(c (a - b)) R[a, b], R the products phi(j + a) phi(j + b)
+    averaged over j, which know nothing of c; and R[a + 1, b + 1] is R[a, b] but for the ends
+    of the average.  So the averages are made once for each difference a - b.
+    """
+    count = series.shape[1] - lags
+    n, d = np.arange(1, lags + 1)[:, None], np.arange(lags)
+    start = series[:, 1 : count + 1]
+    products = np.empty((len(series), lags, lags))  # of a = n and b = n - d
+    last, first = n - 1, np.maximum(n - 1 - d, 0)
+    ends = series[:, count + last] * series[:, count + first] - series[:, last] * series[:, first]
+    products[:] = np.where(n > d + 1, ends / count, 0.0)
+    for k in d:
+        products[:, k, k] = np.einsum("pj,pj->p", start, series[:, 1 + k : count + 1 + k]) / count
+    products = np.cumsum(products, axis=1)
+    turned = np.where(d > 0, 2.0, 1.0)[:, None] * np.cos(np.outer(d, c))
+    return np.cumsum(products @ turned, axis=1)
 
 
 def _correlation(n: FloatArray, moved: FloatArray) -> FloatArray:
     a = n - n.mean()
-    b = moved - moved.mean(axis=1, keepdims=True)
+    b = np.moveaxis(moved - moved.mean(axis=1, keepdims=True), 1, 2)
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.asarray(b @ a / np.sqrt((a @ a) * np.einsum("cn,cn->c", b, b)))
+        return np.asarray(b @ a / np.sqrt((a @ a) * np.einsum("pcn,pcn->pc", b, b)))

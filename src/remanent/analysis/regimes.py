@@ -144,6 +144,8 @@ class Evidence:
 
 #: Share of a damped motion that is left out.
 _TRANSIENT = 0.4
+#: Orbits looked at together: their points stay in the cache.
+_SLICE = 128
 
 
 def plain(states: FloatArray) -> FloatArray:
@@ -172,16 +174,15 @@ def gather(
         Of states (..., state), bounded functions (..., observable): cosine and sine for an
         angle.
     """
-    assert path.visited is not None
-    found = [
-        (which, _gather(path, which, kept, seed, observables))
+    parts = [
+        (some, _gather(path, some, kept, seed, observables))
         for which, kept in ((np.flatnonzero(~damped), 0.0), (np.flatnonzero(damped), _TRANSIENT))
-        if which.size
+        for some in np.array_split(which, -(-which.size // _SLICE) or 1)
     ]
-    order = np.argsort(np.concatenate([which for which, _ in found]), kind="stable")
+    order = np.argsort(np.concatenate([some for some, _ in parts]), kind="stable")
     names = [f.name for f in fields(Evidence)]
     return Evidence(
-        *(np.concatenate([getattr(part, name) for _, part in found])[order] for name in names)
+        *(np.concatenate([getattr(part, name) for _, part in parts])[order] for name in names)
     )
 
 
@@ -369,7 +370,9 @@ def classify(
 ) -> tuple[Verdict, Path]:
     """Label many orbits.
 
-    Two tolerances speak for every orbit; what both call chaotic must be so at a third.
+    Every orbit is followed at the two loosest tolerances.  If they agree that it is
+    regular, or that it escapes, that is its label; the finest tolerance is kept for the
+    others, of which two finer runs must agree, and all three where they call it chaotic.
     Where motion is damped but has not settled, Newton's method looks for the periodic
     orbit ahead, and the motion has to approach it at the rate of its multiplier.
 
@@ -389,29 +392,37 @@ def classify(
     -------
     Verdict
     Path
-        At the finest tolerance.
+        At the finest tolerance that each orbit was followed at; its tangents are not kept.
     """
     everyone = np.arange(count)
 
     def evidence(path: Path, which: IntArray) -> Evidence:
         return gather(path, damped=damped[which], seed=seed, observables=observables)
 
-    path = follow(everyone, 0)
-    escaped, untrusted = path.escaped.copy(), ~path.trusted
-    first = evidence(path, everyone)
-    runs = [first, _missing(first)]
-    at = np.flatnonzero(~escaped & ~untrusted)
+    path = follow(everyone, _LOOSEST)
+    loose = evidence(path, everyone)
+    at = np.flatnonzero(path.trusted)
+    again = follow(at, _LOOSEST - 1)
+    first = _with(loose, evidence(again, at), at)
+    label, margin = judge([first, loose], damped=damped, periods=path.periods, rules=rules)
+    spread = np.abs(first.exponent - loose.exponent)
+    disputed = path.escaped[at] != again.escaped
+    path = path.updated(again, at)
+    disputed |= ~path.escaped[at] & ~np.isin(label[at], (Regime.PERIODIC, Regime.QUASI_PERIODIC))
+    at = at[disputed & path.trusted[at]]
     if at.size:
-        second = follow(at, 1)
-        runs[1] = _with(runs[1], evidence(second, at), at)
-    label, margin = judge(runs, damped=damped, periods=path.periods, rules=rules)
-    at = np.flatnonzero(label == Regime.CHAOTIC)
-    spread = np.abs(runs[0].exponent - runs[1].exponent)
-    if at.size:
-        third = evidence(follow(at, 2), at)
-        three = [run.taken(at) for run in runs] + [third]
-        label[at], margin[at] = judge(three, damped=damped[at], periods=path.periods, rules=rules)
-        spread[at] = np.fmax(spread[at], np.abs(first.exponent[at] - third.exponent))
+        finest = follow(at, 0)
+        three = [evidence(finest, at), first.taken(at), loose.taken(at)]
+        own = {"damped": damped[at], "periods": path.periods, "rules": rules}
+        label[at], margin[at] = judge(three[:2], **own)
+        all_agree, least = judge(three, **own)
+        chaotic = label[at] == Regime.CHAOTIC
+        label[at[chaotic]], margin[at[chaotic]] = all_agree[chaotic], least[chaotic]
+        found = np.array([run.exponent for run in three])
+        spread[at] = np.ptp(found, axis=0)
+        first, path = _with(first, three[0], at), path.updated(finest, at)
+    escaped, untrusted = path.escaped, ~path.trusted
+    label[untrusted] = Regime.UNDECIDED
     period = np.where(label == Regime.PERIODIC, first.period, 0)
     if iterate is not None:
         ahead = damped & (label == Regime.UNDECIDED) & ~escaped & ~untrusted
@@ -429,6 +440,8 @@ def classify(
     return Verdict(label, period, margin, first, error), path
 
 
+#: The tolerance that every orbit is followed at first.
+_LOOSEST = 2
 #: An orbit that returns worse than this, relative to its extent, is not settling yet.
 _NEAR = 0.5
 #: An orbit that returns better than this has settled.
@@ -455,14 +468,9 @@ def _settling(path: Path, which: IntArray, guess: IntArray, iterate: Iterate) ->
     return period
 
 
-def _missing(like: Evidence) -> Evidence:
-    """Evidence of nothing."""
-    values = (getattr(like, f.name) for f in fields(like))
-    return Evidence(*(np.full_like(v, 0 if v.dtype.kind == "i" else np.nan) for v in values))
-
-
 def _with(whole: Evidence, part: Evidence, which: IntArray) -> Evidence:
     """The evidence with that of some orbits put in."""
-    for f in fields(whole):
-        getattr(whole, f.name)[which] = getattr(part, f.name)
-    return whole
+    values = {f.name: getattr(whole, f.name).copy() for f in fields(whole)}
+    for name, value in values.items():
+        value[which] = getattr(part, name)
+    return Evidence(**values)

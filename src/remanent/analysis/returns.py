@@ -15,6 +15,8 @@ LONGEST = 128
 _SMALLEST = 1e-3
 #: Among distances this near to the least, the shortest period is the period.
 _ALIKE = 10.0
+#: Orbits looked at together, so that their points stay in the cache.
+_TOGETHER = 128
 #: Newton steps.
 _STEPS = 6
 
@@ -51,21 +53,35 @@ def returns(points: FloatArray, *, closed: float = 0.0) -> Returns:
         Distances below this, relative to the extent, are as good as none: the shortest
         period that reaches it is the best.
     """
-    count, length = points.shape[:2]
+    length = points.shape[1]
     spread = np.maximum(np.ptp(points, axis=1).max(axis=1), _SMALLEST)
     most = max(min(LONGEST, length // 2), 1)
-    whole, late = np.full((count, most), np.inf), np.full((count, most), np.inf)
-    for q in range(1, min(most, length - 1) + 1):
-        distance = np.abs(points[:, q:] - points[:, :-q]).max(axis=2)
-        whole[:, q - 1] = distance.max(axis=1)
-        late[:, q - 1] = distance[:, -max(length // 4, q) :].max(axis=1)
-    whole, late = whole / spread[:, None], late / spread[:, None]
+    late = np.concatenate(
+        [_late(points[i : i + _TOGETHER], most) for i in range(0, max(len(points), 1), _TOGETHER)]
+    )
+    late /= spread[:, None]
     with np.errstate(invalid="ignore"):
         alike = late <= _ALIKE * np.nanmin(late, axis=1, initial=np.inf)[:, None] + 1e-15
     alike |= late <= closed
     best = np.argmax(alike, axis=1)
-    rows = np.arange(count)
-    return Returns(best + 1, whole[rows, best], late[rows, best], spread)
+    whole = np.full(len(points), np.inf)
+    for k in np.unique(best) if length > 1 else ():
+        some = best == k
+        one = points[some]
+        whole[some] = np.abs(one[:, k + 1 :] - one[:, : -k - 1]).max(axis=(1, 2))
+    return Returns(best + 1, whole / spread, late[np.arange(len(points)), best], spread)
+
+
+def _late(points: FloatArray, most: int) -> FloatArray:
+    """Largest distance after 1, 2 ... `most` iterates over the last quarter of orbits."""
+    # Orbits last, so that the inner loops run over them.
+    x = np.ascontiguousarray(np.moveaxis(points, 0, 2))
+    length = len(x)
+    late = np.full((most, len(points)), np.inf)
+    for q in range(1, min(most, length - 1) + 1):
+        tail = min(max(length // 4, q), length - q)
+        late[q - 1] = np.abs(x[-tail:] - x[length - tail - q : length - q]).max(axis=(0, 1))
+    return np.ascontiguousarray(late.T)
 
 
 @dataclass(frozen=True)

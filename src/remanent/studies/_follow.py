@@ -7,7 +7,7 @@ import threading
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any, TypeVar
 
 import numpy as np
@@ -25,8 +25,8 @@ from remanent.results.build import Labelled
 from remanent.studies._ensemble import Ensemble, problem
 from remanent.studies._time import require_periods
 
-#: Trajectories followed together: enough to keep a kernel busy, few enough to stay in cache.
-CHUNK = 1024
+#: Trajectories followed together: enough of each resolution to fill the lanes of a kernel.
+CHUNK = 4096
 T = TypeVar("T")
 
 
@@ -57,21 +57,21 @@ class Follower:
         return np.where(self.ensemble.invalid, 1.0, require_periods(self.ensemble))
 
     @cached_property
-    def _flow(self) -> PeriodMap:
-        return self.flow(self.directions)
-
-    def flow(self, directions: int) -> PeriodMap:
-        """The period map with so many tangents."""
+    def flow(self) -> Callable[[int], PeriodMap]:
+        """The period map with so many tangents, made once for each."""
         asked = self.problem
-        return PeriodMap(asked.field, asked.timeline.waveform, directions=directions)
+
+        @lru_cache
+        def flow(directions: int) -> PeriodMap:
+            return PeriodMap(asked.field, asked.timeline.waveform, directions=directions)
+
+        return flow
 
     def advancer(
         self, which: IntArray, tolerance: float, *, directions: int | None = None
     ) -> Advancer:
         """What advances some of the trajectories, from then on by their number among these."""
-        flow = self._flow
-        if directions is not None and directions != self.directions:
-            flow = self.flow(directions)
+        flow = self.flow(self.directions if directions is None else directions)
         return Advancer(flow, self.problem.parameters[which], self.lengths[which], tolerance)
 
     def run(
@@ -79,16 +79,18 @@ class Follower:
         which: IntArray,
         tolerance: float,
         *,
+        directions: int | None = None,
         every: bool = False,
         block: int | None = None,
         cancelled: Callable[[], bool] = lambda: False,
     ) -> Path:
         """Follow some of the trajectories; the errors of their periods stay below `tolerance`."""
+        directions = self.directions if directions is None else directions
         return follow(
-            self.advancer(which, tolerance),
+            self.advancer(which, tolerance, directions=directions),
             self.problem.initial[which],
             self.periods,
-            directions=self.directions,
+            directions=directions,
             every=every,
             block=block,
             cancelled=cancelled,
@@ -105,11 +107,19 @@ class Follower:
         *,
         most: int = CHUNK,
     ) -> list[tuple[IntArray, T]]:
-        """Do `work` on every chunk of the valid trajectories, in threads."""
+        """Do `work` on every chunk of the valid trajectories, in threads.
+
+        A chunk holds every so-manieth trajectory: neighbours cost about the same, and so
+        should chunks.
+        """
         index = np.flatnonzero(~self.ensemble.invalid)
-        chunks = [index[i : i + most] for i in range(0, index.size, most)]
+        threads = os.cpu_count() or 1
+        rounds = -(-index.size // (most * threads))
+        chunks = [
+            some for k in range(rounds * threads) if (some := index[k :: rounds * threads]).size
+        ]
         if chunks:
-            _ = self._flow  # compiled before the threads ask for it
+            self.flow(self.directions)  # compiled before the threads ask for it
         stop = threading.Event()
         found: list[tuple[IntArray, T]] = []
         with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:

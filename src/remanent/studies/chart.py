@@ -22,7 +22,7 @@ def regime_chart(
     drive: Drive,
     over: Over,
     *,
-    periods: int,
+    periods: int = 300,
     initial: ArrayLike | None = None,
     tolerance: float = 1e-9,
     rng: np.random.Generator | None = None,
@@ -52,7 +52,9 @@ def regime_chart(
     Notes
     -----
     Every point is judged by the same rules as a single motion; the finest charts are not
-    cheaper by being less sure.
+    cheaper by being less sure.  With 300 periods some more points stay undecided than with
+    500: 8 in 100 instead of 4 where the frequency of the undamped actuator is charted
+    against its load, b from 0.1 to 1.2.
 
     Examples
     --------
@@ -61,7 +63,6 @@ def regime_chart(
     ...     rm.Actuator(),
     ...     rm.SineSquared(0.4, 1.25),
     ...     {"b": [0.2, 0.3], "omega": [1.7, 2.0]},
-    ...     periods=300,
     ... )
     >>> ds.regime.dims, set(ds.regime.values.ravel().tolist())
     (('b', 'omega'), {'quasi-periodic'})

@@ -60,8 +60,9 @@ def classify(
     initial, over, progress
         As for :func:`remanent.simulate`.
     tolerance
-        Of the error that one drive period adds, at the finest of the tolerances tried; the
-        others are 10 and, where a motion seems chaotic, 100 times larger.
+        Of the error that one drive period adds, at the finest of the tolerances tried.
+        Motions are followed at 100 and at 10 times as much; those that are not regular at
+        both are followed at this one too.
     rng
         Draws the frequencies of the 0-1 test; by default the same every time.
 
@@ -74,8 +75,8 @@ def classify(
         [0, 1), NaN where the section does not surround it, and the digits of it that have
         converged; ``margin``, the factor by which the weakest evidence clears its line.
         The evidence: ``exponent`` per unit of τ with ``exponent_error`` (standard error, and
-        spread over the tolerances), ``digits`` of weighted averages, ``zero_one``, ``sali``,
-        ``defect`` of the return; ``horizon``, ``local_error``, ``status``.
+        spread over the tolerances), ``digits`` of weighted averages, ``zero_one``, ``sali``
+        (NaN unless the finest tolerance was needed), ``defect`` of the return; ``horizon``, ``local_error``, ``status``.
 
     Raises
     ------
@@ -124,8 +125,8 @@ class Judged:
     def __init__(self, follower: Follower, tolerance: float, seed: int) -> None:
         self.follower, self.tolerance, self.seed = follower, tolerance, seed
         self.damped = damped(follower.ensemble)
-        #: Trajectories in a chunk, so that their states stay below some 20 MB.
-        self.most = int(np.clip(2**20 // follower.periods, 16, 512))
+        #: Trajectories in a chunk: many share a resolution, and their states stay below 40 MB.
+        self.most = int(np.clip(2**20 // follower.periods, 16, 4096))
 
     def verdict(
         self, which: IntArray, cancelled: Callable[[], bool] = lambda: False
@@ -134,8 +135,13 @@ class Judged:
         follower = self.follower
 
         def run(some: IntArray, n: int) -> Path:
-            tolerance = self.tolerance * _TOLERANCES[n]
-            return follower.run(which[some], tolerance, every=True, cancelled=cancelled)
+            return follower.run(
+                which[some],
+                self.tolerance * _TOLERANCES[n],
+                directions=follower.directions if n == 0 else 1,
+                every=True,
+                cancelled=cancelled,
+            )
 
         return regimes.classify(
             run, which.size, damped=self.damped[which], iterate=self.iterate(which), seed=self.seed

@@ -18,7 +18,7 @@ from remanent.analysis.continuation import (
     follow,
     tangents,
 )
-from remanent.analysis.maps import Mapped
+from remanent.analysis.maps import Map, Mapped
 from remanent.analysis.orbits import Stability, distinct, multipliers, newton, stability
 
 EPS = np.finfo(float).eps
@@ -125,7 +125,7 @@ class Delayed:
         return Mapped(np.stack([x, y], axis=1), jacobian, by_r, np.full(len(x), iterate * EPS))
 
 
-def specials(map_: Logistic | Delayed, z: list[float], box: list[list[float]]) -> list[Special]:
+def specials(map_: Map, z: list[float], box: list[list[float]]) -> list[Special]:
     equations = orbit_equations(map_, 1)
     curve = traced(equations, z, box)
     return special_points(equations, curve.points, scale=np.ones(len(z)), tolerance=1e-12,
@@ -137,6 +137,36 @@ def test_the_logistic_map_doubles_its_period_at_3() -> None:
     assert [one.kind for one in found] == ["period doubling"]
     assert found[0].points.unknown[0] == pytest.approx([2.0 / 3.0, 3.0], abs=1e-10)
     assert abs(found[0].points.unknown[0, 1] - 3.0) <= found[0].error < 1e-9
+
+
+@dataclass(frozen=True)
+class Grazing:
+    """x -> (p^2 - 1 - w^2) x: the multiplier of 0 passes -1 at p = -w and comes back at w."""
+
+    width: float
+    dimension: int = 1
+
+    def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> Mapped:
+        x, p = states[:, 0], parameters[:, 0]
+        slope = p**2 - 1.0 - self.width * abs(self.width)
+        return Mapped((slope * x)[:, None], slope[:, None, None], (2.0 * p * x)[:, None, None],
+                      np.full(len(x), EPS))  # fmt: skip
+
+
+@pytest.mark.parametrize("width", [1e-2, 1e-4, 1e-6])
+def test_doublings_narrower_than_a_step_are_found(width: float) -> None:
+    """Both edges of a window of instability between two points of the branch."""
+    found = specials(Grazing(width), [0.0, 0.2037], [[-1.0, 1.0], [-0.5, 0.5]])
+    assert [one.kind for one in found] == ["period doubling"] * 2
+    places = np.array([one.points.unknown[0, 1] for one in found])
+    assert np.sort(places) == pytest.approx([-width, width], rel=1e-4)
+    assert all(abs(abs(p) - width) <= one.error for p, one in zip(places, found, strict=True))
+
+
+@pytest.mark.parametrize("width", [0.0, -1e-4])
+def test_a_multiplier_that_does_not_pass_is_no_doubling(width: float) -> None:
+    """It reaches -1, or turns before it."""
+    assert not specials(Grazing(width), [0.0, 0.2037], [[-1.0, 1.0], [-0.5, 0.5]])
 
 
 def test_branches_cross_at_1() -> None:
