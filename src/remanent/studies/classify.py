@@ -76,7 +76,8 @@ def classify(
         converged; ``margin``, the factor by which the weakest evidence clears its line.
         The evidence: ``exponent`` per unit of τ with ``exponent_error`` (standard error, and
         spread over the tolerances), ``digits`` of weighted averages, ``zero_one``, ``sali``
-        (NaN unless the finest tolerance was needed), ``defect`` of the return; ``horizon``, ``local_error``, ``status``.
+        (NaN unless the finest tolerance was needed), ``defect`` of the return;
+        ``horizon``, ``local_error``, ``status``.
 
     Raises
     ------
