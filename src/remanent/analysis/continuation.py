@@ -25,6 +25,8 @@ _CORRECTIONS = 6
 _FAR, _TURN = 0.25, 0.97
 #: The step grows if corrections were shorter than this share of it.
 _CLOSE = 0.02
+#: Points that a curve has before it may be back at its start.
+_BEGUN = 10
 #: Steps shorter than this share of the first end a curve.
 _TOO_SHORT = 1e-7
 
@@ -154,24 +156,47 @@ def corrected(
     points, reached
         Whether Newton's method converged, for each.
     """
-    z = guess.copy()
-    size = z.shape[1]
-    for step in range(_CORRECTIONS):
-        here = equations(z)
-        with np.errstate(all="ignore"):
-            residual = np.abs(here.value).max(axis=1)
-        reached = residual <= np.maximum(tolerance, 4.0 * here.error)
-        finite = np.isfinite(here.derivative).all(axis=(1, 2)) & np.isfinite(residual)
-        if step == _CORRECTIONS - 1 or (reached | ~finite).all():
+    z, here = guess.copy(), equations(guess)
+    for _ in range(_CORRECTIONS - 1):
+        residual, reached, finite = _judged(here, tolerance)
+        moving = np.flatnonzero(finite & ~reached)
+        if not moving.size:
             break
-        matrix = np.concatenate([here.derivative * scale, direction[:, None, :]], axis=1)
-        matrix[~finite] = np.eye(size)
-        offset = np.einsum("ij,ij->i", direction, (guess - z) / scale)
-        right = np.concatenate([-here.value, offset[:, None]], axis=1)
-        z = z + np.where((finite & ~reached)[:, None], _solved(matrix, right) * scale, 0.0)
+        matrix = np.concatenate(
+            [here.derivative[moving] * scale, direction[moving, None, :]], axis=1
+        )
+        offset = np.einsum("ij,ij->i", direction[moving], (guess - z)[moving] / scale)
+        right = np.concatenate([-here.value[moving], offset[:, None]], axis=1)
+        z[moving] += _solved(matrix, right) * scale
+        here = _with(here, equations(z[moving]), moving)
+    residual, reached, finite = _judged(here, tolerance)
     derivative = np.where(finite[:, None, None], here.derivative, 0.0)
     tangent = tangents(derivative, direction, scale)
     return Points(z, tangent, residual, here.error, here.extra), reached & finite
+
+
+def _judged(here: Evaluated, tolerance: float) -> tuple[FloatArray, BoolArray, BoolArray]:
+    """Residuals, where they are small enough, and where all is finite."""
+    with np.errstate(all="ignore"):
+        residual = np.abs(here.value).max(axis=1)
+    finite = np.isfinite(here.derivative).all(axis=(1, 2)) & np.isfinite(residual)
+    return residual, residual <= np.maximum(tolerance, 4.0 * here.error), finite
+
+
+def _with(whole: Evaluated, part: Evaluated, which: IntArray) -> Evaluated:
+    """The equations at some points put in."""
+
+    def put(into: FloatArray, values: FloatArray) -> FloatArray:
+        new = into.copy()
+        new[which] = values
+        return new
+
+    return Evaluated(
+        put(whole.value, part.value),
+        put(whole.derivative, part.derivative),
+        put(whole.error, part.error),
+        {name: put(values, part.extra[name]) for name, values in whole.extra.items()},
+    )
 
 
 def _solved(matrix: FloatArray, right: FloatArray) -> FloatArray:
@@ -206,6 +231,7 @@ class _Arm:
     step: float
     first: float
     before: tuple[FloatArray, FloatArray]
+    origin: FloatArray
     end: str = ""
     total: int = 1
 
@@ -220,72 +246,100 @@ def _arms(equations: Equations, heads: Points, settings: Settings) -> list[_Arm]
     for k in range(len(heads)):
         z, t = heads.unknown[k], heads.tangent[k]
         before = (z - settings.step * t * settings.scale, t)
-        arms.append(_Arm([heads.taken(slice(k, k + 1))], settings.step, settings.step, before))
+        first = heads.taken(slice(k, k + 1))
+        arms.append(_Arm([first], settings.step, settings.step, before, z / settings.scale))
     half = len(arms) // 2
     while growing := [k for k, arm in enumerate(arms) if not arm.end]:
-        guesses = [_predicted(arms[k], settings) for k in growing]
-        guess = np.concatenate([g for g, _ in guesses])
-        direction = np.concatenate([d for _, d in guesses])
+        some = [arms[k] for k in growing]
+        guess, direction = _predicted(some, settings)
         points, reached = corrected(
             equations, guess, direction, scale=settings.scale, tolerance=settings.tolerance
         )
+        blocks = _looked_at(some, points, reached, guess, settings)
         for i, k in enumerate(growing):
             if arms[k].end:  # its other half came round just now
                 continue
-            block = slice(i * settings.block, (i + 1) * settings.block)
-            _grown(arms[k], points.taken(block), reached[block], guess[block], settings)
+            _grown(arms[k], points, blocks[i], settings)
             if arms[k].end == "closed":
                 arms[(k + half) % len(arms)].end = "closed"
     return arms
 
 
-def _predicted(arm: _Arm, settings: Settings) -> tuple[FloatArray, FloatArray]:
-    """Points ahead on the cubic through the last two points with their tangents."""
-    (z0, t0), (z1, t1) = arm.before, arm.head
-    scaled0, scaled1 = z0 / settings.scale, z1 / settings.scale
-    gap = max(float(np.linalg.norm(scaled1 - scaled0)), 1e-300)
-    ahead = arm.step * np.arange(1, settings.block + 1)[:, None]
+def _predicted(arms: list[_Arm], settings: Settings) -> tuple[FloatArray, FloatArray]:
+    """Points ahead of each arm on the cubic through its last two points with their tangents."""
+    before, head = zip(*((arm.before, arm.head) for arm in arms), strict=True)
+    scaled0, scaled1 = (np.array([z for z, _ in ends]) / settings.scale for ends in (before, head))
+    t0, t1 = (np.array([t for _, t in ends]) for ends in (before, head))
+    gap = np.maximum(np.linalg.norm(scaled1 - scaled0, axis=1), 1e-300)[:, None]
     secant = (scaled1 - scaled0) / gap
-    curve2 = (2.0 * t1 + t0 - 3.0 * secant) / gap
-    curve3 = (t1 + t0 - 2.0 * secant) / gap**2
-    guess = scaled1 + ahead * (t1 + ahead * (curve2 + ahead * curve3))
-    direction = t1 + ahead * (2.0 * curve2 + 3.0 * ahead * curve3)
-    length = np.linalg.norm(direction, axis=1, keepdims=True)
+    curve2 = ((2.0 * t1 + t0 - 3.0 * secant) / gap)[:, None]
+    curve3 = ((t1 + t0 - 2.0 * secant) / gap**2)[:, None]
+    steps = np.array([arm.step for arm in arms])[:, None]
+    ahead = (steps * np.arange(1, settings.block + 1))[:, :, None]
+    guess = scaled1[:, None] + ahead * (t1[:, None] + ahead * (curve2 + ahead * curve3))
+    direction = t1[:, None] + ahead * (2.0 * curve2 + 3.0 * ahead * curve3)
+    length = np.linalg.norm(direction, axis=2, keepdims=True)
     guess = guess * settings.scale
     for k in settings.held:  # extrapolated, their rounding would grow without bound
-        guess[:, k] = z1[k]
-    return guess, direction / np.maximum(length, 1e-300)
+        guess[:, :, k] = np.array([z[k] for z, _ in head])[:, None]
+    size = settings.scale.size
+    return guess.reshape(-1, size), (direction / np.maximum(length, 1e-300)).reshape(-1, size)
 
 
-def _grown(
-    arm: _Arm, points: Points, reached: BoolArray, guess: FloatArray, settings: Settings
-) -> None:
+@dataclass(frozen=True)
+class _Block:
+    """What is seen of the points that were predicted on one arm."""
+
+    first: int
+    kept: int
+    out: bool
+    home: int | None
+    worst: float
+    bend: float
+
+
+def _looked_at(
+    arms: list[_Arm], points: Points, reached: BoolArray, guess: FloatArray, settings: Settings
+) -> list[_Block]:
+    """How many points of every arm's block are what was predicted."""
+    shape = (len(arms), settings.block)
+    correction = np.linalg.norm((points.unknown - guess) / settings.scale, axis=1).reshape(shape)
+    heads, turns = (np.array(one)[:, None] for one in zip(*(arm.head for arm in arms), strict=True))
+    unknown, tangent = (a.reshape(*shape, -1) for a in (points.unknown, points.tangent))
+    chain = np.concatenate([heads, unknown], axis=1) / settings.scale
+    before = np.concatenate([turns, tangent[:, :-1]], axis=1)
+    gap = np.linalg.norm(np.diff(chain, axis=1), axis=2)
+    turned = np.einsum("kij,kij->ki", before, tangent)
+    step = np.array([arm.step for arm in arms])[:, None]
+    even = (gap > 0.5 * step) & (gap < 2.0 * step)
+    good = reached.reshape(shape) & (correction < _FAR * step) & (turned > _TURN) & even
+    kept = np.cumprod(good, axis=1).sum(axis=1)
+    inside = ((unknown >= settings.lower) & (unknown <= settings.upper)).all(axis=2)
+    within = np.cumprod(inside, axis=1).sum(axis=1)
+    home = _homes(arms, chain[:, 1:], tangent)
+    blocks = []
+    for i in range(len(arms)):
+        out = bool(within[i] < kept[i])
+        some = int(within[i]) + 1 if out else int(kept[i])
+        worst = float(correction[i, :some].max(initial=0.0))
+        came = int(home[i]) if home[i] < some and not out else None
+        blocks.append(_Block(i * shape[1], some, out, came, worst, float(turned[i].min())))
+    return blocks
+
+
+def _grown(arm: _Arm, points: Points, block: _Block, settings: Settings) -> None:
     """Keep the points of a block that are what was predicted, and choose the next step."""
-    correction = np.linalg.norm((points.unknown - guess) / settings.scale, axis=1)
-    z, t = arm.head
-    chain = np.vstack([z, points.unknown]) / settings.scale
-    gap = np.linalg.norm(np.diff(chain, axis=0), axis=1)
-    turned = np.einsum("ij,ij->i", np.vstack([t, points.tangent[:-1]]), points.tangent)
-    even = (gap > 0.5 * arm.step) & (gap < 2.0 * arm.step)
-    good = reached & (correction < _FAR * arm.step) & (turned > _TURN) & even
-    kept = int(np.cumprod(good).sum())
-    box = (points.unknown[:kept] >= settings.lower) & (points.unknown[:kept] <= settings.upper)
-    out = np.flatnonzero(~np.all(box, axis=1))
-    if out.size:
-        kept, arm.end = int(out[0]) + 1, "bounds"
-    home = _home(arm, chain[1 : kept + 1], points.tangent[:kept], settings)
-    if home is not None and not arm.end:
-        kept, arm.end = home, "closed"
+    kept = block.kept if block.home is None else block.home
+    arm.end = "bounds" if block.out else "closed" if block.home is not None else ""
     if kept:
-        chosen = points.taken(slice(0, kept))
-        whole = np.vstack([z, chosen.unknown]), np.vstack([t, chosen.tangent])
-        arm.before = whole[0][-2], whole[1][-2]
+        chosen = points.taken(slice(block.first, block.first + kept))
+        (z, t), last = arm.head, kept - 2
+        arm.before = (chosen.unknown[last], chosen.tangent[last]) if last >= 0 else (z, t)
         arm.parts.append(chosen)
         arm.total += kept
     if not arm.end and arm.total >= settings.most:
         arm.end = "points"
-    worst = float(correction[:kept].max(initial=0.0))
-    if kept == settings.block and worst < _CLOSE * arm.step and turned.min() > _TURN**0.5:
+    if kept == settings.block and block.worst < _CLOSE * arm.step and block.bend > _TURN**0.5:
         arm.step = min(1.5 * arm.step, settings.longest)
     elif kept < settings.block // 2:
         arm.step *= 0.25 if kept == 0 else 0.5
@@ -293,18 +347,19 @@ def _grown(
         arm.end = "lost"
 
 
-def _home(arm: _Arm, chain: FloatArray, tangent: FloatArray, settings: Settings) -> int | None:
-    """How many points of a block are left when the curve has come back to its start."""
-    if arm.total < 10 or not len(chain):
-        return None
-    start = arm.parts[0]
-    away = chain - start.unknown[0] / settings.scale
-    along = away @ start.tangent[0]
-    near = np.linalg.norm(away, axis=1) < 2.0 * arm.step
-    same = tangent @ start.tangent[0] > 0.9
-    across = np.linalg.norm(away - np.outer(along, start.tangent[0]), axis=1)
-    passed = np.flatnonzero(near & same & (along >= 0.0) & (across < 0.5 * arm.step))
-    return int(passed[0]) if passed.size else None
+def _homes(arms: list[_Arm], chain: FloatArray, tangent: FloatArray) -> IntArray:
+    """How many points of each block come before the curve is back at its start."""
+    start = np.array([arm.origin for arm in arms])[:, None]
+    towards = np.array([arm.parts[0].tangent[0] for arm in arms])
+    step = np.array([arm.step for arm in arms])[:, None]
+    away = chain - start
+    along = np.einsum("kij,kj->ki", away, towards)
+    near = np.linalg.norm(away, axis=2) < 2.0 * step
+    same = np.einsum("kij,kj->ki", tangent, towards) > 0.9
+    across = np.linalg.norm(away - along[:, :, None] * towards[:, None], axis=2)
+    passed = near & same & (along >= 0.0) & (across < 0.5 * step)
+    passed &= np.array([arm.total >= _BEGUN for arm in arms])[:, None]
+    return np.asarray(np.where(passed.any(axis=1), passed.argmax(axis=1), chain.shape[1]))
 
 
 def _curve(forth: _Arm, back: _Arm) -> Curve:

@@ -6,18 +6,26 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from scipy.spatial import KDTree
 
 from remanent._typing import FloatArray, IntArray
 from remanent.analysis.maps import Mapped
 from remanent.integrate.ensemble import MAX_RESOLUTION
-from remanent.integrate.period_map import PeriodMap
+from remanent.integrate.foresight import ladder
+from remanent.integrate.period_map import Image, PeriodMap
 from remanent.integrate.problem import Problem
 from remanent.integrate.variations import LOG_PERIOD
 from remanent.studies._ensemble import Ensemble, problem
 from remanent.studies._time import require_periods
 
-#: Double steps per period to begin with.
+#: Double steps per period to begin with, and at least.
 _FIRST = 8
+#: Resolution aims this factor below the tolerance.
+_AIM = 0.5
+#: So many points are few, and this share of them most.
+_FEW, _MOST = 32, 0.9
+#: Points that differ by less than this lie together.
+_ALIKE = 1e-9
 #: Dimensions that results about orbits have of their own.
 DIMENSIONS = frozenset({"orbit", "state", "multiplier", "branch", "point", "special"})
 
@@ -48,7 +56,7 @@ class StroboscopicMap:
     phase: float = 0.0
     held: Sequence[str] = ()
     most: int = MAX_RESOLUTION
-    _resolution: int = field(default=_FIRST, repr=False)
+    _known: tuple[KDTree, FloatArray, IntArray] | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         require_periods(self.ensemble)
@@ -99,10 +107,10 @@ class StroboscopicMap:
             tolerance=self.tolerance,
             cycles=iterate,
             half=half,
-            resolution=self._resolution,
+            resolution=self._foreseen(states, parameters),
             finest=self.most,
         )
-        self._resolution = self._typical(image.resolution)
+        self._learn(states, parameters, image)
         slope = np.zeros((count, d, len(self.names)))
         for k, name in enumerate(self.names):
             if name == drive.timed_by:  # the period is inversely proportional to this field
@@ -112,13 +120,30 @@ class StroboscopicMap:
         jacobian = np.moveaxis(image.tangent[:, :d], 1, 2)
         return Mapped(image.state, jacobian, slope, image.error * max(iterate, 1))
 
-    @staticmethod
-    def _typical(resolution: IntArray) -> int:
-        """What was enough for most points: others are refined by themselves."""
-        if not resolution.size:
+    def _foreseen(self, states: FloatArray, parameters: FloatArray) -> IntArray | int:
+        """The resolution that was wanted at the nearest point of the last call.
+
+        Few points share what is enough for most of them: lanes would be idle else.
+        """
+        if self._known is None:
             return _FIRST
-        middle = (9 * (resolution.size - 1)) // 10
-        return int(np.partition(resolution, middle)[middle])
+        tree, scale, wanted = self._known
+        _, nearest = tree.query(np.nan_to_num(np.hstack([states, parameters])) / scale)
+        found = np.asarray(wanted[nearest])
+        if found.size > _FEW:
+            return found
+        return int(np.quantile(found, _MOST, method="lower")) if found.size else _FIRST
+
+    def _learn(self, states: FloatArray, parameters: FloatArray, image: Image) -> None:
+        with np.errstate(all="ignore"):
+            share = (image.error / (_AIM * self.tolerance)) ** (1.0 / self._flow.order)
+        wanted = image.resolution * np.clip(np.nan_to_num(share, nan=1.0), 0.25, 1.0)
+        places = np.hstack([states, parameters])
+        known = np.isfinite(places).all(axis=1) & np.isfinite(image.error)
+        if known.any():
+            scale = np.maximum(np.ptp(places[known], axis=0), _ALIKE)
+            found = ladder(np.clip(wanted[known], _FIRST, self.most))
+            self._known = KDTree(places[known] / scale), scale, np.minimum(found, self.most)
 
 
 def spread(ensemble: Ensemble, states: FloatArray, varied: Mapping[str, FloatArray]) -> Ensemble:
