@@ -122,10 +122,11 @@ def label(cases: list[dict[str, Any]], periods: int) -> list[tuple[str, int]]:
     start = start[:, :1] if family == "logistic" else start
     dimension = start.shape[1]
 
-    def run(which: IntArray, n: int) -> Path:
+    def run(which: IntArray, n: int, states: FloatArray | None = None, /) -> Path:
         count = dimension if n == 0 else 1
         advance = make(parameters[which], TOLERANCES[n], count)
-        return follow(advance, start[which], periods, directions=count, every=True)
+        begin = start[which] if states is None else states
+        return follow(advance, begin, periods, directions=count, every=True)
 
     finest = make(parameters, TOLERANCES[0], dimension)
 

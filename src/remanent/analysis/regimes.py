@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from enum import IntEnum
+from typing import Protocol
 
 import numpy as np
 
@@ -354,8 +355,14 @@ def _judge(
     return label, margin
 
 
-#: Follows some orbits, by number, at the n-th tolerance: 0 is the finest.
-Follow = Callable[[IntArray, int], Path]
+class Follow(Protocol):
+    """Follows some orbits."""
+
+    def __call__(self, which: IntArray, n: int, states: FloatArray | None = None, /) -> Path:
+        """Follow orbits, by number, at the n-th tolerance, of which 0 is the finest.
+
+        They start from `states` (orbit, state), or where they belong.
+        """
 
 
 def classify(
@@ -373,8 +380,10 @@ def classify(
     Every orbit is followed at the two loosest tolerances.  If they agree that it is
     regular, or that it escapes, that is its label; the finest tolerance is kept for the
     others, of which two finer runs must agree, and all three where they call it chaotic.
-    Where motion is damped but has not settled, Newton's method looks for the periodic
-    orbit ahead, and the motion has to approach it at the rate of its multiplier.
+    Damped motion that is chaotic has to remain so for as long again several times: chaotic
+    transients can outlast a run.  Where motion is damped but has not settled, Newton's
+    method looks for the periodic orbit ahead, and the motion has to approach it at the rate
+    of its multiplier.
 
     Parameters
     ----------
@@ -421,6 +430,9 @@ def classify(
         found = np.array([run.exponent for run in three])
         spread[at] = np.ptp(found, axis=0)
         first, path = _with(first, three[0], at), path.updated(finest, at)
+    at = np.flatnonzero(damped & (label == Regime.CHAOTIC))
+    passing = at[~_lasting(follow, at, path.last[at], (rules or Rules()).half)]
+    label[passing], margin[passing] = Regime.UNDECIDED, np.nan
     escaped, untrusted = path.escaped, ~path.trusted
     label[untrusted] = Regime.UNDECIDED
     period = np.where(label == Regime.PERIODIC, first.period, 0)
@@ -440,6 +452,8 @@ def classify(
     return Verdict(label, period, margin, first, error), path
 
 
+#: How many times as long again damped motion has to stay chaotic.
+_AGAIN = 4
 #: The tolerance that every orbit is followed at first.
 _LOOSEST = 2
 #: An orbit that returns worse than this, relative to its extent, is not settling yet.
@@ -448,6 +462,20 @@ _NEAR = 0.5
 _SETTLED = 1e-10
 #: Newton's residual at a periodic orbit.
 _RESIDUAL = 1e-8
+
+
+def _lasting(follow: Follow, which: IntArray, states: FloatArray, half: float) -> BoolArray:
+    """Where chaotic orbits go on as they were: their tangents grow to the end of every run."""
+    lasting = np.ones(which.size, dtype=np.bool_)
+    for _ in range(_AGAIN):
+        at = np.flatnonzero(lasting)
+        if at.size:
+            path = follow(which[at], _LOOSEST, states[at])
+            growth = path.growth[..., 0]
+            late = growth[:, growth.shape[1] // 2 :].sum(axis=1)
+            lasting[at] = path.trusted & ~path.escaped & (late >= half)
+            states[at] = path.last
+    return lasting
 
 
 def _settling(path: Path, which: IntArray, guess: IntArray, iterate: Iterate) -> IntArray:

@@ -78,17 +78,21 @@ class Follower:
         self,
         which: IntArray,
         tolerance: float,
+        states: FloatArray | None = None,
         *,
         directions: int | None = None,
         every: bool = False,
         block: int | None = None,
         cancelled: Callable[[], bool] = lambda: False,
     ) -> Path:
-        """Follow some of the trajectories; the errors of their periods stay below `tolerance`."""
+        """Follow some of the trajectories; the errors of their periods stay below `tolerance`.
+
+        They start from `states` (trajectory, state); by default where the ensemble does.
+        """
         directions = self.directions if directions is None else directions
         return follow(
             self.advancer(which, tolerance, directions=directions),
-            self.problem.initial[which],
+            self.problem.initial[which] if states is None else states,
             self.periods,
             directions=directions,
             every=every,

@@ -87,7 +87,8 @@ def classify(
     Notes
     -----
     ``chaotic`` needs an exponent above 0 by three standard errors, the same at three
-    tolerances, and averages that do not converge.  ``quasi-periodic`` needs tangents that
+    tolerances, and averages that do not converge; damped motion has to stay so for four more
+    runs, since chaotic transients can be long.  ``quasi-periodic`` needs tangents that
     grow like a power of time, averages that converge, and a 0-1 test near 0.  ``periodic``
     needs the orbit to close, or, where it still settles, a stable periodic orbit found by
     Newton's method that it approaches at the rate of its multiplier.  Where motion is
@@ -135,10 +136,11 @@ class Judged:
         """Label some trajectories."""
         follower = self.follower
 
-        def run(some: IntArray, n: int) -> Path:
+        def run(some: IntArray, n: int, states: FloatArray | None = None, /) -> Path:
             return follower.run(
                 which[some],
                 self.tolerance * _TOLERANCES[n],
+                states,
                 directions=follower.directions if n == 0 else 1,
                 every=True,
                 cancelled=cancelled,

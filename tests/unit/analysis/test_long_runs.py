@@ -31,8 +31,8 @@ def label(
     """Labels; rounding in other orders stands for other tolerances."""
     points = Iterated(step, par)
 
-    def again(which: IntArray, n: int) -> Path:
-        moved = y0[which] * (1.0 + n * 1e-13)
+    def again(which: IntArray, n: int, states: FloatArray | None = None, /) -> Path:
+        moved = y0[which] * (1.0 + n * 1e-13) if states is None else states
         advance = Iterated(step, par[which])
         return follow(advance, moved, periods, directions=y0.shape[1], every=True)
 
@@ -256,13 +256,26 @@ def test_one_tolerance_that_disagrees_takes_the_label_away() -> None:
     """N10: chaos at one tolerance, a fixed point at another."""
     par = np.array([[3.9]])
 
-    def again(which: IntArray, n: int) -> Path:
+    def again(which: IntArray, n: int, _states: FloatArray | None = None, /) -> Path:
         values = par[which] if n != 2 else np.full((which.size, 1), 2.8)
         start = np.full((which.size, 1), 0.3)
         return follow(Iterated(logistic, values), start, 500, directions=1, every=True)
 
     found, _ = regimes.classify(again, 1, damped=np.ones(1, dtype=np.bool_))
     assert found.regime[0] == Regime.UNDECIDED
+
+
+@pytest.mark.parametrize(("later", "regime"), [(3.9, Regime.CHAOTIC), (2.8, Regime.UNDECIDED)])
+def test_damped_chaos_has_to_outlast_the_run(later: float, regime: Regime) -> None:
+    """N10: chaos that settles in what follows the run was a transient."""
+
+    def again(which: IntArray, n: int, states: FloatArray | None = None, /) -> Path:
+        par = np.full((which.size, 1), 3.9 if states is None else later)
+        start = np.full((which.size, 1), 0.3 + n * 1e-13) if states is None else states
+        return follow(Iterated(logistic, par), start, 500, directions=1, every=True)
+
+    found, _ = regimes.classify(again, 1, damped=np.ones(1, dtype=np.bool_))
+    assert found.regime[0] == regime
 
 
 def test_period_of_the_best_return() -> None:
