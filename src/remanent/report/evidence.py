@@ -27,8 +27,8 @@ from remanent.studies.simulate import simulate
 CASES = {"prestress": PRESTRESSES, "temperature": TEMPERATURES}
 #: Frequencies at which responses are tabulated before the largest is refined.
 OMEGAS = np.linspace(0.5, 2.0, 601)
-#: Drive periods in sections.
-DRAWN = 500
+#: Drive periods in sections: so many until the slowest of the six curves closes.
+DRAWN = 1000
 #: Drive periods after which regimes are judged; the next where one is still undecided.
 JUDGED = (500, 1000, 2000, 8000)
 #: Distance of the neighbour whose separation is followed.
