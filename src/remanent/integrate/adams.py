@@ -71,6 +71,11 @@ class Adams:
         return self.steps + 1
 
     @property
+    def evaluations(self) -> int:
+        """Of the rates, in every step: one predicted, one corrected."""
+        return 2
+
+    @property
     def counted_order(self) -> int:
         """Order that the error estimate counts on: two less, as a reserve.
 

@@ -8,10 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from remanent._field import BINARY
 from remanent._timeline import Timeline
 from remanent._typing import FloatArray, IntArray
 from remanent.integrate import dense
-from remanent.integrate.compile import Kernels
+from remanent.integrate.compile import Kernel, Kernels
 from remanent.integrate.layout import PAST
 from remanent.integrate.methods import default_method
 from remanent.integrate.problem import Problem, Request, Window
@@ -20,10 +21,15 @@ from remanent.integrate.problem import Problem, Request, Window
 NOMINAL = 2.5
 #: Errors above this no longer follow the order of the method.
 NONLINEAR = 1e-2
-#: Fine steps of all trajectories in one call of the kernel, short enough to cancel within
-#: a fifth of a second; and the least and the most of one trajectory.
-_LANE_STEPS_PER_CALL = 2**17
-_STEPS_PER_CALL = (64, 2048)
+#: Instructions of all trajectories in one call of a kernel: hundredths of a second, so that
+#: calls cost little and a run is cancelled within a fifth of a second.
+_WORK_PER_CALL = 2**28
+#: Instructions that a function such as ``exp`` stands for.
+_FUNCTION = 20
+#: Fine steps of all trajectories in one call whose states are all recorded: memory.
+_RECORDED_PER_CALL = 2**17
+#: The least and the most fine steps of one trajectory in a call.
+_STEPS_PER_CALL = (64, 2**15)
 #: More cycles than anybody waits for; representable.
 _ENDLESS = 2**53
 #: Samples computed together between steps: few enough to stay in the processor's cache.
@@ -138,15 +144,29 @@ def step_counts(
     return np.asarray(2.0 * steps * cycle_counts(problem, which))
 
 
+def steps_per_call(kernel: Kernel, trajectories: int, *, recorded: bool) -> int:
+    """Fine steps of each of so many trajectories in one call of a kernel."""
+    code = kernel.field.rates.code
+    work = sum(1 if operation in BINARY else _FUNCTION for operation, *_ in code)
+    steps = _WORK_PER_CALL // max(kernel.method.evaluations * work, 1)
+    together = -(-trajectories // kernel.width) * kernel.width
+    most = min(steps, _RECORDED_PER_CALL) if recorded else steps
+    return int(np.clip(most // together, *_STEPS_PER_CALL))
+
+
 def stretches(
-    timeline: Timeline, which: IntArray, doubles: IntArray, cycles: int, strobe: int
+    timeline: Timeline,
+    which: IntArray,
+    doubles: IntArray,
+    cycles: int,
+    strobe: int,
+    longest: int,
 ) -> Iterator[Stretch]:
-    """Cut the run of some trajectories into calls of a kernel.
+    """Cut the run of some trajectories into calls of a kernel of at most `longest` fine steps.
 
     The cuts change nothing in what a trajectory undergoes.
     """
     start = np.zeros(which.size)
-    longest = int(np.clip(_LANE_STEPS_PER_CALL // which.size, *_STEPS_PER_CALL))
     for k, lengths in enumerate(timeline.lengths[:, which]):
         parameters = {name: v[k, which] for name, v in timeline.parameters.items()}
         total = cycles if timeline.periodic else 1
@@ -224,7 +244,9 @@ def attempt(
     cycles = int(cycle_counts(problem, which).max())
     lanes = _lanes(problem, request, kernels, tolerance, which)
     sampler = _Sampler(problem, request, kernels, which, cycles, keep_going)
-    for stretch in stretches(problem.timeline, which, doubles, cycles, request.strobe):
+    recorded = request.times is not None or request.inspect is not None
+    longest = steps_per_call(kernels.run, which.size, recorded=recorded)
+    for stretch in stretches(problem.timeline, which, doubles, cycles, request.strobe, longest):
         if not keep_going():
             break
         _set_stretch(lanes, kernels, problem, stretch)

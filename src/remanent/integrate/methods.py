@@ -58,6 +58,11 @@ class RungeKutta:
                 raise ValueError(f"{self.name}: quadrature condition {power + 1} fails")
 
     @property
+    def evaluations(self) -> int:
+        """Of the rates, in every step."""
+        return len(self.stage_nodes)
+
+    @property
     def counted_order(self) -> int:
         """Order that the error estimate counts on: two less, as a reserve.
 

@@ -7,11 +7,15 @@ from typing import Any
 
 import numpy as np
 import pytest
+import sympy as sp
 from tests.unit.integrate.handmade import Oscillator, Q, problem
 
 from remanent.integrate import chunk
-from remanent.integrate.compile import Kernel
+from remanent.integrate.adams import adams
+from remanent.integrate.compile import Kernel, compiled
 from remanent.integrate.ensemble import integrate
+from remanent.integrate.kernel import Options
+from remanent.integrate.methods import default_method
 from remanent.integrate.problem import Request
 
 
@@ -43,14 +47,32 @@ def test_nothing_is_computed_after_an_interruption(monkeypatch: pytest.MonkeyPat
     assert threading.active_count() <= begun + 2
 
 
-@pytest.mark.parametrize("trajectories", [1, 16, 1024, 4096])
+@pytest.mark.parametrize("longest", [64, 2048, 2**15])
 @pytest.mark.parametrize("doubles", [6, 100, 5000])
-def test_calls_are_short(trajectories: int, doubles: int) -> None:
-    """No call takes more than 2**17 steps of single trajectories, but for whole cycles."""
-    longest = int(np.clip(2**17 // trajectories, 64, 2048))
+def test_calls_are_short(longest: int, doubles: int) -> None:
+    """No call takes more steps of a trajectory than it may, but for whole cycles."""
     for cycles, strobe in ((1, 0), (100, 0), (100, 1)):
         calls = list(chunk._calls(cycles, doubles, strobe, longest, single=False))
         assert sum(n * (part.stop - part.start) for _, n, part, _ in calls) == cycles * doubles
         for _, n, part, past in calls:
             taken = 2 * n * (part.stop - part.start)
             assert taken <= max(longest, 2 * doubles if strobe or not past else 0) or n == 1
+
+
+@pytest.mark.parametrize("trajectories", [1, 16, 1000, 4096])
+def test_calls_are_shorter_the_more_they_do(trajectories: int) -> None:
+    """Fewer steps for more trajectories, for dearer rates and methods, and where all is kept."""
+
+    def steps(rate: Any, method: Any, count: int = trajectories, **given: Any) -> int:
+        kernel = compiled(
+            problem(Oscillator(rate, {}), np.ones((1, 2)), 1.0).field, method, Options()
+        )
+        return chunk.steps_per_call(kernel, count, **{"recorded": False, **given})
+
+    cheap = steps(-Q, adams(8))
+    assert steps(-Q, adams(8), 4 * trajectories) <= cheap
+    assert steps(-Q, default_method()) <= cheap
+    assert steps(-sp.exp(Q), adams(8)) <= cheap
+    kept = steps(-Q, adams(8), recorded=True)
+    assert kept <= cheap
+    assert kept * max(trajectories, 16) <= max(2**17, 64 * trajectories)
