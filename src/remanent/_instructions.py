@@ -19,6 +19,16 @@ Signed = tuple[int, int]
 _CHEAP = frozenset({"add", "sub", "mul", "neg"})
 
 
+def cost(program: Program) -> int:
+    """Rough cost in additions."""
+    return sum(_weight(operation) for operation, *_ in program.code)
+
+
+def _weight(operation: str) -> int:
+    """A division or a function is worth about ten additions."""
+    return 1 if operation in _CHEAP else 10
+
+
 class Instructions:
     """Instructions collected so far, numbered by value.
 
@@ -136,8 +146,7 @@ class Instructions:
         )
 
     def _cost(self, steps: Sequence[int]) -> int:
-        """Rough cost in additions; a division or a function is worth about ten."""
-        return sum(1 if self._keys[k][0] in _CHEAP else 10 for k in steps)
+        return sum(_weight(self._keys[k][0]) for k in steps)
 
     def _steps(self, outputs: Sequence[int]) -> list[int]:
         """Operations that the outputs need, in the order in which they were recorded."""

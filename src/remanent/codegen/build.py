@@ -11,15 +11,15 @@ from remanent.models.actuator import Actuator
 from remanent.models.drive import Drive
 
 
-def build(actuator: Actuator, drive: Drive, *, coordinates: int = 1) -> Field:
+def build(actuator: Actuator, drive: Drive) -> Field:
     """Derive the equations of motion and translate them to straight-line code.
 
     Only the structure of both arguments is used, never a numeric value.
     """
-    system = mechanics.derive(actuator, drive, coordinates=coordinates)
+    system = mechanics.derive(actuator, drive)
     state = tuple(symbol.name for symbol in system.state)
     parameters = (
-        *mechanics.parameter_names(actuator, coordinates),
+        *actuator.parameters(),
         *drive.parameters(),
         *drive.piece_parameters,
     )

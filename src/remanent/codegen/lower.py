@@ -12,12 +12,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import reduce
+from itertools import accumulate
 from typing import Any
 
 import sympy as sp
 
 from remanent._field import Program
-from remanent._instructions import Instructions, Signed
+from remanent._instructions import Instructions, Signed, cost
 from remanent.codegen.rational import Quotient, common, quotient, rationalised
 
 Expression = Any  # SymPy is not typed
@@ -54,15 +55,32 @@ def lower(
         Compute the expressions as they are written instead of bringing what depends
         on the state to quotients of expanded polynomials.
     """
+    translator = _Translator(Instructions(inputs), levels, definitions)
+    plain = [sp.sympify(output) for output in outputs]
     if as_written:
-        translator = _Translator(Instructions(inputs), levels, definitions)
-        values = [translator.written(sp.sympify(output)) for output in outputs]
-        return translator.instructions.program(values)
+        return translator.instructions.program([translator.written(e) for e in plain])
+    structured = translator.instructions.program(translator.together(plain))
+    if sum(level == STATE for level in levels.values()) > _FEW:
+        return structured
+    inner = {s: e for s, e in definitions.items() if translator.level(s) == STATE}
     generators: dict[Expression, Symbol] = {}
-    rational = [rationalised(sp.sympify(output), generators) for output in outputs]
-    meanings = {**definitions, **{symbol: e for e, symbol in generators.items()}}
+    rational = [rationalised(_written_out(e, inner), generators) for e in plain]
+    meanings = {s: e for s, e in definitions.items() if s not in inner}
+    meanings |= {symbol: e for e, symbol in generators.items()}
     translator = _Translator(Instructions(inputs), levels, meanings)
-    return translator.instructions.program(translator.quotients(rational))
+    expanded = translator.instructions.program(translator.quotients(rational))
+    return min(expanded, structured, key=cost)
+
+
+#: Up to so many state variables, normal forms of all rates may be shorter than their structure.
+_FEW = 2
+
+
+def _written_out(expression: Expression, definitions: Mapping[Symbol, Expression]) -> Expression:
+    """The expression with what symbols stand for put in."""
+    for symbol, meaning in reversed(definitions.items()):
+        expression = expression.subs(symbol, meaning)
+    return expression
 
 
 class _Translator:
@@ -75,6 +93,7 @@ class _Translator:
         definitions: Mapping[Symbol, Expression],
     ) -> None:
         self.instructions = instructions
+        self._inverses: dict[int, Signed] = {}
         self._levels = dict(levels)
         self._definitions = definitions
         for symbol, meaning in definitions.items():
@@ -88,6 +107,45 @@ class _Translator:
         """Symbols in `expression` that vary with the state, in a definite order."""
         found = [s for s in expression.free_symbols if self._levels[s] == STATE]
         return sorted(found, key=list(self._levels).index)
+
+    # As it is structured --------------------------------------------------------------
+
+    def together(self, expressions: Sequence[Expression]) -> list[Signed]:
+        """Values as they are written, with one division for all that are divided by.
+
+        Of n values the reciprocals cost one division and 3 (n - 1) multiplications; those
+        that depend on reciprocals themselves come after these.
+        """
+        ranks: dict[int, list[Expression]] = {}
+        for expression in expressions:
+            self._rank(expression, ranks)
+        for rank in sorted(ranks):
+            values = dict.fromkeys(self.written(base) for base in ranks[rank])
+            self._invert([(1, value) for _, value in values])
+        return [self.written(e) for e in expressions]
+
+    def _rank(self, expression: Expression, ranks: dict[int, list[Expression]]) -> int:
+        """How many divisions by the state in a row it takes; divisors go into `ranks`."""
+        if self.level(expression) < STATE or expression.is_Atom:
+            meaning = self._definitions.get(expression)
+            return 0 if meaning is None else self._rank(meaning, ranks)
+        rank = max(self._rank(argument, ranks) for argument in expression.args)
+        if not _is_reciprocal(expression) or not expression.exp.is_Integer:
+            return rank
+        base = expression.base
+        if base not in ranks.setdefault(rank, []):
+            ranks[rank].append(base)
+        return rank + 1
+
+    def _invert(self, values: Sequence[Signed]) -> None:
+        """Reciprocals of several values by one division."""
+        mul = self.instructions.mul
+        products = list(accumulate(values, mul))
+        inverse = self.instructions.div(self.instructions.constant(1.0), products[-1])
+        for value, before in zip(values[:0:-1], products[-2::-1], strict=True):
+            self._inverses[value[1]] = mul(inverse, before)
+            inverse = mul(inverse, value)
+        self._inverses[values[0][1]] = inverse
 
     # Rational functions of the state --------------------------------------------------
 
@@ -214,7 +272,7 @@ class _Translator:
         """
         for factor in product.as_ordered_factors():
             meaning = self._definitions.get(factor)
-            if meaning is not None and meaning.is_Mul and self.level(factor) >= DRIVE:
+            if meaning is not None and meaning.is_Mul and self.level(factor) == DRIVE:
                 yield from self._flattened(meaning)
             else:
                 yield factor
@@ -235,9 +293,11 @@ class _Translator:
         base, exponent = expression.as_base_exp()
         if not exponent.is_Integer:
             base, exponent = expression, 1
-        one = self.instructions.constant(1.0)
-        inverse = self.instructions.div(one, self.written(base))
-        return self.instructions.power(inverse, int(exponent))
+        value = self.written(base)
+        inverse = self._inverses.get(value[1])
+        if inverse is None:
+            inverse = self.instructions.div(self.instructions.constant(1.0), (1, value[1]))
+        return self.instructions.power((value[0] * inverse[0], inverse[1]), int(exponent))
 
     def _power(self, power: Expression) -> Signed:
         base, exponent = power.base, power.exp

@@ -21,7 +21,9 @@ from remanent.models.magnetics import Magnet
 from remanent.models.materials import Material, NeoHookean
 from remanent.models.parts import Part, Structure
 from remanent.models.scaling import Scales
-from remanent.models.viscous import Dissipation
+from remanent.models.shifts import Shift
+from remanent.models.thermal import Heat
+from remanent.models.viscous import Dissipation, own
 
 if TYPE_CHECKING:
     from remanent.models.equations import Equations
@@ -34,6 +36,7 @@ WARM: Final = 353.15
 
 #: Fields that are parts of the model.
 PARTS: Final = ("material", "dissipation", "heat", "magnet")
+_SINGLE: Final = ("material", "heat", "magnet")
 
 _TEMPERATURE: Final = _checks.positive(
     "It is an absolute temperature in kelvin.", "For t degrees Celsius pass t + 273.15."
@@ -42,7 +45,12 @@ _TEMPERATURE: Final = _checks.positive(
 
 @dataclass(frozen=True, kw_only=True)
 class Actuator:
-    """A block of hard-magnetic elastomer under equal in-plane dead loads.
+    """A block of hard-magnetic elastomer under in-plane dead loads.
+
+    Equal dead loads and edges keep both in-plane stretches equal: the motion has one
+    coordinate, ``stretch``.  A pair of dead loads, or `edges`, makes two of it,
+    ``stretch_1`` and ``stretch_2``; pairs of equal numbers too, so that a loss of that
+    symmetry can be seen (see :func:`remanent.symmetry_check`).
 
     Parameters
     ----------
@@ -51,7 +59,8 @@ class Actuator:
     temperature, reference_temperature
         T, and T0 at which the shear modulus mu and the remanence are given; kelvin.
     prestress
-        Nominal stress of the dead loads over mu, S = P/(4 L H mu).
+        Nominal stress of the dead loads over mu, S = P/(4 L H mu); a pair (S1, S2) for
+        two coordinates, whose numbers are called ``prestress_1`` and ``prestress_2``.
     material
         Strain energy.
     dissipation
@@ -60,21 +69,27 @@ class Actuator:
         Heat balance; None holds the temperature constant.
     magnet
         Magnetisation law and B_r(T).
+    edges
+        Edges of the block over L, a pair (L1/L, L2/L), called ``edges_1`` and ``edges_2``,
+        for two coordinates; None for equal edges, L1 = L2 = L.
 
     Examples
     --------
     >>> Actuator(temperature=350).replace(prestress=1).parameters()["prestress"]
     1.0
+    >>> Actuator(prestress=(0, 1)).coordinates
+    2
     """
 
     c: float = 1.0
     temperature: float = 293.0
     reference_temperature: float = 293.0
-    prestress: float = 0.0
+    prestress: float | Sequence[float] = 0.0
     material: Material = field(default_factory=NeoHookean)
     dissipation: Dissipation | Sequence[Dissipation] = ()
-    heat: None = None
+    heat: Heat | None = None
     magnet: Magnet = field(default_factory=Magnet)
+    edges: Sequence[float] | None = None
     #: The physical sizes behind an actuator made by :meth:`from_si`.
     scales: Scales | None = field(default=None, compare=False, repr=False)
 
@@ -88,18 +103,42 @@ class Actuator:
             "temperature": _TEMPERATURE,
             "reference_temperature": _TEMPERATURE,
             "prestress": _checks.finite("It is a nominal stress over the shear modulus."),
+            "edges": _checks.positive("It is a ratio of lengths.", "Pass 1 for an edge 2 L."),
         }
     )
+    #: Fields that may be pairs; the numbers of a pair have their own names.
+    paired: ClassVar[tuple[str, ...]] = ("prestress", "edges")
 
     def __post_init__(self) -> None:
-        _refuse_unavailable(self)
-        for name, rule in self.rules.items():
-            number = _checks.require_real(name, getattr(self, name), rule)
-            object.__setattr__(self, name, number)
+        for name, values in self._own().items():
+            numbers = [
+                _checks.require_real(full, value, self.rules[name])
+                for full, value in values.items()
+            ]
+            object.__setattr__(self, name, numbers[0] if name in values else tuple(numbers))
         object.__setattr__(self, "dissipation", _elements(self.dissipation))
         _checks.require_instance("material", self.material, Material, "NeoHookean()")
         _checks.require_instance("magnet", self.magnet, Magnet, "Magnet()")
+        if self.heat is not None:
+            _checks.require_instance("heat", self.heat, Heat, "Heat()")
         self.warn_if_implausible(self.parameters(), stacklevel=4)
+
+    @property
+    def coordinates(self) -> int:
+        """1 where both in-plane stretches are equal, else 2."""
+        return 2 if self.edges is not None or _is_pair(self.prestress) else 1
+
+    def _own(self) -> dict[str, dict[str, Any]]:
+        """Values of the actuator's own fields, under the name of each number."""
+        own = {name: getattr(self, name) for name in self.rules}
+        if self.edges is None:
+            del own["edges"]
+        if self.coordinates == 1:
+            return {name: {name: value} for name, value in own.items()}
+        return {
+            name: _numbered(name, value) if name in self.paired else {name: value}
+            for name, value in own.items()
+        }
 
     def elements(self) -> tuple[Dissipation, ...]:
         """The dissipative elements, one or several, as a tuple."""
@@ -108,11 +147,12 @@ class Actuator:
     def parts(self) -> dict[str, Part]:
         """Every part of the model by its dotted name."""
         elements = {f"dissipation.{i}": part for i, part in enumerate(self.elements())}
-        return {"material": self.material, **elements, "magnet": self.magnet}
+        heat = {} if self.heat is None else {"heat": self.heat}
+        return {"material": self.material, **elements, **heat, "magnet": self.magnet}
 
     def parameters(self) -> dict[str, float]:
         """Value of every numeric field under its dotted name."""
-        own = {name: float(getattr(self, name)) for name in self.rules}
+        own = {k: float(value) for values in self._own().values() for k, value in values.items()}
         nested = {
             f"{prefix}.{name}": value
             for prefix, part in self.parts().items()
@@ -122,7 +162,8 @@ class Actuator:
 
     def structure(self) -> Structure:
         """What identifies the equations of motion: classes and choices, no numbers."""
-        return tuple((name, part.structure()) for name, part in self.parts().items())
+        shape = ("coordinates", self.coordinates, "edges", self.edges is not None)
+        return (shape, *((name, part.structure()) for name, part in self.parts().items()))
 
     def parameter_rules(self) -> dict[str, Rule]:
         """Rule of every numeric field under its dotted name."""
@@ -131,7 +172,8 @@ class Actuator:
             for prefix, part in self.parts().items()
             for name, rule in part.numeric_rules().items()
         }
-        return {**self.rules, **nested}
+        own = {k: self.rules[name] for name, values in self._own().items() for k in values}
+        return {**own, **nested}
 
     def invalid(self, values: Mapping[str, ArrayLike]) -> BoolArray:
         """Where a batch of values of numeric fields breaks a rule.
@@ -142,7 +184,15 @@ class Actuator:
             Arrays by dotted name that broadcast against each other; other names are
             ignored.
         """
-        return _checks.broken(self.parameter_rules(), values)
+        broken = _checks.broken(self.parameter_rules(), values)
+        whole = {**self.parameters(), **values}
+        kelvin = whole["temperature"], whole["reference_temperature"]
+        for prefix, part in self.parts().items():
+            for name, inner in part.parts().items():
+                if isinstance(inner, Shift):
+                    numbers = own(whole, f"{prefix}.{name}")
+                    broken = broken | ~np.asarray(inner.holds(*map(np.asarray, kelvin), numbers))
+        return np.asarray(broken)
 
     def warn_if_implausible(self, values: Mapping[str, ArrayLike], *, stacklevel: int = 2) -> None:
         """Warn of allowed values, single or in a batch, that look like a mistake."""
@@ -171,17 +221,19 @@ class Actuator:
     def with_parameter(self, name: str, value: float) -> Self:
         """A copy with one numeric field, given by its dotted name, changed."""
         _checks.require_known([name], self.parameters(), "the actuator and its parts")
-        prefix, _, last = name.rpartition(".")
-        if not prefix:
-            return self.replace(**{name: value})
-        single: dict[str, Part] = {"material": self.material, "magnet": self.magnet}
-        if prefix in single:
-            return self.replace(**{prefix: single[prefix].replace(**{last: value})})
-        elements = (
-            element.replace(**{last: value}) if prefix == f"dissipation.{i}" else element
-            for i, element in enumerate(self.elements())
-        )
-        return self.replace(dissipation=tuple(elements))
+        for own, values in self._own().items():
+            if name in values:
+                numbers = tuple({**values, name: value}.values())
+                return self.replace(**{own: numbers[0] if own == name else numbers})
+        parts = {
+            prefix: part.replace(**{name.removeprefix(f"{prefix}."): value})
+            if name.startswith(f"{prefix}.")
+            else part
+            for prefix, part in self.parts().items()
+        }
+        elements = tuple(part for part in parts.values() if isinstance(part, Dissipation))
+        others = {name: part for name, part in parts.items() if name in _SINGLE}
+        return self.replace(dissipation=elements, **others)
 
     def equations(self) -> Equations:
         """The equations of motion, to read; a notebook shows them typeset."""
@@ -274,24 +326,23 @@ class Actuator:
         return self.scales
 
 
-def _refuse_unavailable(actuator: Actuator) -> None:
-    """Raise for what the names promise and the equations do not yet contain."""
-    if isinstance(actuator.prestress, Sequence):
+def _is_pair(value: object) -> bool:
+    """Whether a field was given as several numbers; text is refused as a number."""
+    return isinstance(value, Sequence | np.ndarray) and not isinstance(value, str)
+
+
+def _numbered(name: str, value: Any) -> dict[str, Any]:
+    """The two numbers of a pair under their own names; a single one stands for both."""
+    pair = tuple(value) if _is_pair(value) and np.ndim(value) == 1 else (value, value)
+    if len(pair) != 2:
         raise InputError(
-            "prestress",
-            "be one number",
-            actuator.prestress,
-            "Unequal dead loads, motion with two coordinates, are not available yet.",
-            "Pass the equal dead load of both directions.",
+            name,
+            "be one number or a pair of them",
+            repr(value)[:80],
+            "There are two in-plane directions.",
+            f"Pass {name}=(1.0, 0.5).",
         )
-    if actuator.heat is not None:
-        raise InputError(
-            "heat",
-            "be None",
-            repr(actuator.heat),
-            "Temperature is held constant; heat balances are not available yet.",
-            "Leave it out.",
-        )
+    return {f"{name}_{i}": number for i, number in enumerate(pair, start=1)}
 
 
 def _elements(dissipation: object) -> tuple[Dissipation, ...]:

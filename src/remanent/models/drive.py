@@ -57,6 +57,14 @@ class Drive(Part, ABC):
             Where ``sin`` and other functions are found: the module sympy or numpy.
         """
 
+    def rate(self, p: Mapping[str, Any], u: Mapping[str, Any], phase: Any, fn: Any) -> Any:
+        """Rate of the load, dm/dtau; None where it jumps or has no closed form.
+
+        Wanted where a remanence that depends on temperature takes part in a heat balance.
+        Arguments as for :meth:`load`.
+        """
+        return None
+
     @abstractmethod
     def timeline(self, values: Mapping[str, FloatArray], duration: FloatArray) -> Timeline:
         """How the load runs in time, for a batch of trajectories.

@@ -6,7 +6,7 @@ for two in-plane stretches, are assembled for one coordinate (equal stretches) o
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,7 +14,9 @@ import sympy as sp
 
 from remanent.models import thermal
 from remanent.models.actuator import Actuator
+from remanent.models.balances import Warming, along, balances, warming
 from remanent.models.drive import Drive
+from remanent.models.viscous import Dissipation, own
 
 Expression = Any  # SymPy is not typed
 Symbol = Any
@@ -24,22 +26,75 @@ Symbol = Any
 class Motion:
     """Energies of a mechanical system with internal variables.
 
-    All energies are per 8 H L^2 mu.  `potential` contains `magnetic`, the energy in the
-    field, and `viscous`, what dissipative elements store.  `load` and the keys of
-    `definitions` are symbols that depend on parameters and on the drive, not on the state.
+    All energies are per 8 H L^2 mu.  They are written with the thickness stretch as a
+    symbol of its own, which `definitions` explains; :meth:`explicit` puts in what it is.
+
+    Attributes
+    ----------
+    coordinates, rates
+        In-plane stretches and their rates.
+    weights
+        Of each coordinate in the kinetic energy, and c, that of the thickness stretch:
+        T = (sum of weight rate^2)/6.
+    terms
+        Factors with the energies they multiply; their sum is the potential energy.
+    magnetic
+        Of these, the energy in the field.
+    viscous
+        Of these, what dissipative elements store.
+    rayleigh
+        Rayleigh's dissipation function.
+    internal
+        Rate of each internal variable.
+    thickness, thickness_rate
+        Symbols of the thickness stretch and its rate.
+    load, theta
+        Symbols of the magnetic load and of T/T0.
+    definitions
+        What symbols stand for that are neither parameters nor states, in order.
+    heat
+        The heat balance; None where temperature is held.
     """
 
     coordinates: tuple[Symbol, ...]
     rates: tuple[Symbol, ...]
-    kinetic: Expression
-    potential: Expression
+    weights: tuple[Expression, ...]
+    terms: tuple[tuple[Expression, Expression], ...]
     magnetic: Expression
-    rayleigh: Expression
     viscous: Expression
+    rayleigh: Expression
     internal: Mapping[Symbol, Expression]
-    thickness: Expression
+    thickness: Symbol
+    thickness_rate: Symbol
     load: Symbol
+    theta: Symbol
     definitions: Mapping[Symbol, Expression]
+    heat: Warming | None = None
+
+    @property
+    def kinetic(self) -> Expression:
+        """Kinetic energy: T = (w1 l1'^2 + w2 l2'^2 + c l3'^2)/6."""
+        rates = (*self.rates, self.thickness_rate)
+        return sum((w * v**2 for w, v in zip(self.weights, rates, strict=True))) / 6
+
+    @property
+    def potential(self) -> Expression:
+        """Potential energy."""
+        return sum(factor * energy for factor, energy in self.terms)
+
+    def explicit(self, expression: Expression) -> Expression:
+        """The expression in coordinates and rates, without the thickness stretch."""
+        for symbol in (self.thickness_rate, self.thickness, AREA):
+            expression = sp.sympify(expression).subs(symbol, self.definitions[symbol])
+        return expression
+
+    def natural(self, energy: Expression) -> Expression:
+        """The same energy with no negative powers of in-plane stretches, by l1 l2 x = 1.
+
+        Energies are written so that they keep their digits near rest; their derivatives
+        are short and keep theirs everywhere in this form: l1^2 + l2^2 + x^2 - 3.
+        """
+        return _natural(self.explicit(energy), self.coordinates, self.thickness)
 
 
 @dataclass(frozen=True)
@@ -51,7 +106,7 @@ class System:
     state
         Symbols of the state variables.
     definitions
-        Intermediate symbols and what each stands for, in terms of parameters,
+        Intermediate symbols and what each stands for, in terms of states, parameters,
         waveforms, the phase and earlier definitions.
     rates
         Rate of each state variable.
@@ -68,112 +123,153 @@ class System:
     observables: Mapping[str, Expression]
 
 
-def derive(actuator: Actuator, drive: Drive, *, coordinates: int = 1) -> System:
+def derive(actuator: Actuator, drive: Drive) -> System:
     """The first-order system of an actuator under a drive.
 
     Only the structure of both is used, never a numeric value.
-
-    Parameters
-    ----------
-    coordinates
-        1 for equal in-plane stretches, 2 for two of them.
     """
-    return first_order(motion(actuator, drive, coordinates=coordinates))
+    return first_order(motion(actuator, drive))
 
 
-def motion(actuator: Actuator, drive: Drive | None, *, coordinates: int = 1) -> Motion:
+def motion(actuator: Actuator, drive: Drive | None) -> Motion:
     """Energies of an actuator; without a drive, the load is left as a symbol.
 
-    Equations, per 8 H L^2 mu (paper, equations 1 to 9), l3 = 1/(l1 l2):
-    T = (l1'^2 + l2'^2 + c l3'^2)/6,
+    Equations, per 8 H L1 L2 mu (paper, equations 1 to 9), l3 = 1/(l1 l2):
+    T = (w1 l1'^2 + w2 l2'^2 + c l3'^2)/6,  w_i = (L_i/L)^2, here 1 where edges are equal,
     U = mu(T)/mu W(l1, l2, l3) - m l3 - S1 (l1 - 1) - S2 (l2 - 1) + viscous energy.
     """
-    p = {name: parameter(name) for name in parameter_names(actuator, coordinates)}
-    q, v = coordinate_symbols(coordinates)
+    p = {name: parameter(name) for name in actuator.parameters()}
+    q, v = coordinate_symbols(actuator.coordinates)
     pair, pair_rate = (q[0], q[-1]), (v[0], v[-1])
-    thickness = 1 / (pair[0] * pair[1])
-    definitions = _definitions(actuator, drive, p)
-    theta, stiffness, load, effective = definitions
+    x, x_rate = sp.Symbol("thickness", positive=True), sp.Symbol("thickness_rate", real=True)
+    theta, stiffness, load, effective = _LOAD_SYMBOLS
     viscous = [
-        _viscous(f"dissipation.{i}", part, pair, pair_rate, theta, p, coordinates)
+        _viscous(f"dissipation.{i}", part, (*pair, x), pair_rate, actuator, p)
         for i, part in enumerate(actuator.elements())
     ]
-    strain = actuator.material.energy(*pair, thickness, _own(p, "material"), sp)
-    magnetic = actuator.magnet.energy(effective, thickness)
-    stored = sum((e.stored for e in viscous), start=sp.Integer(0))
-    dead = sum(s * (stretch - 1) for s, stretch in zip(_prestress(p), pair, strict=True))
+    strain = actuator.material.energy(*pair, x, own(p, "material"), sp)
+    magnetic = actuator.magnet.energy(effective, x)
+    dead = sum(s * (stretch - 1) for s, stretch in zip(_pair(p, "prestress"), pair, strict=True))
+    terms = ((stiffness, strain), (1, magnetic), (1, -dead), *((theta, e.stored) for e in viscous))
+    geometry = {
+        AREA: pair[0] * pair[1],
+        x: 1 / AREA,
+        x_rate: -(x**2) * (pair_rate[0] * pair[1] + pair_rate[1] * pair[0]),
+    }
     return Motion(
         coordinates=q,
         rates=v,
-        kinetic=kinetic_energy(pair, pair_rate, p["c"]),
-        potential=stiffness * strain + magnetic - dead + stored,
+        weights=(*_weights(actuator, p), p["c"]),
+        terms=terms,
         magnetic=magnetic,
+        viscous=theta * sum((e.stored for e in viscous), start=sp.Integer(0)),
         rayleigh=sum((e.rayleigh for e in viscous), start=sp.Integer(0)),
-        viscous=stored,
         internal={k: rate for e in viscous for k, rate in e.internal.items()},
-        thickness=thickness,
+        thickness=x,
+        thickness_rate=x_rate,
         load=load,
-        definitions={k: e for k, e in definitions.items() if e is not None},
+        theta=theta,
+        definitions=_definitions(actuator, drive, p) | geometry,
+        heat=_heat(actuator, drive, p, terms),
     )
-
-
-def kinetic_energy(stretches: Sequence[Any], rates: Sequence[Any], c: Any) -> Any:
-    """T per 8 H L^2 mu = (l1'^2 + l2'^2 + c l3'^2)/6 with l3 = 1/(l1 l2)."""
-    (l1, l2), (v1, v2) = stretches, rates
-    v3 = -(v1 / l1 + v2 / l2) / (l1 * l2)
-    return (v1**2 + v2**2 + c * v3**2) / 6
 
 
 def first_order(motion: Motion) -> System:
     """Solve Lagrange's equations for the accelerations and list all rates."""
     q, v = motion.coordinates, motion.rates
+    named, solved = accelerations(motion)
     rates: dict[Symbol, Expression] = {}
-    for coordinate, rate, acceleration in zip(q, v, accelerations(motion), strict=True):
+    for coordinate, rate, acceleration in zip(q, v, solved, strict=True):
         rates[coordinate], rates[rate] = rate, acceleration
     rates |= motion.internal
-    x = motion.thickness
-    x_rate = along(x, rates)
+    lost = dissipated(motion)
+    if motion.heat is not None:
+        rates |= motion.heat.rate(rates, lost, motion)
+    x, x_rate = motion.thickness, motion.thickness_rate
+    moving = {**rates, x: x_rate}
+    curvature = along(motion.definitions[x_rate], moving)
     return System(
         state=tuple(rates),
-        definitions=motion.definitions,
+        definitions={**motion.definitions, **named},
         rates=tuple(rates.values()),
-        watched=(x, x_rate, along(x_rate, rates), _sign_of(x_rate)),
+        watched=(x, x_rate, curvature, x_rate),
         observables={
             "thickness_stretch": x,
             "thickness_stretch_rate": x_rate,
             "energy": motion.kinetic + motion.potential,
             "load": motion.load,
-            **powers(motion, rates),
+            **balances(motion, rates, lost),
         },
     )
 
 
-def powers(motion: Motion, rates: Mapping[Symbol, Expression]) -> dict[str, Expression]:
-    """The energy without that in the field, and the two powers that change it.
-
-    Equations: stored = T + U - U_m; stored' = drive power - dissipated power, where the
-    drive's power is -dU_m/dq q' and the dissipated one q' dD/dq' - dU_v/dxi xi'.
-    """
-    moving = {q: rates[q] for q in motion.coordinates}
+def dissipated(motion: Motion) -> Expression:
+    """The power that becomes heat: sum of q' dD/dq' - dU_v/dxi xi'."""
     dashpots = sum((v * sp.diff(motion.rayleigh, v) for v in motion.rates), start=sp.Integer(0))
-    return {
-        "stored_energy": motion.kinetic + motion.potential - motion.magnetic,
-        "drive_power": -along(motion.magnetic, moving),
-        "dissipated_power": dashpots - along(motion.viscous, motion.internal),
-    }
+    return dashpots - along(motion.viscous, motion.internal)
 
 
-def _sign_of(expression: Expression) -> Expression:
-    """Something with the same sign and without a division, where there is one."""
-    numerator, denominator = sp.fraction(sp.together(expression))
-    return numerator if denominator.is_positive else expression
+def accelerations(motion: Motion) -> tuple[dict[Symbol, Expression], list[Expression]]:
+    """Intermediate symbols, and the accelerations in terms of them.
+
+    With weights w_i, the thickness stretch x(q) as a further stretch of weight c, g_i =
+    dx/dq_i and x'' = sum g_i q_i'' + K, d'Alembert's principle gives, times 3,
+    w_i q_i'' + c g_i (sum g_j q_j'') = A_i - g_i Y,  A_i = -3 (dU/dq_i + dD/dq_i'),
+    Y = 3 dU/dx + c K,  with derivatives at fixed x.  For two coordinates, with the
+    cancellations of M^-1 done: q_1'' = [w_2 (A_1 - g_1 Y) + c g_2 R]/det,  q_2'' =
+    [w_1 (A_2 - g_2 Y) - c g_1 R]/det,  R = g_2 A_1 - g_1 A_2.
+    """
+    q, v, x = motion.coordinates, motion.rates, motion.thickness
+    c = motion.weights[-1]
+    x_rate = motion.definitions[motion.thickness_rate]
+    inertia, scale, drag = sp.Symbol("inertia"), sp.Symbol("scale"), sp.Symbol("drag")
+    slopes = [sp.Symbol(f"slope_{i}") for i in range(len(q))]
+    pushes = [sp.Symbol(f"push_{i}") for i in range(len(q))]
+    named: dict[Symbol, Expression] = {}
+    for slope, push, coordinate, rate in zip(slopes, pushes, q, v, strict=True):
+        named[slope] = sp.diff(x_rate, rate)
+        named[push] = -3 * (_force(motion, coordinate) + sp.diff(motion.rayleigh, rate))
+    curvature = along(x_rate, {**dict(zip(q, v, strict=True)), x: motion.thickness_rate})
+    named[drag] = 3 * _force(motion, x) + c * curvature
+    if len(q) == 1:
+        (w, _), (g,), (push,) = motion.weights, slopes, pushes
+        determinant, solved = w + c * g**2, [push - g * drag]
+    else:
+        (w1, w2, _), (g1, g2), (a1, a2) = motion.weights, slopes, pushes
+        twist = sp.Symbol("twist")
+        named[twist] = c * (g2 * a1 - g1 * a2)
+        determinant = w1 * w2 + c * (w2 * g1**2 + w1 * g2**2)
+        solved = [w2 * (a1 - g1 * drag) + g2 * twist, w1 * (a2 - g2 * drag) - g1 * twist]
+    # The slopes are x^2 times a stretch: in units of x^4 the determinant is a polynomial.
+    known = {g: named[g] for g in slopes}
+    named[inertia] = _polynomial(determinant.subs(known), x)
+    named[scale] = AREA**4 / inertia
+    return named, [scale * e for e in solved]
 
 
-def accelerations(motion: Motion) -> list[Expression]:
-    """q'' = adj(M) f / det(M), where M q'' = f are Lagrange's equations."""
-    mass, force = lagrange(motion)
-    determinant = mass.det()
-    return [entry / determinant for entry in mass.adjugate() * force]
+def _polynomial(determinant: Expression, x: Symbol) -> Expression:
+    """The determinant over x^4, the area being 1/x."""
+    constant = determinant.subs(x, 0)
+    return constant * AREA**4 + sp.factor_terms(sp.expand((determinant - constant) / x**4))
+
+
+def _force(motion: Motion, stretch: Symbol) -> Expression:
+    """dU/d(stretch), term by term, with the thickness stretch as a stretch of its own."""
+    return sum(factor * sp.diff(motion.natural(energy), stretch) for factor, energy in motion.terms)
+
+
+def _natural(e: Expression, q: Sequence[Symbol], x: Symbol) -> Expression:
+    if e.is_rational_function(*q):
+        terms = sp.Add.make_args(sp.expand(sp.cancel(e)))
+        return sum(_by_thickness(term, q, x) for term in terms)
+    return e.func(*(_natural(argument, q, x) for argument in e.args))
+
+
+def _by_thickness(term: Expression, q: Sequence[Symbol], x: Symbol) -> Expression:
+    powers = term.as_powers_dict()
+    each = 2 // len(q)  # powers of a coordinate in the area
+    k = max(0, *(sp.ceiling(-powers.get(symbol, 0) / each) for symbol in q))
+    return term * sp.Mul(*(symbol ** (each * k) for symbol in q)) * x**k
 
 
 def lagrange(motion: Motion) -> tuple[Any, Any]:
@@ -182,12 +278,14 @@ def lagrange(motion: Motion) -> tuple[Any, Any]:
     Equation: d/dtau dT/dq' - dT/dq + dU/dq + dD/dq' = 0 (paper, equation 13).
     """
     q, v = motion.coordinates, motion.rates
-    momenta = [sp.diff(motion.kinetic, rate) for rate in v]
+    kinetic, potential = motion.explicit(motion.kinetic), motion.explicit(motion.potential)
+    rayleigh = motion.rayleigh
+    momenta = [sp.diff(kinetic, rate) for rate in v]
     mass = sp.Matrix([[sp.diff(momentum, rate) for rate in v] for momentum in momenta])
     force = sp.Matrix(
         [
-            sp.diff(motion.kinetic - motion.potential, q[i])
-            - sp.diff(motion.rayleigh, v[i])
+            sp.diff(kinetic - potential, q[i])
+            - sp.diff(rayleigh, v[i])
             - sum(sp.diff(momentum, q[j]) * v[j] for j in range(len(q)))
             for i, momentum in enumerate(momenta)
         ]
@@ -195,35 +293,17 @@ def lagrange(motion: Motion) -> tuple[Any, Any]:
     return mass, force
 
 
-def along(expression: Expression, rates: Mapping[Symbol, Expression]) -> Expression:
-    """Time derivative of a function of the state along the motion."""
-    return sum(
-        (sp.diff(expression, symbol) * rate for symbol, rate in rates.items()),
-        start=sp.Integer(0),
-    )
-
-
 # Symbols ------------------------------------------------------------------------------
 
 
 def parameter(name: str) -> Symbol:
     """The symbol of a numeric field."""
-    kelvin = name in ("temperature", "reference_temperature")
-    return sp.Symbol(name, positive=True) if kelvin or name == "c" else sp.Symbol(name, real=True)
+    return sp.Symbol(name, positive=True) if name in _POSITIVE else sp.Symbol(name, real=True)
 
 
 def waveform(name: str) -> Symbol:
     """The symbol of a waveform of the drive."""
     return sp.Symbol(name, real=True)
-
-
-def parameter_names(actuator: Actuator, coordinates: int) -> Iterable[str]:
-    """Names of the actuator's numeric fields; two prestresses for two coordinates."""
-    for name in actuator.parameters():
-        if name == "prestress" and coordinates == 2:
-            yield from ("prestress_1", "prestress_2")
-        else:
-            yield name
 
 
 def coordinate_symbols(coordinates: int) -> tuple[tuple[Symbol, ...], tuple[Symbol, ...]]:
@@ -234,7 +314,15 @@ def coordinate_symbols(coordinates: int) -> tuple[tuple[Symbol, ...], tuple[Symb
     return stretches, rates
 
 
+_POSITIVE = frozenset({"c", "temperature", "reference_temperature", "edges_1", "edges_2"})
 PHASE = sp.Symbol("drive_phase", real=True)
+#: The product of the in-plane stretches, one over the thickness stretch.
+AREA = sp.Symbol("area", positive=True)
+#: T/T0, the factor of the strain energy, the load, and the load with the remanence at T.
+_LOAD_SYMBOLS = (
+    *sp.symbols("theta stiffness", positive=True),
+    *sp.symbols("load effective_load", real=True),
+)
 
 
 # Parts --------------------------------------------------------------------------------
@@ -249,61 +337,93 @@ class _Viscous:
 
 def _viscous(
     prefix: str,
-    part: Any,
-    pair: Sequence[Symbol],
-    pair_rate: Sequence[Symbol],
-    theta: Symbol,
+    part: Dissipation,
+    stretches: Sequence[Symbol],
+    rates: Sequence[Symbol],
+    actuator: Actuator,
     p: Mapping[str, Symbol],
-    coordinates: int,
 ) -> _Viscous:
     """One dissipative element; equal stretches share one internal variable per kind."""
-    suffixes = ("", "") if coordinates == 1 else ("_1", "_2")
+    suffixes = ("", "") if actuator.coordinates == 1 else ("_1", "_2")
     symbols = [
         sp.Symbol(f"{prefix}.{kind}{suffix}", positive=True)
         for kind in part.internal
         for suffix in suffixes
     ]
-    own = _own(p, prefix)
-    rates = part.internal_rates(pair, symbols, theta, own)
+    numbers = part.at(body_temperature(actuator), p["reference_temperature"], own(p, prefix), sp)
+    theta = _LOAD_SYMBOLS[0]
+    found = part.internal_rates(stretches, symbols, theta, numbers)
     return _Viscous(
-        rayleigh=part.rayleigh(pair, pair_rate, own),
-        stored=theta * part.stored(pair, symbols, own),
-        internal=dict(zip(symbols, rates, strict=True)),
+        rayleigh=sp.sympify(part.rayleigh(stretches, rates, numbers)),
+        stored=sp.sympify(part.stored(stretches, symbols, numbers)),
+        internal=dict(zip(symbols, found, strict=True)),
     )
 
 
 def _definitions(
     actuator: Actuator, drive: Drive | None, p: Mapping[str, Symbol]
-) -> dict[Symbol, Expression | None]:
+) -> dict[Symbol, Expression]:
     """Temperature ratio, stiffness, load, and load with the remanence at temperature."""
-    theta = sp.Symbol("theta", positive=True)
-    stiffness = sp.Symbol("stiffness", positive=True)
-    load, effective = sp.symbols("load effective_load", real=True)
-    temperature, reference = p["temperature"], p["reference_temperature"]
+    theta, stiffness, load, effective = _LOAD_SYMBOLS
+    temperature, reference = body_temperature(actuator), p["reference_temperature"]
     fraction = p["material.entropic_fraction"]
-    remanence = actuator.magnet.remanence(temperature, reference, _own(p, "magnet"))
-    return {
+    remanence = actuator.magnet.remanence(temperature, reference, own(p, "magnet"))
+    meanings = {
         theta: temperature / reference,
         stiffness: thermal.stiffness(theta, fraction),
-        load: None if drive is None else drive_load(drive),
+        load: None if drive is None else in_symbols(drive.load, drive),
         effective: remanence * load,
     }
+    return {symbol: e for symbol, e in meanings.items() if e is not None}
 
 
-def drive_load(drive: Drive) -> Expression:
-    """The load law of a drive in symbols."""
+def _heat(
+    actuator: Actuator, drive: Drive | None, p: Mapping[str, Symbol], terms: Sequence[Any]
+) -> Warming | None:
+    """The heat balance: the energies above in terms of theta and of the load itself."""
+    if actuator.heat is None:
+        return None
+    theta, stiffness, load, effective = _LOAD_SYMBOLS
+    reference = p["reference_temperature"]
+    remanence = actuator.magnet.remanence(theta * reference, reference, own(p, "magnet"))
+    (_, strain), (_, magnetic), _, *viscous = terms
+    fraction = p["material.entropic_fraction"]
+    elastic = thermal.stiffness(theta, fraction) * strain
+    return warming(
+        temperature=body_temperature(actuator),
+        p=p,
+        theta=theta,
+        mechanical=elastic + sum(factor * energy for factor, energy in viscous),
+        in_field=magnetic.subs(effective, remanence * load),
+        load_rate=None if drive is None else in_symbols(drive.rate, drive),
+    )
+
+
+def body_temperature(actuator: Actuator) -> Symbol:
+    """The symbol of T: a state where there is a heat balance, else a numeric field."""
+    if actuator.heat is not None:
+        return sp.Symbol("body_temperature", positive=True)
+    return parameter("temperature")
+
+
+def in_symbols(law: Callable[..., Any], drive: Drive) -> Expression:
+    """The load of a drive, or its rate, in symbols; None where it has none."""
     names = (*drive.parameters(), *drive.piece_parameters)
     p = {name: parameter(name) for name in names}
     u = {name: waveform(name) for name in drive.waveforms}
-    return sp.sympify(drive.load(p, u, PHASE, sp))
+    found = law(p, u, PHASE, sp)
+    return None if found is None else sp.sympify(found)
 
 
-def _own(p: Mapping[str, Symbol], prefix: str) -> dict[str, Symbol]:
-    start = f"{prefix}."
-    return {name.removeprefix(start): s for name, s in p.items() if name.startswith(start)}
+def _pair(p: Mapping[str, Symbol], name: str) -> tuple[Symbol, Symbol]:
+    return (p[name], p[name]) if name in p else (p[f"{name}_1"], p[f"{name}_2"])
 
 
-def _prestress(p: Mapping[str, Symbol]) -> tuple[Symbol, Symbol]:
-    if "prestress" in p:
-        return p["prestress"], p["prestress"]
-    return p["prestress_1"], p["prestress_2"]
+def _weights(actuator: Actuator, p: Mapping[str, Symbol]) -> tuple[Expression, ...]:
+    """Of the coordinates in the kinetic energy: (L_i/L)^2, 1 where edges are equal."""
+    if actuator.coordinates == 1:
+        return (sp.Integer(2),)
+    if actuator.edges is None:
+        return (sp.Integer(1), sp.Integer(1))
+    one, two = _pair(p, "edges")
+    return one**2, two**2

@@ -135,6 +135,18 @@ class Sines(Drive):
             total = total + p[f"loads.{i}"] * sine
         return total
 
+    def rate(self, p: Mapping[str, Any], u: Mapping[str, Any], phase: Any, fn: Any) -> Any:
+        """m' = sum loads multiples omega cos(multiples omega tau + phases)."""
+        total = 0
+        for i, k in enumerate(self._terms()):
+            shift = p[f"phases.{i}"]
+            if self._base() is None:
+                cosine = fn.cos(k * p[_TURNS] * phase + shift)
+            else:
+                cosine = u[f"cos.{i}"] * fn.cos(shift) - u[f"sin.{i}"] * fn.sin(shift)
+            total = total + p[f"loads.{i}"] * k * p["omega"] * cosine
+        return total
+
     def periods(self, values: Mapping[str, FloatArray]) -> FloatArray | None:
         """2 pi/(g omega), with g the greatest common divisor of the multiples, or None."""
         base = self._base()

@@ -1,8 +1,56 @@
-"""How temperature enters: entropic elasticity and the caloric free energy."""
+"""How temperature enters: entropic elasticity, the caloric free energy, heat exchange."""
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any, ClassVar
+
+from remanent import _checks
+from remanent._checks import Rule
+from remanent.models.parts import Part
+
+
+@dataclass(frozen=True)
+class Heat(Part):
+    """A heat balance: the temperature of the body becomes a state, ``body_temperature``.
+
+    Equation, with s = -dPsi/dT of the whole free energy, D the dissipated power:
+    T s' = D - h (T - T_env), per reference volume.  For the entropic model and theta =
+    T/T0 that is theta' = k [theta (W + psi_v)' + D] - exchange (theta - theta_env), plus a
+    term of the remanence where that depends on temperature.  T_env is the actuator's
+    ``temperature``, from which the body starts too, unless `initial` says otherwise.
+
+    Parameters
+    ----------
+    coupling
+        k = mu/(rho c_p T0), about 2e-4 for elastomers; see :meth:`Actuator.coupling`.
+        The temperature follows the strain energy as ln(T/T_i) = k (W - W_i).
+    exchange
+        Rate, per unit of tau, at which the body takes on the temperature of its
+        surroundings, h/(rho c_p): 0 is adiabatic, infinity isothermal.
+
+    Examples
+    --------
+    >>> Heat().parameters()
+    {'coupling': 0.0002, 'exchange': 0.0}
+    """
+
+    coupling: float = 2e-4
+    exchange: float = 0.0
+
+    rules: ClassVar[Mapping[str, Rule]] = MappingProxyType(
+        {
+            "coupling": _checks.positive(
+                "It is mu/(rho c_p T0), by which strain energy warms the body.",
+                "Pass about 2e-4; to hold the temperature leave `heat` out.",
+            ),
+            "exchange": _checks.not_negative(
+                "It is a rate of cooling per unit of tau.", "Pass 0 for an adiabatic body."
+            ),
+        }
+    )
 
 
 def stiffness(theta: Any, entropic_fraction: Any) -> Any:

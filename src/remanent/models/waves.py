@@ -50,6 +50,10 @@ class Constant(Drive):
         """m(tau) = m."""
         return p["m"]
 
+    def rate(self, p: Mapping[str, Any], u: Mapping[str, Any], phase: Any, fn: Any) -> Any:
+        """Nothing changes."""
+        return 0
+
     def timeline(self, values: Mapping[str, FloatArray], duration: FloatArray) -> Timeline:
         """One piece that lasts as long as the trajectory."""
         lengths = np.array(duration, dtype=np.float64, ndmin=1)[np.newaxis]
@@ -97,6 +101,12 @@ class SineSquared(Drive):
         """m = [b (sin(pi s) cos(phase) + cos(pi s) sin(phase))]^2, s the drive's phase."""
         sine = u["sin_pi_phase"] * fn.cos(p["phase"]) + u["cos_pi_phase"] * fn.sin(p["phase"])
         return p["b"] ** 2 * sine**2
+
+    def rate(self, p: Mapping[str, Any], u: Mapping[str, Any], phase: Any, fn: Any) -> Any:
+        """m' = 2 omega b^2 sin(angle) cos(angle), angle = pi s + phase."""
+        sine = u["sin_pi_phase"] * fn.cos(p["phase"]) + u["cos_pi_phase"] * fn.sin(p["phase"])
+        cosine = u["cos_pi_phase"] * fn.cos(p["phase"]) - u["sin_pi_phase"] * fn.sin(p["phase"])
+        return 2 * p["omega"] * p["b"] ** 2 * sine * cosine
 
     def periods(self, values: Mapping[str, FloatArray]) -> FloatArray:
         """pi/omega."""
@@ -147,6 +157,11 @@ class Sine(Drive):
         """mean + m (sin(2 pi s) cos(phase) + cos(2 pi s) sin(phase)), s the drive's phase."""
         sine = u["sin_2pi_phase"] * fn.cos(p["phase"]) + u["cos_2pi_phase"] * fn.sin(p["phase"])
         return p["mean"] + p["m"] * sine
+
+    def rate(self, p: Mapping[str, Any], u: Mapping[str, Any], phase: Any, fn: Any) -> Any:
+        """m' = omega m cos(2 pi s + phase)."""
+        cosine = u["cos_2pi_phase"] * fn.cos(p["phase"]) - u["sin_2pi_phase"] * fn.sin(p["phase"])
+        return p["omega"] * p["m"] * cosine
 
     def periods(self, values: Mapping[str, FloatArray]) -> FloatArray:
         """2 pi/omega."""

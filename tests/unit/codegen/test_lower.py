@@ -21,18 +21,31 @@ from remanent.models import mechanics
 from remanent.models.actuator import Actuator
 from remanent.models.drives import Chirp, Constant, Sine, SineSquared, Steps
 from remanent.models.magnetics import Magnet
-from remanent.models.viscous import Rayleigh
+from remanent.models.shifts import WLF
+from remanent.models.thermal import Heat
+from remanent.models.viscous import KelvinVoigt, Rayleigh, Zener
 
 X, Y, A, U = sp.symbols("x y a u", positive=True)
 LEVELS = {X: STATE, Y: STATE, A: PARAMETER, U: DRIVE}
 
+PAPERS = SineSquared(0.4, 1.25)
+PAIR = (0.0, 1.0)
+ZENER = Zener(0.5, 2.0)
 MODELS = {
-    "paper": (Actuator(), SineSquared(0.4, 1.25), 1),
-    "damped": (Actuator(dissipation=Rayleigh(0.1)), Sine(0.1, 1.0), 1),
-    "rotation": (Actuator(magnet=Magnet(law="rotation")), Constant(0.1), 1),
-    "steps": (Actuator(), Steps([0.0], [0.1]), 1),
-    "chirp": (Actuator(), Chirp(0.1, 1.0, 2.0, 9.0), 1),
-    "biaxial": (Actuator(dissipation=Rayleigh(0.1)), SineSquared(0.4, 1.25), 2),
+    "paper": (Actuator(), PAPERS),
+    "damped": (Actuator(dissipation=Rayleigh(0.1)), Sine(0.1, 1.0)),
+    "rotation": (Actuator(magnet=Magnet(law="rotation")), Constant(0.1)),
+    "steps": (Actuator(), Steps([0.0], [0.1])),
+    "chirp": (Actuator(), Chirp(0.1, 1.0, 2.0, 9.0)),
+    "biaxial": (Actuator(prestress=PAIR, dissipation=Rayleigh(0.1)), PAPERS),
+    "unequal edges": (Actuator(edges=(1.0, 0.5)), PAPERS),
+    "fluid": (Actuator(dissipation=KelvinVoigt(0.1)), PAPERS),
+    "fluid in two directions": (Actuator(prestress=PAIR, dissipation=KelvinVoigt(0.1)), PAPERS),
+    "zener": (Actuator(dissipation=ZENER), PAPERS),
+    "shifted": (Actuator(dissipation=Zener(0.5, 2.0, WLF(8.0, 200.0))), PAPERS),
+    "prony": (Actuator(prestress=PAIR, dissipation=(ZENER, ZENER)), PAPERS),
+    "warm": (Actuator(heat=Heat(), dissipation=Rayleigh(0.1)), PAPERS),
+    "warm in two directions": (Actuator(prestress=PAIR, heat=Heat(), dissipation=ZENER), PAPERS),
 }
 
 
@@ -72,8 +85,12 @@ def random_inputs(field: Field, rng: np.random.Generator, count: int) -> np.ndar
             values[:, i] *= 1e-3
         elif name in ("material.entropic_fraction", "drive_phase"):
             values[:, i] = rng.uniform(0.0, 1.0, count)
-        elif name.startswith("stretch") and not name.endswith("rate"):
+        elif "stretch" in name and not name.endswith("rate") or name.startswith("edges"):
             values[:, i] = np.exp(rng.normal(0.0, 0.5, count))
+        elif name == "heat.coupling":
+            values[:, i] = 10.0 ** rng.uniform(-4.0, -3.0, count)
+        elif name.endswith(("modulus", "time", "eta", "exchange", "shift.c2")):
+            values[:, i] = 10.0 ** rng.uniform(-1.0, 1.0, count)
     return values
 
 
@@ -111,9 +128,8 @@ def written_out(expression: Any, system: mechanics.System) -> Any:
 
 @cache
 def derived(name: str) -> tuple[Field, mechanics.System]:
-    actuator, drive, coordinates = MODELS[name]
-    system = mechanics.derive(actuator, drive, coordinates=coordinates)
-    return build(actuator, drive, coordinates=coordinates), system
+    actuator, drive = MODELS[name]
+    return build(actuator, drive), mechanics.derive(actuator, drive)
 
 
 def check_against_sympy(name: str, count: int) -> None:

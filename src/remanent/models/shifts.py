@@ -1,0 +1,118 @@
+"""How viscosities and relaxation times depend on temperature."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any, ClassVar
+
+from remanent import _checks
+from remanent._checks import Rule
+from remanent.models.parts import Part
+
+
+@dataclass(frozen=True)
+class Shift(Part, ABC):
+    """A factor a_T of the viscosity or relaxation time, 1 at the reference temperature."""
+
+    @abstractmethod
+    def factor(self, temperature: Any, reference: Any, p: Mapping[str, Any], fn: Any) -> Any:
+        """a_T at a temperature, both in kelvin.
+
+        Parameters
+        ----------
+        temperature, reference
+            T, and T0 at which the numbers of the element are given; kelvin.
+        p
+            Values of the numeric fields, by name.
+        fn
+            Where ``exp`` is found: the module sympy or numpy.
+        """
+
+    def holds(self, temperature: Any, reference: Any, p: Mapping[str, Any]) -> Any:
+        """Whether the law can be used at a temperature."""
+        return temperature > 0.0
+
+
+@dataclass(frozen=True)
+class WLF(Shift):
+    """The law of Williams, Landel and Ferry: log10 a_T = -c1 (T - T0)/(c2 + T - T0).
+
+    It holds above the glass transition, up to some 100 K; temperatures from T0 - c2 down,
+    where it has a pole, are refused.
+
+    Parameters
+    ----------
+    c1, c2
+        Constants for the actuator's reference temperature T0; c2 in kelvin.  The
+        universal 17.44 and 51.6 K belong to the glass transition temperature.  Constants
+        c1, c2 for T1 become, for T0: c2' = c2 + T0 - T1 and c1' = c1 c2/c2'.
+
+    References
+    ----------
+    M. L. Williams, R. F. Landel and J. D. Ferry, J. Am. Chem. Soc. 77 (1955) 3701.
+
+    Examples
+    --------
+    >>> import numpy
+    >>> law = WLF(8.0, 200.0)
+    >>> round(law.factor(343.0, 293.0, law.parameters(), numpy), 6)
+    0.025119
+    """
+
+    c1: float
+    c2: float
+
+    rules: ClassVar[Mapping[str, Rule]] = MappingProxyType(
+        {
+            "c1": _checks.finite("It is the first WLF constant.", "Pass for example 8.86."),
+            "c2": _checks.positive(
+                "It is the distance in kelvin of T0 from where motion freezes.",
+                "Pass for example 101.6.",
+            ),
+        }
+    )
+
+    def factor(self, temperature: Any, reference: Any, p: Mapping[str, Any], fn: Any) -> Any:
+        """exp[-ln 10 c1 (T - T0)/(c2 + T - T0)]."""
+        above = temperature - reference
+        return fn.exp(-fn.log(10) * p["c1"] * above / (p["c2"] + above))
+
+    def holds(self, temperature: Any, reference: Any, p: Mapping[str, Any]) -> Any:
+        """Above the pole."""
+        return p["c2"] + temperature - reference > 0.0
+
+
+@dataclass(frozen=True)
+class Arrhenius(Shift):
+    """An activated process: ln a_T = A (1/T - 1/T0), A = activation energy over R.
+
+    Parameters
+    ----------
+    activation_temperature
+        A in kelvin; 1 kJ/mol is 120.27 K.
+
+    Examples
+    --------
+    >>> import numpy
+    >>> law = Arrhenius(6000.0)
+    >>> round(law.factor(343.0, 293.0, law.parameters(), numpy), 6)
+    0.050522
+    """
+
+    activation_temperature: float
+
+    rules: ClassVar[Mapping[str, Rule]] = MappingProxyType(
+        {
+            "activation_temperature": _checks.finite(
+                "It is an activation energy over the gas constant, in kelvin.",
+                "Pass for example 6000.",
+            )
+        }
+    )
+
+    def factor(self, temperature: Any, reference: Any, p: Mapping[str, Any], fn: Any) -> Any:
+        """exp[A (1/T - 1/T0)]."""
+        return fn.exp(p["activation_temperature"] * (1 / temperature - 1 / reference))
