@@ -25,7 +25,9 @@ if TYPE_CHECKING:
     )
     from remanent.models.magnetics import Magnet
     from remanent.models.materials import NeoHookean
-    from remanent.models.viscous import Rayleigh
+    from remanent.models.shifts import WLF, Arrhenius
+    from remanent.models.thermal import Heat
+    from remanent.models.viscous import KelvinVoigt, Rayleigh, Zener
     from remanent.results.rescale import rescale
     from remanent.results.si import to_si
     from remanent.studies.backbone import backbone
@@ -37,6 +39,7 @@ if TYPE_CHECKING:
     from remanent.studies.classify import classify
     from remanent.studies.crossings import crossings
     from remanent.studies.equilibria import equilibria
+    from remanent.studies.losses import cycle_losses
     from remanent.studies.lyapunov import lyapunov
     from remanent.studies.orbits import periodic_orbits
     from remanent.studies.resonances import resonances
@@ -46,16 +49,21 @@ if TYPE_CHECKING:
     from remanent.studies.simulate import simulate
     from remanent.studies.special import continue_special
     from remanent.studies.switch import switch_branch
+    from remanent.studies.symmetry import symmetry_check
 
     __version__: str
 
 __all__ = [
+    "WLF",
     "Actuator",
+    "Arrhenius",
     "Chirp",
     "Constant",
+    "Heat",
     "InputError",
     "InputWarning",
     "IntegrationError",
+    "KelvinVoigt",
     "Magnet",
     "NeoHookean",
     "Ramp",
@@ -66,6 +74,7 @@ __all__ = [
     "SineSquared",
     "Sines",
     "Steps",
+    "Zener",
     "__version__",
     "backbone",
     "basins",
@@ -74,6 +83,7 @@ __all__ = [
     "continue_orbit",
     "continue_special",
     "crossings",
+    "cycle_losses",
     "energy_balance",
     "equilibria",
     "frequency_response",
@@ -88,17 +98,21 @@ __all__ = [
     "response_diagram",
     "simulate",
     "switch_branch",
+    "symmetry_check",
     "to_si",
 ]
 
 #: Where each name is defined; ``plot`` and ``__version__`` are treated apart.
 _HOME: Final = {
     "Actuator": "models.actuator",
+    "Arrhenius": "models.shifts",
     "Chirp": "models.drives",
     "Constant": "models.drives",
+    "Heat": "models.thermal",
     "InputError": "_errors",
     "InputWarning": "_errors",
     "IntegrationError": "_errors",
+    "KelvinVoigt": "models.viscous",
     "Magnet": "models.magnetics",
     "NeoHookean": "models.materials",
     "Ramp": "models.drives",
@@ -109,6 +123,8 @@ _HOME: Final = {
     "SineSquared": "models.drives",
     "Sines": "models.drives",
     "Steps": "models.drives",
+    "WLF": "models.shifts",
+    "Zener": "models.viscous",
     "backbone": "studies.backbone",
     "basins": "studies.basins",
     "bifurcation_diagram": "studies.bifurcation",
@@ -116,6 +132,7 @@ _HOME: Final = {
     "continue_orbit": "studies.branches",
     "continue_special": "studies.special",
     "crossings": "studies.crossings",
+    "cycle_losses": "studies.losses",
     "energy_balance": "studies.balance",
     "equilibria": "studies.equilibria",
     "frequency_response": "studies.response",
@@ -129,6 +146,7 @@ _HOME: Final = {
     "resonances": "studies.resonances",
     "simulate": "studies.simulate",
     "switch_branch": "studies.switch",
+    "symmetry_check": "studies.symmetry",
     "to_si": "results.si",
 }
 

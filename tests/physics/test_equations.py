@@ -9,6 +9,7 @@ import sympy as sp
 
 from remanent.models import mechanics, thermal
 from remanent.models.actuator import Actuator
+from remanent.models.balances import along
 from remanent.models.drives import Constant, SineSquared
 from remanent.models.equations import equations, second_order
 from remanent.models.magnetics import Magnet
@@ -104,7 +105,7 @@ def power(system: Any) -> Any:
     """Rate of the energy along the motion."""
     rates = dict(zip(system.state, system.rates, strict=True))
     energy = written_out(system.observables["energy"], system)
-    return written_out(mechanics.along(energy, rates), system)
+    return written_out(along(energy, rates), system)
 
 
 def blocks(coordinates: int) -> Actuator:
@@ -265,7 +266,9 @@ def test_internal_variables_take_from_the_energy_what_they_dissipate(coordinates
     internal = system.state[2 * coordinates :]
     assert len(internal) == coordinates
     e1, e2 = (rates[x] / x for x in (internal[0], internal[-1]))
-    eta = mechanics.parameter("dissipation.0.modulus") * mechanics.parameter("dissipation.0.relaxation_time")
+    eta = mechanics.parameter("dissipation.0.modulus") * mechanics.parameter(
+        "dissipation.0.relaxation_time"
+    )
     lost = 2 * eta * (e1**2 + e2**2 + (e1 + e2) ** 2)
     assert sp.simplify(power(system) + written_out(lost, system)) == 0
 

@@ -160,6 +160,7 @@ def follow(
     periods: int,
     *,
     directions: int,
+    width: int | None = None,
     every: bool = False,
     lost: float = 1e-2,
     block: int | None = None,
@@ -175,6 +176,8 @@ def follow(
         How many.
     directions
         Tangents that are carried along.
+    width
+        Components of a tangent; those of a state by default.
     every
         Keep all states.
     lost
@@ -193,7 +196,7 @@ def follow(
     visited = np.full((count, periods + 1, dimension), np.nan) if every else None
     if visited is not None:
         visited[:, 0] = states
-    now, frame = states.copy(), np.tile(_frame(dimension)[:directions], (count, 1, 1))
+    now, frame = states.copy(), np.tile(_frame(width or dimension)[:directions], (count, 1, 1))
     escaped, trusted = np.zeros(count, dtype=np.bool_), np.ones(count, dtype=np.bool_)
     length, error = np.zeros(count, dtype=np.int64), np.zeros(count)
     carried, horizon = np.zeros(count), np.full(count, np.inf)

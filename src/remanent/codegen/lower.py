@@ -78,7 +78,7 @@ _FEW = 2
 
 def _written_out(expression: Expression, definitions: Mapping[Symbol, Expression]) -> Expression:
     """The expression with what symbols stand for put in."""
-    for symbol, meaning in reversed(definitions.items()):
+    for symbol, meaning in reversed(list(definitions.items())):
         expression = expression.subs(symbol, meaning)
     return expression
 

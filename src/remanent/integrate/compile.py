@@ -217,7 +217,8 @@ def _key(field: Field, method: Method, options: Options, target: Target) -> str:
 def _sources() -> str:
     """A digest of the code that writes kernels: a change of it makes new ones."""
     names = (
-        "adams", "kernel", "lanes", "layout", "extrema", "methods", "stepping", "compile",
+        "adams", "kernel", "lanes", "layout", "extrema", "methods", "outline", "stepping",
+        "compile",
     )  # fmt: skip
     texts = (Path(__file__).with_name(f"{name}.py").read_bytes() for name in names)
     return hashlib.sha256(b"\0".join((*texts, _field_source()))).hexdigest()

@@ -35,6 +35,7 @@ from remanent.integrate.lanes import (
 )
 from remanent.integrate.layout import SOLUTIONS, Layout
 from remanent.integrate.methods import RungeKutta, carried
+from remanent.integrate.outline import LONG, Outlined
 from remanent.integrate.stepping import AdamsSteps, RungeKuttaSteps, Stepper
 
 NAME = "kernel"
@@ -120,6 +121,8 @@ class _Kernel:
         self.groups, self.cycles, self.doubles, self.every = args[4:]
         self.layout = layout_of(field)
         self.functions = LaneFunctions(writer)
+        called = len(field.rates.code) > LONG and isinstance(method, RungeKutta)
+        self.outlined = Outlined(field, writer) if called else None
         kinds = SOLUTIONS if options.companion else SOLUTIONS[:1]
         self.stepper: Stepper = (
             RungeKuttaSteps(method, self._rates, self.layout.pasts, kinds, writer)
@@ -162,6 +165,8 @@ class _Kernel:
         self.h, self.cycle, self.start, self.begin, self.end = list(constants.values())[:5]
         self.tolerance, self.hopeless = constants["tolerance"], constants["hopeless"]
         self.parameters = [self._read(f"parameter.{i}") for i in range(len(self.field.parameters))]
+        if self.outlined is not None:
+            self.outlined.prepare(self.parameters)
         self.v: dict[str, Variable] = {
             n: self.w.variable(self._read(n)) for n in names if n not in constants
         }
@@ -227,6 +232,8 @@ class _Kernel:
         load: list[Lanes],
         divide: Callable[[Any, Any], Any] = truediv,
     ) -> list[Lanes]:
+        if self.outlined is not None:
+            return self.outlined(load[0], y, load[1:])
         return self._run(self.field.rates, y, load, divide)
 
     def _fine_step(self, step: ir.Value) -> list[Lanes]:

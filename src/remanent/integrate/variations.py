@@ -6,8 +6,9 @@ is done with them, so they hold for any field, and no symbols are needed.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import Any
 
 from remanent._field import Field, Program
@@ -60,6 +61,50 @@ def tangent(field: Field, *, directions: int, parameters: Sequence[str] = ()) ->
             slope = rate.slopes[k] or into.constant(0.0)
             outputs.append(into.add(slope, rate.value) if itself else slope)
     return _widened(field, added, into.program(outputs))
+
+
+def parting(field: Field, pairs: Mapping[str, str]) -> Field:
+    """The motion of like variables that are equal, and how small differences of them grow.
+
+    Equation, where x and y are columns of like variables and the motion keeps x = y:
+    (x - y)' = (df_x/dx - df_x/dy) (x - y), differentiated along the motion with x = y.
+    Rounding cannot break the equality, since each pair is one variable here.
+
+    Parameters
+    ----------
+    pairs
+        Second variable of each pair by the first.
+
+    Returns
+    -------
+    Field
+        State: the variables but the second ones, then ``"parting.NAME"`` for each pair.
+    """
+    kept = tuple(name for name in field.state if name not in pairs.values())
+    added = tuple(f"parting.{name}" for name in pairs)
+    state = (*kept, *added)
+    inputs = ("drive_phase", *state, *field.parameters, *field.waveforms)
+    into = Instructions(inputs)
+    first = {second: name for name, second in pairs.items()}
+    values = []
+    for name in field.inputs:
+        like = first.get(name, name)
+        slope = into.input(f"parting.{like}") if like in pairs else None
+        turned = slope and (_minus(slope) if name in first else slope)
+        values.append(_Dual(into, into.input(like), (turned,)))
+    rates = dict(zip(field.state, _run(field.rates, values, into, 1), strict=True))
+    zero = into.constant(0.0)
+    outputs = [rates[name].value for name in kept]
+    outputs += [rates[name].slopes[0] or zero for name in pairs]
+    plain = {name: first.get(name, name) for name in field.inputs}
+    return Field(
+        state=state,
+        parameters=field.parameters,
+        waveforms=field.waveforms,
+        rates=into.program(outputs),
+        watched=_with_inputs(field.watched, inputs, plain),
+        observables={k: _with_inputs(p, inputs, plain) for k, p in field.observables.items()},
+    )
 
 
 def with_integrals(field: Field, names: Sequence[str]) -> Field:
@@ -130,12 +175,17 @@ def _widened(field: Field, added: tuple[str, ...], rates: Program) -> Field:
     )
 
 
-def _with_inputs(program: Program, inputs: tuple[str, ...]) -> Program:
-    """The same code for a longer list of inputs."""
+def _with_inputs(
+    program: Program, inputs: tuple[str, ...], names: Mapping[str, str] = MappingProxyType({})
+) -> Program:
+    """The same code for another list of inputs, of which some have other names."""
     before, more = len(program.inputs), len(inputs) - len(program.inputs)
 
     def moved(slot: int) -> int:
-        return inputs.index(program.inputs[slot]) if slot < before else slot + more
+        if slot >= before:
+            return slot + more
+        name = program.inputs[slot]
+        return inputs.index(names.get(name, name))
 
     return Program(
         inputs=inputs,

@@ -122,11 +122,28 @@ class Actuator:
         if self.heat is not None:
             _checks.require_instance("heat", self.heat, Heat, "Heat()")
         self.warn_if_implausible(self.parameters(), stacklevel=4)
+        _require_shifts(self)
 
     @property
     def coordinates(self) -> int:
         """1 where both in-plane stretches are equal, else 2."""
         return 2 if self.edges is not None or _is_pair(self.prestress) else 1
+
+    @property
+    def conservative(self) -> bool:
+        """Whether there is nothing in the model by which energy could be lost."""
+        return not self.elements() and self.heat is None
+
+    def dissipative(self, values: Mapping[str, ArrayLike] | None = None) -> BoolArray:
+        """Whether motion loses energy, for a batch of values of numeric fields or its own."""
+        whole: dict[str, Any] = {**self.parameters(), **(values or {})}
+        names = [f"dissipation.{i}.{e.strength}" for i, e in enumerate(self.elements())]
+        if self.heat is not None:
+            names.append("heat.exchange")
+        found = np.zeros((), dtype=np.bool_)
+        for name in names:
+            found = found | (np.asarray(whole[name]) > 0.0)
+        return np.asarray(found)
 
     def _own(self) -> dict[str, dict[str, Any]]:
         """Values of the actuator's own fields, under the name of each number."""
@@ -186,13 +203,19 @@ class Actuator:
         """
         broken = _checks.broken(self.parameter_rules(), values)
         whole = {**self.parameters(), **values}
-        kelvin = whole["temperature"], whole["reference_temperature"]
-        for prefix, part in self.parts().items():
-            for name, inner in part.parts().items():
-                if isinstance(inner, Shift):
-                    numbers = own(whole, f"{prefix}.{name}")
-                    broken = broken | ~np.asarray(inner.holds(*map(np.asarray, kelvin), numbers))
+        for prefix, shift in self._shifts().items():
+            kelvin = [np.asarray(whole[f"{kind}temperature"]) for kind in ("", "reference_")]
+            broken = broken | ~np.asarray(shift.holds(kelvin[0], kelvin[1], own(whole, prefix)))
         return np.asarray(broken)
+
+    def _shifts(self) -> dict[str, Shift]:
+        """Every dependence of a viscosity on temperature by its dotted name."""
+        return {
+            f"{prefix}.{name}": inner
+            for prefix, part in self.parts().items()
+            for name, inner in part.parts().items()
+            if isinstance(inner, Shift)
+        }
 
     def warn_if_implausible(self, values: Mapping[str, ArrayLike], *, stacklevel: int = 2) -> None:
         """Warn of allowed values, single or in a batch, that look like a mistake."""
@@ -221,10 +244,10 @@ class Actuator:
     def with_parameter(self, name: str, value: float) -> Self:
         """A copy with one numeric field, given by its dotted name, changed."""
         _checks.require_known([name], self.parameters(), "the actuator and its parts")
-        for own, values in self._own().items():
+        for whole, values in self._own().items():
             if name in values:
                 numbers = tuple({**values, name: value}.values())
-                return self.replace(**{own: numbers[0] if own == name else numbers})
+                return self.replace(**{whole: numbers[0] if whole == name else numbers})
         parts = {
             prefix: part.replace(**{name.removeprefix(f"{prefix}."): value})
             if name.startswith(f"{prefix}.")
@@ -248,7 +271,8 @@ class Actuator:
         density: Quantity,
         half_length: Quantity,
         half_thickness: Quantity,
-        force: Quantity = "0 N",
+        half_width: Quantity | None = None,
+        force: Quantity | Sequence[Quantity] = "0 N",
         remanence: Quantity | None = None,
         temperature: Quantity = "293 K",
         reference_temperature: Quantity = "293 K",
@@ -262,8 +286,11 @@ class Actuator:
             mu and B_r at the reference temperature.
         density, half_length, half_thickness
             rho, L and H of the undeformed block 2 L x 2 L x 2 H.
+        half_width
+            L2 of a block 2 L x 2 L2 x 2 H, whose motion has two coordinates.
         force
-            P on each edge; the nominal stress is P/(4 L H).
+            P on each edge; the nominal stress is P/(4 L H).  A pair (P1, P2) makes two
+            coordinates; P1 pulls along the edge 2 L, with the stress P1/(4 L2 H).
         temperature, reference_temperature
             T and T0.
         **parts
@@ -289,17 +316,36 @@ class Actuator:
             remanence=remanence,
         )
         thickness = _units.positive("half_thickness", half_thickness, "m")
-        area = 4.0 * scales.half_length * thickness
+        edges = None
+        if half_width is not None:
+            edges = (1.0, _units.positive("half_width", half_width, "m") / scales.half_length)
         return cls(
             c=(thickness / scales.half_length) ** 2,
             temperature=_units.single("temperature", temperature, "K"),
             reference_temperature=_units.single(
                 "reference_temperature", reference_temperature, "K"
             ),
-            prestress=_units.single("force", force, "N") / area / scales.shear_modulus,
+            prestress=_nominal(force, scales, thickness, edges),
+            edges=edges,
             scales=scales,
             **parts,
         )
+
+    def stress(self, stress: Quantity) -> float | FloatArray:
+        """Stress or modulus over mu, ``"50 kPa"``."""
+        return _units.magnitude("stress", stress, "Pa") / self._known_scales().shear_modulus
+
+    def viscosity(self, viscosity: Quantity) -> float | FloatArray:
+        """Dimensionless eta of a viscosity, ``"20 Pa s"``."""
+        scales = self._known_scales()
+        unit = scales.shear_modulus * scales.time
+        return _units.magnitude("viscosity", viscosity, "Pa s") / unit
+
+    def coupling(self, heat_capacity: Quantity) -> float | FloatArray:
+        """The coupling number mu/(rho c_p T0) of a heat capacity, ``"1.9 kJ/(kg K)"``."""
+        scales = self._known_scales()
+        capacity = _units.magnitude("heat_capacity", heat_capacity, "J/(kg K)")
+        return scales.shear_modulus / (scales.density * self.reference_temperature * capacity)
 
     def load(self, flux_density: Quantity) -> float | FloatArray:
         """Magnetic load m = B_r B/(mu mu0) of a flux density, ``"140 mT"``."""
@@ -324,6 +370,36 @@ class Actuator:
                 "Build it with Actuator.from_si.",
             )
         return self.scales
+
+
+def _require_shifts(actuator: Actuator) -> None:
+    """Raise where a law of temperature does not hold at the actuator's temperature."""
+    if actuator.invalid({}):
+        raise InputError(
+            "temperature",
+            "be above T0 - c2 of every WLF shift",
+            actuator.temperature,
+            "The law has a pole there: the element is frozen.",
+            "Raise the temperature, pass a larger c2, or use Arrhenius.",
+        )
+
+
+def _nominal(
+    force: Quantity | Sequence[Quantity],
+    scales: Scales,
+    thickness: float,
+    edges: tuple[float, float] | None,
+) -> float | tuple[float, float]:
+    """Nominal stress over mu of forces on the faces 2 L x 2 H, or of each on its own face."""
+    unit = 4.0 * scales.half_length * thickness * scales.shear_modulus
+    if edges is None and not _is_pair(force):
+        return _units.single("force", force, "N") / unit
+    one, two = _numbered("force", force).values()
+    across, along = edges or (1.0, 1.0)
+    return (
+        _units.single("force", one, "N") / (unit * along),
+        _units.single("force", two, "N") / (unit * across),
+    )
 
 
 def _is_pair(value: object) -> bool:

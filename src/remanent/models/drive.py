@@ -26,6 +26,8 @@ class Drive(Part, ABC):
 
     #: The field to which the period is inversely proportional, where there is a period.
     timed_by: ClassVar[str] = "omega"
+    #: Whether :meth:`rate` is written.
+    has_rate: ClassVar[bool] = False
 
     @property
     def waveforms(self) -> tuple[str, ...]:

@@ -383,7 +383,7 @@ def _heat(
     """The heat balance: the energies above in terms of theta and of the load itself."""
     if actuator.heat is None:
         return None
-    theta, stiffness, load, effective = _LOAD_SYMBOLS
+    theta, _, load, effective = _LOAD_SYMBOLS
     reference = p["reference_temperature"]
     remanence = actuator.magnet.remanence(theta * reference, reference, own(p, "magnet"))
     (_, strain), (_, magnetic), _, *viscous = terms

@@ -60,6 +60,7 @@ class Sines(Drive):
     phases: Numbers | None = None
     mean: float = 0.0
 
+    has_rate: ClassVar[bool] = True
     rules: ClassVar[Mapping[str, Rule]] = MappingProxyType({"omega": OMEGA, "mean": LOAD})
     tables: ClassVar[Mapping[str, Rule]] = MappingProxyType({"loads": LOAD, "phases": PHASE})
     choices: ClassVar[tuple[str, ...]] = ("multiples",)

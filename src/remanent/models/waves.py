@@ -40,6 +40,7 @@ class Constant(Drive):
 
     m: float
 
+    has_rate: ClassVar[bool] = True
     rules: ClassVar[Mapping[str, Rule]] = MappingProxyType({"m": LOAD})
 
     def __call__(self, tau: ArrayLike) -> FloatArray:
@@ -83,6 +84,7 @@ class SineSquared(Drive):
     omega: float
     phase: float = 0.0
 
+    has_rate: ClassVar[bool] = True
     rules: ClassVar[Mapping[str, Rule]] = MappingProxyType(
         {
             "b": _checks.finite("Its square is the largest magnetic load."),
@@ -143,6 +145,7 @@ class Sine(Drive):
     mean: float = 0.0
     phase: float = 0.0
 
+    has_rate: ClassVar[bool] = True
     rules: ClassVar[Mapping[str, Rule]] = MappingProxyType(
         {"m": LOAD, "omega": OMEGA, "mean": LOAD, "phase": PHASE}
     )

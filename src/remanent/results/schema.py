@@ -83,9 +83,13 @@ _ROWS = (
     Variable(
         "thickness_stretch_rate", "1", "thickness stretch rate", r"\lambda_3'", _ALONG, Kind.RATE
     ),
-    Variable("viscous_stretch", "1", "viscous in-plane stretch", r"\xi", _ALONG),
-    Variable("viscous_stretch_1", "1", "viscous stretch along edge 1", r"\xi_1", _ALONG),
-    Variable("viscous_stretch_2", "1", "viscous stretch along edge 2", r"\xi_2", _ALONG),
+    Variable("dissipation.viscous_stretch", "1", "viscous in-plane stretch", r"\xi", _ALONG),
+    Variable(
+        "dissipation.viscous_stretch_1", "1", "viscous stretch along edge 1", r"\xi_1", _ALONG
+    ),
+    Variable(
+        "dissipation.viscous_stretch_2", "1", "viscous stretch along edge 2", r"\xi_2", _ALONG
+    ),
     Variable("body_temperature", "K", "temperature of the body", r"T", _ALONG, Kind.TEMPERATURE),
     Variable("energy", "1", "energy per reference volume", r"E", _ALONG, Kind.ENERGY_DENSITY),
     Variable(
@@ -107,6 +111,23 @@ _ROWS = (
     Variable("drive_work", "1", "work of the magnetic load", r"W", _ALONG, Kind.ENERGY_DENSITY),
     Variable("dissipated_energy", "1", "dissipated energy", r"D", _ALONG, Kind.ENERGY_DENSITY),
     Variable("balance", "1", "defect of the energy balance", r"r", _ALONG, Kind.ENERGY_DENSITY),
+    Variable(
+        "heat_given_off",
+        "1",
+        "heat given to the surroundings",
+        r"Q",
+        _ALONG,
+        Kind.ENERGY_DENSITY,
+    ),
+    # Entropies are in units of mu/T0.
+    Variable("entropy", "1", "entropy per reference volume", r"s", _ALONG),
+    Variable("entropy_produced", "1", "entropy produced", r"s_i", _ALONG),
+    Variable("entropy_given_off", "1", "entropy given to the surroundings", r"s_e", _ALONG),
+    Variable("entropy_balance", "1", "defect of the entropy balance", r"r_s", _ALONG),
+    Variable(
+        "loss", "1", "energy dissipated in a period", r"D_1", ("period",), Kind.ENERGY_DENSITY
+    ),
+    Variable("work", "1", "work of the load in a period", r"W_1", ("period",), Kind.ENERGY_DENSITY),
     Variable(
         "mean_thickness_stretch", "1", "mean thickness stretch", r"\langle\lambda_3\rangle", _ALONG
     ),
@@ -170,6 +191,7 @@ _ROWS = (
         ("equilibrium",),
         Kind.FREQUENCY,
     ),
+    Variable("mode", "1", "number of the mode", r"j"),
     # Statistics and orbits.
     Variable("exponent", "1", "largest Lyapunov exponent", r"\Lambda", kind=Kind.RATE),
     Variable("exponent_number", "1", "number of the exponent", r"j"),
@@ -180,6 +202,29 @@ _ROWS = (
         r"\Lambda(n)",
         ("period",),
         Kind.RATE,
+    ),
+    Variable("symmetry", "1", "symmetry of the in-plane stretches", r"\mathrm{symmetry}"),
+    Variable("parting_growth", "1", "growth of a difference of stretches, logarithm", r"g_a"),
+    Variable(
+        "parting_exponent",
+        "1",
+        "exponent of a difference of stretches",
+        r"\Lambda_a",
+        kind=Kind.RATE,
+    ),
+    Variable(
+        "parting_multipliers",
+        "1",
+        "Floquet multipliers of a difference of stretches",
+        r"\rho_a",
+        ("multiplier",),
+    ),
+    Variable(
+        "parting_stiffness",
+        "1",
+        "square of the frequency at which stretches part",
+        r"\omega_a^2",
+        ("equilibrium",),
     ),
     Variable("local_error", "1", "estimated largest error of one period", r"\varepsilon_1"),
     Variable("run_periods", "1", "length of the run in drive periods", r"N"),
@@ -251,6 +296,8 @@ _ROWS = (
     Variable("prestress", "1", "prestress", r"S", kind=Kind.STRESS),
     Variable("prestress_1", "1", "prestress along edge 1", r"S_1", kind=Kind.STRESS),
     Variable("prestress_2", "1", "prestress along edge 2", r"S_2", kind=Kind.STRESS),
+    Variable("edges_1", "1", "edge 1 over L", r"L_1/L"),
+    Variable("edges_2", "1", "edge 2 over L", r"L_2/L"),
     Variable("tolerance", "1", "tolerance", r"\mathrm{tol}"),
     Variable("m", "1", "magnetic load", r"m", kind=Kind.LOAD),
     Variable("b", "1", "root of the peak magnetic load", r"b", kind=Kind.ROOT_LOAD),
@@ -266,6 +313,8 @@ _ROWS = (
     ),
     Variable("material.jm", "1", "limiting value of the first invariant", r"J_m"),
     Variable("material.entropic_fraction", "1", "entropic fraction", r"f"),
+    Variable("heat.coupling", "1", "thermoelastic coupling", r"k"),
+    Variable("heat.exchange", "1", "rate of heat exchange", r"h", kind=Kind.RATE),
     Variable("dissipation.eta", "1", "viscosity", r"\eta", kind=Kind.VISCOSITY),
     Variable(
         "dissipation.modulus", "1", "modulus of the viscous branch", r"\mu_v", kind=Kind.STRESS
@@ -344,9 +393,9 @@ def flag_attributes(name: str) -> dict[str, object]:
 
 def _initial(name: str) -> Variable | None:
     base = name.removeprefix("initial.")
-    if base == name or base not in TABLE:
+    if base == name or (base not in TABLE and _numbered(base) is None):
         return None
-    row = TABLE[base]
+    row = describe(base)
     return replace(
         row, name=name, long_name=f"initial {row.long_name}", symbol=f"{row.symbol}(0)", dims=()
     )
@@ -367,7 +416,8 @@ def _numbered(name: str) -> Variable | None:
     if match is None or f"{match[1]}.{match[3]}" not in TABLE:
         return None
     row = TABLE[f"{match[1]}.{match[3]}"]
-    symbol = row.symbol if "_" in row.symbol else f"{row.symbol}_{{{match[2]}}}"
+    index = f"^{{({match[2]})}}" if row.dims and "_" in row.symbol else f"_{{{match[2]}}}"
+    symbol = row.symbol if "_" in row.symbol and not row.dims else row.symbol + index
     return replace(row, name=name, long_name=f"{row.long_name} ({match[2]})", symbol=symbol)
 
 

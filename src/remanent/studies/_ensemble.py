@@ -115,6 +115,7 @@ def ensemble(
 
     require_instance("actuator", actuator, Actuator, "rm.Actuator()")
     require_instance("drive", drive, Drive, "rm.SineSquared(0.4, 1.25)")
+    _require_rate(actuator, drive, over)
     field = field_for(actuator, drive)
     own = {**actuator.parameters(), **drive.parameters()}
     if over is not None and not isinstance(over, Mapping):
@@ -132,8 +133,8 @@ def ensemble(
     varied = {name: _spread(*array, sizes) for name, array in arrays.items()}
     same = {name: np.broadcast_to(value, count) for name, value in own.items()}  # costs no memory
     values = {name: varied.get(name, same[name]) for name in own}
-    start = _initial(initial, varied, field, count)
-    wrong = _invalid(actuator, drive, values, start)
+    start = _initial(initial, varied, field, values)
+    wrong = _invalid(actuator, drive, values, start, field)
     with np.errstate(all="ignore"):
         periods = drive.periods(values)
     if periods is not None:
@@ -141,6 +142,20 @@ def ensemble(
     if not sizes and wrong.any():
         _refuse(start[0], field, drive, periods)
     return Ensemble(actuator, drive, field, sizes, dict(arrays), values, start, wrong)
+
+
+def _require_rate(actuator: Actuator, drive: Drive, over: Over | None) -> None:
+    """Refuse a remanence that depends on a temperature which jumps of the load change."""
+    name = "magnet.temperature_coefficient"
+    depends = name in (over or {}) or actuator.parameters()[name] != 0.0
+    if actuator.heat is not None and depends and not drive.has_rate:
+        raise InputError(
+            "drive",
+            "have a rate of its load in closed form where the remanence takes part in the heat",
+            repr(drive)[:80],
+            "A change of the field warms a magnet whose remanence depends on temperature.",
+            "Use Constant, Sine, SineSquared or Sines, or a temperature_coefficient of 0.",
+        )
 
 
 def problem(ens: Ensemble, duration: FloatArray) -> Problem:
@@ -301,23 +316,36 @@ def _spread(dims: tuple[str, ...], values: FloatArray, sizes: Mapping[str, int])
 
 
 def _initial(
-    initial: ArrayLike | None, varied: Mapping[str, FloatArray], field: Field, count: int
+    initial: ArrayLike | None,
+    varied: Mapping[str, FloatArray],
+    field: Field,
+    values: Mapping[str, FloatArray],
 ) -> FloatArray:
-    rest = [0.0 if name.endswith("_rate") else 1.0 for name in field.state]
+    """Initial states, array (trajectory, state): rest where nothing else is said."""
+    rest = [at_rest(name, values) for name in field.state]
+    first = [column[0] for column in rest]
+    moving = [name for name in field.state if name.startswith("stretch")]
     try:
-        given = np.asarray(rest if initial is None else initial, dtype=np.float64)
+        given = np.asarray(first if initial is None else initial, dtype=np.float64)
     except (TypeError, ValueError, OverflowError):
         given = np.empty(0)
-    if given.shape != (len(rest),) or not np.isfinite(given).all():
+    if given.shape not in {(len(moving),), (len(rest),)} or not np.isfinite(given).all():
         raise InputError(
             "initial",
-            f"be {len(rest)} finite numbers, ({', '.join(field.state)})",
+            f"be {len(moving)} finite numbers, ({', '.join(moving)})"
+            + (f", or all of {', '.join(field.state)}" if moving != [*field.state] else ""),
             repr(initial),
             "A motion starts from one state.",
-            "Leave it out to start from rest; vary it by over={'initial.stretch': ...}.",
+            "Leave it out to start from rest; "
+            f"vary it by over={{'initial.{field.state[0]}': ...}}.",
         )
     own = {k: varied[f"initial.{n}"] for k, n in enumerate(field.state) if f"initial.{n}" in varied}
-    start = np.broadcast_to(given, (count, len(rest)))
+    said = given.size if initial is not None else 0
+    for k, column in enumerate(rest):
+        if k >= said and column.strides != (0,):
+            own.setdefault(k, column)
+    row = np.append(given, first[given.size :])
+    start = np.broadcast_to(row, (values["c"].size, len(rest)))
     if own:
         start = start.copy()
         for k, column in own.items():
@@ -325,15 +353,27 @@ def _initial(
     return start
 
 
+def at_rest(name: str, values: Mapping[str, FloatArray]) -> FloatArray:
+    """A state variable at rest: temperature that of the surroundings, all stretches 1."""
+    if name == "body_temperature":
+        return values["temperature"]
+    return np.broadcast_to(0.0 if name.endswith("_rate") else 1.0, values["c"].shape)
+
+
 def _stretches(field: Field) -> list[int]:
     return [k for k, name in enumerate(field.state) if not name.endswith("_rate")]
 
 
 def _invalid(
-    actuator: Actuator, drive: Drive, values: Mapping[str, FloatArray], start: FloatArray
+    actuator: Actuator,
+    drive: Drive,
+    values: Mapping[str, FloatArray],
+    start: FloatArray,
+    field: Field,
 ) -> BoolArray:
     broken = actuator.invalid(values) | drive.invalid(values)
-    bad_state = ~(np.abs(start) <= FARTHEST).all(axis=1) | ~(start[:, 0] >= 1.0 / FARTHEST)
+    bad_state = ~(np.abs(start) <= FARTHEST).all(axis=1)
+    bad_state |= ~(start[:, _stretches(field)] >= 1.0 / FARTHEST).all(axis=1)
     return np.asarray(np.broadcast_to(broken, bad_state.shape) | bad_state)
 
 
@@ -352,7 +392,7 @@ def _refuse(start: FloatArray, field: Field, drive: Drive, periods: FloatArray |
                 "initial",
                 f"have a {field.state[k]} greater than 0",
                 start[k],
-                "A stretch is a ratio of lengths.",
+                "Stretches are ratios of lengths, temperatures are absolute.",
                 "Pass 1 for the undeformed block.",
             )
     raise InputError(

@@ -142,11 +142,8 @@ class Follower:
 
 def damped(ens: Ensemble) -> BoolArray:
     """Where the motion loses energy, array (trajectory,)."""
-    result = np.zeros(ens.count, dtype=np.bool_)
-    for name, values in ens.values.items():
-        if name.startswith("dissipation.") and name.endswith((".eta", ".modulus")):
-            result |= values > 0.0
-    return result
+    found = ens.actuator.dissipative(ens.values)
+    return np.asarray(np.broadcast_to(found, (ens.count,)))
 
 
 def status_of(path: Path) -> IntArray:

@@ -15,20 +15,23 @@ from remanent._typing import FloatArray
 from remanent.analysis.orbits import Orbits, distinct, newton, taken
 from remanent.models.actuator import Actuator
 from remanent.models.drives import Drive
+from remanent.studies._ensemble import Ensemble, at_rest
 from remanent.studies._map import StroboscopicMap
 
 #: Its annotations know nothing of `args`.
 find_root: Any = elementwise.find_root
 #: Default box: stretches, and their rates.
 STRETCHES, RATES = (0.3, 4.0), (-8.0, 8.0)
+#: Kelvin around the surroundings in which a body's temperature is looked for.
+WARMTH = 5.0
 #: Tolerance and largest resolution of the search: guesses that need more lead nowhere.
 _ROUGH, _COARSE = 1e-6, 128
 #: Guesses along the symmetry line.
 _LINE = 600
-#: Guesses in the box, along each state variable, by their number: where orbits are looked
+#: Guesses in the box, along each stretch and rate, by their number: where orbits are looked
 #: for at one place only, and where at many or where most are on the symmetry line.
-_DENSE = MappingProxyType({2: (36, 25), 3: (16, 11, 7), 4: (10, 7, 10, 7)})
-_SPARSE = MappingProxyType({2: (14, 9), 3: (8, 6, 4), 4: (6, 4, 6, 4)})
+_DENSE = MappingProxyType({2: (36, 25), 4: (7, 5, 7, 5)})
+_SPARSE = MappingProxyType({2: (14, 9), 4: (5, 3, 5, 3)})
 
 
 @dataclass(frozen=True)
@@ -58,8 +61,9 @@ class Search:
     dense: bool = True
 
 
-def box_of(state: tuple[str, ...], bounds: Mapping[str, Any] | None) -> FloatArray:
+def box_of(ens: Ensemble, bounds: Mapping[str, Any] | None) -> FloatArray:
     """Lower and upper bounds of every state variable, array (state, 2)."""
+    state = ens.field.state
     given = dict(bounds or {})
     for name in given:
         if name not in state:
@@ -69,7 +73,7 @@ def box_of(state: tuple[str, ...], bounds: Mapping[str, Any] | None) -> FloatArr
             )  # fmt: skip
     rows = []
     for name in state:
-        pair = np.asarray(given.get(name, RATES if name.endswith("_rate") else STRETCHES), float)
+        pair = np.asarray(given.get(name, _default(name, ens)), float)
         if pair.shape != (2,) or not np.isfinite(pair).all() or not pair[0] < pair[1]:
             raise InputError(
                 "bounds", f"give {name} a lower and a larger upper number", repr(given[name]),
@@ -84,10 +88,28 @@ def box_of(state: tuple[str, ...], bounds: Mapping[str, Any] | None) -> FloatArr
     return np.array(rows)
 
 
+def _default(name: str, ens: Ensemble) -> tuple[float, float]:
+    """Bounds of a state variable that none were given for."""
+    if name == "body_temperature":
+        around = ens.values["temperature"]
+        return float(around.min()) - WARMTH, float(around.max()) + WARMTH
+    return RATES if name.endswith("_rate") else STRETCHES
+
+
+def require_isolated(ens: Ensemble) -> None:
+    """Refuse adiabatic bodies: their orbits come in families, one for each entropy."""
+    if ens.actuator.heat is not None and not ens.actuator.dissipative(ens.values).all():
+        raise InputError(
+            "actuator", "exchange heat where its temperature is a state", ens.actuator.heat,
+            "Without exchange there is a periodic orbit for every temperature.",
+            "Pass rm.Heat(exchange=...) above 0, or heat=None.",
+        )  # fmt: skip
+
+
 def is_symmetric(actuator: Actuator, drive: Drive) -> bool:
     """Whether reversing time leaves the motion's equation as it is."""
     period = drive.period
-    if period is None or actuator.elements():
+    if period is None or not actuator.conservative:
         return False
     times = np.linspace(0.0, 0.5, 33) * period
     ahead, back = drive(times), drive(period - times)
@@ -130,14 +152,25 @@ def _closed(
 
 
 def _in_box(search: Search) -> FloatArray:
-    """A grid of guesses, denser in stretch where stretch is small."""
-    d = len(search.box)
-    counts = (_DENSE if search.dense else _SPARSE).get(d, (4,) * d)
+    """A grid of guesses, denser in stretch where stretch is small.
+
+    What is internal is guessed from the stretches: relaxed, at the temperature outside.
+    """
+    state = search.map.ensemble.field.state
+    moving = [k for k, name in enumerate(state) if name.startswith("stretch")]
+    counts = (_DENSE if search.dense else _SPARSE)[len(moving)]
     axes = [
         np.geomspace(low, high, n) if low > 0.0 else np.linspace(low, high, n)
-        for (low, high), n in zip(search.box, counts, strict=True)
+        for (low, high), n in zip(search.box[moving], counts, strict=True)
     ]
-    return np.stack([axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")], axis=1)
+    grid = np.stack([axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")], axis=1)
+    guesses = np.tile(search.box.mean(axis=1), (len(grid), 1))
+    guesses[:, moving] = grid
+    for k, name in enumerate(state):
+        like = f"stretch{name.rpartition('viscous_stretch')[2]}"
+        if "viscous_stretch" in name and like in state:
+            guesses[:, k] = guesses[:, state.index(like)]
+    return guesses
 
 
 def _on_line(search: Search, parameters: FloatArray) -> list[FloatArray]:
@@ -177,8 +210,8 @@ def _symmetric(search: Search, parameters: FloatArray, late: bool) -> list[Float
     return [states[root.success & (row == k)] for k in range(len(parameters))]
 
 
-def nearest_rest(orbits: Orbits) -> Orbits:
+def nearest_rest(orbits: Orbits, ens: Ensemble) -> Orbits:
     """The orbit whose point is nearest to rest, alone."""
-    rest = np.tile([1.0, 0.0], orbits.state.shape[1])[: orbits.state.shape[1]]
+    rest = [float(at_rest(name, ens.values)[0]) for name in ens.field.state]
     k = int(np.argmin(np.linalg.norm(orbits.state - rest, axis=1)))
     return taken(orbits, np.array([k]))

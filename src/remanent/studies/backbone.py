@@ -71,10 +71,11 @@ def backbone(
     True
     """
     require_tolerance(tolerance)
-    if actuator.elements():
+    if not actuator.conservative or actuator.coordinates > 1:
         raise InputError(
-            "actuator", "have no dissipation", actuator.elements(),
-            "A damped oscillation has no period.", "Pass actuator.replace(dissipation=()).",
+            "actuator", "have one coordinate, no dissipation and no heat balance", actuator,
+            "Only free oscillations of one coordinate all have a period.",
+            "Pass actuator.replace(dissipation=(), heat=None) with equal prestress.",
         )  # fmt: skip
     ens = ensemble(actuator, Constant(m), {**(over or {}), "initial.stretch": np.asarray(stretch)})
     half, error = np.full(ens.count, np.nan), np.full(ens.count, np.nan)

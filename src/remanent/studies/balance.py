@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
-from remanent._typing import ArrayLike
+from remanent._typing import ArrayLike, FloatArray
 from remanent.integrate.ensemble import Progress, integrate
 from remanent.integrate.problem import Request
 from remanent.integrate.variations import with_integrals
@@ -21,7 +21,17 @@ from remanent.studies._observe import observe
 from remanent.studies._time import require_one
 from remanent.studies.simulate import time_grid
 
-_INTEGRALS = ("drive_power", "dissipated_power", "thickness_stretch")
+#: What is integrated along a motion, and the name of the integral.
+_INTEGRALS = {
+    "thickness_stretch": "mean_thickness_stretch",
+    "drive_power": "drive_work",
+    "dissipated_power": "dissipated_energy",
+}
+_OF_HEAT = {
+    "heat_flow": "heat_given_off",
+    "entropy_flow": "entropy_given_off",
+    "entropy_production": "entropy_produced",
+}
 
 
 def energy_balance(
@@ -52,7 +62,12 @@ def energy_balance(
         and of the dead loads, without that in the field), ``drive_work`` and
         ``dissipated_energy`` since τ = 0, ``balance`` = change of the stored energy − work
         + dissipation, which is zero but for the error; ``mean_thickness_stretch``, the
-        average since τ = 0.  ``error``, ``horizon``, ``status`` per trajectory.
+        average since τ = 0.  With a heat balance ``stored_energy`` is the internal energy
+        and the kinetic, and the balance has ``heat_given_off`` to the surroundings in place
+        of the dissipation, which stays in the body; in units of μ/T0 also its ``entropy``,
+        ``entropy_produced`` within and by the exchange, ``entropy_given_off``, and
+        ``entropy_balance`` = change of the entropy − production + what was given off.
+        ``error``, ``horizon``, ``status`` per trajectory.
 
     Raises
     ------
@@ -78,25 +93,33 @@ def energy_balance(
     ens = ensemble(actuator, drive, over, initial)
     grid, shared = time_grid(ens, duration, periods, times)
     plain = problem(ens, np.maximum(grid[:, -1], np.finfo(float).tiny))
-    start = np.pad(plain.initial, ((0, 0), (0, len(_INTEGRALS))))
-    asked = replace(plain, field=with_integrals(plain.field, _INTEGRALS), initial=start)
+    names = _INTEGRALS | (_OF_HEAT if actuator.heat is not None else {})
+    start = np.pad(plain.initial, ((0, 0), (0, len(names))))
+    asked = replace(plain, field=with_integrals(plain.field, tuple(names)), initial=start)
     outcome = integrate(asked, Request(times=grid), tolerance=tolerance, progress=progress)
     states = outcome.states
     assert states is not None
     states[grid > outcome.horizon[:, None] * (1 + 1e-12)] = np.nan
-    stored = observe(asked, "stored_energy", grid, states)
-    before = observe(asked, "stored_energy", np.zeros((ens.count, 1)), asked.initial[:, None])
-    work, lost, total = np.moveaxis(states[:, :, -len(_INTEGRALS) :], 2, 0)
+    sums = np.moveaxis(states[:, :, -len(names) :], 2, 0)
+    found = dict(zip(names.values(), sums, strict=True))
+
+    def gained(name: str) -> FloatArray:
+        """What a function of the state has gained since the start."""
+        before = observe(asked, name, np.zeros((ens.count, 1)), asked.initial[:, None])
+        return observe(asked, name, grid, states) - before
+
     at_first = observe(asked, "thickness_stretch", grid, states)
     with np.errstate(all="ignore"):
-        mean = np.where(grid > 0.0, total / grid, at_first)
-    found = {
-        "stored_energy": stored,
-        "drive_work": work,
-        "dissipated_energy": lost,
-        "balance": stored - before - work + lost,
-        "mean_thickness_stretch": mean,
-    }
+        found["mean_thickness_stretch"] = np.where(
+            grid > 0.0, found["mean_thickness_stretch"] / grid, at_first
+        )
+    found["stored_energy"] = observe(asked, "stored_energy", grid, states)
+    left = found["dissipated_energy" if actuator.heat is None else "heat_given_off"]
+    found["balance"] = gained("stored_energy") - found["drive_work"] + left
+    if actuator.heat is not None:
+        found["entropy"] = observe(asked, "entropy", grid, states)
+        inner = gained("entropy") - found["entropy_produced"]
+        found["entropy_balance"] = inner + found["entropy_given_off"]
     axis = "time" if shared else "cycle"
     variables: dict[str, Labelled] = {
         name: ((*ens.dims, axis), ens.shaped(values)) for name, values in found.items()

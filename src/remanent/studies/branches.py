@@ -24,7 +24,14 @@ from remanent.studies._branches import Branch, Tracing, everywhere, through
 from remanent.studies._checks import require_tolerance
 from remanent.studies._ensemble import Ensemble, Over, ensemble
 from remanent.studies._map import DIMENSIONS, StroboscopicMap, at
-from remanent.studies._orbits import Search, all_orbits, box_of, is_symmetric, nearest_rest
+from remanent.studies._orbits import (
+    Search,
+    all_orbits,
+    box_of,
+    is_symmetric,
+    nearest_rest,
+    require_isolated,
+)
 from remanent.studies._time import require_count, require_periods
 from remanent.studies.orbits import described
 
@@ -215,14 +222,15 @@ def trace_with(
     """How branches are followed over one parameter; raises what is wrong with the settings."""
     require_tolerance(tolerance)
     require_periods(ens)
+    require_isolated(ens)
     return Tracing(
         map=StroboscopicMap(ens, (parameter,), min(0.1 * tolerance, 1e-10)),
-        box=box_of(ens.field.state, state_bounds),
+        box=box_of(ens, state_bounds),
         bounds=bounds,
         period=require_count("period", period, "Orbits close after whole drive periods."),
         tolerance=tolerance,
         most=require_count("max_points", max_points, "A branch is made of points."),
-        conservative=not ens.actuator.elements(),
+        conservative=ens.actuator.conservative,
     )
 
 
@@ -256,7 +264,7 @@ def _start(tracing: Tracing, start: ArrayLike | None, value: float) -> Orbits:
             "start", "be near a periodic orbit", repr(start), why,
             "Widen `state_bounds`, or take a state from periodic_orbits.",
         )  # fmt: skip
-    return nearest_rest(orbits) if start is None else orbits
+    return nearest_rest(orbits, ens) if start is None else orbits
 
 
 def describe_branches(

@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import replace
 
 import numpy as np
 import xarray as xr
 
-from remanent._errors import InputError
-from remanent._field import Program
 from remanent._typing import FloatArray, IntArray
 from remanent.analysis.equilibria import slope, zeros
 from remanent.integrate.status import Status
+from remanent.integrate.variations import parting
 from remanent.models.actuator import Actuator
 from remanent.models.drives import Constant
 from remanent.results import build, provenance
 from remanent.results.build import Labelled
 from remanent.studies._ensemble import Ensemble, Over, ensemble
+from remanent.studies._rest import AtRest, in_plane
+from remanent.studies._symmetric import two_coordinates
 
 #: Stretches between which equilibria are sought, and how finely.
 STRETCHES = np.geomspace(0.05, 20.0, 4001)
@@ -30,7 +31,7 @@ def equilibria(actuator: Actuator, m: float = 0.0, *, over: Over | None = None) 
     Parameters
     ----------
     actuator
-        The actuator.
+        The actuator.  Branches are relaxed, temperature is that of the surroundings.
     m
         Magnetic load, dimensionless.
     over
@@ -42,15 +43,21 @@ def equilibria(actuator: Actuator, m: float = 0.0, *, over: Over | None = None) 
         Along ``equilibrium``, in order of the in-plane stretch, NaN where there are
         fewer: ``equilibrium_stretch`` (thickness stretch), ``stretch``,
         ``equilibrium_potential``, ``natural_frequency`` (radians per unit of tau, NaN
-        where unstable) and ``stability`` (``stable``, ``unstable`` or empty).
+        where unstable) and ``stability`` (``stable``, ``unstable`` or empty), within
+        equal stretches; ``parting_stiffness``, ω_a² of λ₁ − λ₂, negative where the
+        stretches do not stay equal.
         ``potential`` against ``thickness_stretch`` is the potential energy per
         reference volume over mu, ``level`` that of rest, whose motion runs between
-        ``turning_lower`` and ``turning_upper``.
+        ``turning_lower`` and ``turning_upper``.  With two coordinates: ``stretch_1``,
+        ``stretch_2``, ordered by the first, and ``natural_frequency`` along ``mode`` too;
+        no table of the potential.
 
     Notes
     -----
     Sign changes of the force on 4001 stretches from 0.05 to 20, refined to round-off;
-    the natural frequency is √(−∂λ''/∂λ) at rest, by a complex step.
+    the natural frequency is √(−∂λ''/∂λ) at rest, by a complex step.  Without dissipation
+    ω_a² = 3[θ(1 + λ⁻⁶) − mλ⁻⁴].  With two coordinates Newton's method starts from 24 × 24
+    pairs of stretches from 0.1 to 10: an equilibrium that none of them leads to is missed.
 
     Examples
     --------
@@ -59,7 +66,9 @@ def equilibria(actuator: Actuator, m: float = 0.0, *, over: Over | None = None) 
     [1.0563]
     """
     ens = ensemble(actuator, Constant(m), over)
-    at_rest = _AtRest(ens)
+    if actuator.coordinates == 2:
+        return in_plane(ens)
+    at_rest = AtRest(ens)
     found = zeros(at_rest.force, ens.count, STRETCHES)
     found[ens.invalid] = np.nan
     case = np.repeat(np.arange(ens.count), found.shape[1]).reshape(found.shape)
@@ -74,6 +83,7 @@ def equilibria(actuator: Actuator, m: float = 0.0, *, over: Over | None = None) 
         "equilibrium_potential": at_rest.potential(case, found),
         "natural_frequency": frequency,
         "stability": stability,
+        "parting_stiffness": _parting_stiffness(ens, case, found),
     }
     variables: dict[str, Labelled] = {k: (dims, ens.shaped(v)) for k, v in along.items()}
     status = np.where(ens.invalid, Status.INVALID, Status.OK).astype(np.int8)
@@ -89,7 +99,15 @@ def equilibria(actuator: Actuator, m: float = 0.0, *, over: Over | None = None) 
     return build.dataset(variables, coords, attributes)
 
 
-def _landscape(ens: Ensemble, at_rest: _AtRest, found: FloatArray) -> dict[str, Labelled]:
+def _parting_stiffness(ens: Ensemble, case: IntArray, stretch: FloatArray) -> FloatArray:
+    """omega_a^2 of a small difference of the in-plane stretches at rest."""
+    both, pairs = two_coordinates(ens)
+    at_rest = AtRest(replace(both, field=parting(both.field, pairs)))
+    rates = at_rest.run(at_rest.ens.field.rates, case, stretch)
+    return np.asarray(-rates[at_rest.ens.field.state.index("parting.stretch_1_rate")])
+
+
+def _landscape(ens: Ensemble, at_rest: AtRest, found: FloatArray) -> dict[str, Labelled]:
     """The potential on a common grid that holds rest, equilibria and turning points."""
     seen = np.concatenate([found[np.isfinite(found)], [1.0]])
     low, high = seen.min(), seen.max()
@@ -110,7 +128,7 @@ def _landscape(ens: Ensemble, at_rest: _AtRest, found: FloatArray) -> dict[str, 
     }
 
 
-def _turning_points(ens: Ensemble, at_rest: _AtRest, level: FloatArray) -> FloatArray:
+def _turning_points(ens: Ensemble, at_rest: AtRest, level: FloatArray) -> FloatArray:
     """Thickness stretches (2, trajectory) between which the motion from rest runs."""
     case = np.arange(ens.count)
     rest = np.ones(ens.count)
@@ -123,35 +141,3 @@ def _turning_points(ens: Ensemble, at_rest: _AtRest, level: FloatArray) -> Float
     away = np.where(np.isfinite(nearest), nearest, np.nan) * push[:, 0]
     other = np.where(push[:, 0] == 0.0, 1.0, 1.0 + away)
     return np.stack([at_rest.thickness(case, rest), at_rest.thickness(case, other)])
-
-
-@dataclass(frozen=True)
-class _AtRest:
-    """The field of an ensemble of one coordinate, at zero rate."""
-
-    ens: Ensemble
-
-    def __post_init__(self) -> None:
-        if self.ens.field.state != ("stretch", "stretch_rate"):
-            raise InputError(
-                "actuator",
-                "have one coordinate and no internal variables",
-                ", ".join(self.ens.field.state),
-                "Equilibria are found as sign changes of one force.",
-                "Pass equal prestress and no viscous branches.",
-            )
-
-    def force(self, case: IntArray, stretch: FloatArray) -> FloatArray:
-        return self._run(self.ens.field.rates, case, stretch)[1]
-
-    def thickness(self, case: IntArray, stretch: FloatArray) -> FloatArray:
-        return self._run(self.ens.field.observables["thickness_stretch"], case, stretch)[0]
-
-    def potential(self, case: IntArray, stretch: FloatArray) -> FloatArray:
-        return self._run(self.ens.field.observables["energy"], case, stretch)[0]
-
-    def _run(self, program: Program, case: IntArray, stretch: FloatArray) -> list[FloatArray]:
-        columns = [self.ens.values[name][case] for name in self.ens.field.parameters]
-        with np.errstate(all="ignore"):
-            found = program([0.0, stretch, 0.0 * stretch, *columns], functions=np)
-        return [np.broadcast_to(value, np.shape(stretch)) for value in found]

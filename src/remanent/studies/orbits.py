@@ -21,7 +21,7 @@ from remanent.results.build import Labelled
 from remanent.studies._checks import require_tolerance
 from remanent.studies._ensemble import Ensemble, Over, ensemble, problem
 from remanent.studies._map import DIMENSIONS, StroboscopicMap, at, spread
-from remanent.studies._orbits import Search, all_orbits, box_of, is_symmetric
+from remanent.studies._orbits import Search, all_orbits, box_of, is_symmetric, require_isolated
 from remanent.studies._time import require_count, require_periods
 
 #: Tolerances of the extremes along an orbit: the second where the first cannot be met.
@@ -90,7 +90,8 @@ def periodic_orbits(
     require_tolerance(tolerance)
     ens = ensemble(actuator, drive, over, reserved=DIMENSIONS)
     require_periods(ens)
-    box = box_of(ens.field.state, bounds)
+    require_isolated(ens)
+    box = box_of(ens, bounds)
     found = [_of_one(at(ens, k), box, period, tolerance) for k in range(ens.count)]
     return _labelled(ens, found, period, tolerance)
 
@@ -116,7 +117,7 @@ def described(
         Fields whose values differ between the orbits.
     """
     values, errors = multipliers(orbits.jacobian, orbits.error)
-    kinds = stability(values, errors, conservative=not ens.actuator.elements())
+    kinds = stability(values, errors, conservative=ens.actuator.conservative)
     maximum, minimum = _extremes(ens, orbits.state, period, varied)
     return {
         "initial": orbits.state,

@@ -20,7 +20,7 @@ from remanent.results.build import Labelled
 from remanent.studies._checks import require_tolerance
 from remanent.studies._ensemble import ensemble
 from remanent.studies._map import StroboscopicMap
-from remanent.studies._orbits import box_of
+from remanent.studies._orbits import box_of, require_isolated
 from remanent.studies._time import require_count, require_periods
 from remanent.studies.branches import parameter_bounds
 
@@ -98,13 +98,14 @@ def continue_special(
     most = require_count("max_points", max_points, "A curve is made of points.")
     ens = ensemble(actuator, drive)
     require_periods(ens)
+    require_isolated(ens)
     if len(parameters) != 2 or len(bounds) != 2 or parameters[0] == parameters[1]:
         raise InputError(
             "parameters", "be two different fields, with a pair of bounds each",
             (parameters, bounds), "A curve lies in a plane.", "Pass for example ('omega', 'b').",
         )  # fmt: skip
     limits = [parameter_bounds(n, b, ens) for n, b in zip(parameters, bounds, strict=True)]
-    box = box_of(ens.field.state, state_bounds)
+    box = box_of(ens, state_bounds)
     lower, upper = np.concatenate([box, np.array(limits)]).T
     scale = np.concatenate([np.ones(len(box)), np.ptp(np.array(limits), axis=1)])
     map_ = StroboscopicMap(ens, tuple(parameters), min(0.01 * tolerance, 1e-10))

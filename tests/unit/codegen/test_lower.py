@@ -85,7 +85,7 @@ def random_inputs(field: Field, rng: np.random.Generator, count: int) -> np.ndar
             values[:, i] *= 1e-3
         elif name in ("material.entropic_fraction", "drive_phase"):
             values[:, i] = rng.uniform(0.0, 1.0, count)
-        elif "stretch" in name and not name.endswith("rate") or name.startswith("edges"):
+        elif ("stretch" in name and not name.endswith("rate")) or name.startswith("edges"):
             values[:, i] = np.exp(rng.normal(0.0, 0.5, count))
         elif name == "heat.coupling":
             values[:, i] = 10.0 ** rng.uniform(-4.0, -3.0, count)

@@ -84,6 +84,7 @@ def test_round_trips(modulus: float, density: float, length: float, remanence: f
     assert film.frequency("50 Hz") * factors["frequency_hz"] == pytest.approx(50.0, rel=1e-14)
     assert film.time("3 s") * factors["time_s"] == pytest.approx(3.0, rel=1e-14)
     area = 4.0 * length * length
+    assert isinstance(film.prestress, float)
     assert film.prestress * factors["stress_pa"] * area == pytest.approx(2.5, rel=1e-14)
 
 
