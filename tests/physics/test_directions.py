@@ -1,0 +1,114 @@
+"""Two directions: where they move as one, where they part, and at what frequencies."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import remanent as rm
+
+
+def body(
+    load: float | tuple[float, float] = 0.0, theta: float = 1.0, c: float = 1.0
+) -> rm.Actuator:
+    return rm.Actuator(temperature=300.0 * theta, reference_temperature=300.0, prestress=load, c=c)
+
+
+def test_symmetry_is_lost_where_it_is_known_to_be() -> None:
+    """The smallest beta = m/theta is 3/2^(2/3), at l3 = 2^(1/3), S/theta = 2^(5/6)."""
+    theta, beta, load = 1.3, 3.0 / 2.0 ** (2.0 / 3.0), 2.0 ** (5.0 / 6.0)
+    at = rm.equilibria(body(theta * load, theta), theta * beta)
+    k = int(np.argmin(abs(at.equilibrium_stretch.values - 2.0 ** (1.0 / 3.0))))
+    assert float(at.equilibrium_stretch[k]) == pytest.approx(2.0 ** (1.0 / 3.0), abs=1e-6)
+    assert float(at.parting_stiffness[k]) == pytest.approx(0.0, abs=1e-6)
+    grid = theta * np.linspace(0.5, 3.0, 501)
+    below = rm.equilibria(body(0.0, theta), 0.999 * theta * beta, over={"prestress": grid})
+    above = rm.equilibria(body(0.0, theta), 1.001 * theta * beta, over={"prestress": grid})
+    assert float(below.parting_stiffness.min()) > 0.0
+    assert float(above.parting_stiffness.min()) < 0.0
+
+
+@pytest.mark.parametrize(("theta", "S", "m"), [(1.0, 0.0, 0.16), (1.4, 0.7, -0.5), (0.8, 1.0, 0.9)])
+def test_frequency_of_parting_stretches(theta: float, S: float, m: float) -> None:
+    """w_a^2 = 3 [theta (1 + l^-6) - m l^-4] = 3 (2 theta - S/l) at an equilibrium."""
+    at = rm.equilibria(body(S, theta, c=0.3), m)
+    x = at.stretch.values
+    expected = 3.0 * (theta * (1.0 + x**-6) - m * x**-4)
+    assert at.parting_stiffness.values == pytest.approx(expected, rel=1e-12)
+    assert at.parting_stiffness.values == pytest.approx(3.0 * (2.0 * theta - S / x), rel=1e-10)
+    both = rm.equilibria(body((S, S), theta, c=0.3), m)
+    modes = sorted([float(at.natural_frequency[0]), math.sqrt(float(expected[0]))])
+    assert both.natural_frequency.values[0] == pytest.approx(modes, rel=1e-9)
+
+
+def test_without_load_both_modes_of_a_cube_have_one_frequency() -> None:
+    """w_a^2 = 6 theta whatever m at S = 0; for c = 1 and m = 0 the other mode has it too."""
+    at = rm.equilibria(body((0.0, 0.0), 1.2), 0.0)
+    assert at.natural_frequency.values == pytest.approx(math.sqrt(7.2), rel=1e-9)
+    for m in (-1.0, 0.5, 2.0):
+        found = rm.equilibria(body(0.0, 1.2), m).parting_stiffness.values
+        assert found == pytest.approx([7.2], rel=1e-10)
+
+
+def test_unequal_equilibria_appear_in_pairs() -> None:
+    """Beyond the loss of symmetry two stable mirror images surround an unstable one."""
+    at = rm.equilibria(body((2.1, 2.1)), 2.5)
+    assert at.stretch_1.values == pytest.approx(at.stretch_2.values[::-1], rel=1e-9)
+    assert at.stability.values.tolist() == ["stable", "unstable", "stable"]
+    one = rm.equilibria(body(2.1), 2.5)
+    assert one.parting_stiffness.values.min() < 0.0
+
+
+DRIVE = rm.SineSquared(0.5, 2.45)
+
+
+def grown(drive: rm.SineSquared, periods: int, actuator: rm.Actuator) -> float:
+    """Logarithm of the growth of a small difference, from two slightly unequal stretches."""
+    small = 1e-7
+    ds = rm.poincare_section(
+        actuator.replace(prestress=(0.0, 0.0)),
+        drive,
+        periods=periods,
+        initial=(1.0 + small, 0.0, 1.0 - small, 0.0),
+        tolerance=1e-12,
+    )
+    difference = ds.stretch_1 - ds.stretch_2, ds.stretch_1_rate - ds.stretch_2_rate
+    size = np.hypot(*(d.values for d in difference)) / (2.0 * small)
+    return float(np.log(size.max()))
+
+
+def test_symmetry_check_sees_what_two_stretches_do() -> None:
+    """A difference of 1e-7 grows in the model of two coordinates as it says."""
+    lost = rm.symmetry_check(body(), rm.SineSquared(1.1, 1.2), periods=400)
+    kept = rm.symmetry_check(body(), rm.SineSquared(0.1, 1.0), periods=400)
+    assert str(kept.symmetry.values) == "kept"
+    assert str(lost.symmetry.values) == "lost"
+    drive = rm.SineSquared(1.1, 1.2)
+    short = rm.symmetry_check(body(), drive, periods=50)
+    seen = grown(drive, 50, body())
+    assert seen <= float(short.parting_growth) + math.log(2.0)
+
+
+def test_multipliers_of_a_difference_are_those_of_two_coordinates() -> None:
+    """At a periodic orbit: the four multipliers are those of one coordinate and these."""
+    drive, actuator = rm.SineSquared(0.4, 1.6), body().replace(dissipation=rm.Rayleigh(0.1))
+    one = rm.periodic_orbits(actuator, drive)
+    start = one.initial.values[0]
+    apart = rm.symmetry_check(actuator, drive, periods=50, initial=start).parting_multipliers
+    both = rm.continue_orbit(
+        actuator.replace(prestress=(0.0, 0.0)), drive, "omega", (1.59, 1.61),
+        start=(*start, *start), max_points=2,
+    )  # fmt: skip
+    k = int(abs(both.omega - 1.6).argmin())
+    exact = np.sort_complex(np.concatenate([one.multipliers.values[0], apart.values]))
+    found = np.sort_complex(both.multipliers.values[0, k])
+    assert abs(found - exact).max() < 1e-6
+
+
+def test_a_damped_orbit_keeps_its_symmetry() -> None:
+    damped = body().replace(dissipation=rm.Zener(0.5, 1.0))
+    ds = rm.symmetry_check(damped, rm.SineSquared(0.4, 1.25), periods=100)
+    assert str(ds.symmetry.values) == "kept"
+    assert float(ds.parting_exponent) < 0.0
