@@ -91,6 +91,7 @@ def test_symmetry_check_sees_what_two_stretches_do() -> None:
     assert seen <= float(short.parting_growth) + math.log(2.0)
 
 
+@pytest.mark.slow
 def test_multipliers_of_a_difference_are_those_of_two_coordinates() -> None:
     """At a periodic orbit: the four multipliers are those of one coordinate and these."""
     drive, actuator = rm.SineSquared(0.4, 1.6), body().replace(dissipation=rm.Rayleigh(0.1))

@@ -51,7 +51,7 @@ def test_a_warm_body_cools_as_newton_says() -> None:
     assert np.abs(ds.body_temperature.values - exact).max() <= float(ds.error) + 1e-10
 
 
-FULL = {
+FULL: dict[str, Any] = {
     "heat": rm.Heat(5e-3, 0.2),
     "magnet": rm.Magnet(-1e-3),
     "dissipation": (rm.Zener(0.5, 0.8), rm.KelvinVoigt(0.05)),
@@ -119,13 +119,18 @@ def test_energetic_rubber_does_not_warm() -> None:
     assert float(abs(ds.body_temperature - 293.0).max()) <= 1e-9
 
 
+@pytest.mark.slow
 def test_damped_bodies_grow_warm_and_find_a_periodic_state() -> None:
     body = rm.Actuator(heat=rm.Heat(1e-2, 0.05), dissipation=rm.KelvinVoigt(0.1))
     orbit = rm.periodic_orbits(body, DRIVE)
     assert orbit.stability.values.tolist() == ["stable"]
     assert float(orbit.initial.values[0, 2]) > 293.0
+
+
+def test_adiabatic_bodies_have_no_orbit_of_their_own() -> None:
+    body = rm.Actuator(heat=rm.Heat(1e-2), dissipation=rm.KelvinVoigt(0.1))
     with pytest.raises(rm.InputError, match="exchange heat"):
-        rm.periodic_orbits(body.replace(heat=rm.Heat(1e-2)), DRIVE)
+        rm.periodic_orbits(body, DRIVE)
 
 
 def test_loads_that_jump_are_refused_where_they_would_warm() -> None:

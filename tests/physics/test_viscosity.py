@@ -117,6 +117,7 @@ def test_small_oscillations_lose_what_linear_theory_says() -> None:
     assert float(ds.work[0]) == pytest.approx(float(ds.loss[0]), rel=1e-2)
 
 
+@pytest.mark.slow
 def test_damped_motion_is_labelled_and_has_basins() -> None:
     """A branch with internal variables ends on one periodic attractor, the orbit found."""
     body = rm.Actuator(dissipation=rm.Zener(0.5, 1.0))
@@ -127,6 +128,7 @@ def test_damped_motion_is_labelled_and_has_basins() -> None:
     assert ds.attractor_state.values[0] == pytest.approx(orbit.initial.values[0], abs=1e-6)
 
 
+@pytest.mark.slow
 def test_damped_response_is_a_single_stable_branch() -> None:
     ds = rm.response_diagram(rm.Actuator(dissipation=rm.Zener(1.0, 1.0)), DRIVE, (1.1, 1.4))
     assert ds.sizes["branch"] == 1

@@ -192,7 +192,7 @@ def first_order(motion: Motion) -> System:
         state=tuple(rates),
         definitions={**motion.definitions, **named},
         rates=tuple(rates.values()),
-        watched=(x, x_rate, curvature, x_rate),
+        watched=(x, x_rate, curvature, _sign_of(motion.explicit(x_rate))),
         observables={
             "thickness_stretch": x,
             "thickness_stretch_rate": x_rate,
@@ -201,6 +201,12 @@ def first_order(motion: Motion) -> System:
             **balances(motion, rates, lost),
         },
     )
+
+
+def _sign_of(expression: Expression) -> Expression:
+    """Something with the same sign and without a division, where there is one."""
+    numerator, denominator = sp.fraction(sp.together(expression))
+    return numerator if denominator.is_positive else expression
 
 
 def dissipated(motion: Motion) -> Expression:

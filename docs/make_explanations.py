@@ -1,0 +1,100 @@
+"""The pictures of the pages under explanation: ``python docs/make_explanations.py``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+import remanent as rm
+
+STATIC = Path(__file__).parent / "_static"
+OKABE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00")
+
+
+def two_directions() -> Any:
+    """Growth of the difference of the stretches over frequency and load."""
+    omega, b = np.linspace(0.5, 2.7, 133), np.linspace(0.1, 1.3, 73)
+    ds = rm.symmetry_check(
+        rm.Actuator(),
+        rm.SineSquared(0.4, 1.0),
+        periods=150,
+        over={"b": b, "omega": omega},
+        tolerance=1e-8,
+    )
+    figure, axes = plt.subplots(figsize=(6.4, 3.8), layout="constrained")
+    growth = ds.parting_exponent.where(ds.symmetry != "kept", 0.0)
+    drawn = axes.pcolormesh(
+        omega, b, growth.clip(0.0), cmap="magma_r", shading="nearest", rasterized=True
+    )
+    figure.colorbar(drawn, label=r"exponent of $\lambda_1 - \lambda_2$ per unit of $\tau$")
+    for line in (6.0**0.5, 0.5 * 6.0**0.5):
+        axes.axvline(line, color="0.3", linestyle="--", linewidth=0.8)
+    axes.set(xlabel=r"drive frequency $\omega$", ylabel=r"root of the peak load $b$")
+    note(figure, r"$c = 1$, $S = 0$, $\theta = 1$; from rest, 150 periods of the load")
+    return figure
+
+
+def viscosity() -> Any:
+    """Responses for several relaxation times, and the loss of a period."""
+    figure, (left, right) = plt.subplots(1, 2, figsize=(7.4, 3.4), layout="constrained")
+    omega = np.linspace(0.6, 2.0, 141)
+    styles = ("-", "--", "-.", ":")
+    for t, colour, style in zip((0.03, 0.3, 1.0, 10.0), OKABE, styles, strict=False):
+        body = rm.Actuator(dissipation=rm.Zener(0.5, t))
+        ds = rm.frequency_response(
+            body, rm.SineSquared(0.6, 1.0), omega, duration=400.0, discard=280.0, tolerance=1e-7
+        )
+        left.plot(omega, ds.amplitude, style, color=colour, label=rf"$t_r = {t:g}$")
+    left.set(xlabel=r"drive frequency $\omega$", ylabel=r"amplitude $\lambda_3^a$")
+    left.legend(frameon=False)
+    times = np.geomspace(0.02, 20.0, 41)
+    for w, colour, style in zip((0.8, 1.25, 1.8), OKABE, styles, strict=False):
+        ds = rm.cycle_losses(
+            rm.Actuator(dissipation=rm.Zener(0.5, 1.0)),
+            rm.SineSquared(0.6, w),
+            periods=150,
+            discard=149,
+            over={"dissipation.0.relaxation_time": times},
+            tolerance=1e-7,
+        )
+        right.loglog(times, ds.loss[:, 0], style, color=colour, label=rf"$\omega = {w:g}$")
+    right.set(xlabel=r"relaxation time $t_r$", ylabel=r"loss in a period of the load, over $\mu$")
+    right.legend(frameon=False)
+    note(figure, r"$b = 0.6$, $\mu_v/\mu = 0.5$, $c = 1$, $S = 0$; settled motion")
+    return figure
+
+
+def heat() -> Any:
+    """A body that warms up under its own damping, and its entropy."""
+    figure, (left, right) = plt.subplots(1, 2, figsize=(7.4, 3.4), layout="constrained")
+    drive = rm.SineSquared(0.8, 1.35)
+    for exchange, colour, style in zip((0.0, 0.005, 0.05), OKABE, ("-", "--", "-."), strict=False):
+        body = rm.Actuator(dissipation=rm.Zener(0.5, 0.5), heat=rm.Heat(2e-4, exchange))
+        ds = rm.simulate(body, drive, duration=250.0, tolerance=1e-8)
+        warmth = ds.body_temperature - 293.0
+        left.plot(
+            ds.time, warmth, style, color=colour, linewidth=0.9, label=f"exchange {exchange:g}"
+        )
+        balance = rm.energy_balance(body, drive, duration=250.0, tolerance=1e-8)
+        right.plot(balance.time, balance.entropy_produced, style, color=colour, linewidth=0.9)
+    left.set(xlabel=r"time $\tau$", ylabel=r"$T - T_\infty$ in K")
+    left.legend(frameon=False)
+    right.set(xlabel=r"time $\tau$", ylabel=r"entropy produced, in $\mu/T_0$")
+    note(figure, r"$b = 0.8$, $\omega = 1.35$, $\mu_v/\mu = 0.5$, $t_r = 0.5$, $k = 2\cdot10^{-4}$")
+    return figure
+
+
+def note(figure: Any, text: str) -> None:
+    """Parameters under the picture."""
+    figure.supxlabel(
+        f"{text}   remanent {rm.__version__}", x=0.01, ha="left", fontsize=6, color="0.4"
+    )
+
+
+if __name__ == "__main__":
+    names = {"two-directions": two_directions, "viscosity": viscosity, "heat": heat}
+    for name, draw in names.items():
+        draw().savefig(STATIC / f"{name}.png", dpi=160)
