@@ -68,21 +68,30 @@ def viscosity() -> Any:
 
 
 def heat() -> Any:
-    """A body that warms up under its own damping, and its entropy."""
+    """A body that warms up under its own damping, and the warmth that comes and goes."""
     figure, (left, right) = plt.subplots(1, 2, figsize=(7.4, 3.4), layout="constrained")
-    drive = rm.SineSquared(0.8, 1.35)
-    for exchange, colour, style in zip((0.0, 0.005, 0.05), OKABE, ("-", "--", "-."), strict=False):
+    drive, styles = rm.SineSquared(0.8, 1.35), ("-", "--", "-.")
+    for exchange, colour, style in zip((0.0, 0.005, 0.05), OKABE, styles, strict=False):
         body = rm.Actuator(dissipation=rm.Zener(0.5, 0.5), heat=rm.Heat(2e-4, exchange))
-        ds = rm.simulate(body, drive, duration=250.0, tolerance=1e-8)
+        ds = rm.simulate(body, drive, times=np.linspace(0.0, 250.0, 5001), tolerance=1e-8)
         warmth = ds.body_temperature - 293.0
         left.plot(
             ds.time, warmth, style, color=colour, linewidth=0.9, label=f"exchange {exchange:g}"
         )
-        balance = rm.energy_balance(body, drive, duration=250.0, tolerance=1e-8)
-        right.plot(balance.time, balance.entropy_produced, style, color=colour, linewidth=0.9)
+    late = ds.isel(time=ds.time > 250.0 - 2.0 * drive.period)
+    x = late.thickness_stretch.values
+    right.plot(
+        x, late.body_temperature - 293.0, style, color=colour, label=f"exchange {exchange:g}"
+    )
+    grid = np.linspace(x.min(), x.max(), 201)
+    energy = (2.0 / grid + grid**2 - 3.0) / 2.0
+    lowest = float(late.body_temperature.min())
+    adiabat = lowest * np.exp(2e-4 * energy)
+    right.plot(grid, adiabat - 293.0, color="0.5", linewidth=0.9, label="adiabat")
     left.set(xlabel=r"time $\tau$", ylabel=r"$T - T_\infty$ in K")
+    right.set(xlabel=r"thickness stretch $\lambda_3$", ylabel=r"$T - T_\infty$ in K")
     left.legend(frameon=False)
-    right.set(xlabel=r"time $\tau$", ylabel=r"entropy produced, in $\mu/T_0$")
+    right.legend(frameon=False)
     note(figure, r"$b = 0.8$, $\omega = 1.35$, $\mu_v/\mu = 0.5$, $t_r = 0.5$, $k = 2\cdot10^{-4}$")
     return figure
 

@@ -23,7 +23,7 @@ def test_symmetry_is_lost_where_it_is_known_to_be() -> None:
     k = int(np.argmin(abs(at.equilibrium_stretch.values - 2.0 ** (1.0 / 3.0))))
     assert float(at.equilibrium_stretch[k]) == pytest.approx(2.0 ** (1.0 / 3.0), abs=1e-6)
     assert float(at.parting_stiffness[k]) == pytest.approx(0.0, abs=1e-6)
-    grid = theta * np.linspace(0.5, 3.0, 501)
+    grid = theta * np.linspace(1.5, 2.1, 61)
     below = rm.equilibria(body(0.0, theta), 0.999 * theta * beta, over={"prestress": grid})
     above = rm.equilibria(body(0.0, theta), 1.001 * theta * beta, over={"prestress": grid})
     assert float(below.parting_stiffness.min()) > 0.0
@@ -61,7 +61,7 @@ def test_unequal_equilibria_appear_in_pairs() -> None:
     assert one.parting_stiffness.values.min() < 0.0
 
 
-DRIVE = rm.SineSquared(0.5, 2.45)
+DRIVE = rm.SineSquared(1.1, 2.45)
 
 
 def grown(drive: rm.SineSquared, periods: int, actuator: rm.Actuator) -> float:
@@ -81,14 +81,13 @@ def grown(drive: rm.SineSquared, periods: int, actuator: rm.Actuator) -> float:
 
 def test_symmetry_check_sees_what_two_stretches_do() -> None:
     """A difference of 1e-7 grows in the model of two coordinates as it says."""
-    lost = rm.symmetry_check(body(), rm.SineSquared(1.1, 1.2), periods=400)
-    kept = rm.symmetry_check(body(), rm.SineSquared(0.1, 1.0), periods=400)
+    lost = rm.symmetry_check(body(), DRIVE, periods=200)
+    kept = rm.symmetry_check(body(), rm.SineSquared(0.1, 1.0), periods=200)
     assert str(kept.symmetry.values) == "kept"
     assert str(lost.symmetry.values) == "lost"
-    drive = rm.SineSquared(1.1, 1.2)
-    short = rm.symmetry_check(body(), drive, periods=50)
-    seen = grown(drive, 50, body())
-    assert seen <= float(short.parting_growth) + math.log(2.0)
+    short = rm.symmetry_check(body(), DRIVE, periods=50)
+    seen = grown(DRIVE, 50, body())
+    assert 2.0 < seen <= float(short.parting_growth) + 1e-3
 
 
 @pytest.mark.slow

@@ -34,10 +34,10 @@ def test_a_branch_that_never_relaxes_is_a_spring_in_parallel() -> None:
 def test_a_branch_that_relaxes_at_once_vanishes_to_first_order() -> None:
     """t_r to 0: elastic with mu, and the difference is proportional to t_r."""
     soft = stretch(())
-    times = np.array([0.04, 0.02, 0.01])
+    times = np.array([0.01, 0.005, 0.0025])
     errors = [np.abs(stretch(rm.Zener(0.5, t)) - soft).max() for t in times]
     slope = np.polyfit(np.log(times), np.log(errors), 1)[0]
-    assert slope == pytest.approx(1.0, abs=0.1)
+    assert slope == pytest.approx(1.0, abs=0.05)
 
 
 def test_fast_branches_are_fluids() -> None:

@@ -208,7 +208,7 @@ class _Some:
 
 def _verdict(path: Path, periods: int) -> tuple[np.ndarray, FloatArray, FloatArray]:
     """The label, the largest logarithm of the growth, and the exponent per period."""
-    logs = np.cumsum(path.growth[:, :, 0], axis=1)
+    logs = _norms(path.factors)
     with np.errstate(invalid="ignore"):
         growth = logs.max(axis=1)
         middle = logs[:, periods // 2]
@@ -217,3 +217,22 @@ def _verdict(path: Path, periods: int) -> tuple[np.ndarray, FloatArray, FloatArr
         lost = (growth >= _POWER * np.log(periods) + 2.0 * _EXCESS) & (halves >= _HALF)
         exponent = (logs[:, -1] - middle) / (periods - periods // 2 - 1)
     return np.where(kept, "kept", np.where(lost, "lost", "undecided")), growth, exponent
+
+
+def _norms(factors: FloatArray) -> FloatArray:
+    """Logarithm of the largest growth of any difference up to each block, (point, block).
+
+    The rows of a frame become R^T Q in each block; what counts is the largest singular value
+    of the product of the R^T.
+    """
+    points, blocks, d, _ = factors.shape
+    product = np.tile(np.eye(d), (points, 1, 1))
+    logs, size = np.full((points, blocks), np.nan), np.zeros(points)
+    for k in range(blocks):
+        known = np.isfinite(factors[:, k]).all(axis=(1, 2))
+        product[known] = product[known] @ np.swapaxes(factors[known, k], 1, 2)
+        norm = np.linalg.norm(product, 2, axis=(1, 2))
+        product /= norm[:, None, None]
+        size += np.log(norm)
+        logs[known, k] = size[known]
+    return logs
