@@ -14,6 +14,7 @@ from remanent.models.drives import Constant, SineSquared
 from remanent.models.equations import equations, second_order
 from remanent.models.magnetics import Magnet
 from remanent.models.shifts import WLF
+from remanent.models.thermal import Heat
 from remanent.models.viscous import Dissipation, KelvinVoigt, Rayleigh, Zener
 
 STRETCH, RATE = sp.Symbol("stretch", positive=True), sp.Symbol("stretch_rate", real=True)
@@ -66,6 +67,16 @@ def test_readable_equations_are_typeset() -> None:
     assert r"\lambda''" in shown.latex
     assert r"\eta_{0}" in shown.latex
     assert "prestress" not in shown.latex
+
+
+def test_readable_equations_of_branches_and_heat() -> None:
+    body = blocks(2).replace(dissipation=Zener(0.5, 2.0), heat=Heat())
+    shown = equations(body)
+    assert [str(e.lhs) for e in shown.internal][-1] == "body_temperature'"
+    assert len(shown.second_order) == 2
+    for letter in (r"\xi_1", r"\mu_v", "t_r", r"T_\infty", r"\lambda_3"):
+        assert letter in shown.latex
+    assert "viscous" not in shown.latex
 
 
 def test_kinetic_and_potential_energy_are_those_of_the_lagrangian() -> None:

@@ -23,7 +23,8 @@ class Equations:
         SymPy equations, one for each coordinate: M q'' + ... = 0, scaled so that for
         one coordinate it is the paper's equation 16.
     internal
-        SymPy equations for the rates of internal variables.
+        SymPy equations for the rates of internal variables, and of the temperature where
+        that is a state.
     definitions
         What the intermediate symbols stand for, as SymPy equations.
     latex
@@ -43,10 +44,19 @@ def equations(actuator: Actuator) -> Equations:
     """The equations of motion of an actuator under a load that is left as a symbol."""
     motion = mechanics.motion(actuator, None)
     rows = second_order(motion)
-    internal = tuple(sp.Eq(dotted(k), e, evaluate=False) for k, e in motion.internal.items())
+    inner = {**motion.internal, **_warming(motion)}
+    internal = tuple(sp.Eq(dotted(k), e, evaluate=False) for k, e in inner.items())
     definitions = tuple(sp.Eq(k, e, evaluate=False) for k, e in motion.definitions.items())
     lines = [_latex(e, motion) for e in (*rows, *internal, *definitions)]
     return Equations(rows, internal, definitions, _gathered(lines))
+
+
+def _warming(motion: mechanics.Motion) -> dict[Expression, Expression]:
+    """Rate of the temperature, where that is a state."""
+    if motion.heat is None:
+        return {}
+    rates = dict(zip(motion.coordinates, motion.rates, strict=True)) | dict(motion.internal)
+    return motion.heat.rate(rates, mechanics.dissipated(motion), motion)
 
 
 def second_order(motion: mechanics.Motion) -> tuple[Expression, ...]:
@@ -60,6 +70,16 @@ def second_order(motion: mechanics.Motion) -> tuple[Expression, ...]:
     accelerations = sp.Matrix([dotted(rate) for rate in motion.rates])
     left = mass * accelerations - force
     return tuple(sp.Eq(sp.expand(scale * row), 0, evaluate=False) for row in left)
+
+
+#: Of the numbers and variables of branches.
+_LETTERS = {
+    "modulus": r"\mu_v",
+    "relaxation_time": "t_r",
+    "viscous_stretch": r"\xi",
+    "viscous_stretch_1": r"\xi_1",
+    "viscous_stretch_2": r"\xi_2",
+}
 
 
 def dotted(symbol: Expression) -> Expression:
@@ -78,7 +98,16 @@ def _latex(equation: Expression, motion: mechanics.Motion) -> str:
         "effective_load": "m_T",
         "material.entropic_fraction": "f",
         "magnet.temperature_coefficient": r"\alpha",
+        "heat.coupling": "k",
+        "heat.exchange": "h",
+        "body_temperature": "T",
+        "body_temperature'": "T'",
+        "area": "A",
+        "thickness": r"\lambda_3",
+        "thickness_rate": r"{\lambda_3'}",
     }
+    if motion.heat is not None:
+        names["temperature"] = r"T_\infty"
     return str(sp.latex(equation, symbol_names=_named(equation, names | _letters(motion))))
 
 
@@ -101,6 +130,10 @@ def _named(equation: Expression, names: dict[str, str]) -> dict[Expression, str]
 def _field_letter(name: str) -> str:
     """For ``dissipation.0.eta`` the letter eta with the index 0."""
     words = name.split(".")
+    letter = _LETTERS.get(words[-1].rstrip("'"))
+    if letter is not None:
+        prime = "'" if name.endswith("'") else ""
+        return f"{{{letter}^{{({words[1]})}}{prime}}}"
     index = [word for word in words[1:-1] if word.isdigit()]
     return str(sp.latex(sp.Symbol("_".join([words[-1], *index]))))
 

@@ -26,6 +26,8 @@ _NEUTRAL = {
     "every": 1,
     "section_phase": 0.0,
 }
+#: Fields that may be two numbers, each with a name of its own.
+_PAIRS = frozenset({"prestress", "edges"})
 _SEPARATOR = "   "
 _POINTS, _WIDTH = 6.0, 0.43  # font size; width of a letter in units of it, on average
 
@@ -109,6 +111,8 @@ def _fields(tree: ast.Call, shown: set[str], owner: str = "") -> Iterator[str]:
             for k, item in enumerate(keyword.value.elts):
                 if isinstance(item, ast.Call):
                     yield from _part(item, shown, f"{name}.{k}")
+                elif name in _PAIRS and f"{name}_{k + 1}" not in shown:
+                    yield _setting(f"{name}_{k + 1}", ast.literal_eval(item))
             continue
         try:
             value = ast.literal_eval(keyword.value)
