@@ -204,7 +204,8 @@ def _value(name: str, node: ast.expr, ratio: float, wanted: float) -> ast.expr:
 
 def _own_power(name: str) -> float:
     """Of a field of the actuator or the drive, which must be known."""
-    for known in (name, f"dissipation.{name}", f"material.{name}", f"magnet.{name}"):
+    parts = ("dissipation", "material", "magnet")
+    for known in (name, f"{name}_1", *(f"{part}.{name}" for part in parts)):
         if known in TABLE:
             return _power(known)
     raise _unknown(name)
