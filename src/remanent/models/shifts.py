@@ -58,7 +58,7 @@ class WLF(Shift):
     --------
     >>> import numpy
     >>> law = WLF(8.0, 200.0)
-    >>> round(law.factor(343.0, 293.0, law.parameters(), numpy), 6)
+    >>> round(float(law.factor(343.0, 293.0, law.parameters(), numpy)), 6)
     0.025119
     """
 
@@ -98,8 +98,8 @@ class Arrhenius(Shift):
     --------
     >>> import numpy
     >>> law = Arrhenius(6000.0)
-    >>> round(law.factor(343.0, 293.0, law.parameters(), numpy), 6)
-    0.050522
+    >>> round(float(law.factor(343.0, 293.0, law.parameters(), numpy)), 6)
+    0.050534
     """
 
     activation_temperature: float
