@@ -13,7 +13,7 @@ from rich.console import Console
 
 from benchmarks import page, store, tables
 from benchmarks.machine import busy
-from benchmarks.rows import branch, growth, kernel, lyapunov, precision, start, work
+from benchmarks.rows import biaxial, branch, growth, kernel, lyapunov, precision, start, work
 from benchmarks.rows.plan import Plan
 
 #: In the order they run: the first compiles what later ones find in memory.
@@ -23,6 +23,7 @@ ROWS: dict[str, Callable[[Plan], dict[str, Any]]] = {
     "kernel": kernel.measure,
     "branch": branch.measure,
     "lyapunov": lyapunov.measure,
+    "biaxial": biaxial.measure,
     "start": start.measure,
     "growth": growth.measure,
     "precision": lambda plan: {n: precision.measure(plan, n) for n in ("response", "film")},
@@ -32,6 +33,7 @@ _TABLES: dict[str, Callable[[Any], tables.Table]] = {
     "start": tables.start,
     "branch": tables.branch,
     "lyapunov": tables.lyapunov,
+    "biaxial": tables.biaxial,
     "response": tables.work,
     "film": tables.work,
     "growth": tables.growth,

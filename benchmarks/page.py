@@ -59,6 +59,13 @@ The largest exponent over 500 drive periods, from rest, over $\\omega$ from 0.8 
 0.2 to 1.2, tolerance $10^{-8}$. Ours runs everything at two tolerances, to give the exponent's
 error; pynamicalsys runs points drawn at random, once. Processor time.
 """
+_BIAXIAL = """\
+Six states: two stretches with their rates, and the viscous stretches of a branch with
+$\\mu_v/\\mu = 0.5$, $t_r = 1$; $S = (0.3, 0)$, 4096 frequencies. Ours is `frequency_response`,
+extremes between steps with their error; heyoka.py, in the fastest of its forms, gives the state at
+the end only, each at the loosest tolerance with which its own results are within $10^{-8}$.
+Processor time.
+"""
 _GROWTH = """\
 `frequency_response` at tolerance $10^{-8}$ on one core, each size in a process of its own after a
 small run. Memory is the peak of the resident set less that before, and less the result.
@@ -140,6 +147,7 @@ _SECTIONS: tuple[tuple[str, str, str, Any], ...] = (
     ("kernel", "Arithmetic", _KERNEL, tables.kernel),
     ("branch", "Branches of periodic orbits", _BRANCH, tables.branch),
     ("lyapunov", "Lyapunov exponents", _LYAPUNOV, tables.lyapunov),
+    ("biaxial", "Two directions with a Zener branch", _BIAXIAL, tables.biaxial),
     ("growth", "Growth", _GROWTH, tables.growth),
     ("start", "Start", _START, tables.start),
 )

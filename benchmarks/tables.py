@@ -131,6 +131,14 @@ def lyapunov(data: Any) -> Table:
     return Table(("tool", "points", "µs per trajectory and τ"), rows)
 
 
+def biaxial(data: Any) -> Table:
+    rows = [
+        (name, number(one["microseconds"]), error(one["worst"]), error(one["tolerance"]))
+        for name, one in data["tools"].items()
+    ]
+    return Table(("tool", "µs per trajectory and τ", "worst error", "tolerance"), rows)
+
+
 def start(data: Any) -> Table:
     rows = [(name, number(seconds)) for name, seconds in data["seconds"].items()]
     return Table(("a new process", "s"), rows)

@@ -127,6 +127,10 @@ TARGETS = (
     Target("response", _RESPONSE, "SciPy DOP853", _faster(_FIXED, "scipy"), 1500, 5000),
     Target("kernel", "arithmetic of the kernel", "a multiply–add loop", _share, 55, 80, " %"),
     Target("lyapunov", "Lyapunov exponents, a map", "pynamicalsys, per core", _chaos, 300, 1000),
+    Target(
+        "biaxial", "two directions with a Zener branch, extremes with error",
+        "heyoka.py, per core, end only", _faster("remanent", "heyoka"), 1.5, 5,
+    ),
     Target("branch", "one branch, per point", "AUTO-07p", _points("one"), 1, 5),
     Target("branch", "64 branches together, per point", "AUTO-07p", _points("family"), 5, 20),
     Target(

@@ -186,13 +186,12 @@ def first_order(motion: Motion) -> System:
     if motion.heat is not None:
         rates |= motion.heat.rate(rates, lost, motion)
     x, x_rate = motion.thickness, motion.thickness_rate
-    moving = {**rates, x: x_rate}
-    curvature = along(motion.definitions[x_rate], moving)
+    pulled = (sp.diff(motion.definitions[x_rate], rate) * rates[rate] for rate in v)
     return System(
         state=tuple(rates),
         definitions={**motion.definitions, **named},
         rates=tuple(rates.values()),
-        watched=(x, x_rate, curvature, _sign_of(motion.explicit(x_rate))),
+        watched=(x, x_rate, sum(pulled, start=_bent(motion)), _sign_of(motion.explicit(x_rate))),
         observables={
             "thickness_stretch": x,
             "thickness_stretch_rate": x_rate,
@@ -235,8 +234,7 @@ def accelerations(motion: Motion) -> tuple[dict[Symbol, Expression], list[Expres
     for slope, push, coordinate, rate in zip(slopes, pushes, q, v, strict=True):
         named[slope] = sp.diff(x_rate, rate)
         named[push] = -3 * (_force(motion, coordinate) + sp.diff(motion.rayleigh, rate))
-    curvature = along(x_rate, {**dict(zip(q, v, strict=True)), x: motion.thickness_rate})
-    named[drag] = 3 * _force(motion, x) + c * curvature
+    named[drag] = 3 * _force(motion, x) + c * _bent(motion)
     if len(q) == 1:
         (w, _), (g,), (push,) = motion.weights, slopes, pushes
         determinant, solved = w + c * g**2, [push - g * drag]
@@ -257,6 +255,13 @@ def _polynomial(determinant: Expression, x: Symbol) -> Expression:
     """The determinant over x^4, the area being 1/x."""
     constant = determinant.subs(x, 0)
     return constant * AREA**4 + sp.factor_terms(sp.expand((determinant - constant) / x**4))
+
+
+def _bent(motion: Motion) -> Expression:
+    """What the acceleration of the thickness stretch is without accelerations in the plane."""
+    moving = dict(zip(motion.coordinates, motion.rates, strict=True))
+    moving[motion.thickness] = motion.thickness_rate
+    return sp.factor_terms(along(motion.definitions[motion.thickness_rate], moving))
 
 
 def _force(motion: Motion, stretch: Symbol) -> Expression:
