@@ -51,8 +51,9 @@ def simulate(
         When the state is wanted: tau, increasing, not negative.  Exactly one of
         `duration`, `periods` and `times` must be given; the first two give a uniform
         grid from 0 to the end.
-    initial : (stretch, rate)
-        Rest, (1, 0), by default.
+    initial : (stretch, rate), or both of each coordinate
+        Rest, (1, 0), by default.  Internal variables and the temperature may follow; they
+        start from 1 and from the actuator's temperature.
     over
         Values of numeric fields; they become dimensions of the result.
     tolerance
@@ -63,7 +64,8 @@ def simulate(
     Returns
     -------
     xarray.Dataset
-        ``stretch``, ``stretch_rate``, ``thickness_stretch``,
+        The state (``stretch``, ``stretch_rate``, or those of two coordinates, internal
+        variables, ``body_temperature``), ``thickness_stretch``,
         ``thickness_stretch_rate``, ``energy`` against ``time`` (dimensionless), NaN
         beyond the trusted horizon; ``error`` (estimated, absolute), ``horizon`` and
         ``status`` per trajectory.  Where lengths differ between trajectories the
