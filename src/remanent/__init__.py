@@ -28,8 +28,10 @@ if TYPE_CHECKING:
     from remanent.models.shifts import WLF, Arrhenius
     from remanent.models.thermal import Heat
     from remanent.models.viscous import KelvinVoigt, Rayleigh, Zener
+    from remanent.results.measured import measurements
     from remanent.results.rescale import rescale
     from remanent.results.si import to_si
+    from remanent.studies._measure import Measure
     from remanent.studies.backbone import backbone
     from remanent.studies.balance import energy_balance
     from remanent.studies.basins import basins
@@ -37,19 +39,27 @@ if TYPE_CHECKING:
     from remanent.studies.branches import continue_orbit, response_diagram
     from remanent.studies.chart import regime_chart
     from remanent.studies.classify import classify
+    from remanent.studies.command import shape_command, shaped_steps
     from remanent.studies.crossings import crossings
+    from remanent.studies.decrement import logarithmic_decrement
+    from remanent.studies.design import design
     from remanent.studies.equilibria import equilibria
+    from remanent.studies.fit import fit
+    from remanent.studies.locate import special_point
     from remanent.studies.losses import cycle_losses
     from remanent.studies.lyapunov import lyapunov
     from remanent.studies.orbits import periodic_orbits
     from remanent.studies.resonances import resonances
     from remanent.studies.response import frequency_response
     from remanent.studies.section import poincare_section
+    from remanent.studies.sensitivity import sensitivity
     from remanent.studies.separatrix import manifold_crossing
     from remanent.studies.simulate import simulate
     from remanent.studies.special import continue_special
+    from remanent.studies.step_response import step_response
     from remanent.studies.switch import switch_branch
     from remanent.studies.symmetry import symmetry_check
+    from remanent.studies.uncertainty import uncertainty
 
     __version__: str
 
@@ -65,6 +75,7 @@ __all__ = [
     "IntegrationError",
     "KelvinVoigt",
     "Magnet",
+    "Measure",
     "NeoHookean",
     "Ramp",
     "Rayleigh",
@@ -84,11 +95,15 @@ __all__ = [
     "continue_special",
     "crossings",
     "cycle_losses",
+    "design",
     "energy_balance",
     "equilibria",
+    "fit",
     "frequency_response",
+    "logarithmic_decrement",
     "lyapunov",
     "manifold_crossing",
+    "measurements",
     "periodic_orbits",
     "plot",
     "poincare_section",
@@ -96,10 +111,16 @@ __all__ = [
     "rescale",
     "resonances",
     "response_diagram",
+    "sensitivity",
+    "shape_command",
+    "shaped_steps",
     "simulate",
+    "special_point",
+    "step_response",
     "switch_branch",
     "symmetry_check",
     "to_si",
+    "uncertainty",
 ]
 
 #: Where each name is defined; ``plot`` and ``__version__`` are treated apart.
@@ -114,6 +135,7 @@ _HOME: Final = {
     "IntegrationError": "_errors",
     "KelvinVoigt": "models.viscous",
     "Magnet": "models.magnetics",
+    "Measure": "studies._measure",
     "NeoHookean": "models.materials",
     "Ramp": "models.drives",
     "Rayleigh": "models.viscous",
@@ -133,11 +155,15 @@ _HOME: Final = {
     "continue_special": "studies.special",
     "crossings": "studies.crossings",
     "cycle_losses": "studies.losses",
+    "design": "studies.design",
     "energy_balance": "studies.balance",
     "equilibria": "studies.equilibria",
+    "fit": "studies.fit",
     "frequency_response": "studies.response",
+    "logarithmic_decrement": "studies.decrement",
     "lyapunov": "studies.lyapunov",
     "manifold_crossing": "studies.separatrix",
+    "measurements": "results.measured",
     "periodic_orbits": "studies.orbits",
     "response_diagram": "studies.branches",
     "poincare_section": "studies.section",
@@ -147,7 +173,13 @@ _HOME: Final = {
     "simulate": "studies.simulate",
     "switch_branch": "studies.switch",
     "symmetry_check": "studies.symmetry",
+    "sensitivity": "studies.sensitivity",
+    "shape_command": "studies.command",
+    "shaped_steps": "studies.command",
+    "special_point": "studies.locate",
+    "step_response": "studies.step_response",
     "to_si": "results.si",
+    "uncertainty": "studies.uncertainty",
 }
 
 if not TYPE_CHECKING:  # a type checker knows the names above and should refuse all others

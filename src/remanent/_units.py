@@ -44,6 +44,14 @@ def magnitude(name: str, quantity: Quantity, unit: str) -> float | FloatArray:
     return _number(converted)
 
 
+def quantity(name: str, values: FloatArray, unit: str) -> Quantity:
+    """Numbers with a unit, ``"ms"``."""
+    try:
+        return _registry().Quantity(values, unit)
+    except Exception as error:  # pint raises from several unrelated families
+        raise _wrong_unit(name, unit, "s, Hz, T, K") from error
+
+
 def positive(name: str, quantity: Quantity, unit: str) -> float:
     """The number of `unit` in one quantity that must be finite and greater than 0."""
     number = single(name, quantity, unit)

@@ -174,7 +174,9 @@ def _name(dataset: xr.Dataset, dim: Hashable | None, at: Mapping[Hashable, int])
     along = [array for array in dataset.coords.values() if array.dims == (dim,)]
     if not along:
         return f"{dim} {at[dim]}"
-    return ", ".join(style.title(array, array.values[at[dim]].item()) for array in along)
+    return ", ".join(
+        style.title(array, np.asarray(array.values[at[dim]]).item()) for array in along
+    )
 
 
 def _temperature(member: Member) -> float:

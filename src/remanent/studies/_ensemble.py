@@ -100,10 +100,12 @@ def ensemble(
     initial: ArrayLike | None = None,
     *,
     reserved: frozenset[str] = _RESERVED,
+    extra: Mapping[str, float] | None = None,
 ) -> Ensemble:
     """Lay out the trajectories that a verb was asked for.
 
-    `reserved` are the names of dimensions that its result has of its own.
+    `reserved` are the names of dimensions that its result has of its own; `extra` are
+    further names that `over` may vary, with their usual values.
 
     Raises
     ------
@@ -117,7 +119,7 @@ def ensemble(
     require_instance("drive", drive, Drive, "rm.SineSquared(0.4, 1.25)")
     _require_rate(actuator, drive, over)
     field = field_for(actuator, drive)
-    own = {**actuator.parameters(), **drive.parameters()}
+    own = {**actuator.parameters(), **drive.parameters(), **(extra or {})}
     if over is not None and not isinstance(over, Mapping):
         raise InputError(
             "over",

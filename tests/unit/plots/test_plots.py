@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import matplotlib as mpl
@@ -26,6 +27,10 @@ Plot = Callable[..., Sequence[Artist]]
 #: Every plot with a Dataset of six members, (prestress, temperature).
 KINDS: dict[str, tuple[Plot, Callable[[], xr.Dataset]]] = {
     "history": (plots.history, lambda: synthetic.constant(6.0, 61)),
+    "curve": (
+        partial(plots.curve, variable="thickness_stretch", x="time"),
+        lambda: synthetic.constant(6.0, 61),
+    ),
     "phase": (plots.phase, lambda: synthetic.constant(6.0, 61)),
     "section": (
         plots.section,
@@ -282,3 +287,61 @@ def test_gaps_and_empty_members_draw() -> None:
     response["amplitude"].values[0, 0] = np.nan
     response["resonance"].values[0, 0] = np.nan
     png(figure_of(plots.response(response)))
+
+
+def test_a_curve_has_the_band_of_its_quantiles() -> None:
+    """The middle quantile is the line; the outermost bound the shade."""
+    values = np.array([[0.0, 1.0], [2.0, 3.0], [5.0, 7.0]])
+    attrs = {"units": "1", "long_name": "thickness stretch", "symbol": r"\lambda_3"}
+    times = ("time", [0.0, 1.0], {"units": "1", "long_name": "time", "symbol": r"\tau"})
+    dataset = xr.Dataset(
+        {"thickness_stretch": (("quantile", "time"), values, attrs)},
+        coords={"quantile": [0.05, 0.5, 0.95], "time": times},
+    )
+    (line,) = plots.curve(dataset, "thickness_stretch", "time")
+    np.testing.assert_array_equal(line.get_ydata(), values[1])
+    assert line.axes is not None
+    (shade,) = line.axes.collections
+    ends = shade.get_paths()[0].get_extents()
+    assert (ends.y0, ends.y1) == (0.0, 7.0)
+
+
+def test_a_fit_shows_what_it_compared() -> None:
+    """Points are the observed values, the curve the predicted; residuals their difference."""
+    attrs = {"units": "1", "long_name": "time", "symbol": r"\tau"}
+    dataset = xr.Dataset(
+        {
+            "observed": ("observation", [1.0, 1.2, 9.0]),
+            "predicted": ("observation", [1.1, 1.1, 8.0]),
+        },
+        coords={
+            "time": ("observation", [0.0, 1.0, 0.0], attrs),
+            "quantity": ("observation", ["thickness_stretch", "thickness_stretch", "stretch"]),
+        },
+    )
+    points, curve = plots.fit(dataset)
+    np.testing.assert_array_equal(points.get_ydata(), [1.0, 1.2])
+    np.testing.assert_array_equal(curve.get_ydata(), [1.1, 1.1])
+    left, level = plots.fit(dataset, "stretch", residuals=True)
+    np.testing.assert_array_equal(left.get_ydata(), [1.0])
+    np.testing.assert_array_equal(level.get_ydata(), [0.0])
+    with pytest.raises(InputError, match="fit"):
+        plots.fit(dataset.drop_vars("predicted"))
+
+
+def test_bars_are_as_long_as_their_values() -> None:
+    """One set for each measure, in the order of the fields, with error lines."""
+    values = np.array([[1.0, -2.0, 0.5], [0.1, 0.2, 0.3]])
+    dataset = xr.Dataset(
+        {
+            "elasticity": (("measure", "field"), values),
+            "elasticity_error": (("measure", "field"), 0.1 * np.abs(values)),
+        },
+        coords={"measure": ["fold", "peak"], "field": ["temperature", "c", "b"]},
+    )
+    found = plots.bars(dataset)
+    for container, row in zip(found, values, strict=True):
+        np.testing.assert_allclose([bar.get_width() for bar in container.patches], row)
+        assert container.errorbar is not None
+    with pytest.raises(InputError, match="field"):
+        plots.bars(dataset, "derivative")

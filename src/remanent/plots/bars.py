@@ -1,0 +1,94 @@
+"""One bar for each field: elasticities, indices."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.container import BarContainer
+
+from remanent._errors import InputError
+from remanent.plots import footer, style
+from remanent.results.schema import describe
+
+__all__ = ["bars"]
+
+#: Share of the distance between fields that their bars take together.
+_FILLED = 0.8
+
+
+def bars(
+    dataset: xr.Dataset,
+    variables: str | Sequence[str] = "elasticity",
+    *,
+    ax: Axes | None = None,
+    legend: bool = True,
+    **bar: Any,
+) -> list[BarContainer]:
+    """Draw a bar for each field, with its error.
+
+    Parameters
+    ----------
+    dataset
+        With `variables` along ``field`` and at most one more dimension, a bar for each of its
+        entries; ``<variable>_error``, where present, is a line at the end of the bar.
+    variables
+        What to draw; several lie side by side.
+    ax
+        Axes to draw in; a new figure, with its footer, if None.
+    legend
+        Whether to name the colours above the axes.
+    **bar
+        Passed to matplotlib's ``barh``.
+
+    Returns
+    -------
+    list of matplotlib.container.BarContainer
+        One for each variable or entry.
+    """
+    names = [variables] if isinstance(variables, str) else list(variables)
+    for name in names:
+        if name not in dataset or "field" not in dataset[name].dims or dataset[name].ndim > 2:
+            raise InputError(
+                "variables", "be variables along `field` and at most one more dimension", name,
+                "There is a bar for each field.", "Select values first, or name others.",
+            )  # fmt: skip
+    rows = [row for name in names for row in _rows(dataset, name)]
+    place = np.arange(dataset.sizes["field"])
+    thick = _FILLED / len(rows)
+    with style.context():
+        axes = style.owned_axes(ax)
+        artists = []
+        for k, (label, values, errors) in enumerate(rows):
+            colour = list(style.OKABE_ITO.values())[k % len(style.OKABE_ITO)]
+            y = place - 0.5 * _FILLED + (k + 0.5) * thick
+            looks = {"color": colour, "height": 0.9 * thick, "label": label, **bar}
+            artists.append(axes.barh(y, values, xerr=errors, error_kw={"lw": 0.8}, **looks))
+        axes.axvline(0.0, color=style.INK, lw=0.6)
+        shown = [describe(str(name)) for name in dataset["field"].values]
+        axes.set_yticks(place, [f"{row.long_name}, ${row.symbol}$" for row in shown])
+        axes.tick_params(axis="y", length=0)
+        axes.invert_yaxis()
+        row = describe(names[0])
+        axes.set_xlabel(f"{row.long_name}, ${row.symbol}$" if len(names) == 1 else "")
+        if legend and len(rows) > 1:
+            style.legend_above(axes, artists)  # type: ignore[arg-type]
+        if ax is None:
+            footer.add(axes.get_figure(root=True), dataset)  # type: ignore[arg-type]
+    return artists
+
+
+def _rows(dataset: xr.Dataset, name: str) -> list[tuple[str, Any, Any]]:
+    """Label, values and errors of each set of bars."""
+    values, error = dataset[name], dataset.get(f"{name}_error")
+    other = next((d for d in values.dims if d != "field"), None)
+    if other is None:
+        return [(describe(name).long_name, values, error)]
+    return [
+        (str(dataset[other].values[k]), values.isel({other: k}),
+         None if error is None else error.isel({other: k}))
+        for k in range(values.sizes[other])
+    ]  # fmt: skip

@@ -1,0 +1,76 @@
+"""Measurements and what was fitted to them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+
+from remanent._errors import InputError
+from remanent.plots import footer, style
+from remanent.results.schema import describe
+
+__all__ = ["fit"]
+
+
+def fit(
+    dataset: xr.Dataset,
+    quantity: str | None = None,
+    *,
+    ax: Axes | None = None,
+    legend: bool = True,
+    residuals: bool = False,
+    **line: Any,
+) -> list[Line2D]:
+    """Draw measured points and the fitted curve, or what is left between them.
+
+    Parameters
+    ----------
+    dataset
+        A result of ``fit``.
+    quantity
+        Which of the measured variables; the first by default.
+    ax
+        Axes to draw in; a new figure, with its footer, if None.
+    legend
+        Whether to name points and curve above the axes.
+    residuals
+        Draw observed − predicted instead.
+    **line
+        Passed to matplotlib's ``plot`` for the points.
+
+    Returns
+    -------
+    list of matplotlib.lines.Line2D
+        The points, then the curve.
+    """
+    x = next((name for name in ("time", "omega") if name in dataset.coords), None)
+    if x is None or "predicted" not in dataset:
+        raise InputError(
+            "dataset", "be a result of fit", list(dataset), "It holds both data and curve.",
+            "Pass the result of rm.fit.",
+        )  # fmt: skip
+    name = quantity or str(dataset["quantity"].values[0])
+    data = dataset.isel(observation=np.flatnonzero(dataset["quantity"].values == name))
+    level = data["predicted"] if residuals else 0.0 * data["predicted"]
+    row = describe(name)
+    with style.context():
+        axes = style.owned_axes(ax)
+        looks = {"marker": "o", "ms": 2.6, "mfc": "none", "mew": 0.7, "linestyle": ""}
+        points = axes.plot(
+            data[x], data["observed"] - level, color=style.OKABE_ITO["blue"], label="measured",
+            **{**looks, **line},
+        )  # fmt: skip
+        curve = axes.plot(
+            data[x], data["predicted"] - level, color=style.OKABE_ITO["vermillion"], label="fitted"
+        )
+        words = f"residual of ${row.symbol}$" if residuals else f"{row.long_name}, ${row.symbol}$"
+        axes.set(xlabel=style.label(data[x]), ylabel=words)
+        if legend:
+            style.legend_above(axes, [*points, *curve])
+        if ax is None:
+            footer.add(axes.get_figure(root=True), dataset)  # type: ignore[arg-type]
+    return [*points, *curve]

@@ -1,0 +1,166 @@
+"""States of rest of any actuator, and the energy of a state above them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from scipy.optimize import root
+
+from remanent._field import Field
+from remanent._typing import FloatArray
+
+_STEP = 1e-100
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(24)
+
+
+@dataclass(frozen=True)
+class Body:
+    """The field of an actuator under a constant load, for one set of its parameters.
+
+    Attributes
+    ----------
+    field
+        Of the actuator and a ``Constant`` drive.
+    parameters : array (parameter,)
+        In the order of ``field.parameters``; the load `m` among them.
+    state : array (state,)
+        What does not follow from rest (a temperature) is taken from it.
+    """
+
+    field: Field
+    parameters: FloatArray
+    state: FloatArray
+
+    @cached_property
+    def free(self) -> list[int]:
+        """State variables that rest determines: stretches and internal variables."""
+        held = {"body_temperature"}
+        return [
+            k
+            for k, name in enumerate(self.field.state)
+            if not name.endswith("_rate") and name not in held
+        ]
+
+    @cached_property
+    def moving(self) -> list[int]:
+        """Those and the rates of stretches."""
+        return [k for k, name in enumerate(self.field.state) if name != "body_temperature"]
+
+    @cached_property
+    def balanced(self) -> list[int]:
+        """State variables whose rates vanish at rest by a balance, not by definition."""
+        names = self.field.state
+        return [k for k in self.moving if f"{names[k]}_rate" not in names]
+
+    @property
+    def load(self) -> float:
+        """The magnetic load."""
+        return float(self.parameters[self.field.parameters.index("m")])
+
+    def at_load(self, load: float) -> Body:
+        """The same under another load."""
+        values = self.parameters.copy()
+        values[self.field.parameters.index("m")] = load
+        return replace(self, parameters=values)
+
+    def at_target(self, thickness: float) -> Body | None:
+        """The body at rest at a thickness stretch, under the load for it, if there is one."""
+
+        def unbalance(u: FloatArray) -> FloatArray:
+            return np.real(self._unbalance(u[:-1], u[-1], thickness))
+
+        near = np.full(len(self.free), thickness**-0.5)
+        found = root(
+            unbalance,
+            np.append(near, self.load),
+            jac=self._jacobian,
+            tol=1e-15,
+        )
+        if not np.abs(found.fun).max() < 1e-9 * (1.0 + abs(found.x[-1])):
+            return None
+        return self.at_load(float(found.x[-1]))._at(found.x[:-1])
+
+    def at_rest(self) -> Body | None:
+        """The body at the state of rest near its own, under its load, if there is one."""
+
+        def unbalance(u: FloatArray) -> FloatArray:
+            return np.real(self._unbalance(u, self.load)[:-1])
+
+        def jacobian(u: FloatArray) -> FloatArray:
+            return self._jacobian(np.append(u, self.load))[:-1, :-1]
+
+        found = root(unbalance, self.state[self.free], jac=jacobian, tol=1e-15)
+        if not np.abs(found.fun).max() < 1e-9 * (1.0 + abs(self.load)):
+            return None
+        return self._at(found.x)
+
+    def stiffness(self) -> float:
+        """Force on the thickness stretch, over its change, from rest to rest."""
+        u = np.append(self.state[self.free], self.load)
+        compliance = np.linalg.solve(self._jacobian(u), np.eye(len(u))[-1])[-1]
+        return float(compliance * self._conjugate())
+
+    def linear(self) -> tuple[FloatArray, FloatArray]:
+        """Derivatives of the rates by the moving state variables, and by the load."""
+        moved = [self._rates(k) for k in self.moving]
+        column = 1 + len(self.state) + self.field.parameters.index("m")
+        return np.column_stack(moved), self._derivative(column)[self.moving]
+
+    def energy_above(self, state: FloatArray) -> float:
+        """Energy of a state above that of the body's own.
+
+        The gradient is integrated along the straight line between them, which loses no
+        digits where they are close.  Its component along the line is a complex step.
+        """
+        way = np.where(np.isin(np.arange(len(state)), self.moving), state - self.state, 0.0)
+        along = 0.5 * (1.0 + _NODES) + 1j * _STEP
+        inputs = [0.0 * along, *(self.state[:, None] + way[:, None] * along), *self.parameters]
+        (energy,) = self.field.observables["energy"](inputs, functions=np)
+        return float(0.5 * _WEIGHTS @ (np.imag(energy) / _STEP))
+
+    def thickness(self) -> float:
+        """The thickness stretch."""
+        inputs = [0.0, *self.state, *self.parameters]
+        return float(self.field.observables["thickness_stretch"](inputs, functions=np)[0])
+
+    def _at(self, free: FloatArray) -> Body:
+        state = np.where([n.endswith("_rate") for n in self.field.state], 0.0, self.state)
+        state[self.free] = free
+        return replace(self, state=state)
+
+    def _unbalance(self, free: Any, load: Any, thickness: float = 0.0) -> Any:
+        state = self._at(np.real(free)).state.astype(np.complex128)
+        state[self.free] = free
+        values = self.parameters.astype(np.complex128)
+        values[self.field.parameters.index("m")] = load
+        inputs = [0.0, *state, *values]
+        rates = self.field.rates(inputs, functions=np)
+        (x,) = self.field.observables["thickness_stretch"](inputs, functions=np)
+        return np.array([*(rates[k] for k in self.balanced), x - thickness])
+
+    def _jacobian(self, u: FloatArray) -> FloatArray:
+        columns = []
+        for k in range(len(u)):
+            moved = u.astype(np.complex128)
+            moved[k] += 1j * _STEP
+            columns.append(np.imag(self._unbalance(moved[:-1], moved[-1])) / _STEP)
+        return np.column_stack(columns)
+
+    def _rates(self, k: int) -> FloatArray:
+        return self._derivative(1 + k)[self.moving]
+
+    def _derivative(self, column: int) -> FloatArray:
+        """Derivative of the rates by one input."""
+        inputs = np.array([0.0, *self.state, *self.parameters], dtype=np.complex128)
+        inputs[column] += 1j * _STEP
+        return np.imag(np.array(self.field.rates(list(inputs), functions=np))) / _STEP
+
+    def _conjugate(self) -> float:
+        """Minus the derivative of the energy by the load, over the thickness stretch."""
+        inputs = np.array([0.0, *self.state, *self.parameters], dtype=np.complex128)
+        inputs[1 + len(self.state) + self.field.parameters.index("m")] += 1j * _STEP
+        (energy,) = self.field.observables["energy"](list(inputs), functions=np)
+        return float(-np.imag(energy) / _STEP / self.thickness())

@@ -1,0 +1,140 @@
+"""What is put into synthetic measurements is found in them, within the errors stated."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+from scipy.io import savemat
+from scipy.stats import binom
+
+import remanent as rm
+
+TRUE = rm.Actuator(dissipation=rm.Rayleigh(0.2), prestress=0.2)
+GUESS = rm.Actuator(dissipation=rm.Rayleigh(0.1), prestress=0.2)
+TIMES = np.linspace(0.0, 10.0, 60)
+STEP = rm.Constant(0.3)
+
+
+def record(sigma: float, seed: int = 0) -> xr.Dataset:
+    run = rm.simulate(TRUE, STEP, times=TIMES)[["thickness_stretch"]]
+    return run + np.random.default_rng(seed).normal(0.0, sigma, TIMES.size)
+
+
+def test_without_noise_the_truth_is_found() -> None:
+    """To the accuracy of the motion, from a guess half as large."""
+    found = rm.fit(GUESS, STEP, record(0.0), {"dissipation.0.eta": 0.1, "prestress": 0.25})
+    np.testing.assert_allclose(found.estimate, [0.2, 0.2], atol=1e-7)
+    assert float(found.noise) < 1e-7
+
+
+def test_with_noise_it_is_within_three_standard_errors() -> None:
+    """And the noise is found too; the profile agrees with the standard error here."""
+    found = rm.fit(GUESS, STEP, record(0.003), ["dissipation.0.eta", "m"], profile=True)
+    assert (abs(found.estimate - [0.2, 0.3]) < 3.0 * found.estimate_error).all()
+    assert float(found.noise) == pytest.approx(0.003, rel=0.3)
+    np.testing.assert_allclose(found.profile_interval, found.interval, rtol=0.05)
+
+
+@pytest.mark.slow
+def test_intervals_of_fits_cover_the_truth() -> None:
+    """100 seeds: 95 % intervals of both parameters hold it within binomial bounds."""
+    inside = np.zeros(2, dtype=int)
+    for seed in range(100):
+        found = rm.fit(GUESS, STEP, record(0.01, seed), ["dissipation.0.eta", "shear_modulus"])
+        low, high = found.interval.values.T
+        inside += (low < [0.2, 1.0]) & (high > [0.2, 1.0])
+    low, high = binom.interval(0.9999, 100, 0.95)
+    assert ((inside >= low) & (inside <= high)).all(), inside
+
+
+def test_a_response_gives_damping_and_field() -> None:
+    """Amplitudes in a window, with known deviations."""
+    drive, omega = rm.SineSquared(0.4, 1.0), np.linspace(0.9, 1.5, 15)
+    sweep = rm.frequency_response(TRUE, drive, omega, duration=60, discard=30)[["amplitude"]]
+    rng = np.random.default_rng(5)
+    measured = (sweep + rng.normal(0, 0.002, 15)).assign(amplitude_error=("omega", [0.002] * 15))
+    found = rm.fit(
+        GUESS, drive.replace(b=0.45), measured, ["dissipation.0.eta", "b"], duration=60, discard=30
+    )
+    assert (abs(found.estimate - [0.2, 0.4]) < 3.0 * found.estimate_error).all()
+    assert float(found.chi_square) < 40.0
+
+
+def sizes(shear_modulus: str, remanence: str, eta: float) -> rm.Actuator:
+    return rm.Actuator.from_si(
+        shear_modulus=shear_modulus, density="2000 kg/m^3", half_length="5 mm",
+        half_thickness="5 mm", remanence=remanence, force="3 N",
+        dissipation=rm.Rayleigh(eta),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", ["csv", "mat", "frame"])
+def test_physical_sizes_from_files_with_units(kind: str, tmp_path: Path) -> None:
+    """A block of 110 kPa and 150 mT, measured in ms and 1/s, fitted from 100 kPa and 143 mT.
+
+    A table drive, whose times and loads are those of the laboratory.
+    """
+    true, guess = sizes("110 kPa", "150 mT", 0.2), sizes("100 kPa", "143 mT", 0.2 * 1.1**0.5)
+    field, switch = "300 mT", "3 ms"
+
+    def drive(block: rm.Actuator) -> rm.Steps:
+        return rm.Steps([0.0, float(block.time(switch))], [0.0, float(block.load(field))])
+
+    assert true.scales is not None
+    run = rm.to_si(rm.simulate(true, drive(true), duration=12.0))
+    columns = {
+        "time [ms]": run.time.values,
+        "thickness stretch": run.thickness_stretch.values,
+        "speed [1/s]": run.thickness_stretch_rate.values,
+    }
+    names = {"speed": "thickness_stretch_rate"}
+    if kind == "csv":
+        pd.DataFrame(columns).to_csv(tmp_path / "run.csv", index=False)
+        data = rm.measurements(tmp_path / "run.csv", guess, names=names)
+    elif kind == "mat":
+        plain = dict(zip(("time", "thickness_stretch", "speed"), columns.values(), strict=True))
+        savemat(tmp_path / "run.mat", plain)
+        units = {"time": "ms", "thickness_stretch_rate": "1/s"}
+        data = rm.measurements(tmp_path / "run.mat", guess, names=names, units=units)
+    else:
+        data = rm.measurements(pd.DataFrame(columns), guess, names=names)
+    found = rm.fit(guess, drive(guess), data, ["shear_modulus", "remanence"])
+    np.testing.assert_allclose(found.estimate, [1.1, 150.0 / 143.0], rtol=1e-6)
+
+
+def test_decrement_of_small_oscillations() -> None:
+    """(1 + 2c) u'' + 3 eta u' + 18 theta u = 0, over a grid, from the verb's own histories."""
+    over = {"dissipation.0.eta": [0.05, 0.1], "temperature": [293.0, 350.0]}
+    run = rm.simulate(TRUE.replace(prestress=0.0), rm.Constant(0.0), duration=20.0,
+                      initial=(1.00001, 0.0), over=over)  # fmt: skip
+    found = rm.logarithmic_decrement(run)
+    theta, eta = run.temperature / 293.0, run["dissipation.0.eta"]
+    zeta = eta / np.sqrt(8.0 * theta * 3.0)
+    omega = np.sqrt(6.0 * theta * (1.0 - zeta**2))
+    np.testing.assert_allclose(found.damping_ratio, zeta, rtol=1e-4)
+    np.testing.assert_allclose(found.frequency, omega.transpose(*found.dims), rtol=1e-4)
+
+
+def test_bad_measurements_are_refused(tmp_path: Path) -> None:
+    """The message says which column, and why."""
+    with pytest.raises(rm.InputError, match="from_si"):
+        rm.measurements({"time [ms]": [0.0, 1.0], "stretch": [1.0, 1.0]}, GUESS)
+    with pytest.raises(rm.InputError, match="dimension of s"):
+        rm.measurements({"time [kg]": [0.0], "stretch": [1.0]}, sizes("1 MPa", "1 T", 0.1))
+    with pytest.raises(rm.InputError, match="schema"):
+        rm.measurements({"time": [0.0, 1.0], "strech": [1.0, 1.0]})
+    with pytest.raises(rm.InputError, match="readable"):
+        rm.measurements(tmp_path / "missing.csv")
+    with pytest.raises(rm.InputError, match="`time` or `omega`"):
+        rm.measurements({"stretch": [1.0, 1.0]})
+    short = rm.measurements({"time": [0.0, 1.0], "stretch": [1.0, 1.0]})
+    with pytest.raises(rm.InputError, match="more than 2"):
+        rm.fit(GUESS, STEP, short, ["dissipation.0.eta", "m"])
+    with pytest.raises(rm.InputError, match="field"):
+        rm.fit(GUESS, STEP, record(0.0), ["viscosity"])
+    with pytest.raises(rm.InputError, match="guess"):
+        rm.fit(GUESS, STEP, record(0.0), ["m"], bounds={"m": (0.4, 0.5)})
