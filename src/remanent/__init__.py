@@ -24,7 +24,14 @@ if TYPE_CHECKING:
         Steps,
     )
     from remanent.models.magnetics import Magnet
-    from remanent.models.materials import NeoHookean
+    from remanent.models.materials import (
+        ArrudaBoyce,
+        Gent,
+        MooneyRivlin,
+        NeoHookean,
+        Ogden,
+        StrainEnergy,
+    )
     from remanent.models.shifts import WLF, Arrhenius
     from remanent.models.thermal import Heat
     from remanent.models.viscous import KelvinVoigt, Rayleigh, Zener
@@ -55,6 +62,7 @@ if TYPE_CHECKING:
     from remanent.studies.sensitivity import sensitivity
     from remanent.studies.separatrix import manifold_crossing
     from remanent.studies.simulate import simulate
+    from remanent.studies.snap import snap_through
     from remanent.studies.special import continue_special
     from remanent.studies.step_response import step_response
     from remanent.studies.switch import switch_branch
@@ -67,8 +75,10 @@ __all__ = [
     "WLF",
     "Actuator",
     "Arrhenius",
+    "ArrudaBoyce",
     "Chirp",
     "Constant",
+    "Gent",
     "Heat",
     "InputError",
     "InputWarning",
@@ -76,7 +86,9 @@ __all__ = [
     "KelvinVoigt",
     "Magnet",
     "Measure",
+    "MooneyRivlin",
     "NeoHookean",
+    "Ogden",
     "Ramp",
     "Rayleigh",
     "RemanentError",
@@ -85,6 +97,7 @@ __all__ = [
     "SineSquared",
     "Sines",
     "Steps",
+    "StrainEnergy",
     "Zener",
     "__version__",
     "backbone",
@@ -115,6 +128,7 @@ __all__ = [
     "shape_command",
     "shaped_steps",
     "simulate",
+    "snap_through",
     "special_point",
     "step_response",
     "switch_branch",
@@ -127,8 +141,10 @@ __all__ = [
 _HOME: Final = {
     "Actuator": "models.actuator",
     "Arrhenius": "models.shifts",
+    "ArrudaBoyce": "models.materials",
     "Chirp": "models.drives",
     "Constant": "models.drives",
+    "Gent": "models.materials",
     "Heat": "models.thermal",
     "InputError": "_errors",
     "InputWarning": "_errors",
@@ -136,7 +152,9 @@ _HOME: Final = {
     "KelvinVoigt": "models.viscous",
     "Magnet": "models.magnetics",
     "Measure": "studies._measure",
+    "MooneyRivlin": "models.materials",
     "NeoHookean": "models.materials",
+    "Ogden": "models.materials",
     "Ramp": "models.drives",
     "Rayleigh": "models.viscous",
     "RemanentError": "_errors",
@@ -145,6 +163,7 @@ _HOME: Final = {
     "SineSquared": "models.drives",
     "Sines": "models.drives",
     "Steps": "models.drives",
+    "StrainEnergy": "models.strain_energy",
     "WLF": "models.shifts",
     "Zener": "models.viscous",
     "backbone": "studies.backbone",
@@ -172,6 +191,7 @@ _HOME: Final = {
     "resonances": "studies.resonances",
     "simulate": "studies.simulate",
     "switch_branch": "studies.switch",
+    "snap_through": "studies.snap",
     "symmetry_check": "studies.symmetry",
     "sensitivity": "studies.sensitivity",
     "shape_command": "studies.command",

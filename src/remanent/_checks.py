@@ -140,6 +140,24 @@ def require_numbers(name: str, values: object) -> tuple[float, ...]:
     return tuple(array.tolist())
 
 
+def require_named_numbers(name: str, values: object, rule: Rule) -> tuple[tuple[str, float], ...]:
+    """A mapping of names to numbers, or its pairs, as a tuple of pairs."""
+    try:
+        pairs = dict(values)  # type: ignore[call-overload]
+    except (TypeError, ValueError):
+        pairs = {None: None}
+    for key in pairs:
+        if not (isinstance(key, str) and key.isascii() and key.isidentifier()):
+            raise InputError(
+                name,
+                "be a mapping of names to numbers",
+                _shortened(values),
+                "Each number is a field of the model, under its name.",
+                'Pass for example {"a": 0.5}.',
+            )
+    return tuple((key, require_real(key, value, rule)) for key, value in pairs.items())
+
+
 def require_increasing(name: str, values: object) -> tuple[float, ...]:
     """`values` as a tuple of finite floats, each greater than the one before."""
     numbers = require_numbers(name, values)

@@ -27,7 +27,7 @@ BINARY: Mapping[str, Callable[[Any, Any], Any]] = MappingProxyType(
     }
 )
 #: Unary operations: ``neg`` and functions looked up by name on the `functions` argument.
-UNARY = frozenset({"neg", "sqrt", "exp", "log", "sin", "cos"})
+UNARY = frozenset({"neg", "sqrt", "exp", "log", "sin", "cos", "atan"})
 
 
 @dataclass(frozen=True)
@@ -68,8 +68,8 @@ class Program:
         values
             One value per input: NumPy arrays, mpmath numbers, lanes of a kernel.
         functions
-            Where ``sqrt``, ``exp``, ``log``, ``sin``, ``cos`` of such numbers are
-            found as attributes, for example the module ``numpy`` or ``mpmath``.
+            Where ``sqrt``, ``exp``, ``log``, ``sin``, ``cos``, ``atan`` of such numbers
+            are found as attributes, for example the module ``numpy`` or ``mpmath``.
         constant
             Turns a float into such a number.
         divide

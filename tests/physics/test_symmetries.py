@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -107,7 +108,7 @@ def test_temperature_scales_out_of_every_drive(name: str, theta: float, eta: flo
     assert (np.where(trusted, rates, 0.0) <= allowed).all()
 
 
-FILM = {
+FILM: dict[str, Any] = {
     "shear_modulus": "80 kPa",
     "density": "1900 kg/m^3",
     "half_length": "4 mm",

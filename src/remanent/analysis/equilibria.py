@@ -12,6 +12,8 @@ from remanent._typing import FloatArray, IntArray
 
 #: ``force(case, x)`` with arrays (point,) gives the force (point,).
 Force = Callable[[IntArray, Any], Any]
+#: ``force(case, x, p)``: the same for values (point,) of a parameter.
+ForceAt = Callable[[IntArray, Any, Any], Any]
 
 
 def zeros(force: Force, cases: int, grid: FloatArray) -> FloatArray:
@@ -23,24 +25,61 @@ def zeros(force: Force, cases: int, grid: FloatArray) -> FloatArray:
         Vectorised over cases and positions.
     cases
         How many cases there are.
-    grid : array (point,)
-        Increasing positions.  Two zeros between neighbours are not seen.
+    grid : array (point,) or (case, point)
+        Increasing positions.  Two zeros between neighbours are not seen, nor any beside a
+        place where the force is NaN.
 
     Returns
     -------
     array (case, zero)
         Ascending in every row; NaN after the last.
     """
-    index, x = np.repeat(np.arange(cases), grid.size), np.tile(grid, cases)
-    values = np.asarray(force(index, x)).reshape(cases, grid.size)
+    points = np.shape(grid)[-1]
+    grid = np.broadcast_to(grid, (cases, points))
+    index = np.repeat(np.arange(cases), points)
+    values = np.asarray(force(index, grid.ravel())).reshape(cases, points)
     case, k = np.nonzero(np.sign(values[:, 1:]) * np.sign(values[:, :-1]) < 0)
     exact_case, exact_k = np.nonzero(values == 0.0)
     roots = np.empty(0)
     if case.size:
         find_root: Any = elementwise.find_root  # its stubs do not know `args`
-        solved = find_root(lambda x, i: force(i, x), (grid[k], grid[k + 1]), args=(case,))
+        ends = grid[case, k], grid[case, k + 1]
+        solved = find_root(lambda x, i: force(i, x), ends, args=(case,))
         roots = np.asarray(solved.x)
-    return _rows(np.concatenate([case, exact_case]), np.concatenate([roots, grid[exact_k]]), cases)
+    exact = grid[exact_case, exact_k]
+    return _rows(np.concatenate([case, exact_case]), np.concatenate([roots, exact]), cases)
+
+
+def balancing(
+    force: ForceAt, bounds: tuple[FloatArray, FloatArray], case: IntArray, x: FloatArray
+) -> FloatArray:
+    """The parameter within bounds at which a force vanishes at `x`; NaN where there is none.
+
+    Parameters
+    ----------
+    force
+        Monotonic in the parameter between the bounds.
+    bounds : two arrays (case,)
+        Least and largest value of the parameter.
+    case, x : array (point,)
+        Where the force is to vanish.
+
+    Returns
+    -------
+    array (point,)
+    """
+    low, high = (np.broadcast_to(end[case], np.shape(x)) for end in bounds)
+    ends = np.asarray(force(case, x, low)), np.asarray(force(case, x, high))
+    found = np.full(np.shape(x), np.nan)
+    with np.errstate(invalid="ignore"):
+        at = np.nonzero((np.sign(ends[0]) * np.sign(ends[1]) <= 0) & (ends[0] != ends[1]))
+    if at[0].size:
+        find_root: Any = elementwise.find_root
+        solved = find_root(
+            lambda p, i, y: force(i, y, p), (low[at], high[at]), args=(case[at], x[at])
+        )
+        found[at] = solved.x
+    return found
 
 
 def slope(force: Force, case: IntArray, x: FloatArray) -> FloatArray:

@@ -26,20 +26,20 @@ def build(actuator: Actuator, drive: Drive) -> Field:
     inputs = ("drive_phase", *state, *parameters, *drive.waveforms)
     levels = _levels(system, parameters, drive)
 
-    def program(*outputs: Any, as_written: bool = False) -> Program:
+    def program(*outputs: Any, **options: Any) -> Program:
         return lower(
             outputs,
             inputs=inputs,
             levels=levels,
             definitions=system.definitions,
-            as_written=as_written,
+            **options,
         )
 
     return Field(
         state=state,
         parameters=parameters,
         waveforms=drive.waveforms,
-        rates=program(*system.rates),
+        rates=program(*system.rates, room=system.room),
         watched=program(*system.watched),
         observables={name: program(e, as_written=True) for name, e in system.observables.items()},
     )

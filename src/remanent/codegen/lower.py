@@ -20,6 +20,7 @@ import sympy as sp
 from remanent._field import Program
 from remanent._instructions import Instructions, Signed, cost
 from remanent.codegen.rational import Quotient, common, quotient, rationalised
+from remanent.models.kept import Kept
 
 Expression = Any  # SymPy is not typed
 Symbol = Any
@@ -28,7 +29,7 @@ Monomial = tuple[int, ...]
 #: What a value varies with: nothing within a piece of time, the time, or the state.
 PARAMETER, DRIVE, STATE = 0, 1, 2
 
-_FUNCTIONS = {sp.exp: "exp", sp.log: "log", sp.sin: "sin", sp.cos: "cos"}
+_FUNCTIONS = {sp.exp: "exp", sp.log: "log", sp.sin: "sin", sp.cos: "cos", sp.atan: "atan"}
 
 
 def lower(
@@ -38,6 +39,7 @@ def lower(
     levels: Mapping[Symbol, int],
     definitions: Mapping[Symbol, Expression],
     as_written: bool = False,
+    room: Sequence[Expression] = (),
 ) -> Program:
     """The program that computes `outputs`.
 
@@ -54,12 +56,16 @@ def lower(
     as_written
         Compute the expressions as they are written instead of bringing what depends
         on the state to quotients of expanded polynomials.
+    room
+        Where one of these is negative, every output that is not just an input is NaN.
     """
     translator = _Translator(Instructions(inputs), levels, definitions)
     plain = [sp.sympify(output) for output in outputs]
     if as_written:
         return translator.instructions.program([translator.written(e) for e in plain])
-    structured = translator.instructions.program(translator.together(plain))
+    limits = [sp.sympify(e) for e in room]
+    values = translator.together([*plain, *limits])[: len(plain)]
+    structured = translator.instructions.program(translator.within(limits, plain, values))
     if sum(level == STATE for level in levels.values()) > _FEW:
         return structured
     inner = {s: e for s, e in definitions.items() if translator.level(s) == STATE}
@@ -68,8 +74,9 @@ def lower(
     meanings = {s: e for s, e in definitions.items() if s not in inner}
     meanings |= {symbol: e for e, symbol in generators.items()}
     translator = _Translator(Instructions(inputs), levels, meanings)
-    expanded = translator.instructions.program(translator.quotients(rational))
-    return min(expanded, structured, key=cost)
+    limits = [_written_out(e, inner) for e in limits]
+    values = translator.within(limits, plain, translator.quotients(rational))
+    return min(translator.instructions.program(values), structured, key=cost)
 
 
 #: Up to so many state variables, normal forms of all rates may be shorter than their structure.
@@ -107,6 +114,25 @@ class _Translator:
         """Symbols in `expression` that vary with the state, in a definite order."""
         found = [s for s in expression.free_symbols if self._levels[s] == STATE]
         return sorted(found, key=list(self._levels).index)
+
+    def within(
+        self,
+        room: Sequence[Expression],
+        expressions: Sequence[Expression],
+        values: Sequence[Signed],
+    ) -> list[Signed]:
+        """Values of expressions, NaN where not all of `room` is positive.
+
+        The root of a negative number is NaN, and so is its difference from itself.
+        """
+        roots = [self.instructions.call("sqrt", self.written(e)) for e in room]
+        if not roots:
+            return list(values)
+        nothing = self._sum(self.instructions.add(r, (-r[0], r[1])) for r in roots)
+        return [
+            value if e.is_Symbol else self.instructions.add(value, nothing)
+            for e, value in zip(expressions, values, strict=True)
+        ]
 
     # As it is structured --------------------------------------------------------------
 
@@ -234,8 +260,30 @@ class _Translator:
             return self._fraction(expression)
         if expression.is_Pow:
             return self._power(expression)
-        argument = self.written(expression.args[-1])
-        return self.instructions.call(_FUNCTIONS[expression.func], argument)
+        return self._function(expression)
+
+    def _function(self, expression: Expression) -> Signed:
+        if expression is sp.pi:  # as 4 atan(1), which any kind of numbers can do
+            quarter = self.instructions.call("atan", self.instructions.constant(1.0))
+            return self.instructions.mul(self.instructions.constant(4.0), quarter)
+        inside = expression.args[-1]
+        if isinstance(expression, Kept):
+            return self.written(inside)
+        if expression.func is sp.log and inside.as_coeff_Add()[0] == 1:
+            return self._log_near_one(inside - 1)
+        return self.instructions.call(_FUNCTIONS[expression.func], self.written(inside))
+
+    def _log_near_one(self, excess: Expression) -> Signed:
+        """log(1 + y) = log(u) + (y - (u - 1))/u with u = 1 + y in floating point.
+
+        The second term is what rounding takes from u: to first order, all of it.
+        """
+        one, y = self.instructions.constant(1.0), self.written(excess)
+        u = self.instructions.add(one, y)
+        seen = self.instructions.add(u, (-1, one[1]))
+        lost = self.instructions.add(y, (-seen[0], seen[1]))
+        correction = self.instructions.div(lost, u)
+        return self.instructions.add(self.instructions.call("log", u), correction)
 
     def _symbol(self, symbol: Symbol) -> Signed:
         if symbol in self._definitions:
@@ -305,8 +353,9 @@ class _Translator:
             return self._ratio([power])
         if exponent.is_Integer:
             return self.instructions.power(self.written(base), int(exponent))
-        if exponent == sp.Rational(1, 2):
-            return self.instructions.call("sqrt", self.written(base))
+        if (2 * exponent).is_Integer:
+            root = self.instructions.call("sqrt", self.written(base))
+            return self.instructions.power(root, int(2 * exponent))
         return self.written(sp.exp(exponent * sp.log(base), evaluate=False))
 
 

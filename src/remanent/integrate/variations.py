@@ -276,3 +276,9 @@ class _Functions:
     @staticmethod
     def cos(x: _Dual) -> _Dual:
         return x.mapped(x.into.call("cos", x.value), _minus(x.into.call("sin", x.value)))
+
+    @staticmethod
+    def atan(x: _Dual) -> _Dual:
+        one = x.into.constant(1.0)
+        slope = x.into.div(one, x.into.add(one, x.into.mul(x.value, x.value)))
+        return x.mapped(x.into.call("atan", x.value), slope)

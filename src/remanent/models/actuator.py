@@ -6,6 +6,7 @@ import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from dataclasses import replace as replace_fields
+from functools import reduce
 from importlib import import_module
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Final, Self
@@ -189,8 +190,10 @@ class Actuator:
             for prefix, part in self.parts().items()
             for name, rule in part.numeric_rules().items()
         }
-        own = {k: self.rules[name] for name, values in self._own().items() for k in values}
-        return {**own, **nested}
+        return {**self._own_rules(), **nested}
+
+    def _own_rules(self) -> dict[str, Rule]:
+        return {k: self.rules[name] for name, values in self._own().items() for k in values}
 
     def invalid(self, values: Mapping[str, ArrayLike]) -> BoolArray:
         """Where a batch of values of numeric fields breaks a rule.
@@ -201,12 +204,14 @@ class Actuator:
             Arrays by dotted name that broadcast against each other; other names are
             ignored.
         """
-        broken = _checks.broken(self.parameter_rules(), values)
+        wrong = _checks.broken(self._own_rules(), values)
+        for prefix, part in self.parts().items():
+            wrong = wrong | part.invalid(own(values, prefix))
         whole = {**self.parameters(), **values}
         for prefix, shift in self._shifts().items():
             kelvin = [np.asarray(whole[f"{kind}temperature"]) for kind in ("", "reference_")]
-            broken = broken | ~np.asarray(shift.holds(kelvin[0], kelvin[1], own(whole, prefix)))
-        return np.asarray(broken)
+            wrong = wrong | ~np.asarray(shift.holds(kelvin[0], kelvin[1], own(whole, prefix)))
+        return np.asarray(wrong)
 
     def _shifts(self) -> dict[str, Shift]:
         """Every dependence of a viscosity on temperature by its dotted name."""
@@ -216,6 +221,25 @@ class Actuator:
             for name, inner in part.parts().items()
             if isinstance(inner, Shift)
         }
+
+    def reachable(self, values: Mapping[str, ArrayLike], l1: ArrayLike, l2: ArrayLike) -> BoolArray:
+        """Where stretches lie within the limits of the material.
+
+        Parameters
+        ----------
+        values
+            Arrays by dotted name; fields that are missing have the actuator's own value.
+        l1, l2
+            Positive in-plane stretches, arrays that broadcast with those.
+        """
+        first, second = np.asarray(l1, dtype=np.float64), np.asarray(l2, dtype=np.float64)
+        given = {k: np.asarray(v) for k, v in own(values, "material").items()}
+        p = self.material.parameters() | given
+        with np.errstate(all="ignore"):
+            room = self.material.room(first, second, 1.0 / (first * second), p, np)
+            inside = [np.asarray(part > 0.0) for part in room]
+        everywhere = np.ones_like(first * second, dtype=np.bool_)
+        return np.asarray(reduce(np.logical_and, inside, everywhere))
 
     def warn_if_implausible(self, values: Mapping[str, ArrayLike], *, stacklevel: int = 2) -> None:
         """Warn of allowed values, single or in a batch, that look like a mistake."""
@@ -276,6 +300,7 @@ class Actuator:
         remanence: Quantity | None = None,
         temperature: Quantity = "293 K",
         reference_temperature: Quantity = "293 K",
+        own_field: bool = False,
         **parts: Any,
     ) -> Self:
         """An actuator from quantities with units, ``"100 kPa"`` or pint's.
@@ -293,6 +318,9 @@ class Actuator:
             coordinates; P1 pulls along the edge 2 L, with the stress P1/(4 L2 H).
         temperature, reference_temperature
             T and T0.
+        own_field
+            Whether the magnet's field in itself acts too: the magnet then gets the
+            `demagnetisation` that the remanence and the shear modulus imply.
         **parts
             `material`, `dissipation`, `heat`, `magnet`.
 
@@ -319,6 +347,10 @@ class Actuator:
         edges = None
         if half_width is not None:
             edges = (1.0, _units.positive("half_width", half_width, "m") / scales.half_length)
+        if own_field:
+            magnet = parts.get("magnet", Magnet())
+            _checks.require_instance("magnet", magnet, Magnet, "Magnet()")
+            parts["magnet"] = magnet.replace(demagnetisation=scales.demagnetisation)
         return cls(
             c=(thickness / scales.half_length) ** 2,
             temperature=_units.single("temperature", temperature, "K"),

@@ -3,11 +3,13 @@
 Everything follows from the free energy per reference volume over mu,
 Psi = mu(T)/mu W + theta Psi_v + caloric energy + energy in the field, theta = T/T0, and
 theta s' = D - h (theta - theta_env),  s = -dPsi/dtheta  (in units of mu/T0).
+Psi is a sum of products f(theta) e(state), whose entropy is -f' e and whose internal energy
+(f - theta f') e.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -20,6 +22,8 @@ if TYPE_CHECKING:
 
 Expression = Any  # SymPy is not typed
 Symbol = Any
+#: A factor that depends on theta alone, and the energy that it multiplies.
+Term = tuple[Expression, Expression]
 
 
 @dataclass(frozen=True)
@@ -33,8 +37,8 @@ class Warming:
     reference
         Symbol of T0.
     free, free_in_field
-        Free energy, and the part of it that the field makes, of theta and of the load,
-        which stand in it as symbols.
+        Terms of the free energy without the part that the field makes, and that part, which
+        is proportional to the load.
     surroundings
         Temperature of the surroundings over T0.
     conductance
@@ -45,15 +49,15 @@ class Warming:
 
     temperature: Symbol
     reference: Symbol
-    free: Expression
-    free_in_field: Expression
+    free: tuple[Term, ...]
+    free_in_field: Term
     surroundings: Expression
     conductance: Expression
     load_rate: Expression | None
 
     def entropy(self, motion: Motion) -> Expression:
         """s = -dPsi/dtheta."""
-        return -sp.diff(self.free, motion.theta)
+        return self._entropy(motion.theta)
 
     def outflow(self, motion: Motion) -> Expression:
         """Power given to the surroundings, h (theta - theta_env)."""
@@ -63,9 +67,9 @@ class Warming:
         self, rates: Mapping[Symbol, Expression], lost: Expression, motion: Motion
     ) -> dict[Symbol, Expression]:
         """T' from theta s' = D - h (theta - theta_env)."""
-        theta, entropy = motion.theta, motion.natural(self.entropy(motion))
-        elsewhere = along(entropy, self._moving(rates, motion))
-        capacity = sp.simplify(theta * sp.diff(entropy, theta))
+        theta = motion.theta
+        elsewhere = along(self._entropy(theta, motion.natural), self._moving(rates, motion))
+        capacity = sum(-theta * sp.diff(factor, theta, 2) * e for factor, e in self._terms())
         power = lost - self.outflow(motion) - theta * elsewhere
         return {self.temperature: self.reference * power / capacity}
 
@@ -80,16 +84,17 @@ class Warming:
         gain, and the production D/theta + h (theta - theta_env)^2/(theta theta_env).
         """
         theta, around = motion.theta, self.surroundings
-        in_field = self._internal(self.free_in_field, theta)
+        in_field = _internal([self.free_in_field], theta)
+        factor, energy = self.free_in_field
         moving = self._moving(rates, motion)
         moving[theta] = rates[self.temperature] / self.reference
         load_rate = moving.get(motion.load, sp.Integer(0))
         outflow = self.outflow(motion)
         dead = motion.terms[2][1]
-        own = self._internal(self.free - self.free_in_field, theta)
         return {
-            "stored_energy": motion.kinetic + dead + own,
-            "drive_power": sp.diff(self.free, motion.load) * load_rate - along(in_field, moving),
+            "stored_energy": motion.kinetic + dead + _internal(self.free, theta),
+            "drive_power": factor * sp.diff(energy, motion.load) * load_rate
+            - along(in_field, moving),
             "dissipated_power": lost,
             "heat_flow": outflow,
             "entropy": self.entropy(motion),
@@ -98,9 +103,13 @@ class Warming:
             + self.conductance * (theta - around) ** 2 / (theta * around),
         }
 
-    def _internal(self, free: Expression, theta: Symbol) -> Expression:
-        """e = Psi - theta dPsi/dtheta, with the logarithms cancelled."""
-        return sp.expand(free - theta * sp.diff(free, theta))
+    def _terms(self) -> tuple[Term, ...]:
+        return (*self.free, self.free_in_field)
+
+    def _entropy(
+        self, theta: Symbol, written: Callable[[Expression], Expression] = sp.sympify
+    ) -> Expression:
+        return sum(-sp.diff(factor, theta) * written(e) for factor, e in self._terms())
 
     def _moving(
         self, rates: Mapping[Symbol, Expression], motion: Motion
@@ -118,8 +127,8 @@ def warming(
     temperature: Symbol,
     p: Mapping[str, Symbol],
     theta: Symbol,
-    mechanical: Expression,
-    in_field: Expression,
+    mechanical: Sequence[Term],
+    in_field: Term,
     load_rate: Expression | None,
 ) -> Warming:
     """The heat balance of a body whose free energy has these parts.
@@ -133,19 +142,23 @@ def warming(
         ``heat.exchange``, the rate at which the temperature would decay, so that h is
         the latter over the former.
     theta
-        Symbol of T/T0, in which `mechanical` and `in_field` are written.
+        Symbol of T/T0, on which the factors of `mechanical` and `in_field` depend.
     """
     coupling, exchange = p["heat.coupling"], p["heat.exchange"]
-    free = mechanical + in_field + thermal.caloric_energy(theta, coupling, sp)
     return Warming(
         temperature=temperature,
         reference=p["reference_temperature"],
-        free=free,
+        free=(*mechanical, (thermal.caloric_energy(theta, coupling, sp), sp.Integer(1))),
         free_in_field=in_field,
         surroundings=p["temperature"] / p["reference_temperature"],
         conductance=exchange / coupling,
         load_rate=load_rate,
     )
+
+
+def _internal(terms: Sequence[Term], theta: Symbol) -> Expression:
+    """e = Psi - theta dPsi/dtheta, with the logarithms cancelled."""
+    return sum(sp.expand(f - theta * sp.diff(f, theta)) * energy for f, energy in terms)
 
 
 def balances(

@@ -16,6 +16,7 @@ from remanent.models import thermal
 from remanent.models.actuator import Actuator
 from remanent.models.balances import Warming, along, balances, warming
 from remanent.models.drive import Drive
+from remanent.models.kept import Kept
 from remanent.models.viscous import Dissipation, own
 
 Expression = Any  # SymPy is not typed
@@ -52,6 +53,8 @@ class Motion:
         Symbols of the magnetic load and of T/T0.
     definitions
         What symbols stand for that are neither parameters nor states, in order.
+    room
+        What is positive in the states that the material can reach.
     heat
         The heat balance; None where temperature is held.
     """
@@ -69,6 +72,7 @@ class Motion:
     load: Symbol
     theta: Symbol
     definitions: Mapping[Symbol, Expression]
+    room: tuple[Expression, ...] = ()
     heat: Warming | None = None
 
     @property
@@ -92,9 +96,17 @@ class Motion:
         """The same energy with no negative powers of in-plane stretches, by l1 l2 x = 1.
 
         Energies are written so that they keep their digits near rest; their derivatives
-        are short and keep theirs everywhere in this form: l1^2 + l2^2 + x^2 - 3.
+        are short and keep theirs everywhere in this form: l1^2 + l2^2 + x^2 - 3.  What is
+        kept stays as it is written.
         """
-        return _natural(self.explicit(energy), self.coordinates, self.thickness)
+        if isinstance(energy, Kept):
+            return energy
+        if energy.has(sp.Function):
+            return energy.func(*map(self.natural, energy.args))
+        q, x = self.coordinates, self.thickness
+        factor, rest = energy.as_independent(*q, x, as_Add=False)
+        terms = sp.Add.make_args(sp.expand(self.explicit(rest)))
+        return factor * sum(_by_thickness(term, q, x) for term in terms)
 
 
 @dataclass(frozen=True)
@@ -114,6 +126,8 @@ class System:
         The thickness stretch, its rate, its acceleration, and the rate's sign.
     observables
         Further quantities by name.
+    room
+        What is positive in the states that the material can reach.
     """
 
     state: tuple[Symbol, ...]
@@ -121,6 +135,7 @@ class System:
     rates: tuple[Expression, ...]
     watched: tuple[Expression, ...]
     observables: Mapping[str, Expression]
+    room: tuple[Expression, ...] = ()
 
 
 def derive(actuator: Actuator, drive: Drive) -> System:
@@ -136,7 +151,8 @@ def motion(actuator: Actuator, drive: Drive | None) -> Motion:
 
     Equations, per 8 H L1 L2 mu (paper, equations 1 to 9), l3 = 1/(l1 l2):
     T = (w1 l1'^2 + w2 l2'^2 + c l3'^2)/6,  w_i = (L_i/L)^2, here 1 where edges are equal,
-    U = mu(T)/mu W(l1, l2, l3) - m l3 - S1 (l1 - 1) - S2 (l2 - 1) + viscous energy.
+    U = mu(T)/mu W(l1, l2, l3) - m l3 - S1 (l1 - 1) - S2 (l2 - 1) + viscous energy
+    + the magnet's energy in its own field.
     """
     p = {name: parameter(name) for name in actuator.parameters()}
     q, v = coordinate_symbols(actuator.coordinates)
@@ -148,9 +164,18 @@ def motion(actuator: Actuator, drive: Drive | None) -> Motion:
         for i, part in enumerate(actuator.elements())
     ]
     strain = actuator.material.energy(*pair, x, own(p, "material"), sp)
+    strain = Kept(strain) if actuator.material.kept else strain
     magnetic = actuator.magnet.energy(effective, x)
+    edges = (*_edges(actuator, p), sp.sqrt(p["c"]))
+    own_field = actuator.magnet.self_energy((*pair, x), edges, own(p, "magnet"), sp)
     dead = sum(s * (stretch - 1) for s, stretch in zip(_pair(p, "prestress"), pair, strict=True))
-    terms = ((stiffness, strain), (1, magnetic), (1, -dead), *((theta, e.stored) for e in viscous))
+    terms = (
+        (stiffness, strain),
+        (1, magnetic),
+        (1, -dead),
+        (_remanence(actuator, p) ** 2, Kept(own_field)),
+        *((theta, e.stored) for e in viscous),
+    )
     geometry = {
         AREA: pair[0] * pair[1],
         x: 1 / AREA,
@@ -170,6 +195,7 @@ def motion(actuator: Actuator, drive: Drive | None) -> Motion:
         load=load,
         theta=theta,
         definitions=_definitions(actuator, drive, p) | geometry,
+        room=tuple(actuator.material.room(*pair, x, own(p, "material"), sp)),
         heat=_heat(actuator, drive, p, terms),
     )
 
@@ -199,6 +225,7 @@ def first_order(motion: Motion) -> System:
             "load": motion.load,
             **balances(motion, rates, lost),
         },
+        room=motion.room,
     )
 
 
@@ -269,17 +296,15 @@ def _force(motion: Motion, stretch: Symbol) -> Expression:
     return sum(factor * sp.diff(motion.natural(energy), stretch) for factor, energy in motion.terms)
 
 
-def _natural(e: Expression, q: Sequence[Symbol], x: Symbol) -> Expression:
-    if e.is_rational_function(*q):
-        terms = sp.Add.make_args(sp.expand(sp.cancel(e)))
-        return sum(_by_thickness(term, q, x) for term in terms)
-    return e.func(*(_natural(argument, q, x) for argument in e.args))
-
-
 def _by_thickness(term: Expression, q: Sequence[Symbol], x: Symbol) -> Expression:
+    """A product of powers; the negative powers of coordinates are those of the thickness."""
     powers = term.as_powers_dict()
     each = 2 // len(q)  # powers of a coordinate in the area
-    k = max(0, *(sp.ceiling(-powers.get(symbol, 0) / each) for symbol in q))
+    below = {sp.sympify(-powers.get(symbol, 0)) / each for symbol in q}
+    if all(power.is_number for power in below):
+        k = max(0, *map(sp.ceiling, below))
+    else:  # powers in symbols, which stand for positive numbers here
+        k = 0 if len(below) > 1 or min(below).could_extract_minus_sign() else min(below)
     return term * sp.Mul(*(symbol ** (each * k) for symbol in q)) * x**k
 
 
@@ -378,34 +403,40 @@ def _definitions(
     theta, stiffness, load, effective = _LOAD_SYMBOLS
     temperature, reference = body_temperature(actuator), p["reference_temperature"]
     fraction = p["material.entropic_fraction"]
-    remanence = actuator.magnet.remanence(temperature, reference, own(p, "magnet"))
     meanings = {
         theta: temperature / reference,
         stiffness: thermal.stiffness(theta, fraction),
         load: None if drive is None else in_symbols(drive.load, drive),
-        effective: remanence * load,
+        effective: _remanence(actuator, p) * load,
     }
     return {symbol: e for symbol, e in meanings.items() if e is not None}
+
+
+def _remanence(actuator: Actuator, p: Mapping[str, Symbol]) -> Expression:
+    """B_r(T)/B_r(T0)."""
+    temperature, reference = body_temperature(actuator), p["reference_temperature"]
+    return actuator.magnet.remanence(temperature, reference, own(p, "magnet"))
 
 
 def _heat(
     actuator: Actuator, drive: Drive | None, p: Mapping[str, Symbol], terms: Sequence[Any]
 ) -> Warming | None:
-    """The heat balance: the energies above in terms of theta and of the load itself."""
+    """The heat balance: factors of the energies above in terms of theta, and the load itself."""
     if actuator.heat is None:
         return None
-    theta, _, load, effective = _LOAD_SYMBOLS
-    reference = p["reference_temperature"]
-    remanence = actuator.magnet.remanence(theta * reference, reference, own(p, "magnet"))
-    (_, strain), (_, magnetic), _, *viscous = terms
-    fraction = p["material.entropic_fraction"]
-    elastic = thermal.stiffness(theta, fraction) * strain
+    theta, stiffness, load, effective = _LOAD_SYMBOLS
+    fraction, temperature = p["material.entropic_fraction"], body_temperature(actuator)
+    of_theta = {
+        stiffness: thermal.stiffness(theta, fraction),
+        temperature: theta * p["reference_temperature"],
+    }
+    strain, (_, magnetic), _, *others = terms
     return warming(
-        temperature=body_temperature(actuator),
+        temperature=temperature,
         p=p,
         theta=theta,
-        mechanical=elastic + sum(factor * energy for factor, energy in viscous),
-        in_field=magnetic.subs(effective, remanence * load),
+        mechanical=[(factor.subs(of_theta), energy) for factor, energy in (strain, *others)],
+        in_field=(_remanence(actuator, p).subs(of_theta), magnetic.subs(effective, load)),
         load_rate=None if drive is None else in_symbols(drive.rate, drive),
     )
 
@@ -430,11 +461,12 @@ def _pair(p: Mapping[str, Symbol], name: str) -> tuple[Symbol, Symbol]:
     return (p[name], p[name]) if name in p else (p[f"{name}_1"], p[f"{name}_2"])
 
 
+def _edges(actuator: Actuator, p: Mapping[str, Symbol]) -> tuple[Expression, Expression]:
+    """L1/L and L2/L."""
+    return (sp.Integer(1), sp.Integer(1)) if actuator.edges is None else _pair(p, "edges")
+
+
 def _weights(actuator: Actuator, p: Mapping[str, Symbol]) -> tuple[Expression, ...]:
     """Of the coordinates in the kinetic energy: (L_i/L)^2, 1 where edges are equal."""
-    if actuator.coordinates == 1:
-        return (sp.Integer(2),)
-    if actuator.edges is None:
-        return (sp.Integer(1), sp.Integer(1))
-    one, two = _pair(p, "edges")
-    return one**2, two**2
+    one, two = _edges(actuator, p)
+    return (one**2, two**2) if actuator.coordinates == 2 else (one**2 + two**2,)

@@ -8,6 +8,8 @@ from dataclasses import replace as replace_fields
 from types import MappingProxyType
 from typing import Any, ClassVar, Self
 
+import numpy as np
+
 from remanent import _checks
 from remanent._checks import Rule
 from remanent._typing import ArrayLike, BoolArray
@@ -22,22 +24,27 @@ class Part:
 
     A subclass is a frozen dataclass.  Its numeric fields, those that ``over`` and
     continuation may vary, are the keys of :attr:`rules`, the entries of
-    :attr:`tables`, and the numeric fields of the parts in :attr:`nested`.  Fields that
-    decide the form of the equations are named in :attr:`choices`.
+    :attr:`tables`, the names in :attr:`mappings`, and the numeric fields of the parts in
+    :attr:`nested`.  Fields that decide the form of the equations are named in
+    :attr:`choices`.
     """
 
-    #: The rule of each numeric field.
+    #: The rule of each numeric field.  One that is None, where that is
+    #: the default, is left out of the equations.
     rules: ClassVar[Mapping[str, Rule]] = MappingProxyType({})
     #: The rule of the entries of each table of numbers, whose entries are numeric fields
     #: too, ``name.0``, ``name.1`` ...; the form of the equations depends on their count.
     tables: ClassVar[Mapping[str, Rule]] = MappingProxyType({})
+    #: The rule of the values of each mapping of names to numbers, which are numeric fields
+    #: under these names; it is kept as a tuple of pairs.
+    mappings: ClassVar[Mapping[str, Rule]] = MappingProxyType({})
     #: Names of the fields on which the form of the equations depends.
     choices: ClassVar[tuple[str, ...]] = ()
     #: The kind of each field that holds another part, or None; see :meth:`parts`.
     nested: ClassVar[Mapping[str, type[Part]]] = MappingProxyType({})
 
     def __post_init__(self) -> None:
-        for name, rule in self.rules.items():
+        for name, rule in self._single_rules().items():
             number = _checks.require_real(name, getattr(self, name), rule)
             object.__setattr__(self, name, number)
         for name, rule in self.tables.items():
@@ -45,11 +52,16 @@ class Part:
             for i, number in enumerate(numbers):
                 _checks.require_real(f"{name}.{i}", number, rule)
             object.__setattr__(self, name, numbers)
+        for name, rule in self.mappings.items():
+            pairs = _checks.require_named_numbers(name, getattr(self, name), rule)
+            object.__setattr__(self, name, pairs)
         for name, value in self.checked_options().items():
             object.__setattr__(self, name, value)
         for name, kind in self.nested.items():
             if getattr(self, name) is not None:
                 _checks.require_instance(name, getattr(self, name), kind, f"a {kind.__name__}")
+        for name, (value, rule) in self._derived({}).items():
+            _checks.require_real(name, float(value), rule)
 
     def checked_options(self) -> Mapping[str, Any]:
         """Normalised values of fields that are not plain numbers; raises `InputError`."""
@@ -59,6 +71,13 @@ class Part:
         """The parts within this one, by the names of their fields."""
         found = {name: getattr(self, name) for name in self.nested}
         return {name: part for name, part in found.items() if part is not None}
+
+    def derived(self, p: Mapping[str, Any]) -> Mapping[str, tuple[Any, Rule]]:
+        """Numbers that follow from several numeric fields, by name, each with its rule.
+
+        `p` holds values of all numeric fields, single or in arrays.
+        """
+        return {}
 
     def parameters(self) -> dict[str, float]:
         """Value of every numeric field, by name, in the order of definition."""
@@ -72,7 +91,9 @@ class Part:
             for name, part in self.parts().items()
             for field, value in part.parameters().items()
         }
-        return {name: float(getattr(self, name)) for name in self.rules} | entries | inner
+        single = {name: float(getattr(self, name)) for name in self._single_rules()}
+        named = {k: v for pairs in self._pairs().values() for k, v in pairs}
+        return single | entries | named | inner
 
     def numeric_rules(self) -> dict[str, Rule]:
         """Rule of every numeric field, by name."""
@@ -81,20 +102,27 @@ class Part:
             for name, rule in self.tables.items()
             for i in range(len(getattr(self, name)))
         }
+        named = {k: self.mappings[name] for name, pairs in self._pairs().items() for k, _ in pairs}
         inner = {
             f"{name}.{field}": rule
             for name, part in self.parts().items()
             for field, rule in part.numeric_rules().items()
         }
-        return {**self.rules, **entries, **inner}
+        return self._single_rules() | entries | named | inner
 
     def structure(self) -> Structure:
-        """What identifies the equations of this part: its class, choices, lengths of tables."""
+        """What identifies the equations of this part.
+
+        Its class, choices, lengths of tables, names in mappings, fields that are left out.
+        """
         kind = type(self)
         chosen = (getattr(self, name) for name in self.choices)
         lengths = (len(getattr(self, name)) for name in self.tables)
+        names = (tuple(k for k, _ in pairs) for pairs in self._pairs().values())
+        missing = filter(self._left_out, self.rules)
         inner = ((name, part.structure()) for name, part in self.parts().items())
-        return (f"{kind.__module__}:{kind.__qualname__}", *chosen, *lengths, *inner)
+        form = (*chosen, *lengths, *names, *missing, *inner)
+        return (f"{kind.__module__}:{kind.__qualname__}", *form)
 
     def replace(self, **changes: Any) -> Self:
         """A copy with some fields changed; unknown fields raise `InputError`."""
@@ -103,16 +131,44 @@ class Part:
         _checks.require_known(changes, [*known, *entries], type(self).__name__)
         whole = {name: value for name, value in changes.items() if name not in entries}
         for name in changes.keys() - whole.keys():
-            table, _, i = name.partition(".")
-            if table in self.nested:
-                part = whole.get(table, getattr(self, table))
-                whole[table] = part.replace(**{i: changes[name]})
-                continue
-            number = _checks.require_real(name, changes[name], self.tables[table])
-            row = list(whole.get(table, getattr(self, table)))
-            whole[table] = [*row[: int(i)], number, *row[int(i) + 1 :]]
+            number = _checks.require_real(name, changes[name], self.numeric_rules()[name])
+            owner, new = self._with_entry(name, number, whole)
+            whole[owner] = new
         return replace_fields(self, **whole)
 
     def invalid(self, values: Mapping[str, ArrayLike]) -> BoolArray:
         """Where a batch of values of the numeric fields breaks a rule."""
-        return _checks.broken(self.numeric_rules(), values)
+        wrong = _checks.broken(self.numeric_rules(), values)
+        for value, rule in self._derived(values).values():
+            wrong = wrong | ~rule.satisfied(value)
+        return np.asarray(wrong)
+
+    def _derived(self, values: Mapping[str, ArrayLike]) -> Mapping[str, tuple[Any, Rule]]:
+        """The derived numbers, of `values` where these have a field, else of its own value."""
+        p = {
+            k: np.asarray(values.get(k, v), dtype=np.float64) for k, v in self.parameters().items()
+        }
+        with np.errstate(all="ignore"):
+            return self.derived(p)
+
+    def _single_rules(self) -> dict[str, Rule]:
+        return {name: rule for name, rule in self.rules.items() if not self._left_out(name)}
+
+    def _left_out(self, name: str) -> bool:
+        return getattr(self, name) is None and getattr(type(self), name, 0) is None
+
+    def _pairs(self) -> dict[str, tuple[tuple[str, float], ...]]:
+        return {name: getattr(self, name) for name in self.mappings}
+
+    def _with_entry(self, name: str, number: float, whole: Mapping[str, Any]) -> tuple[str, Any]:
+        """The table, mapping or part that holds an entry, and its value with it changed."""
+        for owner, pairs in self._pairs().items():
+            if name in dict(pairs):
+                changed = {**dict(whole.get(owner, pairs)), name: number}
+                return owner, tuple(changed.items())
+        table, _, i = name.partition(".")
+        held = whole.get(table, getattr(self, table))
+        if table in self.nested:
+            return table, held.replace(**{i: number})
+        row = list(held)
+        return table, (*row[: int(i)], number, *row[int(i) + 1 :])

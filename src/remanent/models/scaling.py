@@ -70,6 +70,19 @@ class Scales:
             )
         return self.shear_modulus * MU0 / self.remanence
 
+    @property
+    def demagnetisation(self) -> float:
+        """Strength of the magnet's field in itself, B_r^2/(mu mu0)."""
+        if self.remanence is None:
+            raise InputError(
+                "remanence",
+                "be given to know the magnet's own field",
+                None,
+                "Its strength is B_r^2/(mu mu0).",
+                'Pass remanence="143 mT" to Actuator.from_si.',
+            )
+        return self.remanence**2 / (self.shear_modulus * MU0)
+
     def factors(self) -> dict[str, float]:
         """SI units in one dimensionless unit, by the names that results carry.
 

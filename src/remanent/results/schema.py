@@ -220,6 +220,9 @@ _ROWS = (
     Variable("turning_lower", "1", "lower turning point", r"\lambda_3^-"),
     Variable("turning_upper", "1", "upper turning point", r"\lambda_3^+"),
     Variable("equilibrium", "1", "number of the equilibrium", r"k"),
+    Variable("fold", "1", "number of the fold", r"j"),
+    Variable("snap", "1", "number of the threshold", r"j"),
+    Variable("snap_direction", "1", "direction in which the motion passes", r"\pm", ("snap",)),
     Variable(
         "equilibrium_stretch",
         "1",
@@ -366,6 +369,12 @@ _ROWS = (
         "temperature coefficient of the remanence",
         r"\alpha",
     ),
+    Variable(
+        "magnet.demagnetisation", "1", "strength of the magnet's own field", r"B_r^2/\mu\mu_0"
+    ),
+    Variable("material.c1", "1", "constant of the first invariant", r"c_1"),
+    Variable("material.c2", "1", "constant of the second invariant", r"c_2"),
+    Variable("material.locking_stretch", "1", "locking stretch of a chain", r"\lambda_m"),
     Variable("material.jm", "1", "limiting value of the first invariant", r"J_m"),
     Variable("material.entropic_fraction", "1", "entropic fraction", r"f"),
     Variable("heat.coupling", "1", "thermoelastic coupling", r"k"),
@@ -380,6 +389,11 @@ _ROWS = (
 #: Every row by name.
 TABLE: Mapping[str, Variable] = MappingProxyType({row.name: row for row in _ROWS})
 
+#: Dimensions of points at which other rows have a value, ``fold_m`` for example.
+_PLACES: Mapping[str, str] = MappingProxyType(
+    {"special": "special point", "fold": "fold", "snap": "dynamic threshold"}
+)
+
 #: Variables whose values are numbered meanings, with the meanings in order of code from 0.
 FLAGS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {"status": tuple(code.meaning for code in sorted(Status))}
@@ -392,7 +406,8 @@ def describe(name: str) -> Variable:
     Besides the rows themselves, the table describes by rule:
 
     * ``initial.<state>``, the initial value of a state variable;
-    * ``special_<name>``, a row at a special point of a branch;
+    * ``special_<name>``, ``fold_<name>``, ``snap_<name>``, a row at a special point of a
+      branch, at a fold of equilibria, at the dynamic threshold of a snap;
     * ``dissipation.0.eta`` and the like, the row without the number;
     * ``<name>_error``, the estimated error of a row, in the same unit;
     * any other dotted name, a dimensionless field of the user's own part.
@@ -457,12 +472,12 @@ def _initial(name: str) -> Variable | None:
 
 
 def _special(name: str) -> Variable | None:
-    base = name.removeprefix("special_")
-    if base == name:
+    prefix, _, base = name.partition("_")
+    if not base or prefix not in _PLACES:
         return None
     row = describe(base)
     return replace(
-        row, name=name, long_name=f"{row.long_name} at the special point", dims=("special",)
+        row, name=name, long_name=f"{row.long_name} at the {_PLACES[prefix]}", dims=(prefix,)
     )
 
 

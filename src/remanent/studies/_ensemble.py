@@ -26,7 +26,9 @@ Over = Mapping[str, ArrayLike | xr.DataArray]
 #: Largest stretch and rate, and inverse of the smallest stretch, to start from.
 FARTHEST = 1e6
 #: Names of dimensions that results have of their own.
-_RESERVED = frozenset({"time", "cycle", "period", "crossing", "equilibrium", "thickness_stretch"})
+_RESERVED = frozenset(
+    {"time", "cycle", "period", "crossing", "equilibrium", "thickness_stretch", "fold", "snap"}
+)
 #: Trajectories that are worked on together where their results are all that is kept.
 _SLAB = 2**16
 #: Bytes that a trajectory costs while it is computed, beside its samples.
@@ -142,7 +144,8 @@ def ensemble(
     if periods is not None:
         wrong = wrong | ~np.isfinite(periods)
     if not sizes and wrong.any():
-        _refuse(start[0], field, drive, periods)
+        _refuse(start, field, drive, periods)
+        _refuse_beyond(actuator, values, start, field)
     return Ensemble(actuator, drive, field, sizes, dict(arrays), values, start, wrong)
 
 
@@ -366,6 +369,13 @@ def _stretches(field: Field) -> list[int]:
     return [k for k, name in enumerate(field.state) if not name.endswith("_rate")]
 
 
+def _in_plane(start: FloatArray, field: Field) -> tuple[FloatArray, FloatArray]:
+    """The two in-plane stretches of states, the same array twice for one coordinate."""
+    names = ("stretch", "stretch_1", "stretch_2")
+    columns = [k for k, name in enumerate(field.state) if name in names]
+    return start[:, columns[0]], start[:, columns[-1]]
+
+
 def _invalid(
     actuator: Actuator,
     drive: Drive,
@@ -374,12 +384,14 @@ def _invalid(
     field: Field,
 ) -> BoolArray:
     broken = actuator.invalid(values) | drive.invalid(values)
+    beyond = ~actuator.reachable(values, *_in_plane(start, field))
     bad_state = ~(np.abs(start) <= FARTHEST).all(axis=1)
     bad_state |= ~(start[:, _stretches(field)] >= 1.0 / FARTHEST).all(axis=1)
-    return np.asarray(np.broadcast_to(broken, bad_state.shape) | bad_state)
+    return np.asarray(np.broadcast_to(broken, bad_state.shape) | bad_state | beyond)
 
 
-def _refuse(start: FloatArray, field: Field, drive: Drive, periods: FloatArray | None) -> None:
+def _refuse(states: FloatArray, field: Field, drive: Drive, periods: FloatArray | None) -> None:
+    start = states[0]
     if periods is not None and not np.isfinite(periods).all():
         raise InputError(
             "drive",
@@ -397,6 +409,8 @@ def _refuse(start: FloatArray, field: Field, drive: Drive, periods: FloatArray |
                 "Stretches are ratios of lengths, temperatures are absolute.",
                 "Pass 1 for the undeformed block.",
             )
+    if (np.abs(start) <= FARTHEST).all() and min(start[_stretches(field)]) >= 1.0 / FARTHEST:
+        return
     raise InputError(
         "initial",
         f"have stretches from {1.0 / FARTHEST:g} to {FARTHEST:g} and rates up to {FARTHEST:g}",
@@ -404,3 +418,16 @@ def _refuse(start: FloatArray, field: Field, drive: Drive, periods: FloatArray |
         "No actuator gets beyond them, and formulas with high powers lose their digits there.",
         "Pass (1, 0) for rest.",
     )
+
+
+def _refuse_beyond(
+    actuator: Actuator, values: Mapping[str, FloatArray], start: FloatArray, field: Field
+) -> None:
+    if not actuator.reachable(values, *_in_plane(start, field)).all():
+        raise InputError(
+            "initial",
+            "be a state that the material can reach",
+            start[0].tolist(),
+            f"It lies beyond the limiting chain extension of {actuator.material!r}.",
+            "Start nearer to (1, 0), or raise the limit.",
+        )

@@ -15,12 +15,12 @@ from remanent.models.actuator import Actuator
 from remanent.models.drives import Constant
 from remanent.results import build, provenance
 from remanent.results.build import Labelled
+from remanent.studies._at_rest import AtRest
 from remanent.studies._ensemble import Ensemble, Over, ensemble
-from remanent.studies._rest import AtRest, in_plane
+from remanent.studies._folds import folds
+from remanent.studies._in_plane import in_plane
 from remanent.studies._symmetric import two_coordinates
 
-#: Stretches between which equilibria are sought, and how finely.
-STRETCHES = np.geomspace(0.05, 20.0, 4001)
 #: Thickness stretches at which the potential is tabulated, around equilibria and rest.
 _POINTS = 401
 
@@ -35,7 +35,8 @@ def equilibria(actuator: Actuator, m: float = 0.0, *, over: Over | None = None) 
     m
         Magnetic load, dimensionless.
     over
-        Values of numeric fields (``m`` among them); they become dimensions.
+        Values of numeric fields (``m`` among them); they become dimensions.  Along the
+        first of them, between its least and largest value, folds are located.
 
     Returns
     -------
@@ -48,28 +49,38 @@ def equilibria(actuator: Actuator, m: float = 0.0, *, over: Over | None = None) 
         stretches do not stay equal.
         ``potential`` against ``thickness_stretch`` is the potential energy per
         reference volume over mu, ``level`` that of rest, whose motion runs between
-        ``turning_lower`` and ``turning_upper``.  With two coordinates: ``stretch_1``,
-        ``stretch_2``, ordered by the first, and ``natural_frequency`` along ``mode`` too;
-        no table of the potential.
+        ``turning_lower`` and ``turning_upper``.  With `over`, along ``fold``, the values
+        of its first field at which two equilibria meet, ``fold_m`` for example, and the
+        ``fold_stretch`` and ``fold_thickness_stretch`` there.  With two coordinates:
+        ``stretch_1``, ``stretch_2``, ordered by the first, and ``natural_frequency`` along
+        ``mode`` too; no folds and no table of the potential.
 
     Notes
     -----
-    Sign changes of the force on 4001 stretches from 0.05 to 20, refined to round-off;
+    Sign changes of the force on 4001 stretches from 0.05 to 20, or between the limits of the
+    material where these are nearer, refined to round-off;
     the natural frequency is √(−∂λ''/∂λ) at rest, by a complex step.  Without dissipation
-    ω_a² = 3[θ(1 + λ⁻⁶) − mλ⁻⁴].  With two coordinates Newton's method starts from 24 × 24
-    pairs of stretches from 0.1 to 10: an equilibrium that none of them leads to is missed.
+    ω_a² of a neo-Hookean solid is 3[θ(1 + λ⁻⁶) − mλ⁻⁴].  At a fold the parameter
+    that balances the force, as a function of the stretch, has an extremum: a sign change of
+    ∂f/∂λ along it.  One value of the parameter is found for each stretch, which is all there
+    is for loads, prestress and temperature, in which the force is linear.  With two
+    coordinates Newton's method starts from 24 × 24 pairs of stretches from 0.1 to 10: an
+    equilibrium that none of them leads to is missed.
 
     Examples
     --------
     >>> import remanent as rm
     >>> rm.equilibria(rm.Actuator(), 0.16).equilibrium_stretch.values.round(4).tolist()
     [1.0563]
+    >>> curve = rm.equilibria(rm.Actuator(prestress=2.2), over={"m": np.linspace(1, 4, 31)})
+    >>> curve.fold_m.values.round(4).tolist()
+    [2.1777, 2.8483]
     """
     ens = ensemble(actuator, Constant(m), over)
     if actuator.coordinates == 2:
         return in_plane(ens)
     at_rest = AtRest(ens)
-    found = zeros(at_rest.force, ens.count, STRETCHES)
+    found = zeros(at_rest.force, ens.count, at_rest.grid)
     found[ens.invalid] = np.nan
     case = np.repeat(np.arange(ens.count), found.shape[1]).reshape(found.shape)
     stiffness = -slope(at_rest.force, case, found)
@@ -88,10 +99,12 @@ def equilibria(actuator: Actuator, m: float = 0.0, *, over: Over | None = None) 
     variables: dict[str, Labelled] = {k: (dims, ens.shaped(v)) for k, v in along.items()}
     status = np.where(ens.invalid, Status.INVALID, Status.OK).astype(np.int8)
     variables["status"] = (ens.dims, ens.shaped(status))
+    variables |= folds(at_rest)
     variables |= _landscape(ens, at_rest, along["equilibrium_stretch"])
     thickness = variables.pop("thickness_stretch")
     coords: dict[str, Labelled] = {
         **ens.coords,
+        **({"fold": variables.pop("fold")} if "fold" in variables else {}),
         "equilibrium": (("equilibrium",), np.arange(found.shape[1])),
         "thickness_stretch": thickness,
     }
@@ -133,7 +146,7 @@ def _turning_points(ens: Ensemble, at_rest: AtRest, level: FloatArray) -> FloatA
     case = np.arange(ens.count)
     rest = np.ones(ens.count)
     crossings = zeros(
-        lambda i, x: at_rest.potential(i, x) - level[i], ens.count, STRETCHES * (1.0 + 1e-9)
+        lambda i, x: at_rest.potential(i, x) - level[i], ens.count, at_rest.grid * (1.0 - 1e-9)
     )
     push = np.sign(at_rest.force(case, rest))[:, None]
     ahead = np.where((crossings - 1.0) * push > 1e-8, np.abs(crossings - 1.0), np.inf)

@@ -1,77 +1,25 @@
-"""Actuators at rest: forces on the stretches, and equilibria of two of them."""
+"""Equilibria of two in-plane stretches."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from remanent._field import Program
 from remanent._typing import FloatArray, IntArray
 from remanent.analysis.maps import Mapped
 from remanent.analysis.orbits import distinct, newton
 from remanent.integrate.status import Status
 from remanent.results import build, provenance
 from remanent.results.build import Labelled
-from remanent.studies._ensemble import Ensemble, at_rest
+from remanent.studies._at_rest import AtRest
+from remanent.studies._ensemble import Ensemble
 
 #: Stretches from which equilibria of two coordinates are sought, and how many.
 _STRETCHES = np.geomspace(0.1, 10.0, 24)
 #: Largest acceleration, relative to the loads', of what counts as an equilibrium.
 _STILL = 1e-12
-
-
-@dataclass(frozen=True)
-class AtRest:
-    """The field of an ensemble at zero rates, branches relaxed, at the surroundings' temperature.
-
-    Stretches are given for each coordinate, arrays (point,); differences of stretches
-    that the state holds as well are 1.
-    """
-
-    ens: Ensemble
-
-    def force(self, case: IntArray, *stretches: FloatArray) -> FloatArray:
-        """Acceleration of the first coordinate."""
-        return np.asarray(self.accelerations(case, *stretches)[0])
-
-    def accelerations(self, case: IntArray, *stretches: Any) -> list[Any]:
-        """Acceleration of each coordinate."""
-        rates = self.run(self.ens.field.rates, case, *stretches)
-        return [r for r, n in zip(rates, self.ens.field.state, strict=True) if _is_speed(n)]
-
-    def thickness(self, case: IntArray, *stretches: FloatArray) -> FloatArray:
-        (found,) = self.run(self.ens.field.observables["thickness_stretch"], case, *stretches)
-        return np.asarray(found)
-
-    def potential(self, case: IntArray, *stretches: FloatArray) -> FloatArray:
-        (found,) = self.run(self.ens.field.observables["energy"], case, *stretches)
-        return np.asarray(found)
-
-    def run(self, program: Program, case: IntArray, *stretches: Any) -> list[Any]:
-        """Outputs of a program of the field, each an array (point,)."""
-        values = {name: column[case] for name, column in self.ens.values.items()}
-        state = [self._value(name, stretches, values) for name in self.ens.field.state]
-        columns = [values[name] for name in self.ens.field.parameters]
-        with np.errstate(all="ignore"):
-            found = program([0.0, *state, *columns], functions=np)
-        return [np.broadcast_to(value, np.shape(stretches[0])) for value in found]
-
-    def _value(self, name: str, stretches: Sequence[Any], values: dict[str, FloatArray]) -> Any:
-        if name.startswith("parting."):
-            return np.full(np.shape(stretches[0]), 0.0 if name.endswith("_rate") else 1.0)
-        if name.endswith("_rate"):
-            return 0.0 * stretches[0]
-        if "stretch" not in name:
-            return at_rest(name, values)
-        return stretches[-1] if name.endswith("_2") else stretches[0]
-
-
-def _is_speed(name: str) -> bool:
-    return name.startswith("stretch") and name.endswith("_rate")
 
 
 def in_plane(ens: Ensemble) -> xr.Dataset:

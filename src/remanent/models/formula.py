@@ -1,0 +1,291 @@
+"""A formula that somebody wrote, read without running any of it.
+
+Python's own parser turns the text into a tree; nothing of the tree is ever executed.  Only
+numbers, names, arithmetic, powers and a few functions of one argument are let through, of
+bounded size, and their values are worked out by walking the tree.
+"""
+
+from __future__ import annotations
+
+import ast
+import operator
+import re
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import lru_cache
+from types import MappingProxyType
+from typing import Any, Final
+
+import numpy as np
+
+from remanent._errors import InputError
+
+#: Functions of one argument.
+FUNCTIONS: Final = ("sqrt", "exp", "log", "sin", "cos")
+#: A name with a value of its own.
+PI: Final = "pi"
+#: Largest formula: characters, nodes of the tree, its depth, and the product of whole
+#: exponents that stand upon each other.
+CHARACTERS, NODES, DEPTH, DEGREE = 2000, 500, 60, 64
+
+_ALLOWED: Final = re.compile(r"[A-Za-z0-9_+*/(). \t\n-]*")
+_OPERATORS: Final[Mapping[type, Callable[[Any, Any], Any]]] = MappingProxyType(
+    {
+        ast.Add: operator.add,
+        ast.Sub: operator.sub,
+        ast.Mult: operator.mul,
+        ast.Div: operator.truediv,
+    }
+)
+_REMEDY: Final = (
+    "Write for example 'a*(I1 - 3) + b*log(I1/3)', with ** for powers and "
+    f"{', '.join(FUNCTIONS)} for functions."
+)
+
+
+@dataclass(frozen=True)
+class Formula:
+    """A formula in names.
+
+    Attributes
+    ----------
+    text
+        As it was understood; parsing it again gives the same formula.
+    names
+        Names of the variables in it.
+    """
+
+    text: str
+    names: frozenset[str]
+    _tree: ast.expr
+
+    def __call__(self, values: Mapping[str, Any], fn: Any) -> Any:
+        """The value for numbers of any kind.
+
+        Parameters
+        ----------
+        values
+            A value for every name.
+        fn
+            Where functions are found: the module numpy or sympy, for example.
+        """
+        return _value(self._tree, values, fn)
+
+    def sensitive(self, variables: frozenset[str], positive: frozenset[str]) -> list[Formula]:
+        """Parts whose sign must not change: of logarithms, roots, powers, denominators.
+
+        Only those in which one of `variables` occurs, and which are not sums and products of
+        `positive` names and numbers, positive by themselves.
+        """
+        found = {ast.unparse(node): node for node in _sensitive(self._tree)}
+        return [
+            Formula(text, _names(node), node)
+            for text, node in found.items()
+            if _names(node) & variables and not _is_positive(node, positive)
+        ]
+
+
+@lru_cache(maxsize=256)
+def parse(text: str, name: str = "expression") -> Formula:
+    """Read a formula.
+
+    Parameters
+    ----------
+    text
+        Python's notation for arithmetic: ``+ - * / **``, parentheses, the functions of
+        :data:`FUNCTIONS`, numbers, ``pi``, and names.
+    name
+        Of the argument, for messages.
+
+    Raises
+    ------
+    InputError
+        If it is anything else, or too large.
+
+    Examples
+    --------
+    >>> import math
+    >>> float(parse("a*x**2 + sqrt(x)")({"a": 0.5, "x": 4.0}, math))
+    10.0
+    """
+    if len(text) > CHARACTERS:
+        raise _refusal(name, f"have at most {CHARACTERS} characters", f"{len(text)} of them")
+    if not _ALLOWED.fullmatch(text):
+        raise _refusal(name, "hold letters, digits and + - * / ( ) . only", _short(text))
+    try:
+        tree = ast.parse(" ".join(text.split()), mode="eval").body
+    except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
+        raise _refusal(name, "be a formula", _short(text)) from error
+    _require_size(name, tree)
+    for node, _ in _walk(tree):
+        _require_allowed(name, node)
+    if _degree(tree) > DEGREE:
+        raise _refusal(name, f"have powers up to {DEGREE}, also of powers", _short(text))
+    return Formula(ast.unparse(tree), _names(tree), tree)
+
+
+def from_sympy(expression: Any) -> str:
+    """A SymPy expression as text, its decimal fractions exact."""
+    import sympy as sp
+
+    floats = {x: sp.Rational(repr(float(x))) for x in expression.atoms(sp.Float)}
+    return str(sp.sstr(expression.xreplace(floats)))
+
+
+# What is let through --------------------------------------------------------------------
+
+
+def _require_size(name: str, tree: ast.expr) -> None:
+    for count, (_, depth) in enumerate(_walk(tree), start=1):
+        if count > NODES or depth > DEPTH:
+            raise _refusal(name, f"have at most {NODES} parts, nested {DEPTH} deep", "a larger one")
+
+
+def _require_allowed(name: str, node: ast.expr) -> None:
+    match node:
+        case ast.Constant(value=int() | float() as number) if not isinstance(number, bool):
+            if not _representable(number):
+                raise _refusal(name, "have numbers that a float can hold", _short(str(number)))
+        case ast.Name(id=word):
+            if word.startswith("_") or word in FUNCTIONS:
+                raise _refusal(name, "use names as such, functions with (...)", word)
+        case ast.BinOp(op=ast.Add() | ast.Sub() | ast.Mult() | ast.Div()):
+            pass
+        case ast.UnaryOp(op=ast.USub() | ast.UAdd()):
+            pass
+        case ast.BinOp(op=ast.Pow(), right=exponent):
+            if any(isinstance(n, ast.BinOp) and isinstance(n.op, ast.Pow)
+                   for n, _ in _walk(exponent)):  # fmt: skip
+                raise _refusal(name, "have no powers in exponents", _short(ast.unparse(node)))
+        case ast.Call(func=ast.Name(id=word), args=[_], keywords=[]) if word in FUNCTIONS:
+            pass
+        case _:
+            raise _refusal(name, "hold arithmetic only", _short(ast.unparse(node)))
+
+
+def _refusal(name: str, rule: str, value: str) -> InputError:
+    return InputError(name, rule, value, "A formula is read, never run.", _REMEDY)
+
+
+def _short(text: str) -> str:
+    return repr(text if len(text) <= 60 else f"{text[:57]}...")
+
+
+def _representable(number: int | float) -> bool:
+    try:
+        return abs(float(number)) <= 1e300
+    except OverflowError:
+        return False
+
+
+# Walking the tree -----------------------------------------------------------------------
+
+
+def _children(node: ast.expr) -> list[ast.expr]:
+    """Parts of an expression; of a call its argument, not the name of the function."""
+    if isinstance(node, ast.Call):
+        return list(node.args)
+    return [child for child in ast.iter_child_nodes(node) if isinstance(child, ast.expr)]
+
+
+def _walk(tree: ast.expr) -> Iterator[tuple[ast.expr, int]]:
+    """Every part with its depth, without recursion."""
+    stack = [(tree, 1)]
+    while stack:
+        node, depth = stack.pop()
+        yield node, depth
+        stack += [(child, depth + 1) for child in _children(node)]
+
+
+def _names(tree: ast.expr) -> frozenset[str]:
+    return frozenset(n.id for n, _ in _walk(tree) if isinstance(n, ast.Name) and n.id != PI)
+
+
+def _degree(node: ast.expr) -> int:
+    """The largest product of whole exponents that stand upon each other."""
+    below = max((_degree(child) for child in _children(node)), default=1)
+    if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow):
+        exponent = _literal(node.right)
+        if exponent is not None and exponent.denominator == 1:
+            return below * min(max(1, abs(exponent.numerator)), DEGREE + 1)
+    return below
+
+
+def _literal(node: ast.expr) -> Fraction | None:
+    """The exact value of arithmetic of numbers alone, as it was written in decimals."""
+    match node:
+        case ast.Constant(value=int() | float() as number):
+            return Fraction(repr(number))
+        case ast.UnaryOp(op=op, operand=inside):
+            value = _literal(inside)
+            negative = isinstance(op, ast.USub)
+            return None if value is None else -value if negative else value
+        case ast.BinOp(op=op, left=left, right=right) if type(op) in _OPERATORS:
+            a, b = _literal(left), _literal(right)
+            if a is None or b is None or (isinstance(op, ast.Div) and b == 0):
+                return None
+            return Fraction(_OPERATORS[type(op)](a, b))
+    return None
+
+
+def _value(node: ast.expr, values: Mapping[str, Any], fn: Any) -> Any:
+    number = _literal(node)
+    if number is not None:
+        return exact(number, fn)
+    match node:
+        case ast.Name(id=name):
+            return fn.pi if name == PI else values[name]
+        case ast.UnaryOp(op=op, operand=inside):
+            value = _value(inside, values, fn)
+            return -value if isinstance(op, ast.USub) else value
+        case ast.BinOp(op=ast.Pow(), left=base, right=exponent):
+            return _value(base, values, fn) ** _exponent(exponent, values, fn)
+        case ast.BinOp(op=op, left=left, right=right):
+            return _OPERATORS[type(op)](_value(left, values, fn), _value(right, values, fn))
+        case ast.Call(func=ast.Name(id=name), args=[argument]):
+            return getattr(fn, name)(_value(argument, values, fn))
+    raise TypeError(f"not a formula: {ast.dump(node)}")  # refused by parse
+
+
+def _exponent(node: ast.expr, values: Mapping[str, Any], fn: Any) -> Any:
+    number = _literal(node)
+    whole = number is not None and number.denominator == 1
+    return number.numerator if number is not None and whole else _value(node, values, fn)
+
+
+def exact(number: Fraction, fn: Any) -> Any:
+    """A number as `fn` computes with it: an exact quotient where it has those, else a float."""
+    rational = getattr(fn, "Rational", None)
+    return (
+        np.float64(number) if rational is None else rational(number.numerator, number.denominator)
+    )
+
+
+def _sensitive(tree: ast.expr) -> Iterator[ast.expr]:
+    for node, _ in _walk(tree):
+        match node:
+            case ast.BinOp(op=ast.Div(), right=below):
+                yield below
+            case ast.BinOp(op=ast.Pow(), left=base, right=exponent):
+                power = _literal(exponent)
+                if power is None or power.denominator != 1 or power < 0:
+                    yield base
+            case ast.Call(func=ast.Name(id="log" | "sqrt"), args=[argument]):
+                yield argument
+
+
+def _is_positive(node: ast.expr, positive: frozenset[str]) -> bool:
+    number = _literal(node)
+    if number is not None:
+        return number > 0
+    match node:
+        case ast.Name(id=name):
+            return name in positive or name == PI
+        case ast.BinOp(op=ast.Add() | ast.Mult() | ast.Div(), left=left, right=right):
+            return _is_positive(left, positive) and _is_positive(right, positive)
+        case ast.BinOp(op=ast.Pow(), left=base):
+            return _is_positive(base, positive)
+        case ast.Call(func=ast.Name(id="exp")):
+            return True
+    return False

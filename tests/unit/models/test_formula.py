@@ -1,0 +1,197 @@
+"""Formulas are read, never run: what is understood, and what is refused."""
+
+from __future__ import annotations
+
+import math
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+import sympy as sp
+from hypothesis import given
+from hypothesis import strategies as st
+
+import remanent as rm
+from remanent._errors import InputError
+from remanent.models.formula import CHARACTERS, from_sympy, parse
+from remanent.models.jets import Jet, JetFunctions
+
+ATTACKS = {
+    "attribute": "I1.__class__",
+    "dunder": "__import__",
+    "call of a dunder": "__import__('os').system('true')",
+    "call of a builtin": "eval('1')",
+    "call without argument": "exp()",
+    "call with two arguments": "log(I1, 2)",
+    "call with a keyword": "log(x=I1)",
+    "call with stars": "log(*I1)",
+    "call of a call": "log(I1)(I1)",
+    "method": "(1).bit_length()",
+    "lambda": "(lambda: I1)()",
+    "comprehension": "[I1 for I1 in l1]",
+    "generator": "log(x for x in l1)",
+    "subscript": "I1[0]",
+    "tuple": "(I1, I1)",
+    "list": "[I1]",
+    "dict": "{}",
+    "set": "{I1}",
+    "walrus": "(x := I1)",
+    "condition": "I1 if I1 else I1",
+    "comparison": "I1 < 3",
+    "boolean": "I1 and 3",
+    "not": "not I1",
+    "true": "True",
+    "none": "None",
+    "text": "'I1'",
+    "format": "f'{I1}'",
+    "bytes": "b'I1'",
+    "complex": "1j*I1",
+    "ellipsis": "...",
+    "matrix product": "I1 @ I1",
+    "floor division": "I1 // 2",
+    "remainder": "I1 % 2",
+    "bits": "I1 ^ 2",
+    "inversion": "~I1",
+    "shift": "I1 << 2",
+    "tower": "9**9**9",
+    "tower in disguise": "((9**9)**9)**9",
+    "tower of exponents": "9**(9**9)",
+    "large power": "I1**1000000",
+    "large number": "9" * 400,
+    "infinity": "1e999*I1",
+    "statement": "import os",
+    "assignment": "I1 = 3",
+    "two statements": "I1; I1",
+    "two lines": "I1\nimport os",
+    "comment": "I1 # I1",
+    "continued": "I1 \\\n + 1",
+    "zero": "I1\x00",
+    "empty": "",
+    "blank": "  ",
+    "half": "I1 +",
+    "many parentheses": "(" * 900 + "I1" + ")" * 900,
+    "many signs": "-" * 1900 + "I1",
+    "nested calls": "sqrt(" * 100 + "I1" + ")" * 100,
+    "long": "I1 + " * 1000 + "I1",
+    "many parts": "1+" * 900 + "I1",
+    "fullwidth letters": "\uff29\uff11",
+    "greek": "\u03bb**2",
+    "superscript": "I1\u00b2",
+    "invisible": "I1\u200b",
+    "from right to left": "I1\u202e",
+    "function as a name": "log + 1",
+    "yield": "(yield I1)",
+    "await": "await I1",
+    "star": "*I1",
+    "type confusion": "1 if 2else 3",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ATTACKS)
+def test_anything_but_arithmetic_is_refused(name: str) -> None:
+    """At once, with the message of this package, by the parser and by the material."""
+    begun = time.perf_counter()
+    for call in (parse, rm.StrainEnergy):
+        with pytest.raises(InputError, match=r"`expression` must .*; got .*\. .* Write for") as e:
+            call(ATTACKS[name])
+        assert len(str(e.value)) < 500
+    assert time.perf_counter() - begun < 0.5
+
+
+@given(st.text(max_size=60))
+def test_any_text_is_read_or_refused(text: str) -> None:
+    try:
+        formula = parse(text)
+    except InputError:
+        return
+    assert parse(formula.text).text == formula.text
+
+
+TOKENS = st.sampled_from(["I1", "l1", "2", "0.5", "+", "-", "*", "/", "**", "(", ")", "log(", " "])
+
+
+@given(st.lists(TOKENS, max_size=25).map("".join))
+def test_what_is_read_has_the_value_that_python_gives(text: str) -> None:
+    try:
+        formula = parse(text)
+    except InputError:
+        return
+    values = {"I1": np.float64(3.7), "l1": np.float64(1.3)}
+    with np.errstate(all="ignore"):
+        ours = formula(values, np)
+        try:
+            python = eval(text.strip(), {**values, "log": np.log})  # noqa: S307
+        except (ZeroDivisionError, OverflowError):
+            return
+    assert ours == pytest.approx(python, rel=1e-12, nan_ok=True) or np.iscomplexobj(python)
+
+
+def test_numbers_are_taken_as_they_are_written() -> None:
+    """A tenth is 1/10 for SymPy, and the nearest float for NumPy."""
+    found = parse("0.1*x + 1/3")({"x": sp.Symbol("x")}, sp)
+    assert found == sp.Symbol("x") / 10 + sp.Rational(1, 3)
+    assert parse("0.1*x + 1/3")({"x": 2.0}, np) == 0.2 + 1 / 3
+
+
+def test_sympy_expressions_become_text() -> None:
+    x, y = sp.symbols("x y")
+    expression = sp.sqrt(x) * sp.exp(-y / 3) + 0.1 * x ** sp.Rational(3, 2) + sp.pi - 1 / y
+    again = parse(from_sympy(expression))({"x": x, "y": y}, sp)
+    assert sp.simplify(again - sp.nsimplify(expression)) == 0
+    for bad in (sp.Symbol("x") > 1, sp.Function("f")(x), sp.Symbol("a.b"), sp.I * x, sp.oo):
+        with pytest.raises(InputError):
+            rm.StrainEnergy(bad)
+
+
+def test_parts_with_a_sign_are_known() -> None:
+    """Logarithms, roots, denominators in which a variable occurs and that may change sign."""
+    names = frozenset({"x", "y"})
+    text = "log(1 - x/j) + sqrt(x*y) + 1/(x - 2) + (x - y)**0.5 + a/j + (x - 3)**2 + x**-2"
+    found = [part.text for part in parse(text).sensitive(names, names)]
+    assert sorted(found) == ["1 - x / j", "x - 2", "x - y"]
+
+
+def test_size_is_bounded() -> None:
+    assert parse("x" + " " * (CHARACTERS - 1)).text == "x"
+    assert parse("(x**8)**8").text == "(x ** 8) ** 8"
+    for text in ("x" + " " * CHARACTERS, "(x**8)**9", "x**-65"):
+        with pytest.raises(InputError):
+            parse(text)
+
+
+@pytest.mark.parametrize(
+    "text", ["x**3/(1 + x) - 2*x", "exp(-x)*sin(x) + cos(2*x)", "log(x)**2/sqrt(x)", "x**-1.5 + 4"]
+)
+def test_jets_carry_two_derivatives(text: str) -> None:
+    x, at = sp.Symbol("x"), 1.3
+    jet = parse(text)({"x": Jet(np.float64(at), 1.0, 0.0)}, JetFunctions(np))
+    exact = parse(text)({"x": x}, sp)
+    for k, value in enumerate((jet.value, jet.slope, jet.bend)):
+        assert value == pytest.approx(float(sp.diff(exact, x, k).subs(x, at)), rel=1e-13)
+
+
+def test_a_formula_that_is_known_needs_no_sympy(tmp_path: Path) -> None:
+    """On a warm start its compiled equations come from the cache, for any constants."""
+    script = (
+        "import sys, remanent as rm\n"
+        "solid = rm.StrainEnergy('a*(I1 - 3) + b*(I1 - 3)**2', {'a': float(sys.argv[1]), 'b': 1})\n"
+        "rm.simulate(rm.Actuator(material=solid), rm.Constant(0.1), duration=1.0)\n"
+        "print('sympy' in sys.modules)"
+    )
+    environment = {**os.environ, "REMANENT_CACHE_DIR": str(tmp_path / "cache")}
+    runs = [
+        subprocess.run(
+            [sys.executable, "-c", script, a], env=environment, capture_output=True, text=True,
+            check=True,
+        ).stdout.strip()
+        for a in ("2", "3")
+    ]  # fmt: skip
+    assert runs == ["True", "False"]
+
+
+def test_pi_is_known() -> None:
+    assert parse("2*pi")({}, math) == 2.0 * math.pi
