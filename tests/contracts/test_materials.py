@@ -214,7 +214,7 @@ def test_numbers_may_be_varied_by_a_study(material: Material) -> None:
 
 @every
 def test_motion_agrees_with_an_independent_engine(material: Material) -> None:
-    """SciPy's DOP853 on the complex-step force, within the reported error."""
+    """SciPy's DOP853 on the complex-step force, within the reported errors, also of extremes."""
     times, c, S, b, w = np.linspace(0.0, 6.0, 13), 0.3, 0.4, 0.9, 1.3
     actuator = rm.Actuator(c=c, prestress=S, material=material)
     ds = rm.simulate(actuator, rm.SineSquared(b, w), times=times, tolerance=1e-9)
@@ -226,9 +226,19 @@ def test_motion_agrees_with_an_independent_engine(material: Material) -> None:
         force = slope / 2.0 - S + (b * np.sin(w * t)) ** 2 * x**-3
         return [v, float((6.0 * c * x**-7 * v * v - 3.0 * force) / (1.0 + 2.0 * c * x**-6))]
 
-    path = solve_ivp(rates, (0.0, 6.0), [1.0, 0.0], "DOP853", times, rtol=1e-13, atol=1e-14)
+    def turns(_t: float, y: FloatArray) -> float:
+        return float(y[1])
+
+    options: dict[str, Any] = {"method": "DOP853", "rtol": 1e-13, "atol": 1e-14, "events": turns}
+    path = solve_ivp(rates, (0.0, 6.0), [1.0, 0.0], t_eval=times, **options)
     ours = np.stack([ds.stretch.values, ds.stretch_rate.values])
     assert np.abs(ours - path.y).max() <= float(ds.error) + 1e-11
+    assert path.y_events is not None
+    seen = np.concatenate([path.y_events[0][:, 0], path.y[0, [0, -1]]]) ** -2.0
+    response = rm.frequency_response(actuator, rm.SineSquared(b, w), [w], duration=6.0).squeeze()
+    bound = float(response.amplitude_error) + 1e-10
+    assert abs(float(response.maximum) - seen.max()) <= bound
+    assert abs(float(response.minimum) - seen.min()) <= bound
 
 
 # Limits ---------------------------------------------------------------------------------

@@ -50,17 +50,32 @@ def drives(draw: st.DrawFn) -> Any:
 
 
 @st.composite
+def solids(draw: st.DrawFn) -> Any:
+    """Any material, or the arguments it refuses; half of them neo-Hookean."""
+    a, b, c, share = draw(SIZE), draw(SIZE), draw(WILD), draw(SHARE)
+    makers: list[Callable[[], Any]] = [
+        lambda: rm.Gent(a, share),
+        lambda: rm.MooneyRivlin(a, b, share),
+        lambda: rm.Ogden([a, b], [c, -2.0], share),
+        lambda: rm.ArrudaBoyce(1.0 + a, share),
+        lambda: rm.StrainEnergy("a*(I1 - 3) - b*log(4 - I2)", {"a": a, "b": b}, share),
+    ]
+    plain: list[Callable[[], Any]] = [lambda: rm.NeoHookean(entropic_fraction=share)]
+    return draw(st.sampled_from(makers + len(makers) * plain))
+
+
+@st.composite
 def bodies(draw: st.DrawFn) -> Any:
     """Any actuator, or the arguments it refuses."""
     c, T, T0, S, eta = draw(SIZE), draw(SIZE), draw(SIZE), draw(WILD), draw(SIZE)
-    fraction, weakening = draw(SHARE), draw(SLIGHT)
+    solid, weakening = draw(solids()), draw(SLIGHT)
     damped, law = draw(st.booleans()), draw(st.sampled_from(["deformation-gradient", "rotation"]))
     return lambda: rm.Actuator(
         c=c,
         temperature=300.0 * T,
         reference_temperature=300.0 * T0,
         prestress=S,
-        material=rm.NeoHookean(entropic_fraction=fraction),
+        material=solid(),
         dissipation=rm.Rayleigh(eta) if damped else (),
         magnet=rm.Magnet(weakening, law=law),
     )

@@ -238,7 +238,7 @@ class Actuator:
         with np.errstate(all="ignore"):
             room = self.material.room(first, second, 1.0 / (first * second), p, np)
             inside = [np.asarray(part > 0.0) for part in room]
-        everywhere = np.ones_like(first * second, dtype=np.bool_)
+        everywhere = np.ones(np.broadcast_shapes(first.shape, second.shape), dtype=np.bool_)
         return np.asarray(reduce(np.logical_and, inside, everywhere))
 
     def warn_if_implausible(self, values: Mapping[str, ArrayLike], *, stacklevel: int = 2) -> None:

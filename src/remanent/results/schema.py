@@ -369,9 +369,7 @@ _ROWS = (
         "temperature coefficient of the remanence",
         r"\alpha",
     ),
-    Variable(
-        "magnet.demagnetisation", "1", "strength of the magnet's own field", r"B_r^2/\mu\mu_0"
-    ),
+    Variable("magnet.demagnetisation", "1", "strength of the magnet in itself", r"B_r^2/\mu\mu_0"),
     Variable("material.c1", "1", "constant of the first invariant", r"c_1"),
     Variable("material.c2", "1", "constant of the second invariant", r"c_2"),
     Variable("material.locking_stretch", "1", "locking stretch of a chain", r"\lambda_m"),
