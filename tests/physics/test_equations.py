@@ -13,6 +13,7 @@ from remanent.models.balances import along
 from remanent.models.drives import Constant, SineSquared
 from remanent.models.equations import equations, second_order
 from remanent.models.magnetics import Magnet
+from remanent.models.materials import StrainEnergy
 from remanent.models.shifts import WLF
 from remanent.models.thermal import Heat
 from remanent.models.viscous import Dissipation, KelvinVoigt, Rayleigh, Zener
@@ -77,6 +78,13 @@ def test_readable_equations_of_branches_and_heat() -> None:
     for letter in (r"\xi_1", r"\mu_v", "t_r", r"T_\infty", r"\lambda_3"):
         assert letter in shown.latex
     assert "viscous" not in shown.latex
+
+
+def test_long_formulas_are_shown_as_they_are_written() -> None:
+    """The magnet's own field and a user's energy stand in the equation unexpanded."""
+    solid = StrainEnergy("a*(I1 - 3) + I1**8", {"a": 1.0})
+    for actuator in (Actuator(magnet=Magnet(demagnetisation=0.1)), Actuator(material=solid)):
+        assert len(equations(actuator).latex) < 5000
 
 
 def test_kinetic_and_potential_energy_are_those_of_the_lagrangian() -> None:

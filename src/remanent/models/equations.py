@@ -9,6 +9,7 @@ import sympy as sp
 
 from remanent.models import mechanics
 from remanent.models.actuator import Actuator
+from remanent.models.kept import Kept
 
 Expression = Any  # SymPy is not typed
 
@@ -69,7 +70,14 @@ def second_order(motion: mechanics.Motion) -> tuple[Expression, ...]:
     scale = sp.Rational(3, 2) if len(motion.coordinates) == 1 else sp.Integer(3)
     accelerations = sp.Matrix([dotted(rate) for rate in motion.rates])
     left = mass * accelerations - force
-    return tuple(sp.Eq(sp.expand(scale * row), 0, evaluate=False) for row in left)
+    return tuple(sp.Eq(_expanded(scale * row), 0, evaluate=False) for row in left)
+
+
+def _expanded(expression: Expression) -> Expression:
+    """`expression` as a sum, its kept parts as they are written."""
+    marks = {kept: sp.Dummy(real=True) for kept in expression.atoms(Kept)}
+    found = sp.expand(expression.xreplace(marks))
+    return found.xreplace({mark: kept for kept, mark in marks.items()})
 
 
 #: Of the numbers and variables of branches.
@@ -97,7 +105,10 @@ def _latex(equation: Expression, motion: mechanics.Motion) -> str:
         "load": "m",
         "effective_load": "m_T",
         "material.entropic_fraction": "f",
+        "material.jm": "J_m",
+        "material.locking_stretch": "L_m",
         "magnet.temperature_coefficient": r"\alpha",
+        "magnet.demagnetisation": "d",
         "heat.coupling": "k",
         "heat.exchange": "h",
         "body_temperature": "T",
