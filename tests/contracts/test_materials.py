@@ -241,6 +241,45 @@ def test_motion_agrees_with_an_independent_engine(material: Material) -> None:
     assert abs(float(response.minimum) - seen.min()) <= bound
 
 
+@every
+def test_motion_in_two_directions_agrees_with_an_independent_engine(material: Material) -> None:
+    """(1 + c g g^T) l'' = -3 dU/dl - c K g, by DOP853; x = 1/(l1 l2), x'' = g l'' + K."""
+    times, c, S, b, w = np.linspace(0.0, 4.0, 9), 0.3, np.array([0.3, -0.1]), 0.6, 1.3
+    actuator = rm.Actuator(c=c, prestress=tuple(S), material=material)
+    ds = rm.simulate(actuator, rm.SineSquared(b, w), times=times, tolerance=1e-9)
+    assert int(ds.status) == 1
+
+    def rates(t: float, y: FloatArray) -> FloatArray:
+        stretches, speeds = y[:2], y[2:]
+        x, e = 1.0 / stretches.prod(), speeds / stretches
+        g, K = -x / stretches, x * (e.sum() ** 2 + (e * e).sum())
+        slope = [energy(material, *(stretches + 1e-30j * unit)).imag / 1e-30 for unit in np.eye(2)]
+        force = -3.0 * (slope - S - (b * np.sin(w * t)) ** 2 * g)
+        mass = np.eye(2) + c * np.outer(g, g)
+        return np.concatenate([speeds, np.linalg.solve(mass, force - c * K * g)])
+
+    start = [1.0, 1.0, 0.0, 0.0]
+    path = solve_ivp(rates, (0.0, 4.0), start, "DOP853", times, rtol=1e-13, atol=1e-14)
+    names = ("stretch_1", "stretch_2", "stretch_1_rate", "stretch_2_rate")
+    ours = np.stack([ds[name].values for name in names])
+    assert np.abs(ours - path.y).max() <= float(ds.error) + 1e-11
+    assert abs(float(ds.stretch_1[-1] - ds.stretch_2[-1])) > 1e-3
+
+
+@every
+def test_balances_close_where_temperature_moves(material: Material) -> None:
+    """Both laws within the error, with losses, exchange and a remanence that takes part."""
+    body = rm.Actuator(
+        prestress=(0.2, -0.1), material=material, dissipation=rm.Rayleigh(0.1),
+        heat=rm.Heat(2e-3, 0.1), magnet=rm.Magnet(-1e-3),
+    )  # fmt: skip
+    ds = rm.energy_balance(body, rm.SineSquared(0.4, 1.25), duration=5.0)
+    assert float(abs(ds.balance).max()) <= 20.0 * float(ds.error)
+    assert float(abs(ds.entropy_balance).max()) <= 20.0 * float(ds.error)
+    assert float(ds.entropy_produced[-1]) > 1e-3
+    assert float(abs(ds.heat_given_off).max()) > 1e-4
+
+
 # Limits ---------------------------------------------------------------------------------
 
 LIMITS: dict[str, tuple[Material, Material, float]] = {

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from itertools import permutations
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,6 +14,8 @@ from scipy.integrate import dblquad, solve_ivp
 import remanent as rm
 from remanent._errors import InputError
 from remanent._typing import FloatArray
+from remanent.codegen import reference
+from remanent.codegen.field import field_for
 from remanent.models.magnetics import demagnetising_factor
 
 EDGES = [(1.0, 1.0, 1.0), (1.0, 2.0, 3.0), (1.0, 1.0, 0.1), (1.0, 1.0, 8.0), (0.2, 1.0, 5.0)]
@@ -101,6 +104,57 @@ def test_motion_with_its_own_field_agrees_with_an_independent_engine(law: str, c
     assert np.abs(ours - path.y).max() <= float(ds.error) + 1e-10
     energy = ds.energy.values
     assert np.ptp(energy) <= 1e-7
+
+
+def test_forces_of_the_own_field_are_slopes_of_its_energy_in_two_directions() -> None:
+    """(w + c g g^T) l'' = -3 dU/dl at zero rate, for a block with unequal edges."""
+    c, strength, edges, S = 0.2, 0.4, np.array([1.0, 0.5]), np.array([0.3, -0.1])
+    body = rm.Actuator(
+        c=c, prestress=tuple(S), edges=tuple(edges), magnet=rm.Magnet(demagnetisation=strength)
+    )
+    field = field_for(body, rm.Constant(0.0))
+    row = np.array([*body.parameters().values(), 0.0])
+
+    def potential(l1: complex, l2: complex) -> complex:
+        x = 1.0 / (l1 * l2)
+        factor = demagnetising_factor(edges[0] * l1, edges[1] * l2, math.sqrt(c) * x, np)
+        return complex((l1**2 + l2**2 + x**2) / 2.0 + strength * factor * x**2 / 2.0)
+
+    for stretches in np.random.default_rng(1).uniform(0.7, 1.6, (10, 2)):
+        g = -1.0 / (stretches * stretches.prod())
+        units = 1e-30j * np.eye(2)
+        slope = np.array([potential(*(stretches + unit)).imag / 1e-30 for unit in units]) - S
+        mass = np.diag(edges**2) + c * np.outer(g, g)
+        state = np.array([[stretches[0], 0.0, stretches[1], 0.0]])
+        found = reference.rates(field, 0.0, state, row[None], np.empty(0))[0, 1::2]
+        np.testing.assert_allclose(mass @ found, -3.0 * slope, rtol=1e-10, atol=1e-11)
+
+
+def test_equal_loads_keep_stretches_equal_in_the_own_field() -> None:
+    """One coordinate and two are the same motion, also where the temperature moves."""
+    magnet = rm.Magnet(-1e-3, demagnetisation=0.4)
+    one, two = (
+        rm.simulate(
+            rm.Actuator(c=0.2, prestress=load, magnet=magnet, heat=rm.Heat(5e-3)),
+            rm.SineSquared(0.4, 1.25), duration=5.0,
+        )
+        for load in (0.2, (0.2, 0.2))
+    )  # fmt: skip
+    slack = 10.0 * float(one.error + two.error)
+    assert float(abs(one.stretch - two.stretch_1).max()) <= slack
+    assert float(abs(one.body_temperature - two.body_temperature).max()) <= 293.0 * slack
+
+
+@pytest.mark.parametrize("load", [0.2, (0.2, -0.1)], ids=["one", "two"])
+def test_balances_close_where_the_remanence_of_the_own_field_warms(load: Any) -> None:
+    """Its entropy is -d/dT of N b^2 B_r(T)^2/(2 mu mu0): it takes part in both laws."""
+    magnet = rm.Magnet(-3e-3, demagnetisation=0.8)
+    body = rm.Actuator(
+        prestress=load, magnet=magnet, dissipation=rm.Rayleigh(0.1), heat=rm.Heat(5e-3, 0.1)
+    )
+    ds = rm.energy_balance(body, rm.SineSquared(0.4, 1.25), duration=5.0)
+    assert float(abs(ds.balance).max()) <= 20.0 * float(ds.error)
+    assert float(abs(ds.entropy_balance).max()) <= 20.0 * float(ds.error)
 
 
 def test_own_field_of_no_strength_changes_nothing() -> None:
