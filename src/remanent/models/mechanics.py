@@ -173,7 +173,7 @@ def motion(actuator: Actuator, drive: Drive | None) -> Motion:
         (stiffness, strain),
         (1, magnetic),
         (1, -dead),
-        (_remanence(actuator, p) ** 2, Kept(own_field)),
+        (Kept(_remanence(actuator, p) ** 2), Kept(own_field)),
         *((theta, e.stored) for e in viscous),
     )
     geometry = {

@@ -183,7 +183,7 @@ def test_thresholds_over_other_fields() -> None:
 @pytest.mark.parametrize(
     ("fields", "message"),
     [
-        ({"actuator": rm.Actuator(dissipation=rm.Rayleigh(0.1))}, "have no dissipation"),
+        ({"actuator": rm.Actuator(dissipation=rm.Rayleigh(0.1))}, "no dissipation and no heat"),
         ({"parameter": "load"}, "`parameter` must be one of"),
         ({"bounds": (2.0, 1.0)}, "`bounds` must be the lowest and the highest"),
         ({"over": {"m": [1.0]}}, "`over` must not hold m"),
