@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields, replace
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -133,15 +133,20 @@ class Outcome:
     findings: tuple[Any, ...] = ()
 
 
-def together(parts: Sequence[Outcome]) -> Outcome:
-    """The outcomes of parts of an ensemble, one after the other, as that of the whole."""
-    if len(parts) == 1:
-        return parts[0]
+def gathered(count: int, parts: Iterable[tuple[slice, Outcome]]) -> Outcome:
+    """The outcome of `count` trajectories from those of their parts.
 
-    changes: dict[str, Any] = {}
-    for field in fields(Outcome):
-        values = [getattr(part, field.name) for part in parts]
-        if isinstance(values[0], np.ndarray):
-            changes[field.name] = np.concatenate(values)
-    found = tuple(finding for part in parts for finding in part.findings)
-    return replace(parts[0], findings=found, **changes)
+    Each is put in its place and forgotten, so that memory is needed for the whole and one part.
+    """
+    whole: dict[str, Any] = {}
+    findings: list[Any] = []
+    for part, outcome in parts:
+        findings += outcome.findings
+        for field in fields(Outcome):
+            values = getattr(outcome, field.name)
+            if not isinstance(values, np.ndarray):
+                continue
+            if field.name not in whole:
+                whole[field.name] = np.empty((count, *values.shape[1:]), values.dtype)
+            whole[field.name][part] = values
+    return Outcome(**{"states": None, **whole, "findings": tuple(findings)})

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -13,7 +13,7 @@ from remanent._errors import InputError
 from remanent._typing import ArrayLike, FloatArray, IntArray
 from remanent.analysis.subdivision import Largest, largest
 from remanent.integrate.ensemble import Progress, integrate
-from remanent.integrate.problem import Outcome, Request, together
+from remanent.integrate.problem import Outcome, Request, gathered
 from remanent.models.actuator import Actuator
 from remanent.models.drives import Drive
 from remanent.results.build import Labelled
@@ -146,13 +146,15 @@ def _respond(
             "Nothing would be left of the window.",
             "Pass a longer `duration`.",
         )
-    parts = []
-    for part, some in ens.slabs():
-        request = Request(extremes=True, begin=np.full(some.count, discard))
-        share = None if progress is None else _share(progress, part, ens.count)
-        asked = problem(some, end[part])
-        parts.append(integrate(asked, request, tolerance=tolerance, progress=share))
-    return together(parts)
+
+    def parts() -> Iterator[tuple[slice, Outcome]]:
+        for part, some in ens.slabs():
+            request = Request(extremes=True, begin=np.full(some.count, discard))
+            share = None if progress is None else _share(progress, part, ens.count)
+            asked = problem(some, end[part])
+            yield part, integrate(asked, request, tolerance=tolerance, progress=share)
+
+    return gathered(ens.count, parts())
 
 
 def _share(progress: Progress, part: slice, count: int) -> Progress:
