@@ -101,9 +101,9 @@ def test_multipliers_of_a_difference_are_those_of_two_coordinates() -> None:
         actuator.replace(prestress=(0.0, 0.0)), drive, "omega", (1.59, 1.61),
         start=(*start, *start), max_points=2,
     )  # fmt: skip
-    k = int(abs(both.omega - 1.6).argmin())
+    there = both.isel(point=int(abs(both.omega.values.ravel() - 1.6).argmin()))
     exact = np.sort_complex(np.concatenate([one.multipliers.values[0], apart.values]))
-    found = np.sort_complex(both.multipliers.values[0, k])
+    found = np.sort_complex(there.multipliers.values.ravel())
     assert abs(found - exact).max() < 1e-6
 
 

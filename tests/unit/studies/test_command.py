@@ -2,50 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from types import MappingProxyType
-from typing import Any, ClassVar
-
 import numpy as np
 import pytest
 from scipy.integrate import quad
 
 import remanent as rm
-from remanent._checks import Rule, positive
 from remanent.analysis.shaping import poles
 from remanent.codegen.build import build
-from remanent.models.viscous import Dissipation
 from remanent.studies._body import Body
-
-_POSITIVE = positive("It is a constant of the material.", "Pass 1.")
-
-
-@dataclass(frozen=True)
-class Creep(Dissipation):
-    """A spring of modulus g in series with a dashpot, linear in ln: one internal variable."""
-
-    g: float
-    relaxation_time: float
-
-    rules: ClassVar[Mapping[str, Rule]] = MappingProxyType(
-        {"g": _POSITIVE, "relaxation_time": _POSITIVE}
-    )
-    internal: ClassVar[tuple[str, ...]] = ("viscous_stretch",)
-
-    def stored(
-        self, stretches: Sequence[Any], internal: Sequence[Any], p: Mapping[str, Any]
-    ) -> Any:
-        """g sum (l/xi - 1)^2 / 2."""
-        pairs = zip(stretches, internal, strict=True)
-        return p["g"] * sum((x / xi - 1) ** 2 for x, xi in pairs) / 2
-
-    def internal_rates(
-        self, stretches: Sequence[Any], internal: Sequence[Any], theta: Any, p: Mapping[str, Any]
-    ) -> Sequence[Any]:
-        """xi' = (l - xi)/t_r."""
-        pairs = zip(stretches, internal, strict=True)
-        return [(x - xi) / p["relaxation_time"] for x, xi in pairs]
 
 
 @pytest.mark.parametrize("target", [0.6, 1.05, 1.5, 2.5])
@@ -79,7 +43,7 @@ CASES = {
     "prestressed": (rm.Actuator(prestress=1.0), 0.8),
     "damped": (rm.Actuator(dissipation=rm.Rayleigh(0.3)), 1.4),
     "both": (rm.Actuator(prestress=-0.5, dissipation=rm.Rayleigh(0.1)), 1.3),
-    "creeping": (rm.Actuator(dissipation=(Creep(0.5, 0.7), rm.Rayleigh(0.05))), 1.2),
+    "creeping": (rm.Actuator(dissipation=(rm.Zener(0.5, 0.7), rm.Rayleigh(0.05))), 1.2),
 }
 
 
