@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -41,6 +43,28 @@ def test_motion() -> None:
     times = np.linspace(0.0, 50.0, 101)
     scaled = rm.rescale(rm.simulate(DAMPED, DRIVE, times=times), temperature=HOT)
     compared(scaled, rm.simulate(HOT_DAMPED, HOT_DRIVE, times=times / ROOT), 1e-8)
+
+
+@pytest.mark.parametrize(
+    ("cool", "hot"),
+    [
+        (
+            {"magnet": rm.Magnet(demagnetisation=0.2)},
+            {"magnet": rm.Magnet(demagnetisation=0.2 * ROOT**2)},
+        ),
+        (
+            {"dissipation": (rm.Zener(0.5, 1.0), rm.KelvinVoigt(0.1))},
+            {"dissipation": (rm.Zener(0.5, ROOT), rm.KelvinVoigt(0.1 * ROOT))},
+        ),
+        ({"prestress": (0.0, 0.3)}, {"prestress": (0.0, 0.3 * ROOT**2)}),
+        ({"material": rm.Gent(20.0)}, {"material": rm.Gent(20.0)}),
+    ],
+)
+def test_every_part_of_an_actuator(cool: dict[str, Any], hot: dict[str, Any]) -> None:
+    times = np.linspace(0.0, 10.0, 21)
+    scaled = rm.rescale(rm.simulate(rm.Actuator(**cool), DRIVE, times=times), temperature=HOT)
+    body = rm.Actuator(temperature=HOT, **hot)
+    compared(scaled, rm.simulate(body, HOT_DRIVE, times=times / ROOT), 1e-8)
 
 
 def test_loads_energies_and_their_balance() -> None:
@@ -95,6 +119,8 @@ def test_there_and_back_again() -> None:
     [
         (rm.Actuator(material=rm.NeoHookean(entropic_fraction=0.5)), "entropic_fraction = 0.5"),
         (rm.Actuator(magnet=rm.Magnet(temperature_coefficient=-1e-3)), "temperature_coefficient"),
+        (rm.Actuator(dissipation=rm.Zener(0.5, 1.0, rm.WLF(8.0, 200.0))), "shift = WLF"),
+        (rm.Actuator(heat=rm.Heat()), "heat = Heat"),
     ],
 )
 def test_what_does_not_scale_is_refused(actuator: rm.Actuator, reason: str) -> None:

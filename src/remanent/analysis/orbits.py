@@ -83,7 +83,7 @@ def newton(
     found: list[Orbits] = []
     for _ in range(_STEPS):
         image = map_(x, p, iterate)
-        move, residual = _newton_step(x, image)
+        move, residual = newton_step(x, image.state, image.jacobian, longest=_LONGEST)
         done = residual <= np.maximum(tolerance, 4.0 * image.error)
         known = image.error <= worst
         kept = done & known & _within(x, bounds)
@@ -102,12 +102,28 @@ def _within(x: FloatArray, bounds: FloatArray) -> BoolArray:
     return np.asarray(((x >= bounds[:, 0] - slack) & (x <= bounds[:, 1] + slack)).all(axis=1))
 
 
-def _newton_step(x: FloatArray, image: Mapped) -> tuple[FloatArray, FloatArray]:
-    """The next move of every guess, shortened where it is long, and its residual."""
-    defect = image.state - x
+def newton_step(
+    x: FloatArray, image: FloatArray, jacobian: FloatArray, *, longest: float = np.inf
+) -> tuple[FloatArray, FloatArray]:
+    """The next move of every point towards one that is its own image, and its residual.
+
+    Parameters
+    ----------
+    x, image : array (point, state)
+    jacobian : array (point, state, state)
+    longest
+        Moves with a longer component are shortened to it.
+
+    Returns
+    -------
+    move : array (point, state)
+        NaN where the equations are singular or unknown.
+    residual : array (point,)
+    """
+    defect = image - x
     with np.errstate(all="ignore"):
         residual = np.abs(defect).max(axis=1)
-        matrix = np.eye(x.shape[1]) - image.jacobian
+        matrix = np.eye(x.shape[1]) - jacobian
         usable = np.isfinite(matrix).all(axis=(1, 2)) & np.isfinite(residual)
         safe = np.where(usable[:, None, None], matrix, np.eye(x.shape[1]))
         singular = np.abs(np.linalg.det(safe)) < np.finfo(float).tiny
@@ -115,7 +131,7 @@ def _newton_step(x: FloatArray, image: Mapped) -> tuple[FloatArray, FloatArray]:
         move = np.linalg.solve(safe, defect[..., None])[..., 0]
         move[~usable | singular] = np.nan
         length = np.abs(move).max(axis=1)
-        move *= np.minimum(1.0, _LONGEST / np.maximum(length, 1e-300))[:, None]
+        move *= np.minimum(1.0, longest / np.maximum(length, 1e-300))[:, None]
     return np.asarray(move), np.where(np.isfinite(residual), residual, np.inf)
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from remanent._typing import BoolArray, FloatArray, IntArray
+from remanent.analysis.orbits import newton_step
 
 #: Longest period that is looked for.
 LONGEST = 128
@@ -120,20 +121,15 @@ def limit(iterate: Iterate, which: IntArray, states: FloatArray, period: int) ->
         The same for all.
     """
     x = states.copy()
-    count, d = x.shape
-    residual, largest = np.full(count, np.inf), np.full(count, np.inf)
+    residual, largest = np.full((2, len(x)), np.inf)
     for _ in range(_STEPS):
         image, jacobian = iterate(which, x, period)
-        with np.errstate(all="ignore"):
-            residual = np.abs(image - x).max(axis=1)
-        usable = np.isfinite(jacobian).all(axis=(1, 2)) & np.isfinite(residual)
-        safe = np.where(usable[:, None, None], jacobian, 0.0)
-        largest = np.where(usable, np.abs(np.linalg.eigvals(safe)).max(axis=1), np.inf)
-        matrix = np.eye(d) - safe
-        matrix[np.abs(np.linalg.det(matrix)) < np.finfo(float).tiny] = np.eye(d)
-        defect = np.where(usable[:, None], image - x, np.nan)
-        x = x + np.linalg.solve(matrix, defect[..., None])[..., 0]
-    return Limit(x, np.where(np.isfinite(residual), residual, np.inf), largest)
+        move, residual = newton_step(x, image, jacobian)
+        known = np.isfinite(jacobian).all(axis=(1, 2)) & np.isfinite(residual)
+        safe = np.where(known[:, None, None], jacobian, 0.0)
+        largest = np.where(known, np.abs(np.linalg.eigvals(safe)).max(axis=1), np.inf)
+        x = x + move
+    return Limit(x, residual, largest)
 
 
 def approaches(points: FloatArray, end: FloatArray, period: int, rate: FloatArray) -> BoolArray:

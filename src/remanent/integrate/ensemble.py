@@ -19,10 +19,9 @@ from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.integrate.chunk import NOMINAL, NONLINEAR, Attempt, cycle_counts, step_counts
 from remanent.integrate.crew import Crew, Futures, Pending, joined
 from remanent.integrate.foresight import (
-    MARGIN,
+    finer,
     first_resolution,
     foreseen,
-    ladder,
     method_for,
 )
 from remanent.integrate.kernel import Method, Options
@@ -118,9 +117,7 @@ def integrate_unbounded(
     problem: Problem,
     request: Request,
     *,
-    tolerance: float | None = None,
-    resolution: int | None = None,
-    method: Method | None = None,
+    resolution: int,
     workers: int | None = None,
 ) -> Outcome:
     """Integrate every trajectory once, without a second solution to tell its error.
@@ -130,22 +127,15 @@ def integrate_unbounded(
 
     Parameters
     ----------
-    problem, request, method, workers
+    problem, request, workers
         As for :func:`integrate`.
-    tolerance
-        Aimed at by the resolution that the beginning of each trajectory asks for.
     resolution
-        Or: the same for all, double steps per cycle, or per nominal time where the load has
-        no period.
+        Double steps per cycle, or per nominal time where the load has no period.
     """
-    method = method or method_for(request, tolerance or 1e-8)
+    method = method_for(request, COARSEST)
     outcome = _empty(problem, request)
     index = np.flatnonzero(~problem.invalid)
-    pending = Pending(index, np.full(index.size, resolution or 0))
-    if tolerance is not None:
-        pending.resolution[:] = first_resolution(tolerance, method)
-        with Crew(problem, method, Options(request.extremes), tolerance, workers) as crew:
-            pending = foreseen(crew, problem, request, pending, method, most=MAX_RESOLUTION)
+    pending = Pending(index, np.full(index.size, resolution))
     options = Options(request.extremes, companion=False)
     with Crew(problem, method, options, np.inf, workers) as crew:
         futures = crew.attempts(problem, request, pending)
@@ -210,7 +200,7 @@ def _settled(
         result = future.result()
         hopeless = _record(problem, outcome, result, resolution, which, stalls, tolerance)
         unfinished = (result.values["alive"] < 0.5) & ~hopeless
-        wanted = _next_resolution(result.values["total"], tolerance, resolution, order)
+        wanted = finer(resolution, result.values["total"], tolerance, order, meaningless=NONLINEAR)
         possible = wanted <= max_resolution * _slowness(problem, which)
         begun = outcome.horizon[which] > _begun(problem, which)
         unresolved = ~begun | (stalls[which] == 0)
@@ -226,14 +216,6 @@ def _slowness(problem: Problem, which: IntArray) -> FloatArray:
     if not problem.timeline.periodic:
         return np.ones(which.size)
     return np.asarray((problem.timeline.lengths[0, which] / NOMINAL).clip(1.0, _SLOWEST))
-
-
-def _next_resolution(total: FloatArray, tolerance: float, resolution: int, order: int) -> IntArray:
-    """What the order of the method predicts, between the next step up and fourfold."""
-    with np.errstate(all="ignore"):
-        factor = (total / (MARGIN * tolerance)) ** (1.0 / order)
-    factor = np.where(np.isfinite(factor) & (total < NONLINEAR), factor, 2.0).clip(1.05, 4.0)
-    return np.maximum(ladder(factor * resolution), ladder(resolution + 1))
 
 
 def _record(

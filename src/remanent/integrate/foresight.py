@@ -50,6 +50,24 @@ def first_resolution(tolerance: float, method: Method) -> int:
     return int(ladder(max(least, nine_digits * (1e-9 / tolerance) ** (1.0 / method.order))))
 
 
+def finer(
+    resolution: IntArray | int,
+    error: FloatArray,
+    tolerance: FloatArray | float,
+    order: int,
+    *,
+    meaningless: float,
+) -> IntArray:
+    """What the order of the method predicts, between the next step up and fourfold.
+
+    Errors from `meaningless` on no longer follow the order: twice as fine, then.
+    """
+    with np.errstate(all="ignore"):
+        factor = (error / (MARGIN * tolerance)) ** (1.0 / order)
+    factor = np.where(np.isfinite(factor) & (error < meaningless), factor, 2.0).clip(1.05, 4.0)
+    return np.maximum(ladder(factor * resolution), ladder(np.asarray(resolution) + 1))
+
+
 def foreseen(
     crew: Crew,
     problem: Problem,

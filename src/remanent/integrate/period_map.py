@@ -18,7 +18,7 @@ from remanent._field import Field
 from remanent._typing import FloatArray, IntArray
 from remanent.integrate.compile import Kernel, compiled
 from remanent.integrate.ensemble import MAX_RESOLUTION
-from remanent.integrate.foresight import ladder
+from remanent.integrate.foresight import finer, ladder
 from remanent.integrate.kernel import Options
 from remanent.integrate.methods import default_method
 from remanent.integrate.tables import waveform_tables
@@ -28,8 +28,6 @@ from remanent.integrate.variations import tangent
 _GROUPS = 32
 #: Double steps per period to begin with.
 _FIRST = 8
-#: Refinement aims this factor below the tolerance.
-_MARGIN = 0.5
 
 
 @dataclass(frozen=True)
@@ -172,10 +170,7 @@ class PeriodMap:
     def _finer(
         self, error: FloatArray, tolerance: FloatArray, levels: IntArray, half: bool
     ) -> IntArray:
-        with np.errstate(all="ignore"):
-            factor = (error / (_MARGIN * tolerance)) ** (1.0 / self.order)
-        factor = np.where(np.isfinite(factor) & (error < 1.0), factor, 2.0).clip(1.05, 4.0)
-        wanted = np.maximum(ladder(factor * levels), ladder(levels + 1))
+        wanted = finer(levels, error, tolerance, self.order, meaningless=1.0)
         return np.asarray(wanted + (wanted % 2 if half else 0))
 
     def _run(

@@ -24,10 +24,14 @@ _POWERS: Mapping[Kind, float] = MappingProxyType(
         Kind.LOAD: 1.0,
         Kind.ROOT_LOAD: 0.5,
         Kind.STRESS: 1.0,
+        Kind.OWN_FIELD: 1.0,
         Kind.VISCOSITY: 0.5,
         Kind.ENERGY_DENSITY: 1.0,
     }
 )
+#: The same for fields of branches, by their last word: moduli are in units of the modulus,
+#: which grows itself, and the rate at which a branch relaxes is theta/t_r.
+_OF_BRANCHES: Mapping[str, float] = MappingProxyType({"modulus": 0.0, "relaxation_time": 0.5})
 #: Errors of states, which hold stretches beside rates: grown with the rates, never shrunk.
 _ERRORS = frozenset({"error", "local_error", "residual", "tolerance"})
 _RULE = positive("Temperatures are absolute.", "Pass kelvin.")
@@ -58,11 +62,12 @@ def rescale(dataset: xr.Dataset, *, temperature: float) -> xr.Dataset:
 
     Notes
     -----
-    With r the ratio of temperatures, time and relaxation times go with r^(−1/2); rates,
-    frequencies, exponents, b and viscosities with r^(1/2); loads, stresses and energies with
-    r; stretches and multipliers stay.  In (b²/θ, S/θ, ω/√θ) one chart answers for every
-    temperature.  Equation (16) is unchanged by this, so nothing is approximate; bounds on
-    errors of states are multiplied by √r where that is larger than 1, and kept elsewhere.
+    With r the ratio of temperatures, time goes with r^(−1/2); rates, frequencies, exponents,
+    b, viscosities and relaxation times with r^(1/2); loads, the strength of the magnet in
+    itself, stresses and energies with r; stretches and multipliers stay.  In (b²/θ, S/θ,
+    ω/√θ) one chart answers for every temperature.  The equations are unchanged by this, so
+    nothing is approximate; bounds on errors of states are multiplied by √r where that is
+    larger than 1, and kept elsewhere.
 
     Examples
     --------
@@ -111,21 +116,26 @@ def _require_entropic(dataset: xr.Dataset, actuator: ast.Call) -> None:
         for name, needed in (("entropic_fraction", 1.0), ("temperature_coefficient", 0.0))
         if fields.get(name, needed) != needed
     ]
-    heat = {k.arg: ast.unparse(k.value) for k in actuator.keywords}.get("heat", "None")
+    nodes = [k for call in _calls(actuator) for k in call.keywords if k.arg in ("heat", "shift")]
+    found = [f"{k.arg} = {text}" for k in nodes if (text := ast.unparse(k.value)) != "None"]
     varied = {"material.entropic_fraction", "magnet.temperature_coefficient"}
-    wrong += [f"heat = {heat}"] if heat != "None" else []
-    wrong += sorted(varied & set(map(str, dataset.coords)))
+    wrong += found + sorted(varied & set(map(str, dataset.coords)))
     if wrong:
         raise InputError(
             "dataset", "be of an actuator that scales with temperature", ", ".join(wrong),
-            "Only entropic stress and a constant remanence do, without a heat balance.",
+            "Only entropic stress, a constant remanence and viscosity do, without a heat balance.",
             "Compute it again at the other temperature.",
         )  # fmt: skip
 
 
+def _calls(call: ast.Call) -> list[ast.Call]:
+    """A call, and the calls in it."""
+    return [node for node in ast.walk(call) if isinstance(node, ast.Call)]
+
+
 def _numbers(call: ast.Call) -> list[tuple[str, Any]]:
     """Fields of a call, and of the calls in it, that are literals."""
-    keywords = [k for node in ast.walk(call) if isinstance(node, ast.Call) for k in node.keywords]
+    keywords = [k for one in _calls(call) for k in one.keywords]
     return [
         (str(k.arg), ast.literal_eval(k.value))
         for k in keywords
@@ -148,8 +158,9 @@ def _temperature(dataset: xr.Dataset, actuator: ast.Call) -> float:
 
 def _power(name: str) -> float:
     """Of the ratio, by which a quantity grows."""
-    if name.endswith(".modulus"):  # in units of the modulus, which grows itself
-        return 0.0
+    last = name.rpartition(".")[2]
+    if last in _OF_BRANCHES:
+        return _OF_BRANCHES[last]
     try:
         return _POWERS.get(describe(name).kind, 0.0)
     except InputError:

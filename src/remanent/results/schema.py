@@ -32,6 +32,8 @@ class Kind(Enum):
     LOAD = "load"
     ROOT_LOAD = "root of load"
     STRESS = "stress"
+    OWN_FIELD = "own field"
+    COUPLING = "thermoelastic coupling"
     VISCOSITY = "viscosity"
     ENERGY_DENSITY = "energy density"
     TEMPERATURE = "temperature"
@@ -369,13 +371,19 @@ _ROWS = (
         "temperature coefficient of the remanence",
         r"\alpha",
     ),
-    Variable("magnet.demagnetisation", "1", "strength of the magnet in itself", r"B_r^2/\mu\mu_0"),
+    Variable(
+        "magnet.demagnetisation",
+        "1",
+        "strength of the magnet in itself",
+        r"B_r^2/\mu\mu_0",
+        kind=Kind.OWN_FIELD,
+    ),
     Variable("material.c1", "1", "constant of the first invariant", r"c_1"),
     Variable("material.c2", "1", "constant of the second invariant", r"c_2"),
     Variable("material.locking_stretch", "1", "locking stretch of a chain", r"\lambda_m"),
     Variable("material.jm", "1", "limiting value of the first invariant", r"J_m"),
     Variable("material.entropic_fraction", "1", "entropic fraction", r"f"),
-    Variable("heat.coupling", "1", "thermoelastic coupling", r"k"),
+    Variable("heat.coupling", "1", "thermoelastic coupling", r"k", kind=Kind.COUPLING),
     Variable("heat.exchange", "1", "rate of heat exchange", r"h", kind=Kind.RATE),
     Variable("dissipation.eta", "1", "viscosity", r"\eta", kind=Kind.VISCOSITY),
     Variable(

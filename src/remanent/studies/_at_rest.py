@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from scipy.optimize import elementwise
 
 from remanent._field import Program
 from remanent._typing import BoolArray, FloatArray, IntArray
@@ -15,8 +16,6 @@ from remanent.studies._ensemble import Ensemble, at_rest
 
 #: Stretches between which equilibria are sought, and how finely.
 STRETCHES = np.geomspace(0.05, 20.0, 4001)
-#: Halvings of an interval of the grid at the limit of a material: down to round-off.
-_HALVINGS = 60
 
 #: Values of parameters that stand in place of the ensemble's own, by name.
 Changed = Mapping[str, FloatArray]
@@ -38,7 +37,8 @@ class AtRest:
 
         Where the material has limits they are the ends, and points are dense there.
         """
-        inside = self._reachable(np.tile(STRETCHES, (self.ens.count, 1)))
+        cases = np.arange(self.ens.count)
+        inside = self._reachable(cases[:, None], STRETCHES)
         if inside.all():
             return STRETCHES
         rest = STRETCHES.size // 2
@@ -50,18 +50,21 @@ class AtRest:
 
     def _edge(self, outside: IntArray, inward: int, unlimited: BoolArray) -> FloatArray:
         """The last stretch that can be reached, between two neighbours on the grid."""
-        end = STRETCHES[-1] if inward < 0 else STRETCHES[0]
-        out = np.where(unlimited, end, STRETCHES[outside])
-        last = np.where(unlimited, end, STRETCHES[outside + inward])
-        for _ in range(_HALVINGS):
-            middle = np.sqrt(out * last)
-            within = self._reachable(middle[:, None])[:, 0]
-            last, out = np.where(within, middle, last), np.where(within, out, middle)
+        last = np.where(unlimited, STRETCHES[-1 if inward < 0 else 0], STRETCHES[outside + inward])
+        case = np.flatnonzero(~unlimited)
+        if case.size:
+            find_root: Any = elementwise.find_root  # its stubs do not know `args`
+            solved = find_root(
+                lambda x, i: np.where(self._reachable(i, x), 1.0, -1.0),
+                (last[case], STRETCHES[outside[case]]),
+                args=(case,),
+            )
+            last[case] = np.where(solved.f_bracket[0] > 0.0, *solved.bracket)
         return last
 
-    def _reachable(self, stretch: FloatArray) -> BoolArray:
-        """Whether the material reaches stretches (case, point)."""
-        columns = {name: value[:, None] for name, value in self.ens.values.items()}
+    def _reachable(self, case: IntArray, stretch: FloatArray) -> BoolArray:
+        """Whether the material reaches equal stretches, arrays that broadcast with `case`."""
+        columns = {name: value[case] for name, value in self.ens.values.items()}
         return self.ens.actuator.reachable(columns, stretch, stretch)
 
     def force(

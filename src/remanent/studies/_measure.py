@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
@@ -173,6 +173,19 @@ class Measure:
 
         options = {name: swapped(x) for name, x in self.options.items()}
         return self.verb(*map(swapped, self.arguments), **options)
+
+
+def listed(fields: str | Iterable[str]) -> list[str]:
+    """Names of fields, of which a single one may stand by itself."""
+    return [fields] if isinstance(fields, str) else list(fields)
+
+
+def chosen(
+    fields: str | Sequence[str] | Mapping[str, float], own: Mapping[str, float]
+) -> dict[str, float]:
+    """Fields by name, with the values given, or else with those they have."""
+    given = fields if isinstance(fields, Mapping) else own
+    return {name: float(given[name]) for name in listed(fields)}
 
 
 def as_measure(

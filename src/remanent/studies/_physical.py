@@ -26,12 +26,15 @@ RULE: Rule = positive(
     "Pass 1 for no change, 1.05 for five per cent more.",
 )
 #: Exponents of shear modulus, density and remanence in a quantity of each kind, held
-#: fixed in SI: stresses count in mu, times in L sqrt(rho/mu), loads in mu mu0/B_r.
+#: fixed in SI: stresses count in mu, times in L sqrt(rho/mu), loads in mu mu0/B_r, the
+#: own field is B_r^2/(mu mu0), and what couples heat mu/(rho c_p T0).
 _EXPONENTS: Mapping[Kind, tuple[float, float, float]] = MappingProxyType(
     {
         Kind.STRESS: (-1.0, 0.0, 0.0),
         Kind.LOAD: (-1.0, 0.0, 1.0),
         Kind.ROOT_LOAD: (-0.5, 0.0, 0.5),
+        Kind.OWN_FIELD: (-1.0, 0.0, 2.0),
+        Kind.COUPLING: (1.0, -1.0, 0.0),
         Kind.TIME: (0.5, -0.5, 0.0),
         Kind.RATE: (-0.5, 0.5, 0.0),
         Kind.FREQUENCY: (-0.5, 0.5, 0.0),

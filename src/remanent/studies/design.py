@@ -14,7 +14,7 @@ from remanent._typing import FloatArray
 from remanent.analysis.fitting import Box, jacobian
 from remanent.results import build, provenance
 from remanent.results.build import Labelled
-from remanent.studies._measure import Measure, together
+from remanent.studies._measure import Measure, chosen, listed, together
 
 _STEP = positive("It is the relative change of a field in a difference.", "Pass 1e-3.")
 
@@ -91,7 +91,8 @@ def design(
     def slopes(x: FloatArray) -> FloatArray:
         return jacobian(distance, x, box, step)
 
-    if not np.isfinite(distance(start[None])).all() or distance(start[None]).shape[1] != len(asked):
+    begin = distance(start[None])
+    if not np.isfinite(begin).all() or begin.shape[1] != len(asked):
         raise InputError(
             "fields", "start where each measure is one known number", guess,
             "The search starts there.", "Pass other guesses, or reduce the measure by `of`.",
@@ -132,12 +133,9 @@ def design(
 def _guesses(
     asked: Sequence[Measure], fields: Mapping[str, float] | Sequence[str] | str
 ) -> dict[str, float]:
-    names = [fields] if isinstance(fields, str) else list(fields)
     for measure in asked:
-        measure.require(names)
-    own = asked[0].own()
-    given = fields if isinstance(fields, Mapping) else {name: own[name] for name in names}
-    return {name: float(given[name]) for name in names}
+        measure.require(listed(fields))
+    return chosen(fields, asked[0].own())
 
 
 def _box(guess: Mapping[str, float], bounds: Mapping[str, tuple[float, float]]) -> Box:

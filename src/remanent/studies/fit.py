@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -22,6 +21,7 @@ from remanent.results import build, provenance
 from remanent.results.build import Labelled
 from remanent.results.measured import Table, measurements
 from remanent.studies._checks import require_tolerance
+from remanent.studies._measure import chosen, listed
 from remanent.studies._observe import observe
 from remanent.studies._physical import PHYSICAL, RULE, Physical, physical
 from remanent.studies._time import durations
@@ -224,8 +224,6 @@ class _Model:
             name: xr.DataArray(column, dims="candidate")
             for name, column in zip(self.names, candidates.T, strict=True)
         }
-        if not over:
-            over = {"shear_modulus": xr.DataArray(np.ones(len(candidates)), dims="candidate")}
         found = self._history(over) if self.along == "time" else self._response(over)
         return np.concatenate([found[name] for name in self.measured], axis=1)
 
@@ -283,10 +281,8 @@ def _guesses(
     ens = physical(actuator, drive, None, initial).ensemble
     start = {f"initial.{n}": float(v) for n, v in zip(ens.field.state, ens.initial[0], strict=True)}
     own = {**actuator.parameters(), **drive.parameters(), **start, **dict.fromkeys(PHYSICAL, 1.0)}
-    names = [parameters] if isinstance(parameters, str) else list(parameters)
-    require_known(names, own, "the actuator or the drive, or a physical size")
-    given: Any = parameters if isinstance(parameters, Mapping) else own
-    guess = {name: float(given[name]) for name in names}
+    require_known(listed(parameters), own, "the actuator or the drive, or a physical size")
+    guess = chosen(parameters, own)
     if not guess:
         raise InputError(
             "parameters", "name at least one field", parameters,

@@ -13,7 +13,7 @@ from remanent._typing import FloatArray
 from remanent.analysis.differences import offsets, richardson
 from remanent.results import build, provenance
 from remanent.results.build import Labelled
-from remanent.studies._measure import SAMPLE, Measure, Of, as_measure
+from remanent.studies._measure import SAMPLE, Measure, Of, as_measure, chosen, listed
 
 _STEP = positive("It is the largest relative change of a field.", "Pass for example 0.02.")
 #: Differences of each field, each half as wide as the last.
@@ -73,10 +73,9 @@ def sensitivity(
     """
     asked = as_measure(measure, arguments, of, **options)
     step = require_real("step", step, _STEP)
-    names = [fields] if isinstance(fields, str) else list(fields)
-    asked.require(names)
-    own = asked.own()
-    centre = np.array([own[name] for name in names])
+    asked.require(listed(fields))
+    at = chosen(fields, asked.own())
+    names, centre = list(at), np.array(list(at.values()))
     widths = step * np.where(centre == 0.0, 1.0, np.abs(centre))
     away = np.concatenate([offsets(width, _LEVELS) for width in widths])
     rows = np.repeat(centre[None], 1 + away.size, axis=0)

@@ -58,7 +58,7 @@ def uncertainty(
         ``known``, the share of points at which the measure is known: the others are left out.
         Along ``field``, where asked: ``first_index``, the share of the variance that a field
         accounts for alone, and ``total_index``, with all it does together with others, each
-        with its bootstrap error.
+        with its standard error.
 
     Raises
     ------

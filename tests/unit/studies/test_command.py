@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import xarray as xr
 from scipy.integrate import quad
 
 import remanent as rm
@@ -113,6 +114,19 @@ def test_physical_sizes_scale_what_they_should() -> None:
         heavy.farthest,
     ]  # fmt: skip
     np.testing.assert_allclose(left(actuator, command, density=1.1), expected, rtol=1e-7)
+
+
+def test_a_magnet_in_itself_changes_with_remanence_and_modulus() -> None:
+    """B_r^2/(mu mu0), beside m ~ B_r/mu and times in the unit of the modulus."""
+    remanence, modulus = 1.2, 1.1
+    over = {"remanence": xr.DataArray([remanence], dims="case"),
+            "shear_modulus": xr.DataArray([modulus], dims="case")}  # fmt: skip
+    body = rm.Actuator(magnet=rm.Magnet(demagnetisation=0.2))
+    ds = rm.step_response(body, rm.Constant(0.3), duration=6.0, over=over)
+    changed = body.with_parameter("magnet.demagnetisation", 0.2 * remanence**2 / modulus)
+    load = rm.Constant(0.3 * remanence / modulus)
+    alone = rm.step_response(changed, load, duration=6.0 * np.sqrt(modulus))
+    assert float(ds.farthest[0]) == pytest.approx(float(alone.farthest), abs=1e-8)
 
 
 def test_metrics_of_a_small_step() -> None:
