@@ -64,14 +64,15 @@ def test_a_mutated_equation_moves_a_resonance(
 ) -> None:
     original = mechanics.accelerations
 
-    def mutated(motion: mechanics.Motion) -> tuple[dict[Any, Any], list[Any]]:
-        named, (a,) = original(motion)
+    def mutated(motion: mechanics.Motion) -> tuple[dict[Any, Any], list[Any], Any]:
+        named, (a,), _ = original(motion)
         for symbol, meaning in reversed(list(named.items())):
             a = a.subs(symbol, meaning)
         a = motion.explicit(a)
-        changed = mutate(a, motion.coordinates[0], motion.rates[0])
+        x, v = motion.coordinates[0], motion.rates[0]
+        changed = mutate(a, x, v)
         assert sp.simplify(changed - a) != 0
-        return {}, [changed]
+        return {}, [changed], sp.diff(x**-2, x) * changed + sp.diff(x**-2, x, 2) * v**2
 
     monkeypatch.setattr(mechanics, "accelerations", mutated)
     field = codegen_build.build(rm.Actuator(), rm.SineSquared(0.4, 1.0))

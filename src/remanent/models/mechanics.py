@@ -203,7 +203,7 @@ def motion(actuator: Actuator, drive: Drive | None) -> Motion:
 def first_order(motion: Motion) -> System:
     """Solve Lagrange's equations for the accelerations and list all rates."""
     q, v = motion.coordinates, motion.rates
-    named, solved = accelerations(motion)
+    named, solved, thickness_acceleration = accelerations(motion)
     rates: dict[Symbol, Expression] = {}
     for coordinate, rate, acceleration in zip(q, v, solved, strict=True):
         rates[coordinate], rates[rate] = rate, acceleration
@@ -212,12 +212,11 @@ def first_order(motion: Motion) -> System:
     if motion.heat is not None:
         rates |= motion.heat.rate(rates, lost, motion)
     x, x_rate = motion.thickness, motion.thickness_rate
-    pulled = (sp.diff(motion.definitions[x_rate], rate) * rates[rate] for rate in v)
     return System(
         state=tuple(rates),
         definitions={**motion.definitions, **named},
         rates=tuple(rates.values()),
-        watched=(x, x_rate, sum(pulled, start=_bent(motion)), _sign_of(motion.explicit(x_rate))),
+        watched=(x, x_rate, thickness_acceleration, _sign_of(motion.explicit(x_rate))),
         observables={
             "thickness_stretch": x,
             "thickness_stretch_rate": x_rate,
@@ -241,41 +240,47 @@ def dissipated(motion: Motion) -> Expression:
     return dashpots - along(motion.viscous, motion.internal)
 
 
-def accelerations(motion: Motion) -> tuple[dict[Symbol, Expression], list[Expression]]:
-    """Intermediate symbols, and the accelerations in terms of them.
+def accelerations(motion: Motion) -> tuple[dict[Symbol, Expression], list[Expression], Expression]:
+    """Intermediate symbols, and in terms of them the accelerations and that of the thickness.
 
     With weights w_i, the thickness stretch x(q) as a further stretch of weight c, g_i =
     dx/dq_i and x'' = sum g_i q_i'' + K, d'Alembert's principle gives, times 3,
     w_i q_i'' + c g_i (sum g_j q_j'') = A_i - g_i Y,  A_i = -3 (dU/dq_i + dD/dq_i'),
     Y = 3 dU/dx + c K,  with derivatives at fixed x.  For two coordinates, with the
     cancellations of M^-1 done: q_1'' = [w_2 (A_1 - g_1 Y) + c g_2 R]/det,  q_2'' =
-    [w_1 (A_2 - g_2 Y) - c g_1 R]/det,  R = g_2 A_1 - g_1 A_2.
+    [w_1 (A_2 - g_2 Y) - c g_1 R]/det,  R = g_2 A_1 - g_1 A_2.  The thickness stretch has
+    x'' = [w_2 g_1 (A_1 - g_1 F) + w_1 g_2 (A_2 - g_2 F) + w_1 w_2 K]/det,  F = 3 dU/dx:
+    in sum g_i q_i'' + K, most of K would cancel.
     """
     q, v, x = motion.coordinates, motion.rates, motion.thickness
     c = motion.weights[-1]
     x_rate = motion.definitions[motion.thickness_rate]
     inertia, scale, drag = sp.Symbol("inertia"), sp.Symbol("scale"), sp.Symbol("drag")
+    pressed, bent = sp.Symbol("pressed"), sp.Symbol("bent")
     slopes = [sp.Symbol(f"slope_{i}") for i in range(len(q))]
     pushes = [sp.Symbol(f"push_{i}") for i in range(len(q))]
     named: dict[Symbol, Expression] = {}
     for slope, push, coordinate, rate in zip(slopes, pushes, q, v, strict=True):
         named[slope] = sp.diff(x_rate, rate)
         named[push] = -3 * (_force(motion, coordinate) + sp.diff(motion.rayleigh, rate))
-    named[drag] = 3 * _force(motion, x) + c * _bent(motion)
+    named[pressed], named[bent] = 3 * _force(motion, x), _bent(motion)
+    named[drag] = pressed + c * bent
     if len(q) == 1:
         (w, _), (g,), (push,) = motion.weights, slopes, pushes
         determinant, solved = w + c * g**2, [push - g * drag]
+        thickened = g * (push - g * pressed) + w * bent
     else:
         (w1, w2, _), (g1, g2), (a1, a2) = motion.weights, slopes, pushes
         twist = sp.Symbol("twist")
         named[twist] = c * (g2 * a1 - g1 * a2)
         determinant = w1 * w2 + c * (w2 * g1**2 + w1 * g2**2)
         solved = [w2 * (a1 - g1 * drag) + g2 * twist, w1 * (a2 - g2 * drag) - g1 * twist]
+        thickened = w2 * g1 * (a1 - g1 * pressed) + w1 * g2 * (a2 - g2 * pressed) + w1 * w2 * bent
     # The slopes are x^2 times a stretch: in units of x^4 the determinant is a polynomial.
     known = {g: named[g] for g in slopes}
     named[inertia] = _polynomial(determinant.subs(known), x)
     named[scale] = AREA**4 / inertia
-    return named, [scale * e for e in solved]
+    return named, [scale * e for e in solved], scale * thickened
 
 
 def _polynomial(determinant: Expression, x: Symbol) -> Expression:

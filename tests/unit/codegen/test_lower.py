@@ -6,7 +6,6 @@ import os
 import subprocess
 import sys
 from collections import Counter
-from collections.abc import Iterable, Mapping
 from functools import cache
 from typing import Any
 
@@ -161,40 +160,13 @@ def check_against_sympy(name: str, count: int) -> None:
             assert abs(mpmath.mpf(float(value)) - truth) <= allowed
 
 
-#: Where the law is broken, and by how many units at the worst point.
-BEYOND = {"formula in two directions": 8.1}
-BEYOND_AT_MANY_POINTS = {
-    "biaxial": 13.1,
-    "unequal edges": 32.0,
-    "fluid in two directions": 20.9,
-    "zener": 30.8,
-    "shifted": 10.2,
-    "warm": 87.2,
-}
-#: Seen in the outputs, of which the second derivative of the thickness stretch is the worst.
-REASON = (
-    "up to {} units: reciprocals share one division, which costs each some digits, and terms "
-    "cancel that the condition number of the inputs does not see"
-)
-
-
-def known(names: Iterable[str], beyond: Mapping[str, float]) -> list[Any]:
-    """Names, those of defects that are known as expected failures."""
-    return [
-        pytest.param(name, marks=pytest.mark.xfail(reason=REASON.format(beyond[name])))
-        if name in beyond
-        else name
-        for name in names
-    ]
-
-
-@pytest.mark.parametrize("name", known(MODELS | KEPT, BEYOND))
+@pytest.mark.parametrize("name", MODELS | KEPT)
 def test_code_agrees_with_sympy(name: str) -> None:
     check_against_sympy(name, 50)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", known(MODELS, BEYOND_AT_MANY_POINTS))
+@pytest.mark.parametrize("name", MODELS)
 def test_code_agrees_with_sympy_at_many_points(name: str) -> None:
     check_against_sympy(name, 10_000)
 
