@@ -18,6 +18,7 @@ from benchmarks.jobs import RESPONSE
 from benchmarks.machine import one_core
 from benchmarks.rows.plan import Plan
 from benchmarks.tools import ours
+from remanent._typing import FloatArray
 
 _COUNTS = (1_000, 10_000, 100_000, 1_000_000)
 _TOLERANCE = 1e-8
@@ -35,9 +36,12 @@ def measure(plan: Plan) -> dict[str, Any]:
     return {"tolerance": _TOLERANCE, "rows": rows}
 
 
-def _respond(count: int) -> int:
+def _frequencies(count: int) -> FloatArray:
+    return np.linspace(RESPONSE.low, RESPONSE.high, count)
+
+
+def _respond(omegas: FloatArray) -> int:
     """Bytes of the result of a frequency response."""
-    omegas = np.linspace(RESPONSE.low, RESPONSE.high, count)
     ds = rm.frequency_response(
         ours.actuator(RESPONSE), rm.SineSquared(RESPONSE.b, 1.0), omegas, tolerance=_TOLERANCE
     )
@@ -58,9 +62,10 @@ def _peak() -> int:
 
 def main(count: int) -> None:
     """One size; what the first call brings with it, imports and kernels, does not count."""
-    _respond(_COUNTS[0])
+    _respond(_frequencies(_COUNTS[0]))
+    omegas = _frequencies(count)
     before, begin = _peak(), time.perf_counter()
-    size = _respond(count)
+    size = _respond(omegas)
     seconds = time.perf_counter() - begin
     print(json.dumps({"seconds": seconds, "result": size, "beyond": _peak() - before - size}))
 

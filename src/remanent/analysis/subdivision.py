@@ -59,7 +59,7 @@ def largest(
     candidates, division
         Local maxima kept at each level; parts an interval is divided into.
     """
-    tables = [_Table(x, row) for row in values]
+    tables = [_Table(x, row).around_peaks(candidates) for row in values]
     while True:
         points = [t.refinement(width, candidates, division) for t in tables]
         case = np.repeat(np.arange(len(tables)), [p.size for p in points])
@@ -79,16 +79,19 @@ class _Table:
     x: FloatArray
     values: FloatArray
 
-    @property
-    def known(self) -> FloatArray:
-        return np.where(np.isfinite(self.values), self.values, -np.inf)
-
     def peaks(self) -> IntArray:
-        """Local maxima, ends included, largest first."""
-        padded = np.concatenate([[-np.inf], self.known, [-np.inf]])
-        is_peak = (padded[1:-1] >= padded[:-2]) & (padded[1:-1] >= padded[2:])
-        index = np.flatnonzero(is_peak & np.isfinite(self.known))
-        return index[np.argsort(-self.known[index], kind="stable")]
+        """Local maxima, ends included, largest first; beside NaN, what is finite is one."""
+        is_peak = np.isfinite(self.values)
+        is_peak[1:] &= ~(self.values[:-1] > self.values[1:])
+        is_peak[:-1] &= ~(self.values[1:] > self.values[:-1])
+        index = np.flatnonzero(is_peak)
+        return index[np.argsort(-self.values[index], kind="stable")]
+
+    def around_peaks(self, most: int) -> _Table:
+        """The largest peaks and their neighbours: no other point is looked at again."""
+        near = (self.peaks()[:most, None] + np.array([-1, 0, 1])).clip(0, self.x.size - 1)
+        kept = np.unique(near)
+        return _Table(self.x[kept], self.values[kept])
 
     def bracket(self, k: int) -> tuple[float, float]:
         return float(self.x[max(k - 1, 0)]), float(self.x[min(k + 1, self.x.size - 1)])

@@ -317,7 +317,7 @@ def _spread(dims: tuple[str, ...], values: FloatArray, sizes: Mapping[str, int])
     order = [d for d in sizes if d in dims]
     moved = values.transpose([dims.index(d) for d in order])
     shape = [size if d in dims else 1 for d, size in sizes.items()]
-    return np.broadcast_to(moved.reshape(shape), tuple(sizes.values())).reshape(-1).copy()
+    return np.broadcast_to(moved.reshape(shape), tuple(sizes.values())).reshape(-1)
 
 
 def _initial(

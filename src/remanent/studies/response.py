@@ -137,8 +137,7 @@ def _respond(
     tolerance: float,
     progress: Progress | None,
 ) -> Outcome:
-    end = durations(ens, duration, periods)
-    if (end[~ens.invalid] <= discard).any():
+    if (durations(ens, duration, periods)[~ens.invalid] <= discard).any():
         raise InputError(
             "discard",
             "be shorter than the run",
@@ -151,7 +150,7 @@ def _respond(
         for part, some in ens.slabs():
             request = Request(extremes=True, begin=np.full(some.count, discard))
             share = None if progress is None else _share(progress, part, ens.count)
-            asked = problem(some, end[part])
+            asked = problem(some, durations(some, duration, periods))
             yield part, integrate(asked, request, tolerance=tolerance, progress=share)
 
     return gathered(ens.count, parts())
@@ -176,7 +175,8 @@ def _resonance(
     """The largest amplitude for every combination of the other fields."""
     axis = ens.dims.index("omega")
     rows = np.moveaxis(amplitude, axis, -1).reshape(-1, grid.size)
-    index = np.moveaxis(ens.shaped(np.arange(ens.count)), axis, -1).reshape(rows.shape)[:, 0]
+    first = [1 if dim == "omega" else size for dim, size in ens.sizes.items()]
+    index = np.ravel_multi_index(tuple(np.indices(first)), tuple(ens.sizes.values())).ravel()
 
     def measure(case: IntArray, omega: FloatArray) -> FloatArray:
         return _amplitude(respond(_at(ens, index[case], omega)))
