@@ -26,7 +26,7 @@ from remanent._typing import FloatArray
 from remanent.integrate.chunk import attempt
 from remanent.integrate.compile import Kernel, Kernels, compiled, host
 from remanent.integrate.foresight import method_for
-from remanent.integrate.kernel import Method, Options, kernel_source
+from remanent.integrate.kernel import Method, Options
 from remanent.integrate.methods import default_method
 from remanent.integrate.problem import Request
 from remanent.integrate.tables import waveform_tables
@@ -88,7 +88,7 @@ def _row(method: Method, options: Options, repeats: int, peak: float) -> dict[st
 
 def _work(method: Method, options: Options) -> Counter[str]:
     field = ours.asked(RESPONSE, RESPONSE.omegas[:1]).field
-    return work_per_pass(assembly(kernel_source(field, method, options, host().width), host()))
+    return work_per_pass(assembly(host().source(field, method, options), host()))
 
 
 def _seconds_per_pass(method: Method, options: Options, repeats: int) -> float:

@@ -163,10 +163,12 @@ def _double_integral(p: _Polynomial) -> Fraction:
 def combination(weights: Sequence[float], values: Sequence[Any]) -> Any:
     """Sum of weights times values, oldest (smallest) terms first.
 
-    In two halves that do not wait for each other.
+    All but the newest in two halves that do not wait for each other: the newest is what
+    everything else waits for.
     """
     terms = list(zip(reversed(weights), reversed(values), strict=True))
-    return _summed(terms[::2]) + _summed(terms[1::2])
+    earlier = _summed(terms[:-1:2]) + _summed(terms[1:-1:2])
+    return earlier + terms[-1][1] * terms[-1][0]
 
 
 def _summed(terms: Sequence[tuple[float, Any]]) -> Any:

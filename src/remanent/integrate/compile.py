@@ -117,9 +117,20 @@ class Target:
     @property
     def width(self) -> int:
         """Trajectories per group: two vectors of the widest kind, to hide latencies."""
-        names = self.features.split(",")
-        native = 8 if "+avx512f" in names else 4 if "+avx" in names else 2
-        return 2 * native
+        return 2 * (8 if self.has("avx512f") else 4 if self.has("avx") else 2)
+
+    @property
+    def estimates(self) -> bool:
+        """Whether there is an instruction for estimates of reciprocals."""
+        return self.has("avx512f")
+
+    def has(self, feature: str) -> bool:
+        """Whether the processor can do this."""
+        return f"+{feature}" in self.features.split(",")
+
+    def source(self, field: Field, method: Method, options: Options) -> str:
+        """LLVM assembly of a kernel for this processor."""
+        return kernel_source(field, method, options, self.width, estimates=self.estimates)
 
     def machine(self) -> Any:
         return binding.Target.from_triple(self.triple).create_target_machine(
@@ -186,7 +197,7 @@ def _object_code(field: Field, method: Method, options: Options, target: Target)
     stored = _cache.load_bytes("kernel", key)
     if stored is not None:
         return stored
-    code = _compile(kernel_source(field, method, options, target.width), target)
+    code = _compile(target.source(field, method, options), target)
     _cache.store_bytes("kernel", key, code)
     return code
 

@@ -14,7 +14,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import reduce
 from itertools import chain
-from operator import truediv
 from typing import Any
 
 from llvmlite import ir
@@ -31,6 +30,7 @@ from remanent.integrate.lanes import (
     Variable,
     Writer,
     larger,
+    quotient,
     smaller,
 )
 from remanent.integrate.layout import SOLUTIONS, Layout
@@ -88,14 +88,17 @@ def layout_of(field: Field) -> Layout:
     return Layout(len(field.state), len(field.parameters), pasts)
 
 
-def kernel_source(field: Field, method: Method, options: Options, width: int) -> str:
+def kernel_source(
+    field: Field, method: Method, options: Options, width: int, *, estimates: bool = False
+) -> str:
     """LLVM assembly of the kernel ``void kernel(...)``.
 
     Its arguments are pointers to doubles ``lanes (group, slot, lane)`` (see
     :class:`~remanent.integrate.layout.Layout`), ``fine`` and ``coarse`` (waveform
     tables, see :func:`~remanent.integrate.tables.waveform_tables`), ``record``
     ``(record, group, state, lane)``, and integers: number of groups, cycles, double
-    steps per cycle, fine steps between records (0: none).
+    steps per cycle, fine steps between records (0: none).  With `estimates` the code is for a
+    processor that estimates reciprocals of eight numbers at once.
     """
     module = ir.Module(name="remanent")
     pointer = DOUBLE.as_pointer()
@@ -105,7 +108,8 @@ def kernel_source(field: Field, method: Method, options: Options, width: int) ->
     begin = function.append_basic_block("begin")
     builder.branch(begin)
     builder.position_at_end(begin)
-    _Kernel(field, method, options, Writer(builder, width), function.args).write()
+    writer = Writer(builder, width, estimates)
+    _Kernel(field, method, options, writer, function.args).write()
     builder.ret_void()
     return str(module)
 
@@ -217,7 +221,7 @@ class _Kernel:
         program: Program,
         y: Sequence[Lanes],
         load: list[Lanes],
-        divide: Callable[[Any, Any], Any] = truediv,
+        divide: Callable[[Any, Any], Any] = quotient,
     ) -> list[Lanes]:
         return program(
             [load[0], *y, *self.parameters, *load[1:]],
@@ -230,7 +234,7 @@ class _Kernel:
         self,
         y: Sequence[Lanes],
         load: list[Lanes],
-        divide: Callable[[Any, Any], Any] = truediv,
+        divide: Callable[[Any, Any], Any] = quotient,
     ) -> list[Lanes]:
         if self.outlined is not None:
             return self.outlined(load[0], y, load[1:])
@@ -495,9 +499,9 @@ def _turning_point(polynomial: list[Any], near: Lanes, far: Lanes, shift: Lanes)
     """Where the derivative vanishes in [shift, shift + 1], by Newton from a secant."""
     slope = derivative(polynomial)
     curvature = derivative(slope)
-    s = near / (near - far) + shift
+    s = quotient(near, near - far) + shift
     for _ in range(_NEWTON_STEPS):
-        inverse = 1.0 / horner(curvature, s)
+        inverse = s.writer.reciprocal(horner(curvature, s))
         s = _within(s - horner(slope, s) * inverse, shift)
     # So close by now that the curvature is that of the last step.
     return _within(s - horner(slope, s) * inverse, shift)

@@ -8,11 +8,12 @@ a minute; called, seconds, and the call costs little beside so long a computatio
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
 from llvmlite import ir
 
 from remanent._field import Field, Program
-from remanent.integrate.lanes import DOUBLE, LaneFunctions, Lanes, Writer
+from remanent.integrate.lanes import DOUBLE, LaneFunctions, Lanes, Writer, quotient
 
 #: Rates with more instructions than this are called.
 LONG = 200
@@ -108,9 +109,10 @@ def _function(program: Program, kernel: Writer) -> ir.Function:
     function.attributes.add("noinline")
     for argument in function.args:
         argument.add_attribute("noalias")
-    w = Writer(ir.IRBuilder(function.append_basic_block("entry")), kernel.width)
+    w = replace(kernel, builder=ir.IRBuilder(function.append_basic_block("entry")))
     values = [w.load(function.args[0], w.integer(i * w.width)) for i in range(len(program.inputs))]
-    _store(w, program(values, functions=LaneFunctions(w), constant=w.constant), function.args[1], 0)
+    found = program(values, functions=LaneFunctions(w), constant=w.constant, divide=quotient)
+    _store(w, found, function.args[1], 0)
     w.builder.ret_void()
     return function
 

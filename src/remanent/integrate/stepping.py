@@ -110,8 +110,21 @@ class AdamsSteps:
 
     def increment(self, kind: str, y: Sequence[Lanes], h: Lanes, loads: Loads) -> list[Lanes]:
         m, rates_before = self.method, self.rings[kind].all_newest_first()
-        change = [self._predicted(i, y, h, rates_before) for i in range(len(y))]
-        predicted = [a + b for a, b in zip(y, change, strict=True)]
+        sums = {
+            i: combination(
+                m.single if partner is None else m.double,
+                rates_before[i if partner is None else partner],
+            )
+            for i, partner in enumerate(self.partners)
+        }
+        predicted = [
+            a + h * sums[i] if partner is None else (a + h * y[partner]) + (h * h) * sums[i]
+            for i, (a, partner) in enumerate(zip(y, self.partners, strict=True))
+        ]
+        change = [
+            h * sums[i] if partner is None else h * (y[partner] + h * sums[i])
+            for i, partner in enumerate(self.partners)
+        ]
         self.reciprocals.clear()
         rates = self.evaluate(predicted, loads(1), self._divide)
         surprise = {
@@ -143,7 +156,7 @@ class AdamsSteps:
         return change
 
     def _divide(self, a: Any, b: Any) -> Any:
-        reciprocal = 1.0 / b
+        reciprocal = self.writer.reciprocal(b)
         self.reciprocals.append(reciprocal)
         return a * reciprocal
 

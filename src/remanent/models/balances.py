@@ -64,13 +64,24 @@ class Warming:
         return self.conductance * (motion.theta - self.surroundings)
 
     def rate(
-        self, rates: Mapping[Symbol, Expression], lost: Expression, motion: Motion
+        self, rates: Mapping[Symbol, Expression], damped: Expression, motion: Motion
     ) -> dict[Symbol, Expression]:
-        """T' from theta s' = D - h (theta - theta_env)."""
+        """T' from theta s' = D - h (theta - theta_env).
+
+        Of D, `damped` comes from dashpots in parallel, and -f de/dxi xi' from each term
+        with internal variables; theta s' holds -theta f' de/dxi xi' of the same.  Their
+        difference is taken here: where f is theta, as of entropic springs, nothing is left.
+        """
         theta = motion.theta
-        elsewhere = along(self._entropy(theta, motion.natural), self._moving(rates, motion))
+        moving = self._moving(rates, motion)
+        inner = {k: moving.pop(k) for k in motion.internal}
+        elsewhere = along(self._entropy(theta, motion.natural), moving)
         capacity = sum(-theta * sp.diff(factor, theta, 2) * e for factor, e in self._terms())
-        power = lost - self.outflow(motion) - theta * elsewhere
+        relaxed = -sum(
+            factor * along(motion.natural(e), inner)
+            for factor, e in _internal_terms(self._terms(), theta)
+        )
+        power = damped + relaxed - self.outflow(motion) - theta * elsewhere
         return {self.temperature: self.reference * power / capacity}
 
     def observed(
@@ -79,7 +90,8 @@ class Warming:
         """Internal energy without that in the field, and what changes it and the entropy.
 
         Equations: stored' = drive power - heat flow; with e = Psi + theta s the energy in
-        the field is e_m, and the drive's power dPsi/dm m' - e_m'.
+        the field is e_m = Psi_m + theta s_m, and the drive's power dPsi_m/dm m' - e_m', in which
+        dPsi_m/dm m' cancels.
         entropy' = entropy production - entropy flow, the flow being what the surroundings
         gain, and the production D/theta + h (theta - theta_env)^2/(theta theta_env).
         """
@@ -88,12 +100,12 @@ class Warming:
         factor, energy = self.free_in_field
         moving = self._moving(rates, motion)
         moving[theta] = rates[self.temperature] / self.reference
-        load_rate = moving.get(motion.load, sp.Integer(0))
+        load_rate = moving.pop(motion.load, sp.Integer(0))
         outflow = self.outflow(motion)
         dead = motion.terms[2][1]
         return {
             "stored_energy": motion.kinetic + dead + _internal(self.free, theta),
-            "drive_power": factor * sp.diff(energy, motion.load) * load_rate
+            "drive_power": theta * sp.diff(factor, theta) * sp.diff(energy, motion.load) * load_rate
             - along(in_field, moving),
             "dissipated_power": lost,
             "heat_flow": outflow,
@@ -158,7 +170,11 @@ def warming(
 
 def _internal(terms: Sequence[Term], theta: Symbol) -> Expression:
     """e = Psi - theta dPsi/dtheta, with the logarithms cancelled."""
-    return sum(sp.expand(f - theta * sp.diff(f, theta)) * energy for f, energy in terms)
+    return sum(factor * energy for factor, energy in _internal_terms(terms, theta))
+
+
+def _internal_terms(terms: Sequence[Term], theta: Symbol) -> list[Term]:
+    return [(sp.expand(f - theta * sp.diff(f, theta)), energy) for f, energy in terms]
 
 
 def balances(

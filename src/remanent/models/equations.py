@@ -57,7 +57,7 @@ def _warming(motion: mechanics.Motion) -> dict[Expression, Expression]:
     if motion.heat is None:
         return {}
     rates = dict(zip(motion.coordinates, motion.rates, strict=True)) | dict(motion.internal)
-    return motion.heat.rate(rates, mechanics.dissipated(motion), motion)
+    return motion.heat.rate(rates, mechanics.damped(motion), motion)
 
 
 def second_order(motion: mechanics.Motion) -> tuple[Expression, ...]:

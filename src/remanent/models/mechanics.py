@@ -210,7 +210,7 @@ def first_order(motion: Motion) -> System:
     rates |= motion.internal
     lost = dissipated(motion)
     if motion.heat is not None:
-        rates |= motion.heat.rate(rates, lost, motion)
+        rates |= motion.heat.rate(rates, damped(motion), motion)
     x, x_rate = motion.thickness, motion.thickness_rate
     return System(
         state=tuple(rates),
@@ -236,8 +236,12 @@ def _sign_of(expression: Expression) -> Expression:
 
 def dissipated(motion: Motion) -> Expression:
     """The power that becomes heat: sum of q' dD/dq' - dU_v/dxi xi'."""
-    dashpots = sum((v * sp.diff(motion.rayleigh, v) for v in motion.rates), start=sp.Integer(0))
-    return dashpots - along(motion.viscous, motion.internal)
+    return damped(motion) - along(motion.natural(motion.viscous), motion.internal)
+
+
+def damped(motion: Motion) -> Expression:
+    """The part of it from dashpots that lie in parallel: sum of q' dD/dq'."""
+    return sum((v * sp.diff(motion.rayleigh, v) for v in motion.rates), start=sp.Integer(0))
 
 
 def accelerations(motion: Motion) -> tuple[dict[Symbol, Expression], list[Expression], Expression]:

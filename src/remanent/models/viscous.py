@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 
 from remanent import _checks
 from remanent._checks import Rule
+from remanent.models.material import first_invariant
 from remanent.models.parts import Part
 from remanent.models.shifts import Shift
 
@@ -193,8 +194,8 @@ class Zener(Dissipation):
     def stored(
         self, stretches: Sequence[Any], internal: Sequence[Any], p: Mapping[str, Any]
     ) -> Any:
-        """(mu_v/mu) (q1 + q2 + q3 - 3)/2."""
-        return p["modulus"] * (sum(_squares(stretches, internal)) - 3) / 2
+        """(mu_v/mu) (q1 + q2 + q3 - 3)/2, without cancellation near rest."""
+        return p["modulus"] * first_invariant(*_own_stretches(stretches, internal)) / 2
 
     def internal_rates(
         self, stretches: Sequence[Any], internal: Sequence[Any], theta: Any, p: Mapping[str, Any]
@@ -209,6 +210,12 @@ class Zener(Dissipation):
 
 
 def _squares(stretches: Sequence[Any], internal: Sequence[Any]) -> tuple[Any, Any, Any]:
-    """Squares of the spring's own stretches, l_i/xi_i."""
+    """Squares of the spring's own stretches."""
+    e1, e2, e3 = _own_stretches(stretches, internal)
+    return e1**2, e2**2, e3**2
+
+
+def _own_stretches(stretches: Sequence[Any], internal: Sequence[Any]) -> tuple[Any, Any, Any]:
+    """The spring's own stretches, l_i/xi_i, whose product is 1."""
     (l1, l2, l3), (x1, x2) = stretches, internal
-    return (l1 / x1) ** 2, (l2 / x2) ** 2, (l3 * x1 * x2) ** 2
+    return l1 / x1, l2 / x2, l3 * x1 * x2
