@@ -122,13 +122,18 @@ def branch(data: Any) -> Table:
 
 
 def lyapunov(data: Any) -> Table:
-    rows = [("Remanent, at two tolerances, with its error", f"{data['side']} × {data['side']}",
-             number(data["microseconds"]))]  # fmt: skip
+    tools = {"Remanent, two runs, with its error": (f"{data['side']} × {data['side']}", data)}
     if data["peer"]:
-        peer = data["peer"]
-        name = f"pynamicalsys {peer['version']}"
-        rows.append((name, str(peer["points"]), number(peer["microseconds"])))
-    return Table(("tool", "points", "µs per trajectory and τ"), rows)
+        tools[f"pynamicalsys {data['peer']['version']}"] = (
+            str(data["peer"]["points"]),
+            data["peer"],
+        )
+    rows = [
+        (name, points, number(one["microseconds"]), error(one["tolerance"]), error(one["worst"]))
+        for name, (points, one) in tools.items()
+    ]
+    heading = ("tool", "points", "µs per trajectory and τ", "tolerance", "worst error of a period")
+    return Table(heading, rows)
 
 
 def biaxial(data: Any) -> Table:

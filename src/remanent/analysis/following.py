@@ -17,8 +17,10 @@ from remanent._typing import BoolArray, FloatArray, IntArray
 
 #: A state beyond this has escaped.
 FARTHEST = 1e6
-#: Periods between renormalisations of one tangent, and of several, which must not line up.
-_ALONE, _TOGETHER = 8, 4
+#: Most periods between renormalisations of one tangent, and of several, which must not line up.
+_ALONE, _TOGETHER = 16, 4
+#: Blocks that even a short run has: statistics are made of them.
+_BLOCKS = 32
 
 
 @dataclass(frozen=True)
@@ -149,9 +151,11 @@ def _ends(periods: int, block: int) -> IntArray:
 
 def block_lengths(periods: int, directions: int, block: int | None = None) -> IntArray:
     """Periods of each block of a run; the last may be shorter."""
-    if block is None:
-        block = _ALONE if directions <= 1 else _TOGETHER
-    return np.diff(_ends(periods, block), prepend=0)
+    return np.diff(_ends(periods, block or _block(periods, directions)), prepend=0)
+
+
+def _block(periods: int, directions: int) -> int:
+    return min(max(periods // _BLOCKS, 1), _ALONE if directions <= 1 else _TOGETHER)
 
 
 def follow(
@@ -189,8 +193,7 @@ def follow(
         Asked before each block; if it says so, the rest is left out.
     """
     count, dimension = states.shape
-    if block is None:
-        block = _ALONE if directions <= 1 else _TOGETHER
+    block = block or _block(periods, directions)
     ends = _ends(periods, block)
     factors = np.full((count, ends.size, directions, directions), np.nan)
     visited = np.full((count, periods + 1, dimension), np.nan) if every else None

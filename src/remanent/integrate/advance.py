@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
 from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.integrate.ensemble import MAX_RESOLUTION
@@ -16,8 +17,8 @@ from remanent.integrate.period_map import Image, PeriodMap
 _SIZE = 1e-3
 #: States up to this have their error counted as it is, larger ones relative to it.
 _NEAR = 10.0
-#: Resolution may fall again to what was wanted in so many blocks.
-_MEMORY = 8
+#: Resolution may fall again to what was wanted in so many periods.
+_MEMORY = 64
 #: It aims this factor below the tolerance.
 _AIM = 0.3
 
@@ -47,6 +48,8 @@ class Advancer:
         Of a period.
     tolerance
         Of the error of a period.
+    taken : list of array (trajectory,)
+        Resolutions of each block so far.
     """
 
     flow: PeriodMap
@@ -54,14 +57,15 @@ class Advancer:
     lengths: FloatArray
     tolerance: float
     finest: int = MAX_RESOLUTION
+    taken: list[NDArray[np.int16]] = field(default_factory=list, repr=False)
     _level: IntArray = field(init=False, repr=False)
     _wanted: FloatArray = field(init=False, repr=False)
-    _blocks: IntArray = field(init=False, repr=False)
+    _since: IntArray = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         count = self.lengths.size
         self._level = np.full(count, 8, dtype=np.int64)
-        self._wanted, self._blocks = np.zeros(count), np.zeros(count, dtype=np.int64)
+        self._wanted, self._since = np.zeros(count), np.zeros(count, dtype=np.int64)
 
     def __call__(
         self,
@@ -86,19 +90,75 @@ class Advancer:
             finest=self.finest,
             visited=every,
         )
-        self._learn(which, image, asked)
+        self.taken.append(self._taken(which, image.resolution))
+        self._learn(which, image, asked, periods)
         visited = image.state[:, None] if image.visited is None else image.visited
         trusted = image.error <= asked
         return Step(visited, image.tangent / _SIZE, image.error, np.asarray(trusted))
 
-    def _learn(self, which: IntArray, image: Image, asked: FloatArray) -> None:
+    def _taken(self, which: IntArray, resolution: IntArray) -> NDArray[np.int16]:
+        """Resolutions of this block, those of trajectories that are not in it as they were."""
+        taken = self._level.astype(np.int16)
+        taken[which] = resolution
+        return taken
+
+    def _learn(self, which: IntArray, image: Image, asked: FloatArray, periods: int) -> None:
         with np.errstate(all="ignore"):
             share = image.error / (_AIM * asked)
             wanted = image.resolution * np.maximum(share, 1e-8) ** (1.0 / self.flow.order)
         self._wanted[which] = np.fmax(self._wanted[which], wanted)
         self._level[which] = image.resolution
-        self._blocks[which] += 1
-        due = which[self._blocks[which] % _MEMORY == 0]
+        self._since[which] += periods
+        due = which[self._since[which] >= _MEMORY]
         lower = ladder(np.clip(self._wanted[due], 6, self.finest))
         self._level[due] = np.minimum(self._level[due], lower)
-        self._wanted[due] = 0.0
+        self._wanted[due], self._since[due] = 0.0, 0
+
+
+@dataclass
+class Retrace:
+    """Advances trajectories once more, with steps twice as long as in an earlier run.
+
+    What the two runs have in common does not come from the steps.  No error is known.
+
+    Attributes
+    ----------
+    flow
+        A map that judges nothing.
+    parameters, lengths
+        As of :class:`Advancer`.
+    taken
+        Resolutions of each block of the earlier run, in the same order.
+    """
+
+    flow: PeriodMap
+    parameters: FloatArray
+    lengths: FloatArray
+    taken: list[NDArray[np.int16]]
+    _block: int = field(init=False, default=0, repr=False)
+
+    def __call__(
+        self,
+        which: IntArray,
+        states: FloatArray,
+        tangents: FloatArray,
+        periods: int,
+        *,
+        every: bool,
+    ) -> Step:
+        """Advance some of the trajectories by so many periods."""
+        levels = self.taken[min(self._block, len(self.taken) - 1)][which]
+        self._block += 1
+        image = self.flow(
+            states,
+            self.parameters[which],
+            self.lengths[which],
+            tolerance=np.inf,
+            cycles=periods,
+            tangent=_SIZE * tangents,
+            resolution=ladder(0.5 * levels.astype(np.float64)),
+            visited=every,
+        )
+        visited = image.state[:, None] if image.visited is None else image.visited
+        finite = np.asarray(np.isfinite(image.state).all(axis=1))
+        return Step(visited, image.tangent / _SIZE, np.zeros(which.size), finite)

@@ -160,7 +160,7 @@ def compiled(field: Field, method: Method, options: Options) -> Kernel:
 def _compiled(key: _ByFingerprint, _name: str, method: _Box, options: Options) -> Kernel:
     target = host()
     call, engine = _load(_object_code(key.field, method.value, options, target), target)
-    layout = layout_of(key.field)
+    layout = layout_of(key.field, options)
     return Kernel(key.field, method.value, options, target.width, layout, call, engine)
 
 

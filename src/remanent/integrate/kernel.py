@@ -65,10 +65,14 @@ class Options:
         Advance the coarser solution too.  Without it nothing is known of the error.
     local
         Start the coarser solution anew from the finer one in every cycle, so that the
-        error of each cycle by itself is controlled.  Only for methods that need no past.
+        largest error of a cycle by itself is known; the run goes on whatever that is.
+        Only for methods that need no past.
     absolute
         How many of the first state variables have their error counted as it is (all by
         default); that of the others is divided by the largest of them, where above 1.
+    followed
+        How many of the first state variables the companion has (all by default): these
+        must not depend on the others, whose error is then not known.  Only with `local`.
     """
 
     extremes: bool = False
@@ -76,15 +80,18 @@ class Options:
     companion: bool = True
     local: bool = False
     absolute: int | None = None
+    followed: int | None = None
 
 
 #: What a kernel can integrate with.
 Method = RungeKutta | Adams
 
 
-def layout_of(field: Field) -> Layout:
-    """Slots of the trajectories of a field, the same for all kernels."""
+def layout_of(field: Field, options: Options) -> Layout:
+    """Slots of the trajectories of a field, the same whatever the method."""
     pasts = tuple(i for i, partner in enumerate(partners(field)) if partner is None)
+    if options.local:  # no method that needs a past
+        pasts = ()
     return Layout(len(field.state), len(field.parameters), pasts)
 
 
@@ -123,10 +130,12 @@ class _Kernel:
         self.field, self.method, self.options, self.w = field, method, options, writer
         self.lanes, self.fine, self.coarse, self.record = args[:4]
         self.groups, self.cycles, self.doubles, self.every = args[4:]
-        self.layout = layout_of(field)
+        self.layout = layout_of(field, options)
         self.functions = LaneFunctions(writer)
+        self.followed = options.followed or len(field.state)
         called = len(field.rates.code) > LONG and isinstance(method, RungeKutta)
-        self.outlined = Outlined(field, writer) if called else None
+        sizes = {len(field.state), self.followed} if called else set()
+        self.outlined = {size: Outlined(field, writer, size) for size in sorted(sizes)}
         kinds = SOLUTIONS if options.companion else SOLUTIONS[:1]
         self.stepper: Stepper = (
             RungeKuttaSteps(method, self._rates, self.layout.pasts, kinds, writer)
@@ -142,7 +151,7 @@ class _Kernel:
                 self.cycle_start = self.start + self.w.spread_integer(cycle) * self.cycle
                 leave_if(self.w.builder.not_(self._active().any()))
                 if self.options.local:
-                    self._set_state("coarse", self._state("fine"))
+                    self._set_state("coarse", self._state("fine")[: self.followed])
                 if self.options.extremes:
                     self.at_edge = self._near_an_end()
                 with self.w.loop(self.doubles) as (double, _):
@@ -169,8 +178,8 @@ class _Kernel:
         self.h, self.cycle, self.start, self.begin, self.end = list(constants.values())[:5]
         self.tolerance, self.hopeless = constants["tolerance"], constants["hopeless"]
         self.parameters = [self._read(f"parameter.{i}") for i in range(len(self.field.parameters))]
-        if self.outlined is not None:
-            self.outlined.prepare(self.parameters)
+        for outlined in self.outlined.values():
+            outlined.prepare(self.parameters)
         self.v: dict[str, Variable] = {
             n: self.w.variable(self._read(n)) for n in names if n not in constants
         }
@@ -190,7 +199,8 @@ class _Kernel:
         self.w.store(value, self.lanes, self._index(self.layout.slots[name]))
 
     def _state(self, kind: str) -> list[Lanes]:
-        return [self.v[f"{kind}.{i}"].get() for i in range(len(self.field.state))]
+        count = self.followed if kind == "coarse" else len(self.field.state)
+        return [self.v[f"{kind}.{i}"].get() for i in range(count)]
 
     def _set_state(self, kind: str, y: list[Lanes]) -> None:
         for i, y_i in enumerate(y):
@@ -236,9 +246,11 @@ class _Kernel:
         load: list[Lanes],
         divide: Callable[[Any, Any], Any] = quotient,
     ) -> list[Lanes]:
-        if self.outlined is not None:
-            return self.outlined(load[0], y, load[1:])
-        return self._run(self.field.rates, y, load, divide)
+        """The rates of all state variables, or of the first ones, on which no others act."""
+        if self.outlined:
+            return self.outlined[len(y)](load[0], y, load[1:])
+        absent = [self.w.constant(0.0)] * (len(self.field.state) - len(y))
+        return self._run(self.field.rates, [*y, *absent], load, divide)[: len(y)]
 
     def _fine_step(self, step: ir.Value) -> list[Lanes]:
         """A step of h; what rounding cuts off is carried on, where many digits are wanted."""
@@ -299,7 +311,7 @@ class _Kernel:
         self, left: list[Lanes], fine: list[Lanes], coarse: list[Lanes], t0: Lanes
     ) -> None:
         """Compare the two solutions at the end of the double step that begins at `t0`."""
-        parts = [abs(a - c) for a, c in zip(fine, coarse, strict=True)]
+        parts = [abs(a - c) for a, c in zip(fine[: len(coarse)], coarse, strict=True)]
         count = self.options.absolute or len(parts)
         error = reduce(_worse, parts[:count])
         if parts[count:]:
@@ -320,6 +332,9 @@ class _Kernel:
         zero = self.w.constant(0.0)
         error = where.choose(error, zero)
         known = self.v["total"].get()
+        if self.options.local:
+            self.v["total"].set(_worse(known, error))
+            return
         met = error <= self.tolerance
         dies = (self.v["alive"].get() > 0.5).without(met)
         self.v["total"].set(_worse(known, error))

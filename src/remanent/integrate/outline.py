@@ -20,18 +20,20 @@ LONG = 200
 
 
 class Outlined:
-    """The rates of a field as a function in the module of a kernel.
+    """The rates of a field's first `count` variables as a function in the module of a kernel.
 
     What depends on parameters alone is computed by :meth:`prepare`, once for a group.
     """
 
-    def __init__(self, field: Field, writer: Writer) -> None:
+    def __init__(self, field: Field, writer: Writer, count: int) -> None:
         self._writer = writer
-        self._fixed, self._moving = split(field.rates, field.parameters)
+        self._absent = [writer.constant(0.0)] * (len(field.state) - count)
+        wanted = replace(field.rates, outputs=field.rates.outputs[:count])
+        self._fixed, self._moving = split(wanted, field.parameters)
         with writer.builder.goto_entry_block():
             self._inputs = self._array(len(self._moving.inputs))
-            self._outputs = self._array(len(field.state))
-        self._function = _function(self._moving, writer)
+            self._outputs = self._array(count)
+        self._function = _function(self._moving, writer, f"rates_{count}")
 
     def _array(self, count: int) -> ir.Value:
         return self._writer.builder.alloca(DOUBLE, self._writer.integer(count * self._writer.width))
@@ -46,7 +48,7 @@ class Outlined:
     def __call__(self, phase: Lanes, y: Sequence[Lanes], waves: Sequence[Lanes]) -> list[Lanes]:
         """The rates."""
         w = self._writer
-        _store(w, [phase, *y, *waves], self._inputs, 0)
+        _store(w, [phase, *y, *self._absent, *waves], self._inputs, 0)
         w.builder.call(self._function, [self._inputs, self._outputs])
         return [w.load(self._outputs, w.integer(i * w.width)) for i in range(len(y))]
 
@@ -100,11 +102,11 @@ def _renumbered(
     )
 
 
-def _function(program: Program, kernel: Writer) -> ir.Function:
-    """``void rates(double *inputs, double *outputs)``, both of one vector after the other."""
+def _function(program: Program, kernel: Writer, name: str) -> ir.Function:
+    """``void name(double *inputs, double *outputs)``, both of one vector after the other."""
     pointer = DOUBLE.as_pointer()
     signature = ir.FunctionType(ir.VoidType(), [pointer, pointer])
-    function = ir.Function(kernel.builder.module, signature, "rates")
+    function = ir.Function(kernel.builder.module, signature, name)
     function.linkage = "internal"
     function.attributes.add("noinline")
     for argument in function.args:

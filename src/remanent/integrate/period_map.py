@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Literal
 
 import numpy as np
 
@@ -24,6 +25,7 @@ from remanent.integrate.methods import default_method
 from remanent.integrate.tables import waveform_tables
 from remanent.integrate.variations import tangent
 
+Judged = Literal["all", "state", "nothing"]
 #: Groups of trajectories in one task of a thread.
 _GROUPS = 32
 #: Double steps per period to begin with.
@@ -42,7 +44,7 @@ class Image:
         Derivatives, those along directions first, then those by parameters.
     error : array (point,)
         Estimated largest error that one period adds: of the state absolute, of the
-        tangents relative to the largest of them.
+        tangents, where they are judged, relative to the largest of them.
     resolution : array (point,)
         Double steps per period.
     visited : array (point, period, state), optional
@@ -72,6 +74,9 @@ class PeriodMap:
         :data:`~remanent.integrate.variations.LOG_PERIOD`.
     phase
         Of the load where a period begins, in [0, 1).
+    judged
+        Whose error counts: "all", that of the derivatives too; "state", of the state alone,
+        which takes less time; or "nothing", so that the map takes the steps it is told.
     """
 
     def __init__(
@@ -82,12 +87,18 @@ class PeriodMap:
         directions: int = 0,
         parameters: Sequence[str] = (),
         phase: float = 0.0,
+        judged: Judged = "all",
     ) -> None:
         self.field, self.dimension = field, len(field.state)
         self.directions, self.columns = directions, directions + len(parameters)
         carried = tangent(field, directions=directions, parameters=parameters)
         method = default_method()
-        options = Options(local=True, absolute=self.dimension)
+        options = Options(
+            local=True,
+            companion=judged != "nothing",
+            absolute=self.dimension,
+            followed=self.dimension if judged == "state" and self.columns else None,
+        )
         self.kernel: Kernel = compiled(carried if self.columns else field, method, options)
         self.order = method.order
 

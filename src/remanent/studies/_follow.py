@@ -14,10 +14,10 @@ import numpy as np
 import xarray as xr
 
 from remanent._typing import BoolArray, FloatArray, IntArray
-from remanent.analysis.following import Path, block_lengths, follow
-from remanent.integrate.advance import Advancer
+from remanent.analysis.following import Advance, Path, block_lengths, follow
+from remanent.integrate.advance import Advancer, Retrace
 from remanent.integrate.ensemble import Progress
-from remanent.integrate.period_map import PeriodMap
+from remanent.integrate.period_map import Judged, PeriodMap
 from remanent.integrate.problem import Problem
 from remanent.integrate.status import Status
 from remanent.results import build, provenance
@@ -57,21 +57,28 @@ class Follower:
         return np.where(self.ensemble.invalid, 1.0, require_periods(self.ensemble))
 
     @cached_property
-    def flow(self) -> Callable[[int], PeriodMap]:
-        """The period map with so many tangents, made once for each."""
+    def flow(self) -> Callable[..., PeriodMap]:
+        """The period map with so many tangents, made once for each and for what it judges."""
         asked = self.problem
 
         @lru_cache
-        def flow(directions: int) -> PeriodMap:
-            return PeriodMap(asked.field, asked.timeline.waveform, directions=directions)
+        def flow(directions: int, judged: Judged = "all") -> PeriodMap:
+            return PeriodMap(
+                asked.field, asked.timeline.waveform, directions=directions, judged=judged
+            )
 
         return flow
 
     def advancer(
-        self, which: IntArray, tolerance: float, *, directions: int | None = None
+        self,
+        which: IntArray,
+        tolerance: float,
+        *,
+        directions: int | None = None,
+        judged: Judged = "all",
     ) -> Advancer:
         """What advances some of the trajectories, from then on by their number among these."""
-        flow = self.flow(self.directions if directions is None else directions)
+        flow = self.flow(self.directions if directions is None else directions, judged)
         return Advancer(flow, self.problem.parameters[which], self.lengths[which], tolerance)
 
     def run(
@@ -99,6 +106,32 @@ class Follower:
             block=block,
             cancelled=cancelled,
         )
+
+    def twice(
+        self,
+        which: IntArray,
+        tolerance: float,
+        *,
+        judged: Judged,
+        block: int | None,
+        cancelled: Callable[[], bool],
+    ) -> tuple[Path, Path]:
+        """Follow some of the trajectories, and once more with steps twice as long."""
+        first = self.advancer(which, tolerance, judged=judged)
+        flow = self.flow(self.directions, "nothing")
+        again = Retrace(flow, first.parameters, first.lengths, first.taken)
+
+        def path(advance: Advance) -> Path:
+            return follow(
+                advance,
+                self.problem.initial[which],
+                self.periods,
+                directions=self.directions,
+                block=block,
+                cancelled=cancelled,
+            )
+
+        return path(first), path(again)
 
     def blocks(self, block: int | None) -> IntArray:
         """Periods of each block of a run."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
@@ -11,6 +12,7 @@ from remanent._errors import InputError
 from remanent._typing import ArrayLike, IntArray
 from remanent.analysis.lyapunov import exponents
 from remanent.integrate.ensemble import Progress
+from remanent.integrate.period_map import Judged
 from remanent.models.actuator import Actuator
 from remanent.models.drives import Drive
 from remanent.results.build import Labelled
@@ -19,10 +21,10 @@ from remanent.studies._ensemble import Over, ensemble, require_memory
 from remanent.studies._follow import Follower, gathered, labelled, status_of
 from remanent.studies._time import require_count, require_periods
 
-#: The run is repeated with this many times the tolerance.
-COARSER = 10.0
 #: Most points of the history.
 _HISTORY = 100
+#: Two runs of a chaotic motion differ by chance, hardly ever by so many standard errors.
+_BY_CHANCE = 3.0
 #: A tangent with less than this share of the growth of the first is rounding.
 _COLLAPSED = 1e-13
 
@@ -60,7 +62,7 @@ def lyapunov(
     xarray.Dataset
         ``exponent``, per unit of τ, with a dimension ``exponent_number`` if `count` is above
         1; ``exponent_error``: standard error by batch means, plus the difference from a run
-        at ten times the tolerance; ``exponent_history``, the mean up to each of some
+        with steps twice as long; ``exponent_history``, the mean up to each of some
         ``period``; ``drive_period``; ``horizon``, up to which the motion itself is known to
         0.01; ``local_error``, the largest error of one period; ``status``.
 
@@ -107,30 +109,12 @@ def lyapunov(
     some = np.unique(np.linspace(0, blocks.size - 1, shown).astype(int))
     ends = np.cumsum(blocks)[some]
 
-    def work(which: IntArray, cancelled: Callable[[], bool]) -> dict[str, np.ndarray]:
-        path = follower.run(which, tolerance, block=block, cancelled=cancelled)
-        coarser = COARSER * tolerance
-        other = follower.run(which, coarser, block=block, cancelled=cancelled)
-        fine, coarse = (exponents(p.growth, p.lengths) for p in (path, other))
-        tau = follower.lengths[which]
-        error = fine.error + np.abs(fine.mean - coarse.mean)
-        # Tangents that lined up within a period leave a bound, not a value.
-        collapsed = path.growth - path.growth[:, :, :1] < np.log(_COLLAPSED)
-        error[collapsed.any(axis=1)] = np.inf
-        return {
-            "exponent": fine.mean / tau[:, None],
-            "exponent_error": error / tau[:, None],
-            "exponent_history": fine.history[:, some] / tau[:, None, None],
-            "horizon": path.horizon * tau,
-            "local_error": path.error,
-            "status": status_of(path),
-        }
-
+    averages = _Averages(follower, tolerance, block, some)
     each = np.empty(0)
     kinds = dict.fromkeys(("horizon", "local_error", "status"), each)
     kinds |= dict.fromkeys(("exponent", "exponent_error"), np.empty((0, count)))
     kinds["exponent_history"] = np.empty((0, ends.size, count))
-    whole = gathered(follower.each(work, progress), ens, kinds)
+    whole = gathered(follower.each(averages, progress), ens, kinds)
     number: tuple[str, ...] = ("exponent_number",) if count > 1 else ()
     coords: dict[str, Labelled] = {"period": (("period",), ends)}
     if count > 1:
@@ -145,3 +129,57 @@ def lyapunov(
     for name in ("horizon", "local_error", "status"):
         variables[name] = (ens.dims, ens.shaped(whole[name]))
     return labelled(ens, variables, coords, tolerance, periods=periods, count=count)
+
+
+@dataclass(frozen=True)
+class _Averages:
+    """Exponents of some of a follower's trajectories, with their errors.
+
+    Attributes
+    ----------
+    block
+        Periods between renormalisations, by default what suits one tangent.
+    shown
+        Numbers of the blocks after which the mean is kept.
+    """
+
+    follower: Follower
+    tolerance: float
+    block: int | None
+    shown: IntArray
+
+    def __call__(self, which: IntArray, cancelled: Callable[[], bool]) -> dict[str, np.ndarray]:
+        if self.follower.directions > 1:  # their sums are known better than each of them
+            found = self._measured(which, "all", cancelled)
+        else:
+            found = self._measured(which, "state", cancelled)
+            # Where steps matter more than chance, the tangent decides on them too.
+            limit = np.maximum(self.tolerance, _BY_CHANCE * found["scatter"])
+            again = (found["difference"] > limit).any(axis=1)
+            if again.any():
+                better = self._measured(which[again], "all", cancelled)
+                for name, values in found.items():
+                    values[again] = better[name]
+        found["exponent_error"] = found.pop("scatter") + found.pop("difference")
+        return found
+
+    def _measured(
+        self, which: IntArray, judged: Judged, cancelled: Callable[[], bool]
+    ) -> dict[str, np.ndarray]:
+        """Means of two runs: those of the first, their scatter, and how far the others are."""
+        path, other = self.follower.twice(
+            which, self.tolerance, judged=judged, block=self.block, cancelled=cancelled
+        )
+        fine, coarse = (exponents(p.growth, p.lengths) for p in (path, other))
+        tau = self.follower.lengths[which]
+        # Tangents that lined up within a period leave a bound, not a value.
+        collapsed = (path.growth - path.growth[:, :, :1] < np.log(_COLLAPSED)).any(axis=1)
+        return {
+            "exponent": fine.mean / tau[:, None],
+            "scatter": np.where(collapsed, np.inf, fine.error) / tau[:, None],
+            "difference": np.abs(fine.mean - coarse.mean) / tau[:, None],
+            "exponent_history": fine.history[:, self.shown] / tau[:, None, None],
+            "horizon": path.horizon * tau,
+            "local_error": path.error,
+            "status": status_of(path),
+        }
