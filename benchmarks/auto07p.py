@@ -23,8 +23,13 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from tests.literature.auto import runner
 
+from remanent._typing import FloatArray
+
 POINTS = 500
-OMEGA, STRETCH, THETA, B = 1.6, 0.9649531659050434, 350.0 / 293.0, 0.4
+TEMPERATURE, OMEGA, STRETCH, B = 350.0, 1.6, 0.9649531659050434, 0.4
+THETA = TEMPERATURE / 293.0
+#: One orbit of so many is stored to see how well it closes.
+_STORED = 5
 CONSTANTS: dict[str, Any] = {
     "ICP": [1], "NTST": 60, "NCOL": 4, "EPSL": 1e-8, "EPSU": 1e-8, "EPSS": 1e-6,
     "NMX": POINTS, "NPR": POINTS, "DS": -0.002, "DSMAX": 0.004, "ITNW": 7, "NWTN": 1,
@@ -45,6 +50,17 @@ def seconds_per_point(repeats: int = 3, **changes: Any) -> float | None:
         executable = runner.compile_equations("actuator", Path(scratch))
         _start(Path(scratch))
         return min(_once(executable, **changes) for _ in range(repeats))
+
+
+def orbits() -> tuple[FloatArray, FloatArray] | None:
+    """Some of its orbits: states at phase 0, array (point, 2), and frequencies."""
+    if not runner.installed():
+        return None
+    with tempfile.TemporaryDirectory() as scratch:
+        executable = runner.compile_equations("actuator", Path(scratch))
+        _start(Path(scratch))
+        found = runner.run(executable, "actuator", **{**CONSTANTS, "NPR": _STORED}).solutions
+    return np.array([one.u[0, :2] for one in found]), np.array([one.par[0] for one in found])
 
 
 def _once(executable: Path, **changes: Any) -> float:

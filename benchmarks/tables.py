@@ -113,12 +113,13 @@ def growth(data: Any) -> Table:
 
 
 def branch(data: Any) -> Table:
-    heading = ("branches", "points", "µs a point", "largest residual and error")
+    heading = ("branches", "points", "µs a point", "worst closure of the one branch")
     rows = [
-        (str(one["branches"]), str(one["points"]), number(one["microseconds"]), error(one["worst"]))
-        for one in (data["one"], data["family"])
+        (str(one["branches"]), str(one["points"]), number(one["microseconds"]), closure)
+        for one, closure in ((data["one"], error(data["defect"])), (data["family"], ""))
     ]
-    return Table(heading, [*rows, (data["auto_version"], "500", number(data["auto"]), "")])
+    theirs = error(data["auto_defect"]) if data["auto"] else ""
+    return Table(heading, [*rows, (data["auto_version"], "500", number(data["auto"]), theirs)])
 
 
 def lyapunov(data: Any) -> Table:

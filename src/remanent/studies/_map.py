@@ -24,6 +24,8 @@ _FIRST = 8
 _AIM = 0.5
 #: So many points are few, and this share of them most.
 _FEW, _MOST = 32, 0.9
+#: Points whose resolutions are remembered.
+_REMEMBERED = 1024
 #: Points that differ by less than this lie together.
 _ALIKE = 1e-9
 #: Dimensions that results about orbits have of their own.
@@ -56,7 +58,7 @@ class StroboscopicMap:
     phase: float = 0.0
     held: Sequence[str] = ()
     most: int = MAX_RESOLUTION
-    _known: tuple[KDTree, FloatArray, IntArray] | None = field(default=None, repr=False)
+    _known: _Known | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         require_periods(self.ensemble)
@@ -121,15 +123,13 @@ class StroboscopicMap:
         return Mapped(image.state, jacobian, slope, image.error * max(iterate, 1))
 
     def _foreseen(self, states: FloatArray, parameters: FloatArray) -> IntArray | int:
-        """The resolution that was wanted at the nearest point of the last call.
+        """The resolution that was wanted at the nearest point of late.
 
         Few points share what is enough for most of them: lanes would be idle else.
         """
         if self._known is None:
             return _FIRST
-        tree, scale, wanted = self._known
-        _, nearest = tree.query(np.nan_to_num(np.hstack([states, parameters])) / scale)
-        found = np.asarray(wanted[nearest])
+        found = self._known.nearest(np.nan_to_num(np.hstack([states, parameters])))
         if found.size > _FEW:
             return found
         return int(np.quantile(found, _MOST, method="lower")) if found.size else _FIRST
@@ -141,9 +141,31 @@ class StroboscopicMap:
         places = np.hstack([states, parameters])
         known = np.isfinite(places).all(axis=1) & np.isfinite(image.error)
         if known.any():
-            scale = np.maximum(np.ptp(places[known], axis=0), _ALIKE)
-            found = ladder(np.clip(wanted[known], _FIRST, self.most))
-            self._known = KDTree(places[known] / scale), scale, np.minimum(found, self.most)
+            found = np.minimum(ladder(np.clip(wanted[known], _FIRST, self.most)), self.most)
+            new = _Known(places[known], found)
+            self._known = new if self._known is None else new.and_then(self._known)
+
+
+@dataclass(frozen=True)
+class _Known:
+    """Resolutions that were wanted at some places, the latest first."""
+
+    places: FloatArray
+    wanted: IntArray
+
+    def and_then(self, earlier: _Known) -> _Known:
+        """With as many of the earlier ones as are remembered: after a few, these still count."""
+        room = max(_REMEMBERED - self.wanted.size, 0)
+        return _Known(
+            np.concatenate([self.places, earlier.places[:room]]),
+            np.concatenate([self.wanted, earlier.wanted[:room]]),
+        )
+
+    def nearest(self, places: FloatArray) -> IntArray:
+        """What was wanted at the nearest of them, in units of their spread."""
+        scale = np.maximum(np.ptp(self.places, axis=0), _ALIKE)
+        _, nearest = KDTree(self.places / scale).query(places / scale)
+        return np.asarray(self.wanted[nearest])
 
 
 def spread(ensemble: Ensemble, states: FloatArray, varied: Mapping[str, FloatArray]) -> Ensemble:
