@@ -51,9 +51,9 @@ and moves take time and count for nothing.
 _BRANCH = """\
 The branch of the smallest orbit of the undamped actuator, 500 points down from $\\omega = 1.6$ to
 1.15, with multipliers, and the same for 64 actuators (temperatures from 250 to 400 K, prestress
-from 0 to 1) followed together. AUTO-07p, in the fastest form we found, has 60 intervals with 4 collocation
-points and tolerance $10^{-8}$; its multipliers are then good to $10^{-4}$. Ours has the loosest
-tolerance with which its orbits close after a period as well as AUTO's. Processor time.
+from 0 to 1) followed together. AUTO-07p, in the fastest form we found, has 60 intervals with 4
+collocation points and tolerance $10^{-8}$; its multipliers are then good to $10^{-4}$. Ours has the
+loosest tolerance with which its orbits close after a period as well as AUTO's. Processor time.
 """
 _LYAPUNOV = """\
 The largest exponent over 500 drive periods, from rest, over $\\omega$ from 0.8 to 2 and $b$ from

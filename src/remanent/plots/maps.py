@@ -16,16 +16,16 @@ from matplotlib.colors import Normalize, to_rgb
 from matplotlib.patches import Patch
 
 from remanent._errors import InputError
-from remanent._typing import FloatArray
+from remanent._typing import FloatArray, IntArray
 from remanent.plots import footer, style
 
 __all__ = ["UNDECIDED", "map"]
 
 UNDECIDED = "#9a9a9a"
 #: Regimes of one tone; the others are shaded by what is known of them.
-_TONES: Mapping[str, str] = MappingProxyType(
-    {"periodic": "#f4f1e8", "undecided": UNDECIDED, "escaped": "#101018"}
-)
+_TONES: Mapping[str, str] = MappingProxyType({"undecided": UNDECIDED, "escaped": "#101018"})
+#: Of periodic motion by its period, 1 to 6, and longer.
+_PERIODS = ("#f4f1e8", "#e9c46a", "#7fb7a6", "#e07a5f", "#81709c", "#4f8a5b", "#a8546b")
 #: Shades: of tori by their rotation number, of chaos by its exponent.
 _TORUS, _CHAOS = "cool", "inferno"
 _COOL = ((0.04, 0.10, 0.22), (0.10, 0.33, 0.49), (0.27, 0.62, 0.68), (0.80, 0.92, 0.88))
@@ -47,8 +47,9 @@ def map(
         A result with two dimensions of ``over``, such as that of ``regime_chart`` or
         ``basins``.
     variable
-        ``regime`` is shaded by the exponent where chaotic and by the rotation number where
-        quasi-periodic; other texts get a colour each; numbers get a colour bar.
+        ``regime`` is coloured by the period where periodic, and shaded by the exponent where
+        chaotic and by the rotation number where quasi-periodic; other texts get a colour each;
+        numbers get a colour bar.
     ax
         Axes to draw in; a new figure, with its footer, if None.
     legend
@@ -97,7 +98,8 @@ def _painted(dataset: xr.Dataset, variable: str) -> FloatArray:
         return colours
     for name, tone in _TONES.items():
         colours[values == name] = to_rgb(tone)
-    for name, shades in (("quasi-periodic", _tori(dataset)), ("chaotic", _chaos(dataset))):
+    regular = {"periodic": _periods(dataset), "quasi-periodic": _tori(dataset)}
+    for name, shades in {**regular, "chaotic": _chaos(dataset)}.items():
         chosen = values == name
         colours[chosen] = shades[chosen]
     return colours
@@ -107,6 +109,18 @@ def _cool(share: FloatArray) -> FloatArray:
     """Dark blue to pale green, evenly."""
     at = np.linspace(0.0, 1.0, len(_COOL))
     return np.stack([np.interp(share, at, channel) for channel in np.transpose(_COOL)], axis=-1)
+
+
+def _periods(dataset: xr.Dataset) -> FloatArray:
+    """By the period, all alike from one on."""
+    tones = np.array([to_rgb(tone) for tone in _PERIODS])
+    return np.asarray(tones[_period(dataset).clip(1, len(_PERIODS)) - 1])
+
+
+def _period(dataset: xr.Dataset) -> IntArray:
+    if "period" not in dataset:
+        return np.ones(dataset["regime"].shape, dtype=np.int64)
+    return np.asarray(dataset["period"].values, dtype=np.int64)
 
 
 def _tori(dataset: xr.Dataset) -> FloatArray:
@@ -139,10 +153,10 @@ def _explain(axes: Axes, dataset: xr.Dataset, variable: str) -> None:
         entries = [Patch(color=wheel[k % len(wheel)], label=n) for k, n in enumerate(seen)]
         style.legend_above(axes, entries)
         return
+    tones = _seen_periods(dataset) | {n: tone for n, tone in _TONES.items() if n in seen}
     entries = [
         Patch(facecolor=tone, edgecolor=style.FAINT, linewidth=0.5, label=name)
-        for name, tone in _TONES.items()
-        if name in seen
+        for name, tone in tones.items()
     ]
     if entries:
         style.legend_above(axes, entries)
@@ -152,6 +166,16 @@ def _explain(axes: Axes, dataset: xr.Dataset, variable: str) -> None:
     if "quasi-periodic" in seen and "rotation_number" in dataset:
         scale = ScalarMappable(Normalize(0.0, 0.5), _part(_TORUS))
         _bar(axes, scale, "quasi-periodic: rotation number $\\nu$")
+
+
+def _seen_periods(dataset: xr.Dataset) -> dict[str, str]:
+    """Names and colours of the periods of a chart; of one alone, its regime is the name."""
+    found = _period(dataset)[dataset["regime"].values == "periodic"].clip(1, len(_PERIODS))
+    periods = [int(k) for k in np.unique(found)]
+    if periods == [1]:
+        return {"periodic": _PERIODS[0]}
+    names = {k: f"period {k}" for k in periods} | {len(_PERIODS): f"period {len(_PERIODS)} up"}
+    return {names[k]: _PERIODS[k - 1] for k in periods}
 
 
 def _part(name: str) -> Any:

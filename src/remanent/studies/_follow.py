@@ -94,11 +94,12 @@ class Follower:
     ) -> Path:
         """Follow some of the trajectories; the errors of their periods stay below `tolerance`.
 
-        They start from `states` (trajectory, state); by default where the ensemble does.
+        They start from `states` (trajectory, state); by default where the ensemble does.  Of
+        their tangents no error is known.
         """
         directions = self.directions if directions is None else directions
         return follow(
-            self.advancer(which, tolerance, directions=directions),
+            self.advancer(which, tolerance, directions=directions, judged="state"),
             self.problem.initial[which] if states is None else states,
             self.periods,
             directions=directions,
