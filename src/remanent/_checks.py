@@ -172,6 +172,12 @@ def require_increasing(name: str, values: object) -> tuple[float, ...]:
     return numbers
 
 
+def increases(values: FloatArray) -> bool:
+    """Whether entries are finite and each is greater than the one before; little memory."""
+    ends = values.size and np.isfinite(values[[0, -1]]).all()
+    return bool(ends and (values[1:] > values[:-1]).all())
+
+
 def broken(rules: Mapping[str, Rule], values: Mapping[str, ArrayLike]) -> BoolArray:
     """Where a batch of parameter values breaks a rule.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -137,16 +137,18 @@ def gathered(count: int, parts: Iterable[tuple[slice, Outcome]]) -> Outcome:
     """The outcome of `count` trajectories from those of their parts.
 
     Each is put in its place and forgotten, so that memory is needed for the whole and one part.
+    What has one number for each trajectory is allocated before the parts are worked on: later,
+    it would lie between what they leave.
     """
-    whole: dict[str, Any] = {}
+    numbers = ("maximum", "minimum", "error", "horizon")
+    whole: dict[str, Any] = {name: np.empty(count) for name in numbers}
+    whole |= {"status": np.empty(count, np.int8), "resolution": np.empty(count, np.int64)}
     findings: list[Any] = []
     for part, outcome in parts:
         findings += outcome.findings
-        for field in fields(Outcome):
-            values = getattr(outcome, field.name)
-            if not isinstance(values, np.ndarray):
-                continue
-            if field.name not in whole:
-                whole[field.name] = np.empty((count, *values.shape[1:]), values.dtype)
-            whole[field.name][part] = values
+        if outcome.states is not None:
+            shape = (count, *outcome.states.shape[1:])
+            whole.setdefault("states", np.empty(shape))[part] = outcome.states
+        for name in (*numbers, "status", "resolution"):
+            whole[name][part] = getattr(outcome, name)
     return Outcome(**{"states": None, **whole, "findings": tuple(findings)})

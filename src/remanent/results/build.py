@@ -78,7 +78,7 @@ def _coordinate(name: str, dims: tuple[str, ...], values: NDArray[Any]) -> xr.Va
     that takes longer than most runs.
     """
     if dims == (name,) and values.dtype.kind in "iuf":
-        return xr.Variable(dims, pd.Index(values), describe(name).attributes())
+        return xr.Variable(dims, pd.Index(values, copy=False), describe(name).attributes())
     return _variable(name, dims, values)
 
 

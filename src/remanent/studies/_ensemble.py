@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from remanent._checks import increases
 from remanent._errors import InputError
 from remanent._field import Field
 from remanent._timeline import Timeline
@@ -30,7 +31,7 @@ _RESERVED = frozenset(
     {"time", "cycle", "period", "crossing", "equilibrium", "thickness_stretch", "fold", "snap"}
 )
 #: Trajectories that are worked on together where their results are all that is kept.
-_SLAB = 2**16
+_SLAB = 2**14
 #: Bytes that a trajectory costs while it is computed, beside its samples.
 _OVERHEAD = 1024
 
@@ -75,8 +76,7 @@ class Ensemble:
 
     def slabs(self) -> Iterator[tuple[slice, Ensemble]]:
         """The trajectories in parts, so that work on each takes memory for itself only."""
-        for first in range(0, self.count, _SLAB):
-            part = slice(first, min(first + _SLAB, self.count))
+        for part in _parts(self.count):
             yield (
                 part,
                 replace(
@@ -90,9 +90,12 @@ class Ensemble:
 
     def periods(self) -> FloatArray | None:
         """Smallest period of the load of every trajectory, or None."""
-        with np.errstate(all="ignore"):
-            found = self.drive.periods(self.values)
+        found = _periods(self.drive, self.values)
         return None if found is None else np.broadcast_to(found, (self.count,)).astype(float)
+
+
+def _parts(count: int) -> Iterator[slice]:
+    return (slice(k, min(k + _SLAB, count)) for k in range(0, count, _SLAB))
 
 
 def ensemble(
@@ -138,13 +141,12 @@ def ensemble(
     same = {name: np.broadcast_to(value, count) for name, value in own.items()}  # costs no memory
     values = {name: varied.get(name, same[name]) for name in own}
     start = _initial(initial, varied, field, values)
-    wrong = _invalid(actuator, drive, values, start, field)
-    with np.errstate(all="ignore"):
-        periods = drive.periods(values)
-    if periods is not None:
-        wrong = wrong | ~np.isfinite(periods)
+    wrong = np.empty(count, dtype=np.bool_)
+    for part in _parts(count):
+        some = {name: v[part] for name, v in values.items()}
+        wrong[part] = _invalid(actuator, drive, some, start[part], field)
     if not sizes and wrong.any():
-        _refuse(start, field, drive, periods)
+        _refuse(start, field, drive, _periods(drive, values))
         _refuse_beyond(actuator, values, start, field)
     return Ensemble(actuator, drive, field, sizes, dict(arrays), values, start, wrong)
 
@@ -266,7 +268,7 @@ def _require_free(name: str, dims: tuple[str, ...], reserved: frozenset[str]) ->
 
 def _floats(name: str, value: Any) -> FloatArray:
     try:
-        array = np.asarray(value, dtype=np.float64)
+        array = np.array(value, dtype=np.float64)  # the result keeps it
     except (TypeError, ValueError, OverflowError) as error:
         raise InputError(
             f"over[{name!r}]",
@@ -287,6 +289,8 @@ def _floats(name: str, value: Any) -> FloatArray:
 
 
 def _require_grid(name: str, array: FloatArray) -> None:
+    if increases(array):
+        return
     finite = array[np.isfinite(array)]
     if (np.diff(finite) <= 0).any():
         raise InputError(
@@ -387,7 +391,15 @@ def _invalid(
     beyond = ~actuator.reachable(values, *_in_plane(start, field))
     bad_state = ~(np.abs(start) <= FARTHEST).all(axis=1)
     bad_state |= ~(start[:, _stretches(field)] >= 1.0 / FARTHEST).all(axis=1)
+    periods = _periods(drive, values)
+    if periods is not None:
+        broken = broken | ~np.isfinite(periods)
     return np.asarray(np.broadcast_to(broken, bad_state.shape) | bad_state | beyond)
+
+
+def _periods(drive: Drive, values: Mapping[str, FloatArray]) -> FloatArray | None:
+    with np.errstate(all="ignore"):
+        return drive.periods(values)
 
 
 def _refuse(states: FloatArray, field: Field, drive: Drive, periods: FloatArray | None) -> None:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from remanent._checks import not_negative, positive, require_increasing, require_real
+from remanent._checks import increases, not_negative, positive, require_increasing, require_real
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, FloatArray, IntArray
 from remanent.analysis.subdivision import Largest, largest
@@ -126,6 +126,9 @@ def _frequencies(drive: Drive, omega: ArrayLike, over: Over | None) -> FloatArra
             "The frequencies are an argument of their own.",
             "Pass them as the third argument.",
         )
+    match omega:  # a million need not become a tuple
+        case np.ndarray(ndim=1, dtype=np.dtype(kind="i" | "u" | "f")) if increases(omega):
+            return np.asarray(omega, dtype=np.float64)
     return np.array(require_increasing("omega", omega))
 
 
@@ -137,7 +140,7 @@ def _respond(
     tolerance: float,
     progress: Progress | None,
 ) -> Outcome:
-    if (durations(ens, duration, periods)[~ens.invalid] <= discard).any():
+    if ((durations(ens, duration, periods) <= discard) & ~ens.invalid).any():
         raise InputError(
             "discard",
             "be shorter than the run",
@@ -162,7 +165,9 @@ def _share(progress: Progress, part: slice, count: int) -> Progress:
 
 
 def _amplitude(outcome: Outcome) -> FloatArray:
-    return np.asarray(0.5 * (outcome.maximum - outcome.minimum))
+    amplitude = outcome.maximum - outcome.minimum
+    amplitude *= 0.5
+    return np.asarray(amplitude)
 
 
 def _resonance(
