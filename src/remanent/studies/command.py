@@ -236,7 +236,6 @@ def _labelled(
         None,
         tolerance,
         over=ens.coords,
-        scales=None if ens.actuator.scales is None else ens.actuator.scales.factors(),
         target=target,
         robust=" ".join(sizes) or None,
     )
