@@ -28,7 +28,9 @@ QUICK = {
     "two directions": rm.Actuator(prestress=(0.3, -0.2), dissipation=rm.Rayleigh(0.2)),
     "fluid": rm.Actuator(dissipation=rm.KelvinVoigt(0.1)),
     "relaxing": rm.Actuator(dissipation=rm.Zener(0.5, 0.7)),
-    "warm": rm.Actuator(heat=rm.Heat(2e-3, exchange=0.2), dissipation=rm.Rayleigh(0.2)),
+    "warm": rm.Actuator(
+        heat=rm.Heat(2e-3, exchange=0.2), magnet=rm.Magnet(-1e-3), dissipation=rm.Rayleigh(0.2)
+    ),
     "Gent": rm.Actuator(material=rm.Gent(3.0), dissipation=rm.Rayleigh(0.2)),
     "own field": rm.Actuator(
         magnet=rm.Magnet(demagnetisation=0.16), dissipation=rm.Rayleigh(0.2)
@@ -63,17 +65,19 @@ def orbit(name: str) -> xr.Dataset:
 @cache
 def mean_trace(name: str) -> float:
     """Mean divergence of the flow along the orbit: complex steps, trapezoidal rule."""
-    body, points = BODIES[name], 256
-    field = field_for(body, rm.Constant(0.0))
-    times = np.arange(points) / points * PERIOD
-    path = rm.simulate(body, DRIVE, times=times, initial=orbit(name).initial, tolerance=1e-11)
-    values = {n: np.full(points, v) for n, v in body.parameters().items()} | {"m": DRIVE(times)}
-    p = np.column_stack([values[n] for n in field.parameters])
+    body, phase = BODIES[name], np.arange(256) / 256
+    field = field_for(body, DRIVE)
+    own = {n: np.full(256, v) for n, v in (body.parameters() | DRIVE.parameters()).items()}
+    p = np.column_stack([own[n] for n in field.parameters])
+    u = DRIVE.timeline(own, np.full(256, PERIOD)).waveform(phase)
+    path = rm.simulate(
+        body, DRIVE, times=phase * PERIOD, initial=orbit(name).initial, tolerance=1e-11
+    )
     total = 0.0
     for k in range(len(field.state)):
         y: Any = np.column_stack([path[n].values for n in field.state]).astype(complex)
         y[:, k] += 1e-30j
-        rate: Any = reference.rates(field, 0.0, y, p, np.empty(0))[:, k]
+        rate: Any = reference.rates(field, phase, y, p, u)[:, k]
         total += float(rate.imag.mean()) / 1e-30
     return total
 
