@@ -61,6 +61,46 @@ def test_unequal_equilibria_appear_in_pairs() -> None:
     assert one.parting_stiffness.values.min() < 0.0
 
 
+HARD: dict[str, tuple[rm.Actuator, float, int]] = {
+    "cusp": (body((2.1, 2.1)), 2.5, 3),
+    "unequal loads": (body((3.2, 2.9)), 4.0, 5),
+    "strong m": (body((5.0, 5.0)), 10.0, 7),
+    "compressed": (body((8.0, -2.0)), 5.0, 1),
+    "film": (rm.Actuator(prestress=(2.3, 2.0), edges=(1.0, 3.0), c=1e-3), 2.7, 3),
+    "Gent": (rm.Actuator(prestress=(5.0, 5.0), material=rm.Gent(20.0)), 10.0, 7),
+    "Gent, pulled": (rm.Actuator(prestress=(100.0, 100.0), material=rm.Gent(1.0)), 0.0, 1),
+    "Gent, sheared": (rm.Actuator(prestress=(3.0, -3.0), material=rm.Gent(0.2)), 20.0, 1),
+    "Gent, stiff": (rm.Actuator(prestress=(1.0, 0.0), material=rm.Gent(1e-3)), 3.0, 1),
+    "own field": (
+        rm.Actuator(prestress=(2.0, 2.0), magnet=rm.Magnet(demagnetisation=3.0)), 2.5, 7
+    ),
+    "Ogden": (
+        rm.Actuator(
+            prestress=(2.5, 2.5), material=rm.Ogden([1.0, 0.1, -0.1], [1.3, 5.0, -2.0])
+        ), 3.0, 3,
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("actuator", "m", "count"), HARD.values(), ids=HARD.keys())
+def test_indices_of_all_equilibria_add_up_to_one(
+    actuator: rm.Actuator, m: float, count: int
+) -> None:
+    """The potential grows without bound at the edge of the stretches there are.
+
+    So the degree of its gradient is 1 (Poincare and Hopf): minima and maxima count 1, saddles
+    -1.  An equilibrium that is missed by itself breaks this; the counts are those that
+    3 x 3 times as many cells give.
+    """
+    at = rm.equilibria(actuator, m)
+    falling = 2 - np.isfinite(at.natural_frequency.values).sum(axis=-1)
+    assert int(((-1) ** falling).sum()) == 1
+    assert at.sizes["equilibrium"] == count
+    stable = at.stability.values == "stable"
+    assert (stable == (falling == 0)).all()
+    assert stable[np.argmin(at.equilibrium_potential.values)]
+
+
 DRIVE = rm.SineSquared(1.1, 2.45)
 
 

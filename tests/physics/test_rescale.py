@@ -34,7 +34,7 @@ def compared(scaled: xr.Dataset, direct: xr.Dataset, tolerance: float) -> None:
 
 def _rounded(text: str) -> list[str]:
     """A repr with its numbers to 12 digits."""
-    parts = text.replace("=", " ").replace("(", " ").replace(")", " ").replace(",", " ").split()
+    parts = text.translate(str.maketrans("=(),'", "     ")).split()
     return [f"{float(one):.12g}" if one[0].isdigit() else one for one in parts]
 
 
@@ -57,7 +57,16 @@ def test_motion() -> None:
             {"dissipation": (rm.Zener(0.5, ROOT), rm.KelvinVoigt(0.1 * ROOT))},
         ),
         ({"prestress": (0.0, 0.3)}, {"prestress": (0.0, 0.3 * ROOT**2)}),
-        ({"material": rm.Gent(20.0)}, {"material": rm.Gent(20.0)}),
+        *(
+            ({"material": solid}, {"material": solid})
+            for solid in (
+                rm.Gent(20.0),
+                rm.MooneyRivlin(0.7, 0.3),
+                rm.ArrudaBoyce(3.0),
+                rm.Ogden([1.0, 0.1], [1.3, 5.0]),
+                rm.StrainEnergy("(I1 - 3)/2 + a*(I1 - 3)**2", {"a": 0.05}),
+            )
+        ),
     ],
 )
 def test_every_part_of_an_actuator(cool: dict[str, Any], hot: dict[str, Any]) -> None:
@@ -72,6 +81,17 @@ def test_loads_energies_and_their_balance() -> None:
     scaled = rm.rescale(rm.energy_balance(DAMPED, rm.Constant(0.3), times=times), temperature=HOT)
     load = rm.Constant(0.3 * ROOT**2)
     compared(scaled, rm.energy_balance(HOT_DAMPED, load, times=times / ROOT), 1e-8)
+
+
+@pytest.mark.parametrize("prestress", [0.3, (0.3, 0.1)], ids=["one", "two"])
+def test_equilibria(prestress: Any) -> None:
+    """With natural frequencies, the stiffness of a difference of stretches, and folds."""
+    cool = rm.Actuator(prestress=prestress)
+    hot = rm.Actuator(temperature=HOT, prestress=tuple(np.multiply(prestress, ROOT**2)) if
+                      isinstance(prestress, tuple) else prestress * ROOT**2)  # fmt: skip
+    load = np.array([-0.5, 0.5])
+    scaled = rm.rescale(rm.equilibria(cool, over={"m": load}), temperature=HOT)
+    compared(scaled, rm.equilibria(hot, over={"m": load * ROOT**2}), 1e-10)
 
 
 def test_a_response_and_its_window() -> None:

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 import remanent as rm
+from remanent._errors import InputError
+from remanent._typing import ComplexArray, FloatArray
 from remanent.analysis.harmonics import Resonant, harmonics, kind, resonant
 
 
@@ -61,6 +63,43 @@ def test_a_small_load_finds_the_linear_resonance() -> None:
     lag = np.arctan2(eta * load, 6.0 - load**2)
     assert float(ds.phase_lag[0]) == pytest.approx(lag, abs=2e-3)
     assert float(ds.share[0]) > 0.999
+
+
+@pytest.mark.parametrize(("relaxation_time", "eta"), [(0.7, 0.0), (5.0, 0.1)])
+def test_a_small_load_finds_the_resonance_of_a_relaxing_body(
+    relaxation_time: float, eta: float
+) -> None:
+    """Its stiffness at the frequency W is 6 [1 + mu i W t/(1 + i W t)] + i eta W, c = 1."""
+    modulus = 0.5
+    body = rm.Actuator(dissipation=[rm.Zener(modulus, relaxation_time), rm.Rayleigh(eta)])
+    ds = rm.resonances(body, rm.SineSquared(0.03, 1.0), (1.2, 1.7), slices=3)
+    assert ds.resonance_kind.values.tolist() == ["primary"]
+
+    def stiffness(W: FloatArray) -> ComplexArray:
+        turn = 1j * W * relaxation_time
+        return np.asarray(6.0 * (1.0 + modulus * turn / (1.0 + turn)) + 1j * eta * W - W**2)
+
+    grid = np.linspace(2.4, 3.4, 10_001)
+    largest = grid[np.abs(stiffness(grid)).argmin()]
+    assert abs(2.0 * float(ds.omega[0]) - largest) <= 2.0 * float(ds.omega_error[0])
+    lag = np.angle(stiffness(2.0 * ds.omega.values))[0]
+    assert float(ds.phase_lag[0]) == pytest.approx(lag, abs=3e-3)
+    assert abs(float(ds.detuning[0])) < 0.01
+
+
+def test_resonances_of_a_body_that_warms_little_are_those_at_its_temperature() -> None:
+    drive, span = rm.SineSquared(0.03, 1.0), (1.1, 1.4)
+    body = rm.Actuator(temperature=320.0, dissipation=rm.Rayleigh(0.2))
+    warm = body.replace(heat=rm.Heat(1e-6, exchange=1.0))
+    plain, heated = (rm.resonances(a, drive, span, slices=3) for a in (body, warm))
+    assert heated.resonance_kind.values.tolist() == ["primary"]
+    for name in ("omega", "free_frequency", "phase_lag"):
+        np.testing.assert_allclose(heated[name], plain[name], rtol=2e-3)
+
+
+def test_two_coordinates_are_refused() -> None:
+    with pytest.raises(InputError, match="one coordinate"):
+        rm.resonances(rm.Actuator(prestress=(0.0, 0.0)), rm.SineSquared(0.03, 1.0), (1.0, 1.5))
 
 
 def test_superharmonic_peaks_lie_on_the_backbone() -> None:

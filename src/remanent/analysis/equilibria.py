@@ -44,7 +44,8 @@ def zeros(force: Force, cases: int, grid: FloatArray) -> FloatArray:
     if case.size:
         find_root: Any = elementwise.find_root  # its stubs do not know `args`
         ends = grid[case, k], grid[case, k + 1]
-        solved = find_root(lambda x, i: force(i, x), ends, args=(case,))
+        with np.errstate(all="ignore"):  # forces may have poles
+            solved = find_root(lambda x, i: force(i, x), ends, args=(case,))
         roots = np.asarray(solved.x)
     exact = grid[exact_case, exact_k]
     return _rows(np.concatenate([case, exact_case]), np.concatenate([roots, exact]), cases)
@@ -75,9 +76,10 @@ def balancing(
         at = np.nonzero((np.sign(ends[0]) * np.sign(ends[1]) <= 0) & (ends[0] != ends[1]))
     if at[0].size:
         find_root: Any = elementwise.find_root
-        solved = find_root(
-            lambda p, i, y: force(i, y, p), (low[at], high[at]), args=(case[at], x[at])
-        )
+        with np.errstate(all="ignore"):  # forces may have poles
+            solved = find_root(
+                lambda p, i, y: force(i, y, p), (low[at], high[at]), args=(case[at], x[at])
+            )
         found[at] = solved.x
     return found
 

@@ -114,9 +114,9 @@ def section(
     Parameters
     ----------
     dataset
-        A result of ``poincare_section``: `x` and `y` along ``period``.
+        A result of ``poincare_section`` or ``bifurcation_diagram``: `y` along ``period``.
     x, y
-        The variables of the plane.
+        The variables of the plane; `x` may be the parameter of a ``bifurcation_diagram``.
     ax, legend
         As in :func:`history`.
     **points
@@ -129,7 +129,7 @@ def section(
     """
     with style.context():
         axes = style.owned_axes(ax, height=3.1)
-        found = ensemble.members(dataset, (x, y), ("period",))
+        found = ensemble.members(dataset, (x, y), {"period", x} & set(dataset.dims))
         artists = [_cloud(axes, one, x, y, points) for one in found]
         axes.set(xlabel=style.label(dataset[x]), ylabel=style.label(dataset[y]))
         _finish(axes, ax, dataset, ensemble.point_handles(found) if legend else [])
@@ -148,7 +148,8 @@ def _cloud(
     axes: Axes, one: ensemble.Member, x: str, y: str, points: dict[str, Any]
 ) -> PathCollection:
     # Area of a point in square points: small enough to show structure, large enough to see few.
-    area = float(np.clip(900.0 / max(one.data[x].size, 1), 0.6, 6.0))
+    across, up = xr.broadcast(one.data[x], one.data[y])
+    area = float(np.clip(900.0 / max(up.size, 1), 0.6, 6.0))
     looks: dict[str, Any] = {
         "s": area,
         "color": one.colour,
@@ -158,7 +159,7 @@ def _cloud(
         "rasterized": True,
         **points,
     }
-    return axes.scatter(one.data[x].values, one.data[y].values, **looks)
+    return axes.scatter(across.values, up.values, **looks)
 
 
 def _finish(axes: Axes, given: Axes | None, dataset: xr.Dataset, marks: list[Line2D]) -> None:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
+
+from remanent.models.actuator import Actuator
 
 __all__ = ["attributes", "versions"]
 
@@ -20,7 +22,7 @@ def attributes(
     tolerance: float | None,
     *,
     over: Iterable[str] = (),
-    scales: Mapping[str, float] | None = None,
+    scaled: bool = True,
     **settings: Any,
 ) -> dict[str, Any]:
     """Describe how a Dataset was made.
@@ -34,8 +36,9 @@ def attributes(
     over
         Names of the fields that were given many values: their value in the ``repr``
         is not the one that was used.
-    scales
-        SI value of each dimensionless unit, see :func:`remanent.results.si.to_si`.
+    scaled
+        Whether the numbers turn to SI by what the table says of their names, see
+        :func:`remanent.results.si.to_si`: the scales of the actuator are then kept.
     **settings
         What else decides the numbers (``duration``, ``every``, ``method``); numbers
         and strings.  None is left out.
@@ -63,7 +66,8 @@ def attributes(
     }
     if tolerance is not None:
         found["tolerance"] = float(tolerance)
-    if scales is not None:
+    if scaled and isinstance(actuator, Actuator) and actuator.scales is not None:
+        scales = actuator.scales.factors()
         found["scales"] = json.dumps({k: float(v) for k, v in scales.items()}, sort_keys=True)
     return found
 

@@ -20,6 +20,7 @@ _POWERS: Mapping[Kind, float] = MappingProxyType(
     {
         Kind.TIME: -0.5,
         Kind.RATE: 0.5,
+        Kind.SQUARED_RATE: 1.0,
         Kind.FREQUENCY: 0.5,
         Kind.LOAD: 1.0,
         Kind.ROOT_LOAD: 0.5,
@@ -32,6 +33,8 @@ _POWERS: Mapping[Kind, float] = MappingProxyType(
 #: The same for fields of branches, by their last word: moduli are in units of the modulus,
 #: which grows itself, and the rate at which a branch relaxes is theta/t_r.
 _OF_BRANCHES: Mapping[str, float] = MappingProxyType({"modulus": 0.0, "relaxation_time": 0.5})
+#: Tables of constants of materials, which are in units of the modulus or have none.
+_OF_MATERIALS = frozenset({"moduli", "exponents", "constants"})
 #: Errors of states, which hold stretches beside rates: grown with the rates, never shrunk.
 _ERRORS = frozenset({"error", "local_error", "residual", "tolerance"})
 _RULE = positive("Temperatures are absolute.", "Pass kelvin.")
@@ -215,6 +218,8 @@ def _value(name: str, node: ast.expr, ratio: float, wanted: float) -> ast.expr:
 
 def _own_power(name: str) -> float:
     """Of a field of the actuator or the drive, which must be known."""
+    if name in _OF_MATERIALS:
+        return 0.0
     parts = ("dissipation", "material", "magnet")
     for known in (name, f"{name}_1", *(f"{part}.{name}" for part in parts)):
         if known in TABLE:

@@ -28,6 +28,7 @@ class Kind(Enum):
     NONE = "none"
     TIME = "time"
     RATE = "rate"
+    SQUARED_RATE = "square of a rate"
     FREQUENCY = "frequency"
     LOAD = "load"
     ROOT_LOAD = "root of load"
@@ -283,6 +284,7 @@ _ROWS = (
         "square of the frequency at which stretches part",
         r"\omega_a^2",
         ("equilibrium",),
+        Kind.SQUARED_RATE,
     ),
     Variable("local_error", "1", "estimated largest error of one period", r"\varepsilon_1"),
     Variable("run_periods", "1", "length of the run in drive periods", r"N"),

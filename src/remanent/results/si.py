@@ -37,6 +37,7 @@ _RULES: Mapping[Kind, _Rule] = MappingProxyType(
     {
         Kind.TIME: _Rule("ms", lambda x, s: x * s["time_s"] * 1e3, {r"\tau": "t"}),
         Kind.RATE: _Rule("s-1", lambda x, s: x / s["time_s"]),
+        Kind.SQUARED_RATE: _Rule("s-2", lambda x, s: x / s["time_s"] ** 2),
         Kind.FREQUENCY: _Rule("Hz", lambda x, s: x * s["frequency_hz"], {r"\omega": "f"}),
         Kind.LOAD: _Rule(
             "mT",

@@ -38,7 +38,7 @@ class AtRest:
         Where the material has limits they are the ends, and points are dense there.
         """
         cases = np.arange(self.ens.count)
-        inside = self._reachable(cases[:, None], STRETCHES)
+        inside = self.reachable(cases[:, None], STRETCHES, STRETCHES)
         if inside.all():
             return STRETCHES
         rest = STRETCHES.size // 2
@@ -55,17 +55,17 @@ class AtRest:
         if case.size:
             find_root: Any = elementwise.find_root  # its stubs do not know `args`
             solved = find_root(
-                lambda x, i: np.where(self._reachable(i, x), 1.0, -1.0),
+                lambda x, i: np.where(self.reachable(i, x, x), 1.0, -1.0),
                 (last[case], STRETCHES[outside[case]]),
                 args=(case,),
             )
             last[case] = np.where(solved.f_bracket[0] > 0.0, *solved.bracket)
         return last
 
-    def _reachable(self, case: IntArray, stretch: FloatArray) -> BoolArray:
-        """Whether the material reaches equal stretches, arrays that broadcast with `case`."""
+    def reachable(self, case: IntArray, one: FloatArray, two: FloatArray) -> BoolArray:
+        """Whether the material reaches in-plane stretches, arrays that broadcast with `case`."""
         columns = {name: value[case] for name, value in self.ens.values.items()}
-        return self.ens.actuator.reachable(columns, stretch, stretch)
+        return self.ens.actuator.reachable(columns, one, two)
 
     def force(
         self, case: IntArray, stretch: FloatArray, changed: Changed | None = None

@@ -223,13 +223,11 @@ def labelled(
     **settings: Any,
 ) -> xr.Dataset:
     """Variables with their coordinates, labelled and attributed."""
-    scales = getattr(ens.actuator, "scales", None)
     attributes = provenance.attributes(
         ens.actuator,
         ens.drive,
         tolerance,
         over=ens.coords,
-        scales=None if scales is None else scales.factors(),
         **settings,
     )
     return build.dataset(dict(variables), {**ens.coords, **coords}, attributes)

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import xarray as xr
+from scipy.ndimage import maximum_filter
+from scipy.optimize import elementwise
 
 from remanent._typing import FloatArray, IntArray
 from remanent.analysis.maps import Mapped
@@ -16,8 +19,9 @@ from remanent.results.build import Labelled
 from remanent.studies._at_rest import AtRest
 from remanent.studies._ensemble import Ensemble
 
-#: Stretches from which equilibria of two coordinates are sought, and how many.
-_STRETCHES = np.geomspace(0.1, 10.0, 24)
+#: Equilibria of two coordinates are sought up to this stretch and down to its inverse, in so
+#: many directions from rest and at so many distances along each.
+_FARTHEST, _DIRECTIONS, _DISTANCES = 1000.0, 96, 96
 #: Largest acceleration, relative to the loads', of what counts as an equilibrium.
 _STILL = 1e-12
 
@@ -73,28 +77,70 @@ def _slopes(still: AtRest, case: IntArray, one: FloatArray, two: FloatArray) -> 
 def _of_one(still: AtRest, k: int) -> FloatArray:
     """Stretches of the equilibria of one actuator, (equilibrium, 2).
 
-    An equilibrium is a fixed point of the map that adds the accelerations to the stretches.
+    An equilibrium is a fixed point of the map that adds the accelerations to the logarithms
+    of the stretches, which keeps these positive.
     """
-    guesses = np.stack(np.meshgrid(_STRETCHES, _STRETCHES, indexing="ij"), -1).reshape(-1, 2)
     map_ = _Pushed(still, k)
-    bounds = np.array([[0.5 * _STRETCHES[0], 2.0 * _STRETCHES[-1]]] * 2)
+    guesses = _guesses(still, k)
+    bounds = np.log(2.0 * _FARTHEST) * np.array([[-1.0, 1.0]] * 2)
     none = np.empty((len(guesses), 0))
     orbits = newton(map_, guesses, none, iterate=1, tolerance=_STILL, bounds=bounds)
-    found = distinct(map_, orbits, np.empty(0), iterate=1).state
+    found = np.exp(distinct(map_, orbits, np.empty(0), iterate=1).state)
     return np.asarray(found[np.lexsort(found.T[::-1])])
+
+
+def _guesses(still: AtRest, k: int) -> FloatArray:
+    """Corners of the cells in which both accelerations change sign, and of those beside them."""
+    nodes = _nodes(still, k)
+    case = np.full(nodes.shape[:2], k)
+    pushed = np.stack(still.accelerations(case, *np.moveaxis(np.exp(nodes), -1, 0)))
+    corners = [np.roll(pushed, -i, axis=1)[..., j : j - 1 or None] for i in (0, 1) for j in (0, 1)]
+    low, high = np.fmin.reduce(corners), np.fmax.reduce(corners)
+    changes = ((low <= 0.0) & (high >= 0.0)).all(axis=0)
+    chosen = maximum_filter(changes, 3, mode=("wrap", "nearest"))
+    used = np.zeros(nodes.shape[:2], dtype=np.bool_)
+    for i, j in ((0, 0), (0, 1), (1, 0), (1, 1)):
+        used[:, j : j - 1 or None] |= np.roll(chosen, i, axis=0)
+    return np.asarray(nodes[used])
+
+
+def _nodes(still: AtRest, k: int) -> FloatArray:
+    """Logarithms of stretches, (direction, distance, 2), from rest up to the limits.
+
+    Where the material has a limit, 1 less the share of the way to it falls with the fourth
+    power: forces grow without bound there, so that equilibria lie close to it.
+    """
+    angle = np.linspace(0.0, 2.0 * np.pi, _DIRECTIONS, endpoint=False)
+    towards = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+    reach = np.log(_FARTHEST) / np.abs(towards).max(axis=1)
+
+    def inside(distance: FloatArray, row: IntArray) -> FloatArray:
+        stretches = np.exp(distance[..., None] * towards[row])
+        within = still.reachable(np.full(row.shape, k), stretches[..., 0], stretches[..., 1])
+        return np.where(within, 1.0, -1.0)
+
+    limited = np.flatnonzero(inside(reach, np.arange(angle.size)) < 0.0)
+    share = np.linspace(0.0, 1.0, _DISTANCES)
+    shares = np.tile(share, (angle.size, 1))
+    if limited.size:
+        find_root: Any = elementwise.find_root  # its stubs do not know `args`
+        solved = find_root(inside, (0.0 * reach[limited], reach[limited]), args=(limited,))
+        reach[limited] = np.where(solved.f_bracket[0] > 0.0, *solved.bracket)
+        shares[limited] = 1.0 - (1.0 - share) ** 4
+    return np.asarray((reach[:, None] * shares)[..., None] * towards[:, None])
 
 
 @dataclass(frozen=True)
 class _Pushed:
-    """Stretches plus accelerations, as a map."""
+    """Logarithms of stretches plus accelerations, as a map."""
 
     still: AtRest
     case: int
     dimension: int = 2
 
     def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> Mapped:
-        case = np.full(len(states), self.case)
-        moved = np.stack(self.still.accelerations(case, *states.T), axis=1)
-        matrix = _slopes(self.still, case, *states.T) + np.eye(2)
+        case, stretches = np.full(len(states), self.case), np.exp(states)
+        moved = np.stack(self.still.accelerations(case, *stretches.T), axis=1)
+        matrix = _slopes(self.still, case, *stretches.T) * stretches[:, None] + np.eye(2)
         rounding = 4.0 * np.finfo(float).eps * (1.0 + np.abs(matrix).max(axis=(1, 2)))
         return Mapped(states + moved, matrix, np.zeros((len(states), 2, 0)), rounding)

@@ -27,13 +27,11 @@ def label(
         "horizon": (ens.dims, ens.shaped(outcome.horizon)),
         "status": (ens.dims, ens.shaped(outcome.status)),
     }
-    scales = getattr(ens.actuator, "scales", None)
     attributes = provenance.attributes(
         ens.actuator,
         ens.drive,
         tolerance,
         over=ens.coords,
-        scales=None if scales is None else scales.factors(),
         **settings,
     )
     return build.dataset({**variables, **evidence}, {**ens.coords, **coords}, attributes)

@@ -66,9 +66,12 @@ class StroboscopicMap:
         own = [name for name in self.names if name in base.field.parameters]
         self._problem: Problem = base
         self._slots: list[int] = [base.field.parameters.index(name) for name in own]
-        # The field that times the drive acts through the length of the period alone.
+        # The field that times the drive acts through the length of the period, and through the
+        # rate of the load where that takes part in the heat balance.
         timed = self.ensemble.drive.timed_by
-        self._carried: list[str] = [n for n in own if n not in self.held and n != timed]
+        self._carried: list[str] = [
+            n for n in own if n not in self.held and (n != timed or self._rate_matters)
+        ]
         last = [LOG_PERIOD] if timed in self.names else []
         self._flow = PeriodMap(
             base.field,
@@ -77,6 +80,13 @@ class StroboscopicMap:
             parameters=(*self._carried, *last),
             phase=self.phase,
         )
+
+    @property
+    def _rate_matters(self) -> bool:
+        """Whether a remanence depends on a temperature that is a state."""
+        name = "magnet.temperature_coefficient"
+        varies = name in self.names or bool(self.ensemble.values[name].any())
+        return self.ensemble.actuator.heat is not None and varies
 
     @property
     def dimension(self) -> int:
@@ -117,8 +127,8 @@ class StroboscopicMap:
         for k, name in enumerate(self.names):
             if name == drive.timed_by:  # the period is inversely proportional to this field
                 slope[:, :, k] = image.tangent[:, -1] / -values[name][:, None]
-            elif name in self._carried:
-                slope[:, :, k] = image.tangent[:, d + self._carried.index(name)]
+            if name in self._carried:
+                slope[:, :, k] += image.tangent[:, d + self._carried.index(name)]
         jacobian = np.moveaxis(image.tangent[:, :d], 1, 2)
         return Mapped(image.state, jacobian, slope, image.error * max(iterate, 1))
 

@@ -35,7 +35,7 @@ def backbone(
     Parameters
     ----------
     actuator
-        Without dissipation.
+        With one coordinate, without dissipation and heat balance.
     stretch : array (initial.stretch,)
         Turning points λ(0), increasing.
     m
@@ -55,7 +55,8 @@ def backbone(
     Raises
     ------
     InputError
-        A bad argument, or an actuator with dissipation.
+        A bad argument, or an actuator with dissipation, heat or two coordinates: two have
+        free oscillations of several kinds, most of which have no period.
 
     Notes
     -----
@@ -75,7 +76,7 @@ def backbone(
         raise InputError(
             "actuator", "have one coordinate, no dissipation and no heat balance", actuator,
             "Only free oscillations of one coordinate all have a period.",
-            "Pass actuator.replace(dissipation=(), heat=None) with equal prestress.",
+            "Pass one number as prestress, no edges, dissipation=() and heat=None.",
         )  # fmt: skip
     ens = ensemble(actuator, Constant(m), {**(over or {}), "initial.stretch": np.asarray(stretch)})
     half, error = np.full(ens.count, np.nan), np.full(ens.count, np.nan)

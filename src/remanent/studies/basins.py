@@ -89,17 +89,18 @@ def basins(
     length = require_periods(ens)
     require_memory((300.0 + 8.0 * _TAIL * len(ens.field.state)) * ens.count, f"{ens.count} ends")
     seed = 0 if rng is None else int(rng.integers(2**31))
+    last = min(_TAIL, periods)
     judged = Judged(Follower(ens, periods, min(2, len(ens.field.state))), tolerance, seed)
 
     def work(which: IntArray, cancelled: Callable[[], bool]) -> dict[str, np.ndarray]:
         verdict, path = judged.verdict(which, cancelled)
         assert path.visited is not None
-        tail = path.visited[:, -_TAIL:].copy()
+        tail = path.visited[:, -last:].copy()
         if judged.damped[which].all():
             tail = settled(judged.iterate(which), tail, verdict.regime, verdict.period)
         return judged.variables(which, verdict, path) | {"tail": tail, "code": verdict.regime}
 
-    shape = (0, min(_TAIL, periods), len(ens.field.state))
+    shape = (0, last, len(ens.field.state))
     kinds = {**KINDS, "tail": np.empty(shape), "code": np.empty(0, dtype=np.int64)}
     whole = gathered(judged.follower.each(work, progress, most=judged.most), ens, kinds)
     tail, code = whole.pop("tail"), whole.pop("code")

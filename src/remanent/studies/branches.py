@@ -365,9 +365,7 @@ def _dataset(
         "multiplier": (("multiplier",), np.arange(shape[3])),
         "special": (("special",), np.arange(marks["kind"].shape[1])),
     }
-    scales = ens.actuator.scales
     attributes = provenance.attributes(
-        ens.actuator, ens.drive, tolerance, over=ens.coords,
-        scales=None if scales is None else scales.factors(), **settings,
-    )  # fmt: skip
+        ens.actuator, ens.drive, tolerance, over=ens.coords, **settings
+    )
     return build.dataset(variables, coords, attributes)

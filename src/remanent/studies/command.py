@@ -161,6 +161,7 @@ def _command(
     start = body.at_target(here) or body
     away = np.where(np.abs(body.state - start.state) > _STILL, body.state - start.state, 0.0)
     fine = 0.1 * tolerance * max(1.0, float(np.abs(body.state).max()))
+    accepted = _ACCEPTED * max(tolerance, fine)
     for stages in _STAGES:
         parts = np.linspace(0.0, 1.0, stages + 1)[1:]
         ends = [body.at_target(here + part * (target - here)) for part in parts]
@@ -177,7 +178,9 @@ def _command(
                 arrival, replace(guess, loads=loads), scale=scale, tolerance=tolerance
             )
             last = part
-        if guess.residual <= _ACCEPTED * max(tolerance, fine):
+            if guess.residual > accepted:
+                break  # shorter stages are next
+        if guess.residual <= accepted:
             return guess, finals[-1].load
     raise _impossible(target, f"the best command misses rest by {guess.residual:.1e}")
 
@@ -236,7 +239,6 @@ def _labelled(
         None,
         tolerance,
         over=ens.coords,
-        scales=None if ens.actuator.scales is None else ens.actuator.scales.factors(),
         target=target,
         robust=" ".join(sizes) or None,
     )

@@ -97,17 +97,11 @@ def design(
             "fields", "start where each measure is one known number", guess,
             "The search starts there.", "Pass other guesses, or reduce the measure by `of`.",
         )  # fmt: skip
-    found = least_squares(
-        residual,
-        start,
-        jac=slopes,
-        bounds=(box.lower, box.upper),
-        x_scale=box.scale,
-        xtol=1e-12,
-        ftol=1e-15,
-        gtol=None,
-        max_nfev=60,
-    )
+    with np.errstate(all="ignore"):  # of a measure that stops changing
+        found = least_squares(
+            residual, start, jac=slopes, bounds=(box.lower, box.upper), x_scale=box.scale,
+            xtol=1e-12, ftol=1e-15, gtol=None, max_nfev=60,
+        )  # fmt: skip
     values, errors = together(asked, names, found.x[None])
     slope = slopes(found.x) * box.scale
     unknown = np.full(len(names), np.nan)
@@ -126,7 +120,9 @@ def design(
         "field": (("field",), np.array(names)),
         "measure": (("measure",), labels),
     }
-    attributes = provenance.attributes(asked[0].actuator, asked[0].drive, None, over=names)
+    attributes = provenance.attributes(
+        asked[0].actuator, asked[0].drive, None, over=names, scaled=False
+    )
     return build.dataset(variables, coords, attributes)
 
 

@@ -64,8 +64,9 @@ def equilibria(actuator: Actuator, m: float = 0.0, *, over: Over | None = None) 
     that balances the force, as a function of the stretch, has an extremum: a sign change of
     ∂f/∂λ along it.  One value of the parameter is found for each stretch, which is all there
     is for loads, prestress and temperature, in which the force is linear.  With two
-    coordinates Newton's method starts from 24 × 24 pairs of stretches from 0.1 to 10: an
-    equilibrium that none of them leads to is missed.
+    coordinates Newton's method starts where both forces change sign between neighbouring
+    pairs of stretches, in 96 directions from rest and at 96 distances up to stretches of 0.001
+    and 1000 or the limit of the material: what is missed are pairs that are about to merge.
 
     Examples
     --------

@@ -157,7 +157,7 @@ def fit(
     }
     attributes = provenance.attributes(
         actuator, drive, tolerance, over=guess, confidence=confidence, duration=duration,
-        periods=periods,
+        periods=periods, scaled=False,
     )  # fmt: skip
     return build.dataset(variables, coords, attributes)
 

@@ -185,9 +185,7 @@ def _labelled(
         "state": (("state",), np.array(ens.field.state)),
         "multiplier": (("multiplier",), np.arange(d)),
     }
-    scales = ens.actuator.scales
     attributes = provenance.attributes(
-        ens.actuator, ens.drive, tolerance, over=ens.coords, orbit_period=period,
-        scales=None if scales is None else scales.factors(),
-    )  # fmt: skip
+        ens.actuator, ens.drive, tolerance, over=ens.coords, orbit_period=period
+    )
     return build.dataset(variables, coords, attributes)

@@ -12,10 +12,13 @@ import xarray as xr
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, ComplexArray, FloatArray, IntArray
 from remanent.analysis.harmonics import harmonics, kind, resonant
+from remanent.codegen.field import field_for
 from remanent.models.actuator import Actuator
-from remanent.models.drives import Drive
+from remanent.models.drives import Constant, Drive
 from remanent.results import build, provenance
 from remanent.results.build import Labelled
+from remanent.studies._body import Body
+from remanent.studies._ensemble import ensemble
 from remanent.studies._time import require_count
 from remanent.studies.backbone import backbone
 from remanent.studies.branches import response_diagram
@@ -45,8 +48,8 @@ def resonances(
     Parameters
     ----------
     actuator, drive
-        What moves, with one coordinate and no internal variables, and a drive with a
-        field ``omega``, whose value is not used.
+        What moves, with one coordinate, and a drive with a field ``omega``, whose value is
+        not used.
     omega_bounds
         Lowest and highest frequency.
     periods
@@ -67,12 +70,13 @@ def resonances(
         behind the load of the harmonic that resonates, in [0, 2π).  Evidence:
         ``harmonics`` (peak, harmonic), complex; ``share``, of that harmonic in the mean
         square; ``free_frequency`` of the free oscillation as large as the orbit, under the
-        mean load; ``detuning`` of the harmonic from it.
+        mean load, without dissipation and at the surroundings' temperature; ``detuning`` of
+        the harmonic from it.
 
     Raises
     ------
     InputError
-        A bad argument, or another kind of actuator.
+        A bad argument, or an actuator of two coordinates.
 
     Notes
     -----
@@ -80,9 +84,11 @@ def resonances(
     :func:`remanent.response_diagram`.  Undamped branches have none; where they rise to the
     end of the bounds that end stands for it.  The harmonic whose frequency is nearest to the
     free oscillation names the resonance if it is within 10 % of it and holds 5 % of the
-    mean square; else the peak is ``undecided``.  A 1:2 response is ``parametric`` where its
-    branch springs from one of period 1, which loses stability there (A. H. Nayfeh and D. T.
-    Mook, Nonlinear Oscillations (Wiley, 1979), chapters 4 and 5).
+    mean square; else the peak is ``undecided``.  Branches that relax make free oscillations
+    faster: in the ratio of the modulus of the eigenvalue of small oscillations to the natural
+    frequency, at every amplitude; dashpots leave that modulus as it is.  A 1:2 response is
+    ``parametric`` where its branch springs from one of period 1, which loses stability there
+    (A. H. Nayfeh and D. T. Mook, Nonlinear Oscillations (Wiley, 1979), chapters 4 and 5).
 
     Examples
     --------
@@ -104,6 +110,7 @@ def resonances(
                 tolerance=tolerance,
             ),
             period,
+            field_for(actuator, drive).state,
         )
     ]  # fmt: skip
     peaks.sort(key=lambda peak: peak.omega)
@@ -126,7 +133,7 @@ class _Peak:
     omega: float
     error: float
     amplitude: float
-    state: tuple[float, float]
+    state: tuple[float, ...]
     period: int
     stability: str
     unbounded: bool
@@ -135,10 +142,16 @@ class _Peak:
 
 def _require_one_coordinate(actuator: Actuator) -> None:
     """Refuse what has no backbone."""
-    equilibria(actuator, 0.0)
+    if actuator.coordinates > 1:
+        raise InputError(
+            "actuator", "have one coordinate", actuator,
+            "Resonances are named by free oscillations of the same amplitude, which two "
+            "coordinates have of more than one kind.",
+            "Pass one number as prestress and no edges, or read the peaks of response_diagram.",
+        )  # fmt: skip
 
 
-def _peaks(diagram: xr.Dataset, period: int) -> list[_Peak]:
+def _peaks(diagram: xr.Dataset, period: int, state: Sequence[str]) -> list[_Peak]:
     """Local maxima of the amplitude along every branch, and ends that run off."""
     low, high = diagram.attrs["bounds"]
     found = []
@@ -156,7 +169,7 @@ def _peaks(diagram: xr.Dataset, period: int) -> list[_Peak]:
             found.append(
                 _Peak(
                     float(omega[k]), float(np.ptp(beside)), float(size[k]),
-                    (float(row["stretch"].values[k]), float(row["stretch_rate"].values[k])),
+                    tuple(float(row[name].values[k]) for name in state),
                     period, str(row["stability"].values[k]), not inner, doubled,
                 )
             )  # fmt: skip
@@ -245,7 +258,20 @@ def _free_frequency(actuator: Actuator, mean: float, size: FloatArray) -> FloatA
             "Pass another load or prestress.",
         )  # fmt: skip
     starts = float(stable[0]) * np.geomspace(1.001, _WIDEST / float(stable[0]), _FREE)
-    free = backbone(actuator.replace(dissipation=()), starts, m=mean, tolerance=1e-6)
+    elastic = actuator.replace(dissipation=(), heat=None)
+    free = backbone(elastic, starts, m=mean, tolerance=1e-6)
     known = np.isfinite(free["amplitude"].values) & np.isfinite(free["frequency"].values)
     reached, frequency = (free[n].values[known] for n in ("amplitude", "frequency"))
-    return np.asarray(np.interp(size, reached, frequency, right=np.nan))
+    small = _small_oscillations(actuator, mean) / _small_oscillations(elastic, mean)
+    return np.asarray(small * np.interp(size, reached, frequency, right=np.nan))
+
+
+def _small_oscillations(actuator: Actuator, mean: float) -> float:
+    """Modulus of the eigenvalue of small oscillations about rest; NaN where there are none."""
+    ens = ensemble(actuator, Constant(mean))
+    row = np.array([ens.values[name][0] for name in ens.field.parameters])
+    body = Body(ens.field, row, ens.initial[0]).at_rest()
+    if body is None:
+        return np.nan
+    values = np.linalg.eigvals(body.linear()[0])
+    return max((abs(complex(s)) for s in values if s.imag > 0.0), default=np.nan)

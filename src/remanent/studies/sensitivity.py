@@ -104,7 +104,7 @@ def sensitivity(
         if d in values.coords:
             coords[d] = ((d,), values[d].values)
     attributes = provenance.attributes(
-        asked.actuator, asked.drive, None, measure=repr(asked), step=step
+        asked.actuator, asked.drive, None, measure=repr(asked), step=step, scaled=False
     )
     return build.dataset(variables, coords, attributes)
 

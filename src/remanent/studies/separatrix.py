@@ -188,7 +188,7 @@ class _Runs:
             scale=np.ones(guess.shape[1]), tolerance=_RESIDUAL,
         )  # fmt: skip
         jacobian = points.extra["jacobian"]
-        if not (reached & unstable(jacobian)[2]).all():
+        if not reached.all() or not unstable(jacobian)[2].all():
             raise InputError(
                 "saddle", "be near a saddle orbit throughout the bracket", state.tolist(),
                 "Newton's method reached none, or another kind of orbit.",

@@ -88,10 +88,10 @@ def snap_through(
     """
     if not actuator.conservative or actuator.coordinates > 1:
         raise InputError(
-            "actuator", "have one coordinate, no dissipation and no heat balance", repr(actuator),
+            "actuator", "have one coordinate, no dissipation and no heat balance", actuator,
             "The threshold follows from conservation of energy at a held temperature.",
-            "Pass actuator.replace(dissipation=(), heat=None); it snaps before any that "
-            "dissipates.",
+            "Pass one number as prestress, no edges, dissipation=() and heat=None; it snaps "
+            "before any that dissipates.",
         )  # fmt: skip
     ens = ensemble(actuator, Constant(m), over, (start, 0.0))
     low, high = parameter_bounds(parameter, np.asarray(bounds), ens)

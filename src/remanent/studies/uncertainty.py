@@ -129,8 +129,9 @@ def uncertainty(
         if d in template.coords:
             coords[d] = ((d,), template[d].values)
     attributes = provenance.attributes(
-        asked.actuator, asked.drive, None, over=names, measure=repr(asked), samples=samples
-    )
+        asked.actuator, asked.drive, None, over=names, measure=repr(asked), samples=samples,
+        scaled=False,
+    )  # fmt: skip
     return build.dataset(variables, coords, attributes)
 
 

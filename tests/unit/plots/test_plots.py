@@ -18,6 +18,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from tests.unit.plots import synthetic
 
+import remanent as rm
 from remanent import plots
 from remanent._errors import InputError
 from remanent.plots import footer, style
@@ -345,3 +346,17 @@ def test_bars_are_as_long_as_their_values() -> None:
         assert container.errorbar is not None
     with pytest.raises(InputError, match="field"):
         plots.bars(dataset, "derivative")
+
+
+def test_a_sweep_is_drawn_against_its_parameter() -> None:
+    """Every kept point stands above its own value; up and down are told apart."""
+    sweep = rm.bifurcation_diagram(
+        rm.Actuator(dissipation=rm.Rayleigh(0.3)), rm.SineSquared(0.4, 1.25), "b", [0.2, 0.3, 0.4],
+        direction="both", discard=5, keep=4,
+    )  # fmt: skip
+    up, down = plots.section(sweep, "b", "thickness_stretch")
+    for points, one in ((up, "up"), (down, "down")):
+        drawn = np.asarray(points.get_offsets())
+        kept = sweep.thickness_stretch.sel(sweep=one)
+        for value, row in zip(sweep.b.values, kept.values, strict=True):
+            np.testing.assert_array_equal(np.sort(drawn[drawn[:, 0] == value, 1]), np.sort(row))
