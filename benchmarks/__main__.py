@@ -13,7 +13,17 @@ from rich.console import Console
 
 from benchmarks import page, store, tables
 from benchmarks.machine import busy
-from benchmarks.rows import biaxial, branch, growth, kernel, lyapunov, precision, start, work
+from benchmarks.rows import (
+    biaxial,
+    branch,
+    chart,
+    growth,
+    kernel,
+    lyapunov,
+    precision,
+    start,
+    work,
+)
 from benchmarks.rows.plan import Plan
 
 #: In the order they run: the first compiles what later ones find in memory.
@@ -23,6 +33,7 @@ ROWS: dict[str, Callable[[Plan], dict[str, Any]]] = {
     "kernel": kernel.measure,
     "branch": branch.measure,
     "lyapunov": lyapunov.measure,
+    "chart": chart.measure,
     "biaxial": biaxial.measure,
     "start": start.measure,
     "growth": growth.measure,
@@ -33,6 +44,7 @@ _TABLES: dict[str, Callable[[Any], tables.Table]] = {
     "start": tables.start,
     "branch": tables.branch,
     "lyapunov": tables.lyapunov,
+    "chart": tables.chart,
     "biaxial": tables.biaxial,
     "response": tables.work,
     "film": tables.work,

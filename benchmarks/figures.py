@@ -5,10 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from remanent.plots import style
+from remanent.plots.maps import map
 
 #: Colour and marker of a tool; Okabe and Ito's colours, ours in blue.
 _LOOK = {
@@ -71,4 +73,16 @@ def growth(data: Any, path: Path) -> None:
         style.panel_title(left, "a", "")
         style.panel_title(right, "b", "")
         style.legend_above(figure, lines)
+        style.save(figure, path)
+
+
+def chart(dataset: xr.Dataset, folds: xr.Dataset, path: Path) -> None:
+    """Regimes over two parameters, and the curve on which orbits are born."""
+    with style.context():
+        figure = Figure(figsize=(style.DOUBLE, 4.6), layout="constrained")
+        axes = figure.subplots()
+        map(dataset, ax=axes)
+        axes.plot(folds.omega, folds.b, color="white", linewidth=1.2)
+        axes.plot(folds.omega, folds.b, color=style.OKABE_ITO["vermillion"], linewidth=0.7)
+        axes.set(xlim=dataset.omega.values[[0, -1]], ylim=dataset.b.values[[0, -1]])
         style.save(figure, path)

@@ -62,6 +62,10 @@ ends within $10^{-7}$ of what SciPy finds at $10^{-13}$. Ours runs everything on
 twice as long, to give the exponent's error; pynamicalsys runs points drawn at random, once.
 Processor time.
 """
+_CHART = """\
+Every point is a motion from rest of the undamped actuator at 350 K, labelled by the rules of
+`classify` with tolerance $10^{-7}$.
+"""
 _BIAXIAL = """\
 Six states: two stretches with their rates, and the viscous stretches of a branch with
 $\\mu_v/\\mu = 0.5$, $t_r = 1$; $S = (0.3, 0)$, 4096 frequencies. Ours is `frequency_response`,
@@ -135,6 +139,8 @@ def _pictures(row: str, data: Any) -> Iterator[str]:
             yield from _picture(f"precision-{name}", figures.precision, one, _CAPTIONS[name])
     elif row == "growth":
         yield from _picture("growth", figures.growth, data, "Time and memory")
+    elif row == "chart" and (DOCS / "results" / "chart.png").exists():
+        yield f"```{{figure}} results/chart.png\n{_CHART_CAPTION}\n```\n"
 
 
 def _picture(name: str, draw: Any, data: Any, caption: str) -> Iterator[str]:
@@ -142,6 +148,9 @@ def _picture(name: str, draw: Any, data: Any, caption: str) -> Iterator[str]:
     yield f"```{{figure}} results/{name}.svg\n{caption}\n```\n"
 
 
+_CHART_CAPTION = """\
+Tori by their rotation number, chaos by its exponent; grey is undecided after 500 periods. On the
+line a pair of orbits of the primary resonance is born."""
 _CAPTIONS = {"response": "The cube: time against error.", "film": "The film: the same."}
 _SECTIONS: tuple[tuple[str, str, str, Any], ...] = (
     ("response", "Frequency response of a cube", _WORK, tables.work),
@@ -150,6 +159,7 @@ _SECTIONS: tuple[tuple[str, str, str, Any], ...] = (
     ("kernel", "Arithmetic", _KERNEL, tables.kernel),
     ("branch", "Branches of periodic orbits", _BRANCH, tables.branch),
     ("lyapunov", "Lyapunov exponents", _LYAPUNOV, tables.lyapunov),
+    ("chart", "A chart of regimes", _CHART, tables.chart),
     ("biaxial", "Two directions with a Zener branch", _BIAXIAL, tables.biaxial),
     ("growth", "Growth", _GROWTH, tables.growth),
     ("start", "Start", _START, tables.start),

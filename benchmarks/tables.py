@@ -137,6 +137,15 @@ def lyapunov(data: Any) -> Table:
     return Table(heading, rows)
 
 
+def chart(data: Any) -> Table:
+    whole = data["side"] ** 2
+    shares = ", ".join(f"{name} {100 * n / whole:.1f} %" for name, n in data["regimes"].items())
+    rows = [(f"{data['side']} × {data['side']}", str(data["periods"]), number(data["seconds"]),
+             number(data["processor_seconds"]), str(data["cores"]), shares)]  # fmt: skip
+    heading = ("motions", "periods", "s", "s of processors", "cores", "regimes")
+    return Table(heading, rows)
+
+
 def biaxial(data: Any) -> Table:
     rows = [
         (name, number(one["microseconds"]), error(one["worst"]), error(one["tolerance"]))

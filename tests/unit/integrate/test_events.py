@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.special import ellipk
 from tests.unit.integrate.handmade import SINE, Oscillator, Q, problem
 
 import remanent as rm
@@ -91,3 +92,16 @@ def test_periods_between_crossings_are_those_of_the_orbit() -> None:
         gaps = np.diff(times[np.isfinite(times)])
         assert gaps.size > 5
         assert np.ptp(gaps) < 1e-8
+
+
+def test_the_backbone_of_duffings_oscillator() -> None:
+    """Half a period from rest at A is 2 K(m)/w, with w^2 = 1 + e A^2 and m = e A^2/(2 w^2)."""
+    e, amplitude = 2.0, np.linspace(0.01, 3.0, 16)
+    starts = np.column_stack([amplitude, np.zeros(16)])
+    duffing = Oscillator(-Q - e * Q**3, {})
+    found, outcome = crossings(problem(duffing, starts, 4.0), "v", 0.0, tolerance=1e-10)
+    _, first = np.unique(found.trajectory, return_index=True)
+    w = np.sqrt(1.0 + e * amplitude**2)
+    half = 2.0 * ellipk(e * amplitude**2 / (2.0 * w**2)) / w
+    steepness = amplitude + e * amplitude**3
+    assert (np.abs(found.time[first] - half) <= outcome.error / steepness + 1e-14).all()
