@@ -60,7 +60,8 @@ def classify(
     initial, over, progress
         As for :func:`remanent.simulate`.
     tolerance
-        Of the error that one drive period adds, at the finest of the tolerances tried.
+        Of the error that one drive period adds, at the finest of the tolerances tried; where
+        a state variable exceeds 10, as a body's temperature does, so many times as much.
         Motions are followed at 100 and at 10 times as much; those that are not regular at
         both are followed at this one too.
     rng

@@ -54,8 +54,9 @@ def lyapunov(
     initial, over, progress
         As for :func:`remanent.simulate`.
     tolerance
-        Of the error that one drive period adds.  Chaotic motion itself is known for a short
-        time only; its statistics are those of a motion nearby.
+        Of the error that one drive period adds; as many times as much as the largest state
+        variable exceeds 10, so 30 times for the temperature of a body.  Chaotic motion itself
+        is known for a short time only; its statistics are those of a motion nearby.
 
     Returns
     -------

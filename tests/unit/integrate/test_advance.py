@@ -13,7 +13,7 @@ from remanent.analysis.following import Path, follow
 from remanent.analysis.lyapunov import Exponents, exponents
 from remanent.codegen.lower import lower
 from remanent.integrate.advance import Advancer
-from remanent.integrate.period_map import PeriodMap
+from remanent.integrate.period_map import Image, Judged, PeriodMap
 
 X, Y, Z = sp.symbols("x y z", real=True)
 
@@ -145,3 +145,23 @@ def test_what_escapes_is_told_from_what_cannot_be_resolved() -> None:
     assert not stuck.trusted.any()
     assert not stuck.escaped.any()
     assert run(-256 * Q, 2**12).trusted.all()
+
+
+@pytest.mark.parametrize("directions", [1, 2])
+def test_what_is_judged_changes_nothing_but_the_error(directions: int) -> None:
+    """The finer solution stays the same, and the error of the state is that without tangents."""
+    field = Oscillator(COSINE - 0.1 * V - Q**3, {}).field()
+    start, length = np.array([[0.3, 0.0], [1.5, 0.4]]), np.array([5.0, 6.0])
+
+    def image(columns: int, judged: Judged) -> Image:
+        flow = PeriodMap(field, turning, directions=columns, judged=judged)
+        empty = np.zeros((2, 0))
+        return flow(start, empty, length, tolerance=np.inf, cycles=3, resolution=16)
+
+    everything = image(directions, "all")
+    for other in (image(directions, "state"), image(directions, "nothing")):
+        np.testing.assert_array_equal(other.state, everything.state)
+        np.testing.assert_array_equal(other.tangent, everything.tangent)
+    alone = image(0, "all").error
+    np.testing.assert_allclose(image(directions, "state").error, alone, rtol=1e-3)
+    assert (everything.error >= alone).all()

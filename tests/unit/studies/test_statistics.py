@@ -41,6 +41,16 @@ def test_an_overdamped_equilibrium_has_two_exponents() -> None:
                                rtol=1e-6)  # fmt: skip
 
 
+def test_one_exponent_at_rest_is_known_although_the_state_needs_no_steps() -> None:
+    """The state stands still at any step; the tangent, judged where steps matter, does not."""
+    eta = 8.0
+    body = rm.Actuator(dissipation=rm.Rayleigh(eta))
+    ds = rm.lyapunov(body, rm.SineSquared(0.0, 2.0), periods=400)
+    exact = float(np.roots([3.0, 3.0 * eta, 18.0]).max())
+    assert abs(float(ds.exponent) - exact) <= float(ds.exponent_error) + 1e-12
+    assert float(ds.exponent_error) < 1e-6
+
+
 def test_a_sea_is_chaotic_and_an_island_is_not() -> None:
     """A strong load: the exponent is told with its errors; by the same rules, a torus is not.
 
