@@ -393,3 +393,11 @@ def test_rates_beyond_the_limit_do_not_exist(material: Material) -> None:
 def test_bad_materials_are_explained(make: Any, message: str) -> None:
     with pytest.raises(InputError, match=message):
         make()
+
+
+def test_a_formula_with_a_limit_of_its_own_rests_where_gent_does() -> None:
+    """-50 ln(1 - (I1 - 3)/100) is Gent's energy for J_m = 100, with numbers in place of fields."""
+    written = rm.Actuator(material=rm.StrainEnergy("-50*log(1 - (I1 - 3)/100)"))
+    gent = rm.Actuator(material=rm.Gent(100.0))
+    ours, theirs = (rm.equilibria(body, 0.3) for body in (written, gent))
+    np.testing.assert_allclose(ours.stretch, theirs.stretch, rtol=1e-12)
