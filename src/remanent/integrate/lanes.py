@@ -117,14 +117,16 @@ class Writer:
     def reciprocal(self, b: Lanes) -> Lanes:
         """1/b, to the last digit or so, where neither of them is near an end of the range.
 
-        A division of eight lanes keeps the next waiting for sixteen cycles.  Two Newton
-        steps from an estimate to 2**-14 take as long and keep nothing waiting.
+        A division of eight lanes keeps the next waiting for sixteen cycles.  Four factors of
+        1/(1 - d), with d = 1 - b r < 2**-13 for the estimate r, keep nothing waiting:
+        1/b = r (1 + d) (1 + d^2) ...
         """
         if not self.estimates:
             return 1.0 / b
         r = self._estimate(b)
-        r = r + r * (1.0 - b * r)
-        return r + r * (1.0 - b * r)
+        defect = 1.0 - b * r
+        r = r + r * defect
+        return r + r * (defect * defect)
 
     def _estimate(self, b: Lanes) -> Lanes:
         builder, parts = self.builder, []
