@@ -15,6 +15,7 @@ the orbit in 1.6 times the time.
 from __future__ import annotations
 
 import resource
+import statistics
 import tempfile
 from pathlib import Path
 from typing import Any
@@ -43,13 +44,13 @@ def versions() -> str:
 
 
 def seconds_per_point(repeats: int = 3, **changes: Any) -> float | None:
-    """Processor time of one point, the least of some runs, starting and reading included."""
+    """Processor time of one point, the median of some runs, starting and reading included."""
     if not runner.installed():
         return None
     with tempfile.TemporaryDirectory() as scratch:
         executable = runner.compile_equations("actuator", Path(scratch))
         _start(Path(scratch))
-        return min(_once(executable, **changes) for _ in range(repeats))
+        return statistics.median(_once(executable, **changes) for _ in range(repeats))
 
 
 def orbits() -> tuple[FloatArray, FloatArray] | None:

@@ -36,12 +36,13 @@ def measure(plan: Plan) -> dict[str, Any]:
         orbits = auto07p.orbits()
         theirs = None if orbits is None else _defect(*orbits)
         tolerance, worst = _as_good(one, theirs)
-        for name, cases, block in (("one", one, 32), ("family", grid, 16)):
+        for name, cases, block, often in (("one", one, 32, 3), ("family", grid, 16, 1)):
             found[name] = _timed(
-                lambda c=cases, b=block: _traced(c, b, tolerance), plan.repeats  # type: ignore[misc]
-            )  # fmt: skip
+                lambda c=cases, b=block: _traced(c, b, tolerance),  # type: ignore[misc]
+                often * plan.repeats,
+            )
             plan.say(f"branch: {name}: {found[name]['microseconds']:.0f} µs a point")
-        seconds = auto07p.seconds_per_point(plan.repeats)
+        seconds = auto07p.seconds_per_point(3 * plan.repeats)
     found |= {"tolerance": tolerance, "defect": worst, "auto_defect": theirs}
     found["auto"] = None if seconds is None else 1e6 * seconds
     found["auto_version"] = auto07p.versions()

@@ -174,7 +174,8 @@ class _Known:
     def nearest(self, places: FloatArray) -> IntArray:
         """What was wanted at the nearest of them, in units of their spread."""
         scale = np.maximum(np.ptp(self.places, axis=0), _ALIKE)
-        _, nearest = KDTree(self.places / scale).query(places / scale)
+        tree = KDTree(self.places / scale, balanced_tree=False, compact_nodes=False)  # made once
+        _, nearest = tree.query(places / scale)
         return np.asarray(self.wanted[nearest])
 
 
