@@ -380,10 +380,10 @@ def classify(
     Every orbit is followed at the two loosest tolerances.  If they agree that it is
     regular, or that it escapes, that is its label; the finest tolerance is kept for the
     others, of which two finer runs must agree, and all three where they call it chaotic.
-    Damped motion that is chaotic has to remain so for as long again several times: chaotic
-    transients can outlast a run.  Where motion is damped but has not settled, Newton's
-    method looks for the periodic orbit ahead, and the motion has to approach it at the rate
-    of its multiplier.
+    Damped motion that is chaotic has to remain so twice as long again, in sixteen motions that
+    start beside it: chaotic transients can outlast a run.  Where motion is damped but has not
+    settled, Newton's method looks for the periodic orbit ahead, and the motion has to approach
+    it at the rate of its multiplier.
 
     Parameters
     ----------
@@ -452,8 +452,9 @@ def classify(
     return Verdict(label, period, margin, first, error), path
 
 
-#: How many times as long again damped motion has to stay chaotic.
-_AGAIN = 4
+#: So many runs more damped motion has to stay chaotic, and so many others that start beside
+#: it, each this share of the state farther away; so many are followed together.
+_AGAIN, _BESIDE, _APART, _TOGETHER = 2, 16, 1e-9, 4096
 #: The tolerance that every orbit is followed at first.
 _LOOSEST = 2
 #: An orbit that returns worse than this, relative to its extent, is not settling yet.
@@ -465,16 +466,24 @@ _RESIDUAL = 1e-8
 
 
 def _lasting(follow: Follow, which: IntArray, states: FloatArray, half: float) -> BoolArray:
-    """Where chaotic orbits go on as they were: their tangents grow to the end of every run."""
+    """Where chaos goes on: in no motion that starts beside the orbit do tangents stop growing.
+
+    A transient ends at random, after any time: many short trials see more of that than one
+    long one, and sixteen motions cost a kernel what one does.
+    """
     lasting = np.ones(which.size, dtype=np.bool_)
+    apart = 1.0 + _APART * np.arange(_BESIDE)
+    beside = np.repeat(states, _BESIDE, axis=0) * np.tile(apart, which.size)[:, None]
     for _ in range(_AGAIN):
-        at = np.flatnonzero(lasting)
-        if at.size:
-            path = follow(which[at], _LOOSEST, states[at])
+        left = np.flatnonzero(np.repeat(lasting, _BESIDE))
+        for at in np.array_split(left, -(-left.size // _TOGETHER)) if left.size else ():
+            orbit = at // _BESIDE
+            path = follow(which[orbit], _LOOSEST, beside[at])
             growth = path.growth[..., 0]
             late = growth[:, growth.shape[1] // 2 :].sum(axis=1)
-            lasting[at] = path.trusted & ~path.escaped & (late >= half)
-            states[at] = path.last
+            stopped = ~(path.trusted & ~path.escaped & (late >= half))
+            lasting[orbit[stopped]] = False
+            beside[at] = path.last
     return lasting
 
 

@@ -88,8 +88,8 @@ def classify(
     Notes
     -----
     ``chaotic`` needs an exponent above 0 by three standard errors, the same at three
-    tolerances, and averages that do not converge; damped motion has to stay so for four more
-    runs, since chaotic transients can be long.  ``quasi-periodic`` needs tangents that
+    tolerances, and averages that do not converge; damped motion has to stay so for two
+    more runs, and so have sixteen that start beside it.  ``quasi-periodic`` needs tangents that
     grow like a power of time, averages that converge, and a 0-1 test near 0.  ``periodic``
     needs the orbit to close, or, where it still settles, a stable periodic orbit found by
     Newton's method that it approaches at the rate of its multiplier.  Where motion is
