@@ -5,6 +5,7 @@ from __future__ import annotations
 import statistics
 import time
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -37,10 +38,8 @@ def measure(plan: Plan) -> dict[str, Any]:
         theirs = None if orbits is None else _defect(*orbits)
         tolerance, worst = _as_good(one, theirs)
         for name, cases, block, often in (("one", one, 32, 3), ("family", grid, 16, 1)):
-            found[name] = _timed(
-                lambda c=cases, b=block: _traced(c, b, tolerance),  # type: ignore[misc]
-                often * plan.repeats,
-            )
+            work = partial(_traced, cases, block, tolerance)
+            found[name] = _timed(work, often * plan.repeats)
             plan.say(f"branch: {name}: {found[name]['microseconds']:.0f} µs a point")
         seconds = auto07p.seconds_per_point(3 * plan.repeats)
     found |= {"tolerance": tolerance, "defect": worst, "auto_defect": theirs}

@@ -53,13 +53,9 @@ class AtRest:
         last = np.where(unlimited, STRETCHES[-1 if inward < 0 else 0], STRETCHES[outside + inward])
         case = np.flatnonzero(~unlimited)
         if case.size:
-            find_root: Any = elementwise.find_root  # its stubs do not know `args`
-            solved = find_root(
-                lambda x, i: np.where(self.reachable(i, x, x), 1.0, -1.0),
-                (last[case], STRETCHES[outside[case]]),
-                args=(case,),
+            last[case] = farthest_inside(
+                lambda x, i: self.reachable(i, x, x), last[case], STRETCHES[outside[case]], case
             )
-            last[case] = np.where(solved.f_bracket[0] > 0.0, *solved.bracket)
         return last
 
     def reachable(self, case: IntArray, one: FloatArray, two: FloatArray) -> BoolArray:
@@ -122,3 +118,12 @@ class AtRest:
 
 def _is_speed(name: str) -> bool:
     return name.startswith("stretch") and name.endswith("_rate")
+
+
+def farthest_inside(
+    inside: Callable[..., BoolArray], near: FloatArray, far: FloatArray, index: IntArray
+) -> FloatArray:
+    """The last numbers with `inside(number, index)`, from `near`, where it holds, to `far`."""
+    find_root: Any = elementwise.find_root  # its stubs do not know `args`
+    solved = find_root(lambda x, i: np.where(inside(x, i), 1.0, -1.0), (near, far), args=(index,))
+    return np.asarray(np.where(solved.f_bracket[0] > 0.0, *solved.bracket))

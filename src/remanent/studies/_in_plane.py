@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import xarray as xr
 from scipy.ndimage import maximum_filter
-from scipy.optimize import elementwise
 
-from remanent._typing import FloatArray, IntArray
+from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.analysis.maps import Mapped
 from remanent.analysis.orbits import distinct, newton
 from remanent.integrate.status import Status
 from remanent.results import build, provenance
 from remanent.results.build import Labelled
-from remanent.studies._at_rest import AtRest
+from remanent.studies._at_rest import AtRest, farthest_inside
 from remanent.studies._ensemble import Ensemble
 
 #: Equilibria of two coordinates are sought up to this stretch and down to its inverse, in so
@@ -114,18 +112,15 @@ def _nodes(still: AtRest, k: int) -> FloatArray:
     towards = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
     reach = np.log(_FARTHEST) / np.abs(towards).max(axis=1)
 
-    def inside(distance: FloatArray, row: IntArray) -> FloatArray:
+    def inside(distance: FloatArray, row: IntArray) -> BoolArray:
         stretches = np.exp(distance[..., None] * towards[row])
-        within = still.reachable(np.full(row.shape, k), stretches[..., 0], stretches[..., 1])
-        return np.where(within, 1.0, -1.0)
+        return still.reachable(np.full(row.shape, k), stretches[..., 0], stretches[..., 1])
 
-    limited = np.flatnonzero(inside(reach, np.arange(angle.size)) < 0.0)
+    limited = np.flatnonzero(~inside(reach, np.arange(angle.size)))
     share = np.linspace(0.0, 1.0, _DISTANCES)
     shares = np.tile(share, (angle.size, 1))
     if limited.size:
-        find_root: Any = elementwise.find_root  # its stubs do not know `args`
-        solved = find_root(inside, (0.0 * reach[limited], reach[limited]), args=(limited,))
-        reach[limited] = np.where(solved.f_bracket[0] > 0.0, *solved.bracket)
+        reach[limited] = farthest_inside(inside, 0.0 * reach[limited], reach[limited], limited)
         shares[limited] = 1.0 - (1.0 - share) ** 4
     return np.asarray((reach[:, None] * shares)[..., None] * towards[:, None])
 

@@ -174,7 +174,7 @@ class _Known:
     def nearest(self, places: FloatArray) -> IntArray:
         """What was wanted at the nearest of them, in units of their spread."""
         scale = np.maximum(np.ptp(self.places, axis=0), _ALIKE)
-        tree = KDTree(self.places / scale, balanced_tree=False, compact_nodes=False)  # made once
+        tree = KDTree(self.places / scale, balanced_tree=False, compact_nodes=False)  # asked once
         _, nearest = tree.query(places / scale)
         return np.asarray(self.wanted[nearest])
 
