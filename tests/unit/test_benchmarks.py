@@ -43,8 +43,11 @@ def test_only_what_every_pass_of_the_inner_loop_does_counts() -> None:
 
 @pytest.mark.skipif("+fma" not in host().features.split(","), reason="no multiply-add vectors")
 def test_the_yardstick_is_multiply_adds_and_nothing_else() -> None:
-    """A pass of the loop is six groups of fused multiply-adds."""
-    assert work_per_pass(assembly(source(host().width), host())) == {"fma": 6 * host().width}
+    """Its loop does whole passes of six chains; a compiler may unroll several into one."""
+    work = work_per_pass(assembly(source(host().width), host()))
+    assert work.keys() == {"fma"}
+    assert work["fma"] > 0
+    assert work["fma"] % (6 * host().width) == 0
 
 
 @pytest.mark.parametrize("job", JOBS.values(), ids=lambda job: job.name)
