@@ -23,12 +23,12 @@ from scipy.stats import beta
 import remanent as rm
 from benchmarks import taylor
 from benchmarks.coverage_page import draw, write_page
+from remanent._status import Status
 from remanent._typing import FloatArray
-from remanent.integrate.ensemble import integrate
-from remanent.integrate.problem import Outcome, Request
-from remanent.integrate.status import Status
-from remanent.models.drives import Drive
-from remanent.studies._ensemble import ensemble, problem
+from remanent.integrate.ensemble.ensemble import integrate
+from remanent.integrate.ensemble.problem import Outcome, Request
+from remanent.models.drives.base import Drive
+from remanent.studies.ensemble.ensemble import ensemble, problem
 
 ROOT = Path(__file__).parent.parent
 #: Trajectories that go through the engine together, and samples of each.

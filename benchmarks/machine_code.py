@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 from llvmlite import binding
 
-from remanent.integrate.compile import Target
+from remanent.integrate.kernel.compile import Target
 
 _LABEL = re.compile(r"^(\.?\w+):")
 _JUMP = re.compile(r"^\s+(j\w+)\s+(\.?\w+)")

@@ -9,8 +9,8 @@ import time
 import numpy as np
 from llvmlite import binding, ir
 
-from remanent.integrate.compile import Target
-from remanent.integrate.lanes import DOUBLE, INTEGER, Writer
+from remanent.integrate.kernel.compile import Target
+from remanent.integrate.kernel.lanes import DOUBLE, INTEGER, Writer
 
 #: Chains that wait for nothing but themselves: enough to hide the latency of one.
 _CHAINS = 6

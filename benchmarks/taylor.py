@@ -18,8 +18,10 @@ from typing import Any
 import numpy as np
 
 from remanent._typing import FloatArray
-from remanent.models.drives import Chirp, Constant, Drive, Sine, SineSquared
-from remanent.models.piecewise import Table
+from remanent.models.drives.base import Drive
+from remanent.models.drives.chirp import Chirp
+from remanent.models.drives.piecewise import Table
+from remanent.models.drives.waves import Constant, Sine, SineSquared
 
 LONG = np.longdouble
 #: Relative error of a step.

@@ -18,8 +18,8 @@ from remanent._typing import FloatArray
 from remanent.analysis.bifurcations import orbit_equations
 from remanent.analysis.continuation import Curve, Settings, corrected, follow
 from remanent.analysis.orbits import multipliers
-from remanent.studies._ensemble import ensemble
-from remanent.studies._map import StroboscopicMap
+from remanent.studies.ensemble.ensemble import ensemble
+from remanent.studies.orbits._period_map import StroboscopicMap
 
 #: As many points as AUTO's, on the same stretch of the branch.
 _POINTS, _STEP = 500, 0.00126

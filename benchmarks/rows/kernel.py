@@ -23,13 +23,13 @@ from benchmarks.multiply_add import lanes_per_second
 from benchmarks.rows.plan import Plan
 from benchmarks.tools import ours
 from remanent._typing import FloatArray
-from remanent.integrate.chunk import attempt
-from remanent.integrate.compile import Kernel, Kernels, compiled, host
-from remanent.integrate.foresight import method_for
-from remanent.integrate.kernel import Method, Options
-from remanent.integrate.methods import default_method
-from remanent.integrate.problem import Request
-from remanent.integrate.tables import waveform_tables
+from remanent.integrate.ensemble.problem import Request
+from remanent.integrate.ensemble.resolution import method_for
+from remanent.integrate.ensemble.segments import attempt
+from remanent.integrate.kernel.compile import Kernel, Kernels, compiled, host
+from remanent.integrate.kernel.kernel import Method, Options
+from remanent.integrate.kernel.tables import waveform_tables
+from remanent.integrate.methods.runge_kutta import default_method
 
 _RESOLUTION, _GROUPS, _TOLERANCE, _NO_LIMIT = 64, 64, 1e-9, 1.0
 _CASES = {

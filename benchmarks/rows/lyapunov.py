@@ -14,8 +14,8 @@ import remanent as rm
 from benchmarks.machine import one_core
 from benchmarks.rows.plan import Plan
 from remanent._typing import FloatArray
-from remanent.integrate.period_map import PeriodMap
-from remanent.studies._ensemble import ensemble, problem
+from remanent.integrate.maps.period_map import PeriodMap
+from remanent.studies.ensemble.ensemble import ensemble, problem
 
 _PERIODS, _SIDE, _SAMPLE = 500, 256, 6
 _THETA = 350.0 / 293.0

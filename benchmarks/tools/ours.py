@@ -8,9 +8,9 @@ import remanent as rm
 from benchmarks.jobs import Job
 from benchmarks.tools.tool import TOLERANCES, Package, Run, Tool, clocked
 from remanent._typing import FloatArray
-from remanent.integrate.ensemble import integrate_unbounded
-from remanent.integrate.problem import Problem, Request
-from remanent.studies._ensemble import ensemble, problem
+from remanent.integrate.ensemble.ensemble import integrate_unbounded
+from remanent.integrate.ensemble.problem import Problem, Request
+from remanent.studies.ensemble.ensemble import ensemble, problem
 
 
 def actuator(job: Job) -> rm.Actuator:

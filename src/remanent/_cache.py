@@ -22,6 +22,24 @@ _HEADER: Final = b"remanent-cache-1 "
 _NAME: Final = re.compile(r"[A-Za-z0-9_-]{1,128}")
 
 
+def source_digest(*parts: str) -> str:
+    """A digest of some of this package's own source files, to make part of a key.
+
+    Parameters
+    ----------
+    parts
+        Files and folders, relative to the package: ``"_field.py"``, ``"codegen"``.
+    """
+    digest = hashlib.sha256()
+    package = Path(__file__).parent
+    for part in parts:
+        path = package / part
+        for file in sorted(path.rglob("*.py")) if path.is_dir() else [path]:
+            digest.update(file.relative_to(package).as_posix().encode())
+            digest.update(file.read_bytes())
+    return digest.hexdigest()
+
+
 def load_bytes(kind: str, key: str) -> bytes | None:
     """What was stored under `key`, or None if nothing is there or it is damaged.
 

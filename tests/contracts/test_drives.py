@@ -12,17 +12,11 @@ from remanent._typing import FloatArray
 from remanent.codegen import reference
 from remanent.codegen.field import field_for
 from remanent.models.actuator import Actuator
-from remanent.models.drives import (
-    Chirp,
-    Constant,
-    Drive,
-    Ramp,
-    Sampled,
-    Sine,
-    Sines,
-    SineSquared,
-    Steps,
-)
+from remanent.models.drives.base import Drive
+from remanent.models.drives.chirp import Chirp
+from remanent.models.drives.piecewise import Ramp, Sampled, Steps
+from remanent.models.drives.sines import Sines
+from remanent.models.drives.waves import Constant, Sine, SineSquared
 
 DRIVES: dict[str, Drive] = {
     "constant": Constant(0.16),

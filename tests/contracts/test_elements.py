@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import remanent as rm
-from remanent.models.viscous import Dissipation
+from remanent.models.dissipation import Dissipation
 
 ELEMENTS: dict[str, Dissipation] = {
     "dashpot": rm.Rayleigh(0.2),

@@ -17,7 +17,7 @@ from remanent._errors import InputError
 from remanent._typing import FloatArray
 from remanent.codegen import reference
 from remanent.codegen.field import field_for
-from remanent.models.material import Material
+from remanent.models.materials.base import Material
 
 J = sp.Symbol("I1") - 3
 MATERIALS: dict[str, Material] = {

@@ -12,7 +12,7 @@ from tests.unit.integrate.handmade import COSINE, Oscillator, Q, V, turning
 
 from remanent._typing import FloatArray
 from remanent.analysis.maps import Mapped
-from remanent.integrate.period_map import PeriodMap
+from remanent.integrate.maps.period_map import PeriodMap
 from remanent.integrate.variations import LOG_PERIOD
 
 NAMES = ("omega", "d", "g", "a", "e", "k", "F")

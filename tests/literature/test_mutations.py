@@ -11,9 +11,9 @@ import sympy as sp
 
 import remanent as rm
 from remanent.codegen import build as codegen_build
-from remanent.models import mechanics
+from remanent.derivation import lagrange
 from remanent.report.settings import AGREEMENT, PRESTRESSES, PUBLISHED, TEMPERATURES
-from remanent.studies import _ensemble
+from remanent.studies.ensemble import ensemble
 
 OMEGAS = np.linspace(0.6, 1.6, 201)
 #: A mutation must move a resonance by more than this.
@@ -62,9 +62,9 @@ def _exponent(a: Any, x: Any, _v: Any) -> Any:
 def test_a_mutated_equation_moves_a_resonance(
     mutate: Callable[[Any, Any, Any], Any], right: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    original = mechanics.accelerations
+    original = lagrange.accelerations
 
-    def mutated(motion: mechanics.Motion) -> tuple[dict[Any, Any], list[Any], Any]:
+    def mutated(motion: lagrange.Motion) -> tuple[dict[Any, Any], list[Any], Any]:
         named, (a,), _ = original(motion)
         for symbol, meaning in reversed(list(named.items())):
             a = a.subs(symbol, meaning)
@@ -74,9 +74,9 @@ def test_a_mutated_equation_moves_a_resonance(
         assert sp.simplify(changed - a) != 0
         return {}, [changed], sp.diff(x**-2, x) * changed + sp.diff(x**-2, x, 2) * v**2
 
-    monkeypatch.setattr(mechanics, "accelerations", mutated)
+    monkeypatch.setattr(lagrange, "accelerations", mutated)
     field = codegen_build.build(rm.Actuator(), rm.SineSquared(0.4, 1.0))
-    monkeypatch.setattr(_ensemble, "field_for", lambda *_: field)
+    monkeypatch.setattr(ensemble, "field_for", lambda *_: field)
     assert np.nanmax(np.abs(resonances(rm.Actuator()) - right)) > SEEN
 
 

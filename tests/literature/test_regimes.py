@@ -23,12 +23,12 @@ from remanent._typing import FloatArray, IntArray
 from remanent.analysis import regimes
 from remanent.analysis.following import Advance, Path, follow
 from remanent.analysis.regimes import Regime
-from remanent.integrate.advance import Advancer, Step
-from remanent.integrate.period_map import PeriodMap
+from remanent.integrate.maps.advance import Advancer, Step
+from remanent.integrate.maps.period_map import PeriodMap
 from remanent.models.actuator import Actuator
-from remanent.models.drives import SineSquared
-from remanent.models.viscous import Rayleigh
-from remanent.studies._ensemble import ensemble, problem
+from remanent.models.dissipation import Rayleigh
+from remanent.models.drives.waves import SineSquared
+from remanent.studies.ensemble.ensemble import ensemble, problem
 
 CASES: list[dict[str, Any]] = json.loads(
     (File(__file__).parent / "regimes" / "cases.json").read_text("utf-8")

@@ -15,8 +15,10 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from remanent._typing import FloatArray
-from remanent.models.drives import Chirp, Constant, Drive, Ramp, Sampled, Sine, SineSquared, Steps
-from remanent.models.piecewise import Table
+from remanent.models.drives.base import Drive
+from remanent.models.drives.chirp import Chirp
+from remanent.models.drives.piecewise import Ramp, Sampled, Steps, Table
+from remanent.models.drives.waves import Constant, Sine, SineSquared
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from remanent.integrate.status import Status
+from remanent._status import Status
 
 pytest.importorskip("heyoka")
 from benchmarks import coverage, taylor  # needs heyoka

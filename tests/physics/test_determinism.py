@@ -11,12 +11,12 @@ from tests.physics.independent import DRIVES, random_drive
 
 import remanent as rm
 from remanent._typing import FloatArray, IntArray
-from remanent.integrate import chunk, crew
-from remanent.integrate.ensemble import integrate
-from remanent.integrate.problem import Outcome, Request
-from remanent.models.drives import Drive
-from remanent.studies._ensemble import ensemble as laid_out
-from remanent.studies._ensemble import problem
+from remanent.integrate.ensemble import pool, segments
+from remanent.integrate.ensemble.ensemble import integrate
+from remanent.integrate.ensemble.problem import Outcome, Request
+from remanent.models.drives.base import Drive
+from remanent.studies.ensemble.ensemble import ensemble as laid_out
+from remanent.studies.ensemble.ensemble import problem
 
 COUNT, LONGEST = 20, 18.0
 #: What is asked: states between steps, states after cycles, extremes.
@@ -85,8 +85,8 @@ def test_bits_depend_on_nothing_but_the_trajectory(
     for which in (mixed, mixed[:9], mixed[9:], mixed[:1]):
         assert_same(run(drive, asked, which), reference, which)
     assert_same(run(drive, asked, everybody, workers=1), reference, everybody)
-    monkeypatch.setattr(crew, "_CHUNK_STEPS", 1)
-    monkeypatch.setattr(chunk, "_SAMPLES_AT_ONCE", 7)
+    monkeypatch.setattr(pool, "_CHUNK_STEPS", 1)
+    monkeypatch.setattr(segments, "_SAMPLES_AT_ONCE", 7)
     assert_same(run(drive, asked, everybody, workers=3), reference, everybody)
 
 
@@ -99,7 +99,7 @@ def test_bits_do_not_depend_on_the_length_of_calls(
     everybody = np.arange(COUNT)
     reference = run(drive, asked, everybody)
     for steps in (64, 300):
-        monkeypatch.setattr(chunk, "_STEPS_PER_CALL", (steps, steps))
+        monkeypatch.setattr(segments, "_STEPS_PER_CALL", (steps, steps))
         assert_same(run(drive, asked, everybody), reference, everybody)
 
 
@@ -124,5 +124,5 @@ def test_bits_do_not_depend_on_the_parts_of_a_response(monkeypatch: pytest.Monke
     actuator, drive = rm.Actuator(temperature=350), rm.SineSquared(0.4, 1.0)
     omega = np.linspace(0.5, 2.0, 100)
     whole = rm.frequency_response(actuator, drive, omega, tolerance=1e-7)
-    monkeypatch.setattr("remanent.studies._ensemble._SLAB", 37)
+    monkeypatch.setattr("remanent.studies.ensemble.ensemble._SLAB", 37)
     assert rm.frequency_response(actuator, drive, omega, tolerance=1e-7).identical(whole)

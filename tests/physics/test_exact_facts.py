@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 
 import remanent as rm
 from remanent._typing import FloatArray
-from remanent.models.drives import Drive
+from remanent.models.drives.base import Drive
 
 COLD = {"temperature": 300.0, "reference_temperature": 300.0}
 

@@ -9,7 +9,8 @@ import pytest
 import sympy as sp
 
 import remanent as rm
-from remanent.models import mechanics, thermal
+from remanent.derivation import lagrange
+from remanent.models import heat
 
 DRIVE = rm.SineSquared(0.4, 1.25)
 
@@ -36,8 +37,8 @@ def test_isothermal_limit() -> None:
     """Fast exchange, or little coupling, holds the temperature: the motion is the plain one."""
     times = np.linspace(0.0, 20.0, 41)
     plain = rm.simulate(rm.Actuator(temperature=320.0), DRIVE, times=times)
-    for heat, most in ((rm.Heat(1e-2, 200.0), 2e-3), (rm.Heat(1e-9), 1e-6)):
-        ds = rm.simulate(rm.Actuator(temperature=320.0, heat=heat), DRIVE, times=times)
+    for exchanging, most in ((rm.Heat(1e-2, 200.0), 2e-3), (rm.Heat(1e-9), 1e-6)):
+        ds = rm.simulate(rm.Actuator(temperature=320.0, heat=exchanging), DRIVE, times=times)
         assert float(abs(ds.body_temperature - 320.0).max()) < 320.0 * most
         assert float(abs(ds.stretch - plain.stretch).max()) < most
 
@@ -78,19 +79,19 @@ def test_energy_and_entropy_balance(load: Any, exchange: float) -> None:
 def test_the_rate_of_temperature_is_the_one_written_out() -> None:
     """rho c_p T' = (T/T0) d(f Psi_s + psi_v)/dt + D - h (T - T_env) - T alpha d(m x)/dt."""
     actuator = rm.Actuator(heat=rm.Heat(), dissipation=rm.Zener(0.5, 0.8), magnet=rm.Magnet(-1e-3))
-    motion = mechanics.motion(actuator, rm.Sine(0.3, 1.0))
-    system = mechanics.first_order(motion)
+    motion = lagrange.motion(actuator, rm.Sine(0.3, 1.0))
+    system = lagrange.first_order(motion)
     rates = dict(zip(system.state, system.rates, strict=True))
     symbols = {s.name: s for s in system.state}
     x, v = symbols["stretch"], symbols["stretch_rate"]
     xi, T = symbols["dissipation.0.viscous_stretch"], symbols["body_temperature"]
-    p = {name: mechanics.parameter(name) for name in actuator.parameters()}
+    p = {name: lagrange.parameter(name) for name in actuator.parameters()}
     mu, tr = p["dissipation.0.modulus"], p["dissipation.0.relaxation_time"]
     T0, outside = p["reference_temperature"], p["temperature"]
     flow = T / T0 / (6 * tr) * (x**2 / xi**2 - xi**4 / x**4)
     spring = mu / 2 * (2 * x**2 / xi**2 + xi**4 / x**4 - 3)
     stored = p["material.entropic_fraction"] * (2 * x**2 + x**-4 - 3) / 2 + spring
-    m, m_rate = (mechanics.in_symbols(law, rm.Sine(0.3, 1.0)) for law in LAWS)
+    m, m_rate = (lagrange.in_symbols(law, rm.Sine(0.3, 1.0)) for law in LAWS)
     field = m_rate * x**-2 - 2 * m * x**-3 * v
     warmed = sp.diff(stored, x) * v + sp.diff(stored, xi) * xi * flow
     right = T / T0 * warmed + 12 * mu * tr * flow**2
@@ -109,7 +110,7 @@ LAWS = (rm.Sine(0.3, 1.0).load, rm.Sine(0.3, 1.0).rate)
 def test_entropy_is_minus_the_slope_of_the_free_energy() -> None:
     """At rest and without field s = ln(theta)/k, that of a constant heat capacity."""
     theta, k = sp.symbols("theta k", positive=True)
-    assert sp.simplify(-sp.diff(thermal.caloric_energy(theta, k, sp), theta)) == sp.log(theta) / k
+    assert sp.simplify(-sp.diff(heat.caloric_energy(theta, k, sp), theta)) == sp.log(theta) / k
 
 
 def test_energetic_rubber_does_not_warm() -> None:

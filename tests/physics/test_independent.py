@@ -12,7 +12,7 @@ from tests.physics.independent import DRIVES, Case, corners, dop853, random_case
 
 import remanent as rm
 from remanent._typing import BoolArray, FloatArray
-from remanent.models.drives import Drive
+from remanent.models.drives.base import Drive
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ import pytest
 import xarray as xr
 
 import remanent as rm
-from remanent.models.drives import Drive
+from remanent.models.drives.base import Drive
 
 END = 24.0
 TIMES = np.linspace(0.0, END, 121)

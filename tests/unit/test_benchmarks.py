@@ -14,7 +14,7 @@ from benchmarks.multiply_add import source
 from benchmarks.reference import Reference
 from benchmarks.targets import TARGETS, verdicts
 
-from remanent.integrate.compile import host
+from remanent.integrate.kernel.compile import host
 
 RESULTS = sorted((Path(__file__).parents[2] / "benchmarks" / "results").glob("*.json"))
 

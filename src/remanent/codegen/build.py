@@ -6,9 +6,9 @@ from typing import Any
 
 from remanent._field import Field, Program
 from remanent.codegen.lower import DRIVE, PARAMETER, STATE, lower
-from remanent.models import mechanics
+from remanent.derivation import lagrange
 from remanent.models.actuator import Actuator
-from remanent.models.drive import Drive
+from remanent.models.drives.base import Drive
 
 
 def build(actuator: Actuator, drive: Drive) -> Field:
@@ -16,7 +16,7 @@ def build(actuator: Actuator, drive: Drive) -> Field:
 
     Only the structure of both arguments is used, never a numeric value.
     """
-    system = mechanics.derive(actuator, drive)
+    system = lagrange.derive(actuator, drive)
     state = tuple(symbol.name for symbol in system.state)
     parameters = (
         *actuator.parameters(),
@@ -46,12 +46,12 @@ def build(actuator: Actuator, drive: Drive) -> Field:
 
 
 def _levels(
-    system: mechanics.System, parameters: tuple[str, ...], drive: Drive
-) -> dict[mechanics.Symbol, int]:
+    system: lagrange.System, parameters: tuple[str, ...], drive: Drive
+) -> dict[lagrange.Symbol, int]:
     """What each input varies with."""
     return (
         dict.fromkeys(system.state, STATE)
-        | {mechanics.parameter(name): PARAMETER for name in parameters}
-        | {mechanics.waveform(name): DRIVE for name in drive.waveforms}
-        | {mechanics.PHASE: DRIVE}
+        | {lagrange.parameter(name): PARAMETER for name in parameters}
+        | {lagrange.waveform(name): DRIVE for name in drive.waveforms}
+        | {lagrange.PHASE: DRIVE}
     )

@@ -9,19 +9,19 @@ from contextlib import suppress
 from functools import cache
 from importlib import import_module
 from importlib.metadata import PackageNotFoundError, version
-from pathlib import Path
 from typing import Final
 
-from remanent import _cache, _field
+from remanent import _cache
+from remanent._field import Field
 from remanent.models.actuator import Actuator
-from remanent.models.drive import Drive
+from remanent.models.drives.base import Drive
 from remanent.models.parts import Structure
 
 _KIND: Final = "fields"
-_memory: Final[dict[str, _field.Field]] = {}
+_memory: Final[dict[str, Field]] = {}
 
 
-def field_for(actuator: Actuator, drive: Drive) -> _field.Field:
+def field_for(actuator: Actuator, drive: Drive) -> Field:
     """The vector field of an actuator under a drive, with what is observed of it.
 
     Only the form of the equations matters, never a number: the numeric fields of both
@@ -44,20 +44,20 @@ def fingerprint(structure: Structure) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def _derived(actuator: Actuator, drive: Drive) -> _field.Field:
-    field: _field.Field = import_module("remanent.codegen.build").build(actuator, drive)
+def _derived(actuator: Actuator, drive: Drive) -> Field:
+    field: Field = import_module("remanent.codegen.build").build(actuator, drive)
     return field
 
 
-def _stored(key: str) -> _field.Field | None:
+def _stored(key: str) -> Field | None:
     text = _cache.load_text(_KIND, key)
     if text is not None:
         with suppress(ValueError):
-            return _field.Field.from_json(text)
+            return Field.from_json(text)
     return None
 
 
-def _stored_now(key: str, field: _field.Field) -> _field.Field:
+def _stored_now(key: str, field: Field) -> Field:
     _cache.store_text(_KIND, key, field.to_json())
     return field
 
@@ -78,17 +78,10 @@ def _class_names(structure: Structure) -> Iterator[str]:
 @cache
 def _sources() -> tuple[str, str]:
     """Version of the package, and a digest of the code that makes fields."""
-    digest = hashlib.sha256()
-    package = Path(_field.__file__).parent
-    for path in (
-        Path(_field.__file__),
-        package / "_instructions.py",
-        *sorted(package.glob("models/*.py")),
-        *sorted(package.glob("codegen/*.py")),
-    ):
-        digest.update(path.name.encode())
-        digest.update(path.read_bytes())
+    digest = _cache.source_digest(
+        "_field.py", "_instructions.py", "models", "derivation", "codegen"
+    )
     try:
-        return version("remanent"), digest.hexdigest()
+        return version("remanent"), digest
     except PackageNotFoundError:
-        return "not installed", digest.hexdigest()
+        return "not installed", digest

@@ -20,7 +20,7 @@ import sympy as sp
 from remanent._field import Program
 from remanent._instructions import Instructions, Signed, cost
 from remanent.codegen.rational import Quotient, common, quotient, rationalised
-from remanent.models.kept import Kept
+from remanent.derivation.unexpanded import Kept
 
 Expression = Any  # SymPy is not typed
 Symbol = Any

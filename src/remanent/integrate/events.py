@@ -11,10 +11,10 @@ from scipy.optimize import elementwise
 
 from remanent._field import Field, Program
 from remanent._typing import BoolArray, FloatArray, IntArray
-from remanent.integrate import dense
-from remanent.integrate.ensemble import Progress, integrate
-from remanent.integrate.methods import default_method
-from remanent.integrate.problem import Outcome, Problem, Request, Window
+from remanent.integrate.ensemble import dense
+from remanent.integrate.ensemble.ensemble import Progress, integrate
+from remanent.integrate.ensemble.problem import Outcome, Problem, Request, Window
+from remanent.integrate.methods.runge_kutta import default_method
 from remanent.integrate.variations import derivatives
 
 #: Its annotations know nothing of `args`.
@@ -69,7 +69,7 @@ def crossings(
     value
         That it passes.
     tolerance, workers, progress
-        As for :func:`~remanent.integrate.ensemble.integrate`.
+        As for :func:`~remanent.integrate.ensemble.ensemble.integrate`.
     """
     finder = _Finder(problem, name, value, tolerance)
     outcome = integrate(

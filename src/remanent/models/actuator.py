@@ -7,9 +7,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from dataclasses import replace as replace_fields
 from functools import reduce
-from importlib import import_module
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar, Final, Self
+from typing import Any, ClassVar, Final, Self
 
 import numpy as np
 
@@ -18,16 +17,14 @@ from remanent._checks import Rule
 from remanent._errors import InputError, InputWarning
 from remanent._typing import ArrayLike, BoolArray, FloatArray
 from remanent._units import Quantity
-from remanent.models.magnetics import Magnet
-from remanent.models.materials import Material, NeoHookean
+from remanent.models.dissipation import Dissipation, own
+from remanent.models.heat import Heat
+from remanent.models.magnet import Magnet
+from remanent.models.materials.base import Material
+from remanent.models.materials.named import NeoHookean
 from remanent.models.parts import Part, Structure
 from remanent.models.scaling import Scales
-from remanent.models.shifts import Shift
-from remanent.models.thermal import Heat
-from remanent.models.viscous import Dissipation, own
-
-if TYPE_CHECKING:
-    from remanent.models.equations import Equations
+from remanent.models.temperature_shift import Shift
 
 #: Below this temperature, in kelvin, a value is probably meant in degrees Celsius.
 COLD: Final = 100.0
@@ -281,11 +278,6 @@ class Actuator:
         elements = tuple(part for part in parts.values() if isinstance(part, Dissipation))
         others = {name: part for name, part in parts.items() if name in _SINGLE}
         return self.replace(dissipation=elements, **others)
-
-    def equations(self) -> Equations:
-        """The equations of motion, to read; a notebook shows them typeset."""
-        equations: Equations = import_module("remanent.models.equations").equations(self)
-        return equations
 
     @classmethod
     def from_si(

@@ -11,12 +11,12 @@ import xarray as xr
 from remanent.report.evidence import CASES
 from remanent.report.settings import FREQUENCIES, REFERENCE, TEMPERATURES
 from remanent.results import build
-from remanent.studies.branches import response_diagram
-from remanent.studies.chart import regime_chart
-from remanent.studies.orbits import periodic_orbits
-from remanent.studies.response import frequency_response
-from remanent.studies.section import poincare_section
-from remanent.studies.separatrix import manifold_crossing
+from remanent.studies.motion.poincare_section import poincare_section
+from remanent.studies.orbits.continue_orbit import response_diagram
+from remanent.studies.orbits.manifold_crossing import manifold_crossing
+from remanent.studies.orbits.periodic_orbits import periodic_orbits
+from remanent.studies.regimes.regime_chart import regime_chart
+from remanent.studies.response.frequency_response import frequency_response
 
 #: Frequencies over which branches are followed, and at how many of them they are looked for.
 _RANGE, _SLICES = (0.7, 1.5), 3

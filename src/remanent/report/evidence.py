@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import xarray as xr
 
-from remanent.models.drives import Constant
+from remanent.models.drives.waves import Constant
 from remanent.report.settings import (
     FREQUENCIES,
     PRESTRESSES,
@@ -17,11 +17,11 @@ from remanent.report.settings import (
     Setting,
 )
 from remanent.results import build
-from remanent.studies.classify import classify
-from remanent.studies.equilibria import equilibria
-from remanent.studies.response import frequency_response
-from remanent.studies.section import poincare_section
-from remanent.studies.simulate import simulate
+from remanent.studies.motion.poincare_section import poincare_section
+from remanent.studies.motion.simulate import simulate
+from remanent.studies.regimes.classify import classify
+from remanent.studies.response.frequency_response import frequency_response
+from remanent.studies.statics.equilibria import equilibria
 
 #: All combinations, prestress first as in the paper's panels.
 CASES = {"prestress": PRESTRESSES, "temperature": TEMPERATURES}

@@ -10,7 +10,7 @@ import xarray as xr
 from remanent._typing import FloatArray
 from remanent.report.settings import AGREEMENT, LAWS, PRESTRESSES, PUBLISHED, TEMPERATURES, Setting
 from remanent.results import build, provenance
-from remanent.studies.response import frequency_response
+from remanent.studies.response.frequency_response import frequency_response
 
 #: The grid on which the misfit is computed.
 REFERENCE_TEMPERATURES = np.arange(287.0, 304.0, 2.0)

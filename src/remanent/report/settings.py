@@ -10,7 +10,8 @@ from typing import Final
 import numpy as np
 
 from remanent.models.actuator import Actuator
-from remanent.models.drives import Drive, Sine, SineSquared
+from remanent.models.drives.base import Drive
+from remanent.models.drives.waves import Sine, SineSquared
 
 #: Temperatures, kelvin, and prestresses of every figure.
 TEMPERATURES: Final = (250.0, 350.0, 400.0)

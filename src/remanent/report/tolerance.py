@@ -12,11 +12,11 @@ import xarray as xr
 from scipy.integrate import solve_ivp
 
 from remanent._typing import FloatArray
-from remanent.models.drives import Constant
+from remanent.models.drives.waves import Constant
 from remanent.report.evidence import CASES, Evidence
 from remanent.report.settings import FREQUENCIES, PRESTRESSES, TEMPERATURES, Setting
 from remanent.results import build, provenance
-from remanent.studies.simulate import simulate
+from remanent.studies.motion.simulate import simulate
 
 #: MATLAB's default tolerances of ode45.
 RELATIVE, ABSOLUTE = 1e-3, 1e-6

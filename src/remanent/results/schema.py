@@ -17,7 +17,7 @@ from types import MappingProxyType
 import numpy as np
 
 from remanent._errors import InputError
-from remanent.integrate.status import Status
+from remanent._status import Status
 
 __all__ = ["FLAGS", "TABLE", "Kind", "Variable", "describe", "flag_attributes"]
 

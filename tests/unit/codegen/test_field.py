@@ -19,9 +19,10 @@ from remanent.codegen import reference
 from remanent.codegen.build import build
 from remanent.codegen.field import field_for
 from remanent.models.actuator import Actuator
-from remanent.models.drives import Constant, Ramp, SineSquared, Steps
-from remanent.models.materials import NeoHookean
-from remanent.models.viscous import Rayleigh
+from remanent.models.dissipation import Rayleigh
+from remanent.models.drives.piecewise import Ramp, Steps
+from remanent.models.drives.waves import Constant, SineSquared
+from remanent.models.materials.named import NeoHookean
 
 
 @pytest.fixture

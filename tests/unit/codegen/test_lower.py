@@ -17,15 +17,19 @@ import sympy as sp
 from remanent._field import Field, Program
 from remanent.codegen.build import build
 from remanent.codegen.lower import DRIVE, PARAMETER, STATE, lower
-from remanent.models import mechanics
+from remanent.derivation import lagrange
+from remanent.derivation.unexpanded import Kept
 from remanent.models.actuator import Actuator
-from remanent.models.drives import Chirp, Constant, Drive, Sine, SineSquared, Steps
-from remanent.models.kept import Kept
-from remanent.models.magnetics import Magnet
-from remanent.models.materials import Ogden, StrainEnergy
-from remanent.models.shifts import WLF
-from remanent.models.thermal import Heat
-from remanent.models.viscous import KelvinVoigt, Rayleigh, Zener
+from remanent.models.dissipation import KelvinVoigt, Rayleigh, Zener
+from remanent.models.drives.base import Drive
+from remanent.models.drives.chirp import Chirp
+from remanent.models.drives.piecewise import Steps
+from remanent.models.drives.waves import Constant, Sine, SineSquared
+from remanent.models.heat import Heat
+from remanent.models.magnet import Magnet
+from remanent.models.materials.named import Ogden
+from remanent.models.materials.strain_energy import StrainEnergy
+from remanent.models.temperature_shift import WLF
 
 X, Y, A, U = sp.symbols("x y a u", positive=True)
 LEVELS = {X: STATE, Y: STATE, A: PARAMETER, U: DRIVE}
@@ -112,7 +116,7 @@ def random_inputs(field: Field, rng: np.random.Generator, count: int) -> np.ndar
 class Exact:
     """Values and conditions of expressions at fifty digits."""
 
-    def __init__(self, field: Field, system: mechanics.System, expressions: list[Any]) -> None:
+    def __init__(self, field: Field, system: lagrange.System, expressions: list[Any]) -> None:
         written = [written_out(e, system) for e in expressions]
         symbols = {s.name: s for e in written for s in e.free_symbols}
         self._used = [i for i, name in enumerate(field.inputs) if name in symbols]
@@ -135,16 +139,16 @@ class Exact:
             ]
 
 
-def written_out(expression: Any, system: mechanics.System) -> Any:
+def written_out(expression: Any, system: lagrange.System) -> Any:
     for symbol, meaning in reversed(list(system.definitions.items())):
         expression = sp.sympify(expression).subs(symbol, meaning)
     return sp.sympify(expression).replace(Kept, lambda inside: inside)
 
 
 @cache
-def derived(name: str) -> tuple[Field, mechanics.System]:
+def derived(name: str) -> tuple[Field, lagrange.System]:
     actuator, drive = (MODELS | KEPT)[name]
-    return build(actuator, drive), mechanics.derive(actuator, drive)
+    return build(actuator, drive), lagrange.derive(actuator, drive)
 
 
 def check_against_sympy(name: str, count: int) -> None:

@@ -13,8 +13,8 @@ from remanent._field import Field
 from remanent._timeline import Timeline
 from remanent._typing import ArrayLike, FloatArray
 from remanent.codegen.lower import lower
-from remanent.integrate.ensemble import integrate
-from remanent.integrate.problem import Outcome, Problem, Request
+from remanent.integrate.ensemble.ensemble import integrate
+from remanent.integrate.ensemble.problem import Outcome, Problem, Request
 
 Q, V = sp.symbols("q v", real=True)
 #: Waveforms of a periodic load, sin 2 pi s and cos 2 pi s.

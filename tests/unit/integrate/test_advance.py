@@ -12,8 +12,8 @@ from remanent._typing import FloatArray
 from remanent.analysis.following import Path, follow
 from remanent.analysis.lyapunov import Exponents, exponents
 from remanent.codegen.lower import lower
-from remanent.integrate.advance import Advancer
-from remanent.integrate.period_map import Image, Judged, PeriodMap
+from remanent.integrate.maps.advance import Advancer
+from remanent.integrate.maps.period_map import Image, Judged, PeriodMap
 
 X, Y, Z = sp.symbols("x y z", real=True)
 

@@ -10,13 +10,13 @@ import pytest
 import sympy as sp
 from tests.unit.integrate.handmade import Oscillator, Q, problem
 
-from remanent.integrate import chunk
-from remanent.integrate.adams import adams
-from remanent.integrate.compile import Kernel, compiled
-from remanent.integrate.ensemble import integrate
-from remanent.integrate.kernel import Options
-from remanent.integrate.methods import default_method
-from remanent.integrate.problem import Request
+from remanent.integrate.ensemble import segments
+from remanent.integrate.ensemble.ensemble import integrate
+from remanent.integrate.ensemble.problem import Request
+from remanent.integrate.kernel.compile import Kernel, compiled
+from remanent.integrate.kernel.kernel import Options
+from remanent.integrate.methods.adams import adams
+from remanent.integrate.methods.runge_kutta import default_method
 
 
 class InterruptionError(Exception):
@@ -52,7 +52,7 @@ def test_nothing_is_computed_after_an_interruption(monkeypatch: pytest.MonkeyPat
 def test_calls_are_short(longest: int, doubles: int) -> None:
     """No call takes more steps of a trajectory than it may, but for whole cycles."""
     for cycles, strobe in ((1, 0), (100, 0), (100, 1)):
-        calls = list(chunk._calls(cycles, doubles, strobe, longest, single=False))
+        calls = list(segments._calls(cycles, doubles, strobe, longest, single=False))
         assert sum(n * (part.stop - part.start) for _, n, part, _ in calls) == cycles * doubles
         for _, n, part, past in calls:
             taken = 2 * n * (part.stop - part.start)
@@ -67,7 +67,7 @@ def test_calls_are_shorter_the_more_they_do(trajectories: int) -> None:
         kernel = compiled(
             problem(Oscillator(rate, {}), np.ones((1, 2)), 1.0).field, method, Options()
         )
-        return chunk.steps_per_call(kernel, count, **{"recorded": False, **given})
+        return segments.steps_per_call(kernel, count, **{"recorded": False, **given})
 
     cheap = steps(-Q, adams(8))
     assert steps(-Q, adams(8), 4 * trajectories) <= cheap

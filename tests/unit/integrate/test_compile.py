@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from tests.unit.integrate.handmade import Oscillator, Q, V, problem
 
-from remanent.integrate import compile as module
-from remanent.integrate.ensemble import integrate
-from remanent.integrate.problem import Request
+from remanent.integrate.ensemble.ensemble import integrate
+from remanent.integrate.ensemble.problem import Request
+from remanent.integrate.kernel import compile as module
 
 TIMES = np.linspace(0.0, 20.0, 41)[None]
 

@@ -9,12 +9,12 @@ import pytest
 import sympy as sp
 from tests.unit.integrate.handmade import SINE, Oscillator, Q, V, problem
 
+from remanent._status import Status
 from remanent._timeline import Timeline
-from remanent.integrate import chunk, crew
-from remanent.integrate.ensemble import integrate
-from remanent.integrate.foresight import ladder
-from remanent.integrate.problem import Outcome, Problem, Request
-from remanent.integrate.status import Status
+from remanent.integrate.ensemble import pool, segments
+from remanent.integrate.ensemble.ensemble import integrate
+from remanent.integrate.ensemble.problem import Outcome, Problem, Request
+from remanent.integrate.ensemble.resolution import ladder
 
 DRIVEN = Oscillator(-sp.sin(Q) + sp.Symbol("a") * SINE, {"a": 0.0})
 RUNAWAY = Oscillator(Q**3, {})
@@ -100,8 +100,8 @@ def test_bits_do_not_depend_on_the_threads(workers: int) -> None:
 @pytest.mark.parametrize(
     ("module", "name", "value"),
     [
-        (crew, "_CHUNK_STEPS", 1),
-        (chunk, "_SAMPLES_AT_ONCE", 13),
+        (pool, "_CHUNK_STEPS", 1),
+        (segments, "_SAMPLES_AT_ONCE", 13),
     ],
 )
 def test_bits_do_not_depend_on_the_size_of_pieces_of_work(

@@ -12,16 +12,16 @@ import sympy as sp
 from scipy.special import ellipj
 from tests.unit.integrate.handmade import SINE, Oscillator, Q, V, problem, sampled
 
+from remanent._status import Status
 from remanent._typing import FloatArray
-from remanent.integrate.adams import adams
-from remanent.integrate.chunk import attempt
-from remanent.integrate.compile import Kernels, compiled
-from remanent.integrate.ensemble import integrate
-from remanent.integrate.kernel import Method, Options
-from remanent.integrate.methods import default_method
-from remanent.integrate.problem import Request
-from remanent.integrate.status import Status
-from remanent.integrate.tables import waveform_tables
+from remanent.integrate.ensemble.ensemble import integrate
+from remanent.integrate.ensemble.problem import Request
+from remanent.integrate.ensemble.segments import attempt
+from remanent.integrate.kernel.compile import Kernels, compiled
+from remanent.integrate.kernel.kernel import Method, Options
+from remanent.integrate.kernel.tables import waveform_tables
+from remanent.integrate.methods.adams import adams
+from remanent.integrate.methods.runge_kutta import default_method
 
 TIMES = np.linspace(0.0, 50.0, 101)
 K, G, A = sp.symbols("k g a")

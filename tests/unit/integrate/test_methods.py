@@ -12,10 +12,10 @@ import pytest
 
 from remanent._typing import FloatArray
 from remanent.codegen.field import field_for
-from remanent.integrate import dense
-from remanent.integrate.methods import RungeKutta, cooper_verner_8, default_method
+from remanent.integrate.ensemble import dense
+from remanent.integrate.methods.runge_kutta import RungeKutta, cooper_verner_8, default_method
 from remanent.models.actuator import Actuator
-from remanent.models.drives import SineSquared
+from remanent.models.drives.waves import SineSquared
 
 ACTUATOR = Actuator(c=0.5, temperature=350.0, prestress=0.3)
 DRIVE = SineSquared(0.8, 1.25, 0.2)

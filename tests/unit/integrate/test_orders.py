@@ -12,14 +12,14 @@ import pytest
 from tests.unit.integrate.handmade import Oscillator, Q, V, problem
 
 from remanent._typing import FloatArray
-from remanent.integrate.adams import adams
-from remanent.integrate.chunk import attempt
-from remanent.integrate.compile import Kernels, compiled
-from remanent.integrate.extrema import hermite_coefficients, horner
-from remanent.integrate.kernel import Method, Options
-from remanent.integrate.methods import cooper_verner_8, default_method
-from remanent.integrate.problem import Problem, Request
-from remanent.integrate.tables import waveform_tables
+from remanent.integrate.ensemble.problem import Problem, Request
+from remanent.integrate.ensemble.segments import attempt
+from remanent.integrate.kernel.compile import Kernels, compiled
+from remanent.integrate.kernel.extrema import hermite_coefficients, horner
+from remanent.integrate.kernel.kernel import Method, Options
+from remanent.integrate.kernel.tables import waveform_tables
+from remanent.integrate.methods.adams import adams
+from remanent.integrate.methods.runge_kutta import cooper_verner_8, default_method
 
 WITHIN = 0.2
 METHODS = [default_method(), adams(8)]

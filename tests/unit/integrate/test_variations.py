@@ -12,12 +12,12 @@ from tests.unit.integrate.handmade import COSINE, SINE, Oscillator, Q, V, proble
 from remanent._field import Field
 from remanent._typing import FloatArray
 from remanent.codegen.field import field_for
-from remanent.integrate.ensemble import integrate
-from remanent.integrate.problem import Problem, Request
+from remanent.integrate.ensemble.ensemble import integrate
+from remanent.integrate.ensemble.problem import Problem, Request
 from remanent.integrate.variations import LOG_PERIOD, derivatives, tangent, with_integrals
 from remanent.models.actuator import Actuator
-from remanent.models.drives import SineSquared
-from remanent.models.viscous import Rayleigh
+from remanent.models.dissipation import Rayleigh
+from remanent.models.drives.waves import SineSquared
 
 A = sp.Symbol("a", real=True)
 #: Every operation that a program may have.

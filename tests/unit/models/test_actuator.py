@@ -14,9 +14,9 @@ from hypothesis import strategies as st
 
 from remanent._errors import InputError, InputWarning
 from remanent.models.actuator import Actuator
-from remanent.models.magnetics import Magnet
-from remanent.models.materials import NeoHookean
-from remanent.models.viscous import Rayleigh
+from remanent.models.dissipation import Rayleigh
+from remanent.models.magnet import Magnet
+from remanent.models.materials.named import NeoHookean
 
 
 def test_defaults_are_those_of_the_paper() -> None:

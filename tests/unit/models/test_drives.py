@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 from remanent._errors import InputError
-from remanent.models.drives import Chirp, Constant, Ramp, Sampled, Sine, SineSquared, Steps
+from remanent.models.drives.chirp import Chirp
+from remanent.models.drives.piecewise import Ramp, Sampled, Steps
+from remanent.models.drives.waves import Constant, Sine, SineSquared
 
 TAU = np.linspace(0.0, 6.0, 61)
 

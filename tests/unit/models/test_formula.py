@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 import remanent as rm
 from remanent._errors import InputError
 from remanent.models.formula import CHARACTERS, from_sympy, parse
-from remanent.models.jets import Jet, JetFunctions
+from remanent.models.materials.second_order_ad import Jet, JetFunctions
 
 ATTACKS = {
     "attribute": "I1.__class__",

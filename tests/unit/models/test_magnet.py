@@ -16,7 +16,7 @@ from remanent._errors import InputError
 from remanent._typing import FloatArray
 from remanent.codegen import reference
 from remanent.codegen.field import field_for
-from remanent.models.magnetics import demagnetising_factor
+from remanent.models.magnet import demagnetising_factor
 
 EDGES = [(1.0, 1.0, 1.0), (1.0, 2.0, 3.0), (1.0, 1.0, 0.1), (1.0, 1.0, 8.0), (0.2, 1.0, 5.0)]
 

@@ -9,7 +9,7 @@ import pytest
 from matplotlib.mathtext import MathTextParser
 
 from remanent._errors import InputError
-from remanent.integrate.status import Status
+from remanent._status import Status
 from remanent.results.schema import FLAGS, TABLE, Kind, describe, flag_attributes
 
 UNITS = {"1", "rad", "K", "K-1"}

@@ -10,7 +10,7 @@ from scipy.integrate import quad
 import remanent as rm
 from remanent.analysis.shaping import poles
 from remanent.codegen.build import build
-from remanent.studies._body import Body
+from remanent.studies.statics._static_state import Body
 
 
 @pytest.mark.parametrize("target", [0.6, 1.05, 1.5, 2.5])

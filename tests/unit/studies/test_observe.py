@@ -6,7 +6,7 @@ import numpy as np
 
 import remanent as rm
 from remanent._timeline import Timeline
-from remanent.studies._observe import locate
+from remanent.studies.ensemble.observables import locate
 
 
 def still(phase: np.ndarray) -> np.ndarray:

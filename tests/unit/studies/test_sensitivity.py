@@ -7,8 +7,8 @@ import pytest
 import xarray as xr
 
 import remanent as rm
-from remanent.studies._ensemble import ensemble
-from remanent.studies._map import StroboscopicMap
+from remanent.studies.ensemble.ensemble import ensemble
+from remanent.studies.orbits._period_map import StroboscopicMap
 
 HOT = rm.Actuator(temperature=350.0)
 FOLD = rm.SineSquared(0.4, 1.2668)

@@ -1,0 +1,1 @@
+"""The symbolic derivation: energies, Lagrange's equations, a first-order system."""

@@ -1,0 +1,153 @@
+"""The equations of motion as a reader wants to see them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import sympy as sp
+
+from remanent.derivation import lagrange
+from remanent.derivation.unexpanded import Kept
+from remanent.models.actuator import Actuator
+
+Expression = Any  # SymPy is not typed
+
+
+@dataclass(frozen=True)
+class Equations:
+    """Equations of motion of an actuator; a notebook shows them typeset.
+
+    Attributes
+    ----------
+    second_order
+        SymPy equations, one for each coordinate: M q'' + ... = 0, scaled so that for
+        one coordinate it is the paper's equation 16.
+    internal
+        SymPy equations for the rates of internal variables, and of the temperature where
+        that is a state.
+    definitions
+        What the intermediate symbols stand for, as SymPy equations.
+    latex
+        All of them as LaTeX.
+    """
+
+    second_order: tuple[Expression, ...]
+    internal: tuple[Expression, ...]
+    definitions: tuple[Expression, ...]
+    latex: str
+
+    def _repr_latex_(self) -> str:
+        return f"$\\displaystyle {self.latex}$"
+
+
+def equations(actuator: Actuator) -> Equations:
+    """The equations of motion of an actuator under a load that is left as a symbol."""
+    motion = lagrange.motion(actuator, None)
+    rows = second_order(motion)
+    inner = {**motion.internal, **_warming(motion)}
+    internal = tuple(sp.Eq(dotted(k), e, evaluate=False) for k, e in inner.items())
+    definitions = tuple(sp.Eq(k, e, evaluate=False) for k, e in motion.definitions.items())
+    lines = [_latex(e, motion) for e in (*rows, *internal, *definitions)]
+    return Equations(rows, internal, definitions, _gathered(lines))
+
+
+def _warming(motion: lagrange.Motion) -> dict[Expression, Expression]:
+    """Rate of the temperature, where that is a state."""
+    if motion.heat is None:
+        return {}
+    rates = dict(zip(motion.coordinates, motion.rates, strict=True)) | dict(motion.internal)
+    return motion.heat.rate(rates, lagrange.damped(motion), motion)
+
+
+def second_order(motion: lagrange.Motion) -> tuple[Expression, ...]:
+    """Lagrange's equations M q'' - f = 0, times 3/2 for equal stretches, 3 otherwise.
+
+    Equation 16 of the paper is Lagrange's equation of the energies per 8 H L^2 mu,
+    where the stretch has mass 2/3, times 3/2.
+    """
+    mass, force = lagrange.lagrange(motion)
+    scale = sp.Rational(3, 2) if len(motion.coordinates) == 1 else sp.Integer(3)
+    accelerations = sp.Matrix([dotted(rate) for rate in motion.rates])
+    left = mass * accelerations - force
+    return tuple(sp.Eq(_expanded(scale * row), 0, evaluate=False) for row in left)
+
+
+def _expanded(expression: Expression) -> Expression:
+    """`expression` as a sum, its kept parts as they are written."""
+    marks = {kept: sp.Dummy(real=True) for kept in expression.atoms(Kept)}
+    found = sp.expand(expression.xreplace(marks))
+    return found.xreplace({mark: kept for kept, mark in marks.items()})
+
+
+#: Of the numbers and variables of branches.
+_LETTERS = {
+    "modulus": r"\mu_v",
+    "relaxation_time": "t_r",
+    "viscous_stretch": r"\xi",
+    "viscous_stretch_1": r"\xi_1",
+    "viscous_stretch_2": r"\xi_2",
+}
+
+
+def dotted(symbol: Expression) -> Expression:
+    """The symbol of a time derivative."""
+    return sp.Symbol(f"{symbol.name}'", real=True)
+
+
+def _latex(equation: Expression, motion: lagrange.Motion) -> str:
+    names = {
+        "c": "c",
+        "temperature": "T",
+        "reference_temperature": "T_0",
+        "theta": r"\theta",
+        "stiffness": "g",
+        "load": "m",
+        "effective_load": "m_T",
+        "material.entropic_fraction": "f",
+        "material.jm": "J_m",
+        "material.locking_stretch": "L_m",
+        "magnet.temperature_coefficient": r"\alpha",
+        "magnet.demagnetisation": "d",
+        "heat.coupling": "k",
+        "heat.exchange": "h",
+        "body_temperature": "T",
+        "body_temperature'": "T'",
+        "area": "A",
+        "thickness": r"\lambda_3",
+        "thickness_rate": r"{\lambda_3'}",
+    }
+    if motion.heat is not None:
+        names["temperature"] = r"T_\infty"
+    return str(sp.latex(equation, symbol_names=_named(equation, names | _letters(motion))))
+
+
+def _letters(motion: lagrange.Motion) -> dict[str, str]:
+    """Letters of stretches, their rates and the dead loads."""
+    letters = {}
+    for i, (stretch, rate) in enumerate(zip(motion.coordinates, motion.rates, strict=True), 1):
+        index = f"_{i}" if len(motion.coordinates) > 1 else ""
+        letters[stretch.name] = rf"\lambda{index}"
+        letters[rate.name] = rf"{{\lambda{index}'}}"
+        letters[dotted(rate).name] = rf"{{\lambda{index}''}}"
+        letters["prestress" + index] = f"S{index}"
+    return letters
+
+
+def _named(equation: Expression, names: dict[str, str]) -> dict[Expression, str]:
+    return {s: names.get(s.name, _field_letter(s.name)) for s in equation.free_symbols}
+
+
+def _field_letter(name: str) -> str:
+    """For ``dissipation.0.eta`` the letter eta with the index 0."""
+    words = name.split(".")
+    letter = _LETTERS.get(words[-1].rstrip("'"))
+    if letter is not None:
+        prime = "'" if name.endswith("'") else ""
+        return f"{{{letter}^{{({words[1]})}}{prime}}}"
+    index = [word for word in words[1:-1] if word.isdigit()]
+    return str(sp.latex(sp.Symbol("_".join([words[-1], *index]))))
+
+
+def _gathered(lines: list[str]) -> str:
+    return "\\begin{gathered} " + r" \\ ".join(lines) + " \\end{gathered}"

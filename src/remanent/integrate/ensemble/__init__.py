@@ -1,0 +1,1 @@
+"""Ensembles of trajectories, resolved until the tolerance is met."""

@@ -1,0 +1,154 @@
+"""What an ensemble is asked and what it answers: plain arrays, trajectory first."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from remanent._field import Field
+from remanent._timeline import Timeline
+from remanent._typing import BoolArray, FloatArray, IntArray
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Many trajectories of one field.
+
+    Attributes
+    ----------
+    field
+        Of the equations of motion.
+    timeline
+        How the load runs.
+    parameters : array (trajectory, parameter)
+        In the order of ``field.parameters``.
+    initial : array (trajectory, state)
+        State at tau = 0.
+    duration : array (trajectory,)
+        End of each trajectory, tau.
+    invalid : array (trajectory,) of bool
+        Trajectories that must not be computed.
+    """
+
+    field: Field
+    timeline: Timeline
+    parameters: FloatArray
+    initial: FloatArray
+    duration: FloatArray
+    invalid: BoolArray
+
+
+@dataclass(frozen=True)
+class Window:
+    """Consecutive steps of some trajectories, to be looked at.
+
+    Attributes
+    ----------
+    which : array (trajectory,)
+        Numbers of the trajectories.
+    states : array (trajectory, node, state)
+        At the ends of the steps, the first at the beginning.
+    start, step : array (trajectory,)
+        Time of the first node and distance of the nodes, tau.
+    phase : array (node,)
+        Phase of the drive, or fraction of the piece, at the nodes.
+    span : float
+        Its change from node to node.
+    parameters : array (parameter, trajectory)
+        In the order of ``field.parameters``.
+    steps : array (trajectory,)
+        How many of the steps belong to the run of each trajectory.
+    """
+
+    which: IntArray
+    states: FloatArray
+    start: FloatArray
+    step: FloatArray
+    phase: FloatArray
+    span: float
+    parameters: FloatArray
+    steps: IntArray
+
+
+@dataclass(frozen=True)
+class Request:
+    """What is wanted of every trajectory.
+
+    Attributes
+    ----------
+    times : array (trajectory, time), optional
+        When the state is wanted, ascending, tau.
+    strobe : int
+        If positive, the state is wanted at the start and after every `strobe` cycles.
+    extremes : bool
+        The largest and smallest value of the watched observable are wanted.
+    begin : array (trajectory,), optional
+        Extremes are taken from here on; from the start by default.
+    inspect : callable, optional
+        Called with every :class:`Window` of steps, from several threads; what it returns
+        is gathered in ``Outcome.findings``.
+    """
+
+    times: FloatArray | None = None
+    strobe: int = 0
+    extremes: bool = False
+    begin: FloatArray | None = None
+    inspect: Callable[[Window], Any] | None = None
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of every trajectory.
+
+    Attributes
+    ----------
+    states : array (trajectory, sample, state), optional
+        At the times asked; NaN beyond the horizon.
+    maximum, minimum : array (trajectory,)
+        Of the watched observable; NaN unless followed to the end.
+    error : array (trajectory,)
+        Estimated largest error up to the horizon: of the extremes if these are wanted,
+        else of the states.
+    horizon : array (trajectory,)
+        Time up to which the tolerance was met.
+    status : array (trajectory,) of int8
+        Values of :class:`~remanent._status.Status`.
+    resolution : array (trajectory,)
+        Double steps per cycle (or per nominal time) that were needed.
+    findings : tuple
+        What ``Request.inspect`` returned, in no order.
+    """
+
+    states: FloatArray | None
+    maximum: FloatArray
+    minimum: FloatArray
+    error: FloatArray
+    horizon: FloatArray
+    status: NDArray[np.int8]
+    resolution: IntArray
+    findings: tuple[Any, ...] = ()
+
+
+def gathered(count: int, parts: Iterable[tuple[slice, Outcome]]) -> Outcome:
+    """The outcome of `count` trajectories from those of their parts.
+
+    Each is put in its place and forgotten, so that memory is needed for the whole and one part.
+    What has one number for each trajectory is allocated before the parts are worked on: later,
+    it would lie between what they leave.
+    """
+    numbers = ("maximum", "minimum", "error", "horizon")
+    whole: dict[str, Any] = {name: np.empty(count) for name in numbers}
+    whole |= {"status": np.empty(count, np.int8), "resolution": np.empty(count, np.int64)}
+    findings: list[Any] = []
+    for part, outcome in parts:
+        findings += outcome.findings
+        if outcome.states is not None:
+            shape = (count, *outcome.states.shape[1:])
+            whole.setdefault("states", np.empty(shape))[part] = outcome.states
+        for name in (*numbers, "status", "resolution"):
+            whole[name][part] = getattr(outcome, name)
+    return Outcome(**{"states": None, **whole, "findings": tuple(findings)})

@@ -1,0 +1,1 @@
+"""Compiled kernels: a method, a field and error control as LLVM code."""

@@ -1,0 +1,124 @@
+"""Long rates as a function of their own, which a kernel calls instead of repeating them.
+
+A Runge-Kutta step of order 8 evaluates the rates eleven times, and a kernel holds three
+steps.  Written out in place, a field with many states and tangents takes the compiler half
+a minute; called, seconds, and the call costs little beside so long a computation.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+
+from llvmlite import ir
+
+from remanent._field import Field, Program
+from remanent.integrate.kernel.lanes import DOUBLE, LaneFunctions, Lanes, Writer, quotient
+
+#: Rates with more instructions than this are called.
+LONG = 200
+
+
+class Outlined:
+    """The rates of a field's first `count` variables as a function in the module of a kernel.
+
+    What depends on parameters alone is computed by :meth:`prepare`, once for a group.
+    """
+
+    def __init__(self, field: Field, writer: Writer, count: int) -> None:
+        self._writer = writer
+        self._absent = [writer.constant(0.0)] * (len(field.state) - count)
+        wanted = replace(field.rates, outputs=field.rates.outputs[:count])
+        self._fixed, self._moving = split(wanted, field.parameters)
+        with writer.builder.goto_entry_block():
+            self._inputs = self._array(len(self._moving.inputs))
+            self._outputs = self._array(count)
+        self._function = _function(self._moving, writer, f"rates_{count}")
+
+    def _array(self, count: int) -> ir.Value:
+        return self._writer.builder.alloca(DOUBLE, self._writer.integer(count * self._writer.width))
+
+    def prepare(self, parameters: Sequence[Lanes]) -> None:
+        """Take over the parameters of a group."""
+        w = self._writer
+        found = self._fixed(list(parameters), functions=LaneFunctions(w), constant=w.constant)
+        first = len(self._moving.inputs) - len(found)
+        _store(w, found, self._inputs, first)
+
+    def __call__(self, phase: Lanes, y: Sequence[Lanes], waves: Sequence[Lanes]) -> list[Lanes]:
+        """The rates."""
+        w = self._writer
+        _store(w, [phase, *y, *self._absent, *waves], self._inputs, 0)
+        w.builder.call(self._function, [self._inputs, self._outputs])
+        return [w.load(self._outputs, w.integer(i * w.width)) for i in range(len(y))]
+
+
+def split(program: Program, fixed: Iterable[str]) -> tuple[Program, Program]:
+    """A program in two: what depends on the inputs `fixed` alone, and the rest.
+
+    Returns
+    -------
+    first : Program
+        Of the inputs `fixed`; its outputs are what the rest needs of them.
+    rest : Program
+        Of the other inputs and the outputs of `first`.
+    """
+    names = tuple(fixed)
+    count, base = len(program.inputs), len(program.inputs) + len(program.constants)
+    still = {i for i, name in enumerate(program.inputs) if name in names}
+    known = still | set(range(count, base))
+    early, late = [], []
+    for slot, (operation, *operands) in enumerate(program.code, start=base):
+        if still.intersection(operands) and known.issuperset(operands):
+            still.add(slot)
+            known.add(slot)
+            early.append((slot, operation, operands))
+        else:
+            late.append((slot, operation, operands))
+    used = [*(k for _, _, operands in late for k in operands), *program.outputs]
+    handed = tuple(dict.fromkeys(k for k in used if k in still))
+    others = tuple(i for i in range(count) if i not in still)
+    first = _renumbered(program, names, tuple(map(program.inputs.index, names)), early, handed)
+    inputs = (*(program.inputs[i] for i in others), *(f"fixed.{k}" for k in range(len(handed))))
+    return first, _renumbered(program, inputs, (*others, *handed), late, program.outputs)
+
+
+def _renumbered(
+    program: Program,
+    inputs: tuple[str, ...],
+    slots: tuple[int, ...],
+    code: Sequence[tuple[int, str, list[int]]],
+    outputs: tuple[int, ...],
+) -> Program:
+    """A part of a program, whose inputs have these slots in the whole."""
+    constants = range(len(program.inputs), len(program.inputs) + len(program.constants))
+    order = [*slots, *constants, *(slot for slot, _, _ in code)]
+    at = {slot: k for k, slot in enumerate(order)}
+    return Program(
+        inputs=inputs,
+        constants=program.constants,
+        code=tuple((operation, *map(at.__getitem__, operands)) for _, operation, operands in code),  # type: ignore[misc]
+        outputs=tuple(at[slot] for slot in outputs),
+    )
+
+
+def _function(program: Program, kernel: Writer, name: str) -> ir.Function:
+    """``void name(double *inputs, double *outputs)``, both of one vector after the other."""
+    pointer = DOUBLE.as_pointer()
+    signature = ir.FunctionType(ir.VoidType(), [pointer, pointer])
+    function = ir.Function(kernel.builder.module, signature, name)
+    function.linkage = "internal"
+    function.attributes.add("noinline")
+    for argument in function.args:
+        argument.add_attribute("noalias")
+    w = replace(kernel, builder=ir.IRBuilder(function.append_basic_block("entry")))
+    values = [w.load(function.args[0], w.integer(i * w.width)) for i in range(len(program.inputs))]
+    found = program(values, functions=LaneFunctions(w), constant=w.constant, divide=quotient)
+    _store(w, found, function.args[1], 0)
+    w.builder.ret_void()
+    return function
+
+
+def _store(w: Writer, values: Sequence[Lanes], pointer: ir.Value, first: int) -> None:
+    for i, value in enumerate(values, start=first):
+        w.store(value, pointer, w.integer(i * w.width))

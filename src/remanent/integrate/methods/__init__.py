@@ -1,0 +1,1 @@
+"""Integration methods, and what makes one step of them."""

@@ -1,0 +1,221 @@
+"""Dissipation: dashpots on the stretches, and branches with internal variables."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any, ClassVar
+
+from remanent import _checks
+from remanent._checks import Rule
+from remanent.models.materials.base import first_invariant
+from remanent.models.parts import Part
+from remanent.models.temperature_shift import Shift
+
+_ETA = _checks.not_negative("A dashpot takes energy out of the motion.", "Pass 0 for no damping.")
+
+
+@dataclass(frozen=True)
+class Dissipation(Part):
+    """A dissipative element acting in parallel with the elastic solid.
+
+    An element may have a Rayleigh function, and it may have internal variables (for
+    example the stretch of a spring in series with a dashpot), one of each kind for
+    each of the two in-plane directions, with a stored energy and their own rates.
+    All energies are per reference volume, divided by mu at T0; time is tau.
+    """
+
+    #: Kinds of internal variables; each starts from 1.
+    internal: ClassVar[tuple[str, ...]] = ()
+    #: The numeric field that is 0 where the element does nothing.
+    strength: ClassVar[str] = "eta"
+    #: The numeric field that a shift multiplies by its factor.
+    shifted: ClassVar[str] = "eta"
+
+    def rayleigh(self, stretches: Sequence[Any], rates: Sequence[Any], p: Mapping[str, Any]) -> Any:
+        """Rayleigh function D; the force on stretch i is -dD/d(rate i).
+
+        Parameters
+        ----------
+        stretches, rates
+            In-plane stretches and their rates, two of each.
+        p
+            Values of the element's numeric fields, by name.
+        """
+        return 0
+
+    def stored(
+        self, stretches: Sequence[Any], internal: Sequence[Any], p: Mapping[str, Any]
+    ) -> Any:
+        """Energy stored in the element at T0; it is multiplied by T/T0.
+
+        Parameters
+        ----------
+        stretches
+            All three principal stretches, whose product is 1.
+        internal
+            Internal variables, kind by kind, two directions each.
+        p
+            As for :meth:`rayleigh`.
+        """
+        return 0
+
+    def internal_rates(
+        self, stretches: Sequence[Any], internal: Sequence[Any], theta: Any, p: Mapping[str, Any]
+    ) -> Sequence[Any]:
+        """Rates of the internal variables, in the order of `internal`."""
+        return ()
+
+    def at(
+        self, temperature: Any, reference: Any, p: Mapping[str, Any], fn: Any
+    ) -> Mapping[str, Any]:
+        """The numeric fields `p` at a temperature: the shifted one times the factor."""
+        shift: Shift | None = getattr(self, "shift", None)
+        if shift is None:
+            return p
+        factor = shift.factor(temperature, reference, own(p, "shift"), fn)
+        return {**p, self.shifted: p[self.shifted] * factor}
+
+
+def own(p: Mapping[str, Any], prefix: str) -> dict[str, Any]:
+    """Numeric fields of the part `prefix` under their own names."""
+    start = f"{prefix}."
+    return {name.removeprefix(start): s for name, s in p.items() if name.startswith(start)}
+
+
+@dataclass(frozen=True)
+class Rayleigh(Dissipation):
+    """A linear dashpot on stretch: D = eta (l1'^2 + l2'^2)/2 per 8 H L^2 mu.
+
+    For equal stretches the term eta l' joins the bracket of the paper's equation 16.
+
+    Parameters
+    ----------
+    eta
+        Viscosity divided by mu times the unit of time.
+    shift
+        How the viscosity depends on temperature, :class:`WLF` or :class:`Arrhenius`.
+    """
+
+    eta: float
+    shift: Shift | None = None
+
+    rules: ClassVar[Mapping[str, Rule]] = MappingProxyType({"eta": _ETA})
+    nested: ClassVar[Mapping[str, type[Part]]] = MappingProxyType({"shift": Shift})
+
+    def rayleigh(self, stretches: Sequence[Any], rates: Sequence[Any], p: Mapping[str, Any]) -> Any:
+        """D = eta (l1'^2 + l2'^2)/2."""
+        return p["eta"] * (rates[0] ** 2 + rates[1] ** 2) / 2
+
+
+@dataclass(frozen=True)
+class KelvinVoigt(Dissipation):
+    """A Newtonian fluid in parallel: D = eta (e1^2 + e2^2 + (e1 + e2)^2), ei = li'/li.
+
+    The third rate is that of the thickness, e3 = -(e1 + e2), so D = eta (e:e), half the
+    power that the Newtonian stress 2 eta e dissipates.  For equal stretches D is 6 eta
+    (l'/l)^2: near l = 1 a :class:`Rayleigh` dashpot of six times this eta.
+
+    Parameters
+    ----------
+    eta
+        Shear viscosity divided by mu times the unit of time.
+    shift
+        How the viscosity depends on temperature, :class:`WLF` or :class:`Arrhenius`.
+
+    Examples
+    --------
+    >>> KelvinVoigt(0.1).rayleigh((2.0, 2.0), (1.0, 1.0), {"eta": 0.1})
+    0.15000000000000002
+    """
+
+    eta: float
+    shift: Shift | None = None
+
+    rules: ClassVar[Mapping[str, Rule]] = MappingProxyType({"eta": _ETA})
+    nested: ClassVar[Mapping[str, type[Part]]] = MappingProxyType({"shift": Shift})
+
+    def rayleigh(self, stretches: Sequence[Any], rates: Sequence[Any], p: Mapping[str, Any]) -> Any:
+        """D = eta (e1^2 + e2^2 + (e1 + e2)^2)."""
+        e1, e2 = (v / x for x, v in zip(stretches[:2], rates, strict=True))
+        return p["eta"] * (e1**2 + e2**2 + (e1 + e2) ** 2)
+
+
+@dataclass(frozen=True)
+class Zener(Dissipation):
+    """A spring in series with a dashpot; several of them are a Prony series.
+
+    The state gains the viscous stretches xi, in-plane, whose product with the third is 1.
+    Equations, with q_i = (l_i/xi_i)^2, q3 = (l3 xi1 xi2)^2 and theta = T/T0:
+    energy theta (mu_v/mu) (q1 + q2 + q3 - 3)/2,
+    xi_i'/xi_i = theta/(2 t_r) [q_i - (q1 + q2 + q3)/3].
+    For equal stretches xi'/xi = theta/(6 t_r) (l^2 xi^-2 - l^-4 xi^4).
+
+    Parameters
+    ----------
+    modulus
+        mu_v/mu, shear modulus of the spring at T0 over that of the elastic solid.
+    relaxation_time
+        t_r = eta/mu_v in units of tau.  For t_r to infinity the element is a spring in
+        parallel; for t_r to 0 it vanishes, to first order in t_r, and the equations
+        become stiff: steps are then as short as t_r.
+    shift
+        How the relaxation time depends on temperature, :class:`WLF` or
+        :class:`Arrhenius`.
+
+    Examples
+    --------
+    >>> Zener(0.5, 2.0).stored((2.0, 1.0, 0.5), (1.0, 1.0), {"modulus": 0.5})
+    0.5625
+    """
+
+    modulus: float
+    relaxation_time: float
+    shift: Shift | None = None
+
+    rules: ClassVar[Mapping[str, Rule]] = MappingProxyType(
+        {
+            "modulus": _checks.not_negative(
+                "It is the shear modulus of a spring over that of the solid.",
+                "Pass 0 for none.",
+            ),
+            "relaxation_time": _checks.positive(
+                "It is the time in which the spring relaxes.",
+                "For a spring that never relaxes, raise the shear modulus itself.",
+            ),
+        }
+    )
+    nested: ClassVar[Mapping[str, type[Part]]] = MappingProxyType({"shift": Shift})
+    internal: ClassVar[tuple[str, ...]] = ("viscous_stretch",)
+    strength: ClassVar[str] = "modulus"
+    shifted: ClassVar[str] = "relaxation_time"
+
+    def stored(
+        self, stretches: Sequence[Any], internal: Sequence[Any], p: Mapping[str, Any]
+    ) -> Any:
+        """(mu_v/mu) (q1 + q2 + q3 - 3)/2, without cancellation near rest."""
+        return p["modulus"] * first_invariant(*_own_stretches(stretches, internal)) / 2
+
+    def internal_rates(
+        self, stretches: Sequence[Any], internal: Sequence[Any], theta: Any, p: Mapping[str, Any]
+    ) -> Sequence[Any]:
+        """xi_i theta/(2 t_r) [q_i - (q1 + q2 + q3)/3], written as sums of differences."""
+        q1, q2, q3 = _squares(stretches, internal)
+        speed = theta / (6 * p["relaxation_time"])
+        return (
+            internal[0] * speed * ((q1 - q2) + (q1 - q3)),
+            internal[1] * speed * ((q2 - q1) + (q2 - q3)),
+        )
+
+
+def _squares(stretches: Sequence[Any], internal: Sequence[Any]) -> tuple[Any, Any, Any]:
+    """Squares of the spring's own stretches."""
+    e1, e2, e3 = _own_stretches(stretches, internal)
+    return e1**2, e2**2, e3**2
+
+
+def _own_stretches(stretches: Sequence[Any], internal: Sequence[Any]) -> tuple[Any, Any, Any]:
+    """The spring's own stretches, l_i/xi_i, whose product is 1."""
+    (l1, l2, l3), (x1, x2) = stretches, internal
+    return l1 / x1, l2 / x2, l3 * x1 * x2

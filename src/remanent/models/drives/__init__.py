@@ -1,0 +1,1 @@
+"""Drives: the magnetic load as a function of time."""

@@ -1,0 +1,102 @@
+"""A load whose frequency is swept."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any, ClassVar
+
+import numpy as np
+
+from remanent import _checks
+from remanent._checks import Rule
+from remanent._timeline import Timeline
+from remanent._typing import ArrayLike, FloatArray
+from remanent.models.drives.base import Drive, no_waveform
+from remanent.models.drives.waves import LOAD, PHASE
+
+_END = _checks.not_negative(
+    "It is an angular frequency at one end of the sweep.", "Pass 0 or more."
+)
+
+
+@dataclass(frozen=True)
+class Chirp(Drive):
+    """A sine whose angular frequency goes linearly from start to stop.
+
+    Equation: m(tau) = mean + m sin(angle), angle = phase + start tau +
+    (stop - start) tau^2/(2 duration) up to tau = duration; from then on the frequency
+    stays at stop.  The load has no period.
+
+    Parameters
+    ----------
+    m
+        Amplitude of the load.
+    start, stop
+        Angular frequencies at tau = 0 and from tau = duration.
+    duration
+        Length of the sweep in tau.
+    mean
+        Mean load.
+    phase
+        Angle at tau = 0, in radians.
+    """
+
+    m: float
+    start: float
+    stop: float
+    duration: float
+    mean: float = 0.0
+    phase: float = 0.0
+
+    rules: ClassVar[Mapping[str, Rule]] = MappingProxyType(
+        {
+            "m": LOAD,
+            "start": _END,
+            "stop": _END,
+            "duration": _checks.positive(
+                "It is how long the sweep takes.", "For a single frequency use Sine."
+            ),
+            "mean": LOAD,
+            "phase": PHASE,
+        }
+    )
+    piece_parameters: ClassVar[tuple[str, ...]] = ("piece.0", "piece.1", "piece.2")
+
+    def __call__(self, tau: ArrayLike) -> FloatArray:
+        """m(tau) = mean + m sin(angle(tau))."""
+        time = np.asarray(tau, dtype=np.float64)
+        swept = np.minimum(time, self.duration)
+        curvature = (self.stop - self.start) / (2.0 * self.duration)
+        angle = self.phase + self.start * swept + curvature * swept**2
+        angle = angle + self.stop * (time - swept)
+        return np.asarray(self.mean + self.m * np.sin(angle))
+
+    def load(self, p: Mapping[str, Any], u: Mapping[str, Any], phase: Any, fn: Any) -> Any:
+        """mean + m sin(a0 + s (a1 + s a2)), s the fraction of the piece."""
+        angle = p["piece.0"] + phase * (p["piece.1"] + phase * p["piece.2"])
+        return p["mean"] + p["m"] * fn.sin(angle)
+
+    def timeline(self, values: Mapping[str, FloatArray], duration: FloatArray) -> Timeline:
+        """Two pieces, the sweep and what follows it; the second only if it is reached."""
+        start, stop, sweep, phase = (
+            self.value(values, name) for name in ("start", "stop", "duration", "phase")
+        )
+        swept = np.minimum(sweep, np.atleast_1d(np.asarray(duration, dtype=np.float64)))
+        held = np.maximum(duration - sweep, 0.0)
+        curvature = (stop - start) / (2.0 * sweep)
+        turned = np.mod(phase + 0.5 * (start + stop) * sweep, 2.0 * np.pi)
+        zero = np.zeros_like(swept)
+        rows = {
+            "piece.0": (phase + zero, turned + zero),
+            "piece.1": (start * swept, stop * held),
+            "piece.2": (curvature * swept**2, zero),
+        }
+        pieces = 2 if np.any(held > 0) else 1
+        return Timeline(
+            np.stack([swept, held + zero][:pieces]),
+            periodic=False,
+            parameters={name: np.stack(pair[:pieces]) for name, pair in rows.items()},
+            waveform=no_waveform,
+        )

@@ -1,0 +1,175 @@
+"""Loads given by tables: steps, ramps, sampled signals.  All are piecewise cubic."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from importlib import import_module
+from typing import Any, ClassVar, TypeAlias
+
+import numpy as np
+
+from remanent import _checks
+from remanent._errors import InputError
+from remanent._timeline import Timeline
+from remanent._typing import ArrayLike, FloatArray
+from remanent.models.drives.base import Drive, no_waveform
+
+#: What a table may be given as; it is kept as a tuple of floats.
+Numbers: TypeAlias = Sequence[float] | FloatArray
+
+
+@dataclass(frozen=True)
+class Table(Drive):
+    """A load that is a cubic polynomial between consecutive times.
+
+    Parameters
+    ----------
+    times
+        Instants in tau, the first of them 0, each greater than the one before.
+    loads
+        Magnetic loads, one for each instant.
+    """
+
+    times: Numbers
+    loads: Numbers
+
+    piece_parameters: ClassVar[tuple[str, ...]] = tuple(f"piece.{i}" for i in range(4))
+    #: Least number of entries.
+    fewest: ClassVar[int] = 1
+    #: Whether the last load is held for ever; otherwise runs must end with the table.
+    held: ClassVar[bool] = True
+
+    def checked_options(self) -> Mapping[str, Any]:
+        """Both tables as tuples of floats, if they fit together."""
+        times = _checks.require_increasing("times", self.times)
+        loads = _checks.require_numbers("loads", self.loads)
+        if times[0] != 0.0:
+            raise InputError(
+                "times", "start at 0", times[0], "Motion starts at tau = 0.", "Shift the times."
+            )
+        if len(times) < self.fewest:
+            raise InputError(
+                "times",
+                f"have at least {self.fewest} entries",
+                len(times),
+                "A signal is interpolated between samples.",
+                "For a load that does not change use Constant.",
+            )
+        if len(loads) != len(times):
+            raise InputError(
+                "loads",
+                f"have as many entries as `times`, {len(times)}",
+                len(loads),
+                "Each instant has one load.",
+                "Pass one load per instant.",
+            )
+        return {"times": times, "loads": loads}
+
+    @abstractmethod
+    def coefficients(self) -> FloatArray:
+        """Ascending coefficients in tau - times[i], an array (4, piece).
+
+        The last piece starts at the last time and lasts for ever.
+        """
+
+    def __call__(self, tau: ArrayLike) -> FloatArray:
+        """The load at times `tau`."""
+        time = self._covered("tau", np.asarray(tau, dtype=np.float64))
+        piece = np.maximum(np.searchsorted(self.times, time, side="right") - 1, 0)
+        a0, a1, a2, a3 = self.coefficients()[:, piece]
+        s = time - np.asarray(self.times)[piece]
+        return np.asarray(a0 + s * (a1 + s * (a2 + s * a3)))
+
+    def load(self, p: Mapping[str, Any], u: Mapping[str, Any], phase: Any, fn: Any) -> Any:
+        """a0 + s (a1 + s (a2 + s a3)), s the fraction of the piece."""
+        a0, a1, a2, a3 = (p[name] for name in self.piece_parameters)
+        return a0 + phase * (a1 + phase * (a2 + phase * a3))
+
+    def timeline(self, values: Mapping[str, FloatArray], duration: FloatArray) -> Timeline:
+        """One piece from each time to the next; the last ends with the trajectory."""
+        ends = self._covered("duration", np.atleast_1d(np.asarray(duration, dtype=np.float64)))
+        starts = np.asarray(self.times)[:, np.newaxis]
+        following = np.append(self.times[1:], np.inf)[:, np.newaxis]
+        lengths = np.maximum(np.minimum(following, ends) - starts, 0.0)
+        kept = np.any(lengths > 0.0, axis=1)
+        kept[0] = True
+        lengths = lengths[kept]
+        scaled = {
+            name: row[kept, np.newaxis] * lengths**k
+            for k, (name, row) in enumerate(
+                zip(self.piece_parameters, self.coefficients(), strict=True)
+            )
+        }
+        return Timeline(lengths, periodic=False, parameters=scaled, waveform=no_waveform)
+
+    def _covered(self, name: str, times: FloatArray) -> FloatArray:
+        """`times` themselves, if the table defines the load up to the last of them."""
+        if not self.held and np.any(times > self.times[-1]):
+            raise InputError(
+                name,
+                f"not go beyond the last entry of `times`, {self.times[-1]}",
+                float(np.max(times)),
+                "The load is unknown after it.",
+                "Shorten the run or add entries.",
+            )
+        return times
+
+
+@dataclass(frozen=True)
+class Steps(Table):
+    """A load that jumps: loads[i] holds from times[i] until times[i + 1].
+
+    The last load is held for ever.
+
+    Examples
+    --------
+    >>> Steps([0.0, 2.0], [0.16, 0.3])([1.0, 2.0]).tolist()
+    [0.16, 0.3]
+    """
+
+    def coefficients(self) -> FloatArray:
+        """The load itself, in each piece."""
+        return np.vstack([self.loads, np.zeros((3, len(self.loads)))])
+
+
+@dataclass(frozen=True)
+class Ramp(Table):
+    """A load that goes straight from loads[i] at times[i] to the next.
+
+    The last load is held for ever.  For jumps use :class:`Steps`.
+
+    Examples
+    --------
+    >>> Ramp([0.0, 2.0], [0.0, 0.3])([1.0, 5.0]).tolist()
+    [0.15, 0.3]
+    """
+
+    def coefficients(self) -> FloatArray:
+        """The load at the start of each piece and its slope."""
+        slopes = np.append(np.diff(self.loads) / np.diff(self.times), 0.0)
+        return np.vstack([self.loads, slopes, np.zeros((2, len(self.loads)))])
+
+
+@dataclass(frozen=True)
+class Sampled(Table):
+    """A sampled signal, interpolated by the cubic spline with not-a-knot ends.
+
+    Runs that go on beyond the last sample are refused.  The load has kinks of third
+    order at the samples only.
+
+    Examples
+    --------
+    >>> round(float(Sampled([0.0, 1.0, 2.0, 3.0], [0.0, 1.0, 8.0, 27.0])(1.5)), 12)
+    3.375
+    """
+
+    fewest: ClassVar[int] = 2
+    held: ClassVar[bool] = False
+
+    def coefficients(self) -> FloatArray:
+        """Coefficients of the spline; the last piece, never reached, is constant."""
+        spline = import_module("scipy.interpolate").CubicSpline(self.times, self.loads)
+        last = np.array([[self.loads[-1]], [0.0], [0.0], [0.0]])
+        return np.hstack([spline.c[::-1], last])

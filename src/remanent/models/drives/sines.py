@@ -1,0 +1,172 @@
+"""A load that is a sum of sines."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import partial
+from types import MappingProxyType
+from typing import Any, ClassVar
+
+import numpy as np
+
+from remanent import _checks
+from remanent._checks import Rule
+from remanent._errors import InputError
+from remanent._timeline import Timeline
+from remanent._typing import ArrayLike, FloatArray
+from remanent.models.drives.base import Drive, no_waveform, repeated
+from remanent.models.drives.piecewise import Numbers
+from remanent.models.drives.waves import LOAD, OMEGA, PHASE
+
+_TURNS = "piece.turns"
+
+
+@dataclass(frozen=True)
+class Sines(Drive):
+    """A sum of sines whose angular frequencies are multiples of one.
+
+    Equation: m(tau) = mean + sum_k loads[k] sin(multiples[k] omega tau + phases[k]).
+
+    Where all multiples are whole numbers the load has a period; for other ratios, such as
+    1 and the square root of 2, it has none.  Loads and phases may be varied one by one:
+    ``loads.0``, ``phases.1`` ...
+
+    Parameters
+    ----------
+    loads
+        Amplitude of each term.
+    multiples
+        Its angular frequency over omega; positive, each different.
+    omega
+        Angular frequency per unit of tau that they multiply.
+    phases
+        Angle of each term at tau = 0, in radians; 0 by default.
+    mean
+        Mean load.
+
+    Examples
+    --------
+    >>> round(Sines([0.1, 0.05], [1, 3], 2.5).period, 6)
+    2.513274
+    >>> Sines([0.1, 0.05], [1, 2**0.5], 2.5).period is None
+    True
+    """
+
+    loads: Numbers
+    multiples: Numbers
+    omega: float
+    phases: Numbers | None = None
+    mean: float = 0.0
+
+    has_rate: ClassVar[bool] = True
+    rules: ClassVar[Mapping[str, Rule]] = MappingProxyType({"omega": OMEGA, "mean": LOAD})
+    tables: ClassVar[Mapping[str, Rule]] = MappingProxyType({"loads": LOAD, "phases": PHASE})
+    choices: ClassVar[tuple[str, ...]] = ("multiples",)
+
+    def __post_init__(self) -> None:
+        if self.phases is None:
+            object.__setattr__(self, "phases", (0.0,) * np.size(self.multiples))
+        super().__post_init__()
+
+    def checked_options(self) -> Mapping[str, Any]:
+        """The multiples as a tuple of floats, if they fit the loads and phases."""
+        multiples = _checks.require_numbers("multiples", self.multiples)
+        if min(multiples) <= 0.0 or len(set(multiples)) < len(multiples):
+            raise InputError(
+                "multiples",
+                "be positive and different from each other",
+                multiples,
+                "Each is the frequency of one term, over omega.",
+                "Join terms of one frequency; put a constant into `mean`.",
+            )
+        for name in self.tables:
+            if len(getattr(self, name)) != len(multiples):
+                raise InputError(
+                    name,
+                    f"have as many entries as `multiples`, {len(multiples)}",
+                    len(getattr(self, name)),
+                    "Each term has one.",
+                    "Pass one entry per term.",
+                )
+        return {"multiples": multiples}
+
+    def _terms(self) -> tuple[float, ...]:
+        assert isinstance(self.multiples, tuple)  # since it was checked
+        return self.multiples
+
+    def _base(self) -> int | None:
+        """The largest whole number of which all multiples are multiples."""
+        whole = all(k == round(k) for k in self._terms())
+        return math.gcd(*(round(k) for k in self._terms())) if whole else None
+
+    @property
+    def waveforms(self) -> tuple[str, ...]:
+        """Sine and cosine of each term, where there is a period."""
+        if self._base() is None:
+            return ()
+        count = range(len(self._terms()))
+        return tuple(f"{name}.{i}" for i in count for name in ("sin", "cos"))
+
+    @property
+    def piece_parameters(self) -> tuple[str, ...]:
+        """The angle omega tau at the end of the run, where there is no period."""
+        return () if self._base() is not None else (_TURNS,)
+
+    def __call__(self, tau: ArrayLike) -> FloatArray:
+        """m(tau) = mean + sum loads sin(multiples omega tau + phases)."""
+        angle = self.omega * np.asarray(tau, dtype=np.float64)
+        p = self.parameters()
+        terms = (
+            p[f"loads.{i}"] * np.sin(k * angle + p[f"phases.{i}"])
+            for i, k in enumerate(self._terms())
+        )
+        return np.asarray(self.mean + sum(terms))
+
+    def load(self, p: Mapping[str, Any], u: Mapping[str, Any], phase: Any, fn: Any) -> Any:
+        """The same sum, by waveforms of the drive's phase or by the angle itself."""
+        total = p["mean"]
+        for i, k in enumerate(self._terms()):
+            shift = p[f"phases.{i}"]
+            if self._base() is None:
+                sine = fn.sin(k * p[_TURNS] * phase + shift)
+            else:
+                sine = u[f"sin.{i}"] * fn.cos(shift) + u[f"cos.{i}"] * fn.sin(shift)
+            total = total + p[f"loads.{i}"] * sine
+        return total
+
+    def rate(self, p: Mapping[str, Any], u: Mapping[str, Any], phase: Any, fn: Any) -> Any:
+        """m' = sum loads multiples omega cos(multiples omega tau + phases)."""
+        total = 0
+        for i, k in enumerate(self._terms()):
+            shift = p[f"phases.{i}"]
+            if self._base() is None:
+                cosine = fn.cos(k * p[_TURNS] * phase + shift)
+            else:
+                cosine = u[f"cos.{i}"] * fn.cos(shift) - u[f"sin.{i}"] * fn.sin(shift)
+            total = total + p[f"loads.{i}"] * k * p["omega"] * cosine
+        return total
+
+    def periods(self, values: Mapping[str, FloatArray]) -> FloatArray | None:
+        """2 pi/(g omega), with g the greatest common divisor of the multiples, or None."""
+        base = self._base()
+        return (
+            None if base is None else np.asarray(2.0 * np.pi / base / self.value(values, "omega"))
+        )
+
+    def timeline(self, values: Mapping[str, FloatArray], duration: FloatArray) -> Timeline:
+        """One period, repeated, or one piece as long as the trajectory."""
+        period, base = self.periods(values), self._base()
+        if period is not None and base is not None:
+            turns = tuple(round(k) // base for k in self._terms())
+            return repeated(period, duration, partial(_turning, turns))
+        lengths = np.array(duration, dtype=np.float64, ndmin=1)[np.newaxis]
+        angle = lengths * self.value(values, "omega")
+        return Timeline(lengths, periodic=False, parameters={_TURNS: angle}, waveform=no_waveform)
+
+
+def _turning(turns: tuple[int, ...], phase: FloatArray) -> FloatArray:
+    """Sine and cosine of each term at a phase of the period."""
+    angles = [2.0 * np.pi * np.mod(k * np.asarray(phase, dtype=np.float64), 1.0) for k in turns]
+    return np.stack([f(angle) for angle in angles for f in (np.sin, np.cos)])

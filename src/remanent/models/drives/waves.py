@@ -1,0 +1,185 @@
+"""Loads given by a formula: constant, sine, sine squared."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any, ClassVar
+
+import numpy as np
+
+from remanent import _checks
+from remanent._checks import Rule
+from remanent._timeline import Timeline
+from remanent._typing import ArrayLike, FloatArray
+from remanent.models.drives.base import Drive, no_waveform, repeated
+
+LOAD = _checks.finite("It is a magnetic load, B_r B/(mu mu0).")
+PHASE = _checks.finite("It is an angle in radians.")
+OMEGA = _checks.positive(
+    "It is an angular frequency per unit of tau.",
+    "Pass a number above 0; for a load that does not change use Constant.",
+)
+
+
+@dataclass(frozen=True)
+class Constant(Drive):
+    """A load that does not change, m(tau) = m.
+
+    Parameters
+    ----------
+    m
+        Magnetic load.
+
+    Examples
+    --------
+    >>> float(Constant(0.16)(3.0))
+    0.16
+    """
+
+    m: float
+
+    has_rate: ClassVar[bool] = True
+    rules: ClassVar[Mapping[str, Rule]] = MappingProxyType({"m": LOAD})
+
+    def __call__(self, tau: ArrayLike) -> FloatArray:
+        """m(tau) = m."""
+        return np.full(np.shape(tau), self.m)
+
+    def load(self, p: Mapping[str, Any], u: Mapping[str, Any], phase: Any, fn: Any) -> Any:
+        """m(tau) = m."""
+        return p["m"]
+
+    def rate(self, p: Mapping[str, Any], u: Mapping[str, Any], phase: Any, fn: Any) -> Any:
+        """Nothing changes."""
+        return 0
+
+    def timeline(self, values: Mapping[str, FloatArray], duration: FloatArray) -> Timeline:
+        """One piece that lasts as long as the trajectory."""
+        lengths = np.array(duration, dtype=np.float64, ndmin=1)[np.newaxis]
+        return Timeline(lengths, periodic=False, parameters={}, waveform=no_waveform)
+
+
+@dataclass(frozen=True)
+class SineSquared(Drive):
+    """The paper's load, m(tau) = [b sin(omega tau + phase)]^2.
+
+    Parameters
+    ----------
+    b
+        Square root of the largest load.
+    omega
+        Angular frequency of the flux.  The load repeats every pi/omega.
+    phase
+        Angle of the flux at tau = 0, in radians.
+
+    Examples
+    --------
+    >>> round(SineSquared(0.4, 1.25).period, 6)
+    2.513274
+    """
+
+    b: float
+    omega: float
+    phase: float = 0.0
+
+    has_rate: ClassVar[bool] = True
+    rules: ClassVar[Mapping[str, Rule]] = MappingProxyType(
+        {
+            "b": _checks.finite("Its square is the largest magnetic load."),
+            "omega": OMEGA,
+            "phase": PHASE,
+        }
+    )
+    waveforms: ClassVar[tuple[str, ...]] = ("sin_pi_phase", "cos_pi_phase")
+
+    def __call__(self, tau: ArrayLike) -> FloatArray:
+        """m(tau) = [b sin(omega tau + phase)]^2."""
+        angle = self.omega * np.asarray(tau, dtype=np.float64) + self.phase
+        return np.asarray((self.b * np.sin(angle)) ** 2)
+
+    def load(self, p: Mapping[str, Any], u: Mapping[str, Any], phase: Any, fn: Any) -> Any:
+        """m = [b (sin(pi s) cos(phase) + cos(pi s) sin(phase))]^2, s the drive's phase."""
+        sine = u["sin_pi_phase"] * fn.cos(p["phase"]) + u["cos_pi_phase"] * fn.sin(p["phase"])
+        return p["b"] ** 2 * sine**2
+
+    def rate(self, p: Mapping[str, Any], u: Mapping[str, Any], phase: Any, fn: Any) -> Any:
+        """m' = 2 omega b^2 sin(angle) cos(angle), angle = pi s + phase."""
+        sine = u["sin_pi_phase"] * fn.cos(p["phase"]) + u["cos_pi_phase"] * fn.sin(p["phase"])
+        cosine = u["cos_pi_phase"] * fn.cos(p["phase"]) - u["sin_pi_phase"] * fn.sin(p["phase"])
+        return 2 * p["omega"] * p["b"] ** 2 * sine * cosine
+
+    def periods(self, values: Mapping[str, FloatArray]) -> FloatArray:
+        """pi/omega."""
+        return np.asarray(np.pi / self.value(values, "omega"))
+
+    def timeline(self, values: Mapping[str, FloatArray], duration: FloatArray) -> Timeline:
+        """One piece, the period of the load, repeated."""
+        return repeated(self.periods(values), duration, _half_turn)
+
+
+@dataclass(frozen=True)
+class Sine(Drive):
+    """A sinusoidal load, m(tau) = mean + m sin(omega tau + phase).
+
+    Parameters
+    ----------
+    m
+        Amplitude of the load.
+    omega
+        Angular frequency.  The load repeats every 2 pi/omega.
+    mean
+        Mean load.
+    phase
+        Angle at tau = 0, in radians.
+
+    Examples
+    --------
+    >>> round(Sine(0.16, 2.5).period, 6)
+    2.513274
+    """
+
+    m: float
+    omega: float
+    mean: float = 0.0
+    phase: float = 0.0
+
+    has_rate: ClassVar[bool] = True
+    rules: ClassVar[Mapping[str, Rule]] = MappingProxyType(
+        {"m": LOAD, "omega": OMEGA, "mean": LOAD, "phase": PHASE}
+    )
+    waveforms: ClassVar[tuple[str, ...]] = ("sin_2pi_phase", "cos_2pi_phase")
+
+    def __call__(self, tau: ArrayLike) -> FloatArray:
+        """m(tau) = mean + m sin(omega tau + phase)."""
+        angle = self.omega * np.asarray(tau, dtype=np.float64) + self.phase
+        return np.asarray(self.mean + self.m * np.sin(angle))
+
+    def load(self, p: Mapping[str, Any], u: Mapping[str, Any], phase: Any, fn: Any) -> Any:
+        """mean + m (sin(2 pi s) cos(phase) + cos(2 pi s) sin(phase)), s the drive's phase."""
+        sine = u["sin_2pi_phase"] * fn.cos(p["phase"]) + u["cos_2pi_phase"] * fn.sin(p["phase"])
+        return p["mean"] + p["m"] * sine
+
+    def rate(self, p: Mapping[str, Any], u: Mapping[str, Any], phase: Any, fn: Any) -> Any:
+        """m' = omega m cos(2 pi s + phase)."""
+        cosine = u["cos_2pi_phase"] * fn.cos(p["phase"]) - u["sin_2pi_phase"] * fn.sin(p["phase"])
+        return p["omega"] * p["m"] * cosine
+
+    def periods(self, values: Mapping[str, FloatArray]) -> FloatArray:
+        """2 pi/omega."""
+        return np.asarray(2.0 * np.pi / self.value(values, "omega"))
+
+    def timeline(self, values: Mapping[str, FloatArray], duration: FloatArray) -> Timeline:
+        """One piece, the period of the load, repeated."""
+        return repeated(self.periods(values), duration, _full_turn)
+
+
+def _half_turn(phase: FloatArray) -> FloatArray:
+    angle = np.pi * np.asarray(phase, dtype=np.float64)
+    return np.stack([np.sin(angle), np.cos(angle)])
+
+
+def _full_turn(phase: FloatArray) -> FloatArray:
+    angle = 2.0 * np.pi * np.asarray(phase, dtype=np.float64)
+    return np.stack([np.sin(angle), np.cos(angle)])

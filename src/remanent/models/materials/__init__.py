@@ -1,0 +1,1 @@
+"""Materials: strain energies of incompressible solids."""

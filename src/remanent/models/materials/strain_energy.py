@@ -1,0 +1,184 @@
+"""A strain energy of one's own, as a formula."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import permutations
+from types import MappingProxyType
+from typing import Any, ClassVar, Final
+
+import numpy as np
+
+from remanent import _checks
+from remanent._checks import Rule
+from remanent._errors import InputError
+from remanent.models import formula
+from remanent.models.formula import Formula
+from remanent.models.materials.base import ENTROPIC_FRACTION, Material
+from remanent.models.materials.second_order_ad import Jet, JetFunctions
+
+_STRETCHES: Final = ("l1", "l2", "l3")
+_VARIABLES: Final = frozenset((*_STRETCHES, "I1", "I2"))
+_RESERVED: Final = _VARIABLES | {
+    *formula.FUNCTIONS, formula.PI, "expression", "constants", "entropic_fraction",
+}  # fmt: skip
+#: Stretches at which permutations are compared; their product is 1.
+_SAMPLES: Final = ((1.05, 0.98, 1 / (1.05 * 0.98)), (0.97, 1.01, 1 / (0.97 * 1.01)))
+_TOLERANCE: Final = 1e-10
+_MODULUS: Final = _checks.positive(
+    "It is the curvature of the energy at rest, by which the energy is divided; the undeformed "
+    "state must be stable.",
+    "Check the formula and the signs of its constants.",
+)
+
+
+@dataclass(frozen=True)
+class StrainEnergy(Material):
+    """A strain energy of one's own, as a formula in stretches or invariants.
+
+    The formula may have any unit and any value at rest: W/mu = [W(l) - W(1)]/mu_W, with
+    mu_W the shear modulus at rest that follows from it.  It must not change when stretches
+    are exchanged (an isotropic solid), which also makes the undeformed state free of stress.
+    A motion never leaves the states in which every logarithm, root and denominator in the
+    formula has the sign that it has at rest.
+
+    Parameters
+    ----------
+    expression
+        Text, or a SymPy expression, in the principal stretches ``l1``, ``l2``, ``l3``, or the
+        invariants ``I1`` = l1^2 + l2^2 + l3^2 and ``I2`` = l1^-2 + l2^-2 + l3^-2, and in the
+        names of `constants`; arithmetic, powers, ``sqrt``, ``exp``, ``log``, ``sin``, ``cos``
+        and ``pi``.  Text is read, never run.
+    constants
+        Values of the other names: numeric fields of the material, which ``over`` may vary as
+        ``material.NAME``.
+    entropic_fraction
+        Share of the modulus that is proportional to temperature.
+
+    Raises
+    ------
+    InputError
+        A formula that is none, unknown or unused names, an energy that is not isotropic, is
+        not finite at rest, or has no positive shear modulus there.
+
+    Notes
+    -----
+    mu_W is a quarter of the second derivative of W(exp(e), exp(-e), 1) at e = 0, the modulus
+    of pure shear, carried through the formula exactly.  Only its text decides the equations:
+    with other constants the compiled code is used again.  The energy is computed as it is
+    written, so a formula that cancels near rest has that many digits fewer there.
+
+    Examples
+    --------
+    >>> solid = StrainEnergy("a*(I1 - 3) + b*(I1 - 3)**2", {"a": 50e3, "b": 2e3})
+    >>> float(solid.energy(2.0, 1.0, 0.5, solid.parameters(), np))
+    1.22625
+    """
+
+    expression: str
+    constants: Mapping[str, float] | Sequence[tuple[str, float]] = ()
+    entropic_fraction: float = 1.0
+
+    rules: ClassVar[Mapping[str, Rule]] = MappingProxyType({"entropic_fraction": ENTROPIC_FRACTION})
+    mappings: ClassVar[Mapping[str, Rule]] = MappingProxyType(
+        {"constants": _checks.finite("It is a constant of the strain energy.")}
+    )
+    choices: ClassVar[tuple[str, ...]] = ("expression",)
+    kept: ClassVar[bool] = True
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        _require_isotropic(self)
+
+    def checked_options(self) -> Mapping[str, Any]:
+        """The formula as it was understood, if its names are known."""
+        text: Any = self.expression
+        if not isinstance(text, str) and hasattr(text, "free_symbols"):
+            text = formula.from_sympy(text)
+        if not isinstance(text, str):
+            raise InputError(
+                "expression", "be text or a SymPy expression", repr(text),
+                "It is a formula for the strain energy.", "Pass for example 'I1 - 3'.",
+            )  # fmt: skip
+        found = formula.parse(text)
+        _require_names(found.names, [name for name, _ in self._pairs()["constants"]])
+        return {"expression": found.text}
+
+    def derived(self, p: Mapping[str, Any]) -> Mapping[str, tuple[Any, Rule]]:
+        """The energy's own shear modulus at rest."""
+        return {"the shear modulus at rest": (self._at_rest(p, np).bend / 4, _MODULUS)}
+
+    def energy(self, l1: Any, l2: Any, l3: Any, p: Mapping[str, Any], fn: Any) -> Any:
+        """W/mu = [W(l1, l2, l3) - W(1, 1, 1)]/mu_W."""
+        rest = self._at_rest(p, fn)
+        return (self._formula(_named(l1, l2, l3) | dict(p), fn) - rest.value) / (rest.bend / 4)
+
+    def room(self, l1: Any, l2: Any, l3: Any, p: Mapping[str, Any], fn: Any) -> Sequence[Any]:
+        """Arguments of logarithms and roots, and denominators, over their values at rest."""
+        one = formula.exact(Fraction(1), fn)
+        here, rest = _named(l1, l2, l3) | dict(p), _named(one, one, one) | dict(p)
+        parts = self._formula.sensitive(_VARIABLES, _VARIABLES)
+        return tuple(part(here, fn) / part(rest, fn) for part in parts)
+
+    @property
+    def _formula(self) -> Formula:
+        return formula.parse(self.expression)
+
+    def _at_rest(self, p: Mapping[str, Any], fn: Any) -> Jet:
+        """W along pure shear, l1 = exp(e) and l2 = exp(-e), at e = 0."""
+        one = formula.exact(Fraction(1), fn)
+        stretches = Jet(one, one, one), Jet(one, -one, one), one
+        found = self._formula(_named(*stretches) | dict(p), JetFunctions(fn))
+        return found if isinstance(found, Jet) else Jet(found, 0 * one, 0 * one)
+
+
+def _named(l1: Any, l2: Any, l3: Any) -> dict[str, Any]:
+    squares = [stretch * stretch for stretch in (l1, l2, l3)]
+    return {
+        **dict(zip(_STRETCHES, (l1, l2, l3), strict=True)),
+        "I1": squares[0] + squares[1] + squares[2],
+        "I2": 1 / squares[0] + 1 / squares[1] + 1 / squares[2],
+    }
+
+
+def _require_names(used: frozenset[str], constants: Sequence[str]) -> None:
+    taken = [name for name in constants if name in _RESERVED]
+    if taken:
+        raise InputError(
+            "constants", "have names of their own", ", ".join(taken),
+            "These mean something else in the formula.", "Rename them.",
+        )  # fmt: skip
+    unknown, unused = sorted(used - _VARIABLES - {*constants}), sorted({*constants} - used)
+    if unknown:
+        raise InputError(
+            "expression", f"hold {', '.join(sorted(_VARIABLES))} and names in `constants` only",
+            ", ".join(unknown), "Every other name is a number that must be given.",
+            f"Pass constants={{{unknown[0]!r}: ...}}.",
+        )  # fmt: skip
+    if unused:
+        raise InputError(
+            "constants", "occur in the expression", ", ".join(unused),
+            "A number that changes nothing is probably misspelt.", "Leave it out.",
+        )  # fmt: skip
+
+
+def _require_isotropic(material: StrainEnergy) -> None:
+    """Raise unless the energy is the same for every order of three stretches."""
+    p = {name: np.float64(value) for name, value in material.parameters().items()}
+    for sample in _SAMPLES:
+        with np.errstate(all="ignore"):
+            values = [
+                float(material.energy(np.float64(l1), np.float64(l2), np.float64(l3), p, np))
+                for l1, l2, l3 in permutations(sample)
+            ]
+        if np.isfinite(values).any() and not np.ptp(values) <= _TOLERANCE * (
+            1.0 + max(map(abs, values))
+        ):
+            raise InputError(
+                "expression", "be the same when stretches are exchanged",
+                repr(material.expression),
+                f"At {sample} in six orders it is between {min(values):g} and {max(values):g}.",
+                "Add the terms with the other stretches, or write it in I1 and I2.",
+            )  # fmt: skip

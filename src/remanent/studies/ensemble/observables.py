@@ -1,0 +1,56 @@
+"""Observables of states that are already known, by the interpreted field."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from remanent._timeline import Timeline
+from remanent._typing import FloatArray
+from remanent.integrate.ensemble.problem import Problem
+
+
+def observe(problem: Problem, name: str, times: FloatArray, states: FloatArray) -> FloatArray:
+    """An observable of the field, array (trajectory, time).
+
+    Parameters
+    ----------
+    name
+        One of ``problem.field.observables``.
+    times : array (trajectory, time)
+    states : array (trajectory, time, state)
+    """
+    phase, piece = locate(problem.timeline, times)
+    row = np.arange(times.shape[0])[:, None]
+    columns = []
+    for k, parameter in enumerate(problem.field.parameters):
+        by_piece = problem.timeline.parameters.get(parameter)
+        column = problem.parameters[:, k][:, None] if by_piece is None else by_piece[piece, row]
+        columns.append(column)
+    inputs = [phase, *np.moveaxis(states, 2, 0), *columns, *problem.timeline.waveform(phase)]
+    with np.errstate(all="ignore"):
+        (value,) = problem.field.observables[name](inputs, functions=np)
+    return np.asarray(np.broadcast_to(value, times.shape))
+
+
+def locate(timeline: Timeline, times: FloatArray) -> tuple[FloatArray, np.ndarray]:
+    """Phase in the period or piece, and number of the piece, at each time.
+
+    A time at a boundary belongs to the piece that begins there; the end of the run
+    belongs to the last piece.
+    """
+    if timeline.periodic:
+        with np.errstate(all="ignore"):  # more periods than numbers: no phase, and no states
+            turns = times / timeline.lengths[0][:, None]
+            near = np.rint(turns)
+            turns = np.where(np.abs(turns - near) < 1e-12 * np.maximum(near, 1.0), near, turns)
+            return turns - np.floor(turns), np.zeros(times.shape, dtype=np.int64)
+    ends = np.cumsum(timeline.lengths, axis=0)
+    piece = np.zeros(times.shape, dtype=np.int64)
+    for end in ends[:-1]:
+        piece += times >= end[:, None] * (1 - 1e-15)
+    row = np.arange(times.shape[0])[:, None]
+    length = timeline.lengths[piece, row]
+    start = ends[piece, row] - length
+    with np.errstate(all="ignore"):
+        phase = np.where(length > 0, (times - start) / length, 0.0)
+    return phase.clip(0.0, 1.0), piece

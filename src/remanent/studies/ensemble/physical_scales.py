@@ -1,0 +1,131 @@
+"""Physical sizes that scale several dimensionless numbers at once."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+
+import numpy as np
+
+from remanent._checks import Rule, positive
+from remanent._errors import InputError
+from remanent._timeline import Timeline
+from remanent._typing import ArrayLike, FloatArray
+from remanent.integrate.ensemble.problem import Problem
+from remanent.models.actuator import Actuator
+from remanent.models.drives.base import Drive
+from remanent.models.drives.piecewise import Table
+from remanent.results.schema import Kind, describe
+from remanent.studies.ensemble.ensemble import Ensemble, Over, ensemble, problem
+
+#: Names of the sizes; each counts in units of what the actuator was built with.
+PHYSICAL = ("shear_modulus", "density", "remanence")
+RULE: Rule = positive(
+    "It is a physical size over the one that the actuator was built with.",
+    "Pass 1 for no change, 1.05 for five per cent more.",
+)
+#: Exponents of shear modulus, density and remanence in a quantity of each kind, held
+#: fixed in SI: stresses count in mu, times in L sqrt(rho/mu), loads in mu mu0/B_r, the
+#: own field is B_r^2/(mu mu0), and what couples heat mu/(rho c_p T0).
+_EXPONENTS: Mapping[Kind, tuple[float, float, float]] = MappingProxyType(
+    {
+        Kind.STRESS: (-1.0, 0.0, 0.0),
+        Kind.LOAD: (-1.0, 0.0, 1.0),
+        Kind.ROOT_LOAD: (-0.5, 0.0, 0.5),
+        Kind.OWN_FIELD: (-1.0, 0.0, 2.0),
+        Kind.COUPLING: (1.0, -1.0, 0.0),
+        Kind.TIME: (0.5, -0.5, 0.0),
+        Kind.RATE: (-0.5, 0.5, 0.0),
+        Kind.FREQUENCY: (-0.5, 0.5, 0.0),
+        Kind.VISCOSITY: (-0.5, -0.5, 0.0),
+    }
+)
+
+
+@dataclass(frozen=True)
+class Physical:
+    """An ensemble in which shear modulus, density and remanence differ as well.
+
+    Attributes
+    ----------
+    ensemble
+        Its values are in the units of each trajectory's own sizes.
+    sizes : array (size, trajectory)
+        :data:`PHYSICAL`, over what the actuator was built with.
+    """
+
+    ensemble: Ensemble
+    sizes: FloatArray
+
+    @property
+    def time(self) -> FloatArray:
+        """Own times over times in the actuator's unit, array (trajectory,)."""
+        return _factor(Kind.TIME, self.sizes)
+
+    @property
+    def load(self) -> FloatArray:
+        """Own loads over loads in the actuator's unit, array (trajectory,)."""
+        return _factor(Kind.LOAD, self.sizes)
+
+    def factor(self, name: str) -> FloatArray:
+        """Own values of a variable over those in the actuator's unit, array (trajectory,)."""
+        return _factor(_kind(name), self.sizes)
+
+    def problem(self, duration: FloatArray) -> Problem:
+        """The trajectories, each lasting `duration` in the actuator's unit of time."""
+        ens = self.ensemble
+        if not isinstance(ens.drive, Table):
+            return problem(ens, duration * self.time)
+        plain = problem(ens, duration)
+        line = plain.timeline
+        scaled = {name: rows * self.load for name, rows in line.parameters.items()}
+        timeline = Timeline(line.lengths * self.time, line.periodic, scaled, line.waveform)
+        return replace(plain, timeline=timeline, duration=plain.duration * self.time)
+
+
+def physical(
+    actuator: Actuator,
+    drive: Drive,
+    over: Over | None = None,
+    initial: ArrayLike | None = None,
+    *,
+    reserved: frozenset[str] = frozenset({"time", "cycle", "step"}),
+) -> Physical:
+    """Lay out trajectories over numeric fields and over :data:`PHYSICAL` sizes.
+
+    Flux densities, times, dead loads and viscosities keep their values in SI, so the
+    dimensionless numbers change: m ~ B_r/mu, S ~ 1/mu, omega ~ sqrt(rho/mu) ...
+    """
+    ens = ensemble(
+        actuator, drive, over, initial, reserved=reserved, extra=dict.fromkeys(PHYSICAL, 1.0)
+    )
+    sizes = np.stack([ens.values[name] for name in PHYSICAL])
+    broken = ~np.all([RULE.satisfied(row) for row in sizes], axis=0)
+    if not ens.sizes and broken.any():
+        raise InputError("over", RULE.rule, sizes[:, 0], RULE.reason, RULE.remedy)
+    sizes = np.where(broken, 1.0, sizes)
+    values = {
+        name: value * _factor(_kind(name), sizes)
+        for name, value in ens.values.items()
+        if name not in PHYSICAL
+    }
+    start = ens.initial.copy()
+    for k, name in enumerate(ens.field.state):
+        start[:, k] *= _factor(_kind(name), sizes)
+    own = replace(ens, values=values, initial=start, invalid=ens.invalid | broken)
+    return Physical(own, sizes)
+
+
+def _factor(kind: Kind, sizes: FloatArray) -> FloatArray:
+    exponents = _EXPONENTS.get(kind, (0.0, 0.0, 0.0))
+    return np.asarray(np.prod(sizes ** np.array(exponents)[:, None], axis=0))
+
+
+def _kind(name: str) -> Kind:
+    """How a field scales; what the table does not name is a plain number."""
+    base = "mean" if name.startswith("loads.") else name
+    try:
+        return describe(base).kind
+    except InputError:
+        return Kind.NONE

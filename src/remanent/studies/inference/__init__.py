@@ -1,0 +1,1 @@
+"""Verbs from data to parameters and back."""

@@ -1,0 +1,1 @@
+"""Verbs for periodic orbits and their branches."""

@@ -1,0 +1,1 @@
+"""Verbs for long runs: exponents, regimes, basins."""

@@ -1,0 +1,114 @@
+"""Free oscillations: how their frequency depends on amplitude and energy."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from remanent._errors import InputError
+from remanent._typing import ArrayLike, FloatArray, IntArray
+from remanent.integrate import events
+from remanent.integrate.ensemble.ensemble import integrate
+from remanent.integrate.ensemble.problem import Problem, Request
+from remanent.models.actuator import Actuator
+from remanent.models.drives.waves import Constant
+from remanent.results.build import Labelled
+from remanent.studies.ensemble.checks import require_tolerance
+from remanent.studies.ensemble.dataset import label
+from remanent.studies.ensemble.ensemble import Over, ensemble, problem
+from remanent.studies.ensemble.observables import observe
+
+#: A half-period is looked for up to this time, then this much longer, so many times.
+_FIRST, _LONGER, _TRIES = 8.0, 4.0, 5
+
+
+def backbone(
+    actuator: Actuator,
+    stretch: ArrayLike,
+    *,
+    m: float = 0.0,
+    over: Over | None = None,
+    tolerance: float = 1e-9,
+) -> xr.Dataset:
+    """Frequency of the free oscillations that start at rest from given stretches.
+
+    Parameters
+    ----------
+    actuator
+        With one coordinate, without dissipation and heat balance.
+    stretch : array (initial.stretch,)
+        Turning points λ(0), increasing.
+    m
+        Constant magnetic load.
+    over
+        Values of numeric fields; they become dimensions of the result.
+    tolerance
+        Asked of the state at the other turning point.
+
+    Returns
+    -------
+    xarray.Dataset
+        Against ``initial.stretch``: ``frequency`` with ``frequency_error``, ``energy``,
+        ``maximum``, ``minimum`` and ``amplitude`` of the thickness stretch; ``error``,
+        ``horizon``, ``status``.
+
+    Raises
+    ------
+    InputError
+        A bad argument, or an actuator with dissipation, heat or two coordinates: two have
+        free oscillations of several kinds, most of which have no period.
+
+    Notes
+    -----
+    Half a period passes from one turning point to the other, which is a root of the rate in
+    the dense output.  A forced response bends along this curve: drive periods of
+    ``SineSquared`` are half its flux's, so its resonance ω is half the frequency.
+
+    Examples
+    --------
+    >>> import numpy as np, remanent as rm
+    >>> ds = rm.backbone(rm.Actuator(), np.linspace(1.0001, 3.0, 9))
+    >>> bool(abs(ds.frequency[0] - 6**0.5) < 1e-6)
+    True
+    """
+    require_tolerance(tolerance)
+    if not actuator.conservative or actuator.coordinates > 1:
+        raise InputError(
+            "actuator", "have one coordinate, no dissipation and no heat balance", actuator,
+            "Only free oscillations of one coordinate all have a period.",
+            "Pass one number as prestress, no edges, dissipation=() and heat=None.",
+        )  # fmt: skip
+    ens = ensemble(actuator, Constant(m), {**(over or {}), "initial.stretch": np.asarray(stretch)})
+    half, error = np.full(ens.count, np.nan), np.full(ens.count, np.nan)
+    duration = _FIRST
+    for _ in range(_TRIES):
+        missing = np.isnan(half) & ~ens.invalid
+        if not missing.any():
+            break
+        asked = problem(ens, np.full(ens.count, duration))
+        found, outcome = events.crossings(asked, "stretch_rate", 0.0, tolerance=tolerance)
+        rows, first = np.unique(found.trajectory, return_index=True)
+        acceleration = _acceleration(asked, rows, found.states[first])
+        half[rows] = found.time[first]
+        error[rows] = outcome.error[rows] / np.abs(acceleration)
+        duration *= _LONGER
+    whole = problem(ens, np.where(np.isfinite(half), 2.0 * half, 1.0))
+    outcome = integrate(whole, Request(extremes=True), tolerance=tolerance)
+    start = observe(whole, "energy", np.zeros((ens.count, 1)), ens.initial[:, None])[:, 0]
+    with np.errstate(all="ignore"):
+        frequency = np.pi / half
+    variables: dict[str, Labelled] = {
+        "frequency": (ens.dims, ens.shaped(frequency)),
+        "frequency_error": (ens.dims, ens.shaped(frequency * error / half)),
+        "energy": (ens.dims, ens.shaped(start)),
+        "maximum": (ens.dims, ens.shaped(outcome.maximum)),
+        "minimum": (ens.dims, ens.shaped(outcome.minimum)),
+        "amplitude": (ens.dims, ens.shaped(0.5 * (outcome.maximum - outcome.minimum))),
+    }
+    return label(ens, outcome, variables, {}, tolerance)
+
+
+def _acceleration(asked: Problem, rows: IntArray, states: FloatArray) -> FloatArray:
+    """How fast the rate passes zero."""
+    inputs = [np.zeros(rows.size), *states.T, *asked.parameters[rows].T]
+    return np.asarray(asked.field.rates(inputs, functions=np)[1])

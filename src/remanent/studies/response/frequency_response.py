@@ -1,0 +1,220 @@
+"""Frequency response: the largest excursion of the thickness stretch against ω."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from remanent._checks import increases, not_negative, positive, require_increasing, require_real
+from remanent._errors import InputError
+from remanent._typing import ArrayLike, FloatArray, IntArray
+from remanent.analysis.subdivision import Largest, largest
+from remanent.integrate.ensemble.ensemble import Progress, integrate
+from remanent.integrate.ensemble.problem import Outcome, Request, gathered
+from remanent.models.actuator import Actuator
+from remanent.models.drives.base import Drive
+from remanent.results.build import Labelled
+from remanent.studies.ensemble.checks import require_tolerance
+from remanent.studies.ensemble.dataset import label
+from remanent.studies.ensemble.durations import durations, require_one
+from remanent.studies.ensemble.ensemble import Ensemble, Over, ensemble, problem
+
+#: Default length of the window, in units of tau: that of the paper.
+WINDOW = 100.0
+_WIDTH = positive("It is the width of the last bracket.", "Pass for example 1e-6.")
+_DISCARD = not_negative("It is the time before the window.", "Pass 0 to start at once.")
+
+
+def frequency_response(
+    actuator: Actuator,
+    drive: Drive,
+    omega: ArrayLike,
+    *,
+    duration: float | None = None,
+    periods: int | None = None,
+    discard: float = 0.0,
+    initial: ArrayLike | None = None,
+    over: Over | None = None,
+    tolerance: float = 1e-9,
+    resonance_width: float = 1e-6,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Amplitude of the thickness stretch for each drive frequency.
+
+    Parameters
+    ----------
+    actuator, drive
+        What moves, and a drive with a field ``omega``, whose value is not used.
+    omega : array (omega,)
+        Drive frequencies, radians per unit of tau, increasing, positive.
+    duration, periods
+        Length of each run, in tau (100 by default) or in drive periods; at most one.
+    discard
+        Time at the beginning, tau, that does not count.
+    initial, over, tolerance, progress
+        As for :func:`remanent.simulate`; `tolerance` is asked of the extremes.
+    resonance_width
+        Width of the last bracket of ``resonance``.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``amplitude`` = (maximum − minimum)/2, ``maximum`` and ``minimum`` of the
+        thickness stretch λ₃ over the window, between steps as well as at them, with
+        ``amplitude_error``; ``resonance``, the ω of the largest amplitude between the
+        first and last `omega`, found by repeated subdivision, its
+        ``resonance_amplitude`` and ``resonance_error``, the width of the last bracket;
+        ``error``, ``horizon``, ``status``.  A point whose error bound could not be
+        met to the end is NaN.
+
+    Raises
+    ------
+    InputError
+        A bad argument, or a drive without ``omega``.
+
+    Notes
+    -----
+    The response from rest is not smooth in ω: it jumps where the initial state crosses
+    the stable manifold of a saddle orbit, so the maximum is found by subdivision.
+
+    Examples
+    --------
+    >>> import numpy as np, remanent as rm
+    >>> hot = rm.Actuator(temperature=350)
+    >>> ds = rm.frequency_response(hot, rm.SineSquared(0.4, 1.0), np.linspace(1, 1.5, 101))
+    >>> round(float(ds.resonance), 2)
+    1.25
+    """
+    if periods is None and duration is None:
+        duration = WINDOW
+    require_one(duration=duration, periods=periods)
+    require_tolerance(tolerance)
+    discard = require_real("discard", discard, _DISCARD)
+    resonance_width = require_real("resonance_width", resonance_width, _WIDTH)
+    grid = _frequencies(drive, omega, over)
+    whole = {**(over or {}), "omega": grid}
+    ens = ensemble(actuator, drive, whole, initial)
+
+    def respond(some: Ensemble, report: Progress | None = None) -> Outcome:
+        return _respond(some, duration, periods, discard, tolerance, report)
+
+    outcome = respond(ens, progress)
+    amplitude = ens.shaped(_amplitude(outcome))
+    peak = _resonance(ens, grid, amplitude, respond, resonance_width)
+    variables = _variables(ens, outcome, amplitude, peak)
+    settings = {"duration": duration, "periods": periods, "discard": discard}
+    return label(ens, outcome, variables, {}, tolerance, **settings)
+
+
+def _frequencies(drive: Drive, omega: ArrayLike, over: Over | None) -> FloatArray:
+    if "omega" not in drive.parameters():
+        raise InputError(
+            "drive",
+            "have a field `omega`",
+            repr(drive),
+            "A frequency response varies the frequency of the drive.",
+            "Pass rm.SineSquared(b, omega) or rm.Sine(m, omega).",
+        )
+    if over and "omega" in over:
+        raise InputError(
+            "over",
+            "not name `omega`",
+            "'omega'",
+            "The frequencies are an argument of their own.",
+            "Pass them as the third argument.",
+        )
+    match omega:  # a million need not become a tuple
+        case np.ndarray(ndim=1, dtype=np.dtype(kind="i" | "u" | "f")) if increases(omega):
+            return np.asarray(omega, dtype=np.float64)
+    return np.array(require_increasing("omega", omega))
+
+
+def _respond(
+    ens: Ensemble,
+    duration: Any,
+    periods: Any,
+    discard: float,
+    tolerance: float,
+    progress: Progress | None,
+) -> Outcome:
+    if ((durations(ens, duration, periods) <= discard) & ~ens.invalid).any():
+        raise InputError(
+            "discard",
+            "be shorter than the run",
+            discard,
+            "Nothing would be left of the window.",
+            "Pass a longer `duration`.",
+        )
+
+    def parts() -> Iterator[tuple[slice, Outcome]]:
+        for part, some in ens.slabs():
+            request = Request(extremes=True, begin=np.full(some.count, discard))
+            share = None if progress is None else _share(progress, part, ens.count)
+            asked = problem(some, durations(some, duration, periods))
+            yield part, integrate(asked, request, tolerance=tolerance, progress=share)
+
+    return gathered(ens.count, parts())
+
+
+def _share(progress: Progress, part: slice, count: int) -> Progress:
+    """Progress within a part, told as progress of the whole."""
+    return lambda done: progress((part.start + done * (part.stop - part.start)) / count)
+
+
+def _amplitude(outcome: Outcome) -> FloatArray:
+    amplitude = outcome.maximum - outcome.minimum
+    amplitude *= 0.5
+    return np.asarray(amplitude)
+
+
+def _resonance(
+    ens: Ensemble,
+    grid: FloatArray,
+    amplitude: FloatArray,
+    respond: Callable[[Ensemble], Outcome],
+    width: float,
+) -> Largest:
+    """The largest amplitude for every combination of the other fields."""
+    axis = ens.dims.index("omega")
+    rows = np.moveaxis(amplitude, axis, -1).reshape(-1, grid.size)
+    first = [1 if dim == "omega" else size for dim, size in ens.sizes.items()]
+    index = np.ravel_multi_index(tuple(np.indices(first)), tuple(ens.sizes.values())).ravel()
+
+    def measure(case: IntArray, omega: FloatArray) -> FloatArray:
+        return _amplitude(respond(_at(ens, index[case], omega)))
+
+    return largest(grid, rows, measure, width=width)
+
+
+def _at(ens: Ensemble, which: IntArray, omega: FloatArray) -> Ensemble:
+    """Trajectories like some of an ensemble, at other frequencies."""
+    values = {name: v[which] for name, v in ens.values.items()} | {"omega": omega}
+    return Ensemble(
+        ens.actuator,
+        ens.drive,
+        ens.field,
+        {"point": which.size},
+        {},
+        values,
+        ens.initial[which],
+        ens.invalid[which],
+    )
+
+
+def _variables(
+    ens: Ensemble, outcome: Outcome, amplitude: FloatArray, peak: Largest
+) -> dict[str, Labelled]:
+    others = tuple(d for d in ens.dims if d != "omega")
+    shape = tuple(ens.sizes[d] for d in others)
+    return {
+        "amplitude": (ens.dims, amplitude),
+        "maximum": (ens.dims, ens.shaped(outcome.maximum)),
+        "minimum": (ens.dims, ens.shaped(outcome.minimum)),
+        "amplitude_error": (ens.dims, ens.shaped(outcome.error)),
+        "resonance": (others, peak.position.reshape(shape)),
+        "resonance_amplitude": (others, peak.value.reshape(shape)),
+        "resonance_error": (others, (peak.upper - peak.lower).reshape(shape)),
+    }

@@ -1,0 +1,129 @@
+"""Forces and potentials of an ensemble that does not move."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from scipy.optimize import elementwise
+
+from remanent._field import Program
+from remanent._typing import BoolArray, FloatArray, IntArray
+from remanent.studies.ensemble.ensemble import Ensemble, at_rest
+
+#: Stretches between which equilibria are sought, and how finely.
+STRETCHES = np.geomspace(0.05, 20.0, 4001)
+
+#: Values of parameters that stand in place of the ensemble's own, by name.
+Changed = Mapping[str, FloatArray]
+
+
+@dataclass(frozen=True)
+class AtRest:
+    """The field of an ensemble at zero rates, branches relaxed, at the surroundings' temperature.
+
+    Stretches are given for each coordinate, arrays (point,); differences of stretches
+    that the state holds as well are 1.
+    """
+
+    ens: Ensemble
+
+    @cached_property
+    def grid(self) -> FloatArray:
+        """Equal stretches on which zeros are sought, array (point,) or (case, point).
+
+        Where the material has limits they are the ends, and points are dense there.
+        """
+        cases = np.arange(self.ens.count)
+        inside = self.reachable(cases[:, None], STRETCHES, STRETCHES)
+        if inside.all():
+            return STRETCHES
+        rest = STRETCHES.size // 2
+        outside = np.argmin(inside[:, rest:], axis=1), np.argmin(inside[:, rest::-1], axis=1)
+        top = self._edge(np.minimum(rest + outside[0], STRETCHES.size - 1), -1, outside[0] == 0)
+        bottom = self._edge(np.maximum(rest - outside[1], 0), 1, outside[1] == 0)
+        share = 0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, STRETCHES.size))
+        return np.asarray(bottom[:, None] * (top / bottom)[:, None] ** share)
+
+    def _edge(self, outside: IntArray, inward: int, unlimited: BoolArray) -> FloatArray:
+        """The last stretch that can be reached, between two neighbours on the grid."""
+        last = np.where(unlimited, STRETCHES[-1 if inward < 0 else 0], STRETCHES[outside + inward])
+        case = np.flatnonzero(~unlimited)
+        if case.size:
+            last[case] = farthest_inside(
+                lambda x, i: self.reachable(i, x, x), last[case], STRETCHES[outside[case]], case
+            )
+        return last
+
+    def reachable(self, case: IntArray, one: FloatArray, two: FloatArray) -> BoolArray:
+        """Whether the material reaches in-plane stretches, arrays that broadcast with `case`."""
+        columns = {name: value[case] for name, value in self.ens.values.items()}
+        found = self.ens.actuator.reachable(columns, one, two)
+        return np.broadcast_to(found, np.broadcast_shapes(case.shape, one.shape))
+
+    def force(
+        self, case: IntArray, stretch: FloatArray, changed: Changed | None = None
+    ) -> FloatArray:
+        """The acceleration of the first coordinate, which has the sign of the force."""
+        return np.asarray(self.accelerations(case, stretch, changed=changed)[0])
+
+    def force_at(self, name: str) -> Callable[[IntArray, FloatArray, FloatArray], FloatArray]:
+        """The same as a function of case, stretch and one parameter."""
+        return lambda case, stretch, value: self.force(case, stretch, {name: value})
+
+    def accelerations(
+        self, case: IntArray, *stretches: Any, changed: Changed | None = None
+    ) -> list[Any]:
+        """Acceleration of each coordinate."""
+        rates = self.run(self.ens.field.rates, case, *stretches, changed=changed)
+        return [r for r, n in zip(rates, self.ens.field.state, strict=True) if _is_speed(n)]
+
+    def thickness(self, case: IntArray, *stretches: FloatArray) -> FloatArray:
+        """The thickness stretch."""
+        (found,) = self.run(self.ens.field.observables["thickness_stretch"], case, *stretches)
+        return np.asarray(found)
+
+    def potential(
+        self, case: IntArray, *stretches: FloatArray, changed: Changed | None = None
+    ) -> FloatArray:
+        """The energy."""
+        program = self.ens.field.observables["energy"]
+        (found,) = self.run(program, case, *stretches, changed=changed)
+        return np.asarray(found)
+
+    def run(
+        self, program: Program, case: IntArray, *stretches: Any, changed: Changed | None = None
+    ) -> list[Any]:
+        """Outputs of a program of the field, each an array (point,)."""
+        values = {name: column[case] for name, column in self.ens.values.items()}
+        values |= changed or {}
+        state = [self._value(name, stretches, values) for name in self.ens.field.state]
+        columns = [values[name] for name in self.ens.field.parameters]
+        with np.errstate(all="ignore"):
+            found = program([0.0, *state, *columns], functions=np)
+        return [np.broadcast_to(value, np.shape(stretches[0])) for value in found]
+
+    def _value(self, name: str, stretches: Sequence[Any], values: Mapping[str, FloatArray]) -> Any:
+        if name.startswith("parting."):
+            return np.full(np.shape(stretches[0]), 0.0 if name.endswith("_rate") else 1.0)
+        if name.endswith("_rate"):
+            return 0.0 * stretches[0]
+        if "stretch" not in name:
+            return at_rest(name, values)
+        return stretches[-1] if name.endswith("_2") else stretches[0]
+
+
+def _is_speed(name: str) -> bool:
+    return name.startswith("stretch") and name.endswith("_rate")
+
+
+def farthest_inside(
+    inside: Callable[..., BoolArray], near: FloatArray, far: FloatArray, index: IntArray
+) -> FloatArray:
+    """The last numbers with `inside(number, index)`, from `near`, where it holds, to `far`."""
+    find_root: Any = elementwise.find_root  # its stubs do not know `args`
+    solved = find_root(lambda x, i: np.where(inside(x, i), 1.0, -1.0), (near, far), args=(index,))
+    return np.asarray(np.where(solved.f_bracket[0] > 0.0, *solved.bracket))
