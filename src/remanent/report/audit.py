@@ -35,7 +35,7 @@ def audit(reference: Evidence, others: Sequence[Evidence]) -> list[Verdict]:
     reference
         Evidence for the reference setting, whose numbers are reported.
     others
-        Evidence for further settings of what the paper leaves unstated.
+        Evidence for further settings of what [Thermal] leaves unstated.
     """
     return [_decide(claim, reference, others) for claim in CLAIMS]
 
