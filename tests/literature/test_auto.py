@@ -63,7 +63,7 @@ def test_no_branch_is_missing(diagram: tuple[dict[str, Any], xr.Dataset]) -> Non
 
 
 def test_multipliers_along_branches(diagram: tuple[dict[str, Any], xr.Dataset]) -> None:
-    """N8: their product is exp of the integral of the trace, 1 without damping."""
+    """Liouville's formula: the product is exp of the integral of the trace, 1 undamped."""
     known, ds = diagram
     product = ds.multipliers.prod("multiplier", skipna=False).values
     product = product[np.isfinite(product)]
