@@ -100,7 +100,7 @@ def test_product_of_multipliers_is_that_of_the_divergence(name: str) -> None:
 
 @every
 def test_lyapunov_exponents_add_up_to_the_divergence(name: str) -> None:
-    """Exponents: the largest is that of the largest multiplier."""
+    """Exponents: their sum is the mean divergence, the largest that of the multipliers."""
     count = orbit(name).sizes["state"]
     ds = rm.lyapunov(
         BODIES[name], DRIVE, periods=300, count=count, initial=orbit(name).initial.values
