@@ -92,7 +92,7 @@ def test_orbits_close_when_they_are_simulated(name: str) -> None:
 
 @every
 def test_product_of_multipliers_is_that_of_the_divergence(name: str) -> None:
-    """Liouville's formula, with internal variables and temperatures too."""
+    """Liouville's formula: with internal variables and temperatures too."""
     product = np.prod(orbit(name).multipliers.values)
     assert abs(product.imag) <= 1e-9
     assert product.real == pytest.approx(np.exp(mean_trace(name) * PERIOD), rel=1e-7)
