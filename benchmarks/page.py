@@ -36,9 +36,9 @@ $c = 0.01$, $S = 1$, $b = 0.9$, $\\omega$ from 0.5 to 4: fast stretches of the m
 that should differ a hundredfold between frequencies.
 """
 _PRECISION = """\
-Time against achieved error, each point one setting. heyoka.py and SciPy give the end only and
-their errors are of the end; ours are of the extremes. Hollow: some motions have no value, because
-their error could not be bounded.
+Time against achieved error, each point one setting. heyoka.py and SciPy give the end state only,
+and their errors are those of the end state; ours are those of the extremes. Hollow markers are
+settings at which some trajectories failed to meet the error bound.
 """
 _KERNEL = """\
 One double step of one group of lanes: two steps of the solution and, for a bound, one of its
@@ -111,9 +111,11 @@ def _warnings(results: Results) -> Iterator[str]:
     if quick or busy:
         yield ":::{warning}"
         if quick:
-            yield f"Small sizes (`--quick`), to try the code: {', '.join(quick)}."
+            yield "Measured at small sizes only (`--quick`), which try the code and say little"
+            yield f"about speed: {', '.join(quick)}."
         if busy:
-            yield f"The machine was busy with other work: {', '.join(busy)}."
+            yield "Measured while other programs used the machine, so that times scatter and may be"
+            yield f"too long: {', '.join(busy)}."
         yield ":::\n"
 
 
