@@ -62,7 +62,7 @@ def _decide(claim: Claim, reference: Evidence, others: Sequence[Evidence]) -> Ve
 def _count(others: Sequence[Evidence]) -> str:
     if not others:
         return ""
-    return f"The same at {len(others)} further settings of what the paper leaves unstated."
+    return f"The same at {len(others)} further settings of what the article leaves unstated."
 
 
 def _dependence(votes: Sequence[tuple[Setting, str, Finding]]) -> str:
@@ -77,7 +77,7 @@ def _dependence(votes: Sequence[tuple[Setting, str, Finding]]) -> str:
     yes = [_name(s, r) for s, r, f in votes if f.holds]
     no = [_name(s, r) for s, r, f in votes if not f.holds]
     return (
-        f"It depends on what the paper leaves unstated. Holds at: {'; '.join(yes)}. "
+        f"It depends on what the article leaves unstated. Holds at: {'; '.join(yes)}. "
         f"Fails at: {'; '.join(no)}."
     )
 
