@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import inspect
 import json
 import re
@@ -12,8 +13,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import remanent
 import remanent as rm
+from remanent.results.schema import TABLE
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
@@ -78,7 +79,7 @@ def test_reference_lists_every_public_name() -> None:
     """The reference has each name of ``__all__`` once, and no other."""
     text = (DOCS / "reference.md").read_text("utf-8")
     listed = re.findall(r"^\.\. auto(?:class|function|exception):: remanent\.(\w+)$", text, re.M)
-    assert sorted(listed) == sorted(set(remanent.__all__) - {"plot", "__version__"})
+    assert sorted(listed) == sorted(set(rm.__all__) - {"plot", "__version__"})
     assert ".. automodule:: remanent.plots" in text
 
 
@@ -103,7 +104,7 @@ def test_verbs_without_over_are_listed() -> None:
     text = (DOCS / "how-to" / "many-parameters.md").read_text("utf-8")
     listed = re.search(r"do not take `over`:\n((?:\|.*\n|\n)+)", text)
     named = set(re.findall(r"^\| `(\w+)` \|", listed[1] if listed else "", re.M))
-    verbs = {name: getattr(remanent, name) for name in remanent.__all__}
+    verbs = {name: getattr(rm, name) for name in rm.__all__}
     signatures = {n: inspect.signature(f) for n, f in verbs.items() if inspect.isfunction(f)}
     of_systems = {
         name
@@ -163,3 +164,22 @@ def test_the_article_is_named() -> None:
     """Pages write the article's title or its key, not "the paper"."""
     vague = re.compile(r"\b[Tt]he paper\b")
     assert not [str(page) for page in PAGES if vague.search(page.read_text("utf-8"))]
+
+
+#: Words in backticks that are neither public names, nor arguments, nor variables of results.
+LABELS = {"stable", "unstable", "elliptic", "saddle", "undecided", "unbounded"}
+LABELS |= {"periodic", "chaotic", "escaped", "invalid", "horizon"}
+OUTSIDE = {"sqrt", "exp", "log", "sin", "cos", "pi", "pint", "xarray", "from_si"}
+
+
+def test_words_in_backticks_are_names() -> None:
+    """Guides name what exists: public names, their arguments, variables, values of labels."""
+    names = LABELS | OUTSIDE | set(rm.__all__) | set(TABLE) | {f"{name}_error" for name in TABLE}
+    for value in (getattr(rm, name) for name in rm.__all__):
+        if inspect.isfunction(value) or dataclasses.is_dataclass(value):
+            names |= set(inspect.signature(value).parameters)
+    pages = [*(DOCS / "how-to").glob("*.md"), DOCS / "getting-started.md", DOCS / "model.md"]
+    code = "\n".join(text for page in pages for _, text in blocks_of(page))
+    words = {word for page in pages for word in re.findall(r"`([a-z_]+)`", page.read_text("utf-8"))}
+    unknown = {word for word in words - names if not re.search(rf"^{word} = ", code, re.MULTILINE)}
+    assert not unknown
