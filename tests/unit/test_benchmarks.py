@@ -8,13 +8,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from benchmarks.jobs import JOBS, Job
+from benchmarks.jobs import JOBS, RESPONSE, Job
 from benchmarks.machine_code import assembly, work_per_pass
-from benchmarks.multiply_add import source
+from benchmarks.multiply_add import CHAINS, source
 from benchmarks.reference import Reference
 from benchmarks.targets import TARGETS, verdicts
+from benchmarks.tools import ours
 
-from remanent.integrate.kernel.compile import host
+from remanent.integrate.ensemble.problem import Request
+from remanent.integrate.ensemble.resolution import method_for
+from remanent.integrate.kernel.compile import Target, host
+from remanent.integrate.kernel.kernel import Options
 
 RESULTS = sorted((Path(__file__).parents[2] / "benchmarks" / "results").glob("*.json"))
 
@@ -41,13 +45,36 @@ def test_only_what_every_pass_of_the_inner_loop_does_counts() -> None:
     assert work_per_pass(NESTED) == {"fma": 8, "add": 8, "mul": 4}
 
 
-@pytest.mark.skipif("+fma" not in host().features.split(","), reason="no multiply-add vectors")
-def test_the_yardstick_is_multiply_adds_and_nothing_else() -> None:
-    """Its loop does whole passes of six chains; a compiler may unroll several into one."""
-    work = work_per_pass(assembly(source(host().width), host()))
-    assert work.keys() == {"fma"}
-    assert work["fma"] > 0
-    assert work["fma"] % (6 * host().width) == 0
+PROCESSORS = {
+    "znver4": "+avx,+avx2,+fma,+avx512f,+avx512vl",
+    "skylake-avx512": "+avx,+avx2,+fma,+avx512f,+avx512vl",
+    "haswell": "+avx,+avx2,+fma",
+}
+TARGETS_X86 = [Target("x86_64-unknown-linux-gnu", *item) for item in PROCESSORS.items()]
+x86 = pytest.mark.skipif(
+    not host().triple.startswith("x86_64"), reason="LLVM makes code for its own processor only"
+)
+
+
+@x86
+@pytest.mark.parametrize("target", TARGETS_X86, ids=lambda target: target.cpu)
+def test_the_yardstick_is_one_multiply_add_per_chain(target: Target) -> None:
+    """A pass is one multiply-add of each chain and lane, however often LLVM would unroll it."""
+    work = work_per_pass(assembly(source(target.width), target))
+    assert work == {"fma": CHAINS * target.width}
+
+
+@x86
+def test_operations_of_a_step_do_not_depend_on_the_processor() -> None:
+    """Per lane a kernel does the same arithmetic on processors of one vector width."""
+    method = method_for(Request(extremes=True), 1e-9)
+    field = ours.asked(RESPONSE, RESPONSE.omegas[:1]).field
+    counts = [
+        work_per_pass(assembly(target.source(field, method, Options(extremes=True)), target))
+        for target in TARGETS_X86[:2]
+    ]
+    assert counts[0] == counts[1]
+    assert counts[0]["fma"] > 10 * TARGETS_X86[0].width
 
 
 @pytest.mark.parametrize("job", JOBS.values(), ids=lambda job: job.name)
