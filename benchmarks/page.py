@@ -9,8 +9,10 @@ from typing import Any
 from benchmarks import figures, tables
 from benchmarks.targets import Results
 
+#: Where the page and its pictures are written.
 DOCS = Path(__file__).parents[1] / "docs"
-_BUSY = 0.2
+#: Waiting processes per processor above which the page warns.
+_BUSY_WARNING = 0.2
 
 _INTRODUCTION = """\
 # Measured speed
@@ -93,7 +95,7 @@ def write(results: Results) -> Path:
 def _page(results: Results) -> Iterator[str]:
     yield _INTRODUCTION
     yield from _warnings(results)
-    yield from ("## What is asked", "", tables.asked(results).markdown(), "")
+    yield from ("## What is asked", "", tables.targets(results).markdown(), "")
     yield "Met: `aim` where the aim is reached, `yes` where only the least that is asked is.\n"
     for row, title, text, table in _SECTIONS:
         if row in results:
@@ -107,7 +109,7 @@ def _page(results: Results) -> Iterator[str]:
 
 def _warnings(results: Results) -> Iterator[str]:
     quick = [row for row, result in results.items() if result["quick"]]
-    busy = [row for row, result in results.items() if result["busy"] > _BUSY]
+    busy = [row for row, result in results.items() if result["busy"] > _BUSY_WARNING]
     if quick or busy:
         yield ":::{warning}"
         if quick:

@@ -1,4 +1,9 @@
-"""pynamicalsys: an adaptive Runge-Kutta pair compiled by Numba, one trajectory at a time."""
+"""pynamicalsys: an adaptive Runge-Kutta pair compiled by Numba, one trajectory at a time.
+
+The whole trajectory is asked for, and its last state is taken.  ``evolve_system``, which keeps
+the last state only, takes 0.88 of the time, but in pynamicalsys 1.7.0 it ends later than it is
+told, by its first step.
+"""
 
 from __future__ import annotations
 
@@ -12,19 +17,20 @@ from remanent._typing import FloatArray
 
 
 def build(job: Job) -> Run:
+    """The thickness stretch at the end, one motion after another."""
     import numba
     from pynamicalsys import ContinuousDynamicalSystem
 
-    theta, prestress, b, c = job.theta, job.prestress, job.b, job.c
+    theta, prestress, c, half = job.theta, job.prestress, job.c, 0.5 * job.b**2
 
-    @numba.njit  # type: ignore[untyped-decorator,unused-ignore]
+    @numba.njit(fastmath={"contract"})  # type: ignore[untyped-decorator,unused-ignore]
     def rates(tau: float, u: Any, parameters: Any) -> Any:
         # The same form as Job.acceleration, in which Numba cannot look.
         x, v = u[0], u[1]
-        load = b * np.sin(parameters[0] * tau)
+        m = half - half * np.cos(2.0 * parameters[0] * tau)
         x2 = x * x
         x4, x7 = x2 * x2, x2 * x2 * x2 * x
-        force = theta * (x4 * x4 - x2) + load * load * x4 - prestress * x7
+        force = theta * (x4 * x4 - x2) + m * x4 - prestress * x7
         acceleration = (6.0 * c * v * v - 3.0 * force) / (x7 + 2.0 * c * x)
         return np.array([v, acceleration])
 
