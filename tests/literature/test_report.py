@@ -13,9 +13,9 @@ import pytest
 
 import remanent as rm
 from remanent.report import reconstruction
-from remanent.report.drawings import DRAWINGS
 from remanent.report.contents import Paper
-from remanent.report.paper import reproduce, write
+from remanent.report.drawings import DRAWINGS
+from remanent.report.paper import reproduce, write_report
 
 VERDICTS = {"supported", "contradicted", "depends"}
 SPLIT = {"3", "6", "8", "12", "14", "16", "17"}
@@ -34,7 +34,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Paper, Path]:
             patch.setattr(reconstruction, name, np.array(values))
         found = reproduce()
     out = tmp_path_factory.mktemp("paper")
-    write(found, out)
+    write_report(found, out)
     return found, out
 
 

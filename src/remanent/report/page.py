@@ -12,7 +12,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from remanent.report.contents import Paper
-from remanent.report.settings import AGREEMENT, LAWS
+from remanent.report.settings import AGREEMENT, FORCING_LAWS
 
 _WORDS = {"supported": "Supported", "contradicted": "Contradicted", "depends": "Depends"}
 
@@ -43,7 +43,7 @@ def render(paper: Paper, summary: Mapping[str, Any], drawings: Mapping[str, str]
         agreement=AGREEMENT,
         share=float((windows <= AGREEMENT).mean()),
         points=int(windows.size),
-        misfits={LAWS[law].text: value for law, value in paper.evidence.misfits.items()},
+        misfits={FORCING_LAWS[law].text: value for law, value in paper.evidence.misfits.items()},
         drawings={name: _data_address(svg) for name, svg in drawings.items()},
         worst=max(abs(r["difference"]) for r in summary["resonances"]),
         drift=_drifts(paper),

@@ -39,7 +39,7 @@ KINDS: dict[str, tuple[Callable[..., Figure], Make, int]] = {
         6,
     ),
     "jump": (
-        dynamics_figures.jump,
+        dynamics_figures.jump_at_resonance,
         lambda: [
             synthetic.diagram().isel(prestress=0, temperature=1),
             synthetic.frequency_response(7, 10.0).isel(prestress=0, temperature=1),
@@ -134,7 +134,7 @@ def test_pairs_of_sections_share_their_scale() -> None:
 
 def test_both_motions_beside_the_jump_and_the_saddle_are_drawn() -> None:
     """Panel (b) holds each motion in its colour, and the saddle where it is."""
-    axes = dynamics_figures.jump(
+    axes = dynamics_figures.jump_at_resonance(
         synthetic.diagram().isel(prestress=0, temperature=1),
         synthetic.frequency_response(7, 10.0).isel(prestress=0, temperature=1),
         synthetic.beside_a_saddle(),
