@@ -14,6 +14,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from remanent.report.contents import Paper
 from remanent.report.settings import AGREEMENT, FORCING_LAWS
 
+#: Verdicts as the page shows them.
 _WORDS = {"supported": "Supported", "contradicted": "Contradicted", "depends": "Depends"}
 
 
@@ -22,12 +23,17 @@ def render(paper: Paper, summary: Mapping[str, Any], drawings: Mapping[str, str]
 
     Parameters
     ----------
-    paper
+    paper : Paper
         What was computed.
-    summary
-        From :func:`remanent.report.paper.summarise`.
-    drawings
+    summary : mapping of str to object
+        What programs read, from :func:`remanent.report.paper.summarise`.
+    drawings : mapping of str to str
         SVG text of every figure, by name.
+
+    Returns
+    -------
+    str
+        The page, from the template ``report.html``.
     """
     environment = Environment(
         loader=PackageLoader("remanent.report"), autoescape=True, undefined=StrictUndefined,
@@ -66,8 +72,8 @@ def _fold(folds: Sequence[Mapping[str, float]], orbit: Mapping[str, Any]) -> str
     """The folds of the saddle's branch at this setting; nothing for other orbits."""
     if orbit["stability"] != "saddle":
         return ""
-    here = [f for f in folds if all(f[n] == orbit[n] for n in ("temperature", "prestress"))]
-    return ", ".join(f"{one['omega']:.8f}" for one in here)
+    case = [f for f in folds if all(f[n] == orbit[n] for n in ("temperature", "prestress"))]
+    return ", ".join(f"{fold['omega']:.8f}" for fold in case)
 
 
 def _data_address(svg: str) -> str:
