@@ -55,14 +55,14 @@ _TABLES: dict[str, Callable[[Any], tables.Table]] = {
 }
 
 
-#: What ours is measured against, by name.
-_PEERS: dict[str, Source] = {
-    "heyoka.py": heyoka_batch.PACKAGE,
-    "diffrax": diffrax_vmap.TOOL.source,
-    "pynamicalsys": pynamicalsys_rk45.TOOL.source,
-    "GNU Octave": octave_ode45.SOURCE,
-    "AUTO-07p": auto07p.SOURCE,
-}
+#: What ours is measured against.
+_PEERS: tuple[Source, ...] = (
+    heyoka_batch.PACKAGE,
+    diffrax_vmap.TOOL.source,
+    pynamicalsys_rk45.TOOL.source,
+    octave_ode45.SOURCE,
+    auto07p.SOURCE,
+)
 #: Width of tables where there is no terminal.
 _FILE_WIDTH = 150
 
@@ -73,7 +73,8 @@ _FILE_WIDTH = 150
 @click.option("--write-docs", is_flag=True, help="Write results and page, even with --quick.")
 def main(rows: tuple[str, ...], quick: bool, write_docs: bool) -> None:
     """Measure ROWS, all by default, and write their results and the page of the results."""
-    console = Console(highlight=False, log_path=False, width=_width())
+    # Without markup: "[bench]" in a command is no style.
+    console = Console(highlight=False, log_path=False, markup=False, width=_width())
     results: dict[str, dict[str, Any]] = {}
     busy_before, plan = busy(), Plan(quick, console.log)
     for row in [row for row in ROWS if not rows or row in rows]:
@@ -93,8 +94,8 @@ def main(rows: tuple[str, ...], quick: bool, write_docs: bool) -> None:
 
 def missing_peers() -> list[str]:
     """One line for each peer that cannot run here: why, and how to install it."""
-    reasons = {name: source.missing() for name, source in _PEERS.items()}
-    return [f"not measured: {name}: {reason}" for name, reason in reasons.items() if reason]
+    reasons = [source.missing() for source in _PEERS]
+    return [f"peer left out: {reason}" for reason in reasons if reason]
 
 
 def _width() -> int | None:

@@ -46,8 +46,10 @@ _LIMIT = 1e-7
 _STARTS = 64
 #: Drive periods from rest after which those states are taken.
 _PERIODS_TO_STARTS = 50
-#: Relative and absolute tolerance of SciPy as the reference.
-_REFERENCE_TOLERANCES = {"rtol": 1e-13, "atol": 1e-15}
+#: Relative tolerance of SciPy as the reference.
+_REFERENCE_RTOL = 1e-13
+#: Absolute tolerance of SciPy as the reference.
+_REFERENCE_ATOL = 1e-15
 #: Tolerances that are tried, loosest first.
 _TOLERANCES = 10.0 ** -np.arange(4.0, 12.0, 0.5)
 
@@ -101,7 +103,10 @@ def _exact(starts: dict[str, FloatArray]) -> Callable[[FloatArray], FloatArray]:
             def rates(tau: float, u: Any, omega: float = omega, b: float = b) -> list[float]:
                 return _rates(tau, u, (omega, b))
 
-            run = solve_ivp(rates, (0.0, end), [x, v], method="DOP853", **_REFERENCE_TOLERANCES)
+            run = solve_ivp(
+                rates, (0.0, end), [x, v], method="DOP853",
+                rtol=_REFERENCE_RTOL, atol=_REFERENCE_ATOL,
+            )  # fmt: skip
             ends.append(run.y[:, -1])
         return np.array(ends)
 
