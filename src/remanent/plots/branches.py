@@ -149,10 +149,12 @@ def _followed(dataset: xr.Dataset) -> str:
         ):  # fmt: skip
             return str(name)
     raise InputError(
-        "dataset", "be branches of orbits", ", ".join(map(str, dataset.data_vars)),
-        "It has no parameter with special points.",
-        "Pass the result of continue_orbit or response_diagram.",
-    )  # fmt: skip
+        "dataset",
+        must="be branches of orbits",
+        got=", ".join(map(str, dataset.data_vars)),
+        why="It has no parameter with special points.",
+        fix="Pass the result of continue_orbit or response_diagram.",
+    )
 
 
 def _drawn(

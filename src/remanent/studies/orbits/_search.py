@@ -68,22 +68,31 @@ def box_of(ens: Ensemble, bounds: Mapping[str, Any] | None) -> FloatArray:
     for name in given:
         if name not in state:
             raise InputError(
-                "bounds", f"name state variables, {', '.join(state)}", repr(name),
-                "Orbits are looked for in a box of states.", "Pass {'stretch': (0.3, 4.0)}.",
-            )  # fmt: skip
+                "bounds",
+                must=f"name state variables, {', '.join(state)}",
+                got=repr(name),
+                why="Orbits are looked for in a box of states.",
+                fix="Pass {'stretch': (0.3, 4.0)}.",
+            )
     rows = []
     for name in state:
         pair = np.asarray(given.get(name, _default(name, ens)), float)
         if pair.shape != (2,) or not np.isfinite(pair).all() or not pair[0] < pair[1]:
             raise InputError(
-                "bounds", f"give {name} a lower and a larger upper number", repr(given[name]),
-                "Orbits are looked for in a box of states.", "Pass {'stretch': (0.3, 4.0)}.",
-            )  # fmt: skip
+                "bounds",
+                must=f"give {name} a lower and a larger upper number",
+                got=repr(given[name]),
+                why="Orbits are looked for in a box of states.",
+                fix="Pass {'stretch': (0.3, 4.0)}.",
+            )
         if not name.endswith("_rate") and pair[0] <= 0.0:
             raise InputError(
-                "bounds", f"keep {name} above 0", float(pair[0]),
-                "A stretch is a ratio of lengths.", "Pass {'stretch': (0.3, 4.0)}.",
-            )  # fmt: skip
+                "bounds",
+                must=f"keep {name} above 0",
+                got=float(pair[0]),
+                why="A stretch is a ratio of lengths.",
+                fix="Pass {'stretch': (0.3, 4.0)}.",
+            )
         rows.append(pair)
     return np.array(rows)
 
@@ -100,10 +109,12 @@ def require_isolated(ens: Ensemble) -> None:
     """Refuse adiabatic bodies: they warm for ever, or have an orbit for each entropy."""
     if ens.system.heat is not None and not (ens.values["heat.exchange"] > 0.0).all():
         raise InputError(
-            "actuator", "exchange heat where its temperature is a state", ens.system.heat,
-            "Without exchange it warms for ever, or has an orbit for every temperature.",
-            "Pass rm.Heat(exchange=...) above 0, or heat=None.",
-        )  # fmt: skip
+            "actuator",
+            must="exchange heat where its temperature is a state",
+            got=ens.system.heat,
+            why="Without exchange it warms for ever, or has an orbit for every temperature.",
+            fix="Pass rm.Heat(exchange=...) above 0, or heat=None.",
+        )
 
 
 def is_symmetric(actuator: Actuator, drive: Drive) -> bool:
