@@ -13,7 +13,7 @@ import xarray as xr
 
 from remanent._checks import increases
 from remanent._errors import InputError
-from remanent._field import Field
+from remanent._field import Field, Role, StateVariable
 from remanent._timeline import Timeline
 from remanent._typing import ArrayLike, BoolArray, FloatArray
 from remanent.codegen.field import field_for
@@ -333,9 +333,10 @@ def _initial(
     values: Mapping[str, FloatArray],
 ) -> FloatArray:
     """Initial states, array (trajectory, state): rest where nothing else is said."""
-    rest = [at_rest(name, values) for name in field.state]
+    count = values["c"].size
+    rest = [rest_values(variable, values, count) for variable in field.variables]
     first = [column[0] for column in rest]
-    moving = [name for name in field.state if name.startswith("stretch")]
+    moving = field.names(Role.COORDINATE, Role.RATE)
     try:
         given = np.asarray(first if initial is None else initial, dtype=np.float64)
     except (TypeError, ValueError, OverflowError):
@@ -356,7 +357,7 @@ def _initial(
         if k >= said and column.strides != (0,):
             own.setdefault(k, column)
     row = np.append(given, first[given.size :])
-    start = np.broadcast_to(row, (values["c"].size, len(rest)))
+    start = np.broadcast_to(row, (count, len(rest)))
     if own:
         start = start.copy()
         for k, column in own.items():
@@ -364,21 +365,21 @@ def _initial(
     return start
 
 
-def at_rest(name: str, values: Mapping[str, FloatArray]) -> FloatArray:
-    """A state variable at rest: temperature that of the surroundings, all stretches 1."""
-    if name == "body_temperature":
-        return values["temperature"]
-    return np.broadcast_to(0.0 if name.endswith("_rate") else 1.0, values["c"].shape)
+def rest_values(
+    variable: StateVariable, values: Mapping[str, FloatArray], count: int
+) -> FloatArray:
+    """Value of a state variable at rest, array (trajectory,)."""
+    return np.broadcast_to(variable.value_at_rest(values), (count,))
 
 
-def _stretches(field: Field) -> list[int]:
-    return [k for k, name in enumerate(field.state) if not name.endswith("_rate")]
+def _positive(field: Field) -> list[int]:
+    """Positions of the state variables that only positive values make sense of."""
+    return [k for k, variable in enumerate(field.variables) if variable.positive]
 
 
 def _in_plane(start: FloatArray, field: Field) -> tuple[FloatArray, FloatArray]:
     """The two in-plane stretches of states, the same array twice for one coordinate."""
-    names = ("stretch", "stretch_1", "stretch_2")
-    columns = [k for k, name in enumerate(field.state) if name in names]
+    columns = field.indices(Role.COORDINATE)
     return start[:, columns[0]], start[:, columns[-1]]
 
 
@@ -392,7 +393,7 @@ def _invalid(
     broken = actuator.invalid(values) | drive.invalid(values)
     beyond = ~actuator.reachable(values, *_in_plane(start, field))
     bad_state = ~(np.abs(start) <= FARTHEST).all(axis=1)
-    bad_state |= ~(start[:, _stretches(field)] >= 1.0 / FARTHEST).all(axis=1)
+    bad_state |= ~(start[:, _positive(field)] >= 1.0 / FARTHEST).all(axis=1)
     periods = _periods(drive, values)
     if periods is not None:
         broken = broken | ~np.isfinite(periods)
@@ -414,7 +415,7 @@ def _refuse(states: FloatArray, field: Field, drive: Drive, periods: FloatArray 
             why="Steps are fractions of it.",
             fix="Use Constant for a load that does not change within any run.",
         )
-    for k in _stretches(field):
+    for k in _positive(field):
         if not start[k] > 0.0:
             raise InputError(
                 "initial",
@@ -423,7 +424,7 @@ def _refuse(states: FloatArray, field: Field, drive: Drive, periods: FloatArray 
                 why="Stretches are ratios of lengths, temperatures are absolute.",
                 fix="Pass 1 for the undeformed block.",
             )
-    if (np.abs(start) <= FARTHEST).all() and min(start[_stretches(field)]) >= 1.0 / FARTHEST:
+    if (np.abs(start) <= FARTHEST).all() and min(start[_positive(field)]) >= 1.0 / FARTHEST:
         return
     raise InputError(
         "initial",
