@@ -22,8 +22,9 @@ from remanent.results import build, provenance
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.durations import require_count, require_periods
-from remanent.studies.ensemble.ensemble import Ensemble, Over, ensemble
-from remanent.studies.orbits._period_map import DIMENSIONS, StroboscopicMap, at
+from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.layout import Over, lay_out
+from remanent.studies.orbits._period_map import DIMENSIONS, StroboscopicMap
 from remanent.studies.orbits._search import (
     Search,
     all_orbits,
@@ -100,7 +101,7 @@ def continue_orbit(
     >>> ds.special_kind.values.tolist(), float(ds.special_omega[0].round(4))
     (['fold'], 1.2668)
     """
-    ens = ensemble(system, drive)
+    ens = lay_out(system, drive)
     low, high = parameter_bounds(parameter, parameter_range, ens)
     tracing = trace_with(
         ens, parameter, (low, high), state_box, orbit_period, max_points, tolerance
@@ -108,7 +109,7 @@ def continue_orbit(
     value = float(ens.values[parameter][0])
     orbit = _start(tracing, initial, value)
     branches = through(tracing, orbit, np.array([value]))
-    found = [describe_branches(at(ens, 0), branches, parameter, orbit_period)]
+    found = [describe_branches(ens.member(0), branches, parameter, orbit_period)]
     settings = {
         "parameter": parameter,
         "parameter_range": (low, high),
@@ -172,13 +173,13 @@ def response_diagram(
     [1.2668]
     """
     whole = dict(over or {})
-    ens = ensemble(system, drive, whole, reserved=DIMENSIONS)
+    ens = lay_out(system, drive, whole, reserved=DIMENSIONS)
     low, high = parameter_bounds("omega", omega_range, ens)
     slices = require_count("slices", slices, "Orbits are looked for at each of them.")
     done: list[int] = []
 
     def one(k: int) -> dict[str, Any]:
-        own = at(ens, k)
+        own = ens.member(k)
         if ens.invalid[k]:
             return {}
         own.values["omega"] = np.array([0.5 * (low + high)])

@@ -23,7 +23,8 @@ from remanent.integrate.maps.period_map import Judged, PeriodMap
 from remanent.results import build, provenance
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.durations import require_periods
-from remanent.studies.ensemble.ensemble import Ensemble, problem
+from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.problem import initial_value_problem
 
 #: Trajectories followed together: enough of each resolution to fill the lanes of a kernel.
 CHUNK = 4096
@@ -49,7 +50,7 @@ class Follower:
     @cached_property
     def problem(self) -> Problem:
         """The trajectories as arrays."""
-        return problem(self.ensemble, np.ones(self.ensemble.count))
+        return initial_value_problem(self.ensemble, np.ones(self.ensemble.count))
 
     @cached_property
     def lengths(self) -> FloatArray:

@@ -18,7 +18,8 @@ from remanent.models.drives.base import Drive
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.durations import require_count, require_periods
-from remanent.studies.ensemble.ensemble import ensemble, require_memory
+from remanent.studies.ensemble.layout import lay_out
+from remanent.studies.ensemble.memory import require_memory
 from remanent.studies.regimes._follower import Follower, damped, gathered, labelled
 from remanent.studies.regimes.classify import FEWEST, KINDS, WHY, Judged
 
@@ -85,9 +86,11 @@ def basins(
     """
     periods = require_count("periods", periods, WHY, FEWEST)
     tolerance = require_tolerance(tolerance)
-    ens = ensemble(system, drive, _starts(grid))
+    ens = lay_out(system, drive, _starts(grid))
     length = require_periods(ens)
-    require_memory((300.0 + 8.0 * _TAIL * len(ens.field.state)) * ens.count, f"{ens.count} ends")
+    require_memory(
+        "over", (300.0 + 8.0 * _TAIL * len(ens.field.state)) * ens.count, f"{ens.count} ends"
+    )
     seed = 0 if rng is None else int(rng.integers(2**31))
     last = min(_TAIL, periods)
     judged = Judged(Follower(ens, periods, min(2, len(ens.field.state))), tolerance, seed)

@@ -21,8 +21,11 @@ from remanent.models.drives.base import Drive
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.durations import require_count, require_periods
-from remanent.studies.ensemble.ensemble import Ensemble, ensemble, problem, require_memory
+from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.layout import lay_out
+from remanent.studies.ensemble.memory import require_memory
 from remanent.studies.ensemble.observables import observe
+from remanent.studies.ensemble.problem import initial_value_problem
 from remanent.studies.regimes._follower import labelled
 
 #: Sweeps of each direction asked for: the order in which values are visited.
@@ -102,9 +105,9 @@ def bifurcation_diagram(
     discard = require_count("discard", discard, "Whole drive periods pass.", 0)
     keep = require_count("keep", keep, "It is a number of points.")
     tolerance = require_tolerance(tolerance)
-    base = ensemble(system, drive, None, initial)
+    base = lay_out(system, drive, None, initial)
     require_known([parameter], base.values, "the actuator and the drive")
-    ens = ensemble(system, drive, {parameter: values}, initial)
+    ens = lay_out(system, drive, {parameter: values}, initial)
     if ens.sizes.keys() != {parameter}:
         raise InputError(
             "values",
@@ -115,8 +118,8 @@ def bifurcation_diagram(
         )
     lengths = require_periods(ens)
     sweeps = _SWEEPS[direction]
-    require_memory(64.0 * ens.count * keep * len(sweeps), f"{ens.count} x {keep} points")
-    asked = problem(ens, np.ones(ens.count))
+    require_memory("over", 64.0 * ens.count * keep * len(sweeps), f"{ens.count} x {keep} points")
+    asked = initial_value_problem(ens, np.ones(ens.count))
     found = _sweep(ens, asked, lengths, sweeps, (discard, keep), tolerance, progress)
     states, error, status = found
     dims: tuple[str, ...] = (*(("sweep",) if direction == "both" else ()), parameter)

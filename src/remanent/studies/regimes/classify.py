@@ -18,7 +18,8 @@ from remanent.models.drives.base import Drive
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.durations import require_count, require_periods
-from remanent.studies.ensemble.ensemble import Over, ensemble, require_memory
+from remanent.studies.ensemble.layout import Over, lay_out
+from remanent.studies.ensemble.memory import require_memory
 from remanent.studies.regimes._follower import Follower, damped, gathered, labelled, status_of
 
 #: Factors between the tolerances that have to agree.
@@ -109,9 +110,9 @@ def classify(
     """
     periods = require_count("periods", periods, WHY, FEWEST)
     tolerance = require_tolerance(tolerance)
-    ens = ensemble(system, drive, over, initial)
+    ens = lay_out(system, drive, over, initial)
     length = require_periods(ens)
-    require_memory(300.0 * ens.count, f"{ens.count} labels")
+    require_memory("over", 300.0 * ens.count, f"{ens.count} labels")
     seed = 0 if rng is None else int(rng.integers(2**31))
     judged = Judged(Follower(ens, periods, min(2, len(ens.field.state))), tolerance, seed)
     parts = judged.follower.each(judged.chunk, progress, most=judged.most)

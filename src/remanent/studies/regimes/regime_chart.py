@@ -13,7 +13,7 @@ from remanent._typing import ArrayLike
 from remanent.integrate.ensemble.ensemble import Progress
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
-from remanent.studies.ensemble.ensemble import Over
+from remanent.studies.ensemble.layout import Over
 from remanent.studies.regimes.classify import classify
 
 

@@ -21,7 +21,9 @@ from remanent.models.drives.base import Drive
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.durations import require_count, require_periods
-from remanent.studies.ensemble.ensemble import Ensemble, Over, ensemble, problem
+from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.layout import Over, lay_out
+from remanent.studies.ensemble.problem import initial_value_problem
 from remanent.studies.ensemble.two_coordinates import two_coordinates
 from remanent.studies.regimes._follower import CHUNK, Follower, gathered, labelled, status_of
 
@@ -93,7 +95,7 @@ def symmetry_check(
     """
     periods = require_count("periods", periods, "Growth shows in a long run.", FEWEST)
     tolerance = require_tolerance(tolerance)
-    ens = ensemble(system, drive, over, initial)
+    ens = lay_out(system, drive, over, initial)
     length = require_periods(ens)
     apart = _Apart.of(ens, tolerance)
     follower = Follower(ens, periods, 0)
@@ -139,7 +141,7 @@ class _Apart:
             )
         two, pairs = two_coordinates(ens)
         field = parting(two.field, pairs)
-        asked = problem(two, np.ones(ens.count))
+        asked = initial_value_problem(two, np.ones(ens.count))
         lengths = np.where(ens.invalid, 1.0, require_periods(ens))
         flow = PeriodMap(field, asked.timeline.waveform)
         return cls(ens, flow, asked.parameters, lengths, len(pairs), tolerance)
