@@ -206,7 +206,7 @@ def parameter_bounds(parameter: str, bounds: ArrayLike, ens: Ensemble) -> tuple[
     pair = np.asarray(bounds, dtype=float)
     if pair.shape != (2,) or not np.isfinite(pair).all() or not pair[0] < pair[1]:
         raise InputError(
-            "bounds",
+            "parameter_range",
             must=f"be the lowest and the highest value of {parameter}",
             got=repr(bounds),
             why="A branch is followed between them.",
@@ -216,7 +216,7 @@ def parameter_bounds(parameter: str, bounds: ArrayLike, ens: Ensemble) -> tuple[
         broken = ens.system.invalid({parameter: value}) | ens.drive.invalid({parameter: value})
         if broken.any():
             raise InputError(
-                "bounds",
+                "parameter_range",
                 must=f"be possible values of {parameter}",
                 got=float(value),
                 why="Orbits are computed up to them.",
@@ -254,7 +254,7 @@ def _start(tracing: Tracing, start: ArrayLike | None, value: float) -> Orbits:
     ens, (low, high) = tracing.map.ensemble, tracing.bounds
     if not low <= value <= high:
         raise InputError(
-            "bounds",
+            "parameter_range",
             must=f"include the field's own value, {value:g}",
             got=(low, high),
             why="The branch starts there.",
