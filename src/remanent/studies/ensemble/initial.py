@@ -68,19 +68,17 @@ def _given_state(initial: ArrayLike, field: Field) -> FloatArray:
     """The state to start from, array (given,): coordinates and rates, or all of it."""
     moving = field.names(Role.COORDINATE, Role.RATE)
     entire = f", or all of {', '.join(field.state)}" if moving != [*field.state] else ""
-    message = {
-        "why": "A motion starts from one state.",
-        "fix": "Leave it out to start from rest; "
-        f"vary it by over={{'initial.{field.state[0]}': ...}}.",
-    }
     what = f"{', '.join(moving)}{entire}"
-    state = as_float_array("initial", initial, what=what, ndim=1, finite=True, **message)
+    why = "A motion starts from one state."
+    fix = f"Leave it out to start from rest; vary it by over={{'initial.{field.state[0]}': ...}}."
+    state = as_float_array("initial", initial, what=what, why=why, fix=fix, ndim=1, finite=True)
     if state.size not in {len(moving), len(field.state)}:
         raise InputError(
             "initial",
             must=f"be {len(moving)} finite numbers, ({', '.join(moving)}){entire}",
             got=shortened(initial),
-            **message,
+            why=why,
+            fix=fix,
         )
     return state
 

@@ -15,7 +15,6 @@ from remanent._errors import InputError
 from remanent._status import Status
 from remanent._typing import ArrayLike, FloatArray
 from remanent.analysis.orbits import Orbits, newton
-from remanent.integrate.ensemble.ensemble import Progress
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.results import build, provenance
@@ -24,6 +23,7 @@ from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.durations import require_count, require_periods
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.layout import Over, lay_out
+from remanent.studies.ensemble.progress import Progress, as_progress
 from remanent.studies.orbits._period_map import DIMENSIONS, StroboscopicMap
 from remanent.studies.orbits._search import (
     Search,
@@ -129,7 +129,7 @@ def response_diagram(
     slices: int = 9,
     max_points: int = 2000,
     tolerance: float = 1e-9,
-    progress: Progress | None = None,
+    progress: Progress = None,
 ) -> xr.Dataset:
     """All branches of forced response over the drive's frequency, stable and unstable.
 
@@ -176,6 +176,7 @@ def response_diagram(
     ens = lay_out(system, drive, whole, reserved=DIMENSIONS)
     low, high = parameter_bounds("omega", omega_range, ens)
     slices = require_count("slices", slices, "Orbits are looked for at each of them.")
+    report = as_progress(progress)
     done: list[int] = []
 
     def one(k: int) -> dict[str, Any]:
@@ -190,8 +191,8 @@ def response_diagram(
         search = Search(tracing.map, tracing.box, orbit_period, tolerance, symmetric, dense=False)
         found = describe_branches(own, everywhere(tracing, search, slices), "omega", orbit_period)
         done.append(k)
-        if progress is not None:
-            progress(len(done) / ens.count)
+        if report is not None:
+            report(len(done) / ens.count)
         return found
 
     with ThreadPoolExecutor(min(os.cpu_count() or 1, ens.count)) as pool:

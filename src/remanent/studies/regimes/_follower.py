@@ -16,7 +16,6 @@ import xarray as xr
 from remanent._status import Status
 from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.analysis.following import Advance, Path, block_lengths, follow
-from remanent.integrate.ensemble.ensemble import Progress
 from remanent.integrate.ensemble.problem import Problem
 from remanent.integrate.maps.advance import Advancer, Retrace
 from remanent.integrate.maps.period_map import Judged, PeriodMap
@@ -25,6 +24,7 @@ from remanent.results.build import Labelled
 from remanent.studies.ensemble.durations import require_periods
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.problem import initial_value_problem
+from remanent.studies.ensemble.progress import Report
 
 #: Trajectories followed together: enough of each resolution to fill the lanes of a kernel.
 CHUNK = 4096
@@ -142,7 +142,7 @@ class Follower:
     def each(
         self,
         work: Callable[[IntArray, Callable[[], bool]], T],
-        progress: Progress | None,
+        report: Report | None,
         *,
         most: int = CHUNK,
     ) -> list[tuple[IntArray, T]]:
@@ -166,8 +166,8 @@ class Follower:
                 futures = {pool.submit(work, chunk, stop.is_set): chunk for chunk in chunks}
                 for done, future in enumerate(as_completed(futures), start=1):
                     found.append((futures[future], future.result()))
-                    if progress is not None:
-                        progress(done / len(chunks))
+                    if report is not None:
+                        report(done / len(chunks))
             except BaseException:
                 stop.set()
                 pool.shutdown(wait=False, cancel_futures=True)

@@ -11,7 +11,6 @@ import xarray as xr
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, IntArray
 from remanent.analysis.lyapunov import exponents
-from remanent.integrate.ensemble.ensemble import Progress
 from remanent.integrate.maps.period_map import Judged
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
@@ -20,6 +19,7 @@ from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.durations import require_count, require_periods
 from remanent.studies.ensemble.layout import Over, lay_out
 from remanent.studies.ensemble.memory import require_memory
+from remanent.studies.ensemble.progress import Progress, as_progress
 from remanent.studies.regimes._follower import Follower, gathered, labelled, status_of
 
 #: Most points of the history.
@@ -39,7 +39,7 @@ def lyapunov(
     initial: ArrayLike | None = None,
     over: Over | None = None,
     tolerance: float = 1e-9,
-    progress: Progress | None = None,
+    progress: Progress = None,
 ) -> xr.Dataset:
     """Average the growth of small differences over many drive periods.
 
@@ -116,7 +116,7 @@ def lyapunov(
     kinds = dict.fromkeys(("horizon", "local_error", "status"), each)
     kinds |= dict.fromkeys(("exponent", "exponent_error"), np.empty((0, count)))
     kinds["exponent_history"] = np.empty((0, ends.size, count))
-    whole = gathered(follower.each(averages, progress), ens, kinds)
+    whole = gathered(follower.each(averages, as_progress(progress)), ens, kinds)
     number: tuple[str, ...] = ("exponent_number",) if count > 1 else ()
     coords: dict[str, Labelled] = {"period": (("period",), ends)}
     if count > 1:

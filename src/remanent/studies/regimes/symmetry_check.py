@@ -12,7 +12,6 @@ from remanent._errors import InputError
 from remanent._typing import ArrayLike, FloatArray, IntArray
 from remanent.analysis.following import Path, follow
 from remanent.analysis.orbits import multipliers
-from remanent.integrate.ensemble.ensemble import Progress
 from remanent.integrate.maps.advance import Step
 from remanent.integrate.maps.period_map import PeriodMap
 from remanent.integrate.variations import parting
@@ -24,6 +23,7 @@ from remanent.studies.ensemble.durations import require_count, require_periods
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.layout import Over, lay_out
 from remanent.studies.ensemble.problem import initial_value_problem
+from remanent.studies.ensemble.progress import Progress, as_progress
 from remanent.studies.ensemble.two_coordinates import two_coordinates
 from remanent.studies.regimes._follower import CHUNK, Follower, gathered, labelled, status_of
 
@@ -46,7 +46,7 @@ def symmetry_check(
     initial: ArrayLike | None = None,
     over: Over | None = None,
     tolerance: float = 1e-9,
-    progress: Progress | None = None,
+    progress: Progress = None,
 ) -> xr.Dataset:
     """Say whether the model of one coordinate holds: whether equal stretches stay equal.
 
@@ -100,7 +100,9 @@ def symmetry_check(
     apart = _Apart.of(ens, tolerance)
     follower = Follower(ens, periods, 0)
     parts = follower.each(
-        lambda which, cancelled: apart.judged(which, periods, cancelled), progress, most=CHUNK
+        lambda which, cancelled: apart.judged(which, periods, cancelled),
+        as_progress(progress),
+        most=CHUNK,
     )
     d = apart.width
     kinds = {
