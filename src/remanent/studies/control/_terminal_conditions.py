@@ -18,7 +18,7 @@ from remanent.integrate.variations import tangent
 from remanent.models.actuator import Actuator
 from remanent.models.drives.waves import Constant
 from remanent.studies.ensemble.physical_scales import PHYSICAL, PhysicalScales, lay_out_physical
-from remanent.studies.statics._static_state import Body
+from remanent.studies.statics._static_state import StaticState
 
 #: Half the relative change of a size over which insensitivity is asked.
 HALF_WIDTH = 1e-3
@@ -44,7 +44,7 @@ class Arrival:
     """
 
     actuator: Actuator
-    final: Body
+    final: StaticState
     initial: ArrayLike | None
     sizes: Sequence[str]
     tolerance: float
@@ -86,7 +86,7 @@ class Arrival:
         """States of rest of all variants under the last load, array (variant, state)."""
         ens = self.variants.ensemble
         columns = np.column_stack([ens.values[name] for name in ens.field.parameters])
-        found = [replace(self.final, parameters=row).at_rest() for row in columns]
+        found = [replace(self.final, parameters=row).relax() for row in columns]
         if any(body is None for body in found):
             raise InputError(
                 "robust",

@@ -23,7 +23,7 @@ from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.layout import Over, lay_out
 from remanent.studies.ensemble.physical_scales import PHYSICAL
-from remanent.studies.statics._static_state import Body
+from remanent.studies.statics._static_state import StaticState
 
 _TARGET = positive("It is a thickness stretch, a ratio of lengths.", "Pass for example 1.2.")
 #: Stages in which the target is moved out from the start, where one does not do.
@@ -159,15 +159,15 @@ def _command(
         if single.values[name][0] != value:
             actuator = actuator.with_parameter(name, float(single.values[name][0]))
     row = np.array([float(single.values[name][0]) for name in single.field.parameters])
-    body = Body(single.field, row, single.initial[0])
+    body = StaticState(single.field, row, single.initial[0])
     here = body.thickness()
-    start = body.at_target(here) or body
+    start = body.at_thickness(here) or body
     away = np.where(np.abs(body.state - start.state) > _STILL, body.state - start.state, 0.0)
     fine = 0.1 * tolerance * max(1.0, float(np.abs(body.state).max()))
     accepted = _ACCEPTED * max(tolerance, fine)
     for stages in _STAGES:
         parts = np.linspace(0.0, 1.0, stages + 1)[1:]
-        ends = [body.at_target(here + part * (target - here)) for part in parts]
+        ends = [body.at_thickness(here + part * (target - here)) for part in parts]
         finals = [end for end in ends if end is not None]
         if len(finals) < stages:
             raise _impossible(target, "no load holds it there")
@@ -188,13 +188,15 @@ def _command(
     raise _impossible(target, f"the best command misses rest by {guess.residual:.1e}")
 
 
-def _linear(final: Body, before: float, extra: int, target: float, *, moving: bool) -> Design:
+def _linear(
+    final: StaticState, before: float, extra: int, target: float, *, moving: bool
+) -> Design:
     """The steps for a small move, by the linear motion about the target.
 
     A start that is not at rest needs as many steps as there are poles; at another spacing
     than half a period no two of their roots are one.
     """
-    found = shaping.poles(*final.linear())
+    found = shaping.poles(*final.linearised())
     if (found.real > 1e-9 * np.abs(found).max()).any():
         raise _impossible(target, "the equilibrium there is unstable")
     spacing = shaping.interval(found) * (_UNEVEN if moving else 1.0)

@@ -23,7 +23,7 @@ from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
 from remanent.studies.ensemble.layout import Over
 from remanent.studies.ensemble.observables import observe
 from remanent.studies.ensemble.physical_scales import PhysicalScales, lay_out_physical
-from remanent.studies.statics._static_state import Body
+from remanent.studies.statics._static_state import StaticState
 
 _BAND = positive("It is a share of the change of thickness stretch.", "Pass 0.02.")
 _TIME = positive("A run takes a positive time.", "Pass a time in units of tau.")
@@ -154,17 +154,17 @@ def _last(many: PhysicalScales) -> FloatArray:
     return many.time * (float(drive.times[-1]) if isinstance(drive, Steps) else 0.0)
 
 
-def _rests(many: PhysicalScales) -> list[Body | None]:
+def _rests(many: PhysicalScales) -> list[StaticState | None]:
     """Every trajectory's state of rest under the last load."""
     ens = many.ensemble
     drive = ens.drive
     loads = many.load * float(drive.loads[-1]) if isinstance(drive, Steps) else ens.values["m"]
     field = field_for(ens.system, Constant(0.0))
-    found: list[Body | None] = []
+    found: list[StaticState | None] = []
     for k in np.arange(ens.count):
         values = {name: v[k] for name, v in ens.values.items()} | {"m": loads[k]}
         row = np.array([float(values[name]) for name in field.parameters])
-        found.append(None if ens.invalid[k] else Body(field, row, ens.initial[k]).at_rest())
+        found.append(None if ens.invalid[k] else StaticState(field, row, ens.initial[k]).relax())
     if all(body is None for body in found):
         raise InputError(
             "drive",
@@ -176,15 +176,15 @@ def _rests(many: PhysicalScales) -> list[Body | None]:
     return found
 
 
-def _half_periods(rests: Sequence[Body | None]) -> FloatArray:
+def _half_periods(rests: Sequence[StaticState | None]) -> FloatArray:
     """Half the longest natural period at every rest."""
     return np.array(
-        [np.nan if b is None else shaping.interval(shaping.poles(*b.linear())) for b in rests]
+        [np.nan if b is None else shaping.interval(shaping.poles(*b.linearised())) for b in rests]
     )
 
 
 def _residuals(
-    rests: Sequence[Body | None], states: FloatArray, error: FloatArray
+    rests: Sequence[StaticState | None], states: FloatArray, error: FloatArray
 ) -> dict[str, FloatArray]:
     """Rest after the last step, and what is left of motion right after it."""
     names = ("final", "residual_energy", "residual_amplitude", "residual_amplitude_error")

@@ -23,7 +23,7 @@ from remanent.studies.ensemble.layout import lay_out
 from remanent.studies.motion.simulate import simulate
 from remanent.studies.orbits.continue_orbit import response_diagram
 from remanent.studies.response.backbone import backbone
-from remanent.studies.statics._static_state import Body
+from remanent.studies.statics._static_state import StaticState
 from remanent.studies.statics.equilibria import equilibria
 
 #: Harmonics of the orbit that are told; samples of the orbit and of the load.
@@ -275,8 +275,8 @@ def _small_oscillations(actuator: Actuator, mean: float) -> float:
     """Modulus of the eigenvalue of small oscillations about rest; NaN where there are none."""
     ens = lay_out(actuator, Constant(mean))
     row = np.array([ens.values[name][0] for name in ens.field.parameters])
-    body = Body(ens.field, row, ens.initial[0]).at_rest()
+    body = StaticState(ens.field, row, ens.initial[0]).relax()
     if body is None:
         return np.nan
-    values = np.linalg.eigvals(body.linear()[0])
+    values = np.linalg.eigvals(body.linearised()[0])
     return max((abs(complex(s)) for s in values if s.imag > 0.0), default=np.nan)
