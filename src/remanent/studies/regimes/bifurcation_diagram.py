@@ -156,10 +156,10 @@ def _require_plain(parameter: str, values: Any, over: Mapping[str, Any]) -> None
     if isinstance(values, xr.DataArray) and values.dims != (parameter,):
         raise InputError(
             "values",
-            "be a plain array",
-            repr(values)[:80],
-            "A sweep visits one value after the other.",
-            "Pass for example numpy.linspace(0.5, 2.0, 300).",
+            must="be a plain array",
+            got=repr(values)[:80],
+            why="A sweep visits one value after the other.",
+            fix="Pass for example numpy.linspace(0.5, 2.0, 300).",
         )
     clash = [
         name

@@ -131,10 +131,10 @@ def _require_exponents(count: int, ens: Ensemble) -> None:
     if count > dimension:
         raise InputError(
             "count",
-            f"be at most {dimension}",
-            count,
-            "There is one exponent for each state variable.",
-            f"Pass {dimension} for the whole spectrum.",
+            must=f"be at most {dimension}",
+            got=count,
+            why="There is one exponent for each state variable.",
+            fix=f"Pass {dimension} for the whole spectrum.",
         )
 
 
