@@ -29,6 +29,7 @@ def to_dataset(
     outcome: Outcome | None = None,
     error: str = "error",
     status: NDArray[Any] | None = None,
+    driven: bool = True,
     **settings: Any,
 ) -> xr.Dataset:
     """Label the results of an ensemble: the dimensions of ``over`` first, then their own.
@@ -50,6 +51,9 @@ def to_dataset(
     status : array (trajectory,) of int, optional
         Where there is no `outcome`; by default ``ok``, or ``invalid`` where a value breaks
         a rule.
+    driven : bool
+        Whether the drive of `ens` decides the numbers.  Where it only completes the
+        equations it is left out of the attributes.
     **settings
         What else decides the numbers, for the attributes.
 
@@ -66,7 +70,7 @@ def to_dataset(
         evidence = {"status": np.where(ens.invalid, Status.INVALID, Status.OK)}
     labelled = {name: _labelled(ens, values) for name, values in {**variables, **evidence}.items()}
     attributes = provenance.attributes(
-        ens.system, ens.drive, tolerance, over=ens.coords, **settings
+        ens.system, ens.drive if driven else None, tolerance, over=ens.coords, **settings
     )
     return build.dataset(
         {**labelled, **(shared or {})}, {**ens.coords, **(coords or {})}, attributes
