@@ -44,16 +44,16 @@ def shaped_steps(
     """
     if single.invalid[0]:
         raise _unreachable(target, "a field is invalid")
-    search = _Search.of(single, target, robust_to, tolerance)
+    problem = _ShapingProblem.of(single, target, robust_to, tolerance)
     for stages in _STAGES:
-        design, load = search.in_stages(stages)
-        if design.residual <= search.accepted:
+        design, load = problem.in_stages(stages)
+        if design.residual <= problem.accepted:
             return design, load
     raise _unreachable(target, f"the best command misses rest by {design.residual:.1e}")
 
 
 @dataclass(frozen=True)
-class _Search:
+class _ShapingProblem:
     """One actuator, where it starts from and where it is to rest.
 
     Attributes
@@ -93,8 +93,8 @@ class _Search:
     @classmethod
     def of(
         cls, single: Ensemble, target: float, robust_to: Sequence[str], tolerance: float
-    ) -> _Search:
-        """The search for one trajectory of an ensemble."""
+    ) -> _ShapingProblem:
+        """The problem of one trajectory of an ensemble."""
         row = np.array([float(single.values[name][0]) for name in single.field.parameters])
         body = Body(single.field, row, single.initial[0])
         thickness = body.thickness()
