@@ -19,11 +19,9 @@ from remanent.models.drives.base import Drive
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.dataset import to_dataset
-from remanent.studies.ensemble.durations import durations, require_one
+from remanent.studies.ensemble.durations import RESPONSE_WINDOW, durations, require_one
 from remanent.studies.ensemble.ensemble import Ensemble, Over, ensemble, problem
 
-#: Default length of the window, in units of tau: that of the paper.
-WINDOW = 100.0
 _WIDTH = positive("It is the width of the last bracket.", "Pass for example 1e-6.")
 _DISCARD = not_negative("It is the time before the window.", "Pass 0 to start at once.")
 
@@ -89,7 +87,7 @@ def frequency_response(
     1.25
     """
     if periods is None and duration is None:
-        duration = WINDOW
+        duration = RESPONSE_WINDOW
     require_one(duration=duration, periods=periods)
     require_tolerance(tolerance)
     discard = require_real("discard", discard, _DISCARD)
