@@ -12,18 +12,14 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import combinations
 from types import MappingProxyType
-from typing import Any
 
 import numpy as np
-from scipy.optimize import elementwise
 
+from remanent._roots import find_minimum, find_root
 from remanent._typing import FloatArray, IntArray
 from remanent.analysis.continuation import Equations, Evaluated, Points, corrected
 from remanent.analysis.maps import Map
 
-#: Their annotations know nothing of `args`.
-find_root: Any = elementwise.find_root
-find_minimum: Any = elementwise.find_minimum
 #: A test function is beyond zero if it is by so many times its error.
 _NOISE = 8.0
 #: Roots are found to this share of their number along the branch.

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from scipy.optimize import elementwise
 
+from remanent._roots import find_root
 from remanent._typing import FloatArray, IntArray
 
 #: ``force(case, x)`` with arrays (point,) gives the force (point,).
@@ -42,7 +42,6 @@ def zeros(force: Force, cases: int, grid: FloatArray) -> FloatArray:
     exact_case, exact_k = np.nonzero(values == 0.0)
     roots = np.empty(0)
     if case.size:
-        find_root: Any = elementwise.find_root  # its stubs do not know `args`
         ends = grid[case, k], grid[case, k + 1]
         with np.errstate(all="ignore"):  # forces may have poles
             solved = find_root(lambda x, i: force(i, x), ends, args=(case,))
@@ -75,7 +74,6 @@ def balancing(
     with np.errstate(invalid="ignore"):
         at = np.nonzero((np.sign(ends[0]) * np.sign(ends[1]) <= 0) & (ends[0] != ends[1]))
     if at[0].size:
-        find_root: Any = elementwise.find_root
         with np.errstate(all="ignore"):  # forces may have poles
             solved = find_root(
                 lambda p, i, y: force(i, y, p), (low[at], high[at]), args=(case[at], x[at])

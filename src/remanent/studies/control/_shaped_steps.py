@@ -14,7 +14,7 @@ from remanent.analysis.shaping import Design
 from remanent.models.actuator import Actuator
 from remanent.studies.control._terminal_conditions import TerminalConditions
 from remanent.studies.ensemble.ensemble import Ensemble
-from remanent.studies.statics._static_state import Body
+from remanent.studies.statics._static_state import StaticState
 
 #: Numbers of stages in which the target is moved out from the start, tried in this order.
 _STAGES = (1, 4, 16)
@@ -59,9 +59,9 @@ class _ShapingProblem:
     Attributes
     ----------
     actuator : Actuator
-    body : Body
+    body : StaticState
         As the motion starts, under no load.
-    start : Body
+    start : StaticState
         At rest at the thickness stretch that the motion starts with, where it can be, else
         the body as it starts.
     displacement : array (state,)
@@ -76,8 +76,8 @@ class _ShapingProblem:
     """
 
     actuator: Actuator
-    body: Body
-    start: Body
+    body: StaticState
+    start: StaticState
     displacement: FloatArray
     thickness: float
     target: float
@@ -96,9 +96,9 @@ class _ShapingProblem:
     ) -> _ShapingProblem:
         """The problem of one trajectory of an ensemble."""
         row = np.array([float(single.values[name][0]) for name in single.field.parameters])
-        body = Body(single.field, row, single.initial[0])
+        body = StaticState(single.field, row, single.initial[0])
         thickness = body.thickness()
-        start = body.at_target(thickness) or body
+        start = body.at_thickness(thickness) or body
         offset = body.state - start.state
         size = max(1.0, float(np.abs(body.state).max()))
         return cls(
@@ -131,15 +131,15 @@ class _ShapingProblem:
                 break
         return guess, rests[-1].load
 
-    def _rests(self, parts: FloatArray) -> list[Body]:
+    def _rests(self, parts: FloatArray) -> list[StaticState]:
         """The body at rest after each part of the way."""
         ends = [self.thickness + part * (self.target - self.thickness) for part in parts]
-        rests = [rest for end in ends if (rest := self.body.at_target(end)) is not None]
+        rests = [rest for end in ends if (rest := self.body.at_thickness(end)) is not None]
         if len(rests) < len(ends):
             raise _unreachable(self.target, "no load holds it there")
         return rests
 
-    def _solve(self, rest: Body, guess: Design, part: float) -> Design:
+    def _solve(self, rest: StaticState, guess: Design, part: float) -> Design:
         """The command to a state of rest near a guess."""
         initial = self.start.state + part * self.displacement
         conditions = TerminalConditions(
@@ -149,14 +149,14 @@ class _ShapingProblem:
         scale = max(abs(rest.load - self.start.load), distance, _SMALLEST_SCALE)
         return shaping.solve(conditions, guess, scale=scale, tolerance=self.tolerance)
 
-    def _linear_design(self, rest: Body) -> Design:
+    def _linear_design(self, rest: StaticState) -> Design:
         """The steps for a small move, by the linear motion about the target.
 
         A start that is not at rest needs as many steps as there are poles.  At half a period
         the roots of two poles would coincide, and give one step for both: the spacing is then
         another.
         """
-        poles = shaping.poles(*rest.linear())
+        poles = shaping.poles(*rest.linearised())
         if (poles.real > _UNSTABLE * np.abs(poles).max()).any():
             raise _unreachable(self.target, "the equilibrium there is unstable")
         moving = bool(self.displacement.any())

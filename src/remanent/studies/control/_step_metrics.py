@@ -12,7 +12,7 @@ from remanent.analysis import steps
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Outcome, Problem, Request
 from remanent.studies.ensemble.observables import observe
-from remanent.studies.statics._static_state import Body
+from remanent.studies.statics._static_state import StaticState
 
 #: Shares of the change between which the rise is timed.
 _RISE = (0.1, 0.9)
@@ -58,13 +58,13 @@ class StepMotion:
 
 
 def residual_vibration(
-    rests: Sequence[Body | None], states: FloatArray, error: FloatArray
+    rests: Sequence[StaticState | None], states: FloatArray, error: FloatArray
 ) -> dict[str, FloatArray]:
     """The final rest, and the energy and amplitude of the vibration about it, by name.
 
     Parameters
     ----------
-    rests : sequence of Body or None
+    rests : sequence of StaticState or None
         Of each trajectory, under the last load.
     states : array (trajectory, state)
         Right after the last step.

@@ -17,8 +17,8 @@ from remanent.integrate.ensemble.problem import Request
 from remanent.integrate.variations import tangent
 from remanent.models.actuator import Actuator
 from remanent.models.drives.waves import Constant
-from remanent.studies.ensemble.physical_scales import PHYSICAL, Physical, physical
-from remanent.studies.statics._static_state import Body
+from remanent.studies.ensemble.physical_scales import PHYSICAL, PhysicalScales, lay_out_physical
+from remanent.studies.statics._static_state import StaticState
 
 #: Half the relative change of a parameter in the difference by which insensitivity is judged.
 _HALF_WIDTH = 1e-3
@@ -32,7 +32,7 @@ class TerminalConditions:
     ----------
     actuator : Actuator
         What moves.
-    final : Body
+    final : StaticState
         The body at rest at the target, under the last load.
     initial : array (state,) or None
         The state at τ = 0.
@@ -44,7 +44,7 @@ class TerminalConditions:
     """
 
     actuator: Actuator
-    final: Body
+    final: StaticState
     initial: ArrayLike | None
     robust_to: Sequence[str]
     tolerance: float
@@ -85,7 +85,7 @@ class TerminalConditions:
         return rows.reshape(rows.shape[0] * rows.shape[1], *rows.shape[2:])
 
     @cached_property
-    def variants(self) -> Physical:
+    def variants(self) -> PhysicalScales:
         """The actuator itself, then with each parameter a little less and a little more."""
         nominal = {**self.actuator.parameters(), **dict.fromkeys(PHYSICAL, 1.0)}
         count = 1 + 2 * len(self.robust_to)
@@ -95,14 +95,14 @@ class TerminalConditions:
             width = _HALF_WIDTH * (nominal[name] or 1.0)
             values[1 + 2 * k : 3 + 2 * k] += np.array([-1.0, 1.0]) * width
             over[name] = xr.DataArray(values, dims="variant")
-        return physical(self.actuator, Constant(self.final.load), over, self.initial)
+        return lay_out_physical(self.actuator, Constant(self.final.load), over, self.initial)
 
     @cached_property
     def _rest_states(self) -> FloatArray:
         """States of rest of all variants under the last load, array (variant, state)."""
         ens = self.variants.ensemble
         columns = np.column_stack([ens.values[name] for name in ens.field.parameters])
-        bodies = [replace(self.final, parameters=row).at_rest() for row in columns]
+        bodies = [replace(self.final, parameters=row).relax() for row in columns]
         states = [body.state for body in bodies if body is not None]
         if len(states) < len(bodies):
             raise InputError(

@@ -18,9 +18,9 @@ from remanent.models.drives.waves import Constant
 from remanent.studies.control._shaped_steps import shaped_steps
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
-from remanent.studies.ensemble.ensemble import Ensemble, Over, ensemble
+from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.layout import Over, lay_out
 from remanent.studies.ensemble.physical_scales import PHYSICAL
-from remanent.studies.orbits._period_map import at
 
 _TARGET = positive("It is a thickness stretch, a ratio of lengths.", "Pass for example 1.2.")
 #: The load of the ensemble's own drive: each step has its load in place of it.
@@ -116,7 +116,7 @@ def shape_commands(
     robust_to : str or sequence of str
         Fields of the actuator, or ``"shear_modulus"``, ``"density"``, ``"remanence"``: the
         residual vibration shall not change, to first order, with each of them.
-    over : mapping of str to array, optional
+    over : mapping of str to array_like or DataArray, optional
         Values of fields of the actuator or the initial state; they become dimensions of the
         result.
     tolerance : float
@@ -150,7 +150,7 @@ def shape_commands(
     target = require_real("target", target, _TARGET)
     require_tolerance(tolerance)
     names = (robust_to,) if isinstance(robust_to, str) else tuple(robust_to)
-    ens = ensemble(actuator, _NO_LOAD, over, initial, reserved=frozenset({"step"}))
+    ens = lay_out(actuator, _NO_LOAD, over, initial, reserved=frozenset({"step"}))
     fields = [name for name in ens.field.parameters if name != "m"]
     require_known(names, [*fields, *PHYSICAL], "the actuator, or a physical size")
     commands = [_command(ens, k, target, names, tolerance) for k in range(ens.count)]
@@ -191,7 +191,7 @@ def _command(
 ) -> _Command:
     """The steps for one trajectory; an empty command where there is none on a grid."""
     try:
-        design, last = shaped_steps(at(ens, index), target, robust_to, tolerance)
+        design, last = shaped_steps(ens.member(index), target, robust_to, tolerance)
     except InputError:
         if not ens.sizes:
             raise

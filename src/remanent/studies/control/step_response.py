@@ -19,9 +19,9 @@ from remanent.models.drives.waves import Constant
 from remanent.studies.control._step_metrics import StepMotion, Transient, residual_vibration
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
-from remanent.studies.ensemble.ensemble import Over
-from remanent.studies.ensemble.physical_scales import Physical, physical
-from remanent.studies.statics._static_state import Body
+from remanent.studies.ensemble.layout import Over
+from remanent.studies.ensemble.physical_scales import PhysicalScales, lay_out_physical
+from remanent.studies.statics._static_state import StaticState
 
 _BAND = positive("It is a share of the change of thickness stretch.", "Pass 0.02.")
 _TIME = positive("A run takes a positive time.", "Pass a time in units of tau.")
@@ -53,9 +53,10 @@ def step_response(
         Length of the run, τ; by default ten natural periods after the last step.
     band : float
         Share of the change within which the answer counts as settled.
-    initial : array (state,), optional
-        State at τ = 0, (stretch, rate) of each coordinate; rest by default.
-    over : mapping of str to array, optional
+    initial : array_like (state,), optional
+        State at τ = 0: stretch and rate of each coordinate in turn, to which internal variables
+        and the temperature may be added; rest, (1, 0), by default.
+    over : mapping of str to array_like or DataArray, optional
         Values of numeric fields, and of ``shear_modulus``, ``density`` and ``remanence``
         over their nominal values, while the command, the dead loads and the viscosities stay
         as they are in SI; they become dimensions of the result.
@@ -112,7 +113,7 @@ def step_response(
     require_tolerance(tolerance)
     band = require_real("band", band, _BAND)
     _require_steps(drive)
-    scaled = physical(system, drive, over, initial)
+    scaled = lay_out_physical(system, drive, over, initial)
     ens = scaled.ensemble
     rests = _rests(scaled)
     half_period = _half_periods(rests)
@@ -150,23 +151,23 @@ def _require_steps(drive: object) -> None:
         )
 
 
-def _last_step(scaled: Physical) -> FloatArray:
+def _last_step(scaled: PhysicalScales) -> FloatArray:
     """Time of the last step of each trajectory, in its own unit."""
     drive = scaled.ensemble.drive
     return scaled.time * (float(drive.times[-1]) if isinstance(drive, Steps) else 0.0)
 
 
-def _rests(scaled: Physical) -> list[Body | None]:
+def _rests(scaled: PhysicalScales) -> list[StaticState | None]:
     """Every trajectory's state of rest under the last load."""
     ens = scaled.ensemble
     drive = ens.drive
     loads = scaled.load * float(drive.loads[-1]) if isinstance(drive, Steps) else ens.values["m"]
     field = field_for(ens.system, Constant(0.0))
-    rests: list[Body | None] = []
+    rests: list[StaticState | None] = []
     for k in np.arange(ens.count):
         values = {name: v[k] for name, v in ens.values.items()} | {"m": loads[k]}
         row = np.array([float(values[name]) for name in field.parameters])
-        rests.append(None if ens.invalid[k] else Body(field, row, ens.initial[k]).at_rest())
+        rests.append(None if ens.invalid[k] else StaticState(field, row, ens.initial[k]).relax())
     if all(body is None for body in rests):
         raise InputError(
             "drive",
@@ -178,8 +179,8 @@ def _rests(scaled: Physical) -> list[Body | None]:
     return rests
 
 
-def _half_periods(rests: Sequence[Body | None]) -> FloatArray:
+def _half_periods(rests: Sequence[StaticState | None]) -> FloatArray:
     """Half the longest natural period at every rest, array (trajectory,)."""
     return np.array(
-        [np.nan if b is None else shaping.interval(shaping.poles(*b.linear())) for b in rests]
+        [np.nan if b is None else shaping.interval(shaping.poles(*b.linearised())) for b in rests]
     )

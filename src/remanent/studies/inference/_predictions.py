@@ -18,7 +18,7 @@ from remanent.models.drives.base import Drive
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.durations import durations
 from remanent.studies.ensemble.observables import observe
-from remanent.studies.ensemble.physical_scales import Physical, physical
+from remanent.studies.ensemble.physical_scales import PhysicalScales, lay_out_physical
 
 #: Variables of a table that say how good it is, and are not compared.
 _EVIDENCE = frozenset({"crossings", "balance", "status", "horizon", "error"})
@@ -112,7 +112,7 @@ class Window:
     periods: int | None
     discard: float
 
-    def integrate(self, scaled: Physical, tolerance: float) -> Outcome:
+    def integrate(self, scaled: PhysicalScales, tolerance: float) -> Outcome:
         """The extremes of every trajectory within the window."""
         ens = scaled.ensemble
         if self.periods is not None:
@@ -163,7 +163,7 @@ class Predictions:
         return np.concatenate([columns[name] for name in self.measurements.variables], axis=1)
 
     def _history(self, over: Mapping[str, xr.DataArray]) -> dict[str, FloatArray]:
-        scaled = physical(self.actuator, self.drive, over, self.initial)
+        scaled = lay_out_physical(self.actuator, self.drive, over, self.initial)
         times = self.measurements.axis
         end = max(float(times[-1]), np.finfo(float).tiny)
         problem = scaled.problem(np.full(scaled.ensemble.count, end))
@@ -179,7 +179,7 @@ class Predictions:
 
     def _response(self, over: Mapping[str, xr.DataArray]) -> dict[str, FloatArray]:
         omega = xr.DataArray(self.measurements.axis, dims="frequency")
-        scaled = physical(self.actuator, self.drive, {**over, "omega": omega}, self.initial)
+        scaled = lay_out_physical(self.actuator, self.drive, {**over, "omega": omega}, self.initial)
         outcome = self.window.integrate(scaled, self.tolerance)
         low, high = (scaled.ensemble.shaped(v) for v in (outcome.minimum, outcome.maximum))
         return {"maximum": high, "minimum": low, "amplitude": 0.5 * (high - low)}

@@ -19,7 +19,7 @@ from remanent.results.build import Labelled
 from remanent.results.read_measurements import Table, read_measurements
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.durations import RESPONSE_WINDOW
-from remanent.studies.ensemble.physical_scales import PHYSICAL, RULE, physical
+from remanent.studies.ensemble.physical_scales import PHYSICAL, RULE, lay_out_physical
 from remanent.studies.inference._measures import as_names, as_values
 from remanent.studies.inference._predictions import Measurements, Predictions, Window
 
@@ -74,8 +74,9 @@ def fit(
     parameter_ranges : mapping of str to (float, float), optional
         Lowest and highest value of some of the parameters; by default those that the fields
         themselves have.
-    initial : array (state,), optional
-        State at τ = 0, (stretch, rate) of each coordinate; rest by default.
+    initial : array_like (state,), optional
+        State at τ = 0: stretch and rate of each coordinate in turn, to which internal variables
+        and the temperature may be added; rest, (1, 0), by default.
     duration, periods : float and int, optional
         Length of the run of a response, in τ (100 by default) or in drive periods.
     discard : float
@@ -197,7 +198,7 @@ def _guesses(
     parameters: Sequence[str] | Mapping[str, float],
     initial: ArrayLike | None,
 ) -> dict[str, float]:
-    ens = physical(actuator, drive, None, initial).ensemble
+    ens = lay_out_physical(actuator, drive, None, initial).ensemble
     start = {f"initial.{n}": float(v) for n, v in zip(ens.field.state, ens.initial[0], strict=True)}
     nominal = {
         **actuator.parameters(),

@@ -15,7 +15,7 @@ from remanent._errors import InputError
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.models.drives.waves import Constant
-from remanent.studies.ensemble.ensemble import ensemble
+from remanent.studies.ensemble.layout import lay_out
 from remanent.studies.ensemble.physical_scales import PHYSICAL
 
 #: The dimension along which sets of parameters are laid out.
@@ -106,7 +106,7 @@ class Measure:
     def nominal_values(self) -> dict[str, float]:
         """Values that the parameters have where they do not vary, by name."""
         drive = self.drive
-        ens = ensemble(self.actuator, drive or Constant(0.0), None, self.options.get("initial"))
+        ens = lay_out(self.actuator, drive or Constant(0.0), None, self.options.get("initial"))
         fields = {name: float(v[0]) for name, v in ens.values.items() if drive or name != "m"}
         if not self._takes_over:
             return fields

@@ -16,8 +16,8 @@ from remanent.analysis.uncertainty import PARTS, Distribution, Indices, Spread, 
 from remanent.results import build
 from remanent.results.build import Labelled
 from remanent.results.schema import describe
+from remanent.studies.ensemble.checks import Rng, as_seed
 from remanent.studies.ensemble.durations import require_count
-from remanent.studies.ensemble.randomness import Rng, as_generator
 from remanent.studies.inference._measures import MeasureLayout, as_measure, attributes
 from remanent.studies.inference.measure import Measure, Of
 
@@ -103,7 +103,7 @@ def uncertainty(
     measure.require_parameters("parameter_ranges", names)
     shares = _shares(quantiles)
     samples = _samples(samples, shares)
-    generator = as_generator(rng)
+    generator = np.random.default_rng(as_seed(rng))
     function = _Evaluation(measure, names)
     statistics = spread(function, distributions, shares, samples, generator)
     layout = function.layout

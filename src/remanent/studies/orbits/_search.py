@@ -8,19 +8,18 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
-from scipy.optimize import elementwise
 
 from remanent._errors import InputError
 from remanent._field import Role, StateVariable
+from remanent._roots import find_root
 from remanent._typing import FloatArray
 from remanent.analysis.orbits import Orbits, distinct, newton, taken
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
-from remanent.studies.ensemble.ensemble import Ensemble, rest_values
+from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.initial import rest_values
 from remanent.studies.orbits._period_map import StroboscopicMap
 
-#: Its annotations know nothing of `args`.
-find_root: Any = elementwise.find_root
 #: Default box: stretches, and their rates.
 STRETCHES, RATES = (0.3, 4.0), (-8.0, 8.0)
 #: Kelvin around the surroundings in which a body's temperature is looked for.

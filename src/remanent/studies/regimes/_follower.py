@@ -14,12 +14,13 @@ import numpy as np
 from remanent._status import Status
 from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.analysis.following import Advance, Path, block_lengths, follow
-from remanent.integrate.ensemble.ensemble import Progress
 from remanent.integrate.ensemble.problem import Problem
 from remanent.integrate.maps.advance import Advancer, Retrace
 from remanent.integrate.maps.period_map import Judged, PeriodMap
 from remanent.studies.ensemble.durations import require_periods
-from remanent.studies.ensemble.ensemble import Ensemble, problem
+from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.problem import initial_value_problem
+from remanent.studies.ensemble.progress import Report
 
 #: Trajectories followed together: enough of each resolution to fill the lanes of a kernel.
 CHUNK_SIZE = 4096
@@ -56,7 +57,7 @@ class Follower:
     @cached_property
     def problem(self) -> Problem:
         """The trajectories as arrays."""
-        return problem(self.ensemble, np.ones(self.ensemble.count))
+        return initial_value_problem(self.ensemble, np.ones(self.ensemble.count))
 
     @cached_property
     def period_lengths(self) -> FloatArray:
@@ -162,7 +163,7 @@ class Follower:
         self,
         work: Work,
         templates: Arrays,
-        progress: Progress | None,
+        report: Report | None,
         *,
         chunk_size: int = CHUNK_SIZE,
     ) -> dict[str, np.ndarray]:
@@ -173,7 +174,7 @@ class Follower:
         work : callable
         templates : mapping of str to array (0, ...)
             For each name an array with the type and the later dimensions of its values.
-        progress : callable or None
+        report : callable or None
         chunk_size : int
             Trajectories in a chunk, at most.
 
@@ -186,7 +187,7 @@ class Follower:
         chunks = self._chunks(chunk_size)
         if chunks:
             self.period_map(self.directions)  # compiled before the threads ask for it
-        for indices, values in _in_threads(work, chunks, progress):
+        for indices, values in _in_threads(work, chunks, report):
             for name, result in results.items():
                 result[indices] = values[name]
         return results
@@ -205,7 +206,7 @@ class Follower:
 
 
 def _in_threads(
-    work: Work, chunks: list[IntArray], progress: Progress | None
+    work: Work, chunks: list[IntArray], report: Report | None
 ) -> list[tuple[IntArray, Arrays]]:
     """Results of `work` with the chunks they are of; an interrupt stops all threads."""
     stop = threading.Event()
@@ -215,8 +216,8 @@ def _in_threads(
             futures = {pool.submit(work, chunk, stop.is_set): chunk for chunk in chunks}
             for done, future in enumerate(as_completed(futures), start=1):
                 results.append((futures[future], future.result()))
-                if progress is not None:
-                    progress(done / len(chunks))
+                if report is not None:
+                    report(done / len(chunks))
         except BaseException:
             stop.set()
             pool.shutdown(wait=False, cancel_futures=True)

@@ -10,12 +10,12 @@ import numpy as np
 from remanent._status import Status
 from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.analysis.following import FARTHEST
-from remanent.integrate.ensemble.ensemble import Progress
 from remanent.integrate.ensemble.problem import Problem
 from remanent.integrate.maps.advance import Advancer
 from remanent.integrate.maps.period_map import PeriodMap
 from remanent.studies.ensemble.durations import require_periods
 from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.progress import Report
 
 #: Periods advanced at once.
 _BLOCK = 64
@@ -78,7 +78,7 @@ class ParameterSweep:
         values = list(self.ensemble.sizes.values())[-1]
         return np.arange(self.ensemble.count).reshape(-1, values)
 
-    def run(self, progress: Progress | None) -> Section:
+    def run(self, report: Report | None) -> Section:
         """Visit all values, one after the other."""
         count, values = self.trajectories.shape
         sweep = np.repeat(np.arange(len(self.directions)), count)
@@ -91,8 +91,8 @@ class ParameterSweep:
             visited = [step if d == "up" else values - 1 - step for d in self.directions]
             trajectory = self.trajectories[:, visited].T.ravel()
             current = self._visit(section, trajectory, sweep, current, initial)
-            if progress is not None:
-                progress((step + 1) / values)
+            if report is not None:
+                report((step + 1) / values)
         return section
 
     def _visit(

@@ -15,10 +15,11 @@ from remanent.analysis import regimes
 from remanent.analysis.following import Path
 from remanent.analysis.regimes import Regime, Verdict
 from remanent.analysis.returns import Iterate
-from remanent.integrate.ensemble.ensemble import Progress
 from remanent.studies.ensemble.dataset import to_dataset
 from remanent.studies.ensemble.durations import require_count, require_periods
-from remanent.studies.ensemble.ensemble import Ensemble, require_memory
+from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.memory import require_memory
+from remanent.studies.ensemble.progress import Report
 from remanent.studies.regimes._follower import (
     Follower,
     damped,
@@ -58,13 +59,13 @@ def require_run_length(periods: Any) -> int:
 
 
 def regime_dataset(
-    ens: Ensemble, periods: int, tolerance: float, seed: int, progress: Progress | None
+    ens: Ensemble, periods: int, tolerance: float, seed: int, report: Report | None
 ) -> xr.Dataset:
     """Label every trajectory of an ensemble with its regime and the evidence for it."""
     period_lengths = require_periods(ens)
-    require_memory(BYTES_PER_LABEL * ens.count, f"{ens.count} labels")
+    require_memory("over", BYTES_PER_LABEL * ens.count, f"{ens.count} labels")
     classifier = RegimeClassifier.of(ens, periods, tolerance, seed)
-    values = classifier.compute(classifier, TEMPLATES, progress)
+    values = classifier.compute(classifier, TEMPLATES, report)
     return to_dataset(
         ens, {"drive_period": period_lengths, **values}, tolerance=tolerance, periods=periods
     )
@@ -102,13 +103,13 @@ class RegimeClassifier:
         self,
         work: Callable[[IntArray, Callable[[], bool]], Mapping[str, np.ndarray]],
         templates: Mapping[str, np.ndarray],
-        progress: Progress | None,
+        report: Report | None,
     ) -> dict[str, np.ndarray]:
         """Do `work` on all trajectories, in chunks whose states fit into memory."""
         chunk_size = int(
             np.clip(_STATES_IN_CHUNK // self.follower.periods, _SMALLEST_CHUNK, _LARGEST_CHUNK)
         )
-        return self.follower.compute(work, templates, progress, chunk_size=chunk_size)
+        return self.follower.compute(work, templates, report, chunk_size=chunk_size)
 
     def __call__(self, indices: IntArray, cancelled: Callable[[], bool]) -> dict[str, np.ndarray]:
         """Label a subset of the trajectories: variables by name."""

@@ -15,7 +15,8 @@ from remanent.integrate.maps.advance import Step
 from remanent.integrate.maps.period_map import PeriodMap
 from remanent.integrate.variations import parting
 from remanent.studies.ensemble.durations import require_periods
-from remanent.studies.ensemble.ensemble import Ensemble, problem
+from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.problem import initial_value_problem
 from remanent.studies.ensemble.two_coordinates import two_coordinates
 from remanent.studies.regimes._follower import status_of
 
@@ -68,7 +69,7 @@ class TransverseFlow:
                 "Pass one number as prestress, and no edges.",
             )
         two, pairs = two_coordinates(ens)
-        arrays = problem(two, np.ones(ens.count))
+        arrays = initial_value_problem(two, np.ones(ens.count))
         flow = PeriodMap(parting(two.field, pairs), arrays.timeline.waveform)
         lengths = np.where(ens.invalid, 1.0, require_periods(ens))
         return cls(ens.initial, flow, arrays.parameters, lengths, len(pairs), tolerance)

@@ -12,15 +12,16 @@ import xarray as xr
 
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, BoolArray, IntArray
-from remanent.integrate.ensemble.ensemble import Progress
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.results.build import Labelled
-from remanent.studies.ensemble.checks import require_tolerance
+from remanent.studies.ensemble.checks import Rng, as_seed, require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
 from remanent.studies.ensemble.durations import require_periods
-from remanent.studies.ensemble.ensemble import Ensemble, Over, ensemble, require_memory
-from remanent.studies.ensemble.randomness import Rng, as_seed
+from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.layout import Over, lay_out
+from remanent.studies.ensemble.memory import require_memory
+from remanent.studies.ensemble.progress import Progress, as_progress
 from remanent.studies.regimes._attractors import (
     ATTRACTOR,
     TAIL,
@@ -45,7 +46,7 @@ def basins(
     over: Over | None = None,
     tolerance: float = 1e-9,
     rng: Rng = None,
-    progress: Progress | None = None,
+    progress: Progress = None,
 ) -> xr.Dataset:
     """Say where the motion from each of many initial states ends.
 
@@ -60,7 +61,7 @@ def basins(
         each ascending; the others start from rest.
     periods : int
         Length of the runs in smallest periods of the load, at least 100.
-    over : mapping of str to array, optional
+    over : mapping of str to array_like or DataArray, optional
         Values of numeric fields of the system or the drive; they become dimensions of the
         result, before those of the grid.
     tolerance : float
@@ -68,8 +69,9 @@ def basins(
     rng : int, numpy.random.Generator or None
         Draws the frequencies of the 0-1 test, the same for every motion.  None is a fixed
         seed.  A generator is copied: it is not advanced.
-    progress : callable, optional
-        Called with the share of motions that are finished, in [0, 1].
+    progress : bool or callable, optional
+        True draws a bar; a function is called with the share of motions that are
+        finished, in [0, 1].
 
     Returns
     -------
@@ -118,15 +120,15 @@ def basins(
     remanent.manifold_crossing : where a basin's boundary passes through a state.
     """
     periods = require_run_length(periods)
-    tolerance = require_tolerance(tolerance)
+    tolerance = require_tolerance(tolerance, "the error that one drive period adds")
     layout = _Layout.of(system, drive, grid, over)
     ens = layout.ensemble
     period_lengths = require_periods(ens)
     needed = (BYTES_PER_LABEL + 8.0 * TAIL * len(ens.field.state)) * ens.count
-    require_memory(needed, f"{ens.count} ends")
+    require_memory("grid", needed, f"{ens.count} ends")
     classifier = RegimeClassifier.of(ens, periods, tolerance, as_seed(rng))
     work = EndClassifier(classifier, min(TAIL, periods))
-    values = classifier.compute(work, work.templates, progress)
+    values = classifier.compute(work, work.templates, as_progress(progress))
     tail, code = values.pop("tail"), values.pop("code")
     variables: dict[str, PerTrajectory] = {"drive_period": period_lengths, **values}
     shared: dict[str, Labelled] = {}
@@ -168,9 +170,9 @@ class _Layout:
         starts = _starts(grid)
         if isinstance(over, Mapping):
             _require_apart(over, starts)
-            ens = ensemble(system, drive, {**over, **starts})
+            ens = lay_out(system, drive, {**over, **starts})
         else:
-            ens = ensemble(system, drive, over or starts)
+            ens = lay_out(system, drive, over or starts)
         grid_dims, _ = ens.coords[next(iter(starts))]
         split = ens.dims.index(grid_dims[0])
         return cls(ens, ens.dims[:split], tuple(ens.sizes.values())[:split])

@@ -11,19 +11,24 @@ import xarray as xr
 from remanent._checks import require_choice, require_known
 from remanent._errors import InputError
 from remanent._typing import ArrayLike
-from remanent.integrate.ensemble.ensemble import Progress
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
 from remanent.studies.ensemble.durations import require_count, require_periods
-from remanent.studies.ensemble.ensemble import Ensemble, Over, ensemble, problem, require_memory
+from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.layout import Over, lay_out
+from remanent.studies.ensemble.memory import require_memory
 from remanent.studies.ensemble.observables import observe
+from remanent.studies.ensemble.problem import initial_value_problem
+from remanent.studies.ensemble.progress import Progress, as_progress
 from remanent.studies.regimes._parameter_sweep import ParameterSweep, Section
 
 #: Sweeps of each direction asked for: the order in which values are visited.
 _SWEEPS = {"up": ("up",), "down": ("down",), "both": ("up", "down")}
+#: Bytes that a point of the section takes.
+_BYTES_PER_POINT = 64.0
 #: Functions of the state that the result has beside it.
 _OBSERVABLES = ("thickness_stretch", "thickness_stretch_rate")
 
@@ -40,7 +45,7 @@ def bifurcation_diagram(
     initial: ArrayLike | None = None,
     over: Over | None = None,
     tolerance: float = 1e-9,
-    progress: Progress | None = None,
+    progress: Progress = None,
 ) -> xr.Dataset:
     """Sweep a parameter and keep the last points of the section at every value.
 
@@ -62,13 +67,14 @@ def bifurcation_diagram(
     initial : array (state,), optional
         State at the first value of each sweep, (stretch, rate) of each coordinate; rest by
         default.
-    over : mapping of str to array, optional
+    over : mapping of str to array_like or DataArray, optional
         Values of further numeric fields; they become dimensions of the result.  Every set of
         them has sweeps of its own.
     tolerance : float
         Bound of the error that one drive period adds.
-    progress : callable, optional
-        Called with the share of values that are finished, in [0, 1].
+    progress : bool or callable, optional
+        True draws a bar; a function is called with the share of values that are
+        finished, in [0, 1].
 
     Returns
     -------
@@ -112,17 +118,18 @@ def bifurcation_diagram(
     require_choice("direction", direction, ["up", "down", "both"])
     discard = require_count("discard", discard, "Whole drive periods pass.", 0)
     keep = require_count("keep", keep, "It is a number of points.")
-    tolerance = require_tolerance(tolerance)
+    tolerance = require_tolerance(tolerance, "the error that one drive period adds")
     ens = _lay_out(system, drive, parameter, values, over, initial)
     require_periods(ens)
     directions = _SWEEPS[direction]
-    require_memory(64.0 * ens.count * keep * len(directions), f"{ens.count} x {keep} points")
+    needed = _BYTES_PER_POINT * ens.count * keep * len(directions)
+    require_memory("keep", needed, f"{ens.count} x {keep} points")
     sweep = ParameterSweep(
-        ens, problem(ens, np.ones(ens.count)), directions, discard, keep, tolerance
+        ens, initial_value_problem(ens, np.ones(ens.count)), directions, discard, keep, tolerance
     )
     result = to_dataset(
         ens,
-        _variables(sweep, sweep.run(progress)),
+        _variables(sweep, sweep.run(as_progress(progress))),
         coords=_coordinates(sweep),
         tolerance=tolerance,
         direction=direction,
@@ -143,12 +150,12 @@ def _lay_out(
     initial: ArrayLike | None,
 ) -> Ensemble:
     """Trajectories over the values of `over` first, then over those of the parameter."""
-    known = ensemble(system, drive, None, initial).values
+    known = lay_out(system, drive, None, initial).values
     require_known([parameter], known, "the actuator and the drive")
     if over is not None and not isinstance(over, Mapping):
-        return ensemble(system, drive, over, initial)  # refuses it
+        return lay_out(system, drive, over, initial)  # refuses it
     _require_plain(parameter, values, over or {})
-    return ensemble(system, drive, {**(over or {}), parameter: values}, initial)
+    return lay_out(system, drive, {**(over or {}), parameter: values}, initial)
 
 
 def _require_plain(parameter: str, values: Any, over: Mapping[str, Any]) -> None:

@@ -5,12 +5,11 @@ from __future__ import annotations
 import xarray as xr
 
 from remanent._typing import ArrayLike
-from remanent.integrate.ensemble.ensemble import Progress
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
-from remanent.studies.ensemble.checks import require_tolerance
-from remanent.studies.ensemble.ensemble import Over, ensemble
-from remanent.studies.ensemble.randomness import Rng, as_seed
+from remanent.studies.ensemble.checks import Rng, as_seed, require_tolerance
+from remanent.studies.ensemble.layout import Over, lay_out
+from remanent.studies.ensemble.progress import Progress, as_progress
 from remanent.studies.regimes._regime_classifier import regime_dataset, require_run_length
 
 
@@ -23,7 +22,7 @@ def classify(
     over: Over | None = None,
     tolerance: float = 1e-9,
     rng: Rng = None,
-    progress: Progress | None = None,
+    progress: Progress = None,
 ) -> xr.Dataset:
     """Say what kind of motion each is, where independent indicators agree.
 
@@ -36,9 +35,10 @@ def classify(
     periods : int
         Length of the run in smallest periods of the load, at least 100.  With 500 most
         motions show what they are; 2000 leave few undecided.
-    initial : array (state,), optional
-        State at τ = 0, (stretch, rate) of each coordinate; rest by default.
-    over : mapping of str to array, optional
+    initial : array_like (state,), optional
+        State at τ = 0: stretch and rate of each coordinate in turn, to which internal variables
+        and the temperature may be added; rest, (1, 0), by default.
+    over : mapping of str to array_like or DataArray, optional
         Values of numeric fields of the system, the drive or the initial state; they become
         dimensions of the result.
     tolerance : float
@@ -49,8 +49,9 @@ def classify(
     rng : int, numpy.random.Generator or None
         Draws the frequencies of the 0-1 test, the same for every motion.  None is a fixed
         seed.  A generator is copied: it is not advanced.
-    progress : callable, optional
-        Called with the share of motions that are finished, in [0, 1].
+    progress : bool or callable, optional
+        True draws a bar; a function is called with the share of motions that are
+        finished, in [0, 1].
 
     Returns
     -------
@@ -111,6 +112,6 @@ def classify(
     remanent.lyapunov : exponents alone.
     """
     periods = require_run_length(periods)
-    tolerance = require_tolerance(tolerance)
-    ens = ensemble(system, drive, over, initial)
-    return regime_dataset(ens, periods, tolerance, as_seed(rng), progress)
+    tolerance = require_tolerance(tolerance, "the error that one drive period adds")
+    ens = lay_out(system, drive, over, initial)
+    return regime_dataset(ens, periods, tolerance, as_seed(rng), as_progress(progress))

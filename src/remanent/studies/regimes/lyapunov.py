@@ -9,14 +9,16 @@ import xarray as xr
 
 from remanent._errors import InputError
 from remanent._typing import ArrayLike
-from remanent.integrate.ensemble.ensemble import Progress
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
 from remanent.studies.ensemble.durations import require_count, require_periods
-from remanent.studies.ensemble.ensemble import Ensemble, Over, ensemble, require_memory
+from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.layout import Over, lay_out
+from remanent.studies.ensemble.memory import require_memory
+from remanent.studies.ensemble.progress import Progress, as_progress
 from remanent.studies.regimes._exponent_estimator import MAX_HISTORY, ExponentEstimator
 from remanent.studies.regimes._follower import Follower
 
@@ -33,7 +35,7 @@ def lyapunov(
     initial: ArrayLike | None = None,
     over: Over | None = None,
     tolerance: float = 1e-9,
-    progress: Progress | None = None,
+    progress: Progress = None,
 ) -> xr.Dataset:
     """Average the growth of small differences over many drive periods.
 
@@ -48,9 +50,10 @@ def lyapunov(
         the average.
     count : int
         How many exponents, the largest first; at most as many as there are state variables.
-    initial : array (state,), optional
-        State at τ = 0, (stretch, rate) of each coordinate; rest by default.
-    over : mapping of str to array, optional
+    initial : array_like (state,), optional
+        State at τ = 0: stretch and rate of each coordinate in turn, to which internal variables
+        and the temperature may be added; rest, (1, 0), by default.
+    over : mapping of str to array_like or DataArray, optional
         Values of numeric fields of the system, the drive or the initial state; they become
         dimensions of the result.
     tolerance : float
@@ -58,8 +61,9 @@ def lyapunov(
         exceeds 10 the bound is relative to a tenth of it, so a body's temperature of 300 K
         is allowed 30 times as much.  Chaotic motion itself is known for a short time only;
         its statistics are those of a motion nearby.
-    progress : callable, optional
-        Called with the share of motions that are finished, in [0, 1].
+    progress : bool or callable, optional
+        True draws a bar; a function is called with the share of motions that are
+        finished, in [0, 1].
 
     Returns
     -------
@@ -104,14 +108,14 @@ def lyapunov(
     """
     periods = require_count("periods", periods, "Exponents are averaged over whole drive periods.")
     count = require_count("count", count, "It is a number of exponents.")
-    tolerance = require_tolerance(tolerance)
-    ens = ensemble(system, drive, over, initial)
+    tolerance = require_tolerance(tolerance, "the error that one drive period adds")
+    ens = lay_out(system, drive, over, initial)
     period_lengths = require_periods(ens)
     _require_exponents(count, ens)
     needed = 8.0 * ens.count * count * (min(periods, MAX_HISTORY) + 3)
-    require_memory(needed, f"{ens.count} histories")
+    require_memory("over", needed, f"{ens.count} histories")
     estimator = ExponentEstimator(Follower(ens, periods, count), tolerance)
-    values = estimator.follower.compute(estimator, estimator.templates, progress)
+    values = estimator.follower.compute(estimator, estimator.templates, as_progress(progress))
     number: tuple[str, ...] = ("exponent_number",) if count > 1 else ()
     variables: dict[str, PerTrajectory] = {"drive_period": period_lengths}
     for name in _PER_EXPONENT:

@@ -6,12 +6,12 @@ import xarray as xr
 
 from remanent._errors import InputError
 from remanent._typing import ArrayLike
-from remanent.integrate.ensemble.ensemble import Progress
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
-from remanent.studies.ensemble.checks import require_tolerance
-from remanent.studies.ensemble.ensemble import Ensemble, Over, ensemble
-from remanent.studies.ensemble.randomness import Rng, as_seed
+from remanent.studies.ensemble.checks import Rng, as_seed, require_tolerance
+from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.layout import Over, lay_out
+from remanent.studies.ensemble.progress import Progress, as_progress
 from remanent.studies.regimes._regime_classifier import regime_dataset, require_run_length
 
 #: Axes of a chart.
@@ -27,7 +27,7 @@ def regime_chart(
     initial: ArrayLike | None = None,
     tolerance: float = 1e-9,
     rng: Rng = None,
-    progress: Progress | None = None,
+    progress: Progress = None,
 ) -> xr.Dataset:
     """Chart the regime of the motion over two parameters.
 
@@ -37,19 +37,21 @@ def regime_chart(
         What moves.
     drive : Drive
         A periodic load.
-    over : mapping of str to array
+    over : mapping of str to array_like or DataArray
         Two numeric fields with their values: the axes of the chart.
     periods : int
         Length of each run in smallest periods of the load, at least 100.
-    initial : array (state,), optional
-        State at τ = 0, (stretch, rate) of each coordinate; rest by default.
+    initial : array_like (state,), optional
+        State at τ = 0: stretch and rate of each coordinate in turn, to which internal variables
+        and the temperature may be added; rest, (1, 0), by default.
     tolerance : float
         Bound of the error that one drive period adds, at the finest of the tolerances tried.
     rng : int, numpy.random.Generator or None
         Draws the frequencies of the 0-1 test, the same for every motion.  None is a fixed
         seed.  A generator is copied: it is not advanced.
-    progress : callable, optional
-        Called with the share of motions that are finished, in [0, 1].
+    progress : bool or callable, optional
+        True draws a bar; a function is called with the share of motions that are
+        finished, in [0, 1].
 
     Returns
     -------
@@ -86,10 +88,10 @@ def regime_chart(
     remanent.plot.map : a picture of the chart.
     """
     periods = require_run_length(periods)
-    tolerance = require_tolerance(tolerance)
-    ens = ensemble(system, drive, over, initial)
+    tolerance = require_tolerance(tolerance, "the error that one drive period adds")
+    ens = lay_out(system, drive, over, initial)
     _require_two_axes(ens)
-    return regime_dataset(ens, periods, tolerance, as_seed(rng), progress)
+    return regime_dataset(ens, periods, tolerance, as_seed(rng), as_progress(progress))
 
 
 def _require_two_axes(ens: Ensemble) -> None:

@@ -6,14 +6,14 @@ import numpy as np
 import xarray as xr
 
 from remanent._typing import ArrayLike
-from remanent.integrate.ensemble.ensemble import Progress
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
 from remanent.studies.ensemble.durations import require_count, require_periods
-from remanent.studies.ensemble.ensemble import Over, ensemble
+from remanent.studies.ensemble.layout import Over, lay_out
+from remanent.studies.ensemble.progress import Progress, as_progress
 from remanent.studies.regimes._follower import Follower
 from remanent.studies.regimes._transverse import TransverseFlow
 
@@ -29,7 +29,7 @@ def symmetry_check(
     initial: ArrayLike | None = None,
     over: Over | None = None,
     tolerance: float = 1e-9,
-    progress: Progress | None = None,
+    progress: Progress = None,
 ) -> xr.Dataset:
     """Say whether the model of one coordinate holds: whether equal stretches stay equal.
 
@@ -43,13 +43,14 @@ def symmetry_check(
         Length of the run in smallest periods of the load, at least 50.
     initial : array (state,), optional
         State at τ = 0, (stretch, rate) of the one coordinate; rest by default.
-    over : mapping of str to array, optional
+    over : mapping of str to array_like or DataArray, optional
         Values of numeric fields of the system, the drive or the initial state; they become
         dimensions of the result.
     tolerance : float
         Bound of the error that one drive period adds.
-    progress : callable, optional
-        Called with the share of motions that are finished, in [0, 1].
+    progress : bool or callable, optional
+        True draws a bar; a function is called with the share of motions that are
+        finished, in [0, 1].
 
     Returns
     -------
@@ -95,14 +96,14 @@ def symmetry_check(
     remanent.simulate : the motion with both coordinates, ``prestress=(S, S)``.
     """
     periods = require_count("periods", periods, "Growth shows in a long run.", _MIN_PERIODS)
-    tolerance = require_tolerance(tolerance)
-    ens = ensemble(system, drive, over, initial)
+    tolerance = require_tolerance(tolerance, "the error that one drive period adds")
+    ens = lay_out(system, drive, over, initial)
     period_lengths = require_periods(ens)
     flow = TransverseFlow.of(ens, tolerance)
     values = Follower(ens, periods, 0).compute(
         lambda indices, cancelled: flow.examine(indices, periods, cancelled),
         flow.templates,
-        progress,
+        as_progress(progress),
     )
     multipliers: PerTrajectory = (("multiplier",), values.pop("transverse_multipliers"))
     coords: dict[str, Labelled] = {"multiplier": (("multiplier",), np.arange(flow.width))}

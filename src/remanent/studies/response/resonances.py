@@ -19,11 +19,11 @@ from remanent.models.drives.waves import Constant
 from remanent.results import build, provenance
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.durations import require_count
-from remanent.studies.ensemble.ensemble import ensemble
+from remanent.studies.ensemble.layout import lay_out
 from remanent.studies.motion.simulate import simulate
 from remanent.studies.orbits.continue_orbit import response_diagram
 from remanent.studies.response.backbone import backbone
-from remanent.studies.statics._static_state import Body
+from remanent.studies.statics._static_state import StaticState
 from remanent.studies.statics.equilibria import equilibria
 
 #: Harmonics of the orbit that are told; samples of the orbit and of the load.
@@ -156,7 +156,7 @@ def _require_one_coordinate(actuator: Actuator) -> None:
 
 def _peaks(diagram: xr.Dataset, period: int, state: Sequence[str]) -> list[_Peak]:
     """Local maxima of the amplitude along every branch, and ends that run off."""
-    low, high = diagram.attrs["bounds"]
+    low, high = diagram.attrs["parameter_range"]
     found = []
     for b in range(diagram.sizes["branch"]):
         row = diagram.isel(branch=b)
@@ -273,10 +273,10 @@ def _free_frequency(actuator: Actuator, mean: float, size: FloatArray) -> FloatA
 
 def _small_oscillations(actuator: Actuator, mean: float) -> float:
     """Modulus of the eigenvalue of small oscillations about rest; NaN where there are none."""
-    ens = ensemble(actuator, Constant(mean))
+    ens = lay_out(actuator, Constant(mean))
     row = np.array([ens.values[name][0] for name in ens.field.parameters])
-    body = Body(ens.field, row, ens.initial[0]).at_rest()
+    body = StaticState(ens.field, row, ens.initial[0]).relax()
     if body is None:
         return np.nan
-    values = np.linalg.eigvals(body.linear()[0])
+    values = np.linalg.eigvals(body.linearised()[0])
     return max((abs(complex(s)) for s in values if s.imag > 0.0), default=np.nan)
