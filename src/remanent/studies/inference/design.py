@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 from scipy.optimize import least_squares
 
-from remanent._checks import positive, require_numbers, require_real
+from remanent._checks import as_float_array, positive, require_real
 from remanent._errors import InputError
 from remanent._typing import FloatArray
 from remanent.analysis.fitting import Box, jacobian
@@ -185,7 +185,17 @@ class _Problem:
 
 
 def _targets(targets: float | Sequence[float], measures: Sequence[Measure]) -> FloatArray:
-    values = np.array(require_numbers("targets", np.atleast_1d(np.asarray(targets, dtype=float))))
+    values = np.atleast_1d(
+        as_float_array(
+            "targets",
+            targets,
+            what="target values",
+            why="Each measure has one.",
+            fix="Pass one number per measure.",
+            least=1,
+            finite=True,
+        )
+    )
     if len(values) != len(measures):
         raise InputError(
             "targets",
