@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from copy import deepcopy
+from typing import TypeAlias
+
 import numpy as np
 
 from remanent._checks import Rule, as_float_array, require_choice, require_real, shortened
@@ -13,6 +16,8 @@ from remanent.studies.ensemble.ensemble import Ensemble
 FINEST = 1e-13
 #: Above this, an error bound says nothing.
 COARSEST = 0.1
+#: What ``rng`` accepts.
+Rng: TypeAlias = int | np.random.Generator | None
 #: The seed of all random choices where none is given.
 _SEED = 0
 #: Seeds that are drawn from a generator are smaller than this.
@@ -98,17 +103,18 @@ def require_state(name: str, value: ArrayLike, ens: Ensemble, *, why: str, fix: 
     return state.ravel()
 
 
-def as_seed(rng: int | np.random.Generator | None) -> int:
+def as_seed(rng: Rng) -> int:
     """The seed of the random choices of one call: fixed where nothing is given.
 
     Choices are then drawn for each point from this seed and the point alone, so that they do
-    not depend on the batch or tile that the point is in.  A generator gives its next number:
-    it moves on, as whoever passes one expects.
+    not depend on the batch or tile that the point is in.  Of a generator a copy is asked for
+    its next number: no verb changes its arguments, and every tile of a sweep, which is a call
+    with the same arguments, draws what the whole grid draws.
     """
     if rng is None:
         return _SEED
     if isinstance(rng, np.random.Generator):
-        return int(rng.integers(_SEED_LIMIT))
+        return int(deepcopy(rng).integers(_SEED_LIMIT))
     if isinstance(rng, bool | np.bool_) or not isinstance(rng, int | np.integer) or rng < 0:
         raise InputError(
             "rng",

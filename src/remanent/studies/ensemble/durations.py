@@ -13,6 +13,8 @@ from remanent.studies.ensemble.ensemble import Ensemble
 
 #: Larger integers are not exact in double precision.
 _LARGEST_COUNT = 2**53
+#: Default length of the window of a response, in units of tau: that of [Thermal].
+RESPONSE_WINDOW = 100.0
 _TIME: Rule = positive("A run takes a positive time.", "Pass a time in units of tau.")
 
 
