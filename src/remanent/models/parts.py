@@ -172,3 +172,15 @@ class Part:
             return table, held.replace(**{i: number})
         row = list(held)
         return table, (*row[: int(i)], number, *row[int(i) + 1 :])
+
+
+def parameters_of(prefix: str, p: Mapping[str, Any]) -> dict[str, Any]:
+    """Numeric fields of the part called `prefix`, under the names that they have there.
+
+    Examples
+    --------
+    >>> parameters_of("material", {"c": 1.0, "material.jm": 50.0})
+    {'jm': 50.0}
+    """
+    start = f"{prefix}."
+    return {name.removeprefix(start): v for name, v in p.items() if name.startswith(start)}

@@ -43,6 +43,7 @@ class Oscillator:
                 StateVariable("q", Role.COORDINATE),
                 StateVariable("v", Role.RATE, belongs_to="q"),
             ),
+            loads=(),
             parameters=names,
             waveforms=("sine", "cosine"),
             rates=program(V, acceleration),

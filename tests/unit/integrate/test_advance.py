@@ -29,6 +29,7 @@ def autonomous(rates: list[sp.Expr]) -> Field:
 
     return Field(
         variables=tuple(StateVariable(name, Role.COORDINATE) for name in names),
+        loads=(),
         parameters=(),
         waveforms=("sine", "cosine"),
         rates=program(*rates),  # type: ignore[arg-type]

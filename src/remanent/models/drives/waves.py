@@ -63,7 +63,7 @@ class Constant(Drive):
 
 @dataclass(frozen=True)
 class SineSquared(Drive):
-    """The paper's load, m(tau) = [b sin(omega tau + phase)]^2.
+    """The load of [Thermal], m(tau) = [b sin(omega tau + phase)]^2.
 
     Parameters
     ----------

@@ -24,6 +24,7 @@ __all__ = [
     "ArrudaBoyce", "Gent", "Material", "MooneyRivlin", "NeoHookean", "Ogden", "StrainEnergy",
 ]  # fmt: skip
 
+#: The rule of the shear modulus that follows from the constants.
 _MODULUS = _checks.positive(
     "It is the shear modulus of the undeformed solid, by which the energy is divided.",
     "Without a positive one the undeformed state is not stable; check constants and signs.",
@@ -32,7 +33,7 @@ _MODULUS = _checks.positive(
 
 @dataclass(frozen=True)
 class NeoHookean(Material):
-    """The neo-Hookean solid, W/mu = (l1^2 + l2^2 + l3^2 - 3)/2 (paper, section 2).
+    """The neo-Hookean solid, W/mu = (l1^2 + l2^2 + l3^2 - 3)/2 [Thermal, sec. 2].
 
     Parameters
     ----------
@@ -100,11 +101,13 @@ class Gent(Material):
 
     def energy(self, l1: Any, l2: Any, l3: Any, p: Mapping[str, Any], fn: Any) -> Any:
         """W/mu = -(J_m/2) ln[1 - (I1 - 3)/J_m]."""
-        (left,) = self.room(l1, l2, l3, p, fn)
-        return -p["jm"] * fn.log(left) / 2
+        (remaining,) = self.admissibility(l1, l2, l3, p, fn)
+        return -p["jm"] * fn.log(remaining) / 2
 
-    def room(self, l1: Any, l2: Any, l3: Any, p: Mapping[str, Any], fn: Any) -> Sequence[Any]:
-        """1 - (I1 - 3)/J_m, what is left of the extension of the chains."""
+    def admissibility(
+        self, l1: Any, l2: Any, l3: Any, p: Mapping[str, Any], fn: Any
+    ) -> Sequence[Any]:
+        """1 - (I1 - 3)/J_m, what remains of the extension of the chains."""
         return (1 - first_invariant(l1, l2, l3) / p["jm"],)
 
 
@@ -270,7 +273,7 @@ class ArrudaBoyce(Material):
     locking_stretch: float
     entropic_fraction: float = 1.0
 
-    kept: ClassVar[bool] = True
+    expand: ClassVar[bool] = False
 
     rules: ClassVar[Mapping[str, Rule]] = MappingProxyType(
         {
@@ -290,11 +293,11 @@ class ArrudaBoyce(Material):
         I1^i - 3^i with its factor I1 - 3 taken out, which is small near rest;
         mu = 2 sum_i i C_i (3 y)^(i - 1), twice the slope of W in I1 at I1 = 3.
         """
-        small = first_invariant(l1, l2, l3)
+        invariant = first_invariant(l1, l2, l3)  # I1 - 3, small near rest
         y = 1 / p["locking_stretch"] ** 2
         total, modulus = 0, 0
         for i, (above, below) in enumerate(_SERIES):
-            powers = sum((3 + small) ** k * 3 ** (i - k) for k in range(i + 1))
+            powers = sum((3 + invariant) ** k * 3 ** (i - k) for k in range(i + 1))
             total = total + above * y**i / below * powers
             modulus = modulus + 2 * (i + 1) * above * (3 * y) ** i / below
-        return small * total / modulus
+        return invariant * total / modulus

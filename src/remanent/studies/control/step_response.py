@@ -14,10 +14,10 @@ from remanent.analysis import shaping, steps
 from remanent.codegen.field import field_for
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Outcome, Problem, Request
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.models.drives.piecewise import Steps
 from remanent.models.drives.waves import Constant
+from remanent.models.system import System
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
 from remanent.studies.ensemble.ensemble import Over
@@ -33,7 +33,7 @@ _RISE = (0.1, 0.9)
 
 
 def step_response(
-    system: Actuator,
+    system: System,
     drive: Drive,
     *,
     duration: float | None = None,

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from remanent._checks import Rule, require_real
+from remanent._checks import Rule, require_instance, require_real
+from remanent._errors import InputError
+from remanent.models.actuator import Actuator
+from remanent.models.system import System
 
 #: Below this, round-off in double precision is all that is left.
 FINEST = 1e-13
@@ -20,3 +23,23 @@ _TOLERANCE = Rule(
 def require_tolerance(value: object) -> float:
     """A tolerance that double precision can meet."""
     return require_real("tolerance", value, _TOLERANCE)
+
+
+def require_system(system: object) -> System:
+    """Whatever has the members of a system; its equations are found by its kind."""
+    require_instance("system", system, System, "rm.Actuator()")
+    assert isinstance(system, System)
+    return system
+
+
+def require_actuator(name: str, system: object) -> Actuator:
+    """An actuator, for what only that has: stretches, scales, shaping."""
+    if not isinstance(system, Actuator):
+        raise InputError(
+            name,
+            "be an actuator",
+            repr(system)[:80],
+            "Only an actuator has in-plane stretches, dead loads and a magnetic load.",
+            "Pass for example rm.Actuator().",
+        )
+    return system

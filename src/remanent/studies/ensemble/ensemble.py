@@ -1,4 +1,4 @@
-"""An actuator, a drive and ``over`` become many trajectories in plain arrays."""
+"""A system, a drive and ``over`` become many trajectories in plain arrays."""
 
 from __future__ import annotations
 
@@ -11,16 +11,17 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from remanent._checks import increases
+from remanent._checks import increases, require_instance
 from remanent._errors import InputError
 from remanent._field import Field, Role, StateVariable
 from remanent._timeline import Timeline
 from remanent._typing import ArrayLike, BoolArray, FloatArray
 from remanent.codegen.field import field_for
 from remanent.integrate.ensemble.problem import Problem
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.results.build import Labelled
+from remanent.studies.ensemble.checks import require_system
 
 #: What ``over`` accepts.
 Over = Mapping[str, ArrayLike | xr.DataArray]
@@ -47,13 +48,13 @@ class Ensemble:
     coords
         Values of the varied fields, labelled.
     values : mapping of name to array (trajectory,)
-        Every numeric field of actuator and drive.
+        Every numeric field of system and drive.
     initial : array (trajectory, state)
     invalid : array (trajectory,) of bool
         Where a value breaks a rule.
     """
 
-    system: Actuator
+    system: System
     drive: Drive
     field: Field
     sizes: dict[str, int]
@@ -101,7 +102,7 @@ def _parts(count: int) -> Iterator[slice]:
 
 
 def ensemble(
-    actuator: Actuator,
+    system: System,
     drive: Drive,
     over: Over | None = None,
     initial: ArrayLike | None = None,
@@ -120,13 +121,11 @@ def ensemble(
         Unknown field, empty, unsorted or too large grid, bad initial state; for a
         single trajectory also any value that breaks a rule.
     """
-    from remanent._checks import require_instance
-
-    require_instance("actuator", actuator, Actuator, "rm.Actuator()")
+    system = require_system(system)
     require_instance("drive", drive, Drive, "rm.SineSquared(0.4, 1.25)")
-    _require_rate(actuator, drive, over)
-    field = field_for(actuator, drive)
-    own = {**actuator.parameters(), **drive.parameters(), **(extra or {})}
+    _require_rate(system, drive, over)
+    field = field_for(system, drive)
+    own = {**system.parameters(), **drive.parameters(), **(extra or {})}
     if over is not None and not isinstance(over, Mapping):
         raise InputError(
             "over",
@@ -142,22 +141,20 @@ def ensemble(
     varied = {name: _spread(*array, sizes) for name, array in arrays.items()}
     same = {name: np.broadcast_to(value, count) for name, value in own.items()}  # costs no memory
     values = {name: varied.get(name, same[name]) for name in own}
-    start = _initial(initial, varied, field, values)
+    start = _initial(initial, varied, field, values, count)
     wrong = np.empty(count, dtype=np.bool_)
     for part in _parts(count):
         some = {name: v[part] for name, v in values.items()}
-        wrong[part] = _invalid(actuator, drive, some, start[part], field)
+        wrong[part] = _invalid(system, drive, some, start[part], field)
     if not sizes and wrong.any():
         _refuse(start, field, drive, _periods(drive, values))
-        _refuse_beyond(actuator, values, start, field)
-    return Ensemble(actuator, drive, field, sizes, dict(arrays), values, start, wrong)
+        _refuse_beyond(system, values, start, field)
+    return Ensemble(system, drive, field, sizes, dict(arrays), values, start, wrong)
 
 
-def _require_rate(actuator: Actuator, drive: Drive, over: Over | None) -> None:
+def _require_rate(system: System, drive: Drive, over: Over | None) -> None:
     """Refuse a remanence that depends on a temperature which jumps of the load change."""
-    name = "magnet.temperature_coefficient"
-    depends = name in (over or {}) or actuator.parameters()[name] != 0.0
-    if actuator.heat is not None and depends and not drive.has_rate:
+    if system.needs_load_rate({}, varied=over or ()) and not drive.has_rate:
         raise InputError(
             "drive",
             "have a rate of its load in closed form where the remanence takes part in the heat",
@@ -232,7 +229,7 @@ def _labelled(
     if name not in known:
         raise InputError(
             f"over[{name!r}]",
-            "be a numeric field of the actuator or of the drive",
+            "be a numeric field of the system or of the drive",
             repr(name),
             "Only fields that enter the equations of motion can be varied.",
             f"Its fields are: {', '.join(known)}.",
@@ -331,9 +328,9 @@ def _initial(
     varied: Mapping[str, FloatArray],
     field: Field,
     values: Mapping[str, FloatArray],
+    count: int,
 ) -> FloatArray:
     """Initial states, array (trajectory, state): rest where nothing else is said."""
-    count = values["c"].size
     rest = [rest_values(variable, values, count) for variable in field.variables]
     first = [column[0] for column in rest]
     moving = field.names(Role.COORDINATE, Role.RATE)
@@ -377,21 +374,20 @@ def _positive(field: Field) -> list[int]:
     return [k for k, variable in enumerate(field.variables) if variable.positive]
 
 
-def _in_plane(start: FloatArray, field: Field) -> tuple[FloatArray, FloatArray]:
-    """The two in-plane stretches of states, the same array twice for one coordinate."""
-    columns = field.indices(Role.COORDINATE)
-    return start[:, columns[0]], start[:, columns[-1]]
+def _coordinates(start: FloatArray, field: Field) -> list[FloatArray]:
+    """The coordinates in states, one array (trajectory,) for each."""
+    return [start[:, k] for k in field.indices(Role.COORDINATE)]
 
 
 def _invalid(
-    actuator: Actuator,
+    system: System,
     drive: Drive,
     values: Mapping[str, FloatArray],
     start: FloatArray,
     field: Field,
 ) -> BoolArray:
-    broken = actuator.invalid(values) | drive.invalid(values)
-    beyond = ~actuator.reachable(values, *_in_plane(start, field))
+    broken = system.invalid(values) | drive.invalid(values)
+    beyond = ~system.admissible(values, *_coordinates(start, field))
     bad_state = ~(np.abs(start) <= FARTHEST).all(axis=1)
     bad_state |= ~(start[:, _positive(field)] >= 1.0 / FARTHEST).all(axis=1)
     periods = _periods(drive, values)
@@ -424,25 +420,26 @@ def _refuse(states: FloatArray, field: Field, drive: Drive, periods: FloatArray 
                 "Stretches are ratios of lengths, temperatures are absolute.",
                 "Pass 1 for the undeformed block.",
             )
-    if (np.abs(start) <= FARTHEST).all() and min(start[_positive(field)]) >= 1.0 / FARTHEST:
+    positive = start[_positive(field)]
+    if (np.abs(start) <= FARTHEST).all() and (positive >= 1.0 / FARTHEST).all():
         return
     raise InputError(
         "initial",
         f"have stretches from {1.0 / FARTHEST:g} to {FARTHEST:g} and rates up to {FARTHEST:g}",
         start.tolist(),
-        "No actuator gets beyond them, and formulas with high powers lose their digits there.",
+        "No motion gets beyond them, and formulas with high powers lose their digits there.",
         "Pass (1, 0) for rest.",
     )
 
 
 def _refuse_beyond(
-    actuator: Actuator, values: Mapping[str, FloatArray], start: FloatArray, field: Field
+    system: System, values: Mapping[str, FloatArray], start: FloatArray, field: Field
 ) -> None:
-    if not actuator.reachable(values, *_in_plane(start, field)).all():
+    if not system.admissible(values, *_coordinates(start, field)).all():
         raise InputError(
             "initial",
             "be a state that the material can reach",
             start[0].tolist(),
-            f"It lies beyond the limiting chain extension of {actuator.material!r}.",
+            f"It lies beyond {system.describe_limits()}.",
             "Start nearer to (1, 0), or raise the limit.",
         )

@@ -17,6 +17,7 @@ from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Outcome, Problem, Request
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.results import build, provenance
 from remanent.results.build import Labelled
 from remanent.results.read_measurements import Table, read_measurements
@@ -39,7 +40,7 @@ _EXTREMES = ("amplitude", "maximum", "minimum")
 
 
 def fit(
-    system: Actuator,
+    system: System,
     drive: Drive,
     data: Table,
     parameters: Sequence[str] | Mapping[str, float],

@@ -9,8 +9,8 @@ from remanent._checks import finite, require_choice, require_real
 from remanent._typing import ArrayLike, IntArray
 from remanent.integrate import events
 from remanent.integrate.ensemble.ensemble import Progress
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
@@ -22,7 +22,7 @@ _DIRECTIONS = {"both": (-1, 0, 1), "up": (1,), "down": (-1,)}
 
 
 def crossings(
-    system: Actuator,
+    system: System,
     drive: Drive,
     variable: str,
     value: float,

@@ -11,8 +11,8 @@ from remanent._typing import ArrayLike
 from remanent.integrate.ensemble.ensemble import Progress, integrate
 from remanent.integrate.ensemble.problem import Request
 from remanent.integrate.variations import with_integrals
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
@@ -23,7 +23,7 @@ _POWERS = {"dissipated_energy": "dissipated_power", "drive_work": "drive_power"}
 
 
 def cycle_losses(
-    system: Actuator,
+    system: System,
     drive: Drive,
     *,
     periods: int,

@@ -7,12 +7,13 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
+from remanent._field import Role
 from remanent._typing import ArrayLike, FloatArray
 from remanent.integrate.ensemble.ensemble import Progress, integrate
 from remanent.integrate.ensemble.problem import Request
 from remanent.integrate.variations import with_integrals
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
@@ -35,7 +36,7 @@ _OF_HEAT = {
 
 
 def energy_balance(
-    system: Actuator,
+    system: System,
     drive: Drive,
     *,
     duration: float | None = None,
@@ -93,7 +94,8 @@ def energy_balance(
     ens = ensemble(system, drive, over, initial)
     grid, shared = time_grid(ens, duration, periods, times)
     plain = problem(ens, np.maximum(grid[:, -1], np.finfo(float).tiny))
-    names = _INTEGRALS | (_OF_HEAT if system.heat is not None else {})
+    warms = bool(ens.field.indices(Role.TEMPERATURE))
+    names = _INTEGRALS | (_OF_HEAT if warms else {})
     start = np.pad(plain.initial, ((0, 0), (0, len(names))))
     asked = replace(plain, field=with_integrals(plain.field, tuple(names)), initial=start)
     outcome = integrate(asked, Request(times=grid), tolerance=tolerance, progress=progress)
@@ -114,9 +116,9 @@ def energy_balance(
             grid > 0.0, found["mean_thickness_stretch"] / grid, at_first
         )
     found["stored_energy"] = observe(asked, "stored_energy", grid, states)
-    left = found["dissipated_energy" if system.heat is None else "heat_given_off"]
+    left = found["heat_given_off" if warms else "dissipated_energy"]
     found["balance"] = gained("stored_energy") - found["drive_work"] + left
-    if system.heat is not None:
+    if warms:
         found["entropy"] = observe(asked, "entropy", grid, states)
         inner = gained("entropy") - found["entropy_produced"]
         found["entropy_balance"] = inner + found["entropy_given_off"]

@@ -9,8 +9,8 @@ from remanent._checks import Rule, require_real
 from remanent._typing import ArrayLike
 from remanent.integrate.ensemble.ensemble import Progress, integrate
 from remanent.integrate.ensemble.problem import Request
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
@@ -27,7 +27,7 @@ _PHASE = Rule(
 
 
 def poincare_section(
-    system: Actuator,
+    system: System,
     drive: Drive,
     *,
     periods: int,

@@ -12,8 +12,8 @@ from remanent._errors import InputError
 from remanent._typing import ArrayLike, FloatArray
 from remanent.integrate.ensemble.ensemble import Progress, integrate
 from remanent.integrate.ensemble.problem import Request
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
@@ -26,7 +26,7 @@ _PER_TAU, _FEWEST, _MOST = 20, 200, 20_000
 
 
 def simulate(
-    system: Actuator,
+    system: System,
     drive: Drive,
     *,
     duration: float | None = None,

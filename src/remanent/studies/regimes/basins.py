@@ -13,8 +13,8 @@ from remanent._typing import ArrayLike, IntArray
 from remanent.analysis.basins import attractors, settled
 from remanent.analysis.regimes import Regime
 from remanent.integrate.ensemble.ensemble import Progress
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.durations import require_count, require_periods
@@ -27,7 +27,7 @@ _TAIL = 128
 
 
 def basins(
-    system: Actuator,
+    system: System,
     drive: Drive,
     grid: Mapping[str, ArrayLike],
     *,

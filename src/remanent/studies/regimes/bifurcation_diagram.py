@@ -16,8 +16,8 @@ from remanent.integrate.ensemble.ensemble import Progress
 from remanent.integrate.ensemble.problem import Problem
 from remanent.integrate.maps.advance import Advancer
 from remanent.integrate.maps.period_map import PeriodMap
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.durations import require_count, require_periods
@@ -32,7 +32,7 @@ _BLOCK = 64
 
 
 def bifurcation_diagram(
-    system: Actuator,
+    system: System,
     drive: Drive,
     parameter: str,
     values: ArrayLike,

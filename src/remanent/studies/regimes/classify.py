@@ -13,8 +13,8 @@ from remanent.analysis.following import Path
 from remanent.analysis.regimes import Regime, Verdict
 from remanent.analysis.returns import Iterate
 from remanent.integrate.ensemble.ensemble import Progress
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.durations import require_count, require_periods
@@ -38,7 +38,7 @@ WHY = "A regime shows in a long run."
 
 
 def classify(
-    system: Actuator,
+    system: System,
     drive: Drive,
     *,
     periods: int,

@@ -13,8 +13,8 @@ from remanent._typing import ArrayLike, IntArray
 from remanent.analysis.lyapunov import exponents
 from remanent.integrate.ensemble.ensemble import Progress
 from remanent.integrate.maps.period_map import Judged
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.durations import require_count, require_periods
@@ -30,7 +30,7 @@ _COLLAPSED = 1e-13
 
 
 def lyapunov(
-    system: Actuator,
+    system: System,
     drive: Drive,
     *,
     periods: int,

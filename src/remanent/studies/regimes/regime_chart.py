@@ -11,14 +11,14 @@ import xarray as xr
 from remanent._errors import InputError
 from remanent._typing import ArrayLike
 from remanent.integrate.ensemble.ensemble import Progress
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.studies.ensemble.ensemble import Over
 from remanent.studies.regimes.classify import classify
 
 
 def regime_chart(
-    system: Actuator,
+    system: System,
     drive: Drive,
     over: Over,
     *,

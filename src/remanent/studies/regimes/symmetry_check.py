@@ -16,10 +16,10 @@ from remanent.integrate.ensemble.ensemble import Progress
 from remanent.integrate.maps.advance import Step
 from remanent.integrate.maps.period_map import PeriodMap
 from remanent.integrate.variations import parting
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.results.build import Labelled
-from remanent.studies.ensemble.checks import require_tolerance
+from remanent.studies.ensemble.checks import require_actuator, require_tolerance
 from remanent.studies.ensemble.durations import require_count, require_periods
 from remanent.studies.ensemble.ensemble import Ensemble, Over, ensemble, problem
 from remanent.studies.ensemble.two_coordinates import two_coordinates
@@ -37,7 +37,7 @@ _SIZE = 1e-3
 
 
 def symmetry_check(
-    system: Actuator,
+    system: System,
     drive: Drive,
     *,
     periods: int = 200,
@@ -129,11 +129,12 @@ class _Apart:
 
     @classmethod
     def of(cls, ens: Ensemble, tolerance: float) -> _Apart:
-        if ens.system.coordinates != 1:
+        actuator = require_actuator("system", ens.system)
+        if actuator.coordinates != 1:
             raise InputError(
-                "actuator",
+                "system",
                 "have one coordinate",
-                ens.system,
+                actuator,
                 "What is asked is whether that one is enough.",
                 "Pass one number as prestress, and no edges.",
             )

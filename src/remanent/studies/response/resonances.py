@@ -16,8 +16,10 @@ from remanent.codegen.field import field_for
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.models.drives.waves import Constant
+from remanent.models.system import System
 from remanent.results import build, provenance
 from remanent.results.build import Labelled
+from remanent.studies.ensemble.checks import require_actuator
 from remanent.studies.ensemble.durations import require_count
 from remanent.studies.ensemble.ensemble import ensemble
 from remanent.studies.motion.simulate import simulate
@@ -35,7 +37,7 @@ _TOLERANCE = 1e-7
 
 
 def resonances(
-    system: Actuator,
+    system: System,
     drive: Drive,
     omega_range: ArrayLike,
     *,
@@ -141,11 +143,12 @@ class _Peak:
     doubled: bool
 
 
-def _require_one_coordinate(actuator: Actuator) -> None:
+def _require_one_coordinate(system: System) -> None:
     """Refuse what has no backbone."""
+    actuator = require_actuator("system", system)
     if actuator.coordinates > 1:
         raise InputError(
-            "actuator", "have one coordinate", actuator,
+            "system", "have one coordinate", actuator,
             "Resonances are named by free oscillations of the same amplitude, which two "
             "coordinates have of more than one kind.",
             "Pass one number as prestress and no edges, or read the peaks of response_diagram.",

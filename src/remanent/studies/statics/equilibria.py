@@ -16,6 +16,7 @@ from remanent.models.actuator import Actuator
 from remanent.models.drives.waves import Constant
 from remanent.results import build, provenance
 from remanent.results.build import Labelled
+from remanent.studies.ensemble.checks import require_actuator
 from remanent.studies.ensemble.ensemble import Ensemble, Over, ensemble
 from remanent.studies.ensemble.two_coordinates import two_coordinates
 from remanent.studies.statics._biaxial import in_plane
@@ -78,6 +79,7 @@ def equilibria(actuator: Actuator, m: float = 0.0, *, over: Over | None = None) 
     >>> curve.fold_m.values.round(4).tolist()
     [2.1777, 2.8483]
     """
+    require_actuator("actuator", actuator)
     ens = ensemble(actuator, Constant(m), over)
     if actuator.coordinates == 2:
         return in_plane(ens)

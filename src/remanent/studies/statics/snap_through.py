@@ -13,6 +13,7 @@ from remanent.models.actuator import Actuator
 from remanent.models.drives.waves import Constant
 from remanent.results import build, provenance
 from remanent.results.build import Labelled
+from remanent.studies.ensemble.checks import require_actuator
 from remanent.studies.ensemble.ensemble import Over, ensemble
 from remanent.studies.orbits.continue_orbit import parameter_bounds
 from remanent.studies.statics._folds import fold_points, grid_of
@@ -86,6 +87,7 @@ def snap_through(
     >>> ds.fold_m.values.round(4).tolist(), ds.snap_m.values.round(4).tolist()
     ([2.1777, 2.8483], [2.4868])
     """
+    require_actuator("actuator", actuator)
     if not actuator.conservative or actuator.coordinates > 1:
         raise InputError(
             "actuator", "have one coordinate, no dissipation and no heat balance", actuator,
