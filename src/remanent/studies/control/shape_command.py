@@ -19,7 +19,7 @@ from remanent.models.drives.waves import Constant
 from remanent.results import build, provenance
 from remanent.results.build import Labelled
 from remanent.studies.control._terminal_conditions import Arrival
-from remanent.studies.ensemble.checks import require_tolerance
+from remanent.studies.ensemble.checks import require_actuator, require_tolerance
 from remanent.studies.ensemble.ensemble import Ensemble, Over, ensemble
 from remanent.studies.ensemble.physical_scales import PHYSICAL
 from remanent.studies.orbits._period_map import at
@@ -131,6 +131,7 @@ def shape_commands(
     target = require_real("target", target, _TARGET)
     require_tolerance(tolerance)
     sizes = (robust_to,) if isinstance(robust_to, str) else tuple(robust_to)
+    require_actuator("actuator", actuator)
     ens = ensemble(actuator, Constant(0.0), over, initial, reserved=frozenset({"step"}))
     known = [name for name in ens.field.parameters if name != "m"]
     require_known(sizes, [*known, *PHYSICAL], "the actuator, or a physical size")
@@ -154,7 +155,7 @@ def _command(
     """The steps before the last, and the last load, for one actuator."""
     if single.invalid[0]:
         raise _impossible(target, "a field is invalid")
-    actuator = single.system
+    actuator = require_actuator("actuator", single.system)
     for name, value in actuator.parameters().items():
         if single.values[name][0] != value:
             actuator = actuator.with_parameter(name, float(single.values[name][0]))

@@ -13,9 +13,9 @@ from remanent._errors import InputError
 from remanent._timeline import Timeline
 from remanent._typing import ArrayLike, FloatArray
 from remanent.integrate.ensemble.problem import Problem
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.models.drives.piecewise import Table
+from remanent.models.system import System
 from remanent.results.schema import Kind, describe
 from remanent.studies.ensemble.ensemble import Ensemble, Over, ensemble, problem
 
@@ -85,7 +85,7 @@ class Physical:
 
 
 def physical(
-    actuator: Actuator,
+    system: System,
     drive: Drive,
     over: Over | None = None,
     initial: ArrayLike | None = None,
@@ -98,7 +98,7 @@ def physical(
     dimensionless numbers change: m ~ B_r/mu, S ~ 1/mu, omega ~ sqrt(rho/mu) ...
     """
     ens = ensemble(
-        actuator, drive, over, initial, reserved=reserved, extra=dict.fromkeys(PHYSICAL, 1.0)
+        system, drive, over, initial, reserved=reserved, extra=dict.fromkeys(PHYSICAL, 1.0)
     )
     sizes = np.stack([ens.values[name] for name in PHYSICAL])
     broken = ~np.all([RULE.satisfied(row) for row in sizes], axis=0)

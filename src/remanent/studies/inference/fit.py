@@ -15,7 +15,6 @@ from remanent.analysis import fitting
 from remanent.analysis.fitting import Box, Data
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Outcome, Problem, Request
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.results import build, provenance
@@ -67,7 +66,7 @@ def fit(
         ``thickness_stretch_error`` and the like are standard deviations.  Without them all
         values of all variables have the same, and the scatter says how large it is.
     parameters
-        Numeric fields of actuator and drive, ``initial.stretch`` and the like, and
+        Numeric fields of system and drive, ``initial.stretch`` and the like, and
         ``shear_modulus``, ``density``, ``remanence`` over their nominal values; with first
         guesses, or just names, from the values there are.
     parameter_ranges
@@ -167,7 +166,7 @@ def fit(
 class _Model:
     """Predictions of the measured values, for many candidates at once."""
 
-    actuator: Actuator
+    system: System
     drive: Drive
     names: tuple[str, ...]
     initial: ArrayLike | None
@@ -229,7 +228,7 @@ class _Model:
         return np.concatenate([found[name] for name in self.measured], axis=1)
 
     def _history(self, over: Mapping[str, xr.DataArray]) -> dict[str, FloatArray]:
-        many = physical(self.actuator, self.drive, over, self.initial)
+        many = physical(self.system, self.drive, over, self.initial)
         times = self.table["time"].values
         end = max(float(times[-1]), np.finfo(float).tiny)
         asked = many.problem(np.full(many.ensemble.count, end))
@@ -245,7 +244,7 @@ class _Model:
 
     def _response(self, over: Mapping[str, xr.DataArray]) -> dict[str, FloatArray]:
         omega = xr.DataArray(self.table["omega"].values, dims="frequency")
-        many = physical(self.actuator, self.drive, {**over, "omega": omega}, self.initial)
+        many = physical(self.system, self.drive, {**over, "omega": omega}, self.initial)
         outcome = self._extremes(many)
         low, high = (many.ensemble.shaped(v) for v in (outcome.minimum, outcome.maximum))
         return {"maximum": high, "minimum": low, "amplitude": 0.5 * (high - low)}
@@ -275,15 +274,15 @@ def _column(asked: Problem, name: str, times: FloatArray, states: FloatArray) ->
 
 
 def _guesses(
-    actuator: Actuator,
+    system: System,
     drive: Drive,
     parameters: Sequence[str] | Mapping[str, float],
     initial: ArrayLike | None,
 ) -> dict[str, float]:
-    ens = physical(actuator, drive, None, initial).ensemble
+    ens = physical(system, drive, None, initial).ensemble
     start = {f"initial.{n}": float(v) for n, v in zip(ens.field.state, ens.initial[0], strict=True)}
-    own = {**actuator.parameters(), **drive.parameters(), **start, **dict.fromkeys(PHYSICAL, 1.0)}
-    require_known(listed(parameters), own, "the actuator or the drive, or a physical size")
+    own = {**system.parameters(), **drive.parameters(), **start, **dict.fromkeys(PHYSICAL, 1.0)}
+    require_known(listed(parameters), own, "the system or the drive, or a physical size")
     guess = chosen(parameters, own)
     if not guess:
         raise InputError(
@@ -294,14 +293,14 @@ def _guesses(
 
 
 def _box(
-    actuator: Actuator,
+    system: System,
     drive: Drive,
     guess: Mapping[str, float],
     bounds: Mapping[str, tuple[float, float]] | None,
 ) -> Box:
     """Scales, and bounds inside which the rules of the fields hold."""
     require_known(bounds or {}, guess, "`parameters`")
-    rules = {**actuator.parameter_rules(), **drive.numeric_rules(), **dict.fromkeys(PHYSICAL, RULE)}
+    rules = {**system.parameter_rules(), **drive.numeric_rules(), **dict.fromkeys(PHYSICAL, RULE)}
     value = np.array(list(guess.values()))
     scale = np.maximum(np.abs(value), 0.1)
     lower, upper = np.full_like(value, -np.inf), np.full_like(value, np.inf)

@@ -103,7 +103,7 @@ def resonances(
     """
     for one in orbit_periods:
         require_count("orbit_periods", one, "Orbits close after whole drive periods.")
-    _require_one_coordinate(system)
+    actuator = _require_one_coordinate(system)
     peaks = [
         peak
         for period in orbit_periods
@@ -117,7 +117,7 @@ def resonances(
         )
     ]  # fmt: skip
     peaks.sort(key=lambda peak: peak.omega)
-    described = _described(system, drive, peaks)
+    described = _described(actuator, drive, peaks)
     attributes = provenance.attributes(
         system, drive, tolerance, over=("omega",),
         parameter_range=tuple(np.asarray(omega_range, dtype=float).tolist()), slices=slices,
@@ -143,8 +143,8 @@ class _Peak:
     doubled: bool
 
 
-def _require_one_coordinate(system: System) -> None:
-    """Refuse what has no backbone."""
+def _require_one_coordinate(system: System) -> Actuator:
+    """The actuator, refused where it has no backbone."""
     actuator = require_actuator("system", system)
     if actuator.coordinates > 1:
         raise InputError(
@@ -153,6 +153,7 @@ def _require_one_coordinate(system: System) -> None:
             "coordinates have of more than one kind.",
             "Pass one number as prestress and no edges, or read the peaks of response_diagram.",
         )  # fmt: skip
+    return actuator
 
 
 def _peaks(diagram: xr.Dataset, period: int, state: Sequence[str]) -> list[_Peak]:
