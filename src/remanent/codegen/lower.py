@@ -290,9 +290,9 @@ class _Translator:
 
         The second term is what rounding takes from u: to first order, all of it.
         """
-        one, y = self.instructions.constant(1.0), self.written(excess)
-        u = self.instructions.add(one, y)
-        rounded_y = self.instructions.add(u, (-1, one[1]))
+        unity, y = self.instructions.constant(1.0), self.written(excess)
+        u = self.instructions.add(unity, y)
+        rounded_y = self.instructions.add(u, (-1, unity[1]))
         rounding = self.instructions.add(y, (-rounded_y[0], rounded_y[1]))
         correction = self.instructions.div(rounding, u)
         return self.instructions.add(self.instructions.call("log", u), correction)
@@ -341,11 +341,11 @@ class _Translator:
         """A product of one level; reciprocals of state variables are shared by all terms."""
         below = [1 / f for f in factors if _is_reciprocal(f)]
         above = [self.written(f) for f in factors if not _is_reciprocal(f)]
-        one = self.instructions.constant(1.0)
-        top = reduce(self.instructions.mul, above, one)
+        unity = self.instructions.constant(1.0)
+        top = reduce(self.instructions.mul, above, unity)
         if below and self.level(factors[0]) == Level.STATE:
             return reduce(self.instructions.mul, map(self._reciprocal, below), top)
-        bottom = reduce(self.instructions.mul, map(self.written, below), one)
+        bottom = reduce(self.instructions.mul, map(self.written, below), unity)
         return self.instructions.div(top, bottom)
 
     def _reciprocal(self, expression: Expression) -> Signed:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 from remanent import _checks
 from remanent._checks import Rule
@@ -117,6 +117,11 @@ class Rayleigh(Dissipation):
     rules: ClassVar[Mapping[str, Rule]] = MappingProxyType({"eta": _ETA})
     nested: ClassVar[Mapping[str, type[Part]]] = MappingProxyType({"shift": Shift})
 
+    @classmethod
+    def example(cls) -> Self:
+        """An instance with usual numbers, on which contract tests try every public part."""
+        return cls(0.2)
+
     def rayleigh(self, stretches: Sequence[Any], rates: Sequence[Any], p: Mapping[str, Any]) -> Any:
         """D = eta (l1'^2 + l2'^2)/2."""
         return p["eta"] * (rates[0] ** 2 + rates[1] ** 2) / 2
@@ -148,6 +153,11 @@ class KelvinVoigt(Dissipation):
 
     rules: ClassVar[Mapping[str, Rule]] = MappingProxyType({"eta": _ETA})
     nested: ClassVar[Mapping[str, type[Part]]] = MappingProxyType({"shift": Shift})
+
+    @classmethod
+    def example(cls) -> Self:
+        """An instance with usual numbers, on which contract tests try every public part."""
+        return cls(0.1)
 
     def rayleigh(self, stretches: Sequence[Any], rates: Sequence[Any], p: Mapping[str, Any]) -> Any:
         """D = eta (e1^2 + e2^2 + (e1 + e2)^2)."""
@@ -203,6 +213,11 @@ class Zener(Dissipation):
     internal: ClassVar[tuple[str, ...]] = ("viscous_stretch",)
     strength: ClassVar[str] = "modulus"
     shifted: ClassVar[str] = "relaxation_time"
+
+    @classmethod
+    def example(cls) -> Self:
+        """An instance with usual numbers, on which contract tests try every public part."""
+        return cls(0.5, 0.7)
 
     def stored(
         self, stretches: Sequence[Any], internal: Sequence[Any], p: Mapping[str, Any]

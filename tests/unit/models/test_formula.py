@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 
 import remanent as rm
 from remanent._errors import InputError
-from remanent.models.formula import CHARACTERS, from_sympy, parse
+from remanent.models.formula import MAX_CHARACTERS, from_sympy, parse
 from remanent.models.materials.second_order_ad import DualFunctions, SecondOrderDual
 
 ATTACKS = {
@@ -157,9 +157,9 @@ def test_parts_with_a_sign_are_known() -> None:
 
 
 def test_size_is_bounded() -> None:
-    assert parse("x" + " " * (CHARACTERS - 1)).text == "x"
+    assert parse("x" + " " * (MAX_CHARACTERS - 1)).text == "x"
     assert parse("(x**8)**8").text == "(x ** 8) ** 8"
-    for text in ("x" + " " * CHARACTERS, "(x**8)**9", "x**-65"):
+    for text in ("x" + " " * MAX_CHARACTERS, "(x**8)**9", "x**-65"):
         with pytest.raises(InputError):
             parse(text)
 

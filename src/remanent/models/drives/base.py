@@ -120,8 +120,8 @@ class Drive(Part, ABC):
 
     def value(self, values: Mapping[str, FloatArray], name: str) -> FloatArray:
         """The field `name` of a batch: from `values`, else the drive's own."""
-        own = values[name] if name in values else self.parameters()[name]
-        return np.asarray(own, dtype=np.float64)
+        numbers = values[name] if name in values else self.parameters()[name]
+        return np.asarray(numbers, dtype=np.float64)
 
 
 def repeated(

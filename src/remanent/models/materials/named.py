@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 from remanent import _checks
 from remanent._checks import Rule
@@ -99,6 +99,11 @@ class Gent(Material):
         }
     )
 
+    @classmethod
+    def example(cls) -> Self:
+        """An instance with usual numbers, on which contract tests try every public part."""
+        return cls(12.0)
+
     def energy(self, l1: Any, l2: Any, l3: Any, p: Mapping[str, Any], fn: Any) -> Any:
         """W/mu = -(J_m/2) ln[1 - (I1 - 3)/J_m]."""
         (remaining,) = self.admissibility(l1, l2, l3, p, fn)
@@ -146,6 +151,11 @@ class MooneyRivlin(Material):
     rules: ClassVar[Mapping[str, Rule]] = MappingProxyType(
         {"c1": _constant, "c2": _constant, "entropic_fraction": ENTROPIC_FRACTION}
     )
+
+    @classmethod
+    def example(cls) -> Self:
+        """An instance with usual numbers, on which contract tests try every public part."""
+        return cls(0.3, 0.1)
 
     def derived(self, p: Mapping[str, Any]) -> Mapping[str, tuple[Any, Rule]]:
         """The shear modulus 2 (c1 + c2)."""
@@ -201,6 +211,11 @@ class Ogden(Material):
             ),
         }
     )
+
+    @classmethod
+    def example(cls) -> Self:
+        """An instance with usual numbers, on which contract tests try every public part."""
+        return cls([0.63, 0.0012, -0.01], [1.3, 5.0, -2.0])
 
     def checked_options(self) -> Mapping[str, Any]:
         """Nothing new, if there is an exponent for each modulus."""
@@ -286,6 +301,11 @@ class ArrudaBoyce(Material):
             "entropic_fraction": ENTROPIC_FRACTION,
         }
     )
+
+    @classmethod
+    def example(cls) -> Self:
+        """An instance with usual numbers, on which contract tests try every public part."""
+        return cls(2.5)
 
     def energy(self, l1: Any, l2: Any, l3: Any, p: Mapping[str, Any], fn: Any) -> Any:
         """W/mu = (I1 - 3) sum_i C_i y^(i - 1) [sum_k I1^k 3^(i - 1 - k)]/mu, y = 1/L^2.

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from itertools import permutations
 from types import MappingProxyType
-from typing import Any, ClassVar, Final
+from typing import Any, ClassVar, Final, Self
 
 import numpy as np
 
@@ -93,6 +93,11 @@ class StrainEnergy(Material):
     choices: ClassVar[tuple[str, ...]] = ("expression",)
     expand: ClassVar[bool] = False
 
+    @classmethod
+    def example(cls) -> Self:
+        """An instance with usual numbers, on which contract tests try every public part."""
+        return cls("a*(I1 - 3) + b*(I1 - 3)**2", {"a": 50e3, "b": 2e3})
+
     def __post_init__(self) -> None:
         super().__post_init__()
         _require_isotropic(self)
@@ -128,8 +133,8 @@ class StrainEnergy(Material):
         self, l1: Any, l2: Any, l3: Any, p: Mapping[str, Any], fn: Any
     ) -> Sequence[Any]:
         """Arguments of logarithms and roots, and denominators, over their values at rest."""
-        one = formula.exact(Fraction(1), fn)
-        here, rest = _named(l1, l2, l3) | dict(p), _named(one, one, one) | dict(p)
+        unity = formula.exact(Fraction(1), fn)
+        here, rest = _named(l1, l2, l3) | dict(p), _named(unity, unity, unity) | dict(p)
         parts = self._formula.sensitive(_VARIABLES, _VARIABLES)
         return tuple(part(here, fn) / part(rest, fn) for part in parts)
 
@@ -139,12 +144,16 @@ class StrainEnergy(Material):
 
     def _energy_in_pure_shear(self, p: Mapping[str, Any], fn: Any) -> SecondOrderDual:
         """W and its first two derivatives along pure shear, l1 = exp(e), l2 = exp(-e), at e = 0."""
-        one = formula.exact(Fraction(1), fn)
-        stretches = SecondOrderDual(one, one, one), SecondOrderDual(one, -one, one), one
+        unity = formula.exact(Fraction(1), fn)
+        stretches = (
+            SecondOrderDual(unity, unity, unity),
+            SecondOrderDual(unity, -unity, unity),
+            unity,
+        )
         energy = self._formula(_named(*stretches) | dict(p), DualFunctions(fn))
         if isinstance(energy, SecondOrderDual):
             return energy
-        return SecondOrderDual(energy, 0 * one, 0 * one)
+        return SecondOrderDual(energy, 0 * unity, 0 * unity)
 
 
 def _named(l1: Any, l2: Any, l3: Any) -> dict[str, Any]:
