@@ -1,4 +1,7 @@
-"""Bad input: one message that names the field, the rule, the value, and what to do."""
+"""Bad input: one message that names the field, the rule, the value, and what to do.
+
+Law: Bad input.
+"""
 
 from __future__ import annotations
 
@@ -87,7 +90,7 @@ CASES: dict[str, tuple[Callable[[], Any], tuple[str, ...]]] = {
     ),
     "chirp": (lambda: rm.Chirp(1.0, 1.0, 2.0, 0.0), ("`duration`", "greater than 0", "Sine")),
     "drive": (lambda: simulate(drive=0.4, duration=5), ("`drive`", "SineSquared", "0.4")),
-    "actuator": (lambda: simulate(body=1.0, duration=5), ("`actuator`", "rm.Actuator()")),
+    "system": (lambda: simulate(body=1.0, duration=5), ("`system`", "rm.Actuator()")),
     # how long
     "no length": (simulate, ("`duration`", "`periods`", "`times`", "exactly one")),
     "two lengths": (

@@ -39,7 +39,7 @@ from remanent.models.parts import parameters_of
 def motion(actuator: Actuator, drive: Drive | None) -> Motion:
     """Energies of an actuator; without a drive, the load is left as a symbol.
 
-    Equations, per 8 H L1 L2 mu [Thermal, eqs. 1 to 9], l3 = 1/(l1 l2):
+    Equations, per 8 H L1 L2 mu [Thermal, eqs. 3 to 12], l3 = 1/(l1 l2):
     T = (w1 l1'^2 + w2 l2'^2 + c l3'^2)/6,  w_i = (L_i/L)^2, here 1 where edges are equal,
     U = mu(T)/mu W(l1, l2, l3) - m l3 - S1 (l1 - 1) - S2 (l2 - 1) + viscous energy
     + the magnet's energy in its own field.

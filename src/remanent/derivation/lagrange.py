@@ -184,7 +184,7 @@ def _slope(motion: Motion, stretch: Symbol) -> Expression:
 def lagrange(motion: Motion) -> tuple[Any, Any]:
     """Mass matrix M and force f of Lagrange's equations M(q) q'' = f(q, q').
 
-    Equation: d/dtau dT/dq' - dT/dq + dU/dq + dD/dq' = 0 [Thermal, eq. 13].
+    Equation: d/dtau dT/dq' - dT/dq + dU/dq + dD/dq' = 0 [Thermal, eq. 8].
     """
     q, v = motion.coordinates, motion.rates
     kinetic = motion.eliminate_thickness(motion.kinetic)

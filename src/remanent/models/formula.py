@@ -147,9 +147,8 @@ def from_sympy(expression: Any) -> str:
 def _require_size(name: str, tree: ast.expr) -> None:
     for count, (_, depth) in enumerate(_walk(tree), start=1):
         if count > MAX_NODES or depth > MAX_DEPTH:
-            raise _refusal(
-                name, f"have at most {MAX_NODES} parts, nested {MAX_DEPTH} deep", "a larger one"
-            )
+            rule = f"have at most {MAX_NODES} parts, nested {MAX_DEPTH} deep"
+            raise _refusal(name, rule, f"part {count} at depth {depth}")
 
 
 def _require_allowed(name: str, node: ast.expr) -> None:

@@ -145,12 +145,9 @@ class StrainEnergy(Material):
     def _energy_in_pure_shear(self, p: Mapping[str, Any], fn: Any) -> SecondOrderDual:
         """W and its first two derivatives along pure shear, l1 = exp(e), l2 = exp(-e), at e = 0."""
         unity = formula.exact(Fraction(1), fn)
-        stretches = (
-            SecondOrderDual(unity, unity, unity),
-            SecondOrderDual(unity, -unity, unity),
-            unity,
-        )
-        energy = self._formula(_named(*stretches) | dict(p), DualFunctions(fn))
+        l1 = SecondOrderDual(unity, unity, unity)
+        l2 = SecondOrderDual(unity, -unity, unity)
+        energy = self._formula(_named(l1, l2, unity) | dict(p), DualFunctions(fn))
         if isinstance(energy, SecondOrderDual):
             return energy
         return SecondOrderDual(energy, 0 * unity, 0 * unity)

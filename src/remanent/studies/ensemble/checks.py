@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from remanent._checks import Rule, require_instance, require_real
+from remanent._checks import Rule, require_real
 from remanent._errors import InputError
 from remanent.models.actuator import Actuator
 from remanent.models.system import System
@@ -27,8 +27,14 @@ def require_tolerance(value: object) -> float:
 
 def require_system(system: object) -> System:
     """Whatever has the members of a system; its equations are found by its kind."""
-    require_instance("system", system, System, "rm.Actuator()")
-    assert isinstance(system, System)
+    if not isinstance(system, System):
+        raise InputError(
+            "system",
+            "be a system that can move",
+            repr(system)[:80],
+            "The equations of motion are derived from it.",
+            "Pass for example rm.Actuator().",
+        )
     return system
 
 
