@@ -128,28 +128,43 @@ SOUND: Mapping[str, Callable[[], dict[str, Any]]] = {
 NOT_VERBS = {"equations", "load", "save", "rates", "period_map", "export", "sweep"}
 
 #: No real number.
-NO_NUMBER = ("1", NAN, INF, [], [1.0, 2.0], 1j, {}, object())
+NO_NUMBER: tuple[Any, ...] = ("1", NAN, INF, [], [1.0, 2.0], 1j, {}, object())
 #: No integer that is positive.
-NO_COUNT = ("1", NAN, INF, 0, -1, 1.5, [], True, 1j)
+NO_COUNT: tuple[Any, ...] = ("1", NAN, INF, 0, -1, 1.5, [], True, 1j)
 #: No interval.
-NO_RANGE = (1.0, "text", "12", [], [1.0], [2.0, 1.0], [1.0, 1.0], [1.0, NAN], [1.0, INF],
-            [1.0, 1.2, 1.3], [1j, 2j], [None, 1.0], {}, {"omega": 1.0}, object())  # fmt: skip
+NO_RANGE: tuple[Any, ...] = (
+    1.0, "text", "12", [], [1.0], [2.0, 1.0], [1.0, 1.0], [1.0, NAN], [1.0, INF],
+    [1.0, 1.2, 1.3], [1j, 2j], [None, 1.0], {}, {"omega": 1.0}, object(),
+)  # fmt: skip
 #: No state.
-NO_STATE = (1.0, "rest", "10", [], [1.0], [1.0, NAN], [1.0, INF], [1.0] * 9, [1j, 0.0],
-            [None, None], ["1", "0"], [-1.0, 0.0], {}, [[1.0, 0.0], [1.0, 0.0]], object())  # fmt: skip
+NO_STATE: tuple[Any, ...] = (
+    1.0, "rest", "10", [], [1.0], [1.0, NAN], [1.0, INF], [1.0] * 9, [1j, 0.0],
+    [None, None], ["1", "0"], [-1.0, 0.0], {}, [[1.0, 0.0], [1.0, 0.0]], object(),
+)  # fmt: skip
+#: No values of a temperature.
+NO_VALUES: tuple[Any, ...] = (
+    "hot", [], None, [None], ["300"], [300j], [2.0, 1.0], [[300.0]], [1.0, 1.0], [object()],
+    np.array(["2020"], "datetime64[D]"), xr.DataArray([300.0], dims="time"),
+)  # fmt: skip
 #: Nothing that varies a temperature.
-NO_OVER = (1.0, "temperature", ["temperature"], {"nothing": [1.0]}, {1: [1.0]},
-           *({"temperature": bad} for bad in ("hot", [], None, [None], ["300"], [300j], [2.0, 1.0],
-             [[300.0]], [1.0, 1.0], [object()], np.array(["2020"], "datetime64[D]"),
-             xr.DataArray([300.0], dims="time"))))  # fmt: skip
+NO_OVER: tuple[Any, ...] = (
+    1.0, "temperature", ["temperature"], {"nothing": [1.0]}, {1: [1.0]},
+    *({"temperature": values} for values in NO_VALUES),
+)  # fmt: skip
+#: No interval of a stretch.
+NO_STRETCHES: tuple[Any, ...] = (
+    1.0, None, "text", [], (2.0, 1.0), (1.0, NAN), (-1.0, 1.0), (0.5, 1.0, 2.0), (1j, 2j),
+    ("1", "2"),
+)  # fmt: skip
 #: No box of states.
-NO_BOX = (1.0, "box", [1.0], {"nothing": (0.5, 2.0)}, {1: (0.5, 2.0)},
-          *({"stretch": bad} for bad in (1.0, None, "text", [], (2.0, 1.0), (1.0, NAN),
-            (-1.0, 1.0), (0.5, 1.0, 2.0), (1j, 2j), ("1", "2"))))  # fmt: skip
+NO_BOX: tuple[Any, ...] = (
+    1.0, "box", [1.0], {"nothing": (0.5, 2.0)}, {1: (0.5, 2.0)},
+    *({"stretch": values} for values in NO_STRETCHES),
+)  # fmt: skip
 #: No text that names something.
-NO_NAME = (1, NAN, "", "nothing", ["omega", "b"], {}, object())
+NO_NAME: tuple[Any, ...] = (1, NAN, "", "nothing", ["omega", "b"], {}, object())
 #: No system and no drive.
-NO_PART = (1.0, "part", {}, [], object())
+NO_PART: tuple[Any, ...] = (1.0, "part", {}, [], object())
 
 #: Bad values of every argument, by its name; None is one of them where it is not the default.
 BAD: Mapping[str, tuple[Any, ...]] = {
@@ -277,7 +292,7 @@ def fault(verb: str, argument: str, value: Any) -> str:
         function(**call)
     except rm.InputError as error:
         return untrue(error, allowed)
-    except Exception as error:  # noqa: BLE001 - any other is the fault that is looked for
+    except Exception as error:
         return f"{type(error).__name__}: {error}"
     return "accepted"
 

@@ -12,8 +12,8 @@ import xarray as xr
 
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, BoolArray, IntArray
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import Rng, as_seed, require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
@@ -38,7 +38,7 @@ from remanent.studies.regimes._regime_classifier import (
 
 
 def basins(
-    system: Actuator,
+    system: System,
     drive: Drive,
     grid: Mapping[str, ArrayLike],
     *,
@@ -52,7 +52,7 @@ def basins(
 
     Parameters
     ----------
-    system : Actuator
+    system : System
         What moves.
     drive : Drive
         A periodic load.
@@ -166,7 +166,7 @@ class _Layout:
     shape: tuple[int, ...]
 
     @classmethod
-    def of(cls, system: Actuator, drive: Drive, grid: Any, over: Over | None) -> _Layout:
+    def of(cls, system: System, drive: Drive, grid: Any, over: Over | None) -> _Layout:
         starts = _starts(grid)
         if isinstance(over, Mapping):
             _require_apart(over, starts)
@@ -206,10 +206,10 @@ def _require_apart(over: Mapping[str, Any], starts: Mapping[str, Any]) -> None:
     if common:
         raise InputError(
             "over",
-            "have dimensions that the grid does not have",
-            ", ".join(map(repr, sorted(map(str, common)))),
-            "Every set of parameters has all initial states of the grid.",
-            "Rename the dimension, or leave it out of one of them.",
+            must="have dimensions that the grid does not have",
+            got=", ".join(map(repr, sorted(map(str, common)))),
+            why="Every set of parameters has all initial states of the grid.",
+            fix="Rename the dimension, or leave it out of one of them.",
         )
 
 

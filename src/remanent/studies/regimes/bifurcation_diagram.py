@@ -11,14 +11,14 @@ import xarray as xr
 from remanent._checks import require_choice, require_known
 from remanent._errors import InputError
 from remanent._typing import ArrayLike
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
 from remanent.studies.ensemble.durations import require_count, require_periods
 from remanent.studies.ensemble.ensemble import Ensemble
-from remanent.studies.ensemble.layout import Over, lay_out
+from remanent.studies.ensemble.layout import Over, lay_out, require_over
 from remanent.studies.ensemble.memory import require_memory
 from remanent.studies.ensemble.observables import observe
 from remanent.studies.ensemble.problem import initial_value_problem
@@ -34,7 +34,7 @@ _OBSERVABLES = ("thickness_stretch", "thickness_stretch_rate")
 
 
 def bifurcation_diagram(
-    system: Actuator,
+    system: System,
     drive: Drive,
     parameter: str,
     values: ArrayLike,
@@ -51,7 +51,7 @@ def bifurcation_diagram(
 
     Parameters
     ----------
-    system : Actuator
+    system : System
         What moves.
     drive : Drive
         A periodic load.
@@ -142,7 +142,7 @@ def bifurcation_diagram(
 
 
 def _lay_out(
-    system: Actuator,
+    system: System,
     drive: Drive,
     parameter: str,
     values: ArrayLike,
@@ -152,8 +152,7 @@ def _lay_out(
     """Trajectories over the values of `over` first, then over those of the parameter."""
     known = lay_out(system, drive, None, initial).values
     require_known([parameter], known, "the actuator and the drive")
-    if over is not None and not isinstance(over, Mapping):
-        return lay_out(system, drive, over, initial)  # refuses it
+    require_over(over)
     _require_plain(parameter, values, over or {})
     return lay_out(system, drive, {**(over or {}), parameter: values}, initial)
 
@@ -176,10 +175,10 @@ def _require_plain(parameter: str, values: Any, over: Mapping[str, Any]) -> None
     if clash or parameter in over:
         raise InputError(
             "over",
-            f"not vary {parameter}",
-            ", ".join(map(repr, clash or [parameter])),
-            "That is what is swept.",
-            "Leave it out, or rename the dimension.",
+            must=f"not vary {parameter}",
+            got=", ".join(map(repr, clash or [parameter])),
+            why="That is what is swept.",
+            fix="Leave it out, or rename the dimension.",
         )
 
 
