@@ -62,11 +62,11 @@ class TransverseFlow:
         """The differences along an ensemble's motion, which has one coordinate."""
         if ens.system.coordinates != 1:
             raise InputError(
-                "actuator",
-                "have one coordinate",
-                ens.system,
-                "What is asked is whether that one is enough.",
-                "Pass one number as prestress, and no edges.",
+                "system",
+                must="have one coordinate",
+                got=ens.system,
+                why="What is asked is whether that one is enough.",
+                fix="Pass one number as prestress, and no edges.",
             )
         two, pairs = two_coordinates(ens)
         arrays = initial_value_problem(two, np.ones(ens.count))

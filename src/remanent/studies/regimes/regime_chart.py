@@ -98,8 +98,8 @@ def _require_two_axes(ens: Ensemble) -> None:
     if len(ens.sizes) != _AXES:
         raise InputError(
             "over",
-            "have two axes",
-            f"{len(ens.sizes)}",
-            "A chart has two; regimes along other numbers of axes are no chart.",
-            "Pass for example {'omega': ..., 'b': ...}, or call rm.classify.",
+            must="have two axes",
+            got=f"{len(ens.sizes)}",
+            why="A chart has two; regimes along other numbers of axes are no chart.",
+            fix="Pass for example {'omega': ..., 'b': ...}, or call rm.classify.",
         )
