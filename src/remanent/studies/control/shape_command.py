@@ -25,6 +25,8 @@ from remanent.studies.ensemble.physical_scales import PHYSICAL
 _TARGET = positive("It is a thickness stretch, a ratio of lengths.", "Pass for example 1.2.")
 #: The load of the ensemble's own drive: each step has its load in place of it.
 _NO_LOAD = Constant(0.0)
+#: Names of dimensions that results have of their own.
+_RESERVED = frozenset({"step"})
 
 
 def shape_command(
@@ -150,7 +152,7 @@ def shape_commands(
     target = require_real("target", target, _TARGET)
     require_tolerance(tolerance)
     names = (robust_to,) if isinstance(robust_to, str) else tuple(robust_to)
-    ens = lay_out(actuator, _NO_LOAD, over, initial, reserved=frozenset({"step"}))
+    ens = lay_out(actuator, _NO_LOAD, over, initial, reserved=_RESERVED, system_argument="actuator")
     fields = [name for name in ens.field.parameters if name != "m"]
     require_known(names, [*fields, *PHYSICAL], "the actuator, or a physical size")
     commands = [_command(ens, k, target, names, tolerance) for k in range(ens.count)]

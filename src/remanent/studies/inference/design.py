@@ -155,9 +155,13 @@ class _Problem:
                 why="The search starts there.",
                 fix="Pass other guesses, or reduce the measure by its `of`.",
             )
+
+        def residual(x: FloatArray) -> FloatArray:
+            return np.asarray(self.distances(x[None])[0])
+
         with np.errstate(all="ignore"):  # of a measure that stops changing
             optimum = least_squares(
-                lambda x: self.distances(x[None])[0],
+                residual,
                 guess,
                 jac=self.slopes,
                 bounds=(self.box.lower, self.box.upper),

@@ -77,7 +77,7 @@ class Ends:
     @property
     def starts(self) -> int:
         """Number of initial states."""
-        return self.regime.shape[1]
+        return int(self.regime.shape[1])
 
     def sort(self) -> list[Attractors | None]:
         """The attractors of each set of parameters, and who ends there."""

@@ -19,9 +19,10 @@ from remanent.studies.ensemble.checks import Rng, as_seed, require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
 from remanent.studies.ensemble.durations import require_periods
 from remanent.studies.ensemble.ensemble import Ensemble
-from remanent.studies.ensemble.layout import Over, lay_out
+from remanent.studies.ensemble.layout import RESERVED, Over, lay_out
 from remanent.studies.ensemble.memory import require_memory
 from remanent.studies.ensemble.progress import Progress, as_progress
+from remanent.studies.regimes._arguments import renamed
 from remanent.studies.regimes._attractors import (
     ATTRACTOR,
     TAIL,
@@ -35,6 +36,9 @@ from remanent.studies.regimes._regime_classifier import (
     RegimeClassifier,
     require_run_length,
 )
+
+#: Names of dimensions that results have of their own.
+_RESERVED = RESERVED | {ATTRACTOR, "state"}
 
 
 def basins(
@@ -168,11 +172,14 @@ class _Layout:
     @classmethod
     def of(cls, system: System, drive: Drive, grid: Any, over: Over | None) -> _Layout:
         starts = _starts(grid)
-        if isinstance(over, Mapping):
-            _require_apart(over, starts)
-            ens = lay_out(system, drive, {**over, **starts})
-        else:
-            ens = lay_out(system, drive, over or starts)
+        base = lay_out(system, drive, over, reserved=_RESERVED)
+        _require_states(grid, base)
+        _require_apart(over or {}, starts)
+        own_names = {
+            f"over[{start!r}]": f"grid[{name!r}]" for name, start in zip(grid, starts, strict=True)
+        }
+        with renamed(own_names):
+            ens = lay_out(system, drive, {**(over or {}), **starts}, reserved=_RESERVED)
         grid_dims, _ = ens.coords[next(iter(starts))]
         split = ens.dims.index(grid_dims[0])
         return cls(ens, ens.dims[:split], tuple(ens.sizes.values())[:split])
@@ -196,6 +203,18 @@ def _starts(grid: Any) -> dict[str, Any]:
             fix="Pass for example {'stretch': numpy.linspace(0.5, 2, 64), 'stretch_rate': [0.0]}.",
         )
     return {f"initial.{name}": values for name, values in grid.items()}
+
+
+def _require_states(grid: Mapping[str, Any], ens: Ensemble) -> None:
+    unknown = [name for name in grid if name not in ens.field.state]
+    if unknown:
+        raise InputError(
+            "grid",
+            must="name state variables",
+            got=", ".join(map(repr, unknown)),
+            why="It says from where the motions start.",
+            fix=f"They are {', '.join(ens.field.state)}.",
+        )
 
 
 def _require_apart(over: Mapping[str, Any], starts: Mapping[str, Any]) -> None:

@@ -8,21 +8,22 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from remanent._checks import require_choice, require_known
+from remanent._checks import require_choice
 from remanent._errors import InputError
 from remanent._typing import ArrayLike
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.results.build import Labelled
-from remanent.studies.ensemble.checks import require_tolerance
+from remanent.studies.ensemble.checks import require_parameter, require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
 from remanent.studies.ensemble.durations import require_count, require_periods
 from remanent.studies.ensemble.ensemble import Ensemble
-from remanent.studies.ensemble.layout import Over, lay_out, require_over
+from remanent.studies.ensemble.layout import RESERVED, Over, lay_out, require_over
 from remanent.studies.ensemble.memory import require_memory
 from remanent.studies.ensemble.observables import observe
 from remanent.studies.ensemble.problem import initial_value_problem
 from remanent.studies.ensemble.progress import Progress, as_progress
+from remanent.studies.regimes._arguments import renamed
 from remanent.studies.regimes._parameter_sweep import ParameterSweep, Section
 
 #: Sweeps of each direction asked for: the order in which values are visited.
@@ -31,6 +32,8 @@ _SWEEPS = {"up": ("up",), "down": ("down",), "both": ("up", "down")}
 _BYTES_PER_POINT = 64.0
 #: Functions of the state that the result has beside it.
 _OBSERVABLES = ("thickness_stretch", "thickness_stretch_rate")
+#: Names of dimensions that results have of their own.
+_RESERVED = RESERVED | {"sweep"}
 
 
 def bifurcation_diagram(
@@ -150,11 +153,13 @@ def _lay_out(
     initial: ArrayLike | None,
 ) -> Ensemble:
     """Trajectories over the values of `over` first, then over those of the parameter."""
-    known = lay_out(system, drive, None, initial).values
-    require_known([parameter], known, "the actuator and the drive")
+    require_parameter("parameter", parameter, lay_out(system, drive, None, initial))
     require_over(over)
     _require_plain(parameter, values, over or {})
-    return lay_out(system, drive, {**(over or {}), parameter: values}, initial)
+    with renamed({f"over[{parameter!r}]": "values"}):
+        return lay_out(
+            system, drive, {**(over or {}), parameter: values}, initial, reserved=_RESERVED
+        )
 
 
 def _require_plain(parameter: str, values: Any, over: Mapping[str, Any]) -> None:

@@ -16,7 +16,7 @@ from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
 from remanent.studies.ensemble.durations import require_count, require_periods
 from remanent.studies.ensemble.ensemble import Ensemble
-from remanent.studies.ensemble.layout import Over, lay_out
+from remanent.studies.ensemble.layout import RESERVED, Over, lay_out
 from remanent.studies.ensemble.memory import require_memory
 from remanent.studies.ensemble.progress import Progress, as_progress
 from remanent.studies.regimes._exponent_estimator import MAX_HISTORY, ExponentEstimator
@@ -109,7 +109,7 @@ def lyapunov(
     periods = require_count("periods", periods, "Exponents are averaged over whole drive periods.")
     count = require_count("count", count, "It is a number of exponents.")
     tolerance = require_tolerance(tolerance, "the error that one drive period adds")
-    ens = lay_out(system, drive, over, initial)
+    ens = lay_out(system, drive, over, initial, reserved=RESERVED | {"exponent_number"})
     period_lengths = require_periods(ens)
     _require_exponents(count, ens)
     needed = 8.0 * ens.count * count * (min(periods, MAX_HISTORY) + 3)

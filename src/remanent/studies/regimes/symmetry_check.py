@@ -12,7 +12,7 @@ from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
 from remanent.studies.ensemble.durations import require_count, require_periods
-from remanent.studies.ensemble.layout import Over, lay_out
+from remanent.studies.ensemble.layout import RESERVED, Over, lay_out
 from remanent.studies.ensemble.progress import Progress, as_progress
 from remanent.studies.regimes._follower import Follower
 from remanent.studies.regimes._transverse import TransverseFlow
@@ -97,7 +97,7 @@ def symmetry_check(
     """
     periods = require_count("periods", periods, "Growth shows in a long run.", _MIN_PERIODS)
     tolerance = require_tolerance(tolerance, "the error that one drive period adds")
-    ens = lay_out(system, drive, over, initial)
+    ens = lay_out(system, drive, over, initial, reserved=RESERVED | {"multiplier"})
     period_lengths = require_periods(ens)
     flow = TransverseFlow.of(ens, tolerance)
     values = Follower(ens, periods, 0).compute(
