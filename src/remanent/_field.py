@@ -159,6 +159,9 @@ class Field:
     ----------
     variables
         The state variables in order, with their roles and values at rest.
+    loads
+        Names of the loads, each of which is an observable too; an actuator has one,
+        ``load``.
     parameters, waveforms
         Names.  Parameters are the user's own numeric fields under their own names.
     rates
@@ -173,6 +176,7 @@ class Field:
     """
 
     variables: tuple[StateVariable, ...]
+    loads: tuple[str, ...]
     parameters: tuple[str, ...]
     waveforms: tuple[str, ...]
     rates: Program
@@ -219,6 +223,8 @@ class Field:
         object.__setattr__(self, "observables", MappingProxyType(dict(self.observables)))
         if any(v.belongs_to not in {None, *self.state} for v in self.variables):
             raise ValueError("a state variable belongs to one that does not exist")
+        if not {*self.loads} <= {*self.observables}:
+            raise ValueError("a load is not observed")
         if not {v.rest for v in self.variables if isinstance(v.rest, str)} <= {*self.parameters}:
             raise ValueError("a value at rest is a parameter that does not exist")
         for program in (self.rates, self.watched, *self.observables.values()):
@@ -237,6 +243,7 @@ class Field:
         return json.dumps(
             {
                 "variables": [asdict(variable) for variable in self.variables],
+                "loads": self.loads,
                 "parameters": self.parameters,
                 "waveforms": self.waveforms,
                 "rates": _program_to_plain(self.rates),
@@ -252,11 +259,14 @@ class Field:
         try:
             plain = json.loads(text)
             variables = tuple(map(_variable_from_plain, plain["variables"]))
-            parameters, waveforms = (tuple(map(str, plain[k])) for k in ("parameters", "waveforms"))
+            loads, parameters, waveforms = (
+                tuple(map(str, plain[k])) for k in ("loads", "parameters", "waveforms")
+            )
             state = (variable.name for variable in variables)
             inputs = ("drive_phase", *state, *parameters, *waveforms)
             return cls(
                 variables=variables,
+                loads=loads,
                 parameters=parameters,
                 waveforms=waveforms,
                 rates=_program_from_plain(inputs, plain["rates"]),

@@ -13,8 +13,8 @@ import pytest
 
 import remanent as rm
 from remanent.report import reconstruction
-from remanent.report.drawings import DRAWINGS
 from remanent.report.contents import Paper
+from remanent.report.drawings import DRAWINGS
 from remanent.report.paper import reproduce, write
 
 VERDICTS = {"supported", "contradicted", "depends"}

@@ -1,4 +1,7 @@
-"""A Field evaluated with NumPy, one trajectory a row: slow and obviously right."""
+"""A Field evaluated with NumPy, one trajectory a row: slow and obviously right.
+
+Only tests use it, as the reference for compiled kernels.
+"""
 
 from __future__ import annotations
 

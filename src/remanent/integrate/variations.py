@@ -106,6 +106,7 @@ def parting(field: Field, pairs: Mapping[str, str]) -> Field:
     plain = {name: first.get(name, name) for name in field.inputs}
     return Field(
         variables=variables,
+        loads=field.loads,
         parameters=field.parameters,
         waveforms=field.waveforms,
         rates=into.program(outputs),
@@ -175,6 +176,7 @@ def _widened(field: Field, added: tuple[StateVariable, ...], rates: Program) -> 
     inputs = _inputs(field, added)
     return Field(
         variables=(*field.variables, *added),
+        loads=field.loads,
         parameters=field.parameters,
         waveforms=field.waveforms,
         rates=rates,

@@ -15,7 +15,7 @@ import xarray as xr
 from remanent import _units
 from remanent._errors import InputError
 from remanent._typing import FloatArray
-from remanent.models.actuator import Actuator
+from remanent.models.system import System
 from remanent.results import build
 from remanent.results.build import Labelled
 from remanent.results.schema import Kind, describe
@@ -39,7 +39,7 @@ _ALONG = ("time", "omega")
 
 def read_measurements(
     data: Table,
-    actuator: Actuator | None = None,
+    actuator: System | None = None,
     *,
     names: Mapping[str, str] | None = None,
     units: Mapping[str, str] | None = None,
@@ -134,9 +134,7 @@ def _mat(path: Path) -> Mapping[str, Any]:
     return {k: v for k, v in loadmat(path, squeeze_me=True).items() if not k.startswith("__")}
 
 
-def _dimensionless(
-    name: str, values: Any, unit: str | None, actuator: Actuator | None
-) -> FloatArray:
+def _dimensionless(name: str, values: Any, unit: str | None, actuator: System | None) -> FloatArray:
     try:
         numbers = np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError) as error:

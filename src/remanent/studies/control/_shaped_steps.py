@@ -13,6 +13,7 @@ from remanent.analysis import shaping
 from remanent.analysis.shaping import Design
 from remanent.models.actuator import Actuator
 from remanent.studies.control._terminal_conditions import TerminalConditions
+from remanent.studies.ensemble.checks import require_actuator
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.statics._static_state import StaticState
 
@@ -168,7 +169,7 @@ class _ShapingProblem:
 
 def _with_values(single: Ensemble) -> Actuator:
     """The actuator with the values that its trajectory has."""
-    actuator = single.system
+    actuator = require_actuator("actuator", single.system)
     for name, value in actuator.parameters().items():
         if single.values[name][0] != value:
             actuator = actuator.with_parameter(name, float(single.values[name][0]))

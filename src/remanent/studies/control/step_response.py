@@ -12,10 +12,10 @@ from remanent._errors import InputError
 from remanent._typing import ArrayLike, FloatArray
 from remanent.analysis import shaping
 from remanent.codegen.field import field_for
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.models.drives.piecewise import Steps
 from remanent.models.drives.waves import Constant
+from remanent.models.system import System
 from remanent.studies.control._step_metrics import StepMotion, Transient, residual_vibration
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
@@ -32,7 +32,7 @@ _SAMPLES = 24
 
 
 def step_response(
-    system: Actuator,
+    system: System,
     drive: Drive,
     *,
     duration: float | None = None,
@@ -45,7 +45,7 @@ def step_response(
 
     Parameters
     ----------
-    system : Actuator
+    system : System
         What moves.
     drive : Steps or Constant
         :class:`remanent.Steps`, or :class:`remanent.Constant`, one step at τ = 0.

@@ -7,9 +7,19 @@ from typing import TypeAlias
 
 import numpy as np
 
-from remanent._checks import Rule, as_float_array, require_choice, require_real, shortened
+from remanent._checks import (
+    Rule,
+    as_float_array,
+    require_choice,
+    require_instance,
+    require_real,
+    shortened,
+)
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, FloatArray
+from remanent.models.actuator import Actuator
+from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.studies.ensemble.ensemble import Ensemble
 
 #: Below this, round-off in double precision is all that is left.
@@ -41,6 +51,39 @@ def require_tolerance(value: object, of: str = "the absolute global error") -> f
         "Pass for example 1e-9.",
     )
     return require_real("tolerance", value, rule)
+
+
+def require_system(name: str, system: object) -> System:
+    """Whatever has the members of a system; its equations are found by its kind."""
+    if isinstance(system, type) or not isinstance(system, System):
+        raise InputError(
+            name,
+            must="be a system that can move",
+            got=shortened(system),
+            why="The equations of motion are derived from it.",
+            fix="Pass for example rm.Actuator().",
+        )
+    return system
+
+
+def require_actuator(name: str, system: object) -> Actuator:
+    """An actuator, for what only that has: stretches, scales, shaping."""
+    if not isinstance(system, Actuator):
+        raise InputError(
+            name,
+            must="be an actuator",
+            got=shortened(system),
+            why="Only an actuator has in-plane stretches, dead loads and a magnetic load.",
+            fix="Pass for example rm.Actuator().",
+        )
+    return system
+
+
+def require_drive(drive: object) -> Drive:
+    """A drive, for what is asked of it before the trajectories are laid out."""
+    require_instance("drive", drive, Drive, "rm.SineSquared(0.4, 1.25)")
+    assert isinstance(drive, Drive)
+    return drive
 
 
 def require_range(

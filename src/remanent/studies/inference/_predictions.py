@@ -13,8 +13,8 @@ from remanent._typing import ArrayLike, FloatArray
 from remanent.analysis.fitting import Data
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Outcome, Problem, Request
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.durations import durations
 from remanent.studies.ensemble.observables import observe
@@ -129,7 +129,7 @@ class Predictions:
 
     Attributes
     ----------
-    actuator : Actuator
+    system : System
     drive : Drive
     names : tuple of str
         Of the parameters that differ between candidates.
@@ -141,7 +141,7 @@ class Predictions:
         Of the computed motion.
     """
 
-    actuator: Actuator
+    system: System
     drive: Drive
     names: tuple[str, ...]
     initial: ArrayLike | None
@@ -163,7 +163,7 @@ class Predictions:
         return np.concatenate([columns[name] for name in self.measurements.variables], axis=1)
 
     def _history(self, over: Mapping[str, xr.DataArray]) -> dict[str, FloatArray]:
-        scaled = lay_out_physical(self.actuator, self.drive, over, self.initial)
+        scaled = lay_out_physical(self.system, self.drive, over, self.initial)
         times = self.measurements.axis
         end = max(float(times[-1]), np.finfo(float).tiny)
         problem = scaled.problem(np.full(scaled.ensemble.count, end))
@@ -179,7 +179,7 @@ class Predictions:
 
     def _response(self, over: Mapping[str, xr.DataArray]) -> dict[str, FloatArray]:
         omega = xr.DataArray(self.measurements.axis, dims="frequency")
-        scaled = lay_out_physical(self.actuator, self.drive, {**over, "omega": omega}, self.initial)
+        scaled = lay_out_physical(self.system, self.drive, {**over, "omega": omega}, self.initial)
         outcome = self.window.integrate(scaled, self.tolerance)
         low, high = (scaled.ensemble.shaped(v) for v in (outcome.minimum, outcome.maximum))
         return {"maximum": high, "minimum": low, "amplitude": 0.5 * (high - low)}

@@ -12,8 +12,8 @@ from remanent._errors import InputError
 from remanent._typing import ArrayLike
 from remanent.analysis import fitting
 from remanent.analysis.fitting import Box, Data, Fit
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.results import build, provenance
 from remanent.results.build import Labelled
 from remanent.results.read_measurements import Table, read_measurements
@@ -39,7 +39,7 @@ _LARGE = 1e6
 
 
 def fit(
-    system: Actuator,
+    system: System,
     drive: Drive,
     data: Table,
     parameters: Sequence[str] | Mapping[str, float],
@@ -57,7 +57,7 @@ def fit(
 
     Parameters
     ----------
-    system : Actuator
+    system : System
         What was measured, with guesses for what is not known.
     drive : Drive
         The load on it.
@@ -193,20 +193,20 @@ def _coordinates(guess: Mapping[str, float], measurements: Measurements) -> dict
 
 
 def _guesses(
-    actuator: Actuator,
+    system: System,
     drive: Drive,
     parameters: Sequence[str] | Mapping[str, float],
     initial: ArrayLike | None,
 ) -> dict[str, float]:
-    ens = lay_out_physical(actuator, drive, None, initial).ensemble
+    ens = lay_out_physical(system, drive, None, initial).ensemble
     start = {f"initial.{n}": float(v) for n, v in zip(ens.field.state, ens.initial[0], strict=True)}
     nominal = {
-        **actuator.parameters(),
+        **system.parameters(),
         **drive.parameters(),
         **start,
         **dict.fromkeys(PHYSICAL, 1.0),
     }
-    require_known(as_names(parameters), nominal, "the actuator or the drive, or a physical size")
+    require_known(as_names(parameters), nominal, "the system or the drive, or a physical size")
     guess = as_values(parameters, nominal)
     if not guess:
         raise InputError(
@@ -220,7 +220,7 @@ def _guesses(
 
 
 def _box(
-    actuator: Actuator,
+    system: System,
     drive: Drive,
     guess: Mapping[str, float],
     ranges: Mapping[str, tuple[float, float]] | None,
@@ -228,7 +228,7 @@ def _box(
     """Scales of the parameters, and ranges inside which the rules of the fields hold."""
     ranges = ranges or {}
     require_known(ranges, guess, "`parameters`")
-    rules = {**actuator.parameter_rules(), **drive.numeric_rules(), **dict.fromkeys(PHYSICAL, RULE)}
+    rules = {**system.parameter_rules(), **drive.numeric_rules(), **dict.fromkeys(PHYSICAL, RULE)}
     values = np.array(list(guess.values()))
     scale = np.maximum(np.abs(values), _SMALLEST_SCALE)
     ends = np.array(

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from remanent._checks import finite, require_choice, require_real
 from remanent._typing import ArrayLike, BoolArray
 from remanent.integrate import events
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.dataset import to_dataset
 from remanent.studies.ensemble.durations import durations, require_exactly_one
@@ -30,7 +30,7 @@ _DIRECTIONS = {"both": (-1, 0, 1), "up": (1,), "down": (-1,)}
 
 
 def crossings(
-    system: Actuator,
+    system: System,
     drive: Drive,
     variable: str,
     value: float,
@@ -47,7 +47,7 @@ def crossings(
 
     Parameters
     ----------
-    system : Actuator
+    system : System
         What moves.
     drive : Drive
         The magnetic load on it.

@@ -9,8 +9,8 @@ from remanent._checks import Rule, require_real
 from remanent._typing import ArrayLike
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Request
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
 from remanent.studies.ensemble.durations import require_count, require_periods
@@ -29,7 +29,7 @@ _PHASE = Rule(
 
 
 def poincare_section(
-    system: Actuator,
+    system: System,
     drive: Drive,
     *,
     periods: int,
@@ -44,7 +44,7 @@ def poincare_section(
 
     Parameters
     ----------
-    system : Actuator
+    system : System
         What moves.
     drive : Drive
         A periodic load.

@@ -8,8 +8,8 @@ import xarray as xr
 from remanent._typing import ArrayLike
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Request
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
 from remanent.studies.ensemble.durations import require_exactly_one
@@ -23,7 +23,7 @@ _OBSERVABLES = ("thickness_stretch", "thickness_stretch_rate", "energy", "load")
 
 
 def simulate(
-    system: Actuator,
+    system: System,
     drive: Drive,
     *,
     duration: float | None = None,
@@ -38,7 +38,7 @@ def simulate(
 
     Parameters
     ----------
-    system : Actuator
+    system : System
         What moves.
     drive : Drive
         The magnetic load on it.

@@ -84,10 +84,8 @@ class StroboscopicMap:
 
     @property
     def _rate_matters(self) -> bool:
-        """Whether a remanence depends on a temperature that is a state."""
-        name = "magnet.temperature_coefficient"
-        varies = name in self.names or bool(self.ensemble.values[name].any())
-        return self.ensemble.system.heat is not None and varies
+        """Whether rates of the loads enter the equations."""
+        return self.ensemble.system.needs_load_rate(self.ensemble.values, varied=self.names)
 
     @property
     def dimension(self) -> int:

@@ -14,8 +14,8 @@ from remanent._field import Role, StateVariable
 from remanent._roots import find_root
 from remanent._typing import FloatArray
 from remanent.analysis.orbits import Orbits, distinct, newton, taken
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.initial import rest_values
 from remanent.studies.orbits._period_map import StroboscopicMap
@@ -108,20 +108,21 @@ def _default(variable: StateVariable, ens: Ensemble) -> tuple[float, float]:
 
 def require_isolated(ens: Ensemble) -> None:
     """Refuse adiabatic bodies: they warm for ever, or have an orbit for each entropy."""
-    if ens.system.heat is not None and not (ens.values["heat.exchange"] > 0.0).all():
+    warms = bool(ens.field.indices(Role.TEMPERATURE))
+    if warms and not (ens.values["heat.exchange"] > 0.0).all():
         raise InputError(
-            "actuator",
+            "system",
             must="exchange heat where its temperature is a state",
-            got=ens.system.heat,
+            got=ens.system,
             why="Without exchange it warms for ever, or has an orbit for every temperature.",
             fix="Pass rm.Heat(exchange=...) above 0, or heat=None.",
         )
 
 
-def is_symmetric(actuator: Actuator, drive: Drive) -> bool:
+def is_symmetric(system: System, drive: Drive) -> bool:
     """Whether reversing time leaves the motion's equation as it is."""
     period = drive.period
-    if period is None or not actuator.conservative:
+    if period is None or not system.conservative:
         return False
     times = np.linspace(0.0, 0.5, 33) * period
     ahead, back = drive(times), drive(period - times)

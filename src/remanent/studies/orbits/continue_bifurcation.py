@@ -13,8 +13,8 @@ from remanent._errors import InputError
 from remanent._typing import ArrayLike
 from remanent.analysis.bifurcations import special_equations
 from remanent.analysis.continuation import Settings, corrected, follow
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.results import build, provenance
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
@@ -28,7 +28,7 @@ _KINDS = ("fold", "period doubling")
 
 
 def continue_bifurcation(
-    system: Actuator,
+    system: System,
     drive: Drive,
     kind: str,
     parameters: Sequence[str],

@@ -15,8 +15,8 @@ from remanent._errors import InputError
 from remanent._status import Status
 from remanent._typing import ArrayLike, FloatArray
 from remanent.analysis.orbits import Orbits, newton
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.results import build, provenance
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
@@ -38,7 +38,7 @@ from remanent.studies.orbits.periodic_orbits import described
 
 
 def continue_orbit(
-    system: Actuator,
+    system: System,
     drive: Drive,
     parameter: str,
     parameter_range: ArrayLike,
@@ -119,7 +119,7 @@ def continue_orbit(
 
 
 def response_diagram(
-    system: Actuator,
+    system: System,
     drive: Drive,
     omega_range: ArrayLike,
     *,

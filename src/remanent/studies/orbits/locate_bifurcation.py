@@ -14,8 +14,8 @@ from remanent._typing import ArrayLike, BoolArray, FloatArray
 from remanent.analysis.bifurcations import special_equations
 from remanent.analysis.continuation import corrected
 from remanent.analysis.maps import Mapped
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.results import build, provenance
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
@@ -30,7 +30,7 @@ _STAGES = 4
 
 
 def locate_bifurcation(
-    system: Actuator,
+    system: System,
     drive: Drive,
     kind: str,
     parameter: str,

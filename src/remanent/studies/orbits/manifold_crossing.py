@@ -14,8 +14,8 @@ from remanent.analysis.bifurcations import orbit_equations
 from remanent.analysis.continuation import Points, corrected
 from remanent.analysis.orbits import multipliers
 from remanent.analysis.separatrix import Passage, passages, unstable
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.results import build, provenance
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
@@ -37,7 +37,7 @@ _WIDTH = positive("It is the width of the last bracket.", "Pass for example 1e-8
 
 
 def manifold_crossing(
-    system: Actuator,
+    system: System,
     drive: Drive,
     parameter: str,
     parameter_range: ArrayLike,

@@ -14,8 +14,8 @@ from remanent._typing import FloatArray
 from remanent.analysis.orbits import Orbits, Stability, multipliers, stability
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Request
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.results import build, provenance
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
@@ -37,7 +37,7 @@ _FINE, _COARSE = 1e-8, 1e-5
 
 
 def periodic_orbits(
-    system: Actuator,
+    system: System,
     drive: Drive,
     *,
     orbit_period: int = 1,

@@ -14,6 +14,7 @@ from remanent.analysis.orbits import multipliers
 from remanent.integrate.maps.advance import Step
 from remanent.integrate.maps.period_map import PeriodMap
 from remanent.integrate.variations import parting
+from remanent.studies.ensemble.checks import require_actuator
 from remanent.studies.ensemble.durations import require_periods
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.problem import initial_value_problem
@@ -60,11 +61,12 @@ class TransverseFlow:
     @classmethod
     def of(cls, ens: Ensemble, tolerance: float) -> TransverseFlow:
         """The differences along an ensemble's motion, which has one coordinate."""
-        if ens.system.coordinates != 1:
+        actuator = require_actuator("system", ens.system)
+        if actuator.coordinates != 1:
             raise InputError(
                 "system",
                 must="have one coordinate",
-                got=ens.system,
+                got=actuator,
                 why="What is asked is whether that one is enough.",
                 fix="Pass one number as prestress, and no edges.",
             )

@@ -12,8 +12,8 @@ import xarray as xr
 
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, BoolArray, IntArray
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import Rng, as_seed, require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
@@ -42,7 +42,7 @@ _RESERVED = RESERVED | {ATTRACTOR, "state"}
 
 
 def basins(
-    system: Actuator,
+    system: System,
     drive: Drive,
     grid: Mapping[str, ArrayLike],
     *,
@@ -56,7 +56,7 @@ def basins(
 
     Parameters
     ----------
-    system : Actuator
+    system : System
         What moves.
     drive : Drive
         A periodic load.
@@ -170,7 +170,7 @@ class _Layout:
     shape: tuple[int, ...]
 
     @classmethod
-    def of(cls, system: Actuator, drive: Drive, grid: Any, over: Over | None) -> _Layout:
+    def of(cls, system: System, drive: Drive, grid: Any, over: Over | None) -> _Layout:
         starts = _starts(grid)
         base = lay_out(system, drive, over, reserved=_RESERVED)
         _require_states(grid, base)

@@ -11,8 +11,8 @@ import xarray as xr
 from remanent._checks import require_choice
 from remanent._errors import InputError
 from remanent._typing import ArrayLike
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_parameter, require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
@@ -37,7 +37,7 @@ _RESERVED = RESERVED | {"sweep"}
 
 
 def bifurcation_diagram(
-    system: Actuator,
+    system: System,
     drive: Drive,
     parameter: str,
     values: ArrayLike,
@@ -54,7 +54,7 @@ def bifurcation_diagram(
 
     Parameters
     ----------
-    system : Actuator
+    system : System
         What moves.
     drive : Drive
         A periodic load.
@@ -145,7 +145,7 @@ def bifurcation_diagram(
 
 
 def _lay_out(
-    system: Actuator,
+    system: System,
     drive: Drive,
     parameter: str,
     values: ArrayLike,

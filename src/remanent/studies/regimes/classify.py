@@ -5,8 +5,8 @@ from __future__ import annotations
 import xarray as xr
 
 from remanent._typing import ArrayLike
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.studies.ensemble.checks import Rng, as_seed, require_tolerance
 from remanent.studies.ensemble.layout import Over, lay_out
 from remanent.studies.ensemble.progress import Progress, as_progress
@@ -14,7 +14,7 @@ from remanent.studies.regimes._regime_classifier import regime_dataset, require_
 
 
 def classify(
-    system: Actuator,
+    system: System,
     drive: Drive,
     *,
     periods: int,
@@ -28,7 +28,7 @@ def classify(
 
     Parameters
     ----------
-    system : Actuator
+    system : System
         What moves.
     drive : Drive
         A periodic load.

@@ -9,8 +9,8 @@ import xarray as xr
 
 from remanent._errors import InputError
 from remanent._typing import ArrayLike
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
@@ -27,7 +27,7 @@ _PER_EXPONENT = ("exponent", "exponent_error")
 
 
 def lyapunov(
-    system: Actuator,
+    system: System,
     drive: Drive,
     *,
     periods: int,
@@ -41,7 +41,7 @@ def lyapunov(
 
     Parameters
     ----------
-    system : Actuator
+    system : System
         What moves.
     drive : Drive
         A periodic load.

@@ -6,8 +6,8 @@ import xarray as xr
 
 from remanent._errors import InputError
 from remanent._typing import ArrayLike
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.studies.ensemble.checks import Rng, as_seed, require_tolerance
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.layout import Over, lay_out
@@ -19,7 +19,7 @@ _AXES = 2
 
 
 def regime_chart(
-    system: Actuator,
+    system: System,
     drive: Drive,
     over: Over,
     *,
@@ -33,7 +33,7 @@ def regime_chart(
 
     Parameters
     ----------
-    system : Actuator
+    system : System
         What moves.
     drive : Drive
         A periodic load.

@@ -6,8 +6,8 @@ import numpy as np
 import xarray as xr
 
 from remanent._typing import ArrayLike
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
@@ -22,7 +22,7 @@ _MIN_PERIODS = 50
 
 
 def symmetry_check(
-    system: Actuator,
+    system: System,
     drive: Drive,
     *,
     periods: int = 200,
@@ -35,7 +35,7 @@ def symmetry_check(
 
     Parameters
     ----------
-    system : Actuator
+    system : System
         With equal dead loads and edges, of one coordinate.
     drive : Drive
         A periodic load.

@@ -12,7 +12,7 @@ from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Problem, Request
 from remanent.models.actuator import Actuator
 from remanent.models.drives.waves import Constant
-from remanent.studies.ensemble.checks import require_tolerance
+from remanent.studies.ensemble.checks import require_actuator, require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
 from remanent.studies.ensemble.layout import Over, lay_out
 from remanent.studies.ensemble.observables import observe
@@ -72,6 +72,7 @@ def backbone(
     True
     """
     require_tolerance(tolerance)
+    require_actuator("actuator", actuator)
     if not actuator.conservative or actuator.coordinates > 1:
         raise InputError(
             "actuator",

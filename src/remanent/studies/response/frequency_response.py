@@ -13,8 +13,8 @@ from remanent._typing import ArrayLike, FloatArray, IntArray
 from remanent.analysis.subdivision import Largest, largest
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Outcome, Request, gathered
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.dataset import to_dataset
@@ -29,7 +29,7 @@ _DISCARD = not_negative("It is the time before the window.", "Pass 0 to start at
 
 
 def frequency_response(
-    system: Actuator,
+    system: System,
     drive: Drive,
     omega: ArrayLike,
     *,

@@ -16,8 +16,10 @@ from remanent.codegen.field import field_for
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.models.drives.waves import Constant
+from remanent.models.system import System
 from remanent.results import build, provenance
 from remanent.results.build import Labelled
+from remanent.studies.ensemble.checks import require_actuator
 from remanent.studies.ensemble.durations import require_count
 from remanent.studies.ensemble.layout import lay_out
 from remanent.studies.motion.simulate import simulate
@@ -35,7 +37,7 @@ _TOLERANCE = 1e-7
 
 
 def resonances(
-    system: Actuator,
+    system: System,
     drive: Drive,
     omega_range: ArrayLike,
     *,
@@ -101,7 +103,7 @@ def resonances(
     """
     for one in orbit_periods:
         require_count("orbit_periods", one, "Orbits close after whole drive periods.")
-    _require_one_coordinate(system)
+    actuator = _require_one_coordinate(system)
     peaks = [
         peak
         for period in orbit_periods
@@ -115,7 +117,7 @@ def resonances(
         )
     ]  # fmt: skip
     peaks.sort(key=lambda peak: peak.omega)
-    described = _described(system, drive, peaks)
+    described = _described(actuator, drive, peaks)
     attributes = provenance.attributes(
         system, drive, tolerance, over=("omega",),
         parameter_range=tuple(np.asarray(omega_range, dtype=float).tolist()), slices=slices,
@@ -141,17 +143,19 @@ class _Peak:
     doubled: bool
 
 
-def _require_one_coordinate(actuator: Actuator) -> None:
-    """Refuse what has no backbone."""
+def _require_one_coordinate(system: System) -> Actuator:
+    """The actuator, refused where it has no backbone."""
+    actuator = require_actuator("system", system)
     if actuator.coordinates > 1:
         raise InputError(
-            "actuator",
+            "system",
             must="have one coordinate",
             got=actuator,
             why="Resonances are named by free oscillations of the same amplitude, which two "
             "coordinates have of more than one kind.",
             fix="Pass one number as prestress and no edges, or read the peaks of response_diagram.",
         )
+    return actuator
 
 
 def _peaks(diagram: xr.Dataset, period: int, state: Sequence[str]) -> list[_Peak]:

@@ -61,8 +61,8 @@ class StaticEnsemble:
     def reachable(self, case: IntArray, one: FloatArray, two: FloatArray) -> BoolArray:
         """Whether the material reaches in-plane stretches, arrays that broadcast with `case`."""
         columns = {name: value[case] for name, value in self.ens.values.items()}
-        found = self.ens.system.reachable(columns, one, two)
-        return np.broadcast_to(found, np.broadcast_shapes(case.shape, one.shape))
+        inside = self.ens.system.admissible(columns, one, two)
+        return np.broadcast_to(inside, np.broadcast_shapes(case.shape, one.shape))
 
     def force(
         self, case: IntArray, stretch: FloatArray, changed: Changed | None = None

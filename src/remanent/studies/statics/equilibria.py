@@ -16,6 +16,7 @@ from remanent.integrate.variations import parting
 from remanent.models.actuator import Actuator
 from remanent.models.drives.waves import Constant
 from remanent.results.build import Labelled
+from remanent.studies.ensemble.checks import require_actuator
 from remanent.studies.ensemble.dataset import to_dataset
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.layout import Over, lay_out
@@ -92,6 +93,7 @@ def equilibria(actuator: Actuator, m: float = 0.0, *, over: Over | None = None) 
     >>> curve.fold_m.values.round(4).tolist()
     [2.1777, 2.8483]
     """
+    require_actuator("actuator", actuator)
     ens = lay_out(actuator, Constant(m), over, system_argument="actuator")
     if actuator.coordinates == 2:
         return biaxial_equilibria(ens)

@@ -8,13 +8,13 @@ from functools import cached_property
 import numpy as np
 import xarray as xr
 
-from remanent._checks import finite, require_instance, require_real
+from remanent._checks import finite, require_real
 from remanent._errors import InputError
 from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.analysis.equilibria import balancing, slope, zeros
 from remanent.models.actuator import Actuator
 from remanent.models.drives.waves import Constant
-from remanent.studies.ensemble.checks import require_parameter, require_range
+from remanent.studies.ensemble.checks import require_actuator, require_parameter, require_range
 from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.layout import Over, lay_out
@@ -128,8 +128,7 @@ def snap_through(
 
 
 def _require_conservative(actuator: object) -> None:
-    require_instance("actuator", actuator, Actuator, "rm.Actuator()")
-    assert isinstance(actuator, Actuator)
+    actuator = require_actuator("actuator", actuator)
     if not actuator.conservative or actuator.coordinates > 1:
         raise InputError(
             "actuator",
@@ -207,7 +206,7 @@ class _Search:
     @cached_property
     def start(self) -> FloatArray:
         """Stretch from which the motion starts, array (case,)."""
-        return self.static.ens.initial[self.cases, 0]
+        return np.asarray(self.static.ens.initial[self.cases, 0])
 
     def value(self, row: IntArray, x: FloatArray) -> FloatArray:
         """The parameter for which `x` is an equilibrium."""
