@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from remanent._checks import positive, require_known, require_real
+from remanent._checks import positive, require_names, require_real
 from remanent._errors import InputError
 from remanent._status import Status
 from remanent._typing import ArrayLike, FloatArray
@@ -151,10 +151,9 @@ def shape_commands(
     """
     target = require_real("target", target, _TARGET)
     require_tolerance(tolerance)
-    names = (robust_to,) if isinstance(robust_to, str) else tuple(robust_to)
     ens = lay_out(actuator, _NO_LOAD, over, initial, reserved=_RESERVED, system_argument="actuator")
     fields = [name for name in ens.field.parameters if name != "m"]
-    require_known(names, [*fields, *PHYSICAL], "the actuator, or a physical size")
+    names = _robust_to(robust_to, [*fields, *PHYSICAL])
     commands = [_command(ens, k, target, names, tolerance) for k in range(ens.count)]
     longest = max(command.times.size for command in commands) or 1
     return to_dataset(
@@ -166,6 +165,12 @@ def shape_commands(
         target=target,
         robust_to=" ".join(names) or None,
     )
+
+
+def _robust_to(robust_to: str | Sequence[str], known: Sequence[str]) -> tuple[str, ...]:
+    if isinstance(robust_to, Sequence) and not robust_to and not isinstance(robust_to, str):
+        return ()
+    return tuple(require_names("robust_to", robust_to, known, "the actuator, or physical sizes"))
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from copy import deepcopy
 from typing import TypeAlias
 
@@ -12,6 +13,8 @@ from remanent._checks import (
     as_float_array,
     require_choice,
     require_instance,
+    require_mapping,
+    require_names,
     require_real,
     shortened,
 )
@@ -86,6 +89,65 @@ def require_drive(drive: object) -> Drive:
     return drive
 
 
+def require_interval(
+    name: str, value: object, *, what: str, why: str, finite: bool = True
+) -> tuple[float, float]:
+    """Two increasing numbers.
+
+    Parameters
+    ----------
+    name : str
+        Name of the argument.
+    value : object
+        What was passed for it.
+    what, why : str
+        What the two numbers are, and a sentence on why they are needed.
+    finite : bool
+        Whether infinite ends are refused.
+    """
+    fix = "Pass two increasing numbers."
+    pair = as_float_array(name, value, what=what, why=why, fix=fix, ndim=1, finite=finite)
+    if pair.size != 2 or not pair[0] < pair[1]:
+        raise InputError(name, must=f"be {what}", got=shortened(value), why=why, fix=fix)
+    return float(pair[0]), float(pair[1])
+
+
+def require_intervals(
+    name: str, value: object, known: Iterable[str], owner: str, why: str
+) -> dict[str, tuple[float, float]]:
+    """Intervals of some fields by name; none where nothing was passed.
+
+    Parameters
+    ----------
+    name : str
+        Name of the argument.
+    value : mapping of str to (float, float), or None
+        What was passed for it.  Ends may be infinite.
+    known : iterable of str
+        Names that there are.
+    owner : str
+        What has these names, as in "the actuator".
+    why : str
+        What the intervals are for, a sentence.
+    """
+    if value is None:
+        return {}
+    fix = "Pass for example {'temperature': (280.0, 300.0)}."
+    table = require_mapping(name, value, what="names of fields to two numbers", fix=fix)
+    if table:
+        require_names(name, table, known, owner)
+    return {
+        field: require_interval(
+            f"{name}[{field!r}]",
+            pair,
+            what=f"the lowest and the highest value of {field}",
+            why=why,
+            finite=False,
+        )
+        for field, pair in table.items()
+    }
+
+
 def require_range(
     name: str, value: object, parameter: str, ens: Ensemble, why: str
 ) -> tuple[float, float]:
@@ -109,21 +171,19 @@ def require_range(
     InputError
         If it is not two increasing numbers that the field may take.
     """
-    what, fix = f"the lowest and the highest value of {parameter}", "Pass two increasing numbers."
-    pair = as_float_array(name, value, what=what, why=why, fix=fix, ndim=1, finite=True)
-    if pair.size != 2 or not pair[0] < pair[1]:
-        raise InputError(name, must=f"be {what}", got=shortened(value), why=why, fix=fix)
-    for end in pair:
+    what = f"the lowest and the highest value of {parameter}"
+    ends = require_interval(name, value, what=what, why=why)
+    for end in ends:
         broken = ens.system.invalid({parameter: end}) | ens.drive.invalid({parameter: end})
         if broken.any():
             raise InputError(
                 name,
                 must=f"hold possible values of {parameter} only",
-                got=float(end),
+                got=end,
                 why=why,
                 fix="Pass values within the field's own range.",
             )
-    return float(pair[0]), float(pair[1])
+    return ends
 
 
 def require_parameter(name: str, value: object, ens: Ensemble) -> str:

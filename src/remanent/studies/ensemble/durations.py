@@ -68,13 +68,18 @@ def require_periods(ens: Ensemble) -> FloatArray:
     return periods
 
 
+def require_duration(duration: object) -> float:
+    """The length of a run in units of tau."""
+    return require_real("duration", duration, _TIME)
+
+
 def durations(ens: Ensemble, duration: float | None, periods: int | None) -> FloatArray:
     """Length of every trajectory, array (trajectory,), from one of `duration` and `periods`.
 
     For verbs that take both, of which exactly one is given.
     """
     if periods is None:
-        return np.broadcast_to(require_real("duration", duration, _TIME), ens.count)
+        return np.broadcast_to(require_duration(duration), ens.count)
     count = require_count("periods", periods, "Runs are counted in whole drive periods.")
     lengths = ens.periods()
     if lengths is None:

@@ -55,6 +55,7 @@ def initial_states(
         # A column with a stride holds values that differ: a temperature that `over` varies.
         if k >= given.size and column.strides != (0,):
             columns.setdefault(k, column)
+    _refuse_fixed(given, [k for k in range(given.size) if k not in columns], field)
     row = np.append(given, first[given.size :])
     states = np.broadcast_to(row, (count, len(rest)))
     if columns:
@@ -83,6 +84,20 @@ def _given_state(initial: ArrayLike, field: Field) -> FloatArray:
     return state
 
 
+def _refuse_fixed(given: FloatArray, fixed: list[int], field: Field) -> None:
+    """Raise where what all trajectories start from is no state; what varies has a status."""
+    for k in fixed:
+        variable = field.variables[k]
+        if variable.positive and not given[k] > 0.0:
+            raise InputError(
+                "initial",
+                must=f"have a {variable.name} greater than 0",
+                got=given[k],
+                why="Stretches are ratios of lengths, temperatures are absolute.",
+                fix="Pass 1 for the undeformed block.",
+            )
+
+
 def rest_values(
     variable: StateVariable, values: Mapping[str, FloatArray], count: int
 ) -> FloatArray:
@@ -104,15 +119,7 @@ def refuse_state(
 ) -> None:
     """Raise what is wrong with the first of the states, if anything is."""
     state = states[0]
-    for k in _positive(field):
-        if not state[k] > 0.0:
-            raise InputError(
-                "initial",
-                must=f"have a {field.state[k]} greater than 0",
-                got=state[k],
-                why="Stretches are ratios of lengths, temperatures are absolute.",
-                fix="Pass 1 for the undeformed block.",
-            )
+    _refuse_fixed(state, list(range(state.size)), field)
     inside = (state[_positive(field)] >= 1.0 / FARTHEST).all()
     if not (inside and (np.abs(state) <= FARTHEST).all()):
         raise InputError(

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
+from remanent._checks import finite, require_names, require_real
 from remanent._errors import InputError
 from remanent._typing import FloatArray
 from remanent.results import provenance
@@ -16,17 +17,20 @@ from remanent.results.build import Labelled
 from remanent.studies.inference.measure import SAMPLE, Measure, Of
 
 
-def as_names(parameters: str | Iterable[str]) -> list[str]:
-    """Names of parameters, of which a single one may stand by itself."""
-    return [parameters] if isinstance(parameters, str) else list(parameters)
-
-
 def as_values(
     parameters: str | Sequence[str] | Mapping[str, float], nominal: Mapping[str, float]
 ) -> dict[str, float]:
-    """Parameters by name, with the values given, or else with their nominal ones."""
-    values = parameters if isinstance(parameters, Mapping) else nominal
-    return {name: float(values[name]) for name in as_names(parameters)}
+    """Parameters by name, with the values given, or else with their nominal ones.
+
+    Names that `nominal` does not have are refused.
+    """
+    names = require_names(
+        "parameters", parameters, nominal, "the system or the drive, or a physical size"
+    )
+    if not isinstance(parameters, Mapping):
+        return {name: float(nominal[name]) for name in names}
+    rule = finite("It is the value from which the search starts.")
+    return {name: require_real(f"parameters[{name!r}]", parameters[name], rule) for name in names}
 
 
 def as_measure(

@@ -9,13 +9,14 @@ import numpy as np
 import xarray as xr
 from scipy.optimize import least_squares
 
-from remanent._checks import as_float_array, positive, require_real
+from remanent._checks import as_float_array, positive, require_real, shortened
 from remanent._errors import InputError
 from remanent._typing import FloatArray
 from remanent.analysis.fitting import Box, jacobian
 from remanent.results import build
 from remanent.results.build import Labelled
-from remanent.studies.inference._measures import as_names, as_values, attributes, evaluate
+from remanent.studies.ensemble.checks import require_intervals
+from remanent.studies.inference._measures import as_values, attributes, evaluate
 from remanent.studies.inference.measure import Measure
 
 _STEP = positive("It is the relative change of a field in a difference.", "Pass 1e-3.")
@@ -82,14 +83,14 @@ def design(
     remanent.fit : fields from measurements.
     remanent.Measure : what a verb computes, as a function of fields.
     """
-    measures = [measures] if isinstance(measures, Measure) else list(measures)
+    measures = _measures(measures)
     step = require_real("step", step, _STEP)
     guess = _guesses(measures, parameters)
     problem = _Problem(
         measures,
         _targets(targets, measures),
         list(guess),
-        _box(guess, parameter_ranges or {}),
+        _box(guess, parameter_ranges),
         step,
     )
     solution = problem.solve(np.array(list(guess.values())))
@@ -214,13 +215,34 @@ def _targets(targets: float | Sequence[float], measures: Sequence[Measure]) -> F
 def _guesses(
     measures: Sequence[Measure], parameters: Mapping[str, float] | Sequence[str] | str
 ) -> dict[str, float]:
+    guess = as_values(parameters, measures[0].nominal_values())
     for measure in measures:
-        measure.require_parameters("parameters", as_names(parameters))
-    return as_values(parameters, measures[0].nominal_values())
+        measure.require_parameters("parameters", list(guess))
+    return guess
 
 
-def _box(guess: Mapping[str, float], ranges: Mapping[str, tuple[float, float]]) -> Box:
+def _measures(measures: Measure | Sequence[Measure]) -> list[Measure]:
+    listed = [measures] if isinstance(measures, Measure) else measures
+    if (
+        not isinstance(listed, Sequence)
+        or not listed
+        or not all(isinstance(measure, Measure) for measure in listed)
+    ):
+        raise InputError(
+            "measures",
+            must="be an rm.Measure, or several of them",
+            got=shortened(measures),
+            why="They say what is computed from the fields.",
+            fix="Pass for example rm.Measure(rm.shape_commands, actuator, 1.5, of='switch_time').",
+        )
+    return list(listed)
+
+
+def _box(guess: Mapping[str, float], parameter_ranges: object) -> Box:
     """Scales and ranges of the fields, inside which the guesses lie."""
+    ranges = require_intervals(
+        "parameter_ranges", parameter_ranges, guess, "`parameters`", "The search stays inside."
+    )
     values = np.array(list(guess.values()))
     ends = np.array([ranges.get(name, (-np.inf, np.inf)) for name in guess], dtype=float)
     lower, upper = ends.T

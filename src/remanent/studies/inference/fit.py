@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
-from remanent._checks import Rule, not_negative, require_known, require_real
+from remanent._checks import Rule, not_negative, require_flag, require_real
 from remanent._errors import InputError
 from remanent._typing import ArrayLike
 from remanent.analysis import fitting
@@ -17,10 +17,10 @@ from remanent.models.system import System
 from remanent.results import build, provenance
 from remanent.results.build import Labelled
 from remanent.results.read_measurements import Table, read_measurements
-from remanent.studies.ensemble.checks import require_tolerance
-from remanent.studies.ensemble.durations import RESPONSE_WINDOW
+from remanent.studies.ensemble.checks import require_intervals, require_tolerance
+from remanent.studies.ensemble.durations import RESPONSE_WINDOW, require_count, require_duration
 from remanent.studies.ensemble.physical_scales import PHYSICAL, RULE, lay_out_physical
-from remanent.studies.inference._measures import as_names, as_values
+from remanent.studies.inference._measures import as_values
 from remanent.studies.inference._predictions import Measurements, Predictions, Window
 
 _CONFIDENCE = Rule(
@@ -133,6 +133,8 @@ def fit(
     require_tolerance(tolerance)
     confidence = require_real("confidence", confidence, _CONFIDENCE)
     discard = require_real("discard", discard, _DISCARD)
+    profile = require_flag("profile", profile)
+    _require_window(duration, periods)
     guess = _guesses(system, drive, parameters, initial)
     measurements = Measurements(read_measurements(data, system))
     if measurements.dimension == "omega" and duration is None and periods is None:
@@ -165,6 +167,14 @@ def fit(
         scaled=False,
     )
     return build.dataset(variables, _coordinates(guess, measurements), attributes)
+
+
+def _require_window(duration: float | None, periods: int | None) -> None:
+    """Check the length of a response's runs, also where the data are a history."""
+    if duration is not None:
+        require_duration(duration)
+    if periods is not None:
+        require_count("periods", periods, "Runs are counted in whole drive periods.")
 
 
 def _variables(best: Fit, observed: Data, confidence: float) -> dict[str, Labelled]:
@@ -213,28 +223,19 @@ def _guesses(
         **start,
         **dict.fromkeys(PHYSICAL, 1.0),
     }
-    require_known(as_names(parameters), nominal, "the system or the drive, or a physical size")
-    guess = as_values(parameters, nominal)
-    if not guess:
-        raise InputError(
-            "parameters",
-            must="name at least one field",
-            got=parameters,
-            why="There is nothing to find.",
-            fix=f"Pass some of {', '.join(nominal)}.",
-        )
-    return guess
+    return as_values(parameters, nominal)
 
 
 def _box(
     system: System,
     drive: Drive,
     guess: Mapping[str, float],
-    ranges: Mapping[str, tuple[float, float]] | None,
+    parameter_ranges: object,
 ) -> Box:
     """Scales of the parameters, and ranges inside which the rules of the fields hold."""
-    ranges = ranges or {}
-    require_known(ranges, guess, "`parameters`")
+    ranges = require_intervals(
+        "parameter_ranges", parameter_ranges, guess, "`parameters`", "The search stays inside."
+    )
     rules = {**system.parameter_rules(), **drive.numeric_rules(), **dict.fromkeys(PHYSICAL, RULE)}
     values = np.array(list(guess.values()))
     scale = np.maximum(np.abs(values), _SMALLEST_SCALE)

@@ -7,12 +7,13 @@ from collections.abc import Hashable
 import numpy as np
 import xarray as xr
 
-from remanent._checks import Rule, require_real
+from remanent._checks import Rule, require_real, shortened
 from remanent._errors import InputError
 from remanent._typing import FloatArray
 from remanent.analysis.ringdown import Decay, decay
 from remanent.results import build
 from remanent.results.build import Labelled
+from remanent.results.checks import require_dataset
 
 _SHARE = Rule(
     "lie between 0 and 1",
@@ -80,6 +81,7 @@ def logarithmic_decrement(
     remanent.fit : parameters of the model from the whole record.
     """
     smallest = require_real("smallest", smallest, _SHARE)
+    require_dataset("history", history)
     axis = _time_dimension(history, variable)
     values, time = xr.broadcast(history[variable], history["time"])
     motion_dims = [d for d in values.dims if d != axis]
@@ -104,6 +106,14 @@ def logarithmic_decrement(
 def _time_dimension(history: xr.Dataset, variable: str) -> Hashable:
     """``time``, or ``cycle`` where every motion has times of its own."""
     dims = [d for d in ("time", "cycle") if d in history.dims]
+    if not isinstance(variable, str) or variable not in history:
+        raise InputError(
+            "variable",
+            must="be a variable of `history`",
+            got=shortened(variable),
+            why="Its decay is measured.",
+            fix=f"Pass one of {', '.join(map(str, history.data_vars)) or 'those it has'}.",
+        )
     if variable not in history or "time" not in history.variables or not dims:
         raise InputError(
             "history",

@@ -17,7 +17,6 @@ from remanent.results.build import Labelled
 from remanent.studies.inference._measures import (
     MeasureLayout,
     as_measure,
-    as_names,
     as_values,
     attributes,
 )
@@ -86,7 +85,6 @@ def sensitivity(
     """
     measure = as_measure(measure, arguments, of, **options)
     step = require_real("step", step, _STEP)
-    measure.require_parameters("parameters", as_names(parameters))
     centre = as_values(parameters, measure.nominal_values())
     differences = _Differences.about(np.array(list(centre.values())), step)
     values, errors = measure.at(dict(zip(centre, differences.points.T, strict=True)))

@@ -10,13 +10,13 @@ import numpy as np
 import xarray as xr
 from scipy.stats import uniform
 
+from remanent._checks import as_float_array, require_flag
 from remanent._errors import InputError
 from remanent._typing import FloatArray
 from remanent.analysis.uncertainty import PARTS, Distribution, Indices, Spread, indices, spread
 from remanent.results import build
 from remanent.results.build import Labelled
-from remanent.results.schema import describe
-from remanent.studies.ensemble.checks import Rng, as_seed
+from remanent.studies.ensemble.checks import Rng, as_seed, require_interval
 from remanent.studies.ensemble.durations import require_count
 from remanent.studies.inference._measures import MeasureLayout, as_measure, attributes
 from remanent.studies.inference.measure import Measure, Of
@@ -99,8 +99,9 @@ def uncertainty(
     """
     measure = as_measure(measure, arguments, of, **options)
     names = _require_names(parameter_ranges)
-    distributions = [_distribution(name, parameter_ranges[name]) for name in names]
     measure.require_parameters("parameter_ranges", names)
+    distributions = [_distribution(name, parameter_ranges[name]) for name in names]
+    sobol = require_flag("sobol", sobol)
     shares = _shares(quantiles)
     samples = _samples(samples, shares)
     generator = np.random.default_rng(as_seed(rng))
@@ -193,26 +194,28 @@ def _samples(samples: int, shares: FloatArray) -> int:
 
 def _distribution(name: str, given: Any) -> Distribution:
     """A distribution as it is, or the uniform one between two numbers."""
-    describe(name)
     if hasattr(given, "ppf"):
         return given  # type: ignore[no-any-return]
-    try:
-        low, high = (float(x) for x in given)
-    except (TypeError, ValueError):
-        low = high = np.nan
-    if not (np.isfinite(low) and np.isfinite(high) and low < high):
-        raise InputError(
-            f"parameter_ranges[{name!r}]",
-            must="be a lower and a larger upper number, or a distribution",
-            got=repr(given)[:80],
-            why="Values are drawn from it.",
-            fix="Pass (280, 300), or scipy.stats.norm(293, 5).",
-        )
+    low, high = require_interval(
+        f"parameter_ranges[{name!r}]",
+        given,
+        what="a lower and a larger upper number, or a distribution",
+        why="Values are drawn from it.",
+    )
     return uniform(low, high - low)
 
 
 def _shares(quantiles: Sequence[float]) -> FloatArray:
-    shares = np.atleast_1d(np.asarray(quantiles, dtype=np.float64))
+    shares = np.atleast_1d(
+        as_float_array(
+            "quantiles",
+            quantiles,
+            what="shares between 0 and 1",
+            why="They are shares of what may happen.",
+            fix="Pass (0.05, 0.5, 0.95).",
+            least=1,
+        )
+    )
     inside = (shares > 0.0) & (shares < 1.0)
     if shares.ndim != 1 or not shares.size or not inside.all() or (np.diff(shares) <= 0.0).any():
         raise InputError(

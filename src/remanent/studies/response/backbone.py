@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
+from remanent._checks import as_float_array
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, FloatArray, IntArray
 from remanent.integrate import events
@@ -14,7 +15,7 @@ from remanent.models.actuator import Actuator
 from remanent.models.drives.waves import Constant
 from remanent.studies.ensemble.checks import require_actuator, require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
-from remanent.studies.ensemble.layout import Over, lay_out
+from remanent.studies.ensemble.layout import Over, lay_out, require_over
 from remanent.studies.ensemble.observables import observe
 from remanent.studies.ensemble.problem import initial_value_problem
 
@@ -71,7 +72,7 @@ def backbone(
     >>> bool(abs(ds.frequency[0] - 6**0.5) < 1e-6)
     True
     """
-    require_tolerance(tolerance)
+    require_tolerance(tolerance, "the error of the state at the other turning point")
     require_actuator("actuator", actuator)
     if not actuator.conservative or actuator.coordinates > 1:
         raise InputError(
@@ -81,7 +82,21 @@ def backbone(
             why="Only free oscillations of one coordinate all have a period.",
             fix="Pass one number as prestress, no edges, dissipation=() and heat=None.",
         )
-    ens = lay_out(actuator, Constant(m), {**(over or {}), "initial.stretch": np.asarray(stretch)})
+    require_over(over)
+    stretches = as_float_array(
+        "stretch",
+        stretch,
+        what="in-plane stretches",
+        why="An oscillation starts from each.",
+        fix="Pass for example numpy.linspace(1.01, 1.5, 50).",
+        least=1,
+    )
+    ens = lay_out(
+        actuator,
+        Constant(m),
+        {**(over or {}), "initial.stretch": stretches},
+        system_argument="actuator",
+    )
     half, error = np.full(ens.count, np.nan), np.full(ens.count, np.nan)
     duration = _FIRST
     for _ in range(_TRIES):

@@ -16,11 +16,11 @@ from remanent.integrate.ensemble.problem import Outcome, Request, gathered
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.results.build import Labelled
-from remanent.studies.ensemble.checks import require_tolerance
+from remanent.studies.ensemble.checks import require_drive, require_tolerance
 from remanent.studies.ensemble.dataset import to_dataset
 from remanent.studies.ensemble.durations import RESPONSE_WINDOW, durations, require_exactly_one
 from remanent.studies.ensemble.ensemble import BATCH_SIZE, Ensemble
-from remanent.studies.ensemble.layout import Over, lay_out
+from remanent.studies.ensemble.layout import Over, lay_out, require_over
 from remanent.studies.ensemble.problem import initial_value_problem
 from remanent.studies.ensemble.progress import Progress, Report, as_progress, within
 
@@ -91,10 +91,11 @@ def frequency_response(
     if periods is None and duration is None:
         duration = RESPONSE_WINDOW
     require_exactly_one(duration=duration, periods=periods)
-    require_tolerance(tolerance)
+    require_tolerance(tolerance, "the error of the extremes")
     discard = require_real("discard", discard, _DISCARD)
     resonance_width = require_real("resonance_width", resonance_width, _WIDTH)
-    grid = _frequencies(drive, omega, over)
+    require_over(over)
+    grid = _frequencies(require_drive(drive), omega, over)
     whole = {**(over or {}), "omega": grid}
     ens = lay_out(system, drive, whole, initial)
 
