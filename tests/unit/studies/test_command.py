@@ -164,6 +164,7 @@ def test_commands_over_a_field_are_the_single_ones() -> None:
     unstable = 1.1 - 1.1**-5 + 2.15 * 1.1**-3
     mixed = rm.shape_commands(rm.Actuator(), 1.1**-2, over={"prestress": [0.0, unstable]})
     np.testing.assert_array_equal(np.isfinite(mixed.switch_time), [True, False])
+    assert mixed.status.values.tolist() == [rm.Status.OK, rm.Status.DIVERGED]
 
 
 def test_what_cannot_be_held_is_refused() -> None:

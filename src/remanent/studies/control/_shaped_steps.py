@@ -103,15 +103,15 @@ class _ShapingProblem:
         offset = body.state - start.state
         size = max(1.0, float(np.abs(body.state).max()))
         return cls(
-            _with_values(single),
-            body,
-            start,
-            np.where(np.abs(offset) > _REST_DISTANCE, offset, 0.0),
-            thickness,
-            target,
-            robust_to,
-            tolerance,
-            _MOTION_TOLERANCE * tolerance * size,
+            actuator=_with_values(single),
+            body=body,
+            start=start,
+            displacement=np.where(np.abs(offset) > _REST_DISTANCE, offset, 0.0),
+            thickness=thickness,
+            target=target,
+            robust_to=robust_to,
+            tolerance=tolerance,
+            motion_tolerance=_MOTION_TOLERANCE * tolerance * size,
         )
 
     def in_stages(self, stages: int) -> tuple[Design, float]:

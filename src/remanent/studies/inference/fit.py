@@ -139,8 +139,15 @@ def fit(
     measurements = Measurements(read_measurements(data, system))
     if measurements.dimension == "omega" and duration is None and periods is None:
         duration = RESPONSE_WINDOW
-    window = Window(duration, periods, discard)
-    model = Predictions(system, drive, tuple(guess), initial, measurements, window, tolerance)
+    model = Predictions(
+        system=system,
+        drive=drive,
+        names=tuple(guess),
+        initial=initial,
+        measurements=measurements,
+        window=Window(duration, periods, discard),
+        tolerance=tolerance,
+    )
     observed, box = measurements.data(), _box(system, drive, guess, parameter_ranges)
     best = fitting.fit(model, observed, np.array(list(guess.values())), box)
     variables = _variables(best, observed, confidence)

@@ -74,7 +74,14 @@ class TransverseFlow:
         arrays = initial_value_problem(two, np.ones(ens.count))
         flow = PeriodMap(parting(two.field, pairs), arrays.timeline.waveform)
         lengths = np.where(ens.invalid, 1.0, require_periods(ens))
-        return cls(ens.initial, flow, arrays.parameters, lengths, len(pairs), tolerance)
+        return cls(
+            initial=ens.initial,
+            flow=flow,
+            parameters=arrays.parameters,
+            period_lengths=lengths,
+            width=len(pairs),
+            tolerance=tolerance,
+        )
 
     @property
     def templates(self) -> Mapping[str, np.ndarray]:

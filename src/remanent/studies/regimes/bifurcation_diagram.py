@@ -128,7 +128,12 @@ def bifurcation_diagram(
     needed = _BYTES_PER_POINT * ens.count * keep * len(directions)
     require_memory("keep", needed, f"{ens.count} x {keep} points")
     sweep = ParameterSweep(
-        ens, initial_value_problem(ens, np.ones(ens.count)), directions, discard, keep, tolerance
+        ensemble=ens,
+        problem=initial_value_problem(ens, np.ones(ens.count)),
+        directions=directions,
+        discard=discard,
+        keep=keep,
+        tolerance=tolerance,
     )
     result = to_dataset(
         ens,
