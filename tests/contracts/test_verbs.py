@@ -292,7 +292,7 @@ REFUSED: dict[str, tuple[Callable[[rm.Actuator], object], rm.Actuator, str]] = {
 def test_what_has_no_meaning_is_refused_with_a_way_out(
     verb: Callable[[rm.Actuator], object], body: rm.Actuator, remedy: str
 ) -> None:
-    with pytest.raises(InputError, match=r"^`actuator` must .*; got .*\. ") as caught:
+    with pytest.raises(InputError, match=r"^`(actuator|system)` must .*; got .*\. ") as caught:
         verb(body)
     assert remedy in str(caught.value)
 

@@ -89,7 +89,7 @@ def crossings(
     value = require_real("value", value, _VALUE)
     require_choice("direction", direction, list(_DIRECTIONS))
     ens = ensemble(system, drive, over, initial)
-    known = ["thickness_stretch", "thickness_stretch_rate", *ens.field.state]
+    known = [*ens.field.watched_names, *ens.field.state]
     require_choice("variable", variable, known)
     asked = problem(ens, durations(ens, duration, periods))
     found, outcome = events.crossings(

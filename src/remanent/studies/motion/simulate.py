@@ -101,7 +101,7 @@ def simulate(
     variables: dict[str, PerTrajectory] = {
         name: ((axis,), states[:, :, k]) for k, name in enumerate(ens.field.state)
     }
-    for name in ("thickness_stretch", "thickness_stretch_rate", "energy"):
+    for name in (*ens.field.watched_names, "energy"):
         variables[name] = ((axis,), observe(asked, name, grid, states))
     time: Labelled = (("time",), grid[0]) if shared else ((*ens.dims, "cycle"), ens.shaped(grid))
     return to_dataset(

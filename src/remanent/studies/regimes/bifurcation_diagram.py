@@ -128,7 +128,7 @@ def bifurcation_diagram(
         name: ((*dims, "period"), shaped(states[..., k])) for k, name in enumerate(ens.field.state)
     }
     times = np.zeros((ens.count, keep))
-    for name in ("thickness_stretch", "thickness_stretch_rate"):
+    for name in ens.field.watched_names:
         seen = np.stack([observe(asked, name, times, one) for one in states])
         variables[name] = ((*dims, "period"), shaped(seen))
     variables["drive_period"] = ((parameter,), lengths)
