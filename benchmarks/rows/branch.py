@@ -15,9 +15,9 @@ from benchmarks import auto07p
 from benchmarks.machine import one_core
 from benchmarks.rows.plan import Plan
 from remanent._typing import FloatArray
-from remanent.analysis.bifurcations import orbit_equations
-from remanent.analysis.continuation import Curve, Settings, corrected, follow
-from remanent.analysis.orbits import multipliers
+from remanent.analysis.orbits.bifurcations import orbit_equations
+from remanent.analysis.orbits.continuation import Curve, Settings, corrected, follow
+from remanent.analysis.orbits.periodic_orbits import multipliers
 from remanent.studies.ensemble.ensemble import ensemble
 from remanent.studies.orbits._period_map import StroboscopicMap
 

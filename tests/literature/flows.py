@@ -11,7 +11,7 @@ import sympy as sp
 from tests.unit.integrate.handmade import COSINE, Oscillator, Q, V, turning
 
 from remanent._typing import FloatArray
-from remanent.analysis.maps import Mapped
+from remanent.analysis.orbits.maps import Mapped
 from remanent.integrate.maps.period_map import PeriodMap
 from remanent.integrate.variations import LOG_PERIOD
 

@@ -16,9 +16,9 @@ from tests.literature.flows import ForcedOscillator
 
 import remanent as rm
 from remanent._typing import FloatArray
-from remanent.analysis.bifurcations import Special, orbit_equations, special_points
-from remanent.analysis.continuation import Points, Settings, follow, tangents
-from remanent.analysis.switching import other_branch
+from remanent.analysis.orbits.bifurcations import Special, orbit_equations, special_points
+from remanent.analysis.orbits.continuation import Points, Settings, follow, tangents
+from remanent.analysis.orbits.switching import other_branch
 
 HERE = Path(__file__).parent / "auto" / "reference"
 KINDS = {"LP": "fold", "PD": "period doubling", "TR": "Neimark-Sacker", "BP": "branch point"}

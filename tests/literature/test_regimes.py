@@ -16,13 +16,13 @@ import numpy as np
 import pytest
 import sympy as sp
 import xarray as xr
-from tests.unit.analysis.iterated import Iterated, henon, logistic, rolled, standard
+from tests.unit.analysis.regimes.iterated import Iterated, henon, logistic, rolled, standard
 from tests.unit.integrate.handmade import COSINE, Oscillator, Q, V, turning
 
 from remanent._typing import FloatArray, IntArray
-from remanent.analysis import regimes
-from remanent.analysis.following import Advance, Path, follow
-from remanent.analysis.regimes import Regime
+from remanent.analysis.regimes import decision
+from remanent.analysis.regimes.decision import Regime
+from remanent.analysis.regimes.following import Advance, Path, follow
 from remanent.integrate.maps.advance import Advancer, Step
 from remanent.integrate.maps.period_map import PeriodMap
 from remanent.models.actuator import Actuator
@@ -104,12 +104,12 @@ def winding(y: FloatArray) -> FloatArray:
 
 
 FAMILIES: dict[str, tuple[Callable[..., Advance], Any]] = {
-    "actuator": (actuator, regimes.plain),
-    "oscillator": (oscillator, regimes.plain),
+    "actuator": (actuator, decision.plain),
+    "oscillator": (oscillator, decision.plain),
     "pendulum": (pendulum, winding),
     "standard": (plain_map(standard), rolled),
-    "logistic": (plain_map(logistic), regimes.plain),
-    "henon": (plain_map(henon), regimes.plain),
+    "logistic": (plain_map(logistic), decision.plain),
+    "henon": (plain_map(henon), decision.plain),
 }
 
 
@@ -135,7 +135,7 @@ def label(cases: list[dict[str, Any]], periods: int) -> list[tuple[str, int]]:
         image = finest(which, states, unit, period, every=False)
         return image.visited[:, -1], np.moveaxis(image.tangents, 1, 2)
 
-    verdict, _ = regimes.classify(
+    verdict, _ = decision.classify(
         run,
         len(cases),
         damped=np.array([case["dissipative"] for case in cases]),

@@ -8,7 +8,7 @@ import pytest
 import remanent as rm
 from remanent._errors import InputError
 from remanent._typing import ComplexArray, FloatArray
-from remanent.analysis.harmonics import Resonant, harmonics, kind, resonant
+from remanent.analysis.response.harmonics import Resonant, harmonics, kind, resonant
 
 
 def test_harmonics_of_a_sum_of_cosines_are_its_coefficients() -> None:

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from remanent._typing import FloatArray, IntArray
-from remanent.analysis.birkhoff import converged_digits, weighted_average
-from remanent.analysis.equilibria import slope, zeros
-from remanent.analysis.subdivision import largest
+from remanent.analysis.regimes.birkhoff import converged_digits, weighted_average
+from remanent.analysis.response.subdivision import largest
+from remanent.analysis.statics.equilibria import slope, zeros
 
 GRID = np.linspace(-3.0, 3.0, 101)
 

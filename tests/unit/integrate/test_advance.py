@@ -9,8 +9,8 @@ from tests.unit.integrate.handmade import COSINE, Oscillator, Q, V, turning
 
 from remanent._field import Field
 from remanent._typing import FloatArray
-from remanent.analysis.following import Path, follow
-from remanent.analysis.lyapunov import Exponents, exponents
+from remanent.analysis.regimes.following import Path, follow
+from remanent.analysis.regimes.lyapunov import Exponents, exponents
 from remanent.codegen.lower import lower
 from remanent.integrate.maps.advance import Advancer
 from remanent.integrate.maps.period_map import Image, Judged, PeriodMap

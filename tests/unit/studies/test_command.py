@@ -8,7 +8,7 @@ import xarray as xr
 from scipy.integrate import quad
 
 import remanent as rm
-from remanent.analysis.shaping import poles
+from remanent.analysis.control.shaping import poles
 from remanent.codegen.build import build
 from remanent.studies.statics._static_state import Body
 

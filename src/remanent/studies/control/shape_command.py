@@ -11,8 +11,8 @@ import xarray as xr
 from remanent._checks import positive, require_known, require_real
 from remanent._errors import InputError
 from remanent._typing import ArrayLike
-from remanent.analysis import shaping
-from remanent.analysis.shaping import Design
+from remanent.analysis.control import shaping
+from remanent.analysis.control.shaping import Design
 from remanent.models.actuator import Actuator
 from remanent.models.drives.piecewise import Steps
 from remanent.models.drives.waves import Constant
@@ -81,7 +81,7 @@ def shape_command(
     m₂ = θ(x³ − 1)/x², under which x is an equilibrium.  In general the last load and state of
     rest solve the equations of equilibrium; loads and durations before it solve
     y(end) = y(rest), and dy(end)/dp = dy(rest)/dp for each p in `robust`, by least squares
-    from the answer for small moves (:func:`remanent.analysis.shaping.fractions`).
+    from the answer for small moves (:func:`remanent.analysis.control.shaping.fractions`).
 
     Examples
     --------

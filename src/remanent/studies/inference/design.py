@@ -11,7 +11,7 @@ from scipy.optimize import least_squares
 from remanent._checks import positive, require_numbers, require_real
 from remanent._errors import InputError
 from remanent._typing import FloatArray
-from remanent.analysis.fitting import Box, jacobian
+from remanent.analysis.inference.fitting import Box, jacobian
 from remanent.results import build, provenance
 from remanent.results.build import Labelled
 from remanent.studies.inference.measure import Measure, chosen, listed, together

@@ -11,8 +11,8 @@ import xarray as xr
 from remanent._checks import Rule, not_negative, require_known, require_real
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, FloatArray
-from remanent.analysis import fitting
-from remanent.analysis.fitting import Box, Data
+from remanent.analysis.inference import fitting
+from remanent.analysis.inference.fitting import Box, Data
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Outcome, Problem, Request
 from remanent.models.actuator import Actuator

@@ -10,7 +10,7 @@ import xarray as xr
 from remanent._checks import Rule, require_real
 from remanent._errors import InputError
 from remanent._typing import FloatArray
-from remanent.analysis.ringdown import Decay, decay
+from remanent.analysis.inference.ringdown import Decay, decay
 from remanent.results import build
 
 _SHARE = Rule(

@@ -10,7 +10,7 @@ import xarray as xr
 
 from remanent._checks import positive, require_real
 from remanent._typing import FloatArray
-from remanent.analysis.differences import offsets, richardson
+from remanent.analysis.inference.differences import offsets, richardson
 from remanent.results import build, provenance
 from remanent.results.build import Labelled
 from remanent.studies.inference.measure import SAMPLE, Measure, Of, as_measure, chosen, listed

@@ -11,7 +11,7 @@ from scipy.stats import uniform
 
 from remanent._errors import InputError
 from remanent._typing import FloatArray
-from remanent.analysis.uncertainty import PARTS, Distribution, indices, spread
+from remanent.analysis.inference.uncertainty import PARTS, Distribution, indices, spread
 from remanent.results import build, provenance
 from remanent.results.build import Labelled
 from remanent.results.schema import describe

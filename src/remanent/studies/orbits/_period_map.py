@@ -9,7 +9,7 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from remanent._typing import FloatArray, IntArray
-from remanent.analysis.maps import Mapped
+from remanent.analysis.orbits.maps import Mapped
 from remanent.integrate.ensemble.ensemble import MAX_RESOLUTION
 from remanent.integrate.ensemble.problem import Problem
 from remanent.integrate.ensemble.resolution import ladder
@@ -94,7 +94,7 @@ class StroboscopicMap:
         return self._flow.dimension
 
     def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> Mapped:
-        """Apply the map; see :class:`remanent.analysis.maps.Map`."""
+        """Apply the map; see :class:`remanent.analysis.orbits.maps.Map`."""
         return self.run(states, parameters, iterate)
 
     def run(

@@ -12,7 +12,7 @@ from scipy.optimize import elementwise
 
 from remanent._errors import InputError
 from remanent._typing import FloatArray
-from remanent.analysis.orbits import Orbits, distinct, newton, taken
+from remanent.analysis.orbits.periodic_orbits import Orbits, distinct, newton, taken
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.studies.ensemble.ensemble import Ensemble, at_rest

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from remanent._typing import FloatArray
-from remanent.analysis.bifurcations import Special, between, orbit_equations, special_points
-from remanent.analysis.continuation import (
+from remanent.analysis.orbits.bifurcations import Special, between, orbit_equations, special_points
+from remanent.analysis.orbits.continuation import (
     Curve,
     Equations,
     Points,
@@ -18,7 +18,7 @@ from remanent.analysis.continuation import (
     joined,
     tangents,
 )
-from remanent.analysis.orbits import Orbits
+from remanent.analysis.orbits.periodic_orbits import Orbits
 from remanent.studies.orbits._period_map import StroboscopicMap
 from remanent.studies.orbits._search import Search, all_orbits
 

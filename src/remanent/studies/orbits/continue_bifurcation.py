@@ -11,8 +11,8 @@ import xarray as xr
 from remanent._checks import require_choice
 from remanent._errors import InputError
 from remanent._typing import ArrayLike
-from remanent.analysis.bifurcations import special_equations
-from remanent.analysis.continuation import Settings, corrected, follow
+from remanent.analysis.orbits.bifurcations import special_equations
+from remanent.analysis.orbits.continuation import Settings, corrected, follow
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.results import build, provenance

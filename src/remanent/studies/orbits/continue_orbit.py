@@ -14,7 +14,7 @@ from remanent._checks import require_choice
 from remanent._errors import InputError
 from remanent._status import Status
 from remanent._typing import ArrayLike, FloatArray
-from remanent.analysis.orbits import Orbits, newton
+from remanent.analysis.orbits.periodic_orbits import Orbits, newton
 from remanent.integrate.ensemble.ensemble import Progress
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive

@@ -11,9 +11,9 @@ from remanent._checks import require_choice
 from remanent._errors import InputError
 from remanent._status import Status
 from remanent._typing import ArrayLike, BoolArray, FloatArray
-from remanent.analysis.bifurcations import special_equations
-from remanent.analysis.continuation import corrected
-from remanent.analysis.maps import Mapped
+from remanent.analysis.orbits.bifurcations import special_equations
+from remanent.analysis.orbits.continuation import corrected
+from remanent.analysis.orbits.maps import Mapped
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.results import build, provenance

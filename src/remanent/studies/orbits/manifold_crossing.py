@@ -10,10 +10,10 @@ import xarray as xr
 from remanent._checks import positive, require_real
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, FloatArray
-from remanent.analysis.bifurcations import orbit_equations
-from remanent.analysis.continuation import Points, corrected
-from remanent.analysis.orbits import multipliers
-from remanent.analysis.separatrix import Passage, passages, unstable
+from remanent.analysis.orbits.bifurcations import orbit_equations
+from remanent.analysis.orbits.continuation import Points, corrected
+from remanent.analysis.orbits.periodic_orbits import multipliers
+from remanent.analysis.orbits.separatrix import Passage, passages, unstable
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.results import build, provenance

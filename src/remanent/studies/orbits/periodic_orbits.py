@@ -11,7 +11,7 @@ import xarray as xr
 
 from remanent._status import Status
 from remanent._typing import FloatArray
-from remanent.analysis.orbits import Orbits, Stability, multipliers, stability
+from remanent.analysis.orbits.periodic_orbits import Orbits, Stability, multipliers, stability
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Request
 from remanent.models.actuator import Actuator

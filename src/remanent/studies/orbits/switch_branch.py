@@ -9,8 +9,8 @@ import numpy as np
 import xarray as xr
 
 from remanent._errors import InputError
-from remanent.analysis.orbits import Orbits
-from remanent.analysis.switching import other_branch
+from remanent.analysis.orbits.periodic_orbits import Orbits
+from remanent.analysis.orbits.switching import other_branch
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.studies.ensemble.durations import require_count

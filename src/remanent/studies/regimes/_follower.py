@@ -15,7 +15,7 @@ import xarray as xr
 
 from remanent._status import Status
 from remanent._typing import BoolArray, FloatArray, IntArray
-from remanent.analysis.following import Advance, Path, block_lengths, follow
+from remanent.analysis.regimes.following import Advance, Path, block_lengths, follow
 from remanent.integrate.ensemble.ensemble import Progress
 from remanent.integrate.ensemble.problem import Problem
 from remanent.integrate.maps.advance import Advancer, Retrace

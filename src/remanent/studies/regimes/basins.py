@@ -10,8 +10,8 @@ import xarray as xr
 
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, IntArray
-from remanent.analysis.basins import attractors, settled
-from remanent.analysis.regimes import Regime
+from remanent.analysis.regimes.attractors import attractors, settled
+from remanent.analysis.regimes.decision import Regime
 from remanent.integrate.ensemble.ensemble import Progress
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive

@@ -8,10 +8,10 @@ import numpy as np
 import xarray as xr
 
 from remanent._typing import ArrayLike, FloatArray, IntArray
-from remanent.analysis import regimes
-from remanent.analysis.following import Path
-from remanent.analysis.regimes import Regime, Verdict
-from remanent.analysis.returns import Iterate
+from remanent.analysis.regimes import decision
+from remanent.analysis.regimes.decision import Regime, Verdict
+from remanent.analysis.regimes.following import Path
+from remanent.analysis.regimes.returns import Iterate
 from remanent.integrate.ensemble.ensemble import Progress
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
@@ -147,7 +147,7 @@ class Judged:
                 cancelled=cancelled,
             )
 
-        return regimes.classify(
+        return decision.classify(
             run, which.size, damped=self.damped[which], iterate=self.iterate(which), seed=self.seed
         )
 

@@ -10,7 +10,7 @@ import xarray as xr
 
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, IntArray
-from remanent.analysis.lyapunov import exponents
+from remanent.analysis.regimes.lyapunov import exponents
 from remanent.integrate.ensemble.ensemble import Progress
 from remanent.integrate.maps.period_map import Judged
 from remanent.models.actuator import Actuator

@@ -10,8 +10,8 @@ import xarray as xr
 
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, FloatArray, IntArray
-from remanent.analysis.following import Path, follow
-from remanent.analysis.orbits import multipliers
+from remanent.analysis.orbits.periodic_orbits import multipliers
+from remanent.analysis.regimes.following import Path, follow
 from remanent.integrate.ensemble.ensemble import Progress
 from remanent.integrate.maps.advance import Step
 from remanent.integrate.maps.period_map import PeriodMap

@@ -11,7 +11,7 @@ import xarray as xr
 from remanent._checks import increases, not_negative, positive, require_increasing, require_real
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, FloatArray, IntArray
-from remanent.analysis.subdivision import Largest, largest
+from remanent.analysis.response.subdivision import Largest, largest
 from remanent.integrate.ensemble.ensemble import Progress, integrate
 from remanent.integrate.ensemble.problem import Outcome, Request, gathered
 from remanent.models.actuator import Actuator

@@ -11,7 +11,7 @@ import xarray as xr
 
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, ComplexArray, FloatArray, IntArray
-from remanent.analysis.harmonics import harmonics, kind, resonant
+from remanent.analysis.response.harmonics import harmonics, kind, resonant
 from remanent.codegen.field import field_for
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive

@@ -10,8 +10,8 @@ from scipy.ndimage import maximum_filter
 
 from remanent._status import Status
 from remanent._typing import BoolArray, FloatArray, IntArray
-from remanent.analysis.maps import Mapped
-from remanent.analysis.orbits import distinct, newton
+from remanent.analysis.orbits.maps import Mapped
+from remanent.analysis.orbits.periodic_orbits import distinct, newton
 from remanent.results import build, provenance
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.ensemble import Ensemble

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from remanent._typing import FloatArray, IntArray
-from remanent.analysis.equilibria import balancing, slope, zeros
+from remanent.analysis.statics.equilibria import balancing, slope, zeros
 from remanent.results.build import Labelled
 from remanent.studies.statics._static_ensemble import AtRest
 

@@ -9,7 +9,7 @@ import xarray as xr
 
 from remanent._status import Status
 from remanent._typing import FloatArray, IntArray
-from remanent.analysis.equilibria import slope, zeros
+from remanent.analysis.statics.equilibria import slope, zeros
 from remanent.integrate.variations import parting
 from remanent.models.actuator import Actuator
 from remanent.models.drives.waves import Constant

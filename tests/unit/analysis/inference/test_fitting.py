@@ -8,8 +8,8 @@ from scipy.stats import binom, linregress
 
 from remanent._errors import InputError
 from remanent._typing import FloatArray
-from remanent.analysis.fitting import Box, Data, fit, profile
-from remanent.analysis.ringdown import decay
+from remanent.analysis.inference.fitting import Box, Data, fit, profile
+from remanent.analysis.inference.ringdown import decay
 
 T = np.linspace(0.0, 6.0, 40)
 FREE = Box(np.ones(2), np.full(2, -np.inf), np.full(2, np.inf))

@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 from remanent._typing import FloatArray
-from remanent.analysis.separatrix import passages, unstable
+from remanent.analysis.orbits.separatrix import passages, unstable
 
 STEP = 0.4
 #: Of the pendulum's map over STEP at its upper equilibrium.

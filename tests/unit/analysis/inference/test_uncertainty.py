@@ -7,7 +7,7 @@ import pytest
 from scipy.stats import norm, uniform
 
 from remanent._typing import FloatArray
-from remanent.analysis.uncertainty import indices, spread
+from remanent.analysis.inference.uncertainty import indices, spread
 
 QUANTILES = np.array([0.05, 0.5, 0.95])
 

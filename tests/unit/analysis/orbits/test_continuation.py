@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from remanent._typing import FloatArray
-from remanent.analysis.bifurcations import Special, orbit_equations, special_points
-from remanent.analysis.continuation import (
+from remanent.analysis.orbits.bifurcations import Special, orbit_equations, special_points
+from remanent.analysis.orbits.continuation import (
     Curve,
     Equations,
     Evaluated,
@@ -18,8 +18,14 @@ from remanent.analysis.continuation import (
     follow,
     tangents,
 )
-from remanent.analysis.maps import Map, Mapped
-from remanent.analysis.orbits import Stability, distinct, multipliers, newton, stability
+from remanent.analysis.orbits.maps import Map, Mapped
+from remanent.analysis.orbits.periodic_orbits import (
+    Stability,
+    distinct,
+    multipliers,
+    newton,
+    stability,
+)
 
 EPS = np.finfo(float).eps
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from remanent._typing import BoolArray, FloatArray, IntArray
-from remanent.analysis.orbits import newton_step
+from remanent.analysis.orbits.periodic_orbits import newton_step
 
 #: Longest period that is looked for.
 LONGEST = 128

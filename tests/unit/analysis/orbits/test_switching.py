@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from tests.unit.analysis.test_continuation import Logistic
+from tests.unit.analysis.orbits.test_continuation import Logistic
 
 from remanent._typing import FloatArray
-from remanent.analysis.bifurcations import orbit_equations
-from remanent.analysis.maps import Mapped
-from remanent.analysis.switching import other_branch
+from remanent.analysis.orbits.bifurcations import orbit_equations
+from remanent.analysis.orbits.maps import Mapped
+from remanent.analysis.orbits.switching import other_branch
 
 
 @dataclass(frozen=True)

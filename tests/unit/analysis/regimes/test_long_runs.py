@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tests.unit.analysis.iterated import Iterated, Step, henon, logistic, rolled, standard
+from tests.unit.analysis.regimes.iterated import Iterated, Step, henon, logistic, rolled, standard
+from tests.unit.analysis.regimes.spectra import lines, spectrum
 
 from remanent._typing import FloatArray, IntArray
-from remanent.analysis import regimes
-from remanent.analysis.basins import attractors
-from remanent.analysis.birkhoff import overlapping_digits, rotation
-from remanent.analysis.following import Path, follow, orthonormal
-from remanent.analysis.indicators import alignment, zero_one
-from remanent.analysis.lyapunov import batch_error, exponents, pairing
-from remanent.analysis.regimes import Regime, Verdict
-from remanent.analysis.returns import limit, returns
-from remanent.analysis.spectra import lines, spectrum
+from remanent.analysis.regimes import decision
+from remanent.analysis.regimes.attractors import attractors
+from remanent.analysis.regimes.birkhoff import overlapping_digits, rotation
+from remanent.analysis.regimes.decision import Regime, Verdict
+from remanent.analysis.regimes.following import Path, follow, orthonormal
+from remanent.analysis.regimes.indicators import alignment, zero_one
+from remanent.analysis.regimes.lyapunov import batch_error, exponents, pairing
+from remanent.analysis.regimes.returns import limit, returns
 
 GOLDEN = (np.sqrt(5.0) - 1.0) / 2.0
 
@@ -36,12 +36,12 @@ def label(
         advance = Iterated(step, par[which])
         return follow(advance, moved, periods, directions=y0.shape[1], every=True)
 
-    verdict, _ = regimes.classify(
+    verdict, _ = decision.classify(
         again,
         len(y0),
         damped=np.full(len(y0), damped),
         iterate=points.iterate,
-        observables=rolled if step is standard else regimes.plain,
+        observables=rolled if step is standard else decision.plain,
     )
     return verdict
 
@@ -261,7 +261,7 @@ def test_one_tolerance_that_disagrees_takes_the_label_away() -> None:
         start = np.full((which.size, 1), 0.3)
         return follow(Iterated(logistic, values), start, 500, directions=1, every=True)
 
-    found, _ = regimes.classify(again, 1, damped=np.ones(1, dtype=np.bool_))
+    found, _ = decision.classify(again, 1, damped=np.ones(1, dtype=np.bool_))
     assert found.regime[0] == Regime.UNDECIDED
 
 
@@ -274,7 +274,7 @@ def test_damped_chaos_has_to_outlast_the_run(later: float, regime: Regime) -> No
         start = np.full((which.size, 1), 0.3 + n * 1e-13) if states is None else states
         return follow(Iterated(logistic, par), start, 500, directions=1, every=True)
 
-    found, _ = regimes.classify(again, 1, damped=np.ones(1, dtype=np.bool_))
+    found, _ = decision.classify(again, 1, damped=np.ones(1, dtype=np.bool_))
     assert found.regime[0] == regime
 
 

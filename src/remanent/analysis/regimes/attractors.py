@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from remanent._typing import FloatArray, IntArray
-from remanent.analysis.birkhoff import weighted_average
-from remanent.analysis.regimes import Regime
-from remanent.analysis.returns import Iterate, limit
+from remanent.analysis.regimes.birkhoff import weighted_average
+from remanent.analysis.regimes.decision import Regime
+from remanent.analysis.regimes.returns import Iterate, limit
 
 #: Points of periodic orbits nearer than this, relative to the extent of all motion, are one.
 _SAME = 1e-4
@@ -48,7 +48,7 @@ def attractors(tails: FloatArray, regime: IntArray, period: IntArray) -> Attract
     tails : array (orbit, iterate, state)
         Ends of the orbits.
     regime : array (orbit,)
-        Values of :class:`~remanent.analysis.regimes.Regime`.
+        Values of :class:`~remanent.analysis.regimes.decision.Regime`.
     period : array (orbit,)
         Where periodic.
     """

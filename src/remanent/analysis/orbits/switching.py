@@ -14,7 +14,7 @@ from __future__ import annotations
 import numpy as np
 
 from remanent._typing import FloatArray
-from remanent.analysis.continuation import Equations, Points, corrected
+from remanent.analysis.orbits.continuation import Equations, Points, corrected
 
 #: Lengths tried along the second null vector, in scaled unknowns.
 _LENGTHS = (0.01, 0.003, 0.03, 0.001)

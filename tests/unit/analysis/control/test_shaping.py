@@ -7,7 +7,7 @@ import pytest
 from scipy.linalg import expm
 
 from remanent._typing import FloatArray
-from remanent.analysis import shaping, steps
+from remanent.analysis.control import settling, shaping
 
 
 def test_known_shapers() -> None:
@@ -70,12 +70,12 @@ def test_passages_of_a_damped_sine() -> None:
 
     times = np.linspace(0.0, 30.0, 301)[None]
     share = answer(times)[0]
-    last = steps.last_outside(share, 0.95, 1.05)
-    first = steps.first_above(share, 0.5) - 1
+    last = settling.last_outside(share, 0.95, 1.05)
+    first = settling.first_above(share, 0.5) - 1
     levels = np.array([[0.5, 1.05 if share[0, last[0]] > 1.0 else 0.95]])
-    found = steps.passages(answer, times, np.stack([first, last], axis=1), levels)
+    found = settling.passages(answer, times, np.stack([first, last], axis=1), levels)
     np.testing.assert_allclose(answer(found.time)[0], levels, atol=1e-13)
     dense = np.linspace(0.0, 30.0, 3_000_001)
     away = np.flatnonzero(np.abs(answer(dense)[0] - 1.0) > 0.05)[-1]
     assert found.time[0, 1] == pytest.approx(dense[away], abs=2e-5)
-    assert steps.first_above(share, 3.0)[0] == -1
+    assert settling.first_above(share, 3.0)[0] == -1

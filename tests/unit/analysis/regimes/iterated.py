@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from remanent._typing import FloatArray, IntArray
-from remanent.analysis.following import Advanced
+from remanent.analysis.regimes.following import Advanced
 
 #: (state (point, d), parameters (point, p)) to image and Jacobian (point, d, d).
 Step = Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from remanent.analysis.differences import offsets, richardson
+from remanent.analysis.inference.differences import offsets, richardson
 
 
 @pytest.mark.parametrize("noise", [0.0, 1e-10, 1e-6])

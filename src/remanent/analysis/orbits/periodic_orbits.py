@@ -8,7 +8,7 @@ from enum import IntEnum
 import numpy as np
 
 from remanent._typing import BoolArray, ComplexArray, FloatArray, IntArray
-from remanent.analysis.maps import Map, Mapped
+from remanent.analysis.orbits.maps import Map, Mapped
 
 #: Newton steps at most, and the longest one, of a component of the state.
 _STEPS, _LONGEST = 25, 0.25

@@ -18,8 +18,8 @@ import numpy as np
 from scipy.optimize import elementwise
 
 from remanent._typing import FloatArray, IntArray
-from remanent.analysis.continuation import Equations, Evaluated, Points, corrected
-from remanent.analysis.maps import Map
+from remanent.analysis.orbits.continuation import Equations, Evaluated, Points, corrected
+from remanent.analysis.orbits.maps import Map
 
 #: Their annotations know nothing of `args`.
 find_root: Any = elementwise.find_root

@@ -15,11 +15,11 @@ from typing import Protocol
 import numpy as np
 
 from remanent._typing import BoolArray, FloatArray, IntArray
-from remanent.analysis.birkhoff import overlapping_digits, rotation
-from remanent.analysis.following import Path
-from remanent.analysis.indicators import alignment, zero_one
-from remanent.analysis.lyapunov import exponents
-from remanent.analysis.returns import Iterate, approaches, limit, returns
+from remanent.analysis.regimes.birkhoff import overlapping_digits, rotation
+from remanent.analysis.regimes.following import Path
+from remanent.analysis.regimes.indicators import alignment, zero_one
+from remanent.analysis.regimes.lyapunov import exponents
+from remanent.analysis.regimes.returns import Iterate, approaches, limit, returns
 
 #: Return defect of a closed orbit, relative to its extent.
 CLOSED = 1e-6
