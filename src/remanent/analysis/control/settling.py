@@ -10,13 +10,13 @@ import numpy as np
 from remanent._typing import FloatArray, IntArray
 
 #: ``measure(t)`` with times (case, instant) gives the answer and its rate there.
-Measure = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
+Response = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 #: Newton steps from a bracket between samples, many to a period.
 _ROUNDS = 5
 
 
 @dataclass(frozen=True)
-class Instants:
+class LevelCrossings:
     """Instants (case, instant), NaN where there is none, and the rates there."""
 
     time: FloatArray
@@ -36,7 +36,9 @@ def last_outside(answer: FloatArray, low: float, high: float) -> IntArray:
     return np.where(outside.any(axis=1), last, -1)
 
 
-def passages(measure: Measure, times: FloatArray, before: IntArray, levels: FloatArray) -> Instants:
+def level_crossings(
+    measure: Response, times: FloatArray, before: IntArray, levels: FloatArray
+) -> LevelCrossings:
     """Where an answer passes levels between a sample and the next, by Newton's method.
 
     Parameters
@@ -57,4 +59,4 @@ def passages(measure: Measure, times: FloatArray, before: IntArray, levels: Floa
         with np.errstate(all="ignore"):
             moved = t - (answer - levels) / rate
         t = np.where(np.isfinite(moved), moved, t).clip(low, high)
-    return Instants(np.where(known, t, np.nan), np.where(known, rate, np.nan))
+    return LevelCrossings(np.where(known, t, np.nan), np.where(known, rate, np.nan))

@@ -15,7 +15,7 @@ from remanent._typing import ComplexArray, FloatArray
 #: ``arrive(loads, durations)``: how far from rest the system is after steps of these loads
 #: and durations, arrays (step,), an array (condition,), and the derivatives by the loads and
 #: by the durations, arrays (condition, step).
-Arrive = Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray, FloatArray]]
+TerminalResidual = Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray, FloatArray]]
 
 #: Directions that the input moves less than this, relative to others, are not moved.
 _RANK = 1e-7
@@ -26,7 +26,7 @@ _SAME = 1e-6
 
 
 @dataclass(frozen=True)
-class Design:
+class StepSequence:
     """Steps before the last one, which holds from then on.
 
     Attributes
@@ -44,7 +44,7 @@ class Design:
     error: float = np.inf
 
 
-def poles(a: FloatArray, b: FloatArray) -> ComplexArray:
+def controllable_poles(a: FloatArray, b: FloatArray) -> ComplexArray:
     """Eigenvalues of y' = a y + b u on the states that the input u can reach.
 
     Parameters
@@ -60,7 +60,7 @@ def poles(a: FloatArray, b: FloatArray) -> ComplexArray:
     return np.asarray(np.linalg.eigvals(basis.T @ a @ basis), dtype=np.complex128)
 
 
-def interval(found: ComplexArray) -> float:
+def impulse_spacing(found: ComplexArray) -> float:
     """Half the period of the slowest oscillation; without one, the longest time constant."""
     turning = np.abs(found.imag[np.abs(found.imag) > _SAME * np.abs(found)])
     if turning.size:
@@ -68,7 +68,7 @@ def interval(found: ComplexArray) -> float:
     return float(1.0 / np.abs(found.real).min())
 
 
-def fractions(found: ComplexArray, spacing: float, multiplicity: int = 1) -> FloatArray:
+def impulse_amplitudes(found: ComplexArray, spacing: float, multiplicity: int = 1) -> FloatArray:
     """Parts of a step, `spacing` apart, after which a linear system is at rest.
 
     Equation: parts A_i at times i T leave a mode s alone where sum A_i z^i = 0,
@@ -92,7 +92,9 @@ def fractions(found: ComplexArray, spacing: float, multiplicity: int = 1) -> Flo
     return np.asarray(parts / parts.sum())
 
 
-def solve(arrive: Arrive, guess: Design, *, scale: float, tolerance: float) -> Design:
+def solve_step_sequence(
+    arrive: TerminalResidual, guess: StepSequence, *, scale: float, tolerance: float
+) -> StepSequence:
     """Loads and durations from which the system arrives at rest, near a guess.
 
     Nonlinear least squares in the loads, over `scale`, and, where these are fewer than the
@@ -137,4 +139,4 @@ def solve(arrive: Arrive, guess: Design, *, scale: float, tolerance: float) -> D
     loads, durations = unpack(found.x)
     by_condition = np.linalg.pinv(jacobian(found.x))[n:]
     error = float(np.abs(durations[: len(by_condition)] @ by_condition).sum()) * tolerance
-    return Design(loads, durations, float(np.abs(found.fun).max()), error)
+    return StepSequence(loads, durations, float(np.abs(found.fun).max()), error)

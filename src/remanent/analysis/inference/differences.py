@@ -7,14 +7,16 @@ import numpy as np
 from remanent._typing import FloatArray
 
 
-def offsets(step: float, levels: int) -> FloatArray:
+def difference_offsets(step: float, levels: int) -> FloatArray:
     """Where a function is wanted: +h, -h, +h/2, -h/2 ..., array (2 levels,)."""
     sizes = step * 0.5 ** np.arange(levels)
     return np.stack([sizes, -sizes], axis=1).ravel()
 
 
-def richardson(values: FloatArray, noise: FloatArray, step: float) -> tuple[FloatArray, FloatArray]:
-    """Derivative at 0 of functions known at :func:`offsets`, and its error.
+def richardson_derivative(
+    values: FloatArray, noise: FloatArray, step: float
+) -> tuple[FloatArray, FloatArray]:
+    """Derivative at 0 of functions known at :func:`difference_offsets`, and its error.
 
     Central differences D(h) have errors in even powers of h, so T[i, j] = (4^j T[i, j-1] -
     T[i-1, j-1])/(4^j - 1) removes one after the other (Richardson 1911).  The entry is taken

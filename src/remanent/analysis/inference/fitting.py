@@ -22,7 +22,7 @@ _FARTHEST = 8.0
 
 
 @dataclass(frozen=True)
-class Data:
+class Observations:
     """What was measured.
 
     Attributes
@@ -40,7 +40,7 @@ class Data:
 
 
 @dataclass(frozen=True)
-class Fit:
+class LeastSquaresFit:
     """Parameters that fit best.
 
     Attributes
@@ -75,18 +75,20 @@ class Fit:
 
 
 @dataclass(frozen=True)
-class Box:
+class ParameterBox:
     """Scales and bounds of parameters, arrays (parameter,)."""
 
     scale: FloatArray
     lower: FloatArray
     upper: FloatArray
 
-    def only(self, kept: BoolArray) -> Box:
-        return Box(self.scale[kept], self.lower[kept], self.upper[kept])
+    def only(self, kept: BoolArray) -> ParameterBox:
+        return ParameterBox(self.scale[kept], self.lower[kept], self.upper[kept])
 
 
-def fit(model: Model, data: Data, guess: FloatArray, box: Box) -> Fit:
+def fit_least_squares(
+    model: Model, data: Observations, guess: FloatArray, box: ParameterBox
+) -> LeastSquaresFit:
     """Minimise sum [(model(x) - values)/deviation]^2 over x.
 
     The Jacobian is a central difference, all of whose candidates are one call of the model.
@@ -103,7 +105,7 @@ def fit(model: Model, data: Data, guess: FloatArray, box: Box) -> Fit:
             "As many parameters fit them whatever they are.", "Measure more, or fit fewer.",
         )  # fmt: skip
     x, residual = _minimum(model, data, guess, box)
-    slope = jacobian(model, x, box) / data.deviation[:, None]
+    slope = difference_jacobian(model, x, box) / data.deviation[:, None]
     curvature = slope.T @ slope * np.outer(box.scale, box.scale)
     if not np.linalg.cond(curvature) < 1e14:
         raise InputError(
@@ -114,10 +116,12 @@ def fit(model: Model, data: Data, guess: FloatArray, box: Box) -> Fit:
     variance = 1.0 if data.known else chi_square / degrees
     inverse = np.linalg.inv(curvature) * np.outer(box.scale, box.scale)
     predicted = data.values + residual * data.deviation
-    return Fit(x, variance * inverse, predicted, chi_square, variance, degrees)
+    return LeastSquaresFit(x, variance * inverse, predicted, chi_square, variance, degrees)
 
 
-def jacobian(model: Model, x: FloatArray, box: Box, step: float = _STEP) -> FloatArray:
+def difference_jacobian(
+    model: Model, x: FloatArray, box: ParameterBox, step: float = _STEP
+) -> FloatArray:
     """Derivatives (datum, parameter) by differences, central but at the bounds."""
     steps = step * np.diag(np.maximum(np.abs(x), box.scale))
     ends = np.concatenate([x + steps, x - steps]).clip(box.lower, box.upper)
@@ -127,8 +131,13 @@ def jacobian(model: Model, x: FloatArray, box: Box, step: float = _STEP) -> Floa
     return np.asarray((values[:count] - values[count:]).T / width)
 
 
-def profile(
-    model: Model, data: Data, found: Fit, box: Box, k: int, confidence: float
+def profile_interval(
+    model: Model,
+    data: Observations,
+    found: LeastSquaresFit,
+    box: ParameterBox,
+    k: int,
+    confidence: float,
 ) -> FloatArray:
     """Interval of parameter k by its profile likelihood, array (2,).
 
@@ -166,7 +175,7 @@ def profile(
 
 
 def _minimum(
-    model: Model, data: Data, guess: FloatArray, box: Box
+    model: Model, data: Observations, guess: FloatArray, box: ParameterBox
 ) -> tuple[FloatArray, FloatArray]:
     """Best parameters, and residuals over deviations."""
 
@@ -174,7 +183,7 @@ def _minimum(
         return np.asarray((model(x[None])[0] - data.values) / data.deviation)
 
     def slope(x: FloatArray) -> FloatArray:
-        return np.asarray(jacobian(model, x, box) / data.deviation[:, None])
+        return np.asarray(difference_jacobian(model, x, box) / data.deviation[:, None])
 
     if not np.isfinite(residual(guess)).all():
         raise InputError(

@@ -12,7 +12,7 @@ from remanent._typing import FloatArray
 
 
 @dataclass(frozen=True)
-class Decay:
+class DecayFit:
     """A straight line through the logarithms of successive swings.
 
     Attributes
@@ -32,7 +32,7 @@ class Decay:
     swings: int
 
 
-def decay(time: FloatArray, values: FloatArray, *, prominence: float) -> Decay | None:
+def fit_decay(time: FloatArray, values: FloatArray, *, prominence: float) -> DecayFit | None:
     """Fit an exponential to the swings between turning points; None for fewer than three.
 
     A swing, from one turning point to the next, does not depend on the level about which the
@@ -57,7 +57,7 @@ def decay(time: FloatArray, values: FloatArray, *, prominence: float) -> Decay |
     line = linregress(number, np.log(swings[:count]))
     clock = linregress(np.arange(count + 1), turns[: count + 1])
     frequency = np.pi / clock.slope
-    return Decay(
+    return DecayFit(
         decrement=-2.0 * float(line.slope),
         decrement_error=2.0 * float(line.stderr),
         frequency=float(frequency),

@@ -18,12 +18,17 @@ import numpy as np
 from scipy.optimize import elementwise
 
 from remanent._typing import FloatArray, IntArray
-from remanent.analysis.orbits.continuation import Equations, Evaluated, Points, corrected
+from remanent.analysis.orbits.continuation import (
+    CurveEquations,
+    CurvePoints,
+    EquationValues,
+    correct_points,
+)
 from remanent.analysis.orbits.maps import Map
 
 #: Their annotations know nothing of `args`.
-find_root: Any = elementwise.find_root
-find_minimum: Any = elementwise.find_minimum
+_find_root: Any = elementwise.find_root
+_find_minimum: Any = elementwise.find_minimum
 #: A test function is beyond zero if it is by so many times its error.
 _NOISE = 8.0
 #: Roots are found to this share of their number along the branch.
@@ -31,7 +36,7 @@ _ROOT = 1e-13
 
 
 @dataclass(frozen=True)
-class Special:
+class SpecialPoint:
     """A special point of a branch.
 
     Attributes
@@ -41,18 +46,18 @@ class Special:
     segment
         It lies between this point of the branch and the next.
     points
-        The point itself, a :class:`Points` of length 1.
+        The point itself, a :class:`CurvePoints` of length 1.
     error
         Estimated error of the parameter.
     """
 
     kind: str
     segment: int
-    points: Points
+    points: CurvePoints
     error: float
 
 
-def orbit_equations(map_: Map, iterate: int) -> Equations:
+def orbit_equations(map_: Map, iterate: int) -> CurveEquations:
     """Periodic orbits as curves: unknowns (state, parameters), equations map^q(x) - x = 0.
 
     The last parameter varies along a curve; those before it, if there are any, stay as they
@@ -60,7 +65,7 @@ def orbit_equations(map_: Map, iterate: int) -> Equations:
     ``extra["jacobian"]`` is that of the iterate, ``extra["derivative"]`` of the equations.
     """
 
-    def equations(unknown: FloatArray) -> Evaluated:
+    def equations(unknown: FloatArray) -> EquationValues:
         d = map_.dimension
         x, p = unknown[:, :d], unknown[:, d:]
         image = map_(x, p, iterate)
@@ -72,7 +77,7 @@ def orbit_equations(map_: Map, iterate: int) -> Equations:
             derivative = np.concatenate([derivative, rows], axis=1)
             value = np.concatenate([value, np.zeros((len(x), held))], axis=1)
         extra = {"jacobian": image.jacobian, "derivative": derivative}
-        return Evaluated(value, derivative, image.error, extra)
+        return EquationValues(value, derivative, image.error, extra)
 
     return equations
 
@@ -80,30 +85,30 @@ def orbit_equations(map_: Map, iterate: int) -> Equations:
 # Test functions: each changes sign at its kind of point.  Points in, array (point,) out.
 
 
-def _fold(points: Points, _scale: FloatArray) -> FloatArray:
+def _fold(points: CurvePoints, _scale: FloatArray) -> FloatArray:
     return points.tangent[:, -1]
 
 
-def _doubling(points: Points, _scale: FloatArray) -> FloatArray:
+def _doubling(points: CurvePoints, _scale: FloatArray) -> FloatArray:
     jacobian = points.extra["jacobian"]
     return np.asarray(np.linalg.det(jacobian + np.eye(jacobian.shape[1])))
 
 
-def _branch_point(points: Points, scale: FloatArray) -> FloatArray:
+def _branch_point(points: CurvePoints, scale: FloatArray) -> FloatArray:
     """Determinant of the derivatives bordered by the tangent."""
     bordered = np.concatenate([points.extra["derivative"] * scale, points.tangent[:, None]], axis=1)
     return np.asarray(np.linalg.det(bordered))
 
 
-def _torus(points: Points, _scale: FloatArray) -> FloatArray:
+def _torus(points: CurvePoints, _scale: FloatArray) -> FloatArray:
     """Product over pairs of multipliers of their product less one."""
     values = np.linalg.eigvals(points.extra["jacobian"])
     pairs = [values[:, i] * values[:, j] - 1.0 for i, j in combinations(range(values.shape[1]), 2)]
     return np.asarray(np.prod(pairs, axis=0).real if pairs else np.ones(len(points)))
 
 
-Test = Callable[[Points, FloatArray], FloatArray]
-TESTS: Mapping[str, Test] = MappingProxyType(
+TestFunction = Callable[[CurvePoints, FloatArray], FloatArray]
+TEST_FUNCTIONS: Mapping[str, TestFunction] = MappingProxyType(
     {
         "fold": _fold,
         "period doubling": _doubling,
@@ -113,14 +118,14 @@ TESTS: Mapping[str, Test] = MappingProxyType(
 )
 
 
-def special_points(
-    equations: Equations,
-    points: Points,
+def find_special_points(
+    equations: CurveEquations,
+    points: CurvePoints,
     *,
     scale: FloatArray,
     tolerance: float,
     conservative: bool,
-) -> list[Special]:
+) -> list[SpecialPoint]:
     """All special points of a branch, in order along it.
 
     Parameters
@@ -130,13 +135,13 @@ def special_points(
     conservative
         Products of multipliers are 1 throughout, so that no Neimark-Sacker point exists.
     """
-    found: list[Special] = []
+    found: list[SpecialPoint] = []
     along = partial(_along, equations, points, scale, tolerance)
-    for kind, test in TESTS.items():
+    for kind, test in TEST_FUNCTIONS.items():
         if kind == "Neimark-Sacker" and conservative:
             continue
 
-        def value(where: FloatArray, test: Test = test) -> FloatArray:
+        def value(where: FloatArray, test: TestFunction = test) -> FloatArray:
             return np.asarray(test(along(where), scale), dtype=np.float64)
 
         values = test(points, scale)
@@ -151,16 +156,20 @@ def special_points(
 
 
 def _along(
-    equations: Equations, points: Points, scale: FloatArray, tolerance: float, where: FloatArray
-) -> Points:
+    equations: CurveEquations,
+    points: CurvePoints,
+    scale: FloatArray,
+    tolerance: float,
+    where: FloatArray,
+) -> CurvePoints:
     """Points of a branch at real numbers: 2.5 lies midway between its third and fourth."""
     segment = np.clip(where.astype(np.int64), 0, len(points) - 2)
-    guess, direction = between(points, segment, where - segment, scale)
-    return corrected(equations, guess, direction, scale=scale, tolerance=tolerance)[0]
+    guess, direction = interpolate_curve(points, segment, where - segment, scale)
+    return correct_points(equations, guess, direction, scale=scale, tolerance=tolerance)[0]
 
 
 def _dips(
-    value: Callable[[FloatArray], FloatArray], values: FloatArray, points: Points
+    value: Callable[[FloatArray], FloatArray], values: FloatArray, points: CurvePoints
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Where a test function passes zero and comes back between points of one sign.
 
@@ -181,7 +190,7 @@ def _dips(
     if not k.size:
         return (np.empty(0),) * 3
     side, x = np.sign(values[k]), k.astype(np.float64)
-    least = find_minimum(
+    least = _find_minimum(
         lambda x, side: side * value(x), (x - 1.0, x, x + 1.0), args=(side,), maxiter=60,
         tolerances={"xatol": 1e-7, "xrtol": 0.0, "fatol": 0.0, "frtol": 1e-9},
     )  # fmt: skip
@@ -190,20 +199,20 @@ def _dips(
     return least.x[beyond], x[beyond] - 1.0, x[beyond] + 1.0
 
 
-def _sizes(points: Points) -> FloatArray:
+def _sizes(points: CurvePoints) -> FloatArray:
     return np.asarray(np.maximum(1.0, np.abs(points.extra["jacobian"]).max(axis=(1, 2))))
 
 
 def _located(
     kind: str,
-    along: Callable[[FloatArray], Points],
+    along: Callable[[FloatArray], CurvePoints],
     value: Callable[[FloatArray], FloatArray],
     low: FloatArray,
     high: FloatArray,
     scale: FloatArray,
-) -> list[Special]:
+) -> list[SpecialPoint]:
     """Roots of a test function between numbers along a branch, all together."""
-    root = find_root(
+    root = _find_root(
         value, (low, high),
         tolerances={"xatol": _ROOT, "xrtol": _ROOT, "fatol": 0.0, "frtol": 0.0}, maxiter=60,
     )  # fmt: skip
@@ -216,13 +225,13 @@ def _located(
     shift += 2.0 * _ROOT * (1.0 + root.x) * (steps[0] + steps[1]) / (high - low)
     uncertainty = scale[-1] * (error + shift * (np.abs(here.tangent[:, -1]) + shift))
     return [
-        Special(kind, int(root.x[k]), here.taken(slice(k, k + 1)), float(uncertainty[k]))
+        SpecialPoint(kind, int(root.x[k]), here.taken(slice(k, k + 1)), float(uncertainty[k]))
         for k in range(root.x.size)
         if root.success[k] and _is(kind, here, k)
     ]
 
 
-def _is(kind: str, here: Points, k: int) -> bool:
+def _is(kind: str, here: CurvePoints, k: int) -> bool:
     """Whether a Neimark-Sacker point is one: the multipliers that meet 1 are complex."""
     if kind != "Neimark-Sacker":
         return True
@@ -231,8 +240,8 @@ def _is(kind: str, here: Points, k: int) -> bool:
     return bool(abs(pair[0].imag) > 1e-6)
 
 
-def between(
-    points: Points, segment: IntArray, part: FloatArray, scale: FloatArray
+def interpolate_curve(
+    points: CurvePoints, segment: IntArray, part: FloatArray, scale: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """A guess on the cubic between two points of a curve, and its direction."""
     a, b = points.unknown[segment] / scale, points.unknown[segment + 1] / scale
@@ -250,7 +259,7 @@ _APART = 1e-5
 _SIGNS = MappingProxyType({"fold": -1.0, "period doubling": 1.0})
 
 
-def special_equations(map_: Map, iterate: int, kind: str, scale: FloatArray) -> Equations:
+def bifurcation_equations(map_: Map, iterate: int, kind: str, scale: FloatArray) -> CurveEquations:
     """Folds or period doublings as curves: unknowns (state, two parameters).
 
     Equations: map^q(x) - x = 0 and det(J - 1) = 0 at a fold, det(J + 1) = 0 at a doubling.
@@ -268,7 +277,7 @@ def special_equations(map_: Map, iterate: int, kind: str, scale: FloatArray) -> 
     def determinant(jacobian: FloatArray) -> FloatArray:
         return np.asarray(np.linalg.det(jacobian + sign * np.eye(jacobian.shape[-1])))
 
-    def equations(unknown: FloatArray) -> Evaluated:
+    def equations(unknown: FloatArray) -> EquationValues:
         count, size = unknown.shape
         d = size - 2
         moves = _APART * np.concatenate([np.zeros((1, size)), np.diag(scale), -np.diag(scale)])
@@ -282,6 +291,6 @@ def special_equations(map_: Map, iterate: int, kind: str, scale: FloatArray) -> 
         grown = np.maximum(1.0, np.abs(jacobian).max(axis=(1, 2))) ** d
         value = np.column_stack([image.state[here] - unknown[:, :d], test[:, 0]])
         derivative = np.concatenate([orbit, slope[:, None, :]], axis=1)
-        return Evaluated(value, derivative, image.error[here] * grown, {"jacobian": jacobian})
+        return EquationValues(value, derivative, image.error[here] * grown, {"jacobian": jacobian})
 
     return equations

@@ -32,7 +32,7 @@ _TOO_SHORT = 1e-7
 
 
 @dataclass(frozen=True)
-class Evaluated:
+class EquationValues:
     """Equations at some points.
 
     Attributes
@@ -52,11 +52,11 @@ class Evaluated:
 
 
 #: ``equations(unknowns)`` with unknowns (point, n + 1).
-Equations = Callable[[FloatArray], Evaluated]
+CurveEquations = Callable[[FloatArray], EquationValues]
 
 
 @dataclass(frozen=True)
-class Points:
+class CurvePoints:
     """Points of a curve.
 
     Attributes
@@ -78,10 +78,10 @@ class Points:
     def __len__(self) -> int:
         return int(self.unknown.shape[0])
 
-    def taken(self, which: slice | IntArray | BoolArray) -> Points:
+    def taken(self, which: slice | IntArray | BoolArray) -> CurvePoints:
         """Some of the points, in the order asked."""
         extra = {name: values[which] for name, values in self.extra.items()}
-        return Points(
+        return CurvePoints(
             self.unknown[which], self.tangent[which], self.residual[which], self.error[which], extra
         )
 
@@ -90,13 +90,13 @@ class Points:
 class Curve:
     """A curve, and why it ended: ``closed``, ``bounds``, ``points`` or ``lost``."""
 
-    points: Points
+    points: CurvePoints
     closed: bool
     ends: tuple[str, str]
 
 
 @dataclass(frozen=True)
-class Settings:
+class ContinuationSettings:
     """How curves are followed.
 
     Attributes
@@ -128,7 +128,7 @@ class Settings:
     held: tuple[int, ...] = ()
 
 
-def tangents(derivative: FloatArray, like: FloatArray, scale: FloatArray) -> FloatArray:
+def unit_tangents(derivative: FloatArray, like: FloatArray, scale: FloatArray) -> FloatArray:
     """Unit null vectors of the scaled derivatives, on the side of `like`."""
     _, _, right = np.linalg.svd(derivative * scale)
     t = right[:, -1, :]
@@ -136,14 +136,14 @@ def tangents(derivative: FloatArray, like: FloatArray, scale: FloatArray) -> Flo
     return np.asarray(t * np.where(side == 0.0, 1.0, side)[:, None])
 
 
-def corrected(
-    equations: Equations,
+def correct_points(
+    equations: CurveEquations,
     guess: FloatArray,
     direction: FloatArray,
     *,
     scale: FloatArray,
     tolerance: float,
-) -> tuple[Points, BoolArray]:
+) -> tuple[CurvePoints, BoolArray]:
     """Points of curves nearest to guesses, in planes across given directions.
 
     Parameters
@@ -171,11 +171,11 @@ def corrected(
         here = _with(here, equations(z[moving]), moving)
     residual, reached, finite = _judged(here, tolerance)
     derivative = np.where(finite[:, None, None], here.derivative, 0.0)
-    tangent = tangents(derivative, direction, scale)
-    return Points(z, tangent, residual, here.error, here.extra), reached & finite
+    tangent = unit_tangents(derivative, direction, scale)
+    return CurvePoints(z, tangent, residual, here.error, here.extra), reached & finite
 
 
-def _judged(here: Evaluated, tolerance: float) -> tuple[FloatArray, BoolArray, BoolArray]:
+def _judged(here: EquationValues, tolerance: float) -> tuple[FloatArray, BoolArray, BoolArray]:
     """Residuals, where they are small enough, and where all is finite."""
     with np.errstate(all="ignore"):
         residual = np.abs(here.value).max(axis=1)
@@ -183,7 +183,7 @@ def _judged(here: Evaluated, tolerance: float) -> tuple[FloatArray, BoolArray, B
     return residual, residual <= np.maximum(tolerance, 4.0 * here.error), finite
 
 
-def _with(whole: Evaluated, part: Evaluated, which: IntArray) -> Evaluated:
+def _with(whole: EquationValues, part: EquationValues, which: IntArray) -> EquationValues:
     """The equations at some points put in."""
 
     def put(into: FloatArray, values: FloatArray) -> FloatArray:
@@ -191,7 +191,7 @@ def _with(whole: Evaluated, part: Evaluated, which: IntArray) -> Evaluated:
         new[which] = values
         return new
 
-    return Evaluated(
+    return EquationValues(
         put(whole.value, part.value),
         put(whole.derivative, part.derivative),
         put(whole.error, part.error),
@@ -207,7 +207,9 @@ def _solved(matrix: FloatArray, right: FloatArray) -> FloatArray:
             return np.asarray((np.linalg.pinv(matrix) @ right[..., None])[..., 0])
 
 
-def follow(equations: Equations, starts: Points, settings: Settings) -> list[Curve]:
+def continue_curves(
+    equations: CurveEquations, starts: CurvePoints, settings: ContinuationSettings
+) -> list[Curve]:
     """Follow the curve through each of some points, both ways, together.
 
     Parameters
@@ -218,7 +220,7 @@ def follow(equations: Equations, starts: Points, settings: Settings) -> list[Cur
     count = len(starts)
     both = starts.taken(np.concatenate([np.arange(count), np.arange(count)]))
     turned = np.concatenate([starts.tangent, -starts.tangent])
-    heads = Points(both.unknown, turned, both.residual, both.error, both.extra)
+    heads = CurvePoints(both.unknown, turned, both.residual, both.error, both.extra)
     arms = _arms(equations, heads, settings)
     return [_curve(arms[k], arms[k + count]) for k in range(count)]
 
@@ -227,7 +229,7 @@ def follow(equations: Equations, starts: Points, settings: Settings) -> list[Cur
 class _Arm:
     """One direction of one curve while it grows."""
 
-    parts: list[Points]
+    parts: list[CurvePoints]
     step: float
     first: float
     before: tuple[FloatArray, FloatArray]
@@ -241,7 +243,9 @@ class _Arm:
         return last.unknown[-1], last.tangent[-1]
 
 
-def _arms(equations: Equations, heads: Points, settings: Settings) -> list[_Arm]:
+def _arms(
+    equations: CurveEquations, heads: CurvePoints, settings: ContinuationSettings
+) -> list[_Arm]:
     arms = []
     for k in range(len(heads)):
         z, t = heads.unknown[k], heads.tangent[k]
@@ -252,7 +256,7 @@ def _arms(equations: Equations, heads: Points, settings: Settings) -> list[_Arm]
     while growing := [k for k, arm in enumerate(arms) if not arm.end]:
         some = [arms[k] for k in growing]
         guess, direction = _predicted(some, settings)
-        points, reached = corrected(
+        points, reached = correct_points(
             equations, guess, direction, scale=settings.scale, tolerance=settings.tolerance
         )
         blocks = _looked_at(some, points, reached, guess, settings)
@@ -265,7 +269,7 @@ def _arms(equations: Equations, heads: Points, settings: Settings) -> list[_Arm]
     return arms
 
 
-def _predicted(arms: list[_Arm], settings: Settings) -> tuple[FloatArray, FloatArray]:
+def _predicted(arms: list[_Arm], settings: ContinuationSettings) -> tuple[FloatArray, FloatArray]:
     """Points ahead of each arm on the cubic through its last two points with their tangents."""
     before, head = zip(*((arm.before, arm.head) for arm in arms), strict=True)
     scaled0, scaled1 = (np.array([z for z, _ in ends]) / settings.scale for ends in (before, head))
@@ -299,7 +303,11 @@ class _Block:
 
 
 def _looked_at(
-    arms: list[_Arm], points: Points, reached: BoolArray, guess: FloatArray, settings: Settings
+    arms: list[_Arm],
+    points: CurvePoints,
+    reached: BoolArray,
+    guess: FloatArray,
+    settings: ContinuationSettings,
 ) -> list[_Block]:
     """How many points of every arm's block are what was predicted."""
     shape = (len(arms), settings.block)
@@ -327,7 +335,7 @@ def _looked_at(
     return blocks
 
 
-def _grown(arm: _Arm, points: Points, block: _Block, settings: Settings) -> None:
+def _grown(arm: _Arm, points: CurvePoints, block: _Block, settings: ContinuationSettings) -> None:
     """Keep the points of a block that are what was predicted, and choose the next step."""
     kept = block.kept if block.home is None else block.home
     arm.end = "bounds" if block.out else "closed" if block.home is not None else ""
@@ -365,18 +373,20 @@ def _homes(arms: list[_Arm], chain: FloatArray, tangent: FloatArray) -> IntArray
 def _curve(forth: _Arm, back: _Arm) -> Curve:
     """Both arms as one curve, in the direction of the first."""
     closed = forth.end == "closed" and back.end == "closed" and forth.total > 1
-    ahead = joined(forth.parts)
+    ahead = concatenate_points(forth.parts)
     if closed:
-        whole = ahead if forth.total >= back.total else joined(back.parts)
+        whole = ahead if forth.total >= back.total else concatenate_points(back.parts)
         return Curve(whole.taken(np.append(np.arange(len(whole)), 0)), True, ("closed", "closed"))
-    behind = joined(back.parts).taken(slice(None, 0, -1))
-    flipped = Points(behind.unknown, -behind.tangent, behind.residual, behind.error, behind.extra)
-    return Curve(joined([flipped, ahead]), False, (back.end, forth.end))
+    behind = concatenate_points(back.parts).taken(slice(None, 0, -1))
+    flipped = CurvePoints(
+        behind.unknown, -behind.tangent, behind.residual, behind.error, behind.extra
+    )
+    return Curve(concatenate_points([flipped, ahead]), False, (back.end, forth.end))
 
 
-def joined(parts: list[Points]) -> Points:
+def concatenate_points(parts: list[CurvePoints]) -> CurvePoints:
     """Some stretches of points as one."""
-    return Points(
+    return CurvePoints(
         np.concatenate([part.unknown for part in parts]),
         np.concatenate([part.tangent for part in parts]),
         np.concatenate([part.residual for part in parts]),

@@ -9,7 +9,7 @@ from remanent._typing import FloatArray
 
 
 @dataclass(frozen=True)
-class Mapped:
+class MapImage:
     """Images of some points under an iterate of a map.
 
     Attributes
@@ -36,7 +36,7 @@ class Map(Protocol):
     def dimension(self) -> int:
         """Number of state variables."""
 
-    def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> Mapped:
+    def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> MapImage:
         """Apply the map `iterate` times to each of many points.
 
         Parameters

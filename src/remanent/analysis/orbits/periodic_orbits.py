@@ -8,7 +8,7 @@ from enum import IntEnum
 import numpy as np
 
 from remanent._typing import BoolArray, ComplexArray, FloatArray, IntArray
-from remanent.analysis.orbits.maps import Map, Mapped
+from remanent.analysis.orbits.maps import Map, MapImage
 
 #: Newton steps at most, and the longest one, of a component of the state.
 _STEPS, _LONGEST = 25, 0.25
@@ -53,7 +53,7 @@ class Orbits:
     error: FloatArray
 
 
-def newton(
+def newton_fixed_points(
     map_: Map,
     guesses: FloatArray,
     parameters: FloatArray,
@@ -135,7 +135,7 @@ def newton_step(
     return np.asarray(move), np.where(np.isfinite(residual), residual, np.inf)
 
 
-def _orbits(x: FloatArray, image: Mapped, residual: FloatArray, which: BoolArray) -> Orbits:
+def _orbits(x: FloatArray, image: MapImage, residual: FloatArray, which: BoolArray) -> Orbits:
     return Orbits(x[which], image.jacobian[which], residual[which], image.error[which])
 
 
@@ -147,14 +147,14 @@ def _joined(some: list[Orbits], dimension: int) -> Orbits:
     return Orbits(*(np.concatenate([getattr(one, name) for one in some]) for name in names))
 
 
-def taken(orbits: Orbits, which: IntArray | BoolArray) -> Orbits:
+def orbit_subset(orbits: Orbits, which: IntArray | BoolArray) -> Orbits:
     """Some of the orbits."""
     return Orbits(
         orbits.state[which], orbits.jacobian[which], orbits.residual[which], orbits.error[which]
     )
 
 
-def distinct(map_: Map, orbits: Orbits, parameter: FloatArray, *, iterate: int) -> Orbits:
+def distinct_orbits(map_: Map, orbits: Orbits, parameter: FloatArray, *, iterate: int) -> Orbits:
     """Each orbit once, those only whose least period is `iterate`.
 
     Parameters
@@ -165,7 +165,7 @@ def distinct(map_: Map, orbits: Orbits, parameter: FloatArray, *, iterate: int) 
     if not orbits.residual.size:
         return orbits
     order = np.lexsort(np.round(orbits.state, 6).T[::-1])
-    orbits = taken(orbits, order)
+    orbits = orbit_subset(orbits, order)
     points = [orbits.state]
     for _ in range(iterate - 1):
         points.append(map_(points[-1], np.tile(parameter, (len(order), 1)), 1).state)
@@ -182,7 +182,7 @@ def distinct(map_: Map, orbits: Orbits, parameter: FloatArray, *, iterate: int) 
             for j in range(iterate)
         ):
             kept.append(k)
-    return taken(orbits, np.array(kept, dtype=np.int64))
+    return orbit_subset(orbits, np.array(kept, dtype=np.int64))
 
 
 def _sensitivity(orbits: Orbits) -> FloatArray:
@@ -197,7 +197,7 @@ def _near(a: FloatArray, b: FloatArray, slack: float) -> bool:
     return bool(np.abs(a - b).max() <= slack)
 
 
-def multipliers(jacobian: FloatArray, error: FloatArray) -> tuple[ComplexArray, FloatArray]:
+def floquet_multipliers(jacobian: FloatArray, error: FloatArray) -> tuple[ComplexArray, FloatArray]:
     """Floquet multipliers, largest first, and an estimate of their error.
 
     Parameters
@@ -229,7 +229,7 @@ def multipliers(jacobian: FloatArray, error: FloatArray) -> tuple[ComplexArray, 
     return np.take_along_axis(values, order, 1), np.take_along_axis(errors, order, 1)
 
 
-def stability(values: ComplexArray, errors: FloatArray, *, conservative: bool) -> IntArray:
+def orbit_stability(values: ComplexArray, errors: FloatArray, *, conservative: bool) -> IntArray:
     """What multipliers, with their errors, say of each orbit.
 
     Parameters

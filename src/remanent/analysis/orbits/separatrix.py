@@ -21,7 +21,7 @@ _CERTAIN = 10.0
 
 
 @dataclass(frozen=True)
-class Passage:
+class SaddlePassage:
     """How motions pass a saddle for the first time.
 
     Attributes
@@ -41,7 +41,7 @@ class Passage:
     nearest: FloatArray
 
 
-def unstable(jacobian: FloatArray) -> tuple[FloatArray, FloatArray, BoolArray]:
+def unstable_direction(jacobian: FloatArray) -> tuple[FloatArray, FloatArray, BoolArray]:
     """The unstable direction of saddles, and the linear form that measures along it.
 
     Parameters
@@ -64,9 +64,9 @@ def unstable(jacobian: FloatArray) -> tuple[FloatArray, FloatArray, BoolArray]:
     return right[row, :, k].real, left[row, k].real, np.asarray(saddle)
 
 
-def passages(
+def saddle_passages(
     visited: FloatArray, saddle: FloatArray, jacobian: FloatArray, error: FloatArray
-) -> Passage:
+) -> SaddlePassage:
     """See on which side motions pass.
 
     Parameters
@@ -79,7 +79,7 @@ def passages(
     error : array (trajectory,)
         Of the states visited and of the saddle.
     """
-    direction, form, _ = unstable(jacobian)
+    direction, form, _ = unstable_direction(jacobian)
     away = visited - saddle[:, None]
     along = np.einsum("ij,itj->it", form, away)
     rest = np.linalg.norm(away - along[..., None] * direction[:, None], axis=2)
@@ -91,7 +91,7 @@ def passages(
     row = np.arange(len(visited))
     sure = left[row, first] & (np.abs(along[row, first]) > _CERTAIN * error)
     side = np.where(sure, np.sign(along[row, first]), 0.0).astype(np.int64)
-    return Passage(side, first, np.fmin.accumulate(distance, axis=1)[row, first])
+    return SaddlePassage(side, first, np.fmin.accumulate(distance, axis=1)[row, first])
 
 
 def _approached(distance: FloatArray) -> BoolArray:

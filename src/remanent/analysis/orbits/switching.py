@@ -14,7 +14,7 @@ from __future__ import annotations
 import numpy as np
 
 from remanent._typing import FloatArray
-from remanent.analysis.orbits.continuation import Equations, Points, corrected
+from remanent.analysis.orbits.continuation import CurveEquations, CurvePoints, correct_points
 
 #: Lengths tried along the second null vector, in scaled unknowns.
 _LENGTHS = (0.01, 0.003, 0.03, 0.001)
@@ -22,9 +22,9 @@ _LENGTHS = (0.01, 0.003, 0.03, 0.001)
 _OLD = 0.3
 
 
-def other_branch(
-    equations: Equations, crossing: FloatArray, *, scale: FloatArray, tolerance: float
-) -> Points | None:
+def crossing_branch_point(
+    equations: CurveEquations, crossing: FloatArray, *, scale: FloatArray, tolerance: float
+) -> CurvePoints | None:
     """A point of the branch that crosses another one; None where none is reached.
 
     Parameters
@@ -51,7 +51,7 @@ def other_branch(
     across /= np.linalg.norm(across)
     for length in _LENGTHS:
         guess = crossing + length * across * scale
-        points, reached = corrected(
+        points, reached = correct_points(
             equations, guess[None], across[None], scale=scale, tolerance=tolerance
         )
         away = (points.unknown[0] - crossing) / scale

@@ -9,7 +9,7 @@ import numpy as np
 from remanent._typing import FloatArray, IntArray
 from remanent.analysis.regimes.birkhoff import weighted_average
 from remanent.analysis.regimes.decision import Regime
-from remanent.analysis.regimes.returns import Iterate, limit
+from remanent.analysis.regimes.returns import IterateMap, find_limit_orbit
 
 #: Points of periodic orbits nearer than this, relative to the extent of all motion, are one.
 _SAME = 1e-4
@@ -20,7 +20,7 @@ _SAME_AVERAGE = 0.25
 
 
 @dataclass(frozen=True)
-class Attractors:
+class AttractorAssignment:
     """Attractors and who ends there.
 
     Attributes
@@ -35,7 +35,7 @@ class Attractors:
     first: IntArray
 
 
-def attractors(tails: FloatArray, regime: IntArray, period: IntArray) -> Attractors:
+def assign_attractors(tails: FloatArray, regime: IntArray, period: IntArray) -> AttractorAssignment:
     """Sort orbits by the attractor they end on.
 
     Periodic orbits are the same if they have the same period and one comes through a point
@@ -76,10 +76,12 @@ def attractors(tails: FloatArray, regime: IntArray, period: IntArray) -> Attract
     order = np.argsort([-(which == n).sum() for n in range(len(first))], kind="stable")
     place = np.empty(len(first) + 1, dtype=np.int64)
     place[order], place[-1] = np.arange(len(first)), -1
-    return Attractors(place[which], np.array(first, dtype=np.int64)[order])
+    return AttractorAssignment(place[which], np.array(first, dtype=np.int64)[order])
 
 
-def settled(iterate: Iterate, tails: FloatArray, regime: IntArray, period: IntArray) -> FloatArray:
+def extrapolate_tails(
+    iterate: IterateMap, tails: FloatArray, regime: IntArray, period: IntArray
+) -> FloatArray:
     """The ends of orbits with the periodic orbits that they approach as their last points.
 
     Where damping is slight motion is still far from its attractor when it is known to be
@@ -91,13 +93,13 @@ def settled(iterate: Iterate, tails: FloatArray, regime: IntArray, period: IntAr
     iterate
         Image and Jacobian of some orbits' maps.
     tails, regime, period
-        As for :func:`attractors`.
+        As for :func:`assign_attractors`.
     """
     ends = tails.copy()
     periodic = regime == Regime.PERIODIC
     for q in np.unique(period[periodic]).tolist():
         which = np.flatnonzero(periodic & (period == q))
-        ahead = limit(iterate, which, tails[which, -1], q)
+        ahead = find_limit_orbit(iterate, which, tails[which, -1], q)
         there = (ahead.residual <= _RESIDUAL) & (ahead.multiplier < 1.0)
         some, point = which[there], ahead.state[there]
         for k in range(q):

@@ -74,7 +74,7 @@ def _digits(first: FloatArray, second: FloatArray, values: FloatArray) -> FloatA
 
 
 @dataclass(frozen=True)
-class Rotation:
+class RotationNumbers:
     """How fast orbits turn about a centre.
 
     Attributes
@@ -94,7 +94,7 @@ class Rotation:
 _WIDEST_GAP = 0.5
 
 
-def rotation(points: FloatArray, centre: FloatArray | None = None) -> Rotation:
+def rotation_numbers(points: FloatArray, centre: FloatArray | None = None) -> RotationNumbers:
     """Rotation numbers by weighted averages of the angle from each iterate to the next.
 
     The angle from a point to its image is known up to whole turns.  On a curve about the
@@ -131,7 +131,7 @@ def rotation(points: FloatArray, centre: FloatArray | None = None) -> Rotation:
         digits = np.minimum(-np.log10(np.abs(first - second)), 16.0)
     known = (_widest_gap(turn % 1.0)[1] <= _WIDEST_GAP) & np.isfinite(first + second)
     number = weighted_average(step) % 1.0
-    return Rotation(np.where(known, number, np.nan), np.where(known, digits, 0.0))
+    return RotationNumbers(np.where(known, number, np.nan), np.where(known, digits, 0.0))
 
 
 def _widest_gap(turns: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -15,11 +15,16 @@ from typing import Protocol
 import numpy as np
 
 from remanent._typing import BoolArray, FloatArray, IntArray
-from remanent.analysis.regimes.birkhoff import overlapping_digits, rotation
-from remanent.analysis.regimes.following import Path
-from remanent.analysis.regimes.indicators import alignment, zero_one
-from remanent.analysis.regimes.lyapunov import exponents
-from remanent.analysis.regimes.returns import Iterate, approaches, limit, returns
+from remanent.analysis.regimes.birkhoff import overlapping_digits, rotation_numbers
+from remanent.analysis.regimes.following import LongRun
+from remanent.analysis.regimes.indicators import smaller_alignment_index, zero_one_test
+from remanent.analysis.regimes.lyapunov import lyapunov_exponents
+from remanent.analysis.regimes.returns import (
+    IterateMap,
+    approaches_limit,
+    find_best_returns,
+    find_limit_orbit,
+)
 
 #: Return defect of a closed orbit, relative to its extent.
 CLOSED = 1e-6
@@ -40,7 +45,7 @@ class Regime(IntEnum):
 
 
 @dataclass(frozen=True)
-class Rules:
+class Thresholds:
     """Where the lines are drawn.
 
     Attributes
@@ -89,7 +94,7 @@ class Rules:
 
 
 @dataclass(frozen=True)
-class Evidence:
+class EvidenceTable:
     """Numbers about many orbits at one tolerance, arrays (orbit,).
 
     Attributes
@@ -138,9 +143,9 @@ class Evidence:
     late: FloatArray
     spread: FloatArray
 
-    def taken(self, which: IntArray | BoolArray) -> Evidence:
+    def taken(self, which: IntArray | BoolArray) -> EvidenceTable:
         """That of some orbits."""
-        return Evidence(*(getattr(self, f.name)[which] for f in fields(self)))
+        return EvidenceTable(*(getattr(self, f.name)[which] for f in fields(self)))
 
 
 #: Share of a damped motion that is left out.
@@ -149,18 +154,18 @@ _TRANSIENT = 0.4
 _SLICE = 128
 
 
-def plain(states: FloatArray) -> FloatArray:
+def state_observables(states: FloatArray) -> FloatArray:
     """The states themselves as observables."""
     return states
 
 
-def gather(
-    path: Path,
+def collect_evidence(
+    path: LongRun,
     *,
     damped: BoolArray,
     seed: int = 0,
-    observables: Callable[[FloatArray], FloatArray] = plain,
-) -> Evidence:
+    observables: Callable[[FloatArray], FloatArray] = state_observables,
+) -> EvidenceTable:
     """Collect the evidence of one run.
 
     Parameters
@@ -181,32 +186,32 @@ def gather(
         for some in np.array_split(which, -(-which.size // _SLICE) or 1)
     ]
     order = np.argsort(np.concatenate([some for some, _ in parts]), kind="stable")
-    names = [f.name for f in fields(Evidence)]
-    return Evidence(
+    names = [f.name for f in fields(EvidenceTable)]
+    return EvidenceTable(
         *(np.concatenate([getattr(part, name) for _, part in parts])[order] for name in names)
     )
 
 
 def _gather(
-    path: Path,
+    path: LongRun,
     which: IntArray,
     transient: float,
     seed: int,
     observables: Callable[[FloatArray], FloatArray],
-) -> Evidence:
+) -> EvidenceTable:
     assert path.visited is not None
     states = path.visited[which]
     first = int(transient * path.periods)
     points = observables(states[:, first:])
     growth, lengths = path.growth[which], path.lengths
-    statistics = exponents(growth[:, :, :1], lengths, transient=max(transient, 0.1))
+    statistics = lyapunov_exponents(growth[:, :, :1], lengths, transient=max(transient, 0.1))
     logs = np.cumsum(growth[:, int(transient * lengths.size) :, 0], axis=1)
     quarter = max(logs.shape[1] // 4, 1)
     middle = logs[:, logs.shape[1] // 2]
-    back = returns(points, closed=CLOSED)
-    turning = rotation(points[:, :, :2]) if points.shape[2] > 1 else None
+    back = find_best_returns(points, closed=CLOSED)
+    turning = rotation_numbers(points[:, :, :2]) if points.shape[2] > 1 else None
     none = np.full(which.size, np.nan)
-    return Evidence(
+    return EvidenceTable(
         exponent=statistics.mean[:, 0],
         exponent_error=statistics.error[:, 0],
         growth=logs[:, -1],
@@ -215,8 +220,8 @@ def _gather(
         digits=overlapping_digits(np.moveaxis(points, 1, 2)).min(axis=1),
         banded_digits=_banded(points),
         pieces=_pieces(points),
-        zero_one=zero_one(points[:, :, 0], rng=np.random.default_rng(seed)),
-        sali=alignment(path.factors[which])[:, -1] if growth.shape[2] > 1 else none,
+        zero_one=zero_one_test(points[:, :, 0], rng=np.random.default_rng(seed)),
+        sali=smaller_alignment_index(path.factors[which])[:, -1] if growth.shape[2] > 1 else none,
         rotation_number=none if turning is None else turning.number,
         rotation_digits=np.zeros(which.size) if turning is None else turning.digits,
         period=back.period,
@@ -262,7 +267,7 @@ def _pieces(points: FloatArray) -> FloatArray:
 
 
 @dataclass(frozen=True)
-class Verdict:
+class RegimeLabels:
     """Labels of many orbits with what decided.
 
     Attributes
@@ -283,16 +288,16 @@ class Verdict:
     regime: IntArray
     period: IntArray
     margin: FloatArray
-    evidence: Evidence
+    evidence: EvidenceTable
     exponent_error: FloatArray
 
 
-def judge(
-    runs: Sequence[Evidence],
+def agreed_regime(
+    runs: Sequence[EvidenceTable],
     *,
     damped: BoolArray,
     periods: int,
-    rules: Rules | None = None,
+    rules: Thresholds | None = None,
 ) -> tuple[IntArray, FloatArray]:
     """The regime that all runs agree on, and the margin.
 
@@ -304,8 +309,8 @@ def judge(
     periods
         Length of the runs.
     """
-    rules = rules or Rules()
-    candidates = [_judge(run, damped, periods, rules) for run in runs]
+    rules = rules or Thresholds()
+    candidates = [_regime_of_run(run, damped, periods, rules) for run in runs]
     label = candidates[0][0]
     agreed = np.all([other == label for other, _ in candidates[1:]], axis=0)
     found = np.array([run.exponent for run in runs])
@@ -317,8 +322,8 @@ def judge(
     return label, np.where(label == Regime.UNDECIDED, np.nan, margin)
 
 
-def _judge(
-    e: Evidence, damped: BoolArray, periods: int, rules: Rules
+def _regime_of_run(
+    e: EvidenceTable, damped: BoolArray, periods: int, rules: Thresholds
 ) -> tuple[IntArray, FloatArray]:
     """The regime that one run speaks for, and the margin."""
     with np.errstate(all="ignore"):
@@ -355,26 +360,26 @@ def _judge(
     return label, margin
 
 
-class Follow(Protocol):
+class RunAtTolerance(Protocol):
     """Follows some orbits."""
 
-    def __call__(self, which: IntArray, n: int, states: FloatArray | None = None, /) -> Path:
+    def __call__(self, which: IntArray, n: int, states: FloatArray | None = None, /) -> LongRun:
         """Follow orbits, by number, at the n-th tolerance, of which 0 is the finest.
 
         They start from `states` (orbit, state), or where they belong.
         """
 
 
-def classify(
-    follow: Follow,
+def decide_regimes(
+    follow: RunAtTolerance,
     count: int,
     *,
     damped: BoolArray,
-    iterate: Iterate | None = None,
+    iterate: IterateMap | None = None,
     seed: int = 0,
-    observables: Callable[[FloatArray], FloatArray] = plain,
-    rules: Rules | None = None,
-) -> tuple[Verdict, Path]:
+    observables: Callable[[FloatArray], FloatArray] = state_observables,
+    rules: Thresholds | None = None,
+) -> tuple[RegimeLabels, LongRun]:
     """Label many orbits.
 
     Every orbit is followed at the two loosest tolerances.  If they agree that it is
@@ -395,7 +400,7 @@ def classify(
     iterate
         Image and Jacobian of some orbits' maps at the finest tolerance.
     seed, observables, rules
-        As for :func:`gather` and :func:`judge`.
+        As for :func:`collect_evidence` and :func:`agreed_regime`.
 
     Returns
     -------
@@ -405,15 +410,15 @@ def classify(
     """
     everyone = np.arange(count)
 
-    def evidence(path: Path, which: IntArray) -> Evidence:
-        return gather(path, damped=damped[which], seed=seed, observables=observables)
+    def evidence(path: LongRun, which: IntArray) -> EvidenceTable:
+        return collect_evidence(path, damped=damped[which], seed=seed, observables=observables)
 
     path = follow(everyone, _LOOSEST)
     loose = evidence(path, everyone)
     at = np.flatnonzero(path.trusted)
     again = follow(at, _LOOSEST - 1)
     first = _with(loose, evidence(again, at), at)
-    label, margin = judge([first, loose], damped=damped, periods=path.periods, rules=rules)
+    label, margin = agreed_regime([first, loose], damped=damped, periods=path.periods, rules=rules)
     spread = np.abs(first.exponent - loose.exponent)
     disputed = path.escaped[at] != again.escaped
     path = path.updated(again, at)
@@ -423,15 +428,15 @@ def classify(
         finest = follow(at, 0)
         three = [evidence(finest, at), first.taken(at), loose.taken(at)]
         own = {"damped": damped[at], "periods": path.periods, "rules": rules}
-        label[at], margin[at] = judge(three[:2], **own)
-        all_agree, least = judge(three, **own)
+        label[at], margin[at] = agreed_regime(three[:2], **own)
+        all_agree, least = agreed_regime(three, **own)
         chaotic = label[at] == Regime.CHAOTIC
         label[at[chaotic]], margin[at[chaotic]] = all_agree[chaotic], least[chaotic]
         found = np.array([run.exponent for run in three])
         spread[at] = np.ptp(found, axis=0)
         first, path = _with(first, three[0], at), path.updated(finest, at)
     at = np.flatnonzero(damped & (label == Regime.CHAOTIC))
-    passing = at[~_lasting(follow, at, path.last[at], (rules or Rules()).half)]
+    passing = at[~_lasting(follow, at, path.last[at], (rules or Thresholds()).half)]
     label[passing], margin[passing] = Regime.UNDECIDED, np.nan
     escaped, untrusted = path.escaped, ~path.trusted
     label[untrusted] = Regime.UNDECIDED
@@ -449,7 +454,7 @@ def classify(
         period[which] = np.where(found > 0, found, period[which])
     label = np.where(escaped, int(Regime.ESCAPED), label)
     error = np.hypot(first.exponent_error, spread)
-    return Verdict(label, period, margin, first, error), path
+    return RegimeLabels(label, period, margin, first, error), path
 
 
 #: So many runs more damped motion has to stay chaotic, and so many others that start beside
@@ -465,7 +470,7 @@ _SETTLED = 1e-10
 _RESIDUAL = 1e-8
 
 
-def _lasting(follow: Follow, which: IntArray, states: FloatArray, half: float) -> BoolArray:
+def _lasting(follow: RunAtTolerance, which: IntArray, states: FloatArray, half: float) -> BoolArray:
     """Where chaos goes on: in no motion that starts beside the orbit do tangents stop growing.
 
     A transient ends at random, after any time: many short trials see more of that than one
@@ -487,7 +492,7 @@ def _lasting(follow: Follow, which: IntArray, states: FloatArray, half: float) -
     return lasting
 
 
-def _settling(path: Path, which: IntArray, guess: IntArray, iterate: Iterate) -> IntArray:
+def _settling(path: LongRun, which: IntArray, guess: IntArray, iterate: IterateMap) -> IntArray:
     """Periods of the stable orbits that motions are seen to approach, or 0."""
     assert path.visited is not None
     period = np.zeros(which.size, dtype=np.int64)
@@ -496,18 +501,18 @@ def _settling(path: Path, which: IntArray, guess: IntArray, iterate: Iterate) ->
         if not some.size:
             continue
         states = path.visited[which[some]]
-        ahead = limit(iterate, which[some], states[:, -1], q)
+        ahead = find_limit_orbit(iterate, which[some], states[:, -1], q)
         with np.errstate(invalid="ignore"):
             rate = np.log(np.maximum(ahead.multiplier, 1e-300)) / q
             known = (ahead.residual <= _RESIDUAL) & (rate < 0.0)
         late = states[:, path.periods // 2 :]
-        period[some[known & approaches(late, ahead.state, q, rate)]] = q
+        period[some[known & approaches_limit(late, ahead.state, q, rate)]] = q
     return period
 
 
-def _with(whole: Evidence, part: Evidence, which: IntArray) -> Evidence:
+def _with(whole: EvidenceTable, part: EvidenceTable, which: IntArray) -> EvidenceTable:
     """The evidence with that of some orbits put in."""
     values = {f.name: getattr(whole, f.name).copy() for f in fields(whole)}
     for name, value in values.items():
         value[which] = getattr(part, name)
-    return Evidence(**values)
+    return EvidenceTable(**values)

@@ -16,49 +16,34 @@ import numpy as np
 from remanent._typing import BoolArray, FloatArray, IntArray
 
 #: A state beyond this has escaped.
-FARTHEST = 1e6
+ESCAPE_BOUND = 1e6
 #: Most periods between renormalisations of one tangent, and of several, which must not line up.
 _ALONE, _TOGETHER = 16, 4
 #: Blocks that even a short run has: statistics are made of them.
 _BLOCKS = 32
 
 
-@dataclass(frozen=True)
-class Advanced:
-    """Where some points went.
-
-    Attributes
-    ----------
-    visited : array (point, period, state)
-        After each of the periods; with the last one alone where no more was asked.
-    tangents : array (point, direction, state)
-        After the last.
-    error : array (point,)
-        Largest error of one period, of the state.
-    trusted : array (point,) of bool
-        Whether the error that was asked for was met.
-    """
-
-    visited: FloatArray
-    tangents: FloatArray
-    error: FloatArray
-    trusted: BoolArray
-
-
-class Moved(Protocol):
-    """What :class:`Advanced` holds, whoever made it."""
+class TangentImage(Protocol):
+    """Where some points and their tangents went."""
 
     @property
-    def visited(self) -> FloatArray: ...
+    def visited(self) -> FloatArray:
+        """States after each period, or after the last alone: (point, period, state)."""
+
     @property
-    def tangents(self) -> FloatArray: ...
+    def tangents(self) -> FloatArray:
+        """Tangents after the last period, array (point, direction, state)."""
+
     @property
-    def error(self) -> FloatArray: ...
+    def error(self) -> FloatArray:
+        """Largest error of the state that one period added, array (point,)."""
+
     @property
-    def trusted(self) -> BoolArray: ...
+    def trusted(self) -> BoolArray:
+        """Whether the error that was asked for was met, array (point,)."""
 
 
-class Advance(Protocol):
+class TangentMap(Protocol):
     """A map with tangents, of points that it knows by their numbers."""
 
     def __call__(
@@ -69,7 +54,7 @@ class Advance(Protocol):
         periods: int,
         *,
         every: bool,
-    ) -> Moved:
+    ) -> TangentImage:
         """Advance points by so many periods.
 
         Parameters
@@ -86,7 +71,7 @@ class Advance(Protocol):
 
 
 @dataclass(frozen=True)
-class Path:
+class LongRun:
     """Many points followed over the same number of periods.
 
     Attributes
@@ -131,7 +116,7 @@ class Path:
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.log(np.diagonal(self.factors, axis1=2, axis2=3))
 
-    def updated(self, other: Path, which: IntArray) -> Path:
+    def updated(self, other: LongRun, which: IntArray) -> LongRun:
         """With what became of some points in another run, but for their tangents."""
         names = ("last", "visited", "escaped", "trusted", "length", "error", "horizon")
         values = {name: getattr(self, name).copy() for name in names}
@@ -158,8 +143,8 @@ def _block(periods: int, directions: int) -> int:
     return min(max(periods // _BLOCKS, 1), _ALONE if directions <= 1 else _TOGETHER)
 
 
-def follow(
-    advance: Advance,
+def propagate_tangents(
+    advance: TangentMap,
     states: FloatArray,
     periods: int,
     *,
@@ -169,7 +154,7 @@ def follow(
     lost: float = 1e-2,
     block: int | None = None,
     cancelled: Callable[[], bool] = lambda: False,
-) -> Path:
+) -> LongRun:
     """Follow points over many periods.
 
     Parameters
@@ -208,7 +193,7 @@ def follow(
         if not active.size or cancelled():
             break
         image = advance(active, now[active], frame[active], end - done, every=every)
-        out = ~(np.abs(image.visited) < FARTHEST).all(axis=(1, 2))
+        out = ~(np.abs(image.visited) < ESCAPE_BOUND).all(axis=(1, 2))
         good = ~out & image.trusted
         escaped[active], trusted[active] = out, image.trusted | out
         into, some = active[good], np.flatnonzero(good)
@@ -216,7 +201,7 @@ def follow(
             visited[into, done + 1 : end + 1] = image.visited[some]
         now[into], length[into] = image.visited[some, -1], end
         error[into] = np.maximum(error[into], image.error[some])
-        frame[into], factors[into, k] = orthonormal(image.tangents[some])
+        frame[into], factors[into, k] = orthonormalise(image.tangents[some])
         if directions:
             grown = np.maximum(factors[into, k, 0, 0], 1.0)
             with np.errstate(over="ignore"):
@@ -224,16 +209,16 @@ def follow(
             horizon[into] = np.where(carried[into] <= lost, np.inf, np.minimum(horizon[into], done))
         active, done = into, end
     horizon = np.minimum(horizon, length)
-    return Path(periods, block, factors, now, visited, escaped, trusted, length, error, horizon)
+    return LongRun(periods, block, factors, now, visited, escaped, trusted, length, error, horizon)
 
 
 def _frame(dimension: int) -> FloatArray:
     """Orthonormal directions with no preference for any coordinate, the same every time."""
     random = np.random.default_rng(7).normal(size=(1, dimension, dimension))
-    return np.asarray(orthonormal(random)[0][0])
+    return np.asarray(orthonormalise(random)[0][0])
 
 
-def orthonormal(vectors: FloatArray) -> tuple[FloatArray, FloatArray]:
+def orthonormalise(vectors: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Gram-Schmidt, twice where it has to be: vectors = R^T Q by rows.
 
     Parameters

@@ -20,7 +20,7 @@ _LAGS = 0.1
 _TOGETHER = 2**17
 
 
-def alignment(factors: FloatArray) -> FloatArray:
+def smaller_alignment_index(factors: FloatArray) -> FloatArray:
     """Smaller alignment index of two tangents after each block.
 
     min(|u - w|, |u + w|) of the unit tangents u, w, which were never made orthogonal: the
@@ -52,7 +52,9 @@ def alignment(factors: FloatArray) -> FloatArray:
     return index
 
 
-def zero_one(values: FloatArray, *, rng: np.random.Generator, frequencies: int = 50) -> FloatArray:
+def zero_one_test(
+    values: FloatArray, *, rng: np.random.Generator, frequencies: int = 50
+) -> FloatArray:
     """The 0-1 test for chaos: about 0 for regular motion, about 1 for chaotic motion.
 
     With phi the values and c a random frequency, the path p(n) = sum phi(j) e^{icj},

@@ -17,11 +17,11 @@ from remanent._typing import FloatArray, IntArray
 #: Numbers of batches whose scatter is looked at.
 _BATCHES = (10, 20)
 #: Share of a run that is left out: tangents are still turning to the direction that grows.
-TRANSIENT = 0.1
+TRANSIENT_SHARE = 0.1
 
 
 @dataclass(frozen=True)
-class Exponents:
+class LyapunovExponents:
     """Exponents of many orbits, per period.
 
     Attributes
@@ -39,7 +39,9 @@ class Exponents:
     history: FloatArray
 
 
-def exponents(growth: FloatArray, lengths: IntArray, *, transient: float = TRANSIENT) -> Exponents:
+def lyapunov_exponents(
+    growth: FloatArray, lengths: IntArray, *, transient: float = TRANSIENT_SHARE
+) -> LyapunovExponents:
     """Average the growth of tangents.
 
     Equation: the exponent of direction j is the mean over blocks of ln R[j, j], divided by
@@ -60,12 +62,12 @@ def exponents(growth: FloatArray, lengths: IntArray, *, transient: float = TRANS
     series = np.ascontiguousarray(np.moveaxis(kept, 1, -1))
     mean = series.sum(axis=-1) / periods.sum()
     whole = periods == periods[0]  # the last block may be shorter
-    error = batch_error(np.ascontiguousarray(series[..., whole])) / periods[0]
+    error = batch_means_error(np.ascontiguousarray(series[..., whole])) / periods[0]
     history = np.cumsum(growth, axis=1) / np.cumsum(lengths)[:, None]
-    return Exponents(mean, error, history)
+    return LyapunovExponents(mean, error, history)
 
 
-def batch_error(values: FloatArray) -> FloatArray:
+def batch_means_error(values: FloatArray) -> FloatArray:
     """Standard error of the mean along the last axis, by means of batches.
 
     Neighbouring values are correlated, and so are those of a torus, whose growth swings to

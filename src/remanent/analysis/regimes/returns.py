@@ -11,7 +11,7 @@ from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.analysis.orbits.periodic_orbits import newton_step
 
 #: Longest period that is looked for.
-LONGEST = 128
+LONGEST_PERIOD = 128
 #: Orbits smaller than this count as this large.
 _SMALLEST = 1e-3
 #: Among distances this near to the least, the shortest period is the period.
@@ -23,7 +23,7 @@ _STEPS = 6
 
 
 @dataclass(frozen=True)
-class Returns:
+class BestReturns:
     """The period after which orbits come back best.
 
     Attributes
@@ -43,7 +43,7 @@ class Returns:
     spread: FloatArray
 
 
-def returns(points: FloatArray, *, closed: float = 0.0) -> Returns:
+def find_best_returns(points: FloatArray, *, closed: float = 0.0) -> BestReturns:
     """Look for the period after which orbits come back best.
 
     Parameters
@@ -56,7 +56,7 @@ def returns(points: FloatArray, *, closed: float = 0.0) -> Returns:
     """
     length = points.shape[1]
     spread = np.maximum(np.ptp(points, axis=1).max(axis=1), _SMALLEST)
-    most = max(min(LONGEST, length // 2), 1)
+    most = max(min(LONGEST_PERIOD, length // 2), 1)
     late = np.concatenate(
         [_late(points[i : i + _TOGETHER], most) for i in range(0, max(len(points), 1), _TOGETHER)]
     )
@@ -70,7 +70,7 @@ def returns(points: FloatArray, *, closed: float = 0.0) -> Returns:
         some = best == k
         one = points[some]
         whole[some] = np.abs(one[:, k + 1 :] - one[:, : -k - 1]).max(axis=(1, 2))
-    return Returns(best + 1, whole / spread, late[np.arange(len(points)), best], spread)
+    return BestReturns(best + 1, whole / spread, late[np.arange(len(points)), best], spread)
 
 
 def _late(points: FloatArray, most: int) -> FloatArray:
@@ -86,7 +86,7 @@ def _late(points: FloatArray, most: int) -> FloatArray:
 
 
 @dataclass(frozen=True)
-class Limit:
+class LimitOrbit:
     """The periodic orbit that motions tend to.
 
     Attributes
@@ -105,10 +105,12 @@ class Limit:
 
 
 #: Image and Jacobian (point, state, state) of some points after so many periods.
-Iterate = Callable[[IntArray, FloatArray, int], tuple[FloatArray, FloatArray]]
+IterateMap = Callable[[IntArray, FloatArray, int], tuple[FloatArray, FloatArray]]
 
 
-def limit(iterate: Iterate, which: IntArray, states: FloatArray, period: int) -> Limit:
+def find_limit_orbit(
+    iterate: IterateMap, which: IntArray, states: FloatArray, period: int
+) -> LimitOrbit:
     """Periodic orbits near some states, by a few steps of Newton's method.
 
     Parameters
@@ -129,10 +131,12 @@ def limit(iterate: Iterate, which: IntArray, states: FloatArray, period: int) ->
         safe = np.where(known[:, None, None], jacobian, 0.0)
         largest = np.where(known, np.abs(np.linalg.eigvals(safe)).max(axis=1), np.inf)
         x = x + move
-    return Limit(x, residual, largest)
+    return LimitOrbit(x, residual, largest)
 
 
-def approaches(points: FloatArray, end: FloatArray, period: int, rate: FloatArray) -> BoolArray:
+def approaches_limit(
+    points: FloatArray, end: FloatArray, period: int, rate: FloatArray
+) -> BoolArray:
     """Whether orbits come nearer to a limit as its multiplier says.
 
     Parameters

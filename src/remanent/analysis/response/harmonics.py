@@ -16,7 +16,7 @@ _SHARE = 0.05
 
 
 @dataclass(frozen=True)
-class Resonant:
+class ResonantHarmonic:
     """The harmonic of each orbit that is nearest to the free oscillation.
 
     Attributes
@@ -34,7 +34,7 @@ class Resonant:
     share: FloatArray
 
 
-def harmonics(samples: FloatArray, count: int) -> ComplexArray:
+def fourier_amplitudes(samples: FloatArray, count: int) -> ComplexArray:
     """Complex amplitudes c_k, k = 0 ... count, of periodic samples, array (orbit, harmonic).
 
     The mean is c_0 and the oscillation Re Σ c_k exp(2πi k t), t in orbit periods.
@@ -49,13 +49,15 @@ def harmonics(samples: FloatArray, count: int) -> ComplexArray:
     return np.asarray(spectrum)
 
 
-def resonant(amplitudes: ComplexArray, own: FloatArray, free: FloatArray) -> Resonant:
+def resonant_harmonic(
+    amplitudes: ComplexArray, own: FloatArray, free: FloatArray
+) -> ResonantHarmonic:
     """Find the harmonic whose frequency is nearest to that of the free oscillation.
 
     Parameters
     ----------
     amplitudes : array (orbit, harmonic)
-        From :func:`harmonics`.
+        From :func:`fourier_amplitudes`.
     own, free : array (orbit,)
         Frequency of the orbit, and of the free oscillation that is as large.
     """
@@ -67,10 +69,12 @@ def resonant(amplitudes: ComplexArray, own: FloatArray, free: FloatArray) -> Res
     power[:, 0] = 0.0
     row = np.arange(len(power))
     share = power[row, number] / np.maximum(power.sum(axis=1), np.finfo(float).tiny)
-    return Resonant(number, number * own / free - 1.0, share)
+    return ResonantHarmonic(number, number * own / free - 1.0, share)
 
 
-def kind(found: Resonant, k: int, period: int, *, doubled: bool) -> tuple[str, int, int]:
+def resonance_kind(
+    found: ResonantHarmonic, k: int, period: int, *, doubled: bool
+) -> tuple[str, int, int]:
     """Name a resonance, and give its order p:q in lowest terms.
 
     p oscillations in q drive periods: 1:1 is ``primary``, p:1 ``superharmonic``, 1:q

@@ -10,11 +10,11 @@ import numpy as np
 from remanent._typing import FloatArray, IntArray
 
 #: ``measure(case, x)`` with arrays (point,) gives the values (point,); NaN where unknown.
-Measure = Callable[[IntArray, FloatArray], FloatArray]
+CaseFunction = Callable[[IntArray, FloatArray], FloatArray]
 
 
 @dataclass(frozen=True)
-class Largest:
+class Maximum:
     """The largest value found for each case, and between which points it lies.
 
     Attributes
@@ -30,15 +30,15 @@ class Largest:
     upper: FloatArray
 
 
-def largest(
+def refine_maximum(
     x: FloatArray,
     values: FloatArray,
-    measure: Measure,
+    measure: CaseFunction,
     *,
     width: float,
     candidates: int = 3,
     division: int = 8,
-) -> Largest:
+) -> Maximum:
     """Refine the largest of tabulated values.
 
     The intervals on both sides of the `candidates` largest local maxima are divided,
@@ -71,7 +71,7 @@ def largest(
             for k, (t, p) in enumerate(zip(tables, points, strict=True))
         ]
         candidates = max(1, candidates - 1)
-    return Largest(*(np.array(column) for column in zip(*(t.best() for t in tables), strict=True)))
+    return Maximum(*(np.array(column) for column in zip(*(t.best() for t in tables), strict=True)))
 
 
 @dataclass(frozen=True)

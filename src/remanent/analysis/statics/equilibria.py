@@ -13,10 +13,10 @@ from remanent._typing import FloatArray, IntArray
 #: ``force(case, x)`` with arrays (point,) gives the force (point,).
 Force = Callable[[IntArray, Any], Any]
 #: ``force(case, x, p)``: the same for values (point,) of a parameter.
-ForceAt = Callable[[IntArray, Any, Any], Any]
+LoadedForce = Callable[[IntArray, Any, Any], Any]
 
 
-def zeros(force: Force, cases: int, grid: FloatArray) -> FloatArray:
+def find_zeros(force: Force, cases: int, grid: FloatArray) -> FloatArray:
     """All sign changes of a force that a grid resolves.
 
     Parameters
@@ -51,8 +51,8 @@ def zeros(force: Force, cases: int, grid: FloatArray) -> FloatArray:
     return _rows(np.concatenate([case, exact_case]), np.concatenate([roots, exact]), cases)
 
 
-def balancing(
-    force: ForceAt, bounds: tuple[FloatArray, FloatArray], case: IntArray, x: FloatArray
+def balancing_parameter(
+    force: LoadedForce, bounds: tuple[FloatArray, FloatArray], case: IntArray, x: FloatArray
 ) -> FloatArray:
     """The parameter within bounds at which a force vanishes at `x`; NaN where there is none.
 
@@ -84,7 +84,7 @@ def balancing(
     return found
 
 
-def slope(force: Force, case: IntArray, x: FloatArray) -> FloatArray:
+def force_slope(force: Force, case: IntArray, x: FloatArray) -> FloatArray:
     """Derivative of a force by a complex step: exact to round-off."""
     step = 1e-100
     return np.asarray(np.imag(force(case, x + 1j * step)) / step)

@@ -174,7 +174,12 @@ def _rests(many: Physical) -> list[Body | None]:
 def _half_periods(rests: Sequence[Body | None]) -> FloatArray:
     """Half the longest natural period at every rest."""
     return np.array(
-        [np.nan if b is None else shaping.interval(shaping.poles(*b.linear())) for b in rests]
+        [
+            np.nan
+            if b is None
+            else shaping.impulse_spacing(shaping.controllable_poles(*b.linear()))
+            for b in rests
+        ]
     )
 
 
@@ -213,7 +218,9 @@ def _metrics(
     levels = np.stack(
         [*(np.full(len(share), s) for s in _RISE), 1.0 + np.where(above, band, -band)]
     )
-    found = settling.passages(answer, grid, before, start[:, None] + levels.T * change[:, None])
+    found = settling.level_crossings(
+        answer, grid, before, start[:, None] + levels.T * change[:, None]
+    )
     wrong = answer.outcome.error[:, None] / np.abs(found.rate) / many.time[:, None]
     t = found.time / many.time[:, None]
     rising = change > 0.0

@@ -10,7 +10,7 @@ import xarray as xr
 
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, IntArray
-from remanent.analysis.regimes.attractors import attractors, settled
+from remanent.analysis.regimes.attractors import assign_attractors, extrapolate_tails
 from remanent.analysis.regimes.decision import Regime
 from remanent.integrate.ensemble.ensemble import Progress
 from remanent.models.actuator import Actuator
@@ -97,7 +97,7 @@ def basins(
         assert path.visited is not None
         tail = path.visited[:, -last:].copy()
         if judged.damped[which].all():
-            tail = settled(judged.iterate(which), tail, verdict.regime, verdict.period)
+            tail = extrapolate_tails(judged.iterate(which), tail, verdict.regime, verdict.period)
         return judged.variables(which, verdict, path) | {"tail": tail, "code": verdict.regime}
 
     shape = (0, last, len(ens.field.state))
@@ -109,7 +109,7 @@ def basins(
         variables[name] = (ens.dims, ens.shaped(values))
     coords: dict[str, Labelled] = {}
     if damped(ens).all():
-        found = attractors(tail, code, whole["period"])
+        found = assign_attractors(tail, code, whole["period"])
         variables["basin"] = (ens.dims, ens.shaped(found.which))
         along = ("attractor",)
         names = [Regime(k).meaning for k in code[found.first]]

@@ -11,7 +11,7 @@ import xarray as xr
 from remanent._checks import increases, not_negative, positive, require_increasing, require_real
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, FloatArray, IntArray
-from remanent.analysis.response.subdivision import Largest, largest
+from remanent.analysis.response.subdivision import Maximum, refine_maximum
 from remanent.integrate.ensemble.ensemble import Progress, integrate
 from remanent.integrate.ensemble.problem import Outcome, Request, gathered
 from remanent.models.actuator import Actuator
@@ -176,7 +176,7 @@ def _resonance(
     amplitude: FloatArray,
     respond: Callable[[Ensemble], Outcome],
     width: float,
-) -> Largest:
+) -> Maximum:
     """The largest amplitude for every combination of the other fields."""
     axis = ens.dims.index("omega")
     rows = np.moveaxis(amplitude, axis, -1).reshape(-1, grid.size)
@@ -186,7 +186,7 @@ def _resonance(
     def measure(case: IntArray, omega: FloatArray) -> FloatArray:
         return _amplitude(respond(_at(ens, index[case], omega)))
 
-    return largest(grid, rows, measure, width=width)
+    return refine_maximum(grid, rows, measure, width=width)
 
 
 def _at(ens: Ensemble, which: IntArray, omega: FloatArray) -> Ensemble:
@@ -205,7 +205,7 @@ def _at(ens: Ensemble, which: IntArray, omega: FloatArray) -> Ensemble:
 
 
 def _variables(
-    ens: Ensemble, outcome: Outcome, amplitude: FloatArray, peak: Largest
+    ens: Ensemble, outcome: Outcome, amplitude: FloatArray, peak: Maximum
 ) -> dict[str, Labelled]:
     others = tuple(d for d in ens.dims if d != "omega")
     shape = tuple(ens.sizes[d] for d in others)

@@ -13,10 +13,12 @@ from remanent.analysis.control import settling, shaping
 def test_known_shapers() -> None:
     """An undamped pair: 1/2, 1/2, and 1/4, 1/2, 1/4 for a double root."""
     pair = np.array([2.0j, -2.0j])
-    spacing = shaping.interval(pair)
+    spacing = shaping.impulse_spacing(pair)
     assert spacing == pytest.approx(np.pi / 2.0)
-    np.testing.assert_allclose(shaping.fractions(pair, spacing), [0.5, 0.5], atol=1e-15)
-    np.testing.assert_allclose(shaping.fractions(pair, spacing, 2), [0.25, 0.5, 0.25], atol=1e-15)
+    np.testing.assert_allclose(shaping.impulse_amplitudes(pair, spacing), [0.5, 0.5], atol=1e-15)
+    np.testing.assert_allclose(
+        shaping.impulse_amplitudes(pair, spacing, 2), [0.25, 0.5, 0.25], atol=1e-15
+    )
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -25,9 +27,9 @@ def test_a_linear_system_is_at_rest_after_its_steps(seed: int) -> None:
     rng = np.random.default_rng(seed)
     a = rng.normal(size=(5, 5)) - 3.0 * np.eye(5)
     b = rng.normal(size=5)
-    found = shaping.poles(a, b)
-    spacing = 0.4 * shaping.interval(found)
-    parts = shaping.fractions(found, spacing)
+    found = shaping.controllable_poles(a, b)
+    spacing = 0.4 * shaping.impulse_spacing(found)
+    parts = shaping.impulse_amplitudes(found, spacing)
     rest = -np.linalg.solve(a, b)
     y: FloatArray = np.zeros(5)
     for u in np.cumsum(parts)[:-1]:
@@ -39,7 +41,7 @@ def test_poles_that_the_input_does_not_reach_are_left_out() -> None:
     """Of two equal oscillators the input moves one combination only."""
     one = np.array([[0.0, 1.0], [-9.0, 0.0]])
     both = np.kron(np.eye(2), one)
-    found = shaping.poles(both, np.array([0.0, 1.0, 0.0, 1.0]))
+    found = shaping.controllable_poles(both, np.array([0.0, 1.0, 0.0, 1.0]))
     np.testing.assert_allclose(sorted(found.imag), [-3.0, 3.0])
 
 
@@ -55,8 +57,8 @@ def test_exact_steps_of_a_pendulum() -> None:
             np.array([[u * np.sin(t)], [u * np.cos(t)]]),
         )
 
-    guess = shaping.Design(np.array([0.7]), np.array([2.4]))
-    found = shaping.solve(arrive, guess, scale=1.0, tolerance=1e-9)  # type: ignore[arg-type]
+    guess = shaping.StepSequence(np.array([0.7]), np.array([2.4]))
+    found = shaping.solve_step_sequence(arrive, guess, scale=1.0, tolerance=1e-9)  # type: ignore[arg-type]
     np.testing.assert_allclose([found.loads[0], found.durations[0]], [0.5, np.pi], atol=1e-12)
     assert found.residual < 1e-12
 
@@ -73,7 +75,7 @@ def test_passages_of_a_damped_sine() -> None:
     last = settling.last_outside(share, 0.95, 1.05)
     first = settling.first_above(share, 0.5) - 1
     levels = np.array([[0.5, 1.05 if share[0, last[0]] > 1.0 else 0.95]])
-    found = settling.passages(answer, times, np.stack([first, last], axis=1), levels)
+    found = settling.level_crossings(answer, times, np.stack([first, last], axis=1), levels)
     np.testing.assert_allclose(answer(found.time)[0], levels, atol=1e-13)
     dense = np.linspace(0.0, 30.0, 3_000_001)
     away = np.flatnonzero(np.abs(answer(dense)[0] - 1.0) > 0.05)[-1]

@@ -7,7 +7,7 @@ import pytest
 from scipy.stats import norm, uniform
 
 from remanent._typing import FloatArray
-from remanent.analysis.inference.uncertainty import indices, spread
+from remanent.analysis.inference.uncertainty import estimate_sobol_indices, propagate_distributions
 
 QUANTILES = np.array([0.05, 0.5, 0.95])
 
@@ -21,7 +21,7 @@ def ishigami(x: FloatArray) -> FloatArray:
 def test_indices_of_ishigami_and_of_a_sum() -> None:
     """Closed forms (Ishigami and Homma 1990), within four standard errors."""
     box = [uniform(-np.pi, 2.0 * np.pi)] * 3
-    found = indices(ishigami, box, 4096, np.random.default_rng(1))
+    found = estimate_sobol_indices(ishigami, box, 4096, np.random.default_rng(1))
     v1, v2 = 0.5 * (1.0 + 0.1 * np.pi**4 / 5.0) ** 2, 49.0 / 8.0
     v13 = 0.01 * np.pi**8 * (1.0 / 18.0 - 1.0 / 50.0)
     total = v1 + v2 + v13
@@ -36,7 +36,9 @@ def test_quantiles_of_a_normal_distribution() -> None:
     """2 + 3 z: intervals from the errors cover the quantiles and the mean."""
     far = []
     for seed in range(60):
-        found = spread(lambda x: x, [norm(2.0, 3.0)], QUANTILES, 512, np.random.default_rng(seed))
+        found = propagate_distributions(
+            lambda x: x, [norm(2.0, 3.0)], QUANTILES, 512, np.random.default_rng(seed)
+        )
         exact = norm(2.0, 3.0).ppf(QUANTILES)[:, None]
         far += [*(np.abs(found.quantiles - exact) / found.quantiles_error)]
         far += [np.abs(found.average - 2.0) / found.average_error]
@@ -48,8 +50,9 @@ def test_quantiles_of_a_normal_distribution() -> None:
 def test_scrambled_points_beat_random_ones() -> None:
     """The mean of a smooth function of three arguments, against 512 random points."""
     box = [uniform(0.0, 1.0)] * 3
-    found = spread(lambda x: x.prod(axis=1, keepdims=True), box, QUANTILES, 512,
-                   np.random.default_rng(0))  # fmt: skip
+    found = propagate_distributions(
+        lambda x: x.prod(axis=1, keepdims=True), box, QUANTILES, 512, np.random.default_rng(0)
+    )
     random = np.sqrt(1.0 / 27.0 - 1.0 / 64.0) / np.sqrt(512.0)
     assert abs(found.average[0] - 0.125) < 0.2 * random
 
@@ -62,10 +65,10 @@ def test_what_is_not_known_is_counted_and_left_out() -> None:
         return np.column_stack([half, np.ones(len(x)), np.full(len(x), np.nan), x[:, 0]])
 
     box = [uniform(0.0, 1.0)]
-    found = spread(function, box, QUANTILES, 512, np.random.default_rng(0))
+    found = propagate_distributions(function, box, QUANTILES, 512, np.random.default_rng(0))
     np.testing.assert_allclose(found.known, [0.5, 1.0, 0.0, 1.0], atol=0.01)
     assert found.quantiles[1, 0] == pytest.approx(0.25, abs=0.01)
     assert np.isnan(found.quantiles[:, 2]).all()
-    shares = indices(function, box, 64, np.random.default_rng(0))
+    shares = estimate_sobol_indices(function, box, 64, np.random.default_rng(0))
     np.testing.assert_array_equal(np.isfinite(shares.first[0]), [False, False, False, True])
     assert shares.first[0, 3] == pytest.approx(1.0, abs=0.1)

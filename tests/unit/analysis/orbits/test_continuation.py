@@ -8,50 +8,52 @@ import numpy as np
 import pytest
 
 from remanent._typing import FloatArray
-from remanent.analysis.orbits.bifurcations import Special, orbit_equations, special_points
+from remanent.analysis.orbits.bifurcations import SpecialPoint, find_special_points, orbit_equations
 from remanent.analysis.orbits.continuation import (
+    ContinuationSettings,
     Curve,
-    Equations,
-    Evaluated,
-    Points,
-    Settings,
-    follow,
-    tangents,
+    CurveEquations,
+    CurvePoints,
+    EquationValues,
+    continue_curves,
+    unit_tangents,
 )
-from remanent.analysis.orbits.maps import Map, Mapped
+from remanent.analysis.orbits.maps import Map, MapImage
 from remanent.analysis.orbits.periodic_orbits import (
     Stability,
-    distinct,
-    multipliers,
-    newton,
-    stability,
+    distinct_orbits,
+    floquet_multipliers,
+    newton_fixed_points,
+    orbit_stability,
 )
 
 EPS = np.finfo(float).eps
 
 
-def start(equations: Equations, unknown: FloatArray, scale: FloatArray) -> Points:
+def start(equations: CurveEquations, unknown: FloatArray, scale: FloatArray) -> CurvePoints:
     here = equations(unknown)
     along = np.zeros(unknown.shape)
     along[:, -1] = 1.0
-    return Points(
-        unknown, tangents(here.derivative, along, scale), np.abs(here.value).max(axis=1),
+    return CurvePoints(
+        unknown, unit_tangents(here.derivative, along, scale), np.abs(here.value).max(axis=1),
         here.error, here.extra,
     )  # fmt: skip
 
 
-def traced(equations: Equations, z: list[float], box: list[list[float]], **options: float) -> Curve:
+def traced(
+    equations: CurveEquations, z: list[float], box: list[list[float]], **options: float
+) -> Curve:
     lower, upper = np.array(box).T
     scale = np.ones(len(z))
-    settings = Settings(lower, upper, scale, tolerance=1e-12, **options)  # type: ignore[arg-type]
-    (curve,) = follow(equations, start(equations, np.array([z]), scale), settings)
+    settings = ContinuationSettings(lower, upper, scale, tolerance=1e-12, **options)  # type: ignore[arg-type]
+    (curve,) = continue_curves(equations, start(equations, np.array([z]), scale), settings)
     return curve
 
 
-def plane(f: str) -> Equations:
+def plane(f: str) -> CurveEquations:
     """One equation in two unknowns (x, p)."""
 
-    def equations(z: FloatArray) -> Evaluated:
+    def equations(z: FloatArray) -> EquationValues:
         x, p = z.T
         value, dx, dp = {
             "circle": (x**2 + p**2 - 1.0, 2.0 * x, 2.0 * p),
@@ -60,7 +62,7 @@ def plane(f: str) -> Equations:
             "lemniscate": (x**2 - p**2 * (1.0 - p**2), 2.0 * x, -2.0 * p + 4.0 * p**3),
         }[f]
         derivative = np.stack([dx, dp], axis=1)[:, None, :]
-        return Evaluated(value[:, None], derivative, np.full(len(z), EPS), {"d": derivative})
+        return EquationValues(value[:, None], derivative, np.full(len(z), EPS), {"d": derivative})
 
     return equations
 
@@ -100,15 +102,16 @@ class Logistic:
 
     dimension: int = 1
 
-    def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> Mapped:
+    def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> MapImage:
         x, r = states[:, 0], parameters[:, 0]
         slope, by_r = np.ones_like(x), np.zeros_like(x)
         for _ in range(iterate):
             by_r = x * (1.0 - x) + r * (1.0 - 2.0 * x) * by_r
             slope = r * (1.0 - 2.0 * x) * slope
             x = r * x * (1.0 - x)
-        return Mapped(x[:, None], slope[:, None, None], by_r[:, None, None],
-                      np.full(len(x), iterate * EPS))  # fmt: skip
+        return MapImage(
+            x[:, None], slope[:, None, None], by_r[:, None, None], np.full(len(x), iterate * EPS)
+        )
 
 
 @dataclass(frozen=True)
@@ -117,7 +120,7 @@ class Delayed:
 
     dimension: int = 2
 
-    def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> Mapped:
+    def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> MapImage:
         (x, y), r = states.T, parameters[:, 0]
         jacobian = np.tile(np.eye(2), (len(x), 1, 1))
         by_r = np.zeros((len(x), 2, 1))
@@ -128,14 +131,15 @@ class Delayed:
             own[:, 0, 0] = x * (1.0 - y)
             jacobian, by_r = step @ jacobian, step @ by_r + own
             x, y = r * x * (1.0 - y), x
-        return Mapped(np.stack([x, y], axis=1), jacobian, by_r, np.full(len(x), iterate * EPS))
+        return MapImage(np.stack([x, y], axis=1), jacobian, by_r, np.full(len(x), iterate * EPS))
 
 
-def specials(map_: Map, z: list[float], box: list[list[float]]) -> list[Special]:
+def specials(map_: Map, z: list[float], box: list[list[float]]) -> list[SpecialPoint]:
     equations = orbit_equations(map_, 1)
     curve = traced(equations, z, box)
-    return special_points(equations, curve.points, scale=np.ones(len(z)), tolerance=1e-12,
-                          conservative=False)  # fmt: skip
+    return find_special_points(
+        equations, curve.points, scale=np.ones(len(z)), tolerance=1e-12, conservative=False
+    )
 
 
 def test_the_logistic_map_doubles_its_period_at_3() -> None:
@@ -152,11 +156,15 @@ class Grazing:
     width: float
     dimension: int = 1
 
-    def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> Mapped:
+    def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> MapImage:
         x, p = states[:, 0], parameters[:, 0]
         slope = p**2 - 1.0 - self.width * abs(self.width)
-        return Mapped((slope * x)[:, None], slope[:, None, None], (2.0 * p * x)[:, None, None],
-                      np.full(len(x), EPS))  # fmt: skip
+        return MapImage(
+            (slope * x)[:, None],
+            slope[:, None, None],
+            (2.0 * p * x)[:, None, None],
+            np.full(len(x), EPS),
+        )
 
 
 @pytest.mark.parametrize("width", [1e-2, 1e-4, 1e-6])
@@ -191,9 +199,10 @@ def test_the_delayed_logistic_map_has_a_torus_at_2() -> None:
 def logistic_orbits(r: float, period: int) -> FloatArray:
     guesses = np.linspace(0.01, 0.99, 200)[:, None]
     p = np.full((200, 1), r)
-    found = newton(Logistic(), guesses, p, iterate=period, tolerance=1e-13,
-                   bounds=np.array([[0.0, 1.0]]))  # fmt: skip
-    return distinct(Logistic(), found, np.array([r]), iterate=period).state[:, 0]
+    found = newton_fixed_points(
+        Logistic(), guesses, p, iterate=period, tolerance=1e-13, bounds=np.array([[0.0, 1.0]])
+    )
+    return distinct_orbits(Logistic(), found, np.array([r]), iterate=period).state[:, 0]
 
 
 @pytest.mark.parametrize(("period", "count"), [(1, 2), (2, 1), (3, 2), (4, 3), (5, 6), (6, 9)])
@@ -218,19 +227,20 @@ def test_multipliers_and_their_error() -> None:
         [b @ np.diag(e) @ np.linalg.inv(b) for b, e in zip(base, exact, strict=True)]
     )
     noise = 1e-9
-    values, errors = multipliers(jacobian * (1.0 + noise * rng.uniform(-1, 1, jacobian.shape)),
-                                 np.full(2, noise))  # fmt: skip
+    values, errors = floquet_multipliers(
+        jacobian * (1.0 + noise * rng.uniform(-1, 1, jacobian.shape)), np.full(2, noise)
+    )
     assert (np.abs(values - exact) <= errors).all()
     assert errors.max() < 1e-7
-    _, errors = multipliers(np.array([[[1.0, 1.0], [0.0, 1.0]]]), np.array([1e-10]))
+    _, errors = floquet_multipliers(np.array([[[1.0, 1.0], [0.0, 1.0]]]), np.array([1e-10]))
     assert errors.max() == pytest.approx(1e-5, rel=0.5)
 
 
 def test_stability_is_undecided_within_the_error() -> None:
     values = np.array([[1.2, 0.5], [0.9, 0.5], [1.3, 1.2], [1.0 + 1e-9, 0.5]], dtype=complex)
-    kinds = stability(values, np.full(values.shape, 1e-8), conservative=False)
+    kinds = orbit_stability(values, np.full(values.shape, 1e-8), conservative=False)
     assert [Stability(k).meaning for k in kinds] == ["saddle", "stable", "unstable", "undecided"]
     turning = np.exp(1j * np.array([[0.3, -0.3], [1e-9, -1e-9]]))
     values = np.concatenate([turning, np.array([[2.0, 0.5]], dtype=complex)])
-    kinds = stability(values, np.full(values.shape, 1e-8), conservative=True)
+    kinds = orbit_stability(values, np.full(values.shape, 1e-8), conservative=True)
     assert [Stability(k).meaning for k in kinds] == ["elliptic", "undecided", "saddle"]

@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 from remanent._typing import FloatArray
-from remanent.analysis.orbits.separatrix import passages, unstable
+from remanent.analysis.orbits.separatrix import saddle_passages, unstable_direction
 
 STEP = 0.4
 #: Of the pendulum's map over STEP at its upper equilibrium.
@@ -33,7 +33,7 @@ def swings(speed: FloatArray, iterates: int = 60) -> FloatArray:
 
 def passed(speed: FloatArray, error: float = 1e-9) -> list[int]:
     n = speed.size
-    found = passages(
+    found = saddle_passages(
         swings(speed), np.tile(TOP, (n, 1)), np.tile(JACOBIAN, (n, 1, 1)), np.full(n, error)
     )
     return [int(side) for side in found.side]
@@ -54,9 +54,14 @@ def test_what_does_not_come_near_is_not_decided() -> None:
 
 def test_what_stays_is_not_decided() -> None:
     """Exactly on the manifold the run ends at the top."""
-    at = np.stack([4.0 * np.arctan(np.exp(STEP * np.arange(40))) - np.pi,
-                   2.0 / np.cosh(STEP * np.arange(40))], axis=1)  # fmt: skip
-    found = passages(at[None], TOP[None], JACOBIAN[None], np.array([1e-9]))
+    at = np.stack(
+        [
+            4.0 * np.arctan(np.exp(STEP * np.arange(40))) - np.pi,
+            2.0 / np.cosh(STEP * np.arange(40)),
+        ],
+        axis=1,
+    )
+    found = saddle_passages(at[None], TOP[None], JACOBIAN[None], np.array([1e-9]))
     assert found.side.tolist() == [0]
 
 
@@ -70,7 +75,7 @@ def test_what_stays_is_not_decided() -> None:
     ],
 )
 def test_saddles_have_one_real_multiplier_outside(matrix: FloatArray, expected: bool) -> None:
-    direction, form, saddle = unstable(matrix[None])
+    direction, form, saddle = unstable_direction(matrix[None])
     assert saddle.tolist() == [expected]
     if expected:
         np.testing.assert_allclose(matrix @ direction[0], 2.0 * direction[0])

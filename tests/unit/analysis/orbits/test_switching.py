@@ -10,8 +10,8 @@ from tests.unit.analysis.orbits.test_continuation import Logistic
 
 from remanent._typing import FloatArray
 from remanent.analysis.orbits.bifurcations import orbit_equations
-from remanent.analysis.orbits.maps import Mapped
-from remanent.analysis.orbits.switching import other_branch
+from remanent.analysis.orbits.maps import MapImage
+from remanent.analysis.orbits.switching import crossing_branch_point
 
 
 @dataclass(frozen=True)
@@ -20,15 +20,19 @@ class Pitchfork:
 
     dimension: int = 1
 
-    def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> Mapped:
+    def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> MapImage:
         assert iterate == 1
         x, p = states[:, 0], parameters[:, 0]
-        return Mapped((x + p * x - x**3)[:, None], (1.0 + p - 3.0 * x**2)[:, None, None],
-                      x[:, None, None], np.full(len(x), 1e-16))  # fmt: skip
+        return MapImage(
+            (x + p * x - x**3)[:, None],
+            (1.0 + p - 3.0 * x**2)[:, None, None],
+            x[:, None, None],
+            np.full(len(x), 1e-16),
+        )
 
 
 def test_the_pair_beside_a_symmetric_orbit_is_found() -> None:
-    point = other_branch(
+    point = crossing_branch_point(
         orbit_equations(Pitchfork(), 1), np.zeros(2), scale=np.ones(2), tolerance=1e-13
     )
     assert point is not None
@@ -49,14 +53,15 @@ class Turned:
         c, s = np.cos(self.angle), np.sin(self.angle)
         return np.array([[c, -s], [s, c]])
 
-    def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> Mapped:
+    def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> MapImage:
         (u, w), p, r = (states @ self.axes).T, parameters[:, 0], self.axes
         image = np.stack([u + p * u - u**3, 0.5 * w + 0.3 * p], axis=1)
         slopes = np.zeros((len(u), 2, 2))
         slopes[:, 0, 0], slopes[:, 1, 1] = 1.0 + p - 3.0 * u**2, 0.5
         by_p = np.stack([u, np.full(len(u), 0.3)], axis=1)
-        return Mapped(image @ r.T, r @ slopes @ r.T, (by_p @ r.T)[:, :, None],
-                      np.full(len(u), 1e-16))  # fmt: skip
+        return MapImage(
+            image @ r.T, r @ slopes @ r.T, (by_p @ r.T)[:, :, None], np.full(len(u), 1e-16)
+        )
 
 
 @pytest.mark.parametrize("angle", np.linspace(0.0, 3.0, 13))
@@ -64,7 +69,7 @@ class Turned:
 def test_the_first_branch_is_left_however_it_runs(angle: float, stretch: float) -> None:
     """Its tangent holds the parameter, the other's does not."""
     map_ = Turned(angle)
-    point = other_branch(
+    point = crossing_branch_point(
         orbit_equations(map_, 1), np.zeros(3), scale=np.array([1.0, 1.0, stretch]),
         tolerance=1e-13,
     )  # fmt: skip
@@ -78,7 +83,7 @@ def test_the_first_branch_is_left_however_it_runs(angle: float, stretch: float) 
 
 def test_the_doubled_orbit_of_the_logistic_map_is_found() -> None:
     """Of period 2 beyond r = 3: x = (r + 1 ± √((r − 3)(r + 1)))/(2r)."""
-    point = other_branch(
+    point = crossing_branch_point(
         orbit_equations(Logistic(), 2), np.array([2.0 / 3.0, 3.0]), scale=np.ones(2),
         tolerance=1e-13,
     )  # fmt: skip
@@ -91,7 +96,7 @@ def test_the_doubled_orbit_of_the_logistic_map_is_found() -> None:
 
 def test_where_no_branch_crosses_none_is_found() -> None:
     """At an ordinary point the second vector leads away from every solution."""
-    point = other_branch(
+    point = crossing_branch_point(
         orbit_equations(Logistic(), 1), np.array([0.6, 2.5]), scale=np.ones(2), tolerance=1e-13
     )
     assert point is None

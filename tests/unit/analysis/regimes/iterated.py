@@ -7,11 +7,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from remanent._typing import FloatArray, IntArray
-from remanent.analysis.regimes.following import Advanced
+from remanent._typing import BoolArray, FloatArray, IntArray
 
 #: (state (point, d), parameters (point, p)) to image and Jacobian (point, d, d).
 Step = Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]
+
+
+@dataclass(frozen=True)
+class ExactImage:
+    """Points and tangents after some steps of a map; rounding counts as no error."""
+
+    visited: FloatArray
+    tangents: FloatArray
+    error: FloatArray
+    trusted: BoolArray
 
 
 @dataclass(frozen=True)
@@ -29,7 +38,7 @@ class Iterated:
         periods: int,
         *,
         every: bool,
-    ) -> Advanced:
+    ) -> ExactImage:
         seen = np.empty((len(states), periods, states.shape[1]))
         with np.errstate(all="ignore"):
             for n in range(periods):
@@ -38,7 +47,7 @@ class Iterated:
                 seen[:, n] = states
         count = len(states)
         visited = seen if every else seen[:, -1:]
-        return Advanced(visited, tangents, np.zeros(count), np.ones(count, dtype=np.bool_))
+        return ExactImage(visited, tangents, np.zeros(count), np.ones(count, dtype=np.bool_))
 
     def iterate(
         self, which: IntArray, states: FloatArray, periods: int
