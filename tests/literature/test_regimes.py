@@ -20,9 +20,10 @@ from tests.unit.analysis.regimes.iterated import Iterated, henon, logistic, roll
 from tests.unit.integrate.handmade import COSINE, Oscillator, Q, V, turning
 
 from remanent._typing import FloatArray, IntArray
-from remanent.analysis.regimes import decision
-from remanent.analysis.regimes.decision import Regime
-from remanent.analysis.regimes.following import LongRun, TangentMap, propagate_tangents
+from remanent.analysis.regimes.decision import RegimeProblem, decide_regimes
+from remanent.analysis.regimes.evidence import state_observables
+from remanent.analysis.regimes.labels import Regime
+from remanent.analysis.regimes.long_runs import LongRun, TangentMap, propagate_tangents
 from remanent.integrate.maps.advance import Advancer, Step
 from remanent.integrate.maps.period_map import PeriodMap
 from remanent.models.actuator import Actuator
@@ -104,12 +105,12 @@ def winding(y: FloatArray) -> FloatArray:
 
 
 FAMILIES: dict[str, tuple[Callable[..., TangentMap], Any]] = {
-    "actuator": (actuator, decision.state_observables),
-    "oscillator": (oscillator, decision.state_observables),
+    "actuator": (actuator, state_observables),
+    "oscillator": (oscillator, state_observables),
     "pendulum": (pendulum, winding),
     "standard": (plain_map(standard), rolled),
-    "logistic": (plain_map(logistic), decision.state_observables),
-    "henon": (plain_map(henon), decision.state_observables),
+    "logistic": (plain_map(logistic), state_observables),
+    "henon": (plain_map(henon), state_observables),
 }
 
 
@@ -135,13 +136,14 @@ def label(cases: list[dict[str, Any]], periods: int) -> list[tuple[str, int]]:
         image = finest(which, states, unit, period, every=False)
         return image.visited[:, -1], np.moveaxis(image.tangents, 1, 2)
 
-    verdict, _ = decision.decide_regimes(
+    problem = RegimeProblem(
         run,
         len(cases),
         damped=np.array([case["dissipative"] for case in cases]),
         iterate=iterate,
         observables=observables,
     )
+    verdict, _ = decide_regimes(problem)
     names = [Regime(code).meaning for code in verdict.regime]
     return list(zip(names, verdict.period.tolist(), strict=True))
 

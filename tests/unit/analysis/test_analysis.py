@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from remanent._typing import FloatArray, IntArray
-from remanent.analysis.regimes.birkhoff import converged_digits, weighted_average
+from remanent.analysis.regimes.birkhoff import overlapping_digits, weighted_average
 from remanent.analysis.response.subdivision import refine_maximum
 from remanent.analysis.statics.equilibria import find_zeros, force_slope
 
@@ -81,7 +81,7 @@ def test_weighted_averages_of_a_rotation_converge_beyond_any_power() -> None:
     angle = 2.0 * np.pi * 0.5 * (np.sqrt(5.0) - 1.0) * np.arange(4000)
     average = weighted_average(np.cos(angle))
     assert abs(float(average)) < 1e-12
-    assert float(converged_digits(np.cos(angle))) > 10.0
+    assert float(overlapping_digits(np.cos(angle))) > 10.0
 
 
 def test_weighted_averages_along_chaos_converge_slowly() -> None:
@@ -91,9 +91,9 @@ def test_weighted_averages_along_chaos_converge_slowly() -> None:
     for k in range(x.size - 1):
         x[k + 1] = 4.0 * x[k] * (1.0 - x[k])
     assert float(weighted_average(x)) == pytest.approx(0.5, abs=0.03)
-    assert float(converged_digits(x)) < 4.0
+    assert float(overlapping_digits(x)) < 4.0
 
 
 def test_a_constant_has_all_digits() -> None:
     """Its spread is zero."""
-    assert float(converged_digits(np.full(100, 0.3))) == 16.0
+    assert float(overlapping_digits(np.full(100, 0.3))) == 16.0

@@ -9,7 +9,7 @@ from tests.unit.integrate.handmade import COSINE, Oscillator, Q, V, turning
 
 from remanent._field import Field
 from remanent._typing import FloatArray
-from remanent.analysis.regimes.following import LongRun, propagate_tangents
+from remanent.analysis.regimes.long_runs import LongRun, propagate_tangents
 from remanent.analysis.regimes.lyapunov import LyapunovExponents, lyapunov_exponents
 from remanent.codegen.lower import lower
 from remanent.integrate.maps.advance import Advancer
@@ -45,7 +45,7 @@ def spectrum(
     flow = PeriodMap(field, turning, directions=count)
     advance = Advancer(flow, np.zeros((1, 0)), np.array([length]), 1e-9)
     path = propagate_tangents(advance, np.array([start]), periods, directions=count)
-    found = lyapunov_exponents(path.growth, path.lengths)
+    found = lyapunov_exponents(path.growth, path.block_lengths)
     return LyapunovExponents(
         found.mean / length, found.error / length, found.history / length
     ), path
@@ -98,7 +98,7 @@ def test_forced_duffing_is_chaotic_and_contracts_as_its_damping_says() -> None:
     """omega = 1, F = 0.3, d = 0.15: the sum of the exponents is -d, the largest positive."""
     par = np.array([[1.0, 0.15, 0.3]])
     path = propagate_tangents(duffing(par, 1e-9), np.array([[0.5, 0.0]]), 1500, directions=2)
-    found = lyapunov_exponents(path.growth, path.lengths)
+    found = lyapunov_exponents(path.growth, path.block_lengths)
     assert found.mean[0].sum() == pytest.approx(-0.15 * 2 * np.pi, abs=1e-6)
     assert found.mean[0, 0] > 5 * found.error[0, 0]
 
@@ -142,7 +142,7 @@ def test_what_escapes_is_told_from_what_cannot_be_resolved() -> None:
     lost = run(6 * Q**2, 2**12)
     assert lost.escaped.all()
     assert lost.trusted.all()
-    assert lost.length[0] < 20
+    assert lost.completed_periods[0] < 20
     stuck = run(-256 * Q, 8)
     assert not stuck.trusted.any()
     assert not stuck.escaped.any()

@@ -13,12 +13,19 @@ import numpy as np
 
 from remanent._typing import FloatArray
 
+#: Digits of two numbers that are equal.
+MAX_DIGITS = 16.0
+#: An orbit encircles a centre if no gap between the directions to its points is wider, turns.
+_MAX_ANGLE_GAP = 0.5
+
 
 def weighted_average(values: FloatArray) -> FloatArray:
     """Average along the last axis with the smooth weight exp(-1/(s(1 - s))).
 
     Along a quasi-periodic orbit its error falls faster than any power of the number of
-    values; along a chaotic one as its inverse square root.
+    values; along a chaotic one as its inverse square root.  The reason is that the weight and
+    all its derivatives vanish at both ends: an average with equal weights has an error of 1/n
+    from the two ends alone, where the orbit is cut off in the middle of a turn.
 
     Parameters
     ----------
@@ -35,8 +42,11 @@ def weighted_average(values: FloatArray) -> FloatArray:
     return np.asarray(np.sum(values * (weight / weight.sum()), axis=-1))
 
 
-def converged_digits(values: FloatArray) -> FloatArray:
-    """Decimal digits on which the averages of the two halves agree.
+def overlapping_digits(values: FloatArray) -> FloatArray:
+    """Decimal digits on which the averages of the first and the last two thirds agree.
+
+    Windows of two thirds overlap, but their weights lie apart; and slow angles turn more often
+    within them than within halves.
 
     Parameters
     ----------
@@ -46,31 +56,20 @@ def converged_digits(values: FloatArray) -> FloatArray:
     Returns
     -------
     array (...)
-        -log10 of the difference of the averages over the first and the second half,
-        relative to the standard deviation of the values; at most 16; NaN where a value
-        is.
+        -log10 of the difference of the averages, relative to the standard deviation of the
+        values; at most 16; NaN where a value is.
     """
-    half = values.shape[-1] // 2
-    first, second = weighted_average(values[..., :half]), weighted_average(values[..., half:])
-    return _digits(first, second, values)
-
-
-def overlapping_digits(values: FloatArray) -> FloatArray:
-    """As :func:`converged_digits`, of the first and the last two thirds.
-
-    The windows are longer, so slow angles turn more often within each, and their weights
-    still lie apart.
-    """
-    share = -(-2 * values.shape[-1] // 3)
-    first, second = weighted_average(values[..., :share]), weighted_average(values[..., -share:])
-    return _digits(first, second, values)
-
-
-def _digits(first: FloatArray, second: FloatArray, values: FloatArray) -> FloatArray:
+    first, last = _first_and_last(values)
     spread = np.std(np.ascontiguousarray(values), axis=-1)
     with np.errstate(divide="ignore", invalid="ignore"):
-        digits = -np.log10(np.abs(first - second) / spread)
-    return np.asarray(np.where(spread == 0.0, 16.0, np.minimum(digits, 16.0)))
+        digits = -np.log10(np.abs(first - last) / spread)
+    return np.asarray(np.where(spread == 0.0, MAX_DIGITS, np.minimum(digits, MAX_DIGITS)))
+
+
+def _first_and_last(values: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Weighted averages over the first and the last two thirds."""
+    window = -(-2 * values.shape[-1] // 3)
+    return weighted_average(values[..., :window]), weighted_average(values[..., -window:])
 
 
 @dataclass(frozen=True)
@@ -88,10 +87,6 @@ class RotationNumbers:
 
     number: FloatArray
     digits: FloatArray
-
-
-#: An orbit encircles a centre if no gap between the directions to its points is wider.
-_WIDEST_GAP = 0.5
 
 
 def rotation_numbers(points: FloatArray, centre: FloatArray | None = None) -> RotationNumbers:
@@ -123,15 +118,15 @@ def rotation_numbers(points: FloatArray, centre: FloatArray | None = None) -> Ro
         angle = -np.arctan2(away[..., 1] / size[:, None, 1], away[..., 0] / size[:, None, 0])
     turn = angle / (2.0 * np.pi)
     step = np.diff(turn, axis=1) % 1.0
+    # A fixed cut, at 0 say, could fall among the angles and split equal ones by a whole turn.
     cut, _ = _widest_gap(step)
     step = (step - cut[:, None]) % 1.0 + cut[:, None]
-    share = -(-2 * step.shape[1] // 3)
-    first, second = weighted_average(step[:, :share]), weighted_average(step[:, -share:])
+    first, last = _first_and_last(step)
     with np.errstate(divide="ignore"):
-        digits = np.minimum(-np.log10(np.abs(first - second)), 16.0)
-    known = (_widest_gap(turn % 1.0)[1] <= _WIDEST_GAP) & np.isfinite(first + second)
+        digits = np.minimum(-np.log10(np.abs(first - last)), MAX_DIGITS)
+    encircles = (_widest_gap(turn % 1.0)[1] <= _MAX_ANGLE_GAP) & np.isfinite(first + last)
     number = weighted_average(step) % 1.0
-    return RotationNumbers(np.where(known, number, np.nan), np.where(known, digits, 0.0))
+    return RotationNumbers(np.where(encircles, number, np.nan), np.where(encircles, digits, 0.0))
 
 
 def _widest_gap(turns: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -12,20 +12,26 @@ import numpy as np
 
 from remanent._typing import FloatArray
 
-#: Frequencies are drawn away from 0 and pi, where the test resonates with slow drifts.
-_LOWEST, _HIGHEST = np.pi / 5.0, 4.0 * np.pi / 5.0
-#: The mean-square displacement is followed over this share of the series.
-_LAGS = 0.1
-#: Products in memory at once.
-_TOGETHER = 2**17
+#: Lowest frequency of the 0-1 test: near 0 it resonates with slow drifts.
+_MIN_FREQUENCY = np.pi / 5.0
+#: Highest frequency of the 0-1 test: near pi it resonates with drifts that alternate.
+_MAX_FREQUENCY = 4.0 * np.pi / 5.0
+#: Longest lag of the mean-square displacement, as a share of the series.
+_MAX_LAG_SHARE = 0.1
+#: Products phi(j + a) phi(j + b) in memory at once.
+_MAX_PRODUCTS = 2**17
+#: Smallest index that is returned: the angle between tangents that lined up is rounding.
+_MIN_INDEX = 1e-300
 
 
 def smaller_alignment_index(factors: FloatArray) -> FloatArray:
     """Smaller alignment index of two tangents after each block.
 
-    min(|u - w|, |u + w|) of the unit tangents u, w, which were never made orthogonal: the
-    triangular factors that did so for the exponents say how they would stand.  It falls as
-    exp(-(difference of the two largest exponents) n) in chaos, as a power of n, or not at
+    The index is min(|u - w|, |u + w|) of the unit tangents u, w.  It needs tangents that were
+    never made orthogonal; those that are carried along for the exponents were.  But the
+    triangular factors that made them so say how u and w would stand: u stays along the first
+    row, and the components of w along both rows follow from the factors.  The index falls as
+    exp(-(difference of the two largest exponents) n) in chaos, and as a power of n, or not at
     all, on a torus.
 
     Parameters
@@ -46,7 +52,7 @@ def smaller_alignment_index(factors: FloatArray) -> FloatArray:
             along = r[:, 0, 0] * along + r[:, 0, 1] * across
             across = r[:, 1, 1] * across
             size = np.hypot(along, across)
-            along, across = along / size, np.maximum(across / size, 1e-300)
+            along, across = along / size, np.maximum(across / size, _MIN_INDEX)
             # 2 sin(angle/2) = sin(angle)/cos(angle/2)
             index[:, k] = across / np.sqrt(0.5 * (1.0 + np.abs(along)))
     return index
@@ -67,9 +73,9 @@ def zero_one_test(
     values : array (orbit, sample)
         An observable at equal intervals, neither much shorter nor much longer than the
         time over which the motion forgets.
-    rng
+    rng : numpy.random.Generator
         Draws the frequencies.
-    frequencies
+    frequencies : int
         How many.
 
     Returns
@@ -77,26 +83,27 @@ def zero_one_test(
     array (orbit,)
         NaN where values are constant or not numbers.
     """
-    c = rng.uniform(_LOWEST, _HIGHEST, frequencies)
-    lags = max(int(_LAGS * values.shape[1]), 2)
+    c = rng.uniform(_MIN_FREQUENCY, _MAX_FREQUENCY, frequencies)
+    lags = max(int(_MAX_LAG_SHARE * values.shape[1]), 2)
     n = np.arange(1.0, lags + 1)
     oscillation = (1.0 - np.cos(np.outer(n, c))) / (1.0 - np.cos(c))
-    each = max(_TOGETHER // lags**2, 1)
+    batch = max(_MAX_PRODUCTS // lags**2, 1)
     result = np.empty(values.shape[0])
-    for first in range(0, values.shape[0], each):
-        series = np.ascontiguousarray(values[first : first + each])
+    for first in range(0, values.shape[0], batch):
+        series = np.ascontiguousarray(values[first : first + batch])
         mean = np.mean(series, axis=1)[:, None, None]
-        moved = _displacement(series, c, lags) - mean**2 * oscillation
-        result[first : first + each] = np.median(_correlation(n, moved), axis=1)
+        displacement = _mean_square_displacement(series, c, lags) - mean**2 * oscillation
+        result[first : first + batch] = np.median(_correlation(n, displacement), axis=1)
     return result
 
 
-def _displacement(series: FloatArray, c: FloatArray, lags: int) -> FloatArray:
+def _mean_square_displacement(series: FloatArray, c: FloatArray, lags: int) -> FloatArray:
     """Mean over j = 1 ... N - lags of |p(j + n) - p(j)|^2, array (orbit, n, frequency).
 
-    It is the sum over a, b <= n of cos(c (a - b)) R[a, b], R the products phi(j + a) phi(j + b)
-    averaged over j, which know nothing of c; and R[a + 1, b + 1] is R[a, b] but for the ends
-    of the average.  So the averages are made once for each difference a - b.
+    It is the sum over a, b <= n of cos(c (a - b)) R[a, b], where R[a, b] is the average over j of
+    phi(j + a) phi(j + b).  R does not depend on c, so it serves all frequencies.  And R[a + 1,
+    b + 1] is R[a, b] but for the first and the last term of the average, so an average is made
+    only once for each difference d = a - b, and the rest is a running sum of these two terms.
     """
     count = series.shape[1] - lags
     n, d = np.arange(1, lags + 1)[:, None], np.arange(lags)
@@ -105,15 +112,16 @@ def _displacement(series: FloatArray, c: FloatArray, lags: int) -> FloatArray:
     last, first = n - 1, np.maximum(n - 1 - d, 0)
     ends = series[:, count + last] * series[:, count + first] - series[:, last] * series[:, first]
     products[:] = np.where(n > d + 1, ends / count, 0.0)
-    for k in d:
+    for k in d:  # the first entry of each difference, from which the running sum starts
         products[:, k, k] = np.einsum("pj,pj->p", start, series[:, 1 + k : count + 1 + k]) / count
     products = np.cumsum(products, axis=1)
     turned = np.where(d > 0, 2.0, 1.0)[:, None] * np.cos(np.outer(d, c))
     return np.cumsum(products @ turned, axis=1)
 
 
-def _correlation(n: FloatArray, moved: FloatArray) -> FloatArray:
+def _correlation(n: FloatArray, displacement: FloatArray) -> FloatArray:
+    """Correlation of displacements (orbit, n, frequency) with n, array (orbit, frequency)."""
     a = n - n.mean()
-    b = np.moveaxis(moved - moved.mean(axis=1, keepdims=True), 1, 2)
+    b = np.moveaxis(displacement - displacement.mean(axis=1, keepdims=True), 1, 2)
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray(b @ a / np.sqrt((a @ a) * np.einsum("pcn,pcn->pc", b, b)))

@@ -14,10 +14,10 @@ import numpy as np
 
 from remanent._typing import FloatArray, IntArray
 
-#: Numbers of batches whose scatter is looked at.
-_BATCHES = (10, 20)
 #: Share of a run that is left out: tangents are still turning to the direction that grows.
 TRANSIENT_SHARE = 0.1
+#: Numbers of batches from whose scatter the error is estimated.
+_BATCH_COUNTS = (10, 20)
 
 
 @dataclass(frozen=True)
@@ -51,18 +51,18 @@ def lyapunov_exponents(
     ----------
     growth : array (orbit, block, direction)
         Logarithms of growth in each block.
-    lengths : array (block,)
+    lengths : array (block,) of int
         Periods of each block.
-    transient
+    transient : float
         Share of the blocks at the beginning that are left out of the mean.
     """
     first = int(transient * lengths.size)
-    kept, periods = growth[:, first:], lengths[first:]
+    settled, periods = growth[:, first:], lengths[first:]
     # Contiguous, so that the order of summation does not depend on how many orbits there are.
-    series = np.ascontiguousarray(np.moveaxis(kept, 1, -1))
+    series = np.ascontiguousarray(np.moveaxis(settled, 1, -1))
     mean = series.sum(axis=-1) / periods.sum()
-    whole = periods == periods[0]  # the last block may be shorter
-    error = batch_means_error(np.ascontiguousarray(series[..., whole])) / periods[0]
+    complete = periods == periods[0]  # the last block may be shorter
+    error = batch_means_error(np.ascontiguousarray(series[..., complete])) / periods[0]
     history = np.cumsum(growth, axis=1) / np.cumsum(lengths)[:, None]
     return LyapunovExponents(mean, error, history)
 
@@ -85,30 +85,12 @@ def batch_means_error(values: FloatArray) -> FloatArray:
         Infinite with fewer than ten samples.
     """
     largest = np.zeros(values.shape[:-1])
-    for batches in _BATCHES:
+    for batches in _BATCH_COUNTS:
         length = values.shape[-1] // batches
         if length == 0:
-            return largest if batches > _BATCHES[0] else np.full(values.shape[:-1], np.inf)
-        kept = values[..., values.shape[-1] - batches * length :]
-        means = kept.reshape(*kept.shape[:-1], batches, length).mean(axis=-1)
+            return largest if batches > _BATCH_COUNTS[0] else np.full(values.shape[:-1], np.inf)
+        latest = values[..., values.shape[-1] - batches * length :]
+        means = latest.reshape(*latest.shape[:-1], batches, length).mean(axis=-1)
         error = np.std(means, axis=-1, ddof=1) / np.sqrt(batches)
         largest = np.where(np.isnan(error), error, np.maximum(largest, error))
     return largest
-
-
-def pairing(mean: FloatArray) -> FloatArray:
-    """Sums of the largest and the smallest exponent, the second and the last but one ...
-
-    They vanish where the flow preserves phase volume.
-
-    Parameters
-    ----------
-    mean : array (orbit, direction)
-        The whole spectrum.
-
-    Returns
-    -------
-    array (orbit, pair)
-    """
-    half = mean.shape[1] // 2
-    return np.asarray((mean + mean[:, ::-1])[:, :half])

@@ -15,7 +15,7 @@ import xarray as xr
 
 from remanent._status import Status
 from remanent._typing import BoolArray, FloatArray, IntArray
-from remanent.analysis.regimes.following import (
+from remanent.analysis.regimes.long_runs import (
     LongRun,
     TangentMap,
     block_lengths,

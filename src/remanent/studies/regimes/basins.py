@@ -11,7 +11,7 @@ import xarray as xr
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, IntArray
 from remanent.analysis.regimes.attractors import assign_attractors, extrapolate_tails
-from remanent.analysis.regimes.decision import Regime
+from remanent.analysis.regimes.labels import Regime
 from remanent.integrate.ensemble.ensemble import Progress
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
@@ -110,17 +110,17 @@ def basins(
     coords: dict[str, Labelled] = {}
     if damped(ens).all():
         found = assign_attractors(tail, code, whole["period"])
-        variables["basin"] = (ens.dims, ens.shaped(found.which))
+        variables["basin"] = (ens.dims, ens.shaped(found.attractor))
         along = ("attractor",)
-        names = [Regime(k).meaning for k in code[found.first]]
+        names = [Regime(k).meaning for k in code[found.representative]]
         variables["attractor_regime"] = (along, np.array(names, dtype="<U14"))
-        variables["attractor_period"] = (along, whole["period"][found.first])
-        variables["attractor_state"] = ((*along, "state"), tail[found.first, -1])
-        share = np.array([np.mean(found.which == k) for k in range(found.first.size)])
+        variables["attractor_period"] = (along, whole["period"][found.representative])
+        variables["attractor_state"] = ((*along, "state"), tail[found.representative, -1])
+        share = np.array([np.mean(found.attractor == k) for k in range(found.representative.size)])
         variables["fraction"] = (along, share)
         variables["fraction_error"] = (along, np.sqrt(share * (1.0 - share) / ens.count))
         coords = {
-            "attractor": (along, np.arange(found.first.size)),
+            "attractor": (along, np.arange(found.representative.size)),
             "state": (("state",), np.array(ens.field.state)),
         }
     result = labelled(ens, variables, coords, tolerance, periods=periods)

@@ -11,7 +11,7 @@ from remanent._checks import require_choice, require_known
 from remanent._errors import InputError
 from remanent._status import Status
 from remanent._typing import ArrayLike, FloatArray
-from remanent.analysis.regimes.following import ESCAPE_BOUND
+from remanent.analysis.regimes.long_runs import ESCAPE_BOUND
 from remanent.integrate.ensemble.ensemble import Progress
 from remanent.integrate.ensemble.problem import Problem
 from remanent.integrate.maps.advance import Advancer

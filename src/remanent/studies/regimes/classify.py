@@ -8,10 +8,10 @@ import numpy as np
 import xarray as xr
 
 from remanent._typing import ArrayLike, FloatArray, IntArray
-from remanent.analysis.regimes import decision
-from remanent.analysis.regimes.decision import Regime, RegimeLabels
-from remanent.analysis.regimes.following import LongRun
-from remanent.analysis.regimes.returns import IterateMap
+from remanent.analysis.regimes.decision import RegimeProblem, decide_regimes
+from remanent.analysis.regimes.labels import Regime, RegimeLabels
+from remanent.analysis.regimes.limit_orbits import IterateMap
+from remanent.analysis.regimes.long_runs import LongRun
 from remanent.integrate.ensemble.ensemble import Progress
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
@@ -147,8 +147,14 @@ class Judged:
                 cancelled=cancelled,
             )
 
-        return decision.decide_regimes(
-            run, which.size, damped=self.damped[which], iterate=self.iterate(which), seed=self.seed
+        return decide_regimes(
+            RegimeProblem(
+                run,
+                which.size,
+                damped=self.damped[which],
+                iterate=self.iterate(which),
+                seed=self.seed,
+            )
         )
 
     def iterate(self, which: IntArray) -> IterateMap:

@@ -171,7 +171,7 @@ class _Averages:
         path, other = self.follower.twice(
             which, self.tolerance, judged=judged, block=self.block, cancelled=cancelled
         )
-        fine, coarse = (lyapunov_exponents(p.growth, p.lengths) for p in (path, other))
+        fine, coarse = (lyapunov_exponents(p.growth, p.block_lengths) for p in (path, other))
         tau = self.follower.lengths[which]
         # Tangents that lined up within a period leave a bound, not a value.
         collapsed = (path.growth - path.growth[:, :, :1] < np.log(_COLLAPSED)).any(axis=1)
