@@ -151,7 +151,7 @@ CASES: dict[str, tuple[Callable[[], Any], tuple[str, ...]]] = {
     # other verbs
     "every 0": (lambda: rm.poincare_section(BODY, DRIVE, periods=5, every=0), ("`every`", "0")),
     "phase 1": (
-        lambda: rm.poincare_section(BODY, DRIVE, periods=5, phase=1),
+        lambda: rm.poincare_section(BODY, DRIVE, periods=5, section_phase=1),
         ("`phase`", "[0, 1)"),
     ),
     "section": (

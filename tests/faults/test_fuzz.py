@@ -145,7 +145,7 @@ def test_poincare_section(
     """Any period, any phase, any stride."""
     attempted(
         lambda: rm.poincare_section(
-            body(), rm.SineSquared(b, omega), periods=periods, phase=phase, every=every,
+            body(), rm.SineSquared(b, omega), periods=periods, section_phase=phase, every=every,
             tolerance=1e-6,
         )
     )  # fmt: skip

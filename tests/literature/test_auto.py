@@ -85,7 +85,7 @@ def test_all_orbits_are_found(diagram: tuple[dict[str, Any], xr.Dataset]) -> Non
     for omega, orbits in known["search"].items():
         body = actuator(known["parameters"]["eta"])
         drive = rm.SineSquared(known["parameters"]["b"], float(omega))
-        ds = rm.periodic_orbits(body, drive, bounds={"stretch_rate": (-3.0, 3.0)})
+        ds = rm.periodic_orbits(body, drive, state_box={"stretch_rate": (-3.0, 3.0)})
         found = ds.initial.values[np.argsort(ds.initial.values[:, 0])]
         expected = np.array(sorted(orbits))
         assert found.shape == expected.shape
@@ -211,7 +211,7 @@ def test_a_doubled_branch_is_that_of_a_direct_search() -> None:
     doubled = rm.switch_branch(body, drive, forced)
     assert doubled.attrs["orbit_period"] == 2
     k = int(np.abs(doubled.omega.values - 2.32).argmin())
-    found = rm.periodic_orbits(body, drive.replace(omega=float(doubled.omega[k])), period=2)
+    found = rm.periodic_orbits(body, drive.replace(omega=float(doubled.omega[k])), orbit_period=2)
     own = np.array([float(doubled.stretch[k]), float(doubled.stretch_rate[k])])
     section = rm.poincare_section(
         body, drive.replace(omega=float(doubled.omega[k])), periods=1, initial=own
@@ -224,6 +224,6 @@ def test_a_doubled_branch_is_that_of_a_direct_search() -> None:
 
 def test_a_fold_is_no_place_to_switch() -> None:
     body, drive = rm.Actuator(temperature=350), rm.SineSquared(0.4, 1.25)
-    branch = rm.continue_orbit(body, drive, "omega", (1.2, 1.3), start=(1.433, 0.0))
+    branch = rm.continue_orbit(body, drive, "omega", (1.2, 1.3), initial=(1.433, 0.0))
     with pytest.raises(rm.InputError, match="period doubling"):
         rm.switch_branch(body, drive, branch)

@@ -175,7 +175,7 @@ def test_folds_scale_with_temperature(summary: Any) -> None:
             rm.SineSquared(0.4 / theta**0.5, (one["omega"] - 0.005) / theta**0.5),
             "omega",
             ((one["omega"] - 0.01) / theta**0.5, (one["omega"] + 0.01) / theta**0.5),
-            start=(one["stretch"], 0.0),
+            initial=(one["stretch"], 0.0),
         )
         assert float(at.special_omega[0]) * theta**0.5 == pytest.approx(one["omega"], abs=1e-8)
 

@@ -88,13 +88,13 @@ def _is_open(e: EvidenceTable, t: Thresholds) -> BoolArray:
 def _grows_like_a_power(e: EvidenceTable, periods: int, t: Thresholds) -> BoolArray:
     """Tangents grow at most in proportion to time, and no faster at the end."""
     bound = np.log(periods) + t.max_regular_growth_excess
-    return (e.growth <= bound) & (e.late_growth <= t.max_late_growth)
+    return np.asarray((e.growth <= bound) & (e.late_growth <= t.max_late_growth))
 
 
 def _stays_open(e: EvidenceTable, t: Thresholds) -> BoolArray:
     """The motion does not close in on a periodic orbit."""
     lasting = e.late_growth >= t.min_late_growth
-    return lasting & (e.late_defect >= t.min_late_defect_share * e.defect)
+    return np.asarray(lasting & (e.late_defect >= t.min_late_defect_share * e.defect))
 
 
 def regime_of_run(
