@@ -16,13 +16,11 @@ from tests.literature.flows import ForcedOscillator
 
 import remanent as rm
 from remanent._typing import FloatArray
-from remanent.analysis.orbits.bifurcations import SpecialPoint, find_special_points, orbit_equations
-from remanent.analysis.orbits.continuation import (
-    ContinuationSettings,
-    CurvePoints,
-    continue_curves,
-    unit_tangents,
-)
+from remanent.analysis.orbits.bifurcations import SpecialPoint, find_special_points
+from remanent.analysis.orbits.continuation import ContinuationSettings, continue_curves
+from remanent.analysis.orbits.correction import unit_tangents
+from remanent.analysis.orbits.curves import CurvePoints
+from remanent.analysis.orbits.orbit_equations import orbit_equations
 from remanent.analysis.orbits.switching import crossing_branch_point
 
 HERE = Path(__file__).parent / "auto" / "reference"
@@ -125,8 +123,8 @@ def specials(
         np.array([-9.0, -9.0, bounds[0]]),
         np.array([9.0, 9.0, bounds[1]]),
         scale,
-        step=0.005,
-        longest=0.02,
+        first_step=0.005,
+        max_step=0.02,
         tolerance=1e-11,
         block=8,
     )
@@ -182,8 +180,8 @@ def test_doublings_lead_to_the_next_branch() -> None:
             np.array([-9.0, -9.0, low]),
             np.array([9.0, 9.0, high]),
             scale,
-            step=0.005,
-            longest=0.02,
+            first_step=0.005,
+            max_step=0.02,
             tolerance=1e-11,
             block=8,
         )

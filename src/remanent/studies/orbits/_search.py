@@ -12,12 +12,7 @@ from scipy.optimize import elementwise
 
 from remanent._errors import InputError
 from remanent._typing import FloatArray
-from remanent.analysis.orbits.periodic_orbits import (
-    Orbits,
-    distinct_orbits,
-    newton_fixed_points,
-    orbit_subset,
-)
+from remanent.analysis.orbits.periodic_orbits import Orbits, distinct_orbits, newton_fixed_points
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.studies.ensemble.ensemble import Ensemble, at_rest
@@ -151,7 +146,7 @@ def _closed(
     """Different orbits that Newton's method reaches from guesses."""
     orbits = newton_fixed_points(
         map_, guesses, np.tile(row, (len(guesses), 1)),
-        iterate=search.period, tolerance=tolerance, bounds=search.box, worst=10.0 * _ROUGH,
+        iterate=search.period, tolerance=tolerance, box=search.box, max_error=10.0 * _ROUGH,
     )  # fmt: skip
     return distinct_orbits(map_, orbits, row, iterate=search.period)
 
@@ -219,4 +214,4 @@ def nearest_rest(orbits: Orbits, ens: Ensemble) -> Orbits:
     """The orbit whose point is nearest to rest, alone."""
     rest = [float(at_rest(name, ens.values)[0]) for name in ens.field.state]
     k = int(np.argmin(np.linalg.norm(orbits.state - rest, axis=1)))
-    return orbit_subset(orbits, np.array([k]))
+    return orbits.subset(np.array([k]))

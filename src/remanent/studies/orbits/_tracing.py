@@ -7,22 +7,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from remanent._typing import FloatArray
-from remanent.analysis.orbits.bifurcations import (
-    SpecialPoint,
-    find_special_points,
-    interpolate_curve,
-    orbit_equations,
-)
-from remanent.analysis.orbits.continuation import (
-    ContinuationSettings,
+from remanent.analysis.orbits.bifurcations import SpecialPoint, find_special_points
+from remanent.analysis.orbits.continuation import ContinuationSettings, continue_curves
+from remanent.analysis.orbits.correction import correct_points, unit_tangents
+from remanent.analysis.orbits.curves import (
     Curve,
     CurveEquations,
     CurvePoints,
     concatenate_points,
-    continue_curves,
-    correct_points,
-    unit_tangents,
+    interpolate_curve,
 )
+from remanent.analysis.orbits.orbit_equations import orbit_equations
 from remanent.analysis.orbits.periodic_orbits import Orbits
 from remanent.studies.orbits._period_map import StroboscopicMap
 from remanent.studies.orbits._search import Search, all_orbits
@@ -64,8 +59,8 @@ class Tracing:
         lower, upper = (np.append(self.box[:, k], self.bounds[k]) for k in (0, 1))
         scale = np.append(np.ones(len(self.box)), self.bounds[1] - self.bounds[0])
         return ContinuationSettings(
-            lower, upper, scale, step=_STEP, longest=_LONGEST, tolerance=0.1 * self.tolerance,
-            most=self.most,
+            lower, upper, scale, first_step=_STEP, max_step=_LONGEST,
+            tolerance=0.1 * self.tolerance, max_points=self.most,
         )  # fmt: skip
 
 
@@ -156,9 +151,9 @@ def _clipped(equations: CurveEquations, curve: Curve, settings: ContinuationSett
     if curve.ends[1] == "bounds":
         points = _end_on_bounds(equations, points, settings)
     if curve.ends[0] == "bounds":
-        turned = points.taken(np.arange(len(points))[::-1])
+        turned = points.subset(np.arange(len(points))[::-1])
         points = _end_on_bounds(equations, turned, settings)
-        points = points.taken(np.arange(len(points))[::-1])
+        points = points.subset(np.arange(len(points))[::-1])
     return Curve(points, curve.closed, curve.ends)
 
 
@@ -181,7 +176,7 @@ def _end_on_bounds(
     end, reached = correct_points(
         equations, guess[None], across, scale=settings.scale, tolerance=settings.tolerance
     )
-    inner = points.taken(slice(0, -1))
+    inner = points.subset(slice(0, -1))
     side = np.sign(end.tangent[0] @ inner.tangent[-1])
     end = replace(end, tangent=side * end.tangent)
     return concatenate_points([inner, end]) if reached[0] else inner

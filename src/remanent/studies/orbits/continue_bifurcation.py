@@ -11,12 +11,9 @@ import xarray as xr
 from remanent._checks import require_choice
 from remanent._errors import InputError
 from remanent._typing import ArrayLike
-from remanent.analysis.orbits.bifurcations import bifurcation_equations
-from remanent.analysis.orbits.continuation import (
-    ContinuationSettings,
-    continue_curves,
-    correct_points,
-)
+from remanent.analysis.orbits.continuation import ContinuationSettings, continue_curves
+from remanent.analysis.orbits.correction import correct_points
+from remanent.analysis.orbits.orbit_equations import bifurcation_equations
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.results import build, provenance
@@ -136,7 +133,7 @@ def continue_bifurcation(
             "Pass the state and parameters of a special point of a branch.",
         )  # fmt: skip
     settings = ContinuationSettings(
-        lower, upper, scale, step=0.005, longest=0.02, tolerance=tolerance, most=most
+        lower, upper, scale, first_step=0.005, max_step=0.02, tolerance=tolerance, max_points=most
     )
     (curve,) = continue_curves(equations, points, settings)
     some, d = curve.points, len(box)

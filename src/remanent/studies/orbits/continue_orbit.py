@@ -264,7 +264,7 @@ def _start(tracing: Tracing, start: ArrayLike | None, value: float) -> Orbits:
             )  # fmt: skip
         orbits = newton_fixed_points(
             tracing.map, guess, np.array([[value]]), iterate=tracing.period,
-            tolerance=tracing.tolerance, bounds=tracing.box,
+            tolerance=tracing.tolerance, box=tracing.box,
         )  # fmt: skip
         why = "Newton's method reached none from it."
     if not orbits.residual.size:

@@ -10,10 +10,11 @@ import xarray as xr
 from remanent._checks import positive, require_real
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, FloatArray
-from remanent.analysis.orbits.bifurcations import orbit_equations
-from remanent.analysis.orbits.continuation import CurvePoints, correct_points
-from remanent.analysis.orbits.periodic_orbits import floquet_multipliers
+from remanent.analysis.orbits.correction import correct_points
+from remanent.analysis.orbits.curves import CurvePoints
+from remanent.analysis.orbits.orbit_equations import orbit_equations
 from remanent.analysis.orbits.separatrix import SaddlePassage, saddle_passages, unstable_direction
+from remanent.analysis.orbits.stability import floquet_multipliers
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.results import build, provenance
@@ -141,7 +142,7 @@ def manifold_crossing(
             int(passage.iterate[list(ends)].max()) * orbit_period + _MORE * orbit_period, periods
         )
         values = np.linspace(values[ends[0]], values[ends[1]], _TRIED + 2)
-    there = points.taken(slice(ends[0], ends[0] + 1))
+    there = points.subset(slice(ends[0], ends[0] + 1))
     return _labelled(runs, values[ends[0]] + 0.5 * gap, gap, there, width)
 
 

@@ -11,12 +11,8 @@ import xarray as xr
 
 from remanent._status import Status
 from remanent._typing import FloatArray
-from remanent.analysis.orbits.periodic_orbits import (
-    Orbits,
-    Stability,
-    floquet_multipliers,
-    orbit_stability,
-)
+from remanent.analysis.orbits.periodic_orbits import Orbits
+from remanent.analysis.orbits.stability import Stability, floquet_multipliers, orbit_stability
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Request
 from remanent.models.actuator import Actuator
