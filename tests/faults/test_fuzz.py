@@ -90,7 +90,8 @@ def judged(ds: xr.Dataset) -> None:
     assert not np.isinf(values).any()
     if status == 1:
         assert np.isfinite(values).all()
-        assert np.isfinite(ds.error.values).all()
+        error = ds["amplitude_error" if "amplitude_error" in ds else "error"]
+        assert np.isfinite(error.values).all()
 
 
 def attempted(call: Callable[[], xr.Dataset]) -> None:

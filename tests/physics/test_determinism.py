@@ -114,7 +114,7 @@ def test_verbs_are_deterministic_in_any_order() -> None:
         return rm.frequency_response(body, drive, [0.8, 1.6], duration=12.0, over=over)
 
     there, back = answered(1), answered(-1)
-    for name in ("maximum", "minimum", "error", "status", "horizon"):
+    for name in ("maximum", "minimum", "amplitude_error", "status", "horizon"):
         there_values = there[name].transpose("case", "omega").values
         np.testing.assert_array_equal(there_values[::-1], back[name].transpose("case", "omega"))
 

@@ -121,7 +121,7 @@ def test_the_fold_of_the_paper_from_the_reference_temperature() -> None:
     )
     hot = rm.rescale(branch, temperature=HOT)
     assert float(hot.special_omega[0]) == pytest.approx(1.26679529184453, abs=1e-10)
-    np.testing.assert_allclose(hot.attrs["bounds"], (1.2, 1.3))
+    np.testing.assert_allclose(hot.attrs["parameter_range"], (1.2, 1.3))
 
 
 def test_there_and_back_again() -> None:
