@@ -20,6 +20,7 @@ GOLDEN = (np.sqrt(5.0) - 1.0) / 2.0
 
 
 def test_period_of_the_best_return() -> None:
+    """cos(2πn/7) comes back after 7 exactly, a golden rotation never."""
     n = np.arange(300)
     points = np.stack([np.cos(2 * np.pi * n / 7), np.cos(2 * np.pi * n * GOLDEN)])[:, :, None]
     found = find_best_returns(points, closed=1e-9)
