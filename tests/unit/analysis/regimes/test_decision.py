@@ -154,7 +154,7 @@ def evidence(**values: float) -> EvidenceTable:
     row |= values
     columns = {name: np.array([value]) for name, value in row.items()}
     columns["half_growths"] = np.full((1, 2), row["half_growths"])
-    return EvidenceTable(**columns)  # type: ignore[arg-type]
+    return EvidenceTable(**columns)
 
 
 def regime_of(table: EvidenceTable, damped: bool) -> Regime:

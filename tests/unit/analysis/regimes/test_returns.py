@@ -49,7 +49,7 @@ def test_attractors_are_sorted_by_their_visitors() -> None:
 
 def decaying(multiplier: float, count: int = 41) -> FloatArray:
     """x <- a x from 1, array (1, iterate, 1)."""
-    return (multiplier ** np.arange(count))[None, :, None]
+    return np.asarray(multiplier ** np.arange(count), dtype=np.float64)[None, :, None]
 
 
 @pytest.mark.parametrize(("multiplier", "approaches"), [(0.9, True), (0.8, False), (0.95, False)])
