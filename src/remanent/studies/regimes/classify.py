@@ -189,4 +189,4 @@ class Judged:
             "local_error": path.error,
             "status": status_of(path),
         }
-        return values | {name: getattr(verdict.evidence, name) for name in _EVIDENCE}
+        return values | {name: verdict.evidence[name] for name in _EVIDENCE}

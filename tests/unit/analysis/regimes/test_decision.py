@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
-
 import numpy as np
 import pytest
 from tests.unit.analysis.regimes.iterated import Iterated, Step, henon, logistic, rolled, standard
 
-from remanent._typing import FloatArray, IntArray
-from remanent.analysis.regimes.agreement import agreed_regime, regime_of_run
+from remanent._typing import BoolArray, FloatArray, IntArray
+from remanent.analysis.regimes.agreement import (
+    RULES,
+    agreed_regime,
+    is_chaotic,
+    regime_of_run,
+)
+from remanent.analysis.regimes.collection import INDICATORS, state_observables
 from remanent.analysis.regimes.decision import RegimeProblem, decide_regimes
-from remanent.analysis.regimes.evidence import EvidenceTable, state_observables
+from remanent.analysis.regimes.evidence import EvidenceTable
 from remanent.analysis.regimes.labels import Regime, RegimeLabels
 from remanent.analysis.regimes.long_runs import LongRun, propagate_tangents
+from remanent.analysis.regimes.orbit_batch import OrbitBatch
 from remanent.analysis.regimes.thresholds import Thresholds
 
 GOLDEN = (np.sqrt(5.0) - 1.0) / 2.0
@@ -152,9 +157,9 @@ def evidence(**values: float) -> EvidenceTable:
         "period": 1, "defect": 0.5, "late_defect": 0.5, "extent": 1.0,
     }  # fmt: skip
     row |= values
-    columns = {name: np.array([value]) for name, value in row.items()}
+    columns: dict[str, FloatArray] = {name: np.array([value]) for name, value in row.items()}
     columns["half_growths"] = np.full((1, 2), row["half_growths"])
-    return EvidenceTable(**columns)
+    return EvidenceTable.from_columns(columns)
 
 
 def regime_of(table: EvidenceTable, damped: bool) -> Regime:
@@ -274,6 +279,37 @@ def test_labels_do_not_depend_on_company() -> None:
     for k in range(7):
         alone = label(logistic, np.full((1, 1), 0.3), r[k : k + 1], 300)
         assert alone.regime[0] == together.regime[k]
-        for f in fields(EvidenceTable):
-            ours, theirs = (getattr(x.evidence, f.name) for x in (together, alone))
-            np.testing.assert_array_equal(ours[k], theirs[0], err_msg=f.name)
+        for name, column in together.evidence.columns.items():
+            np.testing.assert_array_equal(column[k], alone.evidence[name][0], err_msg=name)
+
+
+def test_a_new_indicator_is_a_function_and_a_line_in_a_table() -> None:
+    """The scatter of the orbit as a column, and a rule that calls narrow chaos undecided."""
+
+    def scatter(batch: OrbitBatch) -> FloatArray:
+        return np.asarray(batch.points[:, :, 0].std(axis=1))
+
+    def wide_chaos(
+        e: EvidenceTable, damped: BoolArray, periods: int, t: Thresholds
+    ) -> tuple[BoolArray, FloatArray]:
+        chaotic, margin = is_chaotic(e, damped, periods, t)
+        return chaotic & (e["scatter"] > 0.25), margin
+
+    par = np.array([[3.65], [4.0]])  # within two bands, and all over the interval
+
+    def follow(which: IntArray, n: int, states: FloatArray | None = None, /) -> LongRun:
+        start = np.full((which.size, 1), 0.3 + n * 1e-13) if states is None else states
+        advance = Iterated(logistic, par[which])
+        return propagate_tangents(advance, start, 500, directions=1, every=True)
+
+    problem = RegimeProblem(
+        follow,
+        2,
+        damped=np.ones(2, dtype=np.bool_),
+        indicators={**INDICATORS, "scatter": scatter},
+        rules=(*RULES[:-1], (Regime.CHAOTIC, wide_chaos)),
+    )
+    found, _ = decide_regimes(problem)
+    assert found.regime.tolist() == [Regime.UNDECIDED, Regime.CHAOTIC]
+    # At r = 4 the density is 1/(pi sqrt(x(1 - x))), whose standard deviation is 1/sqrt(8).
+    assert found.evidence["scatter"][1] == pytest.approx(8.0**-0.5, rel=0.05)
