@@ -9,8 +9,8 @@ import numpy as np
 
 from remanent._errors import InputError
 from remanent._typing import FloatArray
-from remanent.analysis import shaping
-from remanent.analysis.shaping import Design
+from remanent.analysis.control import shaping
+from remanent.analysis.control.shaping import StepSequence
 from remanent.models.actuator import Actuator
 from remanent.studies.control._terminal_conditions import TerminalConditions
 from remanent.studies.ensemble.checks import require_actuator
@@ -35,7 +35,7 @@ _UNSTABLE = 1e-9
 
 def shaped_steps(
     single: Ensemble, target: float, robust_to: Sequence[str], tolerance: float
-) -> tuple[Design, float]:
+) -> tuple[StepSequence, float]:
     """The steps before the last, and the last load, for an ensemble of one actuator.
 
     Raises
@@ -47,10 +47,10 @@ def shaped_steps(
         raise _unreachable(target, "a field is invalid")
     problem = _ShapingProblem.of(single, target, robust_to, tolerance)
     for stages in _STAGES:
-        design, load = problem.in_stages(stages)
-        if design.residual <= problem.accepted:
-            return design, load
-    raise _unreachable(target, f"the best command misses rest by {design.residual:.1e}")
+        sequence, load = problem.in_stages(stages)
+        if sequence.residual <= problem.accepted:
+            return sequence, load
+    raise _unreachable(target, f"the best command misses rest by {sequence.residual:.1e}")
 
 
 @dataclass(frozen=True)
@@ -114,7 +114,7 @@ class _ShapingProblem:
             motion_tolerance=_MOTION_TOLERANCE * tolerance * size,
         )
 
-    def in_stages(self, stages: int) -> tuple[Design, float]:
+    def in_stages(self, stages: int) -> tuple[StepSequence, float]:
         """The command to the target by way of nearer ones, and its last load.
 
         The command to each is the guess for the next, with loads and the displacement at the
@@ -122,7 +122,7 @@ class _ShapingProblem:
         """
         parts = np.linspace(0.0, 1.0, stages + 1)[1:]
         rests = self._rests(parts)
-        guess = self._linear_design(rests[0])
+        guess = self._linear_steps(rests[0])
         before = parts[0]
         for part, rest in zip(parts, rests, strict=True):
             loads = self.start.load + part / before * (guess.loads - self.start.load)
@@ -140,7 +140,7 @@ class _ShapingProblem:
             raise _unreachable(self.target, "no load holds it there")
         return rests
 
-    def _solve(self, rest: StaticState, guess: Design, part: float) -> Design:
+    def _solve(self, rest: StaticState, guess: StepSequence, part: float) -> StepSequence:
         """The command to a state of rest near a guess."""
         initial = self.start.state + part * self.displacement
         conditions = TerminalConditions(
@@ -148,23 +148,23 @@ class _ShapingProblem:
         )
         distance = float(np.abs(self.displacement).max())
         scale = max(abs(rest.load - self.start.load), distance, _SMALLEST_SCALE)
-        return shaping.solve(conditions, guess, scale=scale, tolerance=self.tolerance)
+        return shaping.solve_step_sequence(conditions, guess, scale=scale, tolerance=self.tolerance)
 
-    def _linear_design(self, rest: StaticState) -> Design:
+    def _linear_steps(self, rest: StaticState) -> StepSequence:
         """The steps for a small move, by the linear motion about the target.
 
         A start that is not at rest needs as many steps as there are poles.  At half a period
         the roots of two poles would coincide, and give one step for both: the spacing is then
         another.
         """
-        poles = shaping.poles(*rest.linearised())
+        poles = shaping.controllable_poles(*rest.linearised())
         if (poles.real > _UNSTABLE * np.abs(poles).max()).any():
             raise _unreachable(self.target, "the equilibrium there is unstable")
         moving = bool(self.displacement.any())
-        spacing = shaping.interval(poles) * (_UNEVEN_SPACING if moving else 1.0)
-        parts = shaping.fractions(poles, spacing, 1 + len(self.robust_to))
+        spacing = shaping.impulse_spacing(poles) * (_UNEVEN_SPACING if moving else 1.0)
+        parts = shaping.impulse_amplitudes(poles, spacing, 1 + len(self.robust_to))
         loads = self.start.load + (rest.load - self.start.load) * np.cumsum(parts)[:-1]
-        return Design(loads, np.full(loads.size, spacing))
+        return StepSequence(loads, np.full(loads.size, spacing))
 
 
 def _with_values(single: Ensemble) -> Actuator:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from remanent._typing import FloatArray
-from remanent.analysis import steps
+from remanent.analysis.control import settling
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Outcome, Problem, Request
 from remanent.studies.ensemble.observables import observe
@@ -129,13 +129,13 @@ class Transient:
         grid = np.linspace(0.0, 1.0, samples) * end[:, None]
         with np.errstate(all="ignore"):
             share = (self.motion(grid)[0] - self.start[:, None]) / self.change[:, None]
-        outside = steps.last_outside(share, 1.0 - self.band, 1.0 + self.band)
-        before = np.stack([*(steps.first_above(share, s) - 1 for s in _RISE), outside], axis=1)
+        outside = settling.last_outside(share, 1.0 - self.band, 1.0 + self.band)
+        before = np.stack([*(settling.first_above(share, s) - 1 for s in _RISE), outside], axis=1)
         above = share[np.arange(len(share)), outside] > 1.0
         edge = 1.0 + np.where(above, self.band, -self.band)
         levels = np.stack([*(np.full(len(share), s) for s in _RISE), edge])
         stretches = self.start[:, None] + levels.T * self.change[:, None]
-        passages = steps.passages(self.motion, grid, before, stretches)
+        passages = settling.level_crossings(self.motion, grid, before, stretches)
         unit = self.time_unit[:, None]
         # A passage is late by the error of the stretch over the speed of the passage.
         error = self.motion.outcome.error[:, None] / np.abs(passages.rate) / unit

@@ -74,7 +74,7 @@ def shape_command(
     m₂ = θ(x³ − 1)/x², under which x is an equilibrium.  In general the last load and state of
     rest solve the equations of equilibrium; loads and durations before it solve
     y(end) = y(rest), and dy(end)/dp = dy(rest)/dp for each p in `robust_to`, by least squares
-    from the answer for small moves (:func:`remanent.analysis.shaping.fractions`).
+    from the answer for small moves (:func:`remanent.analysis.control.shaping.impulse_amplitudes`).
 
     Examples
     --------
@@ -198,16 +198,16 @@ def _command(
 ) -> _Command:
     """The steps for one trajectory; an empty command where there is none on a grid."""
     try:
-        design, last = shaped_steps(ens.member(index), target, robust_to, tolerance)
+        sequence, last = shaped_steps(ens.member(index), target, robust_to, tolerance)
     except InputError:
         if not ens.sizes:
             raise
         return _Command(np.empty(0), np.empty(0))
     return _Command(
-        np.concatenate([[0.0], np.cumsum(design.durations)]),
-        np.append(design.loads, last),
-        design.residual,
-        design.error,
+        np.concatenate([[0.0], np.cumsum(sequence.durations)]),
+        np.append(sequence.loads, last),
+        sequence.residual,
+        sequence.error,
     )
 
 

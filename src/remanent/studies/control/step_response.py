@@ -10,7 +10,7 @@ import xarray as xr
 from remanent._checks import positive, require_real
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, FloatArray
-from remanent.analysis import shaping
+from remanent.analysis.control import shaping
 from remanent.codegen.field import field_for
 from remanent.models.drives.base import Drive
 from remanent.models.drives.piecewise import Steps
@@ -182,5 +182,10 @@ def _rests(scaled: PhysicalScales) -> list[StaticState | None]:
 def _half_periods(rests: Sequence[StaticState | None]) -> FloatArray:
     """Half the longest natural period at every rest, array (trajectory,)."""
     return np.array(
-        [np.nan if b is None else shaping.interval(shaping.poles(*b.linearised())) for b in rests]
+        [
+            np.nan
+            if b is None
+            else shaping.impulse_spacing(shaping.controllable_poles(*b.linearised()))
+            for b in rests
+        ]
     )

@@ -10,7 +10,7 @@ import xarray as xr
 
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, FloatArray
-from remanent.analysis.fitting import Data
+from remanent.analysis.inference.fitting import Observations
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Outcome, Problem, Request
 from remanent.models.drives.base import Drive
@@ -54,7 +54,7 @@ class Measurements:
         names = [str(n) for n in self.table.data_vars if self.table[n].dims == (self.dimension,)]
         return [n for n in names if not n.endswith("_error") and n not in _EVIDENCE]
 
-    def data(self) -> Data:
+    def data(self) -> Observations:
         """The values with their standard deviations.
 
         Deviations count only where every variable has them: else there is no common unit in
@@ -84,7 +84,7 @@ class Measurements:
                 why="Each value counts by its deviation.",
                 fix="Leave such rows out.",
             )
-        return Data(values, deviation, known)
+        return Observations(values, deviation, known)
 
     def labels(self) -> dict[str, Labelled]:
         """What each value is, and where, along ``observation``."""

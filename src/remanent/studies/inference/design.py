@@ -12,7 +12,7 @@ from scipy.optimize import least_squares
 from remanent._checks import as_float_array, positive, require_real, shortened
 from remanent._errors import InputError
 from remanent._typing import FloatArray
-from remanent.analysis.fitting import Box, jacobian
+from remanent.analysis.inference.fitting import ParameterBox, difference_jacobian
 from remanent.results import build
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_intervals
@@ -119,7 +119,7 @@ class _Problem:
     targets : array (measure,)
     names : sequence of str
         Of the fields that change.
-    box : Box
+    box : ParameterBox
         Their scales and ranges.
     step : float
         Relative change of a field in differences.
@@ -128,7 +128,7 @@ class _Problem:
     measures: Sequence[Measure]
     targets: FloatArray
     names: Sequence[str]
-    box: Box
+    box: ParameterBox
     step: float
 
     @property
@@ -143,7 +143,7 @@ class _Problem:
 
     def slopes(self, x: FloatArray) -> FloatArray:
         """Derivatives of the distances at one point, array (measure, field)."""
-        return jacobian(self.distances, x, self.box, self.step)
+        return difference_jacobian(self.distances, x, self.box, self.step)
 
     def solve(self, guess: FloatArray) -> FloatArray:
         """The point nearest to all targets, array (field,)."""
@@ -238,7 +238,7 @@ def _measures(measures: Measure | Sequence[Measure]) -> list[Measure]:
     return list(listed)
 
 
-def _box(guess: Mapping[str, float], parameter_ranges: object) -> Box:
+def _box(guess: Mapping[str, float], parameter_ranges: object) -> ParameterBox:
     """Scales and ranges of the fields, inside which the guesses lie."""
     ranges = require_intervals(
         "parameter_ranges", parameter_ranges, guess, "`parameters`", "The search stays inside."
@@ -254,4 +254,4 @@ def _box(guess: Mapping[str, float], parameter_ranges: object) -> Box:
             why="The search starts there.",
             fix="Pass other guesses or wider ranges.",
         )
-    return Box(np.where(values == 0.0, 1.0, np.abs(values)), lower, upper)
+    return ParameterBox(np.where(values == 0.0, 1.0, np.abs(values)), lower, upper)

@@ -10,8 +10,8 @@ import xarray as xr
 from remanent._checks import Rule, not_negative, require_flag, require_real
 from remanent._errors import InputError
 from remanent._typing import ArrayLike
-from remanent.analysis import fitting
-from remanent.analysis.fitting import Box, Data, Fit
+from remanent.analysis.inference import fitting
+from remanent.analysis.inference.fitting import LeastSquaresFit, Observations, ParameterBox
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.results import build, provenance
@@ -149,11 +149,12 @@ def fit(
         tolerance=tolerance,
     )
     observed, box = measurements.data(), _box(system, drive, guess, parameter_ranges)
-    best = fitting.fit(model, observed, np.array(list(guess.values())), box)
+    best = fitting.fit_least_squares(model, observed, np.array(list(guess.values())), box)
     variables = _variables(best, observed, confidence)
     if profile:
         ends = [
-            fitting.profile(model, observed, best, box, k, confidence) for k in range(len(guess))
+            fitting.profile_interval(model, observed, best, box, k, confidence)
+            for k in range(len(guess))
         ]
         variables["profile_interval"] = (("parameter", "bound"), np.array(ends))
     attributes = provenance.attributes(
@@ -177,7 +178,9 @@ def _require_window(duration: float | None, periods: int | None) -> None:
         require_count("periods", periods, "Runs are counted in whole drive periods.")
 
 
-def _variables(best: Fit, observed: Data, confidence: float) -> dict[str, Labelled]:
+def _variables(
+    best: LeastSquaresFit, observed: Observations, confidence: float
+) -> dict[str, Labelled]:
     """What is told of a fit, by name."""
     half_width = best.quantile(confidence) * best.deviation
     return {
@@ -231,7 +234,7 @@ def _box(
     drive: Drive,
     guess: Mapping[str, float],
     parameter_ranges: object,
-) -> Box:
+) -> ParameterBox:
     """Scales of the parameters, and ranges inside which the rules of the fields hold."""
     ranges = require_intervals(
         "parameter_ranges", parameter_ranges, guess, "`parameters`", "The search stays inside."
@@ -255,7 +258,7 @@ def _box(
                 why="The search starts there.",
                 fix="Pass a guess between the two values.",
             )
-    return Box(scale, lower, upper)
+    return ParameterBox(scale, lower, upper)
 
 
 def _admissible(rule: Rule | None, scale: float) -> tuple[float, float]:

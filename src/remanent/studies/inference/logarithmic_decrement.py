@@ -10,7 +10,7 @@ import xarray as xr
 from remanent._checks import Rule, require_real, shortened
 from remanent._errors import InputError
 from remanent._typing import FloatArray
-from remanent.analysis.ringdown import Decay, decay
+from remanent.analysis.inference.ringdown import DecayFit, fit_decay
 from remanent.results import build
 from remanent.results.build import Labelled
 from remanent.results.checks import require_dataset
@@ -87,7 +87,7 @@ def logarithmic_decrement(
     motion_dims = [d for d in values.dims if d != axis]
     values, time = (array.transpose(*motion_dims, axis) for array in (values, time))
     rows = [
-        _statistics(decay(t[np.isfinite(x)], x[np.isfinite(x)], prominence=smallest))
+        _statistics(fit_decay(t[np.isfinite(x)], x[np.isfinite(x)], prominence=smallest))
         for t, x in zip(_rows(time), _rows(values), strict=True)
     ]
     shape = tuple(values.sizes[d] for d in motion_dims)
@@ -129,7 +129,7 @@ def _rows(array: xr.DataArray) -> FloatArray:
     return np.reshape(array.values, (-1, array.shape[-1]))
 
 
-def _statistics(ring_down: Decay | None) -> list[float]:
+def _statistics(ring_down: DecayFit | None) -> list[float]:
     """The variables of one motion, in the order of their names; NaN where it has no decay."""
     if ring_down is None:
         return [np.nan] * len(_NAMES)

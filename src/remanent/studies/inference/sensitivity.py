@@ -11,7 +11,7 @@ import xarray as xr
 
 from remanent._checks import positive, require_real
 from remanent._typing import FloatArray
-from remanent.analysis.differences import offsets, richardson
+from remanent.analysis.inference.differences import difference_offsets, richardson_derivative
 from remanent.results import build
 from remanent.results.build import Labelled
 from remanent.studies.inference._measures import (
@@ -129,7 +129,7 @@ class _Differences:
     def about(cls, centre: FloatArray, step: float) -> _Differences:
         """Differences whose largest is `step`, relative where the centre is not 0."""
         widths = step * np.where(centre == 0.0, 1.0, np.abs(centre))
-        changes = np.concatenate([offsets(width, _LEVELS) for width in widths])
+        changes = np.concatenate([difference_offsets(width, _LEVELS) for width in widths])
         points = np.repeat(centre[None], 1 + changes.size, axis=0)
         changed = np.repeat(np.arange(centre.size), 2 * _LEVELS)
         points[np.arange(1, changes.size + 1), changed] += changes
@@ -147,7 +147,7 @@ class _Differences:
             slice(1 + 2 * _LEVELS * k, 1 + 2 * _LEVELS * (k + 1)) for k in range(len(self.widths))
         ]
         tables = [
-            richardson(values[block], noise[block], width)
+            richardson_derivative(values[block], noise[block], width)
             for block, width in zip(rows, self.widths, strict=True)
         ]
         slopes, errors = (np.array(part) for part in zip(*tables, strict=True))

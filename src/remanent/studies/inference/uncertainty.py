@@ -13,7 +13,14 @@ from scipy.stats import uniform
 from remanent._checks import as_float_array, require_flag
 from remanent._errors import InputError
 from remanent._typing import FloatArray
-from remanent.analysis.uncertainty import PARTS, Distribution, Indices, Spread, indices, spread
+from remanent.analysis.inference.uncertainty import (
+    REPLICATES,
+    Distribution,
+    PropagatedStatistics,
+    SobolIndices,
+    estimate_sobol_indices,
+    propagate_distributions,
+)
 from remanent.results import build
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import Rng, as_seed, require_interval
@@ -106,7 +113,7 @@ def uncertainty(
     samples = _samples(samples, shares)
     generator = np.random.default_rng(as_seed(rng))
     function = _Evaluation(measure, names)
-    statistics = spread(function, distributions, shares, samples, generator)
+    statistics = propagate_distributions(function, distributions, shares, samples, generator)
     layout = function.layout
     name = measure.of if isinstance(measure.of, str) else "value"
     variables: dict[str, Labelled] = {
@@ -117,7 +124,7 @@ def uncertainty(
     coords: dict[str, Labelled] = {"quantile": (("quantile",), shares)}
     if sobol:
         variables |= _shares_of_variance(
-            indices(function, distributions, samples, generator), layout
+            estimate_sobol_indices(function, distributions, samples, generator), layout
         )
         coords["field"] = (("field",), np.array(names))
     return build.dataset(
@@ -151,11 +158,11 @@ class _Evaluation:
         return self._layout
 
 
-def _moments(statistics: Spread, layout: MeasureLayout) -> dict[str, Labelled]:
+def _moments(statistics: PropagatedStatistics, layout: MeasureLayout) -> dict[str, Labelled]:
     return {name: layout.labelled(getattr(statistics, name)) for name in _MOMENTS}
 
 
-def _shares_of_variance(sobol: Indices, layout: MeasureLayout) -> dict[str, Labelled]:
+def _shares_of_variance(sobol: SobolIndices, layout: MeasureLayout) -> dict[str, Labelled]:
     values = {
         "first_index": sobol.first,
         "first_index_error": sobol.first_error,
@@ -179,7 +186,7 @@ def _require_names(parameter_ranges: object) -> list[str]:
 
 def _samples(samples: int, shares: FloatArray) -> int:
     samples = require_count("samples", samples, "They fill the ranges.")
-    needed = PARTS / float(np.minimum(shares, 1.0 - shares).min())
+    needed = REPLICATES / float(np.minimum(shares, 1.0 - shares).min())
     if samples & (samples - 1) or samples < needed:
         raise InputError(
             "samples",

@@ -13,7 +13,7 @@ from remanent._errors import InputError
 from remanent._field import Role, StateVariable
 from remanent._roots import find_root
 from remanent._typing import FloatArray
-from remanent.analysis.orbits import Orbits, distinct, newton, taken
+from remanent.analysis.orbits.periodic_orbits import Orbits, distinct_orbits, newton_fixed_points
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.studies.ensemble.ensemble import Ensemble
@@ -157,11 +157,11 @@ def _closed(
     search: Search, map_: StroboscopicMap, guesses: FloatArray, row: FloatArray, tolerance: float
 ) -> Orbits:
     """Different orbits that Newton's method reaches from guesses."""
-    orbits = newton(
+    orbits = newton_fixed_points(
         map_, guesses, np.tile(row, (len(guesses), 1)),
-        iterate=search.period, tolerance=tolerance, bounds=search.box, worst=10.0 * _ROUGH,
+        iterate=search.period, tolerance=tolerance, box=search.box, max_error=10.0 * _ROUGH,
     )  # fmt: skip
-    return distinct(map_, orbits, row, iterate=search.period)
+    return distinct_orbits(map_, orbits, row, iterate=search.period)
 
 
 def _in_box(search: Search) -> FloatArray:
@@ -227,4 +227,4 @@ def nearest_rest(orbits: Orbits, ens: Ensemble) -> Orbits:
     """The orbit whose point is nearest to rest, alone."""
     rest = [float(rest_values(v, ens.values, ens.count)[0]) for v in ens.field.variables]
     k = int(np.argmin(np.linalg.norm(orbits.state - rest, axis=1)))
-    return taken(orbits, np.array([k]))
+    return orbits.subset(np.array([k]))

@@ -14,7 +14,7 @@ from remanent._checks import require_choice
 from remanent._errors import InputError
 from remanent._status import Status
 from remanent._typing import ArrayLike, FloatArray
-from remanent.analysis.orbits import Orbits, newton
+from remanent.analysis.orbits.periodic_orbits import Orbits, newton_fixed_points
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.results import build, provenance
@@ -276,9 +276,9 @@ def _start(tracing: Tracing, start: ArrayLike | None, value: float) -> Orbits:
                 why="It is a state at phase 0.",
                 fix="Take one from periodic_orbits.",
             )
-        orbits = newton(
+        orbits = newton_fixed_points(
             tracing.map, guess, np.array([[value]]), iterate=tracing.period,
-            tolerance=tracing.tolerance, bounds=tracing.box,
+            tolerance=tracing.tolerance, box=tracing.box,
         )  # fmt: skip
         why = "Newton's method reached none from it."
     if not orbits.residual.size:

@@ -8,8 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from remanent._typing import BoolArray, IntArray
-from remanent.analysis.basins import Attractors, attractors, settled
-from remanent.analysis.regimes import Regime
+from remanent.analysis.regimes.attractors import (
+    AttractorAssignment,
+    assign_attractors,
+    extrapolate_tails,
+)
+from remanent.analysis.regimes.labels import Regime
 from remanent.results.build import Labelled
 from remanent.studies.regimes._regime_classifier import TEMPLATES, RegimeClassifier
 
@@ -47,7 +51,7 @@ class EndClassifier:
         tail = path.visited[:, -self.tail :].copy()
         contracting = np.flatnonzero(self.classifier.damped[indices])
         if contracting.size:
-            tail[contracting] = settled(
+            tail[contracting] = extrapolate_tails(
                 self.classifier.iterate(indices[contracting]),
                 tail[contracting],
                 labels.regime[contracting],
@@ -79,22 +83,27 @@ class Ends:
         """Number of initial states."""
         return int(self.regime.shape[1])
 
-    def sort(self) -> list[Attractors | None]:
+    def sort(self) -> list[AttractorAssignment | None]:
         """The attractors of each set of parameters, and who ends there."""
         return [
-            attractors(self.tail[k], self.regime[k], self.period[k]) if self.damped[k] else None
+            assign_attractors(self.tail[k], self.regime[k], self.period[k])
+            if self.damped[k]
+            else None
             for k in range(len(self.damped))
         ]
 
 
-def basin_numbers(sorted_ends: list[Attractors | None], starts: int) -> IntArray:
+def basin_numbers(sorted_ends: list[AttractorAssignment | None], starts: int) -> IntArray:
     """Number of the attractor of each trajectory, array (trajectory,); -1 where it has none."""
     none = np.full(starts, -1, dtype=np.int64)
-    return np.concatenate([none if each is None else each.which for each in sorted_ends])
+    return np.concatenate([none if each is None else each.attractor for each in sorted_ends])
 
 
 def attractor_table(
-    ends: Ends, sorted_ends: list[Attractors | None], dims: tuple[str, ...], shape: tuple[int, ...]
+    ends: Ends,
+    sorted_ends: list[AttractorAssignment | None],
+    dims: tuple[str, ...],
+    shape: tuple[int, ...],
 ) -> dict[str, Labelled]:
     """What is told of each attractor, by name.
 
@@ -105,7 +114,7 @@ def attractor_table(
         attractors than others have NaN, 0 or an empty text in place of the rest.
     """
     points = len(ends.regime)
-    count = max((each.first.size for each in sorted_ends if each is not None), default=0)
+    count = max((each.representative.size for each in sorted_ends if each is not None), default=0)
     regime = np.zeros((points, count), dtype="<U14")
     period = np.zeros((points, count), dtype=ends.period.dtype)
     state = np.full((points, count, ends.tail.shape[-1]), np.nan)
@@ -113,11 +122,11 @@ def attractor_table(
     for k, each in enumerate(sorted_ends):
         if each is None:
             continue
-        first, number = each.first, each.first.size
+        first, number = each.representative, each.representative.size
         regime[k, :number] = [Regime(code).meaning for code in ends.regime[k, first]]
         period[k, :number] = ends.period[k, first]
         state[k, :number] = ends.tail[k, first, -1]
-        fraction[k, :number] = [np.mean(each.which == n) for n in range(number)]
+        fraction[k, :number] = [np.mean(each.attractor == n) for n in range(number)]
     columns: dict[str, tuple[tuple[str, ...], np.ndarray]] = {
         "attractor_regime": ((ATTRACTOR,), regime),
         "attractor_period": ((ATTRACTOR,), period),

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from remanent._typing import IntArray
-from remanent.analysis.lyapunov import exponents
+from remanent.analysis.regimes.lyapunov import lyapunov_exponents
 from remanent.integrate.maps.period_map import Judged
 from remanent.studies.regimes._follower import Follower, status_of
 
@@ -95,7 +95,7 @@ class ExponentEstimator:
         path, coarse_path = self.follower.follow_with_doubled_steps(
             indices, self.tolerance, judged=judged, block=self.block, cancelled=cancelled
         )
-        fine, coarse = (exponents(p.growth, p.lengths) for p in (path, coarse_path))
+        fine, coarse = (lyapunov_exponents(p.growth, p.block_lengths) for p in (path, coarse_path))
         tau = self.follower.period_lengths[indices]
         # Tangents that lined up within a period leave a bound, not a value.
         collapsed = (path.growth - path.growth[:, :, :1] < np.log(_COLLAPSED)).any(axis=1)

@@ -13,7 +13,12 @@ import numpy as np
 
 from remanent._status import Status
 from remanent._typing import BoolArray, FloatArray, IntArray
-from remanent.analysis.following import Advance, Path, block_lengths, follow
+from remanent.analysis.regimes.long_runs import (
+    LongRun,
+    TangentMap,
+    block_lengths,
+    propagate_tangents,
+)
 from remanent.integrate.ensemble.problem import Problem
 from remanent.integrate.maps.advance import Advancer, Retrace
 from remanent.integrate.maps.period_map import Judged, PeriodMap
@@ -98,7 +103,7 @@ class Follower:
         directions: int | None = None,
         every: bool = False,
         cancelled: Callable[[], bool] = never_cancelled,
-    ) -> Path:
+    ) -> LongRun:
         """Follow a subset of the trajectories.
 
         Parameters
@@ -116,7 +121,7 @@ class Follower:
             Asked between blocks of periods whether to stop.
         """
         directions = self.directions if directions is None else directions
-        return follow(
+        return propagate_tangents(
             self.advancer(indices, tolerance, directions=directions, judged="state"),
             self.problem.initial[indices] if states is None else states,
             self.periods,
@@ -133,7 +138,7 @@ class Follower:
         judged: Judged,
         block: int | None,
         cancelled: Callable[[], bool],
-    ) -> tuple[Path, Path]:
+    ) -> tuple[LongRun, LongRun]:
         """Follow a subset of the trajectories, and once more with steps twice as long.
 
         The difference of the two runs is the error of discretisation: the second repeats the
@@ -143,8 +148,8 @@ class Follower:
         flow = self.period_map(self.directions, "nothing")
         coarse = Retrace(flow, fine.parameters, fine.lengths, fine.taken)
 
-        def path(advance: Advance) -> Path:
-            return follow(
+        def path(advance: TangentMap) -> LongRun:
+            return propagate_tangents(
                 advance,
                 self.problem.initial[indices],
                 self.periods,
@@ -242,7 +247,7 @@ def damped(ens: Ensemble) -> BoolArray:
     return np.asarray(np.broadcast_to(dissipative, (ens.count,)))
 
 
-def status_of(path: Path) -> IntArray:
+def status_of(path: LongRun) -> IntArray:
     """Status of followed trajectories, array (trajectory,)."""
     codes = np.where(path.trusted, int(Status.OK), int(Status.MAX_STEPS))
     return np.where(path.escaped, int(Status.ESCAPED), codes)

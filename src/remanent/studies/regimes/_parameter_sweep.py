@@ -9,7 +9,7 @@ import numpy as np
 
 from remanent._status import Status
 from remanent._typing import BoolArray, FloatArray, IntArray
-from remanent.analysis.following import FARTHEST
+from remanent.analysis.regimes.long_runs import ESCAPE_BOUND
 from remanent.integrate.ensemble.problem import Problem
 from remanent.integrate.maps.advance import Advancer
 from remanent.integrate.maps.period_map import PeriodMap
@@ -114,7 +114,7 @@ class ParameterSweep:
             return current
         rows, columns = trajectory[valid], sweep[valid]
         outcome = self._settle(rows, current[valid])
-        escaped = ~(np.abs(outcome.visited) < FARTHEST).all(axis=(1, 2))
+        escaped = ~(np.abs(outcome.visited) < ESCAPE_BOUND).all(axis=(1, 2))
         codes = np.where(outcome.trusted, int(Status.OK), int(Status.MAX_STEPS))
         section.status[rows, columns] = np.where(escaped, int(Status.ESCAPED), codes)
         section.error[rows, columns] = outcome.error

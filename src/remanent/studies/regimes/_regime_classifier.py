@@ -11,10 +11,10 @@ import numpy as np
 import xarray as xr
 
 from remanent._typing import BoolArray, FloatArray, IntArray
-from remanent.analysis import regimes
-from remanent.analysis.following import Path
-from remanent.analysis.regimes import Regime, Verdict
-from remanent.analysis.returns import Iterate
+from remanent.analysis.regimes.decision import RegimeProblem, decide_regimes
+from remanent.analysis.regimes.labels import Regime, RegimeLabels
+from remanent.analysis.regimes.limit_orbits import IterateMap
+from remanent.analysis.regimes.long_runs import LongRun
 from remanent.studies.ensemble.dataset import to_dataset
 from remanent.studies.ensemble.durations import require_count, require_periods
 from remanent.studies.ensemble.ensemble import Ensemble
@@ -117,10 +117,10 @@ class RegimeClassifier:
 
     def decide(
         self, indices: IntArray, cancelled: Callable[[], bool] = never_cancelled
-    ) -> tuple[Verdict, Path]:
+    ) -> tuple[RegimeLabels, LongRun]:
         """Labels of a subset of the trajectories, and the paths they were read from."""
 
-        def run(subset: IntArray, level: int, states: FloatArray | None = None, /) -> Path:
+        def run(subset: IntArray, level: int, states: FloatArray | None = None, /) -> LongRun:
             # Only the finest run carries the second tangent: it is not needed where the two
             # coarser ones agree, and it costs as much as the first.
             return self.follower.run(
@@ -132,15 +132,17 @@ class RegimeClassifier:
                 cancelled=cancelled,
             )
 
-        return regimes.classify(
-            run,
-            indices.size,
-            damped=self.damped[indices],
-            iterate=self.iterate(indices),
-            seed=self.seed,
+        return decide_regimes(
+            RegimeProblem(
+                run,
+                indices.size,
+                damped=self.damped[indices],
+                iterate=self.iterate(indices),
+                seed=self.seed,
+            )
         )
 
-    def iterate(self, indices: IntArray) -> Iterate:
+    def iterate(self, indices: IntArray) -> IterateMap:
         """Images and Jacobians of the trajectories' maps at the finest tolerance."""
         dimension = len(self.follower.ensemble.field.state)
         advance = self.follower.advancer(indices, self.tolerance, directions=dimension)
@@ -154,7 +156,9 @@ class RegimeClassifier:
 
         return image
 
-    def variables(self, indices: IntArray, labels: Verdict, path: Path) -> dict[str, np.ndarray]:
+    def variables(
+        self, indices: IntArray, labels: RegimeLabels, path: LongRun
+    ) -> dict[str, np.ndarray]:
         """What is told of a subset of the trajectories, by name."""
         tau = self.follower.period_lengths[indices]
         values = {
@@ -167,4 +171,4 @@ class RegimeClassifier:
             "local_error": path.error,
             "status": status_of(path),
         }
-        return values | {name: getattr(labels.evidence, name) for name in EVIDENCE}
+        return values | {name: labels.evidence[name] for name in EVIDENCE}

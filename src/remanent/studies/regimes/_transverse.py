@@ -9,8 +9,8 @@ import numpy as np
 
 from remanent._errors import InputError
 from remanent._typing import FloatArray, IntArray
-from remanent.analysis.following import Path, follow
-from remanent.analysis.orbits import multipliers
+from remanent.analysis.orbits.stability import floquet_multipliers
+from remanent.analysis.regimes.long_runs import LongRun, propagate_tangents
 from remanent.integrate.maps.advance import Step
 from remanent.integrate.maps.period_map import PeriodMap
 from remanent.integrate.variations import parting
@@ -97,7 +97,7 @@ class TransverseFlow:
         self, indices: IntArray, periods: int, cancelled: Callable[[], bool]
     ) -> dict[str, np.ndarray]:
         """Follow differences of a subset of the trajectories and say whether they grow."""
-        path = follow(
+        path = propagate_tangents(
             _Subset(self, indices),
             self.initial[indices],
             periods,
@@ -121,7 +121,7 @@ class TransverseFlow:
         start = self.initial[indices]
         unit = np.tile(np.eye(self.width), (indices.size, 1, 1))
         once = self.advance(indices, start, unit, 1)
-        values, _ = multipliers(np.moveaxis(once.tangents, 1, 2), once.error)
+        values, _ = floquet_multipliers(np.moveaxis(once.tangents, 1, 2), once.error)
         values[np.abs(once.visited[:, -1] - start).max(axis=1) > _CLOSED] = np.nan
         return np.asarray(values)
 
@@ -172,7 +172,7 @@ class _Subset:
         return self.flow.advance(self.indices[which], states, tangents, periods)
 
 
-def _decide(path: Path, periods: int) -> tuple[np.ndarray, FloatArray, FloatArray]:
+def _decide(path: LongRun, periods: int) -> tuple[np.ndarray, FloatArray, FloatArray]:
     """The label, the largest logarithm of the growth, and the exponent per period."""
     logs = _log_norms(path.factors)
     with np.errstate(invalid="ignore"):

@@ -9,8 +9,8 @@ import xarray as xr
 from scipy.ndimage import maximum_filter
 
 from remanent._typing import BoolArray, FloatArray, IntArray
-from remanent.analysis.maps import Mapped
-from remanent.analysis.orbits import distinct, newton
+from remanent.analysis.orbits.maps import MapImage
+from remanent.analysis.orbits.periodic_orbits import distinct_orbits, newton_fixed_points
 from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.statics._static_ensemble import StaticEnsemble, farthest_inside
@@ -93,8 +93,8 @@ def _roots_of(static: StaticEnsemble, k: int) -> FloatArray:
     guesses = _guesses(static, k)
     bounds = np.log(2.0 * _FARTHEST) * np.array([[-1.0, 1.0]] * 2)
     none = np.empty((len(guesses), 0))
-    orbits = newton(map_, guesses, none, iterate=1, tolerance=_RESIDUAL, bounds=bounds)
-    stretches = np.exp(distinct(map_, orbits, np.empty(0), iterate=1).state)
+    orbits = newton_fixed_points(map_, guesses, none, iterate=1, tolerance=_RESIDUAL, box=bounds)
+    stretches = np.exp(distinct_orbits(map_, orbits, np.empty(0), iterate=1).state)
     return np.asarray(stretches[np.lexsort(stretches.T[::-1])])
 
 
@@ -147,9 +147,9 @@ class _AccelerationMap:
     case: int
     dimension: int = 2
 
-    def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> Mapped:
+    def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> MapImage:
         case, stretches = np.full(len(states), self.case), np.exp(states)
         accelerations = np.stack(self.static.accelerations(case, *stretches.T), axis=1)
         matrix = _slopes(self.static, case, *stretches.T) * stretches[:, None] + np.eye(2)
         rounding = 4.0 * np.finfo(float).eps * (1.0 + np.abs(matrix).max(axis=(1, 2)))
-        return Mapped(states + accelerations, matrix, np.zeros((len(states), 2, 0)), rounding)
+        return MapImage(states + accelerations, matrix, np.zeros((len(states), 2, 0)), rounding)

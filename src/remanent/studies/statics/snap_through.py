@@ -11,7 +11,7 @@ import xarray as xr
 from remanent._checks import finite, require_real
 from remanent._errors import InputError
 from remanent._typing import BoolArray, FloatArray, IntArray
-from remanent.analysis.equilibria import balancing, slope, zeros
+from remanent.analysis.statics.equilibria import balancing_parameter, find_zeros, force_slope
 from remanent.models.actuator import Actuator
 from remanent.models.drives.waves import Constant
 from remanent.studies.ensemble.checks import require_actuator, require_parameter, require_range
@@ -211,7 +211,7 @@ class _Search:
     def value(self, row: IntArray, x: FloatArray) -> FloatArray:
         """The parameter for which `x` is an equilibrium."""
         force = self.static.force_at(self.name)
-        return balancing(lambda i, y, p: force(self.cases[i], y, p), self.ends, row, x)
+        return balancing_parameter(lambda i, y, p: force(self.cases[i], y, p), self.ends, row, x)
 
     def rise(self, row: IntArray, x: FloatArray, value: FloatArray) -> FloatArray:
         """V(x) - V(start)."""
@@ -225,7 +225,7 @@ class _Search:
         """Stretch, parameter and direction of every threshold, arrays (case, threshold)."""
         grid, count = grid_of(self.static, self.cases), self.cases.size
         # Equilibria whose energy is that of the start, and the start, which has it anyway.
-        level = zeros(lambda i, x: self.rise(i, x, self.value(i, x)), count, grid)
+        level = find_zeros(lambda i, x: self.rise(i, x, self.value(i, x)), count, grid)
         level = np.where(np.abs(level - self.start[:, None]) > _SAME_STRETCH, level, np.nan)
         level = np.concatenate([level, self.start[:, None]], axis=1)
         row, x = np.repeat(np.arange(count), level.shape[1]), level.ravel()
@@ -252,7 +252,7 @@ class _Search:
     def _reached(self, row: IntArray, x: FloatArray, value: FloatArray) -> BoolArray:
         """Whether `x` is a saddle with nothing higher on the way from the start."""
         force = self.static.force_at(self.name)
-        steepness = slope(lambda i, y: force(self.cases[i], y, value), row, x)
+        steepness = force_slope(lambda i, y: force(self.cases[i], y, value), row, x)
         share = np.linspace(0.0, 1.0, _SAMPLES)[1:-1]
         begin = self.start[row]
         way = begin[:, None] + (x - begin)[:, None] * share
