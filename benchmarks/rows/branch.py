@@ -15,9 +15,14 @@ from benchmarks import auto07p
 from benchmarks.machine import one_core
 from benchmarks.rows.plan import Plan
 from remanent._typing import FloatArray
-from remanent.analysis.bifurcations import orbit_equations
-from remanent.analysis.continuation import Curve, Settings, corrected, follow
-from remanent.analysis.orbits import multipliers
+from remanent.analysis.orbits.bifurcations import orbit_equations
+from remanent.analysis.orbits.continuation import (
+    ContinuationSettings,
+    Curve,
+    continue_curves,
+    correct_points,
+)
+from remanent.analysis.orbits.periodic_orbits import floquet_multipliers
 from remanent.studies.ensemble.ensemble import ensemble
 from remanent.studies.orbits._period_map import StroboscopicMap
 
@@ -72,7 +77,7 @@ def _timed(work: Callable[[], list[Curve]], repeats: int) -> dict[str, Any]:
         begin = time.process_time()
         curves = work()
         for curve in curves:
-            multipliers(curve.points.extra["jacobian"], curve.points.error)
+            floquet_multipliers(curve.points.extra["jacobian"], curve.points.error)
         times.append(time.process_time() - begin)
         points = sum(len(curve.points) for curve in curves)
         worst = max(float((c.points.residual + c.points.error).max()) for c in curves)
@@ -91,13 +96,13 @@ def _traced(cases: FloatArray, block: int, tolerance: float) -> list[Curve]:
     guess = np.column_stack([rest, np.zeros(len(cases)), cases, np.full(len(cases), _HIGH)])
     down = np.zeros(guess.shape)
     down[:, -1] = -1.0
-    starts, reached = corrected(equations, guess, down, scale=scale, tolerance=tolerance)
-    settings = Settings(
+    starts, reached = correct_points(equations, guess, down, scale=scale, tolerance=tolerance)
+    settings = ContinuationSettings(
         np.array([0.3, -8.0, 0.0, -9.0, _LOW]), np.array([4.0, 8.0, 999.0, 9.0, _HIGH + 1e-9]),
         scale, step=_STEP, longest=_STEP, tolerance=tolerance, block=block, most=_POINTS,
         held=(2, 3),
     )  # fmt: skip
-    return follow(equations, starts.taken(reached), settings)
+    return continue_curves(equations, starts.taken(reached), settings)
 
 
 def _equilibrium(theta: float, prestress: float) -> float:

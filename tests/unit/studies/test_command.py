@@ -8,7 +8,7 @@ import xarray as xr
 from scipy.integrate import quad
 
 import remanent as rm
-from remanent.analysis.shaping import poles
+from remanent.analysis.control.shaping import controllable_poles
 from remanent.codegen.build import build
 from remanent.studies.statics._static_state import Body
 
@@ -190,12 +190,12 @@ def test_rest_and_poles_of_two_coordinates() -> None:
     assert body is not None
     one = rm.equilibria(rm.Actuator(prestress=0.2), body.load)
     assert float(one.equilibrium_stretch[0]) == pytest.approx(1.2, abs=1e-12)
-    modes = poles(*body.linear())
+    modes = controllable_poles(*body.linear())
     np.testing.assert_allclose(
         sorted(modes.imag), np.array([-1, 1]) * float(one.natural_frequency[0])
     )
     row[field.parameters.index("prestress_2")] = 0.3
     bent = Body(field, row, body.state).at_target(1.2)
     assert bent is not None
-    assert poles(*bent.linear()).size == 4
+    assert controllable_poles(*bent.linear()).size == 4
     assert bent.thickness() == pytest.approx(1.2, abs=1e-12)

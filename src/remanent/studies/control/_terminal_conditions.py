@@ -52,7 +52,7 @@ class Arrival:
     def __call__(
         self, loads: FloatArray, durations: FloatArray
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """See :data:`remanent.analysis.shaping.Arrive`."""
+        """See :data:`remanent.analysis.control.shaping.Arrive`."""
         state, by_load, by_time = self._carried(loads, durations)
         rows = self.final.moving
         distance = (state - self._rest)[:, rows]

@@ -11,8 +11,8 @@ import xarray as xr
 from remanent._checks import positive, require_known, require_real
 from remanent._errors import InputError
 from remanent._typing import ArrayLike
-from remanent.analysis import shaping
-from remanent.analysis.shaping import Design
+from remanent.analysis.control import shaping
+from remanent.analysis.control.shaping import StepSequence
 from remanent.models.actuator import Actuator
 from remanent.models.drives.piecewise import Steps
 from remanent.models.drives.waves import Constant
@@ -81,7 +81,7 @@ def shape_command(
     m₂ = θ(x³ − 1)/x², under which x is an equilibrium.  In general the last load and state of
     rest solve the equations of equilibrium; loads and durations before it solve
     y(end) = y(rest), and dy(end)/dp = dy(rest)/dp for each p in `robust_to`, by least squares
-    from the answer for small moves (:func:`remanent.analysis.shaping.fractions`).
+    from the answer for small moves (:func:`remanent.analysis.control.shaping.impulse_amplitudes`).
 
     Examples
     --------
@@ -134,7 +134,7 @@ def shape_commands(
     ens = ensemble(actuator, Constant(0.0), over, initial, reserved=frozenset({"step"}))
     known = [name for name in ens.field.parameters if name != "m"]
     require_known(sizes, [*known, *PHYSICAL], "the actuator, or a physical size")
-    found: list[Design | None] = []
+    found: list[StepSequence | None] = []
     last = []
     for k in range(ens.count):
         try:
@@ -150,7 +150,7 @@ def shape_commands(
 
 def _command(
     single: Ensemble, target: float, sizes: Sequence[str], tolerance: float
-) -> tuple[Design, float]:
+) -> tuple[StepSequence, float]:
     """The steps before the last, and the last load, for one actuator."""
     if single.invalid[0]:
         raise _impossible(target, "a field is invalid")
@@ -177,7 +177,7 @@ def _command(
             loads = start.load + part / last * (guess.loads - start.load)
             arrival = Arrival(actuator, final, start.state + part * away, sizes, fine)
             scale = max(abs(final.load - start.load), float(np.abs(away).max()), 1e-3)
-            guess = shaping.solve(
+            guess = shaping.solve_step_sequence(
                 arrival, replace(guess, loads=loads), scale=scale, tolerance=tolerance
             )
             last = part
@@ -188,19 +188,19 @@ def _command(
     raise _impossible(target, f"the best command misses rest by {guess.residual:.1e}")
 
 
-def _linear(final: Body, before: float, extra: int, target: float, *, moving: bool) -> Design:
+def _linear(final: Body, before: float, extra: int, target: float, *, moving: bool) -> StepSequence:
     """The steps for a small move, by the linear motion about the target.
 
     A start that is not at rest needs as many steps as there are poles; at another spacing
     than half a period no two of their roots are one.
     """
-    found = shaping.poles(*final.linear())
+    found = shaping.controllable_poles(*final.linear())
     if (found.real > 1e-9 * np.abs(found).max()).any():
         raise _impossible(target, "the equilibrium there is unstable")
-    spacing = shaping.interval(found) * (_UNEVEN if moving else 1.0)
-    parts = shaping.fractions(found, spacing, 1 + extra)
+    spacing = shaping.impulse_spacing(found) * (_UNEVEN if moving else 1.0)
+    parts = shaping.impulse_amplitudes(found, spacing, 1 + extra)
     loads = before + (final.load - before) * np.cumsum(parts)[:-1]
-    return Design(loads, np.full(loads.size, spacing))
+    return StepSequence(loads, np.full(loads.size, spacing))
 
 
 def _impossible(target: float, why: str) -> InputError:
@@ -214,7 +214,7 @@ def _labelled(
     ens: Ensemble,
     target: float,
     sizes: Sequence[str],
-    found: Sequence[Design | None],
+    found: Sequence[StepSequence | None],
     last: Sequence[float],
     tolerance: float,
 ) -> xr.Dataset:

@@ -10,7 +10,7 @@ import xarray as xr
 from remanent._checks import positive, require_real
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, FloatArray
-from remanent.analysis import shaping, steps
+from remanent.analysis.control import settling, shaping
 from remanent.codegen.field import field_for
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Outcome, Problem, Request
@@ -173,7 +173,12 @@ def _rests(many: Physical) -> list[Body | None]:
 def _half_periods(rests: Sequence[Body | None]) -> FloatArray:
     """Half the longest natural period at every rest."""
     return np.array(
-        [np.nan if b is None else shaping.interval(shaping.poles(*b.linear())) for b in rests]
+        [
+            np.nan
+            if b is None
+            else shaping.impulse_spacing(shaping.controllable_poles(*b.linear()))
+            for b in rests
+        ]
     )
 
 
@@ -206,13 +211,15 @@ def _metrics(
     grid = np.linspace(0.0, 1.0, int(np.ceil(end.max() / spacing)) + 1) * end[:, None]
     with np.errstate(all="ignore"):
         share = (answer(grid)[0] - start[:, None]) / change[:, None]
-    outside = steps.last_outside(share, 1.0 - band, 1.0 + band)
-    before = np.stack([*(steps.first_above(share, s) - 1 for s in _RISE), outside], axis=1)
+    outside = settling.last_outside(share, 1.0 - band, 1.0 + band)
+    before = np.stack([*(settling.first_above(share, s) - 1 for s in _RISE), outside], axis=1)
     above = share[np.arange(len(share)), outside] > 1.0
     levels = np.stack(
         [*(np.full(len(share), s) for s in _RISE), 1.0 + np.where(above, band, -band)]
     )
-    found = steps.passages(answer, grid, before, start[:, None] + levels.T * change[:, None])
+    found = settling.level_crossings(
+        answer, grid, before, start[:, None] + levels.T * change[:, None]
+    )
     wrong = answer.outcome.error[:, None] / np.abs(found.rate) / many.time[:, None]
     t = found.time / many.time[:, None]
     rising = change > 0.0

@@ -11,7 +11,7 @@ from scipy.optimize import least_squares
 from remanent._checks import positive, require_numbers, require_real
 from remanent._errors import InputError
 from remanent._typing import FloatArray
-from remanent.analysis.fitting import Box, jacobian
+from remanent.analysis.inference.fitting import ParameterBox, difference_jacobian
 from remanent.results import build, provenance
 from remanent.results.build import Labelled
 from remanent.studies.inference.measure import Measure, chosen, listed, together
@@ -89,7 +89,7 @@ def design(
         return np.asarray(distance(x[None])[0])
 
     def slopes(x: FloatArray) -> FloatArray:
-        return jacobian(distance, x, box, step)
+        return difference_jacobian(distance, x, box, step)
 
     begin = distance(start[None])
     if not np.isfinite(begin).all() or begin.shape[1] != len(asked):
@@ -134,7 +134,7 @@ def _guesses(
     return chosen(fields, asked[0].own())
 
 
-def _box(guess: Mapping[str, float], bounds: Mapping[str, tuple[float, float]]) -> Box:
+def _box(guess: Mapping[str, float], bounds: Mapping[str, tuple[float, float]]) -> ParameterBox:
     value = np.array(list(guess.values()))
     ends = np.array([bounds.get(name, (-np.inf, np.inf)) for name in guess], dtype=float)
     if not ((ends[:, 0] < ends[:, 1]) & (ends[:, 0] <= value) & (value <= ends[:, 1])).all():
@@ -142,4 +142,4 @@ def _box(guess: Mapping[str, float], bounds: Mapping[str, tuple[float, float]]) 
             "bounds", "lie around the guesses", dict(bounds),
             "The search starts there.", "Pass other guesses or wider bounds.",
         )  # fmt: skip
-    return Box(np.where(value == 0.0, 1.0, np.abs(value)), ends[:, 0], ends[:, 1])
+    return ParameterBox(np.where(value == 0.0, 1.0, np.abs(value)), ends[:, 0], ends[:, 1])

@@ -11,8 +11,8 @@ import xarray as xr
 from remanent._checks import Rule, not_negative, require_known, require_real
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, FloatArray
-from remanent.analysis import fitting
-from remanent.analysis.fitting import Box, Data
+from remanent.analysis.inference import fitting
+from remanent.analysis.inference.fitting import Observations, ParameterBox
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Outcome, Problem, Request
 from remanent.models.actuator import Actuator
@@ -127,7 +127,7 @@ def fit(
     )
     found_data, box = model.data(), _box(system, drive, guess, parameter_ranges)
     start = np.array(list(guess.values()))
-    found = fitting.fit(model, found_data, start, box)
+    found = fitting.fit_least_squares(model, found_data, start, box)
     half = found.quantile(confidence) * found.deviation
     variables: dict[str, Labelled] = {
         "estimate": (("parameter",), found.estimate),
@@ -145,7 +145,8 @@ def fit(
     }
     if profile:
         ends = [
-            fitting.profile(model, found_data, found, box, k, confidence) for k in range(len(guess))
+            fitting.profile_interval(model, found_data, found, box, k, confidence)
+            for k in range(len(guess))
         ]
         variables["profile_interval"] = (("parameter", "bound"), np.array(ends))
     names = np.array(list(guess))
@@ -187,7 +188,7 @@ class _Model:
         evidence = {"crossings", "balance", "status", "horizon", "error"}
         return [n for n in names if not n.endswith("_error") and n not in evidence]
 
-    def data(self) -> Data:
+    def data(self) -> Observations:
         """The measured values, one variable after the other."""
         if self.along not in self.table.dims or not self.measured:
             raise InputError(
@@ -206,7 +207,7 @@ class _Model:
                 "data", "be finite, with deviations above 0", "others",
                 "Each value counts by its deviation.", "Leave such rows out.",
             )  # fmt: skip
-        return Data(values, deviation, all(given))
+        return Observations(values, deviation, all(given))
 
     def labels(self) -> dict[str, Labelled]:
         """What each datum is, and where."""
@@ -297,7 +298,7 @@ def _box(
     drive: Drive,
     guess: Mapping[str, float],
     bounds: Mapping[str, tuple[float, float]] | None,
-) -> Box:
+) -> ParameterBox:
     """Scales, and bounds inside which the rules of the fields hold."""
     require_known(bounds or {}, guess, "`parameters`")
     rules = {**actuator.parameter_rules(), **drive.numeric_rules(), **dict.fromkeys(PHYSICAL, RULE)}
@@ -316,4 +317,4 @@ def _box(
                 "bounds", f"lie around the guess of {name}, {value[k]}", (lower[k], upper[k]),
                 "The search starts there.", "Pass a guess between the bounds.",
             )  # fmt: skip
-    return Box(scale, lower, upper)
+    return ParameterBox(scale, lower, upper)

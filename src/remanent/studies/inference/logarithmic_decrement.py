@@ -10,7 +10,7 @@ import xarray as xr
 from remanent._checks import Rule, require_real
 from remanent._errors import InputError
 from remanent._typing import FloatArray
-from remanent.analysis.ringdown import Decay, decay
+from remanent.analysis.inference.ringdown import DecayFit, fit_decay
 from remanent.results import build
 
 _SHARE = Rule(
@@ -77,7 +77,7 @@ def logarithmic_decrement(
     others = [d for d in values.dims if d != axis]
     values, time = (array.transpose(*others, axis) for array in (values, time))
     rows = [
-        _numbers(decay(t[np.isfinite(x)], x[np.isfinite(x)], prominence=smallest))
+        _numbers(fit_decay(t[np.isfinite(x)], x[np.isfinite(x)], prominence=smallest))
         for t, x in zip(_rows(time), _rows(values), strict=True)
     ]
     shape = tuple(values.sizes[d] for d in others)
@@ -94,7 +94,7 @@ def _rows(array: xr.DataArray) -> FloatArray:
     return np.reshape(array.values, (-1, array.shape[-1]))
 
 
-def _numbers(found: Decay | None) -> list[float]:
+def _numbers(found: DecayFit | None) -> list[float]:
     if found is None:
         return [np.nan] * len(_NAMES)
     delta, size = found.decrement, np.hypot(2.0 * np.pi, found.decrement)

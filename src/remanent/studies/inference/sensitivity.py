@@ -10,7 +10,7 @@ import xarray as xr
 
 from remanent._checks import positive, require_real
 from remanent._typing import FloatArray
-from remanent.analysis.differences import offsets, richardson
+from remanent.analysis.inference.differences import difference_offsets, richardson_derivative
 from remanent.results import build, provenance
 from remanent.results.build import Labelled
 from remanent.studies.inference.measure import SAMPLE, Measure, Of, as_measure, chosen, listed
@@ -77,14 +77,17 @@ def sensitivity(
     at = chosen(parameters, asked.own())
     names, centre = list(at), np.array(list(at.values()))
     widths = step * np.where(centre == 0.0, 1.0, np.abs(centre))
-    away = np.concatenate([offsets(width, _LEVELS) for width in widths])
+    away = np.concatenate([difference_offsets(width, _LEVELS) for width in widths])
     rows = np.repeat(centre[None], 1 + away.size, axis=0)
     rows[np.arange(1, away.size + 1), np.repeat(np.arange(len(names)), 2 * _LEVELS)] += away
     values, errors = asked.at(dict(zip(names, rows.T, strict=True)))
     dims = tuple(str(d) for d in values.dims if d != SAMPLE)
     shape = values.shape[1:]
     flat, noise = (array.values.reshape(len(rows), -1).astype(float) for array in (values, errors))
-    found = [richardson(_block(flat, k), _block(noise, k), width) for k, width in enumerate(widths)]
+    found = [
+        richardson_derivative(_block(flat, k), _block(noise, k), width)
+        for k, width in enumerate(widths)
+    ]
     slope, wrong = (np.array(part) for part in zip(*found, strict=True))
     with np.errstate(all="ignore"):
         relative = centre[:, None] / flat[0]

@@ -11,7 +11,12 @@ from scipy.stats import uniform
 
 from remanent._errors import InputError
 from remanent._typing import FloatArray
-from remanent.analysis.uncertainty import PARTS, Distribution, indices, spread
+from remanent.analysis.inference.uncertainty import (
+    REPLICATES,
+    Distribution,
+    estimate_sobol_indices,
+    propagate_distributions,
+)
 from remanent.results import build, provenance
 from remanent.results.build import Labelled
 from remanent.results.schema import describe
@@ -106,7 +111,7 @@ def uncertainty(
         like[:] = [values]
         return values.values.reshape(len(points), -1).astype(np.float64)
 
-    found = spread(function, distributions, shares, samples, generator)
+    found = propagate_distributions(function, distributions, shares, samples, generator)
     template = like[0]
     dims = tuple(str(d) for d in template.dims if d != SAMPLE)
     shape = template.shape[1:]
@@ -122,7 +127,7 @@ def uncertainty(
     for key in ("average", "average_error", "deviation", "deviation_error", "known"):
         variables[key] = (dims, getattr(found, key).reshape(shape))
     if sobol:
-        shared = indices(function, distributions, samples, generator)
+        shared = estimate_sobol_indices(function, distributions, samples, generator)
         for key in ("first", "total"):
             variables[f"{key}_index"] = along("field", getattr(shared, key))
             variables[f"{key}_index_error"] = along("field", getattr(shared, f"{key}_error"))
@@ -141,7 +146,7 @@ def uncertainty(
 
 def _samples(samples: int, shares: FloatArray) -> int:
     samples = require_count("samples", samples, "They fill the ranges.")
-    needed = PARTS / float(np.minimum(shares, 1.0 - shares).min())
+    needed = REPLICATES / float(np.minimum(shares, 1.0 - shares).min())
     if samples & (samples - 1) or samples < needed:
         raise InputError(
             "samples", f"be a power of two, at least {needed:.0f} for these quantiles", samples,

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from remanent._typing import FloatArray, IntArray
-from remanent.analysis.maps import Mapped
+from remanent.analysis.orbits.maps import MapImage
 from remanent.integrate.ensemble.ensemble import MAX_RESOLUTION
 from remanent.integrate.ensemble.problem import Problem
 from remanent.integrate.ensemble.resolution import ladder
@@ -93,13 +93,13 @@ class StroboscopicMap:
         """Number of state variables."""
         return self._flow.dimension
 
-    def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> Mapped:
-        """Apply the map; see :class:`remanent.analysis.maps.Map`."""
+    def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> MapImage:
+        """Apply the map; see :class:`remanent.analysis.orbits.maps.Map`."""
         return self.run(states, parameters, iterate)
 
     def run(
         self, states: FloatArray, parameters: FloatArray, iterate: int, *, half: bool = False
-    ) -> Mapped:
+    ) -> MapImage:
         """Apply the map, and half of it once more where asked."""
         count, d = states.shape
         values = {name: np.ascontiguousarray(parameters[:, k]) for k, name in enumerate(self.names)}
@@ -130,7 +130,7 @@ class StroboscopicMap:
             if name in self._carried:
                 slope[:, :, k] += image.tangent[:, d + self._carried.index(name)]
         jacobian = np.moveaxis(image.tangent[:, :d], 1, 2)
-        return Mapped(image.state, jacobian, slope, image.error * max(iterate, 1))
+        return MapImage(image.state, jacobian, slope, image.error * max(iterate, 1))
 
     def _foreseen(self, states: FloatArray, parameters: FloatArray) -> IntArray | int:
         """The resolution that was wanted at the nearest point of late.

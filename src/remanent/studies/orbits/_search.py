@@ -12,7 +12,12 @@ from scipy.optimize import elementwise
 
 from remanent._errors import InputError
 from remanent._typing import FloatArray
-from remanent.analysis.orbits import Orbits, distinct, newton, taken
+from remanent.analysis.orbits.periodic_orbits import (
+    Orbits,
+    distinct_orbits,
+    newton_fixed_points,
+    orbit_subset,
+)
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.studies.ensemble.ensemble import Ensemble, at_rest
@@ -144,11 +149,11 @@ def _closed(
     search: Search, map_: StroboscopicMap, guesses: FloatArray, row: FloatArray, tolerance: float
 ) -> Orbits:
     """Different orbits that Newton's method reaches from guesses."""
-    orbits = newton(
+    orbits = newton_fixed_points(
         map_, guesses, np.tile(row, (len(guesses), 1)),
         iterate=search.period, tolerance=tolerance, bounds=search.box, worst=10.0 * _ROUGH,
     )  # fmt: skip
-    return distinct(map_, orbits, row, iterate=search.period)
+    return distinct_orbits(map_, orbits, row, iterate=search.period)
 
 
 def _in_box(search: Search) -> FloatArray:
@@ -214,4 +219,4 @@ def nearest_rest(orbits: Orbits, ens: Ensemble) -> Orbits:
     """The orbit whose point is nearest to rest, alone."""
     rest = [float(at_rest(name, ens.values)[0]) for name in ens.field.state]
     k = int(np.argmin(np.linalg.norm(orbits.state - rest, axis=1)))
-    return taken(orbits, np.array([k]))
+    return orbit_subset(orbits, np.array([k]))

@@ -11,8 +11,12 @@ import xarray as xr
 from remanent._checks import require_choice
 from remanent._errors import InputError
 from remanent._typing import ArrayLike
-from remanent.analysis.bifurcations import special_equations
-from remanent.analysis.continuation import Settings, corrected, follow
+from remanent.analysis.orbits.bifurcations import bifurcation_equations
+from remanent.analysis.orbits.continuation import (
+    ContinuationSettings,
+    continue_curves,
+    correct_points,
+)
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.results import build, provenance
@@ -114,7 +118,7 @@ def continue_bifurcation(
     lower, upper = np.concatenate([box, np.array(limits)]).T
     scale = np.concatenate([np.ones(len(box)), np.ptp(np.array(limits), axis=1)])
     map_ = StroboscopicMap(ens, tuple(parameters), min(0.01 * tolerance, 1e-10))
-    equations = special_equations(map_, orbit_period, kind, scale)
+    equations = bifurcation_equations(map_, orbit_period, kind, scale)
     own = [float(ens.values[name][0]) for name in parameters]
     guess = np.concatenate([np.asarray(initial, dtype=float).ravel(), own])[None]
     if guess.shape[1] != scale.size:
@@ -124,16 +128,17 @@ def continue_bifurcation(
         )  # fmt: skip
     held = np.zeros(guess.shape)
     held[0, -1] = 1.0
-    points, reached = corrected(equations, guess, held, scale=scale, tolerance=tolerance)
+    points, reached = correct_points(equations, guess, held, scale=scale, tolerance=tolerance)
     if not reached[0]:
         raise InputError(
             "initial", f"be near a {kind}", (repr(initial), own),
             "Newton's method found none from it.",
             "Pass the state and parameters of a special point of a branch.",
         )  # fmt: skip
-    settings = Settings(lower, upper, scale, step=0.005, longest=0.02, tolerance=tolerance,
-                        most=most)  # fmt: skip
-    (curve,) = follow(equations, points, settings)
+    settings = ContinuationSettings(
+        lower, upper, scale, step=0.005, longest=0.02, tolerance=tolerance, most=most
+    )
+    (curve,) = continue_curves(equations, points, settings)
     some, d = curve.points, len(box)
     columns = {
         **{name: some.unknown[:, d + k] for k, name in enumerate(parameters)},

@@ -14,7 +14,7 @@ from remanent._checks import require_choice
 from remanent._errors import InputError
 from remanent._status import Status
 from remanent._typing import ArrayLike, FloatArray
-from remanent.analysis.orbits import Orbits, newton
+from remanent.analysis.orbits.periodic_orbits import Orbits, newton_fixed_points
 from remanent.integrate.ensemble.ensemble import Progress
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
@@ -262,7 +262,7 @@ def _start(tracing: Tracing, start: ArrayLike | None, value: float) -> Orbits:
                 "start", f"be {tracing.map.dimension} numbers", repr(start),
                 "It is a state at phase 0.", "Take one from periodic_orbits.",
             )  # fmt: skip
-        orbits = newton(
+        orbits = newton_fixed_points(
             tracing.map, guess, np.array([[value]]), iterate=tracing.period,
             tolerance=tracing.tolerance, bounds=tracing.box,
         )  # fmt: skip

@@ -11,9 +11,9 @@ from remanent._checks import require_choice
 from remanent._errors import InputError
 from remanent._status import Status
 from remanent._typing import ArrayLike, BoolArray, FloatArray
-from remanent.analysis.bifurcations import special_equations
-from remanent.analysis.continuation import corrected
-from remanent.analysis.maps import Mapped
+from remanent.analysis.orbits.bifurcations import bifurcation_equations
+from remanent.analysis.orbits.continuation import correct_points
+from remanent.analysis.orbits.maps import MapImage
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.results import build, provenance
@@ -150,8 +150,8 @@ def _found(
     held = np.tile(np.eye(size)[-1], (valid.size, 1))
     for share in np.linspace(0.0, 1.0, _STAGES + 1) if fields else [0.0]:
         numbered = _Numbered(map_, begin + share * (ends - begin))
-        equations = special_equations(numbered, period, kind, scale)
-        points, reached = corrected(equations, guess, held, scale=scale, tolerance=tolerance)
+        equations = bifurcation_equations(numbered, period, kind, scale)
+        points, reached = correct_points(equations, guess, held, scale=scale, tolerance=tolerance)
         guess = np.where(reached[:, None], points.unknown, guess)
     square = equations(points.unknown).derivative[:, :, :-1]
     with np.errstate(all="ignore"):
@@ -176,9 +176,9 @@ class _Numbered:
         """Number of state variables."""
         return self.map.dimension
 
-    def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> Mapped:
+    def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> MapImage:
         """Apply the map; a number next to a whole one is that, so that it has no effect."""
         own = self.fields[np.rint(parameters[:, 1]).astype(np.int64)]
         image = self.map.run(states, np.hstack([parameters[:, :1], own]), iterate)
         slope = np.pad(image.slope[:, :, :1], ((0, 0), (0, 0), (0, 1)))
-        return Mapped(image.state, image.jacobian, slope, image.error)
+        return MapImage(image.state, image.jacobian, slope, image.error)

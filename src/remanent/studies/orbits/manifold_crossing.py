@@ -10,10 +10,10 @@ import xarray as xr
 from remanent._checks import positive, require_real
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, FloatArray
-from remanent.analysis.bifurcations import orbit_equations
-from remanent.analysis.continuation import Points, corrected
-from remanent.analysis.orbits import multipliers
-from remanent.analysis.separatrix import Passage, passages, unstable
+from remanent.analysis.orbits.bifurcations import orbit_equations
+from remanent.analysis.orbits.continuation import CurvePoints, correct_points
+from remanent.analysis.orbits.periodic_orbits import floquet_multipliers
+from remanent.analysis.orbits.separatrix import SaddlePassage, saddle_passages, unstable_direction
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.results import build, provenance
@@ -182,18 +182,20 @@ class _Runs:
         distance = np.linalg.norm(states[0][:, None] - saddles, axis=2)
         return np.asarray(saddles[np.nanmin(distance, axis=0).argmin()])
 
-    def passed(self, values: FloatArray, state: FloatArray, length: int) -> tuple[Points, Passage]:
+    def passed(
+        self, values: FloatArray, state: FloatArray, length: int
+    ) -> tuple[CurvePoints, SaddlePassage]:
         """The saddle at each value, and how the motion passes it."""
         map_ = StroboscopicMap(self.ens, (self.parameter,), 0.1 * _RESIDUAL)
         guess = np.column_stack([np.tile(state, (values.size, 1)), values])
         held = np.zeros(guess.shape)
         held[:, -1] = 1.0
-        points, reached = corrected(
+        points, reached = correct_points(
             orbit_equations(map_, self.period), guess, held,
             scale=np.ones(guess.shape[1]), tolerance=_RESIDUAL,
         )  # fmt: skip
         jacobian = points.extra["jacobian"]
-        if not reached.all() or not unstable(jacobian)[2].all():
+        if not reached.all() or not unstable_direction(jacobian)[2].all():
             raise InputError(
                 "saddle", "be near a saddle orbit throughout the bracket", state.tolist(),
                 "Newton's method reached none, or another kind of orbit.",
@@ -201,10 +203,10 @@ class _Runs:
             )  # fmt: skip
         states, error = self.visited(values, length)
         both = error + points.error + points.residual
-        return points, passages(states, points.unknown[:, :-1], jacobian, both)
+        return points, saddle_passages(states, points.unknown[:, :-1], jacobian, both)
 
 
-def _change(passage: Passage) -> tuple[int, int] | None:
+def _change(passage: SaddlePassage) -> tuple[int, int] | None:
     """Neighbours among the decided that pass on different sides: those that come nearest.
 
     Where motion passes far from the saddle its side means little.
@@ -218,8 +220,10 @@ def _change(passage: Passage) -> tuple[int, int] | None:
     return int(decided[k]), int(decided[k + 1])
 
 
-def _labelled(runs: _Runs, value: float, gap: float, points: Points, width: float) -> xr.Dataset:
-    known, _ = multipliers(points.extra["jacobian"], points.error)
+def _labelled(
+    runs: _Runs, value: float, gap: float, points: CurvePoints, width: float
+) -> xr.Dataset:
+    known, _ = floquet_multipliers(points.extra["jacobian"], points.error)
     variables: dict[str, Labelled] = {
         runs.parameter: ((), np.array(value)),
         f"{runs.parameter}_error": ((), np.array(gap)),

@@ -11,7 +11,12 @@ import xarray as xr
 
 from remanent._status import Status
 from remanent._typing import FloatArray
-from remanent.analysis.orbits import Orbits, Stability, multipliers, stability
+from remanent.analysis.orbits.periodic_orbits import (
+    Orbits,
+    Stability,
+    floquet_multipliers,
+    orbit_stability,
+)
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Request
 from remanent.models.actuator import Actuator
@@ -124,8 +129,8 @@ def described(
     varied : mapping of name to array (orbit,)
         Fields whose values differ between the orbits.
     """
-    values, errors = multipliers(orbits.jacobian, orbits.error)
-    kinds = stability(values, errors, conservative=ens.system.conservative)
+    values, errors = floquet_multipliers(orbits.jacobian, orbits.error)
+    kinds = orbit_stability(values, errors, conservative=ens.system.conservative)
     maximum, minimum = _extremes(ens, orbits.state, period, varied)
     return {
         "initial": orbits.state,

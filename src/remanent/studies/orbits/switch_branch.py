@@ -9,8 +9,8 @@ import numpy as np
 import xarray as xr
 
 from remanent._errors import InputError
-from remanent.analysis.orbits import Orbits
-from remanent.analysis.switching import other_branch
+from remanent.analysis.orbits.periodic_orbits import Orbits
+from remanent.analysis.orbits.switching import crossing_branch_point
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.studies.ensemble.durations import require_count
@@ -93,7 +93,7 @@ def switch_branch(
     tracing = trace_with(ens, parameter, limits, state_box, period, max_points, tolerance)
     names = [f"special_{name}" for name in (*ens.field.state, parameter)]
     crossing = np.array([float(branch[name].values.ravel()[which]) for name in names])
-    point = other_branch(
+    point = crossing_branch_point(
         tracing.equations, crossing, scale=tracing.settings.scale, tolerance=0.1 * tolerance
     )
     if point is None:

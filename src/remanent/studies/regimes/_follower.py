@@ -15,7 +15,12 @@ import xarray as xr
 
 from remanent._status import Status
 from remanent._typing import BoolArray, FloatArray, IntArray
-from remanent.analysis.following import Advance, Path, block_lengths, follow
+from remanent.analysis.regimes.long_runs import (
+    LongRun,
+    TangentMap,
+    block_lengths,
+    propagate_tangents,
+)
 from remanent.integrate.ensemble.ensemble import Progress
 from remanent.integrate.ensemble.problem import Problem
 from remanent.integrate.maps.advance import Advancer, Retrace
@@ -91,14 +96,14 @@ class Follower:
         every: bool = False,
         block: int | None = None,
         cancelled: Callable[[], bool] = lambda: False,
-    ) -> Path:
+    ) -> LongRun:
         """Follow some of the trajectories; the errors of their periods stay below `tolerance`.
 
         They start from `states` (trajectory, state); by default where the ensemble does.  Of
         their tangents no error is known.
         """
         directions = self.directions if directions is None else directions
-        return follow(
+        return propagate_tangents(
             self.advancer(which, tolerance, directions=directions, judged="state"),
             self.problem.initial[which] if states is None else states,
             self.periods,
@@ -116,14 +121,14 @@ class Follower:
         judged: Judged,
         block: int | None,
         cancelled: Callable[[], bool],
-    ) -> tuple[Path, Path]:
+    ) -> tuple[LongRun, LongRun]:
         """Follow some of the trajectories, and once more with steps twice as long."""
         first = self.advancer(which, tolerance, judged=judged)
         flow = self.flow(self.directions, "nothing")
         again = Retrace(flow, first.parameters, first.lengths, first.taken)
 
-        def path(advance: Advance) -> Path:
-            return follow(
+        def path(advance: TangentMap) -> LongRun:
+            return propagate_tangents(
                 advance,
                 self.problem.initial[which],
                 self.periods,
@@ -180,7 +185,7 @@ def damped(ens: Ensemble) -> BoolArray:
     return np.asarray(np.broadcast_to(found, (ens.count,)))
 
 
-def status_of(path: Path) -> IntArray:
+def status_of(path: LongRun) -> IntArray:
     """Status of followed trajectories."""
     kinds = np.where(path.trusted, int(Status.OK), int(Status.MAX_STEPS))
     return np.where(path.escaped, int(Status.ESCAPED), kinds)

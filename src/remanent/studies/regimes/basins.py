@@ -10,8 +10,8 @@ import xarray as xr
 
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, IntArray
-from remanent.analysis.basins import attractors, settled
-from remanent.analysis.regimes import Regime
+from remanent.analysis.regimes.attractors import assign_attractors, extrapolate_tails
+from remanent.analysis.regimes.labels import Regime
 from remanent.integrate.ensemble.ensemble import Progress
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
@@ -97,7 +97,7 @@ def basins(
         assert path.visited is not None
         tail = path.visited[:, -last:].copy()
         if judged.damped[which].all():
-            tail = settled(judged.iterate(which), tail, verdict.regime, verdict.period)
+            tail = extrapolate_tails(judged.iterate(which), tail, verdict.regime, verdict.period)
         return judged.variables(which, verdict, path) | {"tail": tail, "code": verdict.regime}
 
     shape = (0, last, len(ens.field.state))
@@ -109,18 +109,18 @@ def basins(
         variables[name] = (ens.dims, ens.shaped(values))
     coords: dict[str, Labelled] = {}
     if damped(ens).all():
-        found = attractors(tail, code, whole["period"])
-        variables["basin"] = (ens.dims, ens.shaped(found.which))
+        found = assign_attractors(tail, code, whole["period"])
+        variables["basin"] = (ens.dims, ens.shaped(found.attractor))
         along = ("attractor",)
-        names = [Regime(k).meaning for k in code[found.first]]
+        names = [Regime(k).meaning for k in code[found.representative]]
         variables["attractor_regime"] = (along, np.array(names, dtype="<U14"))
-        variables["attractor_period"] = (along, whole["period"][found.first])
-        variables["attractor_state"] = ((*along, "state"), tail[found.first, -1])
-        share = np.array([np.mean(found.which == k) for k in range(found.first.size)])
+        variables["attractor_period"] = (along, whole["period"][found.representative])
+        variables["attractor_state"] = ((*along, "state"), tail[found.representative, -1])
+        share = np.array([np.mean(found.attractor == k) for k in range(found.representative.size)])
         variables["fraction"] = (along, share)
         variables["fraction_error"] = (along, np.sqrt(share * (1.0 - share) / ens.count))
         coords = {
-            "attractor": (along, np.arange(found.first.size)),
+            "attractor": (along, np.arange(found.representative.size)),
             "state": (("state",), np.array(ens.field.state)),
         }
     result = labelled(ens, variables, coords, tolerance, periods=periods)

@@ -11,7 +11,7 @@ from remanent._checks import require_choice, require_known
 from remanent._errors import InputError
 from remanent._status import Status
 from remanent._typing import ArrayLike, FloatArray
-from remanent.analysis.following import FARTHEST
+from remanent.analysis.regimes.long_runs import ESCAPE_BOUND
 from remanent.integrate.ensemble.ensemble import Progress
 from remanent.integrate.ensemble.problem import Problem
 from remanent.integrate.maps.advance import Advancer
@@ -164,7 +164,7 @@ def _sweep(
             some = at[valid]
             lap = Advancer(flow, asked.parameters[some], lengths[some], tolerance)
             last, visited, worst, trusted = _settle(lap, now[valid], discard, keep)
-            gone = ~(np.abs(visited) < FARTHEST).all(axis=(1, 2))
+            gone = ~(np.abs(visited) < ESCAPE_BOUND).all(axis=(1, 2))
             kinds = np.where(trusted, int(Status.OK), int(Status.MAX_STEPS))
             status[valid, some] = np.where(gone, int(Status.ESCAPED), kinds)
             good = ~gone & trusted

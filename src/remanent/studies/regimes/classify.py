@@ -8,10 +8,10 @@ import numpy as np
 import xarray as xr
 
 from remanent._typing import ArrayLike, FloatArray, IntArray
-from remanent.analysis import regimes
-from remanent.analysis.following import Path
-from remanent.analysis.regimes import Regime, Verdict
-from remanent.analysis.returns import Iterate
+from remanent.analysis.regimes.decision import RegimeProblem, decide_regimes
+from remanent.analysis.regimes.labels import Regime, RegimeLabels
+from remanent.analysis.regimes.limit_orbits import IterateMap
+from remanent.analysis.regimes.long_runs import LongRun
 from remanent.integrate.ensemble.ensemble import Progress
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
@@ -133,11 +133,11 @@ class Judged:
 
     def verdict(
         self, which: IntArray, cancelled: Callable[[], bool] = lambda: False
-    ) -> tuple[Verdict, Path]:
+    ) -> tuple[RegimeLabels, LongRun]:
         """Label some trajectories."""
         follower = self.follower
 
-        def run(some: IntArray, n: int, states: FloatArray | None = None, /) -> Path:
+        def run(some: IntArray, n: int, states: FloatArray | None = None, /) -> LongRun:
             return follower.run(
                 which[some],
                 self.tolerance * _TOLERANCES[n],
@@ -147,11 +147,17 @@ class Judged:
                 cancelled=cancelled,
             )
 
-        return regimes.classify(
-            run, which.size, damped=self.damped[which], iterate=self.iterate(which), seed=self.seed
+        return decide_regimes(
+            RegimeProblem(
+                run,
+                which.size,
+                damped=self.damped[which],
+                iterate=self.iterate(which),
+                seed=self.seed,
+            )
         )
 
-    def iterate(self, which: IntArray) -> Iterate:
+    def iterate(self, which: IntArray) -> IterateMap:
         """Images and Jacobians of some trajectories' maps at the finest tolerance."""
         dimension = len(self.follower.ensemble.field.state)
         finest = self.follower.advancer(which, self.tolerance, directions=dimension)
@@ -168,7 +174,9 @@ class Judged:
         verdict, path = self.verdict(which, cancelled)
         return self.variables(which, verdict, path)
 
-    def variables(self, which: IntArray, verdict: Verdict, path: Path) -> dict[str, np.ndarray]:
+    def variables(
+        self, which: IntArray, verdict: RegimeLabels, path: LongRun
+    ) -> dict[str, np.ndarray]:
         """What is told of some trajectories, by name."""
         tau = self.follower.lengths[which]
         values = {

@@ -10,7 +10,7 @@ import xarray as xr
 
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, IntArray
-from remanent.analysis.lyapunov import exponents
+from remanent.analysis.regimes.lyapunov import lyapunov_exponents
 from remanent.integrate.ensemble.ensemble import Progress
 from remanent.integrate.maps.period_map import Judged
 from remanent.models.actuator import Actuator
@@ -171,7 +171,7 @@ class _Averages:
         path, other = self.follower.twice(
             which, self.tolerance, judged=judged, block=self.block, cancelled=cancelled
         )
-        fine, coarse = (exponents(p.growth, p.lengths) for p in (path, other))
+        fine, coarse = (lyapunov_exponents(p.growth, p.block_lengths) for p in (path, other))
         tau = self.follower.lengths[which]
         # Tangents that lined up within a period leave a bound, not a value.
         collapsed = (path.growth - path.growth[:, :, :1] < np.log(_COLLAPSED)).any(axis=1)

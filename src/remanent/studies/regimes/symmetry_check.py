@@ -10,8 +10,8 @@ import xarray as xr
 
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, FloatArray, IntArray
-from remanent.analysis.following import Path, follow
-from remanent.analysis.orbits import multipliers
+from remanent.analysis.orbits.periodic_orbits import floquet_multipliers
+from remanent.analysis.regimes.long_runs import LongRun, propagate_tangents
 from remanent.integrate.ensemble.ensemble import Progress
 from remanent.integrate.maps.advance import Step
 from remanent.integrate.maps.period_map import PeriodMap
@@ -148,13 +148,13 @@ class _Apart:
         """What is told of some trajectories."""
         start = self.ens.initial[which]
 
-        path = follow(
+        path = propagate_tangents(
             _Some(self, which), start, periods, directions=self.width, width=self.width, block=1,
             cancelled=cancelled,
         )  # fmt: skip
         unit = np.tile(np.eye(self.width), (which.size, 1, 1))
         once = self.advanced(which, start, unit, 1)
-        values, _ = multipliers(np.moveaxis(once.tangents, 1, 2), once.error)
+        values, _ = floquet_multipliers(np.moveaxis(once.tangents, 1, 2), once.error)
         values[np.abs(once.visited[:, -1] - start).max(axis=1) > _CLOSED] = np.nan
         tau = self.lengths[which]
         verdict, growth, exponent = _verdict(path, periods)
@@ -206,7 +206,7 @@ class _Some:
         return self.whole.advanced(self.which[which], states, tangents, periods)
 
 
-def _verdict(path: Path, periods: int) -> tuple[np.ndarray, FloatArray, FloatArray]:
+def _verdict(path: LongRun, periods: int) -> tuple[np.ndarray, FloatArray, FloatArray]:
     """The label, the largest logarithm of the growth, and the exponent per period."""
     logs = _norms(path.factors)
     with np.errstate(invalid="ignore"):

@@ -11,7 +11,7 @@ import xarray as xr
 from remanent._checks import increases, not_negative, positive, require_increasing, require_real
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, FloatArray, IntArray
-from remanent.analysis.subdivision import Largest, largest
+from remanent.analysis.response.subdivision import Maximum, refine_maximum
 from remanent.integrate.ensemble.ensemble import Progress, integrate
 from remanent.integrate.ensemble.problem import Outcome, Request, gathered
 from remanent.models.actuator import Actuator
@@ -184,7 +184,7 @@ def _resonance(
     amplitude: FloatArray,
     respond: Callable[[Ensemble], Outcome],
     width: float,
-) -> Largest:
+) -> Maximum:
     """The largest amplitude for every combination of the other fields."""
     axis = ens.dims.index("omega")
     rows = np.moveaxis(amplitude, axis, -1).reshape(-1, grid.size)
@@ -194,7 +194,7 @@ def _resonance(
     def measure(case: IntArray, omega: FloatArray) -> FloatArray:
         return _amplitude(respond(_at(ens, index[case], omega)))
 
-    return largest(grid, rows, measure, width=width)
+    return refine_maximum(grid, rows, measure, width=width)
 
 
 def _at(ens: Ensemble, which: IntArray, omega: FloatArray) -> Ensemble:
@@ -212,7 +212,7 @@ def _at(ens: Ensemble, which: IntArray, omega: FloatArray) -> Ensemble:
     )
 
 
-def _peak_variables(ens: Ensemble, peak: Largest) -> dict[str, Labelled]:
+def _peak_variables(ens: Ensemble, peak: Maximum) -> dict[str, Labelled]:
     """Resonances, along the dimensions of the ensemble but for that of frequency."""
     dims = tuple(d for d in ens.dims if d != "omega")
     shape = tuple(ens.sizes[d] for d in dims)

@@ -11,7 +11,11 @@ import xarray as xr
 
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, ComplexArray, FloatArray, IntArray
-from remanent.analysis.harmonics import harmonics, kind, resonant
+from remanent.analysis.response.harmonics import (
+    fourier_amplitudes,
+    resonance_kind,
+    resonant_harmonic,
+)
 from remanent.codegen.field import field_for
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
@@ -191,8 +195,10 @@ def _described(actuator: Actuator, drive: Drive, peaks: Sequence[_Peak]) -> dict
     amplitudes = _harmonics(actuator, drive, peaks)
     mean, load = _load(drive)
     free = _free_frequency(actuator, mean, size)
-    found = resonant(amplitudes, 2.0 * np.pi / (_lengths(drive, omega) * period), free)
-    names = [kind(found, k, peak.period, doubled=peak.doubled) for k, peak in enumerate(peaks)]
+    found = resonant_harmonic(amplitudes, 2.0 * np.pi / (_lengths(drive, omega) * period), free)
+    names = [
+        resonance_kind(found, k, peak.period, doubled=peak.doubled) for k, peak in enumerate(peaks)
+    ]
     angle = np.angle(amplitudes[np.arange(len(peaks)), found.harmonic])
     lag = np.mod(found.harmonic / period * np.angle(load) - angle, 2.0 * np.pi)
     return {
@@ -215,7 +221,9 @@ def _described(actuator: Actuator, drive: Drive, peaks: Sequence[_Peak]) -> dict
 
 def _harmonics(actuator: Actuator, drive: Drive, peaks: Sequence[_Peak]) -> ComplexArray:
     """Harmonics of the thickness stretch along each orbit, array (peak, harmonic)."""
-    found = [harmonics(_samples(actuator, drive, peak)[None], _HARMONICS)[0] for peak in peaks]
+    found = [
+        fourier_amplitudes(_samples(actuator, drive, peak)[None], _HARMONICS)[0] for peak in peaks
+    ]
     return np.array(found).reshape(len(peaks), _HARMONICS + 1)
 
 
@@ -242,7 +250,7 @@ def _load(drive: Drive) -> tuple[float, complex]:
     """Mean of the load, and its first harmonic."""
     assert drive.period is not None
     values = drive(np.arange(_SAMPLES) / _SAMPLES * drive.period)
-    found = harmonics(np.asarray(values)[None], 1)[0]
+    found = fourier_amplitudes(np.asarray(values)[None], 1)[0]
     return float(found[0].real), complex(found[1])
 
 

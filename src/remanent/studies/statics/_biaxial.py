@@ -10,8 +10,8 @@ from scipy.ndimage import maximum_filter
 
 from remanent._status import Status
 from remanent._typing import BoolArray, FloatArray, IntArray
-from remanent.analysis.maps import Mapped
-from remanent.analysis.orbits import distinct, newton
+from remanent.analysis.orbits.maps import MapImage
+from remanent.analysis.orbits.periodic_orbits import distinct_orbits, newton_fixed_points
 from remanent.results import build, provenance
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.ensemble import Ensemble
@@ -82,8 +82,8 @@ def _of_one(still: AtRest, k: int) -> FloatArray:
     guesses = _guesses(still, k)
     bounds = np.log(2.0 * _FARTHEST) * np.array([[-1.0, 1.0]] * 2)
     none = np.empty((len(guesses), 0))
-    orbits = newton(map_, guesses, none, iterate=1, tolerance=_STILL, bounds=bounds)
-    found = np.exp(distinct(map_, orbits, np.empty(0), iterate=1).state)
+    orbits = newton_fixed_points(map_, guesses, none, iterate=1, tolerance=_STILL, bounds=bounds)
+    found = np.exp(distinct_orbits(map_, orbits, np.empty(0), iterate=1).state)
     return np.asarray(found[np.lexsort(found.T[::-1])])
 
 
@@ -133,9 +133,9 @@ class _Pushed:
     case: int
     dimension: int = 2
 
-    def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> Mapped:
+    def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> MapImage:
         case, stretches = np.full(len(states), self.case), np.exp(states)
         moved = np.stack(self.still.accelerations(case, *stretches.T), axis=1)
         matrix = _slopes(self.still, case, *stretches.T) * stretches[:, None] + np.eye(2)
         rounding = 4.0 * np.finfo(float).eps * (1.0 + np.abs(matrix).max(axis=(1, 2)))
-        return Mapped(states + moved, matrix, np.zeros((len(states), 2, 0)), rounding)
+        return MapImage(states + moved, matrix, np.zeros((len(states), 2, 0)), rounding)

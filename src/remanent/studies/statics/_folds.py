@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from remanent._typing import FloatArray, IntArray
-from remanent.analysis.equilibria import balancing, slope, zeros
+from remanent.analysis.statics.equilibria import balancing_parameter, find_zeros, force_slope
 from remanent.results.build import Labelled
 from remanent.studies.statics._static_ensemble import AtRest
 
@@ -45,11 +45,11 @@ def fold_points(
     force = at_rest.force_at(name)
 
     def stiffness(row: IntArray, x: FloatArray) -> FloatArray:
-        value = balancing(lambda i, y, p: force(cases[i], y, p), bounds, row, x)
-        steepness = slope(lambda i, y: force(cases[i], y, value), row, x)
+        value = balancing_parameter(lambda i, y, p: force(cases[i], y, p), bounds, row, x)
+        steepness = force_slope(lambda i, y: force(cases[i], y, value), row, x)
         return np.where(np.isnan(value), np.nan, steepness)
 
-    found = zeros(stiffness, cases.size, grid_of(at_rest, cases))
+    found = find_zeros(stiffness, cases.size, grid_of(at_rest, cases))
     return found, on_curve(at_rest, name, cases, bounds, found)
 
 
@@ -63,7 +63,7 @@ def on_curve(
     """The parameter that balances the force at stretches (case, point)."""
     force = at_rest.force_at(name)
     row = np.repeat(np.arange(cases.size), found.shape[1])
-    value = balancing(lambda i, y, p: force(cases[i], y, p), bounds, row, found.ravel())
+    value = balancing_parameter(lambda i, y, p: force(cases[i], y, p), bounds, row, found.ravel())
     return value.reshape(found.shape)
 
 

@@ -9,7 +9,7 @@ import xarray as xr
 
 from remanent._status import Status
 from remanent._typing import FloatArray, IntArray
-from remanent.analysis.equilibria import slope, zeros
+from remanent.analysis.statics.equilibria import find_zeros, force_slope
 from remanent.integrate.variations import parting
 from remanent.models.actuator import Actuator
 from remanent.models.drives.waves import Constant
@@ -81,10 +81,10 @@ def equilibria(actuator: Actuator, m: float = 0.0, *, over: Over | None = None) 
     if actuator.coordinates == 2:
         return in_plane(ens)
     at_rest = AtRest(ens)
-    found = zeros(at_rest.force, ens.count, at_rest.grid)
+    found = find_zeros(at_rest.force, ens.count, at_rest.grid)
     found[ens.invalid] = np.nan
     case = np.repeat(np.arange(ens.count), found.shape[1]).reshape(found.shape)
-    stiffness = -slope(at_rest.force, case, found)
+    stiffness = -force_slope(at_rest.force, case, found)
     stability = np.where(stiffness > 0, "stable", np.where(stiffness <= 0, "unstable", ""))
     dims = (*ens.dims, "equilibrium")
     with np.errstate(invalid="ignore"):
@@ -146,7 +146,7 @@ def _turning_points(ens: Ensemble, at_rest: AtRest, level: FloatArray) -> FloatA
     """Thickness stretches (2, trajectory) between which the motion from rest runs."""
     case = np.arange(ens.count)
     rest = np.ones(ens.count)
-    crossings = zeros(
+    crossings = find_zeros(
         lambda i, x: at_rest.potential(i, x) - level[i], ens.count, at_rest.grid * (1.0 - 1e-9)
     )
     push = np.sign(at_rest.force(case, rest))[:, None]

@@ -8,7 +8,7 @@ import xarray as xr
 from remanent._errors import InputError
 from remanent._status import Status
 from remanent._typing import BoolArray, FloatArray, IntArray
-from remanent.analysis.equilibria import balancing, slope, zeros
+from remanent.analysis.statics.equilibria import balancing_parameter, find_zeros, force_slope
 from remanent.models.actuator import Actuator
 from remanent.models.drives.waves import Constant
 from remanent.results import build, provenance
@@ -147,7 +147,7 @@ class _Search:
     def value(self, row: IntArray, x: FloatArray) -> FloatArray:
         """The parameter for which `x` is an equilibrium."""
         force = self.at_rest.force_at(self.name)
-        return balancing(lambda i, y, p: force(self.cases[i], y, p), self.ends, row, x)
+        return balancing_parameter(lambda i, y, p: force(self.cases[i], y, p), self.ends, row, x)
 
     def rise(self, row: IntArray, x: FloatArray, value: FloatArray) -> FloatArray:
         """V(x) - V(start)."""
@@ -160,7 +160,7 @@ class _Search:
     def thresholds(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Stretch, parameter and direction of every threshold, arrays (case, threshold)."""
         grid, count = grid_of(self.at_rest, self.cases), self.cases.size
-        found = zeros(lambda i, x: self.rise(i, x, self.value(i, x)), count, grid)
+        found = find_zeros(lambda i, x: self.rise(i, x, self.value(i, x)), count, grid)
         found = np.where(np.abs(found - self.start[:, None]) > _NEAR, found, np.nan)
         found = np.concatenate([found, self.start[:, None]], axis=1)
         row, x = np.repeat(np.arange(count), found.shape[1]), found.ravel()
@@ -187,7 +187,7 @@ class _Search:
     def _reached(self, row: IntArray, x: FloatArray, value: FloatArray) -> BoolArray:
         """Whether `x` is a saddle with nothing higher on the way from the start."""
         force = self.at_rest.force_at(self.name)
-        steepness = slope(lambda i, y: force(self.cases[i], y, value), row, x)
+        steepness = force_slope(lambda i, y: force(self.cases[i], y, value), row, x)
         share = np.linspace(0.0, 1.0, _SAMPLES)[1:-1]
         begin = self.start[row]
         way = begin[:, None] + (x - begin)[:, None] * share

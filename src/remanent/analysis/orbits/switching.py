@@ -1,0 +1,61 @@
+"""From one branch to another where they cross: doublings, and loss of a symmetry.
+
+Where branches cross, the derivatives of the equations lose a rank: beside the tangent of the
+one branch there is a second null vector, along which the other leaves.  At a period
+doubling that holds for the equations of twice the period.
+
+References
+----------
+Y. A. Kuznetsov, Elements of Applied Bifurcation Theory (Springer, 2004), chapter 10.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from remanent._typing import FloatArray
+from remanent.analysis.orbits.continuation import CurveEquations, CurvePoints, correct_points
+
+#: Lengths tried along the second null vector, in scaled unknowns.
+_LENGTHS = (0.01, 0.003, 0.03, 0.001)
+#: A point that comes back nearer than this share of the length is on the old branch.
+_OLD = 0.3
+
+
+def crossing_branch_point(
+    equations: CurveEquations, crossing: FloatArray, *, scale: FloatArray, tolerance: float
+) -> CurvePoints | None:
+    """A point of the branch that crosses another one; None where none is reached.
+
+    Parameters
+    ----------
+    equations
+        Of the branch to be found: at a period doubling, of twice the period.
+    crossing : array (n + 1,)
+        Where both meet; the last unknown is the parameter, and the first branch does not
+        turn back there.
+    scale : array (n + 1,)
+    tolerance
+        Of the equations.
+
+    Notes
+    -----
+    The tangent of the first branch is the null vector with a part along the parameter; the
+    other branch of a doubling or of a broken symmetry starts across it, as a parabola.
+    """
+    here = equations(crossing[None])
+    _, _, right = np.linalg.svd(here.derivative[0] * scale)
+    # Of the plane of null vectors, the one along which the parameter stays.
+    plane = right[-2:]
+    across = plane[1, -1] * plane[0] - plane[0, -1] * plane[1]
+    across /= np.linalg.norm(across)
+    for length in _LENGTHS:
+        guess = crossing + length * across * scale
+        points, reached = correct_points(
+            equations, guess[None], across[None], scale=scale, tolerance=tolerance
+        )
+        away = (points.unknown[0] - crossing) / scale
+        far = np.linalg.norm(away) < 3.0 * length and away @ across > _OLD * length
+        if reached[0] and far:
+            return points
+    return None

@@ -1,0 +1,100 @@
+"""Where a force vanishes, for many cases at once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from scipy.optimize import elementwise
+
+from remanent._typing import FloatArray, IntArray
+
+#: ``force(case, x)`` with arrays (point,) gives the force (point,).
+Force = Callable[[IntArray, Any], Any]
+#: ``force(case, x, p)``: the same for values (point,) of a parameter.
+LoadedForce = Callable[[IntArray, Any, Any], Any]
+
+
+def find_zeros(force: Force, cases: int, grid: FloatArray) -> FloatArray:
+    """All sign changes of a force that a grid resolves.
+
+    Parameters
+    ----------
+    force
+        Vectorised over cases and positions.
+    cases
+        How many cases there are.
+    grid : array (point,) or (case, point)
+        Increasing positions.  Two zeros between neighbours are not seen, nor any beside a
+        place where the force is NaN.
+
+    Returns
+    -------
+    array (case, zero)
+        Ascending in every row; NaN after the last.
+    """
+    points = np.shape(grid)[-1]
+    grid = np.broadcast_to(grid, (cases, points))
+    index = np.repeat(np.arange(cases), points)
+    values = np.asarray(force(index, grid.ravel())).reshape(cases, points)
+    case, k = np.nonzero(np.sign(values[:, 1:]) * np.sign(values[:, :-1]) < 0)
+    exact_case, exact_k = np.nonzero(values == 0.0)
+    roots = np.empty(0)
+    if case.size:
+        find_root: Any = elementwise.find_root  # its stubs do not know `args`
+        ends = grid[case, k], grid[case, k + 1]
+        with np.errstate(all="ignore"):  # forces may have poles
+            solved = find_root(lambda x, i: force(i, x), ends, args=(case,))
+        roots = np.asarray(solved.x)
+    exact = grid[exact_case, exact_k]
+    return _rows(np.concatenate([case, exact_case]), np.concatenate([roots, exact]), cases)
+
+
+def balancing_parameter(
+    force: LoadedForce, bounds: tuple[FloatArray, FloatArray], case: IntArray, x: FloatArray
+) -> FloatArray:
+    """The parameter within bounds at which a force vanishes at `x`; NaN where there is none.
+
+    Parameters
+    ----------
+    force
+        Monotonic in the parameter between the bounds.
+    bounds : two arrays (case,)
+        Least and largest value of the parameter.
+    case, x : array (point,)
+        Where the force is to vanish.
+
+    Returns
+    -------
+    array (point,)
+    """
+    low, high = (np.broadcast_to(end[case], np.shape(x)) for end in bounds)
+    ends = np.asarray(force(case, x, low)), np.asarray(force(case, x, high))
+    found = np.full(np.shape(x), np.nan)
+    with np.errstate(invalid="ignore"):
+        at = np.nonzero((np.sign(ends[0]) * np.sign(ends[1]) <= 0) & (ends[0] != ends[1]))
+    if at[0].size:
+        find_root: Any = elementwise.find_root
+        with np.errstate(all="ignore"):  # forces may have poles
+            solved = find_root(
+                lambda p, i, y: force(i, y, p), (low[at], high[at]), args=(case[at], x[at])
+            )
+        found[at] = solved.x
+    return found
+
+
+def force_slope(force: Force, case: IntArray, x: FloatArray) -> FloatArray:
+    """Derivative of a force by a complex step: exact to round-off."""
+    step = 1e-100
+    return np.asarray(np.imag(force(case, x + 1j * step)) / step)
+
+
+def _rows(case: IntArray, x: FloatArray, cases: int) -> FloatArray:
+    order = np.lexsort((x, case))
+    case, x = case[order], x[order]
+    count = np.bincount(case, minlength=cases)
+    rank = np.arange(case.size) - np.repeat(np.cumsum(count) - count, count)
+    rows = np.full((cases, int(count.max(initial=0))), np.nan)
+    rows[case, rank] = x
+    return rows
