@@ -19,17 +19,17 @@ class Rule:
 
     Attributes
     ----------
-    rule, reason, remedy
+    must, why, fix
         Parts of the message of :class:`~remanent._errors.InputError`.
     holds
         Elementwise on an array of floats: whether each satisfies the rule.  It may
         assume that the numbers are finite, which every rule demands.
     """
 
-    rule: str
+    must: str
     holds: Callable[[FloatArray], BoolArray]
-    reason: str
-    remedy: str
+    why: str
+    fix: str
 
     def satisfied(self, values: ArrayLike) -> BoolArray:
         """Elementwise: whether each of `values` is finite and satisfies the rule."""
@@ -66,14 +66,14 @@ def require_real(name: str, value: object, rule: Rule) -> float:
     if isinstance(value, bool | np.bool_) or not isinstance(value, Real):
         raise InputError(
             name,
-            "be one real number",
-            repr(value),
-            "A model holds a single value of each field.",
-            "For many values pass over={...} to the verb; for units use from_si.",
+            must="be one real number",
+            got=repr(value),
+            why="A model holds a single value of each field.",
+            fix="For many values pass over={...} to the verb; for units use from_si.",
         )
     number = _to_float(value)
     if not rule.satisfied(number):
-        raise InputError(name, rule.rule, value, rule.reason, rule.remedy)
+        raise InputError(name, must=rule.must, got=value, why=rule.why, fix=rule.fix)
     return number
 
 
@@ -89,10 +89,10 @@ def require_instance(name: str, value: object, kind: type, example: str) -> None
     if not isinstance(value, kind):
         raise InputError(
             name,
-            f"be a {kind.__name__}",
-            repr(value),
-            "The equations of motion are built from this part.",
-            f"Pass for example {example}.",
+            must=f"be a {kind.__name__}",
+            got=repr(value),
+            why="The equations of motion are built from this part.",
+            fix=f"Pass for example {example}.",
         )
 
 
@@ -101,10 +101,10 @@ def require_choice(name: str, value: object, choices: Sequence[str]) -> str:
     if not isinstance(value, str) or value not in choices:
         raise InputError(
             name,
-            f"be one of {', '.join(map(repr, choices))}",
-            repr(value),
-            "Nothing else is defined.",
-            f"Pass {choices[0]!r} if in doubt.",
+            must=f"be one of {', '.join(map(repr, choices))}",
+            got=repr(value),
+            why="Nothing else is defined.",
+            fix=f"Pass {choices[0]!r} if in doubt.",
         )
     return value
 
@@ -116,10 +116,10 @@ def require_known(names: Iterable[str], known: Iterable[str], owner: str) -> Non
         if name not in fields:
             raise InputError(
                 name,
-                f"be a field of {owner}",
-                repr(name),
-                "Unknown fields are refused so that a misspelling does not go unnoticed.",
-                f"Its fields are: {', '.join(fields) or 'none'}.",
+                must=f"be a field of {owner}",
+                got=repr(name),
+                why="Unknown fields are refused so that a misspelling does not go unnoticed.",
+                fix=f"Its fields are: {', '.join(fields) or 'none'}.",
             )
 
 
@@ -132,10 +132,10 @@ def require_numbers(name: str, values: object) -> tuple[float, ...]:
     if array.ndim != 1 or array.size == 0 or not np.all(np.isfinite(array)):
         raise InputError(
             name,
-            "be a sequence of finite numbers, at least one",
-            _shortened(values),
-            "It is a table with one entry for each instant.",
-            "Pass a list or a one-dimensional array without NaN.",
+            must="be a sequence of finite numbers, at least one",
+            got=_shortened(values),
+            why="It is a table with one entry for each instant.",
+            fix="Pass a list or a one-dimensional array without NaN.",
         )
     return tuple(array.tolist())
 
@@ -150,10 +150,10 @@ def require_named_numbers(name: str, values: object, rule: Rule) -> tuple[tuple[
         if not (isinstance(key, str) and key.isascii() and key.isidentifier()):
             raise InputError(
                 name,
-                "be a mapping of names to numbers",
-                _shortened(values),
-                "Each number is a field of the model, under its name.",
-                'Pass for example {"a": 0.5}.',
+                must="be a mapping of names to numbers",
+                got=_shortened(values),
+                why="Each number is a field of the model, under its name.",
+                fix='Pass for example {"a": 0.5}.',
             )
     return tuple((key, require_real(key, value, rule)) for key, value in pairs.items())
 
@@ -164,10 +164,10 @@ def require_increasing(name: str, values: object) -> tuple[float, ...]:
     if any(a >= b for a, b in pairwise(numbers)):
         raise InputError(
             name,
-            "increase from each entry to the next",
-            _shortened(numbers),
-            "Unsorted or repeated entries have no unique meaning.",
-            "Sort them and remove duplicates.",
+            must="increase from each entry to the next",
+            got=_shortened(numbers),
+            why="Unsorted or repeated entries have no unique meaning.",
+            fix="Sort them and remove duplicates.",
         )
     return numbers
 

@@ -36,7 +36,7 @@ def build(actuator: Actuator, drive: Drive) -> Field:
         )
 
     return Field(
-        state=state,
+        variables=system.variables,
         parameters=parameters,
         waveforms=drive.waveforms,
         rates=program(*system.rates, room=system.room),

@@ -12,6 +12,7 @@ from typing import Any
 
 import sympy as sp
 
+from remanent._field import Role, StateVariable
 from remanent.derivation.energy_balance import Warming, along, balances, warming
 from remanent.derivation.unexpanded import Kept
 from remanent.models import heat
@@ -47,6 +48,8 @@ class Motion:
         Rayleigh's dissipation function.
     internal
         Rate of each internal variable.
+    relaxes_to
+        The coordinate to which each internal variable relaxes.
     thickness, thickness_rate
         Symbols of the thickness stretch and its rate.
     load, theta
@@ -67,6 +70,7 @@ class Motion:
     viscous: Expression
     rayleigh: Expression
     internal: Mapping[Symbol, Expression]
+    relaxes_to: Mapping[Symbol, Symbol]
     thickness: Symbol
     thickness_rate: Symbol
     load: Symbol
@@ -117,6 +121,8 @@ class System:
     ----------
     state
         Symbols of the state variables.
+    variables
+        Their names, roles and values at rest.
     definitions
         Intermediate symbols and what each stands for, in terms of states, parameters,
         waveforms, the phase and earlier definitions.
@@ -131,6 +137,7 @@ class System:
     """
 
     state: tuple[Symbol, ...]
+    variables: tuple[StateVariable, ...]
     definitions: Mapping[Symbol, Expression]
     rates: tuple[Expression, ...]
     watched: tuple[Expression, ...]
@@ -190,6 +197,7 @@ def motion(actuator: Actuator, drive: Drive | None) -> Motion:
         viscous=theta * sum((e.stored for e in viscous), start=sp.Integer(0)),
         rayleigh=sum((e.rayleigh for e in viscous), start=sp.Integer(0)),
         internal={k: rate for e in viscous for k, rate in e.internal.items()},
+        relaxes_to={k: q[i] for e in viscous for k, i in e.directions.items()},
         thickness=x,
         thickness_rate=x_rate,
         load=load,
@@ -214,6 +222,7 @@ def first_order(motion: Motion) -> System:
     x, x_rate = motion.thickness, motion.thickness_rate
     return System(
         state=tuple(rates),
+        variables=tuple(_variable(symbol, motion) for symbol in rates),
         definitions={**motion.definitions, **named},
         rates=tuple(rates.values()),
         watched=(x, x_rate, thickness_acceleration, _sign_of(motion.explicit(x_rate))),
@@ -226,6 +235,23 @@ def first_order(motion: Motion) -> System:
         },
         room=motion.room,
     )
+
+
+def _variable(symbol: Symbol, motion: Motion) -> StateVariable:
+    """What a state variable is: all stretches are 1 at rest, the body as warm as its surroundings.
+
+    Stretches and absolute temperatures are positive, which their symbols know.
+    """
+    positive = bool(symbol.is_positive)
+    if symbol in motion.coordinates:
+        return StateVariable(symbol.name, Role.COORDINATE, 1.0, None, positive)
+    if symbol in motion.rates:
+        coordinate = motion.coordinates[motion.rates.index(symbol)]
+        return StateVariable(symbol.name, Role.RATE, 0.0, coordinate.name, positive)
+    if symbol in motion.internal:
+        coordinate = motion.relaxes_to[symbol]
+        return StateVariable(symbol.name, Role.INTERNAL, 1.0, coordinate.name, positive)
+    return StateVariable(symbol.name, Role.TEMPERATURE, "temperature", None, positive)
 
 
 def _sign_of(expression: Expression) -> Expression:
@@ -378,6 +404,8 @@ class _Viscous:
     rayleigh: Expression
     stored: Expression
     internal: Mapping[Symbol, Expression]
+    #: Number of the coordinate to which each internal variable relaxes.
+    directions: Mapping[Symbol, int]
 
 
 def _viscous(
@@ -390,6 +418,11 @@ def _viscous(
 ) -> _Viscous:
     """One dissipative element; equal stretches share one internal variable per kind."""
     suffixes = ("", "") if actuator.coordinates == 1 else ("_1", "_2")
+    directions = {
+        sp.Symbol(f"{prefix}.{kind}{suffix}", positive=True): i % actuator.coordinates
+        for kind in part.internal
+        for i, suffix in enumerate(suffixes)
+    }
     symbols = [
         sp.Symbol(f"{prefix}.{kind}{suffix}", positive=True)
         for kind in part.internal
@@ -402,6 +435,7 @@ def _viscous(
         rayleigh=sp.sympify(part.rayleigh(stretches, rates, numbers)),
         stored=sp.sympify(part.stored(stretches, symbols, numbers)),
         internal=dict(zip(symbols, found, strict=True)),
+        directions=directions,
     )
 
 

@@ -388,10 +388,10 @@ class Actuator:
         if self.scales is None:
             raise InputError(
                 "actuator",
-                "be made by Actuator.from_si to convert units",
-                "a dimensionless actuator",
-                "Dimensionless numbers alone do not fix a length or a stress.",
-                "Build it with Actuator.from_si.",
+                must="be made by Actuator.from_si to convert units",
+                got="a dimensionless actuator",
+                why="Dimensionless numbers alone do not fix a length or a stress.",
+                fix="Build it with Actuator.from_si.",
             )
         return self.scales
 
@@ -401,10 +401,10 @@ def _require_shifts(actuator: Actuator) -> None:
     if actuator.invalid({}):
         raise InputError(
             "temperature",
-            "be above T0 - c2 of every WLF shift",
-            actuator.temperature,
-            "The law has a pole there: the element is frozen.",
-            "Raise the temperature, pass a larger c2, or use Arrhenius.",
+            must="be above T0 - c2 of every WLF shift",
+            got=actuator.temperature,
+            why="The law has a pole there: the element is frozen.",
+            fix="Raise the temperature, pass a larger c2, or use Arrhenius.",
         )
 
 
@@ -437,10 +437,10 @@ def _numbered(name: str, value: Any) -> dict[str, Any]:
     if len(pair) != 2:
         raise InputError(
             name,
-            "be one number or a pair of them",
-            repr(value)[:80],
-            "There are two in-plane directions.",
-            f"Pass {name}=(1.0, 0.5).",
+            must="be one number or a pair of them",
+            got=repr(value)[:80],
+            why="There are two in-plane directions.",
+            fix=f"Pass {name}=(1.0, 0.5).",
         )
     return {f"{name}_{i}": number for i, number in enumerate(pair, start=1)}
 

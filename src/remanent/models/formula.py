@@ -165,7 +165,7 @@ def _require_allowed(name: str, node: ast.expr) -> None:
 
 
 def _refusal(name: str, rule: str, value: str) -> InputError:
-    return InputError(name, rule, value, "A formula is read, never run.", _REMEDY)
+    return InputError(name, must=rule, got=value, why="A formula is read, never run.", fix=_REMEDY)
 
 
 def _short(text: str) -> str:

@@ -63,10 +63,10 @@ class Scales:
         if self.remanence is None:
             raise InputError(
                 "remanence",
-                "be given to convert magnetic loads",
-                None,
-                "The magnetic load is B_r B/(mu mu0).",
-                'Pass remanence="143 mT" to Actuator.from_si.',
+                must="be given to convert magnetic loads",
+                got=None,
+                why="The magnetic load is B_r B/(mu mu0).",
+                fix='Pass remanence="143 mT" to Actuator.from_si.',
             )
         return self.shear_modulus * MU0 / self.remanence
 
@@ -76,10 +76,10 @@ class Scales:
         if self.remanence is None:
             raise InputError(
                 "remanence",
-                "be given to know the magnet's own field",
-                None,
-                "Its strength is B_r^2/(mu mu0).",
-                'Pass remanence="143 mT" to Actuator.from_si.',
+                must="be given to know the magnet's own field",
+                got=None,
+                why="Its strength is B_r^2/(mu mu0).",
+                fix='Pass remanence="143 mT" to Actuator.from_si.',
             )
         return self.remanence**2 / (self.shear_modulus * MU0)
 

@@ -90,15 +90,21 @@ def read_measurements(
     along = [name for name in _ALONG if name in columns]
     if len(along) != 1 or len({v.size for v in columns.values()}) != 1 or len(columns) < 2:
         raise InputError(
-            "data", "have a column `time` or `omega`, and others as long", list(columns),
-            "A measurement is a history or a response.", "Name the columns by names={...}.",
-        )  # fmt: skip
+            "data",
+            must="have a column `time` or `omega`, and others as long",
+            got=list(columns),
+            why="A measurement is a history or a response.",
+            fix="Name the columns by names={...}.",
+        )
     table = pd.DataFrame(columns).dropna().sort_values(along[0])
     if not len(table) or table[along[0]].duplicated().any():
         raise InputError(
-            "data", f"have rows, and one for each {along[0]}", f"{len(table)} rows",
-            "Repeated points would make a coordinate ambiguous.", "Average them first.",
-        )  # fmt: skip
+            "data",
+            must=f"have rows, and one for each {along[0]}",
+            got=f"{len(table)} rows",
+            why="Repeated points would make a coordinate ambiguous.",
+            fix="Average them first.",
+        )
     labelled: dict[str, Labelled] = {n: ((along[0],), table[n].to_numpy()) for n in table}
     coordinate = {along[0]: labelled.pop(along[0])}
     return build.dataset(labelled, coordinate, {})
@@ -114,9 +120,12 @@ def _table(data: Any) -> Mapping[str, Any]:
         return dict(pd.read_csv(path, comment="#", skipinitialspace=True).items())
     except (OSError, ValueError, NotImplementedError, UnicodeDecodeError) as error:
         raise InputError(
-            "data", "be a readable CSV or MAT file", str(path), f"{error}.",
-            "Check the path; save MAT files with the option -v7.",
-        ) from error  # fmt: skip
+            "data",
+            must="be a readable CSV or MAT file",
+            got=str(path),
+            why=f"{error}.",
+            fix="Check the path; save MAT files with the option -v7.",
+        ) from error
 
 
 def _mat(path: Path) -> Mapping[str, Any]:
@@ -132,9 +141,12 @@ def _dimensionless(
         numbers = np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError) as error:
         raise InputError(
-            name, "be a column of numbers", repr(values[:3]),
-            "Everything but its heading is measured.", "Leave other rows out of the file.",
-        ) from error  # fmt: skip
+            name,
+            must="be a column of numbers",
+            got=repr(values[:3]),
+            why="Everything but its heading is measured.",
+            fix="Leave other rows out of the file.",
+        ) from error
     kind = describe(name).kind
     if unit in {None, "", "1"} or (unit == "K" and kind is Kind.TEMPERATURE):
         return numbers
@@ -144,15 +156,21 @@ def _dimensionless(
     scales = None if actuator is None else actuator.scales
     if scales is None:
         raise InputError(
-            name, "be dimensionless for this actuator", f"values in {unit}",
-            "Dimensionless numbers alone do not fix a length or a stress.",
-            "Build it with Actuator.from_si.",
-        )  # fmt: skip
+            name,
+            must="be dimensionless for this actuator",
+            got=f"values in {unit}",
+            why="Dimensionless numbers alone do not fix a length or a stress.",
+            fix="Build it with Actuator.from_si.",
+        )
     if kind is Kind.FREQUENCY:
         return np.asarray(_units.angular_frequency(name, quantity) * scales.time)
     if kind not in _SI:
         raise InputError(
-            name, "be of a kind that has a unit", unit, "It is not measured.", "Leave it out."
+            name,
+            must="be of a kind that has a unit",
+            got=unit,
+            why="It is not measured.",
+            fix="Leave it out.",
         )
     base, scale, power = _SI[kind]
     one = scales.flux_density if kind is Kind.LOAD else scales.factors()[scale]

@@ -447,10 +447,10 @@ def describe(name: str) -> Variable:
             return found
     raise InputError(
         "name",
-        "be a variable of the schema",
-        repr(name),
-        "Every variable of a Dataset has a unit, a meaning and a symbol.",
-        "Add a row to remanent/results/schema.py.",
+        must="be a variable of the schema",
+        got=repr(name),
+        why="Every variable of a Dataset has a unit, a meaning and a symbol.",
+        fix="Add a row to remanent/results/schema.py.",
     )
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from remanent._field import Field
+from remanent._field import Field, Role, StateVariable
 from remanent._timeline import Timeline
 from remanent._typing import ArrayLike, FloatArray
 from remanent.codegen.lower import lower
@@ -39,7 +39,10 @@ class Oscillator:
             return lower(outputs, inputs=inputs, levels=levels, definitions={})
 
         return Field(
-            state=("q", "v"),
+            variables=(
+                StateVariable("q", Role.COORDINATE),
+                StateVariable("v", Role.RATE, belongs_to="q"),
+            ),
             parameters=names,
             waveforms=("sine", "cosine"),
             rates=program(V, acceleration),

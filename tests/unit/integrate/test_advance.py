@@ -7,7 +7,7 @@ import pytest
 import sympy as sp
 from tests.unit.integrate.handmade import COSINE, Oscillator, Q, V, turning
 
-from remanent._field import Field
+from remanent._field import Field, Role, StateVariable
 from remanent._typing import FloatArray
 from remanent.analysis.regimes.long_runs import LongRun, propagate_tangents
 from remanent.analysis.regimes.lyapunov import LyapunovExponents, lyapunov_exponents
@@ -28,7 +28,7 @@ def autonomous(rates: list[sp.Expr]) -> Field:
         return lower(outputs, inputs=inputs, levels=levels, definitions={})
 
     return Field(
-        state=names,
+        variables=tuple(StateVariable(name, Role.COORDINATE) for name in names),
         parameters=(),
         waveforms=("sine", "cosine"),
         rates=program(*rates),  # type: ignore[arg-type]

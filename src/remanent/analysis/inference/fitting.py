@@ -101,17 +101,23 @@ def fit_least_squares(
     degrees = data.values.size - guess.size
     if degrees < 1:
         raise InputError(
-            "data", f"have more than {guess.size} values", data.values.size,
-            "As many parameters fit them whatever they are.", "Measure more, or fit fewer.",
-        )  # fmt: skip
+            "data",
+            must=f"have more than {guess.size} values",
+            got=data.values.size,
+            why="As many parameters fit them whatever they are.",
+            fix="Measure more, or fit fewer.",
+        )
     x, residual = _minimum(model, data, guess, box)
     slope = difference_jacobian(model, x, box) / data.deviation[:, None]
     curvature = slope.T @ slope * np.outer(box.scale, box.scale)
     if not np.linalg.cond(curvature) < 1e14:
         raise InputError(
-            "parameters", "each change the prediction in a way of its own", x.tolist(),
-            "Some combination of them leaves all data as they are.", "Fit fewer of them.",
-        )  # fmt: skip
+            "parameters",
+            must="each change the prediction in a way of its own",
+            got=x.tolist(),
+            why="Some combination of them leaves all data as they are.",
+            fix="Fit fewer of them.",
+        )
     chi_square = float(residual @ residual)
     variance = 1.0 if data.known else chi_square / degrees
     inverse = np.linalg.inv(curvature) * np.outer(box.scale, box.scale)
@@ -187,10 +193,12 @@ def _minimum(
 
     if not np.isfinite(residual(guess)).all():
         raise InputError(
-            "parameters", "start from values whose motion can be computed over all the data",
-            guess.tolist(), "Its error bound is not met up to the last of them.",
-            "Use earlier data, a larger tolerance, or a better guess.",
-        )  # fmt: skip
+            "parameters",
+            must="start from values whose motion can be computed over all the data",
+            got=guess.tolist(),
+            why="Its error bound is not met up to the last of them.",
+            fix="Use earlier data, a larger tolerance, or a better guess.",
+        )
     found = least_squares(
         residual, guess, jac=slope, bounds=(box.lower, box.upper), x_scale=box.scale,
         xtol=1e-10, ftol=1e-12, gtol=None, max_nfev=200,

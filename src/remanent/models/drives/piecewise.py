@@ -47,23 +47,27 @@ class Table(Drive):
         loads = _checks.require_numbers("loads", self.loads)
         if times[0] != 0.0:
             raise InputError(
-                "times", "start at 0", times[0], "Motion starts at tau = 0.", "Shift the times."
+                "times",
+                must="start at 0",
+                got=times[0],
+                why="Motion starts at tau = 0.",
+                fix="Shift the times.",
             )
         if len(times) < self.fewest:
             raise InputError(
                 "times",
-                f"have at least {self.fewest} entries",
-                len(times),
-                "A signal is interpolated between samples.",
-                "For a load that does not change use Constant.",
+                must=f"have at least {self.fewest} entries",
+                got=len(times),
+                why="A signal is interpolated between samples.",
+                fix="For a load that does not change use Constant.",
             )
         if len(loads) != len(times):
             raise InputError(
                 "loads",
-                f"have as many entries as `times`, {len(times)}",
-                len(loads),
-                "Each instant has one load.",
-                "Pass one load per instant.",
+                must=f"have as many entries as `times`, {len(times)}",
+                got=len(loads),
+                why="Each instant has one load.",
+                fix="Pass one load per instant.",
             )
         return {"times": times, "loads": loads}
 
@@ -109,10 +113,10 @@ class Table(Drive):
         if not self.held and np.any(times > self.times[-1]):
             raise InputError(
                 name,
-                f"not go beyond the last entry of `times`, {self.times[-1]}",
-                float(np.max(times)),
-                "The load is unknown after it.",
-                "Shorten the run or add entries.",
+                must=f"not go beyond the last entry of `times`, {self.times[-1]}",
+                got=float(np.max(times)),
+                why="The load is unknown after it.",
+                fix="Shorten the run or add entries.",
             )
         return times
 

@@ -76,19 +76,19 @@ class Sines(Drive):
         if min(multiples) <= 0.0 or len(set(multiples)) < len(multiples):
             raise InputError(
                 "multiples",
-                "be positive and different from each other",
-                multiples,
-                "Each is the frequency of one term, over omega.",
-                "Join terms of one frequency; put a constant into `mean`.",
+                must="be positive and different from each other",
+                got=multiples,
+                why="Each is the frequency of one term, over omega.",
+                fix="Join terms of one frequency; put a constant into `mean`.",
             )
         for name in self.tables:
             if len(getattr(self, name)) != len(multiples):
                 raise InputError(
                     name,
-                    f"have as many entries as `multiples`, {len(multiples)}",
-                    len(getattr(self, name)),
-                    "Each term has one.",
-                    "Pass one entry per term.",
+                    must=f"have as many entries as `multiples`, {len(multiples)}",
+                    got=len(getattr(self, name)),
+                    why="Each term has one.",
+                    fix="Pass one entry per term.",
                 )
         return {"multiples": multiples}
 

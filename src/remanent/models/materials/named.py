@@ -204,10 +204,10 @@ class Ogden(Material):
         if len(self.moduli) != len(self.exponents):
             raise InputError(
                 "exponents",
-                f"have as many entries as `moduli`, {len(self.moduli)}",
-                len(self.exponents),
-                "Each term has a modulus and an exponent.",
-                "Pass one entry per term.",
+                must=f"have as many entries as `moduli`, {len(self.moduli)}",
+                got=len(self.exponents),
+                why="Each term has a modulus and an exponent.",
+                fix="Pass one entry per term.",
             )
         return {}
 

@@ -99,9 +99,12 @@ class StrainEnergy(Material):
             text = formula.from_sympy(text)
         if not isinstance(text, str):
             raise InputError(
-                "expression", "be text or a SymPy expression", repr(text),
-                "It is a formula for the strain energy.", "Pass for example 'I1 - 3'.",
-            )  # fmt: skip
+                "expression",
+                must="be text or a SymPy expression",
+                got=repr(text),
+                why="It is a formula for the strain energy.",
+                fix="Pass for example 'I1 - 3'.",
+            )
         found = formula.parse(text)
         _require_names(found.names, [name for name, _ in self._pairs()["constants"]])
         return {"expression": found.text}
@@ -147,21 +150,29 @@ def _require_names(used: frozenset[str], constants: Sequence[str]) -> None:
     taken = [name for name in constants if name in _RESERVED]
     if taken:
         raise InputError(
-            "constants", "have names of their own", ", ".join(taken),
-            "These mean something else in the formula.", "Rename them.",
-        )  # fmt: skip
+            "constants",
+            must="have names of their own",
+            got=", ".join(taken),
+            why="These mean something else in the formula.",
+            fix="Rename them.",
+        )
     unknown, unused = sorted(used - _VARIABLES - {*constants}), sorted({*constants} - used)
     if unknown:
         raise InputError(
-            "expression", f"hold {', '.join(sorted(_VARIABLES))} and names in `constants` only",
-            ", ".join(unknown), "Every other name is a number that must be given.",
-            f"Pass constants={{{unknown[0]!r}: ...}}.",
-        )  # fmt: skip
+            "expression",
+            must=f"hold {', '.join(sorted(_VARIABLES))} and names in `constants` only",
+            got=", ".join(unknown),
+            why="Every other name is a number that must be given.",
+            fix=f"Pass constants={{{unknown[0]!r}: ...}}.",
+        )
     if unused:
         raise InputError(
-            "constants", "occur in the expression", ", ".join(unused),
-            "A number that changes nothing is probably misspelt.", "Leave it out.",
-        )  # fmt: skip
+            "constants",
+            must="occur in the expression",
+            got=", ".join(unused),
+            why="A number that changes nothing is probably misspelt.",
+            fix="Leave it out.",
+        )
 
 
 def _require_isotropic(material: StrainEnergy) -> None:
@@ -177,8 +188,9 @@ def _require_isotropic(material: StrainEnergy) -> None:
             1.0 + max(map(abs, values))
         ):
             raise InputError(
-                "expression", "be the same when stretches are exchanged",
-                repr(material.expression),
-                f"At {sample} in six orders it is between {min(values):g} and {max(values):g}.",
-                "Add the terms with the other stretches, or write it in I1 and I2.",
-            )  # fmt: skip
+                "expression",
+                must="be the same when stretches are exchanged",
+                got=repr(material.expression),
+                why=f"At {sample} in six orders it is between {min(values):g} and {max(values):g}.",
+                fix="Add the terms with the other stretches, or write it in I1 and I2.",
+            )

@@ -89,10 +89,12 @@ class Arrival:
         found = [replace(self.final, parameters=row).at_rest() for row in columns]
         if any(body is None for body in found):
             raise InputError(
-                "robust", "name fields whose small changes leave a state of rest",
-                self.sizes, "The target is at the edge of where rest is possible.",
-                "Leave it out.",
-            )  # fmt: skip
+                "robust",
+                must="name fields whose small changes leave a state of rest",
+                got=self.sizes,
+                why="The target is at the edge of where rest is possible.",
+                fix="Leave it out.",
+            )
         return np.array([body.state for body in found if body is not None])
 
     @cached_property

@@ -205,9 +205,12 @@ def _linear(final: Body, before: float, extra: int, target: float, *, moving: bo
 
 def _impossible(target: float, why: str) -> InputError:
     return InputError(
-        "target", "be a thickness stretch that steps can reach at rest", target,
-        f"For this actuator {why}.", "Pass one nearer to the start, or leave `robust` out.",
-    )  # fmt: skip
+        "target",
+        must="be a thickness stretch that steps can reach at rest",
+        got=target,
+        why=f"For this actuator {why}.",
+        fix="Pass one nearer to the start, or leave `robust` out.",
+    )
 
 
 def _labelled(

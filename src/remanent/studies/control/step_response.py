@@ -97,9 +97,12 @@ def step_response(
     band = require_real("band", band, _BAND)
     if not isinstance(drive, Steps | Constant):
         raise InputError(
-            "drive", "be rm.Steps or rm.Constant", repr(drive),
-            "A response to steps ends under a load that stays.", "Pass rm.shape_command(...).",
-        )  # fmt: skip
+            "drive",
+            must="be rm.Steps or rm.Constant",
+            got=repr(drive),
+            why="A response to steps ends under a load that stays.",
+            fix="Pass rm.shape_command(...).",
+        )
     many = physical(system, drive, over, initial)
     ens = many.ensemble
     rests = _rests(many)
@@ -164,9 +167,12 @@ def _rests(many: Physical) -> list[Body | None]:
         found.append(None if ens.invalid[k] else Body(field, row, ens.initial[k]).at_rest())
     if all(body is None for body in found):
         raise InputError(
-            "drive", "end under a load with a state of rest near the start", loads.tolist(),
-            "What is left of a vibration is counted from there.", "Pass a smaller last load.",
-        )  # fmt: skip
+            "drive",
+            must="end under a load with a state of rest near the start",
+            got=loads.tolist(),
+            why="What is left of a vibration is counted from there.",
+            fix="Pass a smaller last load.",
+        )
     return found
 
 

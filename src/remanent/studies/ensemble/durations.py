@@ -20,15 +20,19 @@ def require_count(name: str, value: Any, why: str, least: int = 1) -> int:
     """`value` as an integer not below `least`."""
     if isinstance(value, int | np.integer) and value > _MOST:
         raise InputError(
-            name, f"be at most {_MOST}", "more", why, "Pass as many as a computer can take."
+            name,
+            must=f"be at most {_MOST}",
+            got="more",
+            why=why,
+            fix="Pass as many as a computer can take.",
         )
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
         raise InputError(
             name,
-            "be a positive integer" if least == 1 else f"be an integer, at least {least}",
-            repr(value),
-            why,
-            f"Pass at least {least}.",
+            must="be a positive integer" if least == 1 else f"be an integer, at least {least}",
+            got=repr(value),
+            why=why,
+            fix=f"Pass at least {least}.",
         )
     return int(value)
 
@@ -39,10 +43,10 @@ def require_periods(ens: Ensemble) -> FloatArray:
     if periods is None:
         raise InputError(
             "periods",
-            "be left out for a drive without a period",
-            f"a {type(ens.drive).__name__} drive",
-            "Only a load that repeats itself has drive periods to count.",
-            "Pass `duration` instead, or use rm.Sine or rm.SineSquared.",
+            must="be left out for a drive without a period",
+            got=f"a {type(ens.drive).__name__} drive",
+            why="Only a load that repeats itself has drive periods to count.",
+            fix="Pass `duration` instead, or use rm.Sine or rm.SineSquared.",
         )
     return periods
 
@@ -62,8 +66,8 @@ def require_one(**given: Any) -> None:
         names = ", ".join(f"`{name}`" for name in given)
         raise InputError(
             " / ".join(given),
-            f"be given as exactly one of {names}",
-            " and ".join(present) or "none of them",
-            "Each of them alone says how long the run is.",
-            "Pass one of them.",
+            must=f"be given as exactly one of {names}",
+            got=" and ".join(present) or "none of them",
+            why="Each of them alone says how long the run is.",
+            fix="Pass one of them.",
         )

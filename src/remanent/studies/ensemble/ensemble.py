@@ -13,7 +13,7 @@ import xarray as xr
 
 from remanent._checks import increases
 from remanent._errors import InputError
-from remanent._field import Field
+from remanent._field import Field, Role, StateVariable
 from remanent._timeline import Timeline
 from remanent._typing import ArrayLike, BoolArray, FloatArray
 from remanent.codegen.field import field_for
@@ -130,10 +130,10 @@ def ensemble(
     if over is not None and not isinstance(over, Mapping):
         raise InputError(
             "over",
-            "be a mapping of names to values",
-            repr(over)[:80],
-            "It says which fields take many values.",
-            "Pass for example {'temperature': [250, 350, 400]}.",
+            must="be a mapping of names to values",
+            got=repr(over)[:80],
+            why="It says which fields take many values.",
+            fix="Pass for example {'temperature': [250, 350, 400]}.",
         )
     arrays = {name: _labelled(name, v, own, field, reserved) for name, v in (over or {}).items()}
     sizes = _sizes(arrays)
@@ -160,10 +160,10 @@ def _require_rate(actuator: Actuator, drive: Drive, over: Over | None) -> None:
     if actuator.heat is not None and depends and not drive.has_rate:
         raise InputError(
             "drive",
-            "have a rate of its load in closed form where the remanence takes part in the heat",
-            repr(drive)[:80],
-            "A change of the field warms a magnet whose remanence depends on temperature.",
-            "Use Constant, Sine, SineSquared or Sines, or a temperature_coefficient of 0.",
+            must="have a rate of its load in closed form where the remanence warms the body",
+            got=repr(drive)[:80],
+            why="A change of the field warms a magnet whose remanence depends on temperature.",
+            fix="Use Constant, Sine, SineSquared or Sines, or a temperature_coefficient of 0.",
         )
 
 
@@ -190,10 +190,10 @@ def _timeline(drive: Drive, values: Mapping[str, FloatArray], end: FloatArray) -
     except ValueError as error:  # from the interpolation of samples
         raise InputError(
             "drive",
-            "have loads that a spline can pass through in floating point",
-            repr(drive)[:80],
-            f"Interpolation failed: {error}",
-            "Use loads and times of ordinary size.",
+            must="have loads that a spline can pass through in floating point",
+            got=repr(drive)[:80],
+            why=f"Interpolation failed: {error}",
+            fix="Use loads and times of ordinary size.",
         ) from error
 
 
@@ -203,10 +203,10 @@ def require_memory(needed: float, what: str) -> None:
     if needed > limit:
         raise InputError(
             "over",
-            f"ask for results of at most {limit / 2**30:.1f} GiB",
-            f"{what}, about {needed / 2**30:.1f} GiB",
-            "The request was refused before any memory was allocated.",
-            "Pass fewer values, fewer times, or split the request.",
+            must=f"ask for results of at most {limit / 2**30:.1f} GiB",
+            got=f"{what}, about {needed / 2**30:.1f} GiB",
+            why="The request was refused before any memory was allocated.",
+            fix="Pass fewer values, fewer times, or split the request.",
         )
 
 
@@ -232,10 +232,10 @@ def _labelled(
     if name not in known:
         raise InputError(
             f"over[{name!r}]",
-            "be a numeric field of the actuator or of the drive",
-            repr(name),
-            "Only fields that enter the equations of motion can be varied.",
-            f"Its fields are: {', '.join(known)}.",
+            must="be a numeric field of the actuator or of the drive",
+            got=repr(name),
+            why="Only fields that enter the equations of motion can be varied.",
+            fix=f"Its fields are: {', '.join(known)}.",
         )
     if isinstance(value, xr.DataArray):
         dims = tuple(map(str, value.dims))
@@ -247,10 +247,10 @@ def _labelled(
     if array.ndim != 1:
         raise InputError(
             f"over[{name!r}]",
-            "have one dimension",
-            f"an array of shape {array.shape}",
-            "Its values become a dimension of the result.",
-            "Pass a one-dimensional array, or an xarray.DataArray that names its dimensions.",
+            must="have one dimension",
+            got=f"an array of shape {array.shape}",
+            why="Its values become a dimension of the result.",
+            fix="Pass a one-dimensional array, or an xarray.DataArray that names its dimensions.",
         )
     _require_grid(name, array)
     return (name,), array
@@ -261,10 +261,10 @@ def _require_free(name: str, dims: tuple[str, ...], reserved: frozenset[str]) ->
         if dim in reserved:
             raise InputError(
                 f"over[{name!r}]",
-                "have dimensions that results do not have of their own",
-                repr(dim),
-                "The result has one axis for each name.",
-                "Rename the dimension of the DataArray, for example to 'case'.",
+                must="have dimensions that results do not have of their own",
+                got=repr(dim),
+                why="The result has one axis for each name.",
+                fix="Rename the dimension of the DataArray, for example to 'case'.",
             )
 
 
@@ -274,18 +274,18 @@ def _floats(name: str, value: Any) -> FloatArray:
     except (TypeError, ValueError, OverflowError) as error:
         raise InputError(
             f"over[{name!r}]",
-            "be an array of real numbers",
-            repr(value)[:80],
-            "Every value is a number of the dimensionless model.",
-            "Pass for example numpy.linspace(0.5, 2.0, 300).",
+            must="be an array of real numbers",
+            got=repr(value)[:80],
+            why="Every value is a number of the dimensionless model.",
+            fix="Pass for example numpy.linspace(0.5, 2.0, 300).",
         ) from error
     if array.size == 0:
         raise InputError(
             f"over[{name!r}]",
-            "have at least one value",
-            "an empty array",
-            "A grid without points has no results.",
-            "Pass at least one value.",
+            must="have at least one value",
+            got="an empty array",
+            why="A grid without points has no results.",
+            fix="Pass at least one value.",
         )
     return array
 
@@ -297,10 +297,10 @@ def _require_grid(name: str, array: FloatArray) -> None:
     if (np.diff(finite) <= 0).any():
         raise InputError(
             f"over[{name!r}]",
-            "be sorted upwards without repeated values",
-            np.array2string(array, threshold=6),
-            "The values label a dimension of the result, on which one selects and interpolates.",
-            "Pass numpy.unique(values), or a DataArray with a dimension of its own.",
+            must="be sorted upwards without repeated values",
+            got=np.array2string(array, threshold=6),
+            why="They label a dimension of the result, on which one selects and interpolates.",
+            fix="Pass numpy.unique(values), or a DataArray with a dimension of its own.",
         )
 
 
@@ -311,10 +311,10 @@ def _sizes(arrays: Mapping[str, Labelled]) -> dict[str, int]:
             if sizes.setdefault(dim, size) != size:
                 raise InputError(
                     f"over[{name!r}]",
-                    f"have length {sizes[dim]} along {dim!r}",
-                    size,
-                    "Values that share a dimension go together, one with one.",
-                    "Give them the same length, or different dimensions.",
+                    must=f"have length {sizes[dim]} along {dim!r}",
+                    got=size,
+                    why="Values that share a dimension go together, one with one.",
+                    fix="Give them the same length, or different dimensions.",
                 )
     return sizes
 
@@ -333,9 +333,10 @@ def _initial(
     values: Mapping[str, FloatArray],
 ) -> FloatArray:
     """Initial states, array (trajectory, state): rest where nothing else is said."""
-    rest = [at_rest(name, values) for name in field.state]
+    count = values["c"].size
+    rest = [rest_values(variable, values, count) for variable in field.variables]
     first = [column[0] for column in rest]
-    moving = [name for name in field.state if name.startswith("stretch")]
+    moving = field.names(Role.COORDINATE, Role.RATE)
     try:
         given = np.asarray(first if initial is None else initial, dtype=np.float64)
     except (TypeError, ValueError, OverflowError):
@@ -343,11 +344,11 @@ def _initial(
     if given.shape not in {(len(moving),), (len(rest),)} or not np.isfinite(given).all():
         raise InputError(
             "initial",
-            f"be {len(moving)} finite numbers, ({', '.join(moving)})"
+            must=f"be {len(moving)} finite numbers, ({', '.join(moving)})"
             + (f", or all of {', '.join(field.state)}" if moving != [*field.state] else ""),
-            repr(initial),
-            "A motion starts from one state.",
-            "Leave it out to start from rest; "
+            got=repr(initial),
+            why="A motion starts from one state.",
+            fix="Leave it out to start from rest; "
             f"vary it by over={{'initial.{field.state[0]}': ...}}.",
         )
     own = {k: varied[f"initial.{n}"] for k, n in enumerate(field.state) if f"initial.{n}" in varied}
@@ -356,7 +357,7 @@ def _initial(
         if k >= said and column.strides != (0,):
             own.setdefault(k, column)
     row = np.append(given, first[given.size :])
-    start = np.broadcast_to(row, (values["c"].size, len(rest)))
+    start = np.broadcast_to(row, (count, len(rest)))
     if own:
         start = start.copy()
         for k, column in own.items():
@@ -364,21 +365,21 @@ def _initial(
     return start
 
 
-def at_rest(name: str, values: Mapping[str, FloatArray]) -> FloatArray:
-    """A state variable at rest: temperature that of the surroundings, all stretches 1."""
-    if name == "body_temperature":
-        return values["temperature"]
-    return np.broadcast_to(0.0 if name.endswith("_rate") else 1.0, values["c"].shape)
+def rest_values(
+    variable: StateVariable, values: Mapping[str, FloatArray], count: int
+) -> FloatArray:
+    """Value of a state variable at rest, array (trajectory,)."""
+    return np.broadcast_to(variable.value_at_rest(values), (count,))
 
 
-def _stretches(field: Field) -> list[int]:
-    return [k for k, name in enumerate(field.state) if not name.endswith("_rate")]
+def _positive(field: Field) -> list[int]:
+    """Positions of the state variables that only positive values make sense of."""
+    return [k for k, variable in enumerate(field.variables) if variable.positive]
 
 
 def _in_plane(start: FloatArray, field: Field) -> tuple[FloatArray, FloatArray]:
     """The two in-plane stretches of states, the same array twice for one coordinate."""
-    names = ("stretch", "stretch_1", "stretch_2")
-    columns = [k for k, name in enumerate(field.state) if name in names]
+    columns = field.indices(Role.COORDINATE)
     return start[:, columns[0]], start[:, columns[-1]]
 
 
@@ -392,7 +393,7 @@ def _invalid(
     broken = actuator.invalid(values) | drive.invalid(values)
     beyond = ~actuator.reachable(values, *_in_plane(start, field))
     bad_state = ~(np.abs(start) <= FARTHEST).all(axis=1)
-    bad_state |= ~(start[:, _stretches(field)] >= 1.0 / FARTHEST).all(axis=1)
+    bad_state |= ~(start[:, _positive(field)] >= 1.0 / FARTHEST).all(axis=1)
     periods = _periods(drive, values)
     if periods is not None:
         broken = broken | ~np.isfinite(periods)
@@ -409,28 +410,28 @@ def _refuse(states: FloatArray, field: Field, drive: Drive, periods: FloatArray 
     if periods is not None and not np.isfinite(periods).all():
         raise InputError(
             "drive",
-            "have a finite period",
-            repr(drive),
-            "Steps are fractions of it.",
-            "Use Constant for a load that does not change within any run.",
+            must="have a finite period",
+            got=repr(drive),
+            why="Steps are fractions of it.",
+            fix="Use Constant for a load that does not change within any run.",
         )
-    for k in _stretches(field):
+    for k in _positive(field):
         if not start[k] > 0.0:
             raise InputError(
                 "initial",
-                f"have a {field.state[k]} greater than 0",
-                start[k],
-                "Stretches are ratios of lengths, temperatures are absolute.",
-                "Pass 1 for the undeformed block.",
+                must=f"have a {field.state[k]} greater than 0",
+                got=start[k],
+                why="Stretches are ratios of lengths, temperatures are absolute.",
+                fix="Pass 1 for the undeformed block.",
             )
-    if (np.abs(start) <= FARTHEST).all() and min(start[_stretches(field)]) >= 1.0 / FARTHEST:
+    if (np.abs(start) <= FARTHEST).all() and min(start[_positive(field)]) >= 1.0 / FARTHEST:
         return
     raise InputError(
         "initial",
-        f"have stretches from {1.0 / FARTHEST:g} to {FARTHEST:g} and rates up to {FARTHEST:g}",
-        start.tolist(),
-        "No actuator gets beyond them, and formulas with high powers lose their digits there.",
-        "Pass (1, 0) for rest.",
+        must=f"have stretches from {1.0 / FARTHEST:g} to {FARTHEST:g} and rates up to {FARTHEST:g}",
+        got=start.tolist(),
+        why="No actuator gets beyond them, and formulas with high powers lose their digits there.",
+        fix="Pass (1, 0) for rest.",
     )
 
 
@@ -440,8 +441,8 @@ def _refuse_beyond(
     if not actuator.reachable(values, *_in_plane(start, field)).all():
         raise InputError(
             "initial",
-            "be a state that the material can reach",
-            start[0].tolist(),
-            f"It lies beyond the limiting chain extension of {actuator.material!r}.",
-            "Start nearer to (1, 0), or raise the limit.",
+            must="be a state that the material can reach",
+            got=start[0].tolist(),
+            why=f"It lies beyond the limiting chain extension of {actuator.material!r}.",
+            fix="Start nearer to (1, 0), or raise the limit.",
         )

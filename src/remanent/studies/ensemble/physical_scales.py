@@ -103,7 +103,7 @@ def physical(
     sizes = np.stack([ens.values[name] for name in PHYSICAL])
     broken = ~np.all([RULE.satisfied(row) for row in sizes], axis=0)
     if not ens.sizes and broken.any():
-        raise InputError("over", RULE.rule, sizes[:, 0], RULE.reason, RULE.remedy)
+        raise InputError("over", must=RULE.must, got=sizes[:, 0], why=RULE.why, fix=RULE.fix)
     sizes = np.where(broken, 1.0, sizes)
     values = {
         name: value * _factor(_kind(name), sizes)

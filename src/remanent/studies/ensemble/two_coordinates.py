@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from remanent._field import Role
 from remanent.studies.ensemble.ensemble import Ensemble, ensemble
 
 
@@ -14,9 +15,9 @@ def two_coordinates(ens: Ensemble) -> tuple[Ensemble, dict[str, str]]:
     """
     load = ens.system.prestress
     both = ensemble(ens.system.replace(prestress=(load, load)), ens.drive)
-    names = both.field.state
     values = {name: v for name, v in ens.values.items() if name != "prestress"}
     values |= {f"prestress_{i}": ens.values["prestress"] for i in (1, 2)}
-    pairs = {n: n.replace("_1", "_2") for n in names if n.replace("_1", "_2") in names}
-    pairs = {one: two for one, two in pairs.items() if one != two}
+    first, second = both.field.names(Role.COORDINATE)
+    pairs = {first: second}
+    pairs |= zip(both.field.belonging_to(first), both.field.belonging_to(second), strict=True)
     return replace(ens, system=both.system, field=both.field, values=values), pairs

@@ -74,9 +74,12 @@ def design(
     guess = _guesses(asked, parameters)
     if len(wanted) != len(asked):
         raise InputError(
-            "targets", f"have {len(asked)} values", len(wanted),
-            "Each measure has one.", "Pass one target per measure.",
-        )  # fmt: skip
+            "targets",
+            must=f"have {len(asked)} values",
+            got=len(wanted),
+            why="Each measure has one.",
+            fix="Pass one target per measure.",
+        )
     names, start = list(guess), np.array(list(guess.values()))
     box = _box(guess, parameter_ranges or {})
     weight = np.maximum(np.abs(wanted), 1e-3)
@@ -94,9 +97,12 @@ def design(
     begin = distance(start[None])
     if not np.isfinite(begin).all() or begin.shape[1] != len(asked):
         raise InputError(
-            "parameters", "start where each measure is one known number", guess,
-            "The search starts there.", "Pass other guesses, or reduce the measure by `of`.",
-        )  # fmt: skip
+            "parameters",
+            must="start where each measure is one known number",
+            got=guess,
+            why="The search starts there.",
+            fix="Pass other guesses, or reduce the measure by `of`.",
+        )
     with np.errstate(all="ignore"):  # of a measure that stops changing
         found = least_squares(
             residual, start, jac=slopes, bounds=(box.lower, box.upper), x_scale=box.scale,
@@ -139,7 +145,10 @@ def _box(guess: Mapping[str, float], bounds: Mapping[str, tuple[float, float]]) 
     ends = np.array([bounds.get(name, (-np.inf, np.inf)) for name in guess], dtype=float)
     if not ((ends[:, 0] < ends[:, 1]) & (ends[:, 0] <= value) & (value <= ends[:, 1])).all():
         raise InputError(
-            "bounds", "lie around the guesses", dict(bounds),
-            "The search starts there.", "Pass other guesses or wider bounds.",
-        )  # fmt: skip
+            "bounds",
+            must="lie around the guesses",
+            got=dict(bounds),
+            why="The search starts there.",
+            fix="Pass other guesses or wider bounds.",
+        )
     return ParameterBox(np.where(value == 0.0, 1.0, np.abs(value)), ends[:, 0], ends[:, 1])

@@ -192,9 +192,12 @@ class _Model:
         """The measured values, one variable after the other."""
         if self.along not in self.table.dims or not self.measured:
             raise InputError(
-                "data", "hold variables along `time` or `omega`", list(self.table.sizes),
-                "They are compared with a history or a response.", "Use rm.read_measurements(...).",
-            )  # fmt: skip
+                "data",
+                must="hold variables along `time` or `omega`",
+                got=list(self.table.sizes),
+                why="They are compared with a history or a response.",
+                fix="Use rm.read_measurements(...).",
+            )
         values = np.concatenate([self.table[name].values for name in self.measured])
         given = [f"{name}_error" in self.table for name in self.measured]
         deviation = np.ones(values.size)
@@ -204,9 +207,12 @@ class _Model:
             )
         if not (np.isfinite(values).all() and (deviation > 0.0).all()):
             raise InputError(
-                "data", "be finite, with deviations above 0", "others",
-                "Each value counts by its deviation.", "Leave such rows out.",
-            )  # fmt: skip
+                "data",
+                must="be finite, with deviations above 0",
+                got="others",
+                why="Each value counts by its deviation.",
+                fix="Leave such rows out.",
+            )
         return Observations(values, deviation, all(given))
 
     def labels(self) -> dict[str, Labelled]:
@@ -267,10 +273,12 @@ def _column(asked: Problem, name: str, times: FloatArray, states: FloatArray) ->
     if name not in asked.field.observables:
         known = [*asked.field.state, *asked.field.observables]
         raise InputError(
-            "data", f"hold variables among {', '.join(known)}", name,
-            "They are what a history has.",
-            "Name the columns so, by rm.read_measurements(names=...).",
-        )  # fmt: skip
+            "data",
+            must=f"hold variables among {', '.join(known)}",
+            got=name,
+            why="They are what a history has.",
+            fix="Name the columns so, by rm.read_measurements(names=...).",
+        )
     return observe(asked, name, times, states)
 
 
@@ -287,9 +295,12 @@ def _guesses(
     guess = chosen(parameters, own)
     if not guess:
         raise InputError(
-            "parameters", "name at least one field", parameters,
-            "There is nothing to find.", f"Pass some of {', '.join(own)}.",
-        )  # fmt: skip
+            "parameters",
+            must="name at least one field",
+            got=parameters,
+            why="There is nothing to find.",
+            fix=f"Pass some of {', '.join(own)}.",
+        )
     return guess
 
 
@@ -314,7 +325,10 @@ def _box(
         lower[k], upper[k] = (bounds or {}).get(name, (lower[k], upper[k]))
         if not lower[k] < upper[k] or not lower[k] <= value[k] <= upper[k]:
             raise InputError(
-                "bounds", f"lie around the guess of {name}, {value[k]}", (lower[k], upper[k]),
-                "The search starts there.", "Pass a guess between the bounds.",
-            )  # fmt: skip
+                "bounds",
+                must=f"lie around the guess of {name}, {value[k]}",
+                got=(lower[k], upper[k]),
+                why="The search starts there.",
+                fix="Pass a guess between the bounds.",
+            )
     return ParameterBox(scale, lower, upper)

@@ -69,9 +69,12 @@ def logarithmic_decrement(
     along = [d for d in ("time", "cycle") if d in history.dims]
     if variable not in history or "time" not in history.variables or not along:
         raise InputError(
-            "history", f"have {variable} along `time`", list(history.variables),
-            "A decay is seen in time.", "Pass the result of rm.simulate.",
-        )  # fmt: skip
+            "history",
+            must=f"have {variable} along `time`",
+            got=list(history.variables),
+            why="A decay is seen in time.",
+            fix="Pass the result of rm.simulate.",
+        )
     values, time = xr.broadcast(history[variable], history["time"])
     axis: Hashable = along[0]
     others = [d for d in values.dims if d != axis]

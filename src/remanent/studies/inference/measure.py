@@ -59,14 +59,20 @@ class Measure:
     ) -> None:
         if not callable(verb):
             raise InputError(
-                "measure", "be a verb", repr(verb)[:80],
-                "It is called with changed fields.", "Pass for example rm.frequency_response.",
-            )  # fmt: skip
+                "measure",
+                must="be a verb",
+                got=repr(verb)[:80],
+                why="It is called with changed fields.",
+                fix="Pass for example rm.frequency_response.",
+            )
         if "over" in options:
             raise InputError(
-                "over", "be left out", repr(options["over"])[:80],
-                "The fields that vary are chosen here.", "Ask for one grid point at a time.",
-            )  # fmt: skip
+                "over",
+                must="be left out",
+                got=repr(options["over"])[:80],
+                why="The fields that vary are chosen here.",
+                fix="Ask for one grid point at a time.",
+            )
         for name, value in {
             "verb": verb, "arguments": arguments, "of": of, "options": MappingProxyType(options),
         }.items():  # fmt: skip
@@ -82,9 +88,12 @@ class Measure:
         found = next((a for a in self._given() if isinstance(a, Actuator)), None)
         if found is None:
             raise InputError(
-                "measure", "have an actuator among its arguments", repr(self),
-                "Its fields are what varies.", "Pass it after the verb.",
-            )  # fmt: skip
+                "measure",
+                must="have an actuator among its arguments",
+                got=repr(self),
+                why="Its fields are what varies.",
+                fix="Pass it after the verb.",
+            )
         return found
 
     @property
@@ -108,9 +117,12 @@ class Measure:
         for name in names:
             if name not in known:
                 raise InputError(
-                    "fields", "be numeric fields of the actuator or the drive", repr(name),
-                    "Nothing else can vary.", f"Its fields are: {', '.join(known)}.",
-                )  # fmt: skip
+                    "fields",
+                    must="be numeric fields of the actuator or the drive",
+                    got=repr(name),
+                    why="Nothing else can vary.",
+                    fix=f"Its fields are: {', '.join(known)}.",
+                )
 
     def at(self, values: Mapping[str, Any]) -> tuple[xr.DataArray, xr.DataArray]:
         """The measure and its error at some values of fields, along ``sample``.
@@ -137,14 +149,20 @@ class Measure:
             value = result[self.of or "value"]
         else:
             raise InputError(
-                "of", f"be one of {', '.join(map(str, result.data_vars))}", repr(self.of),
-                "It is a variable of the verb's result.", "Pass its name.",
-            )  # fmt: skip
+                "of",
+                must=f"be one of {', '.join(map(str, result.data_vars))}",
+                got=repr(self.of),
+                why="It is a variable of the verb's result.",
+                fix="Pass its name.",
+            )
         if not isinstance(value, xr.DataArray) or SAMPLE not in value.dims:
             raise InputError(
-                "of", f"keep the dimension `{SAMPLE}`", repr(self.of),
-                "The verb was asked for many values at once.", "Reduce other dimensions only.",
-            )  # fmt: skip
+                "of",
+                must=f"keep the dimension `{SAMPLE}`",
+                got=repr(self.of),
+                why="The verb was asked for many values at once.",
+                fix="Reduce other dimensions only.",
+            )
         named = f"{self.of}_error" if isinstance(self.of, str) else ""
         error = result.get(named, result.get("error", xr.zeros_like(value)))
         error = error if set(error.dims) <= set(value.dims) else xr.zeros_like(value)
@@ -165,9 +183,12 @@ class Measure:
                 new_drive = new_drive.replace(**{name: value})
             else:
                 raise InputError(
-                    "fields", "be fields of the actuator or the drive for this verb", repr(name),
-                    "It takes no `over`.", "Leave it out.",
-                )  # fmt: skip
+                    "fields",
+                    must="be fields of the actuator or the drive for this verb",
+                    got=repr(name),
+                    why="It takes no `over`.",
+                    fix="Leave it out.",
+                )
 
         def swapped(x: Any) -> Any:
             return new_actuator if x is actuator else new_drive if x is drive else x
@@ -196,9 +217,12 @@ def as_measure(
     if isinstance(measure, Measure):
         if arguments or of is not None or options:
             raise InputError(
-                "measure", "come alone", repr(measure),
-                "It holds its arguments already.", "Pass them to rm.Measure.",
-            )  # fmt: skip
+                "measure",
+                must="come alone",
+                got=repr(measure),
+                why="It holds its arguments already.",
+                fix="Pass them to rm.Measure.",
+            )
         return measure
     return Measure(measure, *arguments, of=of, **options)
 

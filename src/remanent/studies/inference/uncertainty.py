@@ -96,10 +96,12 @@ def uncertainty(
     )
     if not names:
         raise InputError(
-            "parameter_ranges", "name at least one field", parameter_ranges,
-            "Something must be uncertain.",
-            "Pass for example {'temperature': (280, 300)}.",
-        )  # fmt: skip
+            "parameter_ranges",
+            must="name at least one field",
+            got=parameter_ranges,
+            why="Something must be uncertain.",
+            fix="Pass for example {'temperature': (280, 300)}.",
+        )
     asked.require(names)
     shares = _shares(quantiles)
     samples = _samples(samples, shares)
@@ -149,10 +151,13 @@ def _samples(samples: int, shares: FloatArray) -> int:
     needed = REPLICATES / float(np.minimum(shares, 1.0 - shares).min())
     if samples & (samples - 1) or samples < needed:
         raise InputError(
-            "samples", f"be a power of two, at least {needed:.0f} for these quantiles", samples,
-            "Sobol' points are evenly spread for these numbers only, and each of eight parts "
-            "of them has to reach beyond the quantiles.", "Pass 256, 512, 1024 ...",
-        )  # fmt: skip
+            "samples",
+            must=f"be a power of two, at least {needed:.0f} for these quantiles",
+            got=samples,
+            why="Sobol' points are evenly spread for these numbers only, and each of eight parts "
+            "of them has to reach beyond the quantiles.",
+            fix="Pass 256, 512, 1024 ...",
+        )
     return samples
 
 
@@ -167,10 +172,12 @@ def _distribution(name: str, given: Any) -> Distribution:
         low = high = np.nan
     if not (np.isfinite(low) and np.isfinite(high) and low < high):
         raise InputError(
-            f"ranges[{name!r}]", "be a lower and a larger upper number, or a distribution",
-            repr(given)[:80], "Values are drawn from it.",
-            "Pass (280, 300), or scipy.stats.norm(293, 5).",
-        )  # fmt: skip
+            f"ranges[{name!r}]",
+            must="be a lower and a larger upper number, or a distribution",
+            got=repr(given)[:80],
+            why="Values are drawn from it.",
+            fix="Pass (280, 300), or scipy.stats.norm(293, 5).",
+        )
     return uniform(low, high - low)
 
 
@@ -179,7 +186,10 @@ def _shares(quantiles: Sequence[float]) -> FloatArray:
     inside = (shares > 0.0) & (shares < 1.0)
     if shares.ndim != 1 or not shares.size or not inside.all() or (np.diff(shares) <= 0.0).any():
         raise InputError(
-            "quantiles", "increase between 0 and 1", quantiles,
-            "They are shares of what may happen.", "Pass (0.05, 0.5, 0.95).",
-        )  # fmt: skip
+            "quantiles",
+            must="increase between 0 and 1",
+            got=quantiles,
+            why="They are shares of what may happen.",
+            fix="Pass (0.05, 0.5, 0.95).",
+        )
     return shares

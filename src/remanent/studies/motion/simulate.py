@@ -117,10 +117,10 @@ def time_grid(ens: Ensemble, duration: Any, periods: Any, times: Any) -> tuple[F
         if wanted[0] < 0.0:
             raise InputError(
                 "times",
-                "not be negative",
-                wanted[0],
-                "The motion starts at tau = 0.",
-                "Pass times from 0 on.",
+                must="not be negative",
+                got=wanted[0],
+                why="The motion starts at tau = 0.",
+                fix="Pass times from 0 on.",
             )
         require_memory(80.0 * ens.count * wanted.size, f"{ens.count} x {wanted.size} states")
         return np.tile(wanted, (ens.count, 1)), True

@@ -11,6 +11,7 @@ import numpy as np
 from scipy.optimize import elementwise
 
 from remanent._errors import InputError
+from remanent._field import Role, StateVariable
 from remanent._typing import FloatArray
 from remanent.analysis.orbits.periodic_orbits import (
     Orbits,
@@ -20,7 +21,7 @@ from remanent.analysis.orbits.periodic_orbits import (
 )
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
-from remanent.studies.ensemble.ensemble import Ensemble, at_rest
+from remanent.studies.ensemble.ensemble import Ensemble, rest_values
 from remanent.studies.orbits._period_map import StroboscopicMap
 
 #: Its annotations know nothing of `args`.
@@ -73,42 +74,54 @@ def box_of(ens: Ensemble, bounds: Mapping[str, Any] | None) -> FloatArray:
     for name in given:
         if name not in state:
             raise InputError(
-                "bounds", f"name state variables, {', '.join(state)}", repr(name),
-                "Orbits are looked for in a box of states.", "Pass {'stretch': (0.3, 4.0)}.",
-            )  # fmt: skip
+                "bounds",
+                must=f"name state variables, {', '.join(state)}",
+                got=repr(name),
+                why="Orbits are looked for in a box of states.",
+                fix="Pass {'stretch': (0.3, 4.0)}.",
+            )
     rows = []
-    for name in state:
-        pair = np.asarray(given.get(name, _default(name, ens)), float)
+    for variable in ens.field.variables:
+        name = variable.name
+        pair = np.asarray(given.get(name, _default(variable, ens)), float)
         if pair.shape != (2,) or not np.isfinite(pair).all() or not pair[0] < pair[1]:
             raise InputError(
-                "bounds", f"give {name} a lower and a larger upper number", repr(given[name]),
-                "Orbits are looked for in a box of states.", "Pass {'stretch': (0.3, 4.0)}.",
-            )  # fmt: skip
-        if not name.endswith("_rate") and pair[0] <= 0.0:
+                "bounds",
+                must=f"give {name} a lower and a larger upper number",
+                got=repr(given[name]),
+                why="Orbits are looked for in a box of states.",
+                fix="Pass {'stretch': (0.3, 4.0)}.",
+            )
+        if variable.positive and pair[0] <= 0.0:
             raise InputError(
-                "bounds", f"keep {name} above 0", float(pair[0]),
-                "A stretch is a ratio of lengths.", "Pass {'stretch': (0.3, 4.0)}.",
-            )  # fmt: skip
+                "bounds",
+                must=f"keep {name} above 0",
+                got=float(pair[0]),
+                why="A stretch is a ratio of lengths.",
+                fix="Pass {'stretch': (0.3, 4.0)}.",
+            )
         rows.append(pair)
     return np.array(rows)
 
 
-def _default(name: str, ens: Ensemble) -> tuple[float, float]:
+def _default(variable: StateVariable, ens: Ensemble) -> tuple[float, float]:
     """Bounds of a state variable that none were given for."""
-    if name == "body_temperature":
-        around = ens.values["temperature"]
+    if variable.role is Role.TEMPERATURE:
+        around = rest_values(variable, ens.values, ens.count)
         return float(around.min()) - WARMTH, float(around.max()) + WARMTH
-    return RATES if name.endswith("_rate") else STRETCHES
+    return RATES if variable.role is Role.RATE else STRETCHES
 
 
 def require_isolated(ens: Ensemble) -> None:
     """Refuse adiabatic bodies: they warm for ever, or have an orbit for each entropy."""
     if ens.system.heat is not None and not (ens.values["heat.exchange"] > 0.0).all():
         raise InputError(
-            "actuator", "exchange heat where its temperature is a state", ens.system.heat,
-            "Without exchange it warms for ever, or has an orbit for every temperature.",
-            "Pass rm.Heat(exchange=...) above 0, or heat=None.",
-        )  # fmt: skip
+            "actuator",
+            must="exchange heat where its temperature is a state",
+            got=ens.system.heat,
+            why="Without exchange it warms for ever, or has an orbit for every temperature.",
+            fix="Pass rm.Heat(exchange=...) above 0, or heat=None.",
+        )
 
 
 def is_symmetric(actuator: Actuator, drive: Drive) -> bool:
@@ -161,8 +174,8 @@ def _in_box(search: Search) -> FloatArray:
 
     What is internal is guessed from the stretches: relaxed, at the temperature outside.
     """
-    state = search.map.ensemble.field.state
-    moving = [k for k, name in enumerate(state) if name.startswith("stretch")]
+    field = search.map.ensemble.field
+    moving = field.indices(Role.COORDINATE, Role.RATE)
     counts = (_DENSE if search.dense else _SPARSE)[len(moving)]
     axes = [
         np.geomspace(low, high, n) if low > 0.0 else np.linspace(low, high, n)
@@ -171,10 +184,10 @@ def _in_box(search: Search) -> FloatArray:
     grid = np.stack([axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")], axis=1)
     guesses = np.tile(search.box.mean(axis=1), (len(grid), 1))
     guesses[:, moving] = grid
-    for k, name in enumerate(state):
-        like = f"stretch{name.rpartition('viscous_stretch')[2]}"
-        if "viscous_stretch" in name and like in state:
-            guesses[:, k] = guesses[:, state.index(like)]
+    for k in field.indices(Role.INTERNAL):
+        coordinate = field.variables[k].belongs_to
+        if coordinate is not None:
+            guesses[:, k] = guesses[:, field.state.index(coordinate)]
     return guesses
 
 
@@ -217,6 +230,6 @@ def _symmetric(search: Search, parameters: FloatArray, late: bool) -> list[Float
 
 def nearest_rest(orbits: Orbits, ens: Ensemble) -> Orbits:
     """The orbit whose point is nearest to rest, alone."""
-    rest = [float(at_rest(name, ens.values)[0]) for name in ens.field.state]
+    rest = [float(rest_values(v, ens.values, ens.count)[0]) for v in ens.field.variables]
     k = int(np.argmin(np.linalg.norm(orbits.state - rest, axis=1)))
     return orbit_subset(orbits, np.array([k]))

@@ -107,10 +107,12 @@ def continue_bifurcation(
     require_isolated(ens)
     if len(parameters) != 2 or len(parameter_ranges) != 2 or parameters[0] == parameters[1]:
         raise InputError(
-            "parameters", "be two different fields, with a pair of bounds each",
-            (parameters, parameter_ranges), "A curve lies in a plane.",
-            "Pass for example ('omega', 'b').",
-        )  # fmt: skip
+            "parameters",
+            must="be two different fields, with a pair of bounds each",
+            got=(parameters, parameter_ranges),
+            why="A curve lies in a plane.",
+            fix="Pass for example ('omega', 'b').",
+        )
     limits = [
         parameter_bounds(n, b, ens) for n, b in zip(parameters, parameter_ranges, strict=True)
     ]
@@ -123,21 +125,25 @@ def continue_bifurcation(
     guess = np.concatenate([np.asarray(initial, dtype=float).ravel(), own])[None]
     if guess.shape[1] != scale.size:
         raise InputError(
-            "initial", f"be {len(box)} numbers", repr(initial),
-            "It is a state at phase 0.", "Take it from the special points of a branch.",
-        )  # fmt: skip
+            "initial",
+            must=f"be {len(box)} numbers",
+            got=repr(initial),
+            why="It is a state at phase 0.",
+            fix="Take it from the special points of a branch.",
+        )
     held = np.zeros(guess.shape)
     held[0, -1] = 1.0
     points, reached = correct_points(equations, guess, held, scale=scale, tolerance=tolerance)
     if not reached[0]:
         raise InputError(
-            "initial", f"be near a {kind}", (repr(initial), own),
-            "Newton's method found none from it.",
-            "Pass the state and parameters of a special point of a branch.",
-        )  # fmt: skip
-    settings = ContinuationSettings(
-        lower, upper, scale, step=0.005, longest=0.02, tolerance=tolerance, most=most
-    )
+            "initial",
+            must=f"be near a {kind}",
+            got=(repr(initial), own),
+            why="Newton's method found none from it.",
+            fix="Pass the state and parameters of a special point of a branch.",
+        )
+    settings = ContinuationSettings(lower, upper, scale, step=0.005, longest=0.02, tolerance=tolerance,
+                        most=most)  # fmt: skip
     (curve,) = continue_curves(equations, points, settings)
     some, d = curve.points, len(box)
     columns = {

@@ -205,16 +205,22 @@ def parameter_bounds(parameter: str, bounds: ArrayLike, ens: Ensemble) -> tuple[
     pair = np.asarray(bounds, dtype=float)
     if pair.shape != (2,) or not np.isfinite(pair).all() or not pair[0] < pair[1]:
         raise InputError(
-            "parameter_range", f"be the lowest and the highest value of {parameter}", repr(bounds),
-            "A branch is followed between them.", "Pass two increasing numbers.",
-        )  # fmt: skip
+            "parameter_range",
+            must=f"be the lowest and the highest value of {parameter}",
+            got=repr(bounds),
+            why="A branch is followed between them.",
+            fix="Pass two increasing numbers.",
+        )
     for value in pair:
         broken = ens.system.invalid({parameter: value}) | ens.drive.invalid({parameter: value})
         if broken.any():
             raise InputError(
-                "parameter_range", f"be possible values of {parameter}", float(value),
-                "Orbits are computed up to them.", "Pass values within the field's own range.",
-            )  # fmt: skip
+                "parameter_range",
+                must=f"be possible values of {parameter}",
+                got=float(value),
+                why="Orbits are computed up to them.",
+                fix="Pass values within the field's own range.",
+            )
     return float(pair[0]), float(pair[1])
 
 
@@ -247,9 +253,12 @@ def _start(tracing: Tracing, start: ArrayLike | None, value: float) -> Orbits:
     ens, (low, high) = tracing.map.ensemble, tracing.bounds
     if not low <= value <= high:
         raise InputError(
-            "parameter_range", f"include the field's own value, {value:g}", (low, high),
-            "The branch starts there.", "Change the drive or the actuator, or the bounds.",
-        )  # fmt: skip
+            "parameter_range",
+            must=f"include the field's own value, {value:g}",
+            got=(low, high),
+            why="The branch starts there.",
+            fix="Change the drive or the actuator, or the bounds.",
+        )
     if start is None:
         symmetric = is_symmetric(ens.system, ens.drive)
         search = Search(tracing.map, tracing.box, tracing.period, tracing.tolerance, symmetric)
@@ -259,9 +268,12 @@ def _start(tracing: Tracing, start: ArrayLike | None, value: float) -> Orbits:
         guess = np.asarray(start, dtype=float).reshape(1, -1)
         if guess.shape[1] != tracing.map.dimension:
             raise InputError(
-                "start", f"be {tracing.map.dimension} numbers", repr(start),
-                "It is a state at phase 0.", "Take one from periodic_orbits.",
-            )  # fmt: skip
+                "start",
+                must=f"be {tracing.map.dimension} numbers",
+                got=repr(start),
+                why="It is a state at phase 0.",
+                fix="Take one from periodic_orbits.",
+            )
         orbits = newton_fixed_points(
             tracing.map, guess, np.array([[value]]), iterate=tracing.period,
             tolerance=tracing.tolerance, bounds=tracing.box,
@@ -269,9 +281,12 @@ def _start(tracing: Tracing, start: ArrayLike | None, value: float) -> Orbits:
         why = "Newton's method reached none from it."
     if not orbits.residual.size:
         raise InputError(
-            "start", "be near a periodic orbit", repr(start), why,
-            "Widen `state_bounds`, or take a state from periodic_orbits.",
-        )  # fmt: skip
+            "start",
+            must="be near a periodic orbit",
+            got=repr(start),
+            why=why,
+            fix="Widen `state_bounds`, or take a state from periodic_orbits.",
+        )
     return nearest_rest(orbits, ens) if start is None else orbits
 
 

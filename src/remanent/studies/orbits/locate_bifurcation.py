@@ -94,23 +94,33 @@ def locate_bifurcation(
     ens = ensemble(system, drive, over)
     if over and parameter in over:
         raise InputError(
-            "over", f"not name {parameter}", repr(parameter), "It is adjusted.", "Leave it out."
+            "over",
+            must=f"not name {parameter}",
+            got=repr(parameter),
+            why="It is adjusted.",
+            fix="Leave it out.",
         )
     state = np.asarray(initial, dtype=float).ravel()
     d = len(single.field.state)
     if state.shape != (d,) or not np.isfinite(state).all():
         raise InputError(
-            "initial", f"be {d} numbers", repr(initial),
-            "It is a state at phase 0.", "Take it from the special points of a branch.",
-        )  # fmt: skip
+            "initial",
+            must=f"be {d} numbers",
+            got=repr(initial),
+            why="It is a state at phase 0.",
+            fix="Take it from the special points of a branch.",
+        )
     unknown, residual, error, reached = _found(
         single, ens, kind, parameter, state, orbit_period, tolerance
     )
     if not ens.sizes and not reached[0]:
         raise InputError(
-            "initial", f"be near a {kind}", repr(initial), "Newton's method found none from it.",
-            "Pass the state and the parameter of a special point of a branch.",
-        )  # fmt: skip
+            "initial",
+            must=f"be near a {kind}",
+            got=repr(initial),
+            why="Newton's method found none from it.",
+            fix="Pass the state and the parameter of a special point of a branch.",
+        )
     columns = {parameter: unknown[:, d], f"{parameter}_error": error, "residual": residual}
     columns |= {name: unknown[:, k] for k, name in enumerate(ens.field.state)}
     variables: dict[str, Labelled] = {

@@ -115,9 +115,12 @@ def manifold_crossing(
     state = runs.guess(low) if saddle is None else np.asarray(saddle, dtype=float).ravel()
     if state.size != len(ens.field.state):
         raise InputError(
-            "saddle", f"be {len(ens.field.state)} numbers", repr(saddle),
-            "It is a state at phase 0.", "Take one from periodic_orbits.",
-        )  # fmt: skip
+            "saddle",
+            must=f"be {len(ens.field.state)} numbers",
+            got=repr(saddle),
+            why="It is a state at phase 0.",
+            fix="Take one from periodic_orbits.",
+        )
     values = np.linspace(low, high, _TRIED + 2)
     length = min(_FIRST, periods)
     while True:
@@ -128,11 +131,13 @@ def manifold_crossing(
             continue
         if ends is None:
             raise InputError(
-                "parameter_range", "hold one crossing between its ends", (low, high),
-                f"From its values the motion leaves on the sides {passage.side.tolist()} "
+                "parameter_range",
+                must="hold one crossing between its ends",
+                got=(low, high),
+                why=f"From its values the motion leaves on the sides {passage.side.tolist()} "
                 "(1: the way it came, -1: beyond, 0: not decided).",
-                "Move the ends nearer to the jump, or pass more `periods`.",
-            )  # fmt: skip
+                fix="Move the ends nearer to the jump, or pass more `periods`.",
+            )
         gap = float(values[ends[1]] - values[ends[0]])
         state = points.unknown[ends[0], :-1]
         if gap <= width or gap > 0.5 * (values[-1] - values[0]):
@@ -175,9 +180,12 @@ class _Runs:
         saddles = found["initial"].values[found["stability"].values == "saddle"]
         if not len(saddles):
             raise InputError(
-                "bracket", "begin where there is a saddle orbit", value,
-                "Motion is told by the side on which it passes one.", "Pass `saddle`.",
-            )  # fmt: skip
+                "bracket",
+                must="begin where there is a saddle orbit",
+                got=value,
+                why="Motion is told by the side on which it passes one.",
+                fix="Pass `saddle`.",
+            )
         states, _ = self.visited(np.array([value]), min(_FIRST, self.periods))
         distance = np.linalg.norm(states[0][:, None] - saddles, axis=2)
         return np.asarray(saddles[np.nanmin(distance, axis=0).argmin()])
@@ -197,10 +205,12 @@ class _Runs:
         jacobian = points.extra["jacobian"]
         if not reached.all() or not unstable_direction(jacobian)[2].all():
             raise InputError(
-                "saddle", "be near a saddle orbit throughout the bracket", state.tolist(),
-                "Newton's method reached none, or another kind of orbit.",
-                "Pass a narrower bracket, or a saddle's state from periodic_orbits.",
-            )  # fmt: skip
+                "saddle",
+                must="be near a saddle orbit throughout the bracket",
+                got=state.tolist(),
+                why="Newton's method reached none, or another kind of orbit.",
+                fix="Pass a narrower bracket, or a saddle's state from periodic_orbits.",
+            )
         states, error = self.visited(values, length)
         both = error + points.error + points.residual
         return points, saddle_passages(states, points.unknown[:, :-1], jacobian, both)

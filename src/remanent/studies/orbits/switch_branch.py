@@ -83,9 +83,12 @@ def switch_branch(
     which = require_count("special", special, "It is the number of a special point.", 0)
     if which >= len(kinds) or kinds[which] not in _SWITCHES or "orbit_period" not in branch.attrs:
         raise InputError(
-            "special", "be the number of a period doubling or of a branch point", special,
-            f"The special points are {kinds}.", "Pass one of these, of a result of continue_orbit.",
-        )  # fmt: skip
+            "special",
+            must="be the number of a period doubling or of a branch point",
+            got=special,
+            why=f"The special points are {kinds}.",
+            fix="Pass one of these, of a result of continue_orbit.",
+        )
     parameter = str(branch.attrs.get("parameter", "omega"))
     period = int(branch.attrs["orbit_period"]) * _SWITCHES[kinds[which]]
     ens = ensemble(actuator, drive)
@@ -98,10 +101,12 @@ def switch_branch(
     )
     if point is None:
         raise InputError(
-            "special", "have another branch beside it", kinds[which],
-            "No point of one was reached by short steps across the branch.",
-            "Look for its orbits with periodic_orbits, and start there.",
-        )  # fmt: skip
+            "special",
+            must="have another branch beside it",
+            got=kinds[which],
+            why="No point of one was reached by short steps across the branch.",
+            fix="Look for its orbits with periodic_orbits, and start there.",
+        )
     z = point.unknown
     orbit = Orbits(z[:, :-1], point.extra["jacobian"], point.residual, point.error)
     found = [describe_branches(at(ens, 0), through(tracing, orbit, z[:, -1]), parameter, period)]

@@ -131,9 +131,9 @@ def _starts(grid: Any) -> dict[str, Any]:
     if not isinstance(grid, Mapping) or not grid:
         raise InputError(
             "grid",
-            "be a mapping of state variables to values",
-            repr(grid)[:80],
-            "It says from where the motions start.",
-            "Pass for example {'stretch': numpy.linspace(0.5, 2, 64), 'stretch_rate': [0.0]}.",
+            must="be a mapping of state variables to values",
+            got=repr(grid)[:80],
+            why="It says from where the motions start.",
+            fix="Pass for example {'stretch': numpy.linspace(0.5, 2, 64), 'stretch_rate': [0.0]}.",
         )
     return {f"initial.{name}": values for name, values in grid.items()}

@@ -108,10 +108,10 @@ def bifurcation_diagram(
     if ens.sizes.keys() != {parameter}:
         raise InputError(
             "values",
-            "be a plain array",
-            repr(values)[:80],
-            "A sweep visits one value after the other.",
-            "Pass for example numpy.linspace(0.5, 2.0, 300).",
+            must="be a plain array",
+            got=repr(values)[:80],
+            why="A sweep visits one value after the other.",
+            fix="Pass for example numpy.linspace(0.5, 2.0, 300).",
         )
     lengths = require_periods(ens)
     sweeps = _SWEEPS[direction]

@@ -97,10 +97,10 @@ def lyapunov(
     if count > dimension:
         raise InputError(
             "count",
-            f"be at most {dimension}",
-            count,
-            "There is one exponent for each state variable.",
-            f"Pass {dimension} for the whole spectrum.",
+            must=f"be at most {dimension}",
+            got=count,
+            why="There is one exponent for each state variable.",
+            fix=f"Pass {dimension} for the whole spectrum.",
         )
     shown = min(periods, _HISTORY)
     require_memory(8.0 * ens.count * count * (shown + 3), f"{ens.count} histories")

@@ -71,10 +71,10 @@ def regime_chart(
     if axes != 2:
         raise InputError(
             "over",
-            "have two axes",
-            f"{axes}",
-            "A chart has two; regimes along other numbers of axes are no chart.",
-            "Pass for example {'omega': ..., 'b': ...}, or call rm.classify.",
+            must="have two axes",
+            got=f"{axes}",
+            why="A chart has two; regimes along other numbers of axes are no chart.",
+            fix="Pass for example {'omega': ..., 'b': ...}, or call rm.classify.",
         )
     return classify(
         system,

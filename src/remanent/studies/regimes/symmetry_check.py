@@ -132,10 +132,10 @@ class _Apart:
         if ens.system.coordinates != 1:
             raise InputError(
                 "actuator",
-                "have one coordinate",
-                ens.system,
-                "What is asked is whether that one is enough.",
-                "Pass one number as prestress, and no edges.",
+                must="have one coordinate",
+                got=ens.system,
+                why="What is asked is whether that one is enough.",
+                fix="Pass one number as prestress, and no edges.",
             )
         two, pairs = two_coordinates(ens)
         field = parting(two.field, pairs)

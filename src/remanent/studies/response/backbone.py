@@ -73,10 +73,12 @@ def backbone(
     require_tolerance(tolerance)
     if not actuator.conservative or actuator.coordinates > 1:
         raise InputError(
-            "actuator", "have one coordinate, no dissipation and no heat balance", actuator,
-            "Only free oscillations of one coordinate all have a period.",
-            "Pass one number as prestress, no edges, dissipation=() and heat=None.",
-        )  # fmt: skip
+            "actuator",
+            must="have one coordinate, no dissipation and no heat balance",
+            got=actuator,
+            why="Only free oscillations of one coordinate all have a period.",
+            fix="Pass one number as prestress, no edges, dissipation=() and heat=None.",
+        )
     ens = ensemble(actuator, Constant(m), {**(over or {}), "initial.stretch": np.asarray(stretch)})
     half, error = np.full(ens.count, np.nan), np.full(ens.count, np.nan)
     duration = _FIRST

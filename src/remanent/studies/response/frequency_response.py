@@ -121,18 +121,18 @@ def _frequencies(drive: Drive, omega: ArrayLike, over: Over | None) -> FloatArra
     if "omega" not in drive.parameters():
         raise InputError(
             "drive",
-            "have a field `omega`",
-            repr(drive),
-            "A frequency response varies the frequency of the drive.",
-            "Pass rm.SineSquared(b, omega) or rm.Sine(m, omega).",
+            must="have a field `omega`",
+            got=repr(drive),
+            why="A frequency response varies the frequency of the drive.",
+            fix="Pass rm.SineSquared(b, omega) or rm.Sine(m, omega).",
         )
     if over and "omega" in over:
         raise InputError(
             "over",
-            "not name `omega`",
-            "'omega'",
-            "The frequencies are an argument of their own.",
-            "Pass them as the third argument.",
+            must="not name `omega`",
+            got="'omega'",
+            why="The frequencies are an argument of their own.",
+            fix="Pass them as the third argument.",
         )
     match omega:  # a million need not become a tuple
         case np.ndarray(ndim=1, dtype=np.dtype(kind="i" | "u" | "f")) if increases(omega):
@@ -151,10 +151,10 @@ def _respond(
     if ((durations(ens, duration, periods) <= discard) & ~ens.invalid).any():
         raise InputError(
             "discard",
-            "be shorter than the run",
-            discard,
-            "Nothing would be left of the window.",
-            "Pass a longer `duration`.",
+            must="be shorter than the run",
+            got=discard,
+            why="Nothing would be left of the window.",
+            fix="Pass a longer `duration`.",
         )
 
     def parts() -> Iterator[tuple[slice, Outcome]]:

@@ -149,11 +149,13 @@ def _require_one_coordinate(actuator: Actuator) -> None:
     """Refuse what has no backbone."""
     if actuator.coordinates > 1:
         raise InputError(
-            "actuator", "have one coordinate", actuator,
-            "Resonances are named by free oscillations of the same amplitude, which two "
+            "actuator",
+            must="have one coordinate",
+            got=actuator,
+            why="Resonances are named by free oscillations of the same amplitude, which two "
             "coordinates have of more than one kind.",
-            "Pass one number as prestress and no edges, or read the peaks of response_diagram.",
-        )  # fmt: skip
+            fix="Pass one number as prestress and no edges, or read the peaks of response_diagram.",
+        )
 
 
 def _peaks(diagram: xr.Dataset, period: int, state: Sequence[str]) -> list[_Peak]:
@@ -262,10 +264,12 @@ def _free_frequency(actuator: Actuator, mean: float, size: FloatArray) -> FloatA
     stable = rest["stretch"].values[rest["stability"].values == "stable"]
     if stable.size != 1:
         raise InputError(
-            "drive", "have a mean load with one stable equilibrium", mean,
-            "Resonances are named by the free oscillations about it.",
-            "Pass another load or prestress.",
-        )  # fmt: skip
+            "drive",
+            must="have a mean load with one stable equilibrium",
+            got=mean,
+            why="Resonances are named by the free oscillations about it.",
+            fix="Pass another load or prestress.",
+        )
     starts = float(stable[0]) * np.geomspace(1.001, _WIDEST / float(stable[0]), _FREE)
     elastic = actuator.replace(dissipation=(), heat=None)
     free = backbone(elastic, starts, m=mean, tolerance=1e-6)

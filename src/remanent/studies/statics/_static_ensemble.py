@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from scipy.optimize import elementwise
 
-from remanent._field import Program
+from remanent._field import Program, Role, StateVariable
 from remanent._typing import BoolArray, FloatArray, IntArray
-from remanent.studies.ensemble.ensemble import Ensemble, at_rest
+from remanent.studies.ensemble.ensemble import Ensemble
 
 #: Stretches between which equilibria are sought, and how finely.
 STRETCHES = np.geomspace(0.05, 20.0, 4001)
@@ -79,7 +79,7 @@ class AtRest:
     ) -> list[Any]:
         """Acceleration of each coordinate."""
         rates = self.run(self.ens.field.rates, case, *stretches, changed=changed)
-        return [r for r, n in zip(rates, self.ens.field.state, strict=True) if _is_speed(n)]
+        return [rates[k] for k in self.ens.field.indices(Role.RATE)]
 
     def thickness(self, case: IntArray, *stretches: FloatArray) -> FloatArray:
         """The thickness stretch."""
@@ -100,24 +100,28 @@ class AtRest:
         """Outputs of a program of the field, each an array (point,)."""
         values = {name: column[case] for name, column in self.ens.values.items()}
         values |= changed or {}
-        state = [self._value(name, stretches, values) for name in self.ens.field.state]
+        state = [self._value(v, stretches, values) for v in self.ens.field.variables]
         columns = [values[name] for name in self.ens.field.parameters]
         with np.errstate(all="ignore"):
             found = program([0.0, *state, *columns], functions=np)
         return [np.broadcast_to(value, np.shape(stretches[0])) for value in found]
 
-    def _value(self, name: str, stretches: Sequence[Any], values: Mapping[str, FloatArray]) -> Any:
-        if name.startswith("parting."):
-            return np.full(np.shape(stretches[0]), 0.0 if name.endswith("_rate") else 1.0)
-        if name.endswith("_rate"):
+    def _value(
+        self, variable: StateVariable, stretches: Sequence[Any], values: Mapping[str, FloatArray]
+    ) -> Any:
+        """A state variable where nothing moves and internal variables have relaxed."""
+        field = self.ens.field
+        if variable.role is Role.VARIATION:
+            varied = variable.belongs_to
+            moves = varied is not None and field.variable(varied).role is Role.RATE
+            return np.full(np.shape(stretches[0]), 0.0 if moves else 1.0)
+        if variable.role is Role.RATE:
             return 0.0 * stretches[0]
-        if "stretch" not in name:
-            return at_rest(name, values)
-        return stretches[-1] if name.endswith("_2") else stretches[0]
-
-
-def _is_speed(name: str) -> bool:
-    return name.startswith("stretch") and name.endswith("_rate")
+        coordinate = variable.name if variable.role is Role.COORDINATE else variable.belongs_to
+        if coordinate is None:
+            return variable.value_at_rest(values)
+        # Equal stretches are given once, and so is the one coordinate that stands for both.
+        return stretches[-1] if field.names(Role.COORDINATE).index(coordinate) else stretches[0]
 
 
 def farthest_inside(

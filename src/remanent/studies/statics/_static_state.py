@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import root
 
-from remanent._field import Field
+from remanent._field import Field, Role
 from remanent._typing import FloatArray
 
 _STEP = 1e-100
@@ -37,23 +37,19 @@ class Body:
     @cached_property
     def free(self) -> list[int]:
         """State variables that rest determines: stretches and internal variables."""
-        held = {"body_temperature"}
-        return [
-            k
-            for k, name in enumerate(self.field.state)
-            if not name.endswith("_rate") and name not in held
-        ]
+        return self.field.indices(Role.COORDINATE, Role.INTERNAL)
 
     @cached_property
     def moving(self) -> list[int]:
         """Those and the rates of stretches."""
-        return [k for k, name in enumerate(self.field.state) if name != "body_temperature"]
+        return self.field.indices(Role.COORDINATE, Role.RATE, Role.INTERNAL)
 
     @cached_property
     def balanced(self) -> list[int]:
         """State variables whose rates vanish at rest by a balance, not by definition."""
-        names = self.field.state
-        return [k for k in self.moving if f"{names[k]}_rate" not in names]
+        variables = [self.field.variables[k] for k in self.moving]
+        has_rate = {v.belongs_to for v in variables if v.role is Role.RATE}
+        return [k for k, v in zip(self.moving, variables, strict=True) if v.name not in has_rate]
 
     @property
     def load(self) -> float:
@@ -127,7 +123,7 @@ class Body:
         return float(self.field.observables["thickness_stretch"](inputs, functions=np)[0])
 
     def _at(self, free: FloatArray) -> Body:
-        state = np.where([n.endswith("_rate") for n in self.field.state], 0.0, self.state)
+        state = np.where([r is Role.RATE for r in self.field.roles], 0.0, self.state)
         state[self.free] = free
         return replace(self, state=state)
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
+from remanent._field import Role
 from remanent._status import Status
 from remanent._typing import FloatArray, IntArray
 from remanent.analysis.statics.equilibria import find_zeros, force_slope
@@ -116,9 +117,12 @@ def equilibria(actuator: Actuator, m: float = 0.0, *, over: Over | None = None) 
 def _transverse_stiffness(ens: Ensemble, case: IntArray, stretch: FloatArray) -> FloatArray:
     """omega_a^2 of a small difference of the in-plane stretches at rest."""
     both, pairs = two_coordinates(ens)
-    at_rest = AtRest(replace(both, field=parting(both.field, pairs)))
-    rates = at_rest.run(at_rest.ens.field.rates, case, stretch)
-    return np.asarray(-rates[at_rest.ens.field.state.index("parting.stretch_1_rate")])
+    field = parting(both.field, pairs)
+    at_rest = AtRest(replace(both, field=field))
+    rates = at_rest.run(field.rates, case, stretch)
+    (rate,) = field.names(Role.RATE)
+    (difference,) = field.belonging_to(rate)
+    return np.asarray(-rates[field.state.index(difference)])
 
 
 def _landscape(ens: Ensemble, at_rest: AtRest, found: FloatArray) -> dict[str, Labelled]:

@@ -88,18 +88,23 @@ def snap_through(
     """
     if not actuator.conservative or actuator.coordinates > 1:
         raise InputError(
-            "actuator", "have one coordinate, no dissipation and no heat balance", actuator,
-            "The threshold follows from conservation of energy at a held temperature.",
-            "Pass one number as prestress, no edges, dissipation=() and heat=None; it snaps "
+            "actuator",
+            must="have one coordinate, no dissipation and no heat balance",
+            got=actuator,
+            why="The threshold follows from conservation of energy at a held temperature.",
+            fix="Pass one number as prestress, no edges, dissipation=() and heat=None; it snaps "
             "before any that dissipates.",
-        )  # fmt: skip
+        )
     ens = ensemble(actuator, Constant(m), over, (initial, 0.0))
     low, high = parameter_bounds(parameter, np.asarray(parameter_range), ens)
     if parameter in ens.coords:
         raise InputError(
-            "over", f"not hold {parameter}", repr(list(ens.coords)),
-            "It is the field that the thresholds are values of.", "Leave it out of `over`.",
-        )  # fmt: skip
+            "over",
+            must=f"not hold {parameter}",
+            got=repr(list(ens.coords)),
+            why="It is the field that the thresholds are values of.",
+            fix="Leave it out of `over`.",
+        )
     at_rest, cases = AtRest(ens), np.flatnonzero(~ens.invalid)
     ends = np.full(cases.size, low), np.full(cases.size, high)
     search = _Search(at_rest, parameter, cases, ends)
