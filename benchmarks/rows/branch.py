@@ -23,7 +23,7 @@ from remanent.analysis.orbits.continuation import (
     correct_points,
 )
 from remanent.analysis.orbits.periodic_orbits import floquet_multipliers
-from remanent.studies.ensemble.ensemble import ensemble
+from remanent.studies.ensemble.layout import lay_out
 from remanent.studies.orbits._period_map import StroboscopicMap
 
 #: As many points as AUTO's, on the same stretch of the branch.
@@ -55,7 +55,7 @@ def measure(plan: Plan) -> dict[str, Any]:
 
 def _defect(states: FloatArray, omega: FloatArray) -> float:
     """How far orbits of the actuator of one branch are from closing, at the most."""
-    ens = ensemble(rm.Actuator(temperature=auto07p.TEMPERATURE), rm.SineSquared(auto07p.B, _HIGH))
+    ens = lay_out(rm.Actuator(temperature=auto07p.TEMPERATURE), rm.SineSquared(auto07p.B, _HIGH))
     image = StroboscopicMap(ens, ("omega",), 1e-13).run(states, omega[:, None], 1)
     return float(np.abs(image.state - states).max())
 
@@ -87,7 +87,7 @@ def _timed(work: Callable[[], list[Curve]], repeats: int) -> dict[str, Any]:
 
 def _traced(cases: FloatArray, block: int, tolerance: float) -> list[Curve]:
     """The branch of the smallest orbit of every actuator, down from the highest frequency."""
-    ens = ensemble(rm.Actuator(), rm.SineSquared(0.4, _HIGH))
+    ens = lay_out(rm.Actuator(), rm.SineSquared(0.4, _HIGH))
     held = ("temperature", "prestress")
     map_ = StroboscopicMap(ens, (*held, "omega"), 0.5 * tolerance, held=held)
     equations = orbit_equations(map_, 1)

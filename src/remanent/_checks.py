@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from numbers import Real
 
 import numpy as np
 
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, BoolArray, FloatArray
+
+#: Kinds of NumPy data that are real numbers: truth values, integers, floats.
+_REAL_KINDS = "biuf"
+#: How the least number of entries is said in a message.
+_NUMERALS = {1: "one", 2: "two"}
 
 
 @dataclass(frozen=True)
@@ -123,21 +127,92 @@ def require_known(names: Iterable[str], known: Iterable[str], owner: str) -> Non
             )
 
 
-def require_numbers(name: str, values: object) -> tuple[float, ...]:
-    """`values` as a tuple of at least one finite float."""
+def as_float_array(
+    name: str,
+    value: object,
+    *,
+    what: str,
+    why: str,
+    fix: str,
+    ndim: int | None = None,
+    least: int = 0,
+    finite: bool = False,
+) -> FloatArray:
+    """`value` as a new array of floats: the one gate through which arrays come in.
+
+    Text, dates, complex numbers and objects are refused.  NumPy would turn some of them
+    into floats without a word: ``"1"`` into 1, None into NaN, a date into its days.
+
+    Parameters
+    ----------
+    name : str
+        Name of the argument.
+    value : array_like
+        What was passed for it.
+    what : str
+        What it must be, in the plural: ``"frequencies"``.
+    why, fix : str
+        Reason and remedy, a sentence each; see :class:`~remanent._errors.InputError`.
+    ndim : int, optional
+        Number of dimensions; by default any.
+    least : int
+        Least number of entries.
+    finite : bool
+        Whether NaN and infinity are refused.
+
+    Returns
+    -------
+    array of float
+        The caller may keep and change it.
+
+    Raises
+    ------
+    InputError
+        If it is not such an array.
+    """
     try:
-        array = np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError, OverflowError):
-        array = np.empty((0, 0))
-    if array.ndim != 1 or array.size == 0 or not np.all(np.isfinite(array)):
-        raise InputError(
-            name,
-            must="be a sequence of finite numbers, at least one",
-            got=_shortened(values),
-            why="It is a table with one entry for each instant.",
-            fix="Pass a list or a one-dimensional array without NaN.",
-        )
-    return tuple(array.tolist())
+        array = np.asarray(value)
+    except (TypeError, ValueError, OverflowError):  # rows of different lengths, among others
+        array = np.empty(0, dtype=np.object_)
+    sound = array.dtype.kind in _REAL_KINDS and array.size >= least
+    sound = sound and (ndim is None or array.ndim == ndim)
+    if sound:
+        floats = np.array(array, dtype=np.float64)
+        if not finite or np.isfinite(floats).all():
+            return floats
+    shape = {None: "", 0: "one of ", 1: "a sequence of "}.get(ndim, f"{ndim}-dimensional: ")
+    raise InputError(
+        name,
+        must=f"be {shape}{'finite' if finite else 'real'} numbers ({what})"
+        + (f", at least {_NUMERALS.get(least, str(least))}" if least else ""),
+        got=shortened(value),
+        why=why,
+        fix=fix,
+    )
+
+
+def require_numbers(name: str, values: object, *, what: str, why: str) -> FloatArray:
+    """`values` as an array (entry,) of at least one finite float.
+
+    Parameters
+    ----------
+    name : str
+        Name of the argument.
+    values : array_like
+        What was passed for it.
+    what, why : str
+        What they are, in the plural, and a sentence on why they are needed.
+    """
+    return as_float_array(
+        name,
+        values,
+        what=what,
+        why=why,
+        fix="Pass a list or a one-dimensional array without NaN.",
+        ndim=1,
+        least=1,
+        finite=True,
+    )
 
 
 def require_named_numbers(name: str, values: object, rule: Rule) -> tuple[tuple[str, float], ...]:
@@ -151,21 +226,31 @@ def require_named_numbers(name: str, values: object, rule: Rule) -> tuple[tuple[
             raise InputError(
                 name,
                 must="be a mapping of names to numbers",
-                got=_shortened(values),
+                got=shortened(values),
                 why="Each number is a field of the model, under its name.",
                 fix='Pass for example {"a": 0.5}.',
             )
     return tuple((key, require_real(key, value, rule)) for key, value in pairs.items())
 
 
-def require_increasing(name: str, values: object) -> tuple[float, ...]:
-    """`values` as a tuple of finite floats, each greater than the one before."""
-    numbers = require_numbers(name, values)
-    if any(a >= b for a, b in pairwise(numbers)):
+def require_increasing(name: str, values: object, *, what: str, why: str) -> FloatArray:
+    """`values` as an array (entry,) of finite floats, each greater than the one before.
+
+    Parameters
+    ----------
+    name : str
+        Name of the argument.
+    values : array_like
+        What was passed for it.
+    what, why : str
+        What they are, in the plural, and a sentence on why they are needed.
+    """
+    numbers = require_numbers(name, values, what=what, why=why)
+    if not increases(numbers):
         raise InputError(
             name,
             must="increase from each entry to the next",
-            got=_shortened(numbers),
+            got=shortened(numbers.tolist()),
             why="Unsorted or repeated entries have no unique meaning.",
             fix="Sort them and remove duplicates.",
         )
@@ -200,6 +285,7 @@ def broken(rules: Mapping[str, Rule], values: Mapping[str, ArrayLike]) -> BoolAr
     return np.asarray(invalid)
 
 
-def _shortened(values: object) -> str:
-    text = repr(values)
+def shortened(values: object) -> str:
+    """`values` as they are written, on one line of at most 80 characters."""
+    text = " ".join(repr(values).split())
     return text if len(text) <= 80 else f"{text[:77]}..."

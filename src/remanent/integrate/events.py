@@ -13,7 +13,13 @@ from remanent._field import Field, Program
 from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.integrate.ensemble import dense
 from remanent.integrate.ensemble.ensemble import Progress, integrate
-from remanent.integrate.ensemble.problem import Outcome, Problem, Request, Window
+from remanent.integrate.ensemble.problem import (
+    Outcome,
+    Problem,
+    Request,
+    Window,
+    latest_trusted_time,
+)
 from remanent.integrate.methods.runge_kutta import default_method
 from remanent.integrate.variations import derivatives
 
@@ -85,7 +91,7 @@ def crossings(
         np.concatenate([getattr(part, field) for part in parts])
         for field in ("trajectory", "time", "states", "direction")
     ]
-    ends = np.minimum(outcome.horizon, problem.duration)[joined[0]] * (1.0 + 1e-12)
+    ends = latest_trusted_time(np.minimum(outcome.horizon, problem.duration)[joined[0]])
     kept = np.flatnonzero(joined[1] <= ends)
     order = kept[np.lexsort((joined[1][kept], joined[0][kept]))]
     return Crossings(*(column[order] for column in joined)), outcome

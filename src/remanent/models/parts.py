@@ -48,10 +48,12 @@ class Part:
             number = _checks.require_real(name, getattr(self, name), rule)
             object.__setattr__(self, name, number)
         for name, rule in self.tables.items():
-            numbers = _checks.require_numbers(name, getattr(self, name))
+            numbers = _checks.require_numbers(
+                name, getattr(self, name), what="one for each term", why="They enter the equations."
+            ).tolist()
             for i, number in enumerate(numbers):
                 _checks.require_real(f"{name}.{i}", number, rule)
-            object.__setattr__(self, name, numbers)
+            object.__setattr__(self, name, tuple(numbers))
         for name, rule in self.mappings.items():
             pairs = _checks.require_named_numbers(name, getattr(self, name), rule)
             object.__setattr__(self, name, pairs)

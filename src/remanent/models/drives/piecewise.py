@@ -43,13 +43,17 @@ class Table(Drive):
 
     def checked_options(self) -> Mapping[str, Any]:
         """Both tables as tuples of floats, if they fit together."""
-        times = _checks.require_increasing("times", self.times)
-        loads = _checks.require_numbers("loads", self.loads)
+        times = _checks.require_increasing(
+            "times", self.times, what="instants", why="They say from when each load acts."
+        )
+        loads = _checks.require_numbers(
+            "loads", self.loads, what="magnetic loads", why="There is one for each instant."
+        )
         if times[0] != 0.0:
             raise InputError(
                 "times",
                 must="start at 0",
-                got=times[0],
+                got=float(times[0]),
                 why="Motion starts at tau = 0.",
                 fix="Shift the times.",
             )
@@ -69,7 +73,7 @@ class Table(Drive):
                 why="Each instant has one load.",
                 fix="Pass one load per instant.",
             )
-        return {"times": times, "loads": loads}
+        return {"times": tuple(times.tolist()), "loads": tuple(loads.tolist())}
 
     @abstractmethod
     def coefficients(self) -> FloatArray:

@@ -72,7 +72,9 @@ class Sines(Drive):
 
     def checked_options(self) -> Mapping[str, Any]:
         """The multiples as a tuple of floats, if they fit the loads and phases."""
-        multiples = _checks.require_numbers("multiples", self.multiples)
+        multiples = _checks.require_numbers(
+            "multiples", self.multiples, what="multiples of omega", why="Each term has one."
+        ).tolist()
         if min(multiples) <= 0.0 or len(set(multiples)) < len(multiples):
             raise InputError(
                 "multiples",
@@ -90,7 +92,7 @@ class Sines(Drive):
                     why="Each term has one.",
                     fix="Pass one entry per term.",
                 )
-        return {"multiples": multiples}
+        return {"multiples": tuple(multiples)}
 
     def _terms(self) -> tuple[float, ...]:
         assert isinstance(self.multiples, tuple)  # since it was checked

@@ -17,7 +17,7 @@ from remanent.integrate.ensemble.problem import Request
 from remanent.integrate.variations import tangent
 from remanent.models.actuator import Actuator
 from remanent.models.drives.waves import Constant
-from remanent.studies.ensemble.physical_scales import PHYSICAL, Physical, physical
+from remanent.studies.ensemble.physical_scales import PHYSICAL, PhysicalScales, lay_out_physical
 from remanent.studies.statics._static_state import Body
 
 #: Half the relative change of a size over which insensitivity is asked.
@@ -70,7 +70,7 @@ class Arrival:
         return joined.reshape(joined.shape[0] * joined.shape[1], *joined.shape[2:])
 
     @cached_property
-    def variants(self) -> Physical:
+    def variants(self) -> PhysicalScales:
         """The actuator itself, then with each size a little less and a little more."""
         own = {**self.actuator.parameters(), **dict.fromkeys(PHYSICAL, 1.0)}
         count = 1 + 2 * len(self.sizes)
@@ -79,7 +79,7 @@ class Arrival:
             values = np.full(count, own[name])
             values[1 + 2 * k : 3 + 2 * k] += np.array([-1.0, 1.0]) * HALF_WIDTH * (own[name] or 1.0)
             over[name] = xr.DataArray(values, dims="variant")
-        return physical(self.actuator, Constant(self.final.load), over, self.initial)
+        return lay_out_physical(self.actuator, Constant(self.final.load), over, self.initial)
 
     @cached_property
     def _rest(self) -> FloatArray:

@@ -20,9 +20,9 @@ from remanent.results import build, provenance
 from remanent.results.build import Labelled
 from remanent.studies.control._terminal_conditions import Arrival
 from remanent.studies.ensemble.checks import require_tolerance
-from remanent.studies.ensemble.ensemble import Ensemble, Over, ensemble
+from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.layout import Over, lay_out
 from remanent.studies.ensemble.physical_scales import PHYSICAL
-from remanent.studies.orbits._period_map import at
 from remanent.studies.statics._static_state import Body
 
 _TARGET = positive("It is a thickness stretch, a ratio of lengths.", "Pass for example 1.2.")
@@ -131,14 +131,14 @@ def shape_commands(
     target = require_real("target", target, _TARGET)
     require_tolerance(tolerance)
     sizes = (robust_to,) if isinstance(robust_to, str) else tuple(robust_to)
-    ens = ensemble(actuator, Constant(0.0), over, initial, reserved=frozenset({"step"}))
+    ens = lay_out(actuator, Constant(0.0), over, initial, reserved=frozenset({"step"}))
     known = [name for name in ens.field.parameters if name != "m"]
     require_known(sizes, [*known, *PHYSICAL], "the actuator, or a physical size")
     found: list[StepSequence | None] = []
     last = []
     for k in range(ens.count):
         try:
-            design, load = _command(at(ens, k), target, sizes, tolerance)
+            design, load = _command(ens.member(k), target, sizes, tolerance)
         except InputError:
             if not ens.sizes:
                 raise

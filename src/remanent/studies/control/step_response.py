@@ -20,9 +20,9 @@ from remanent.models.drives.piecewise import Steps
 from remanent.models.drives.waves import Constant
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
-from remanent.studies.ensemble.ensemble import Over
+from remanent.studies.ensemble.layout import Over
 from remanent.studies.ensemble.observables import observe
-from remanent.studies.ensemble.physical_scales import Physical, physical
+from remanent.studies.ensemble.physical_scales import PhysicalScales, lay_out_physical
 from remanent.studies.statics._static_state import Body
 
 _BAND = positive("It is a share of the change of thickness stretch.", "Pass 0.02.")
@@ -103,7 +103,7 @@ def step_response(
             why="A response to steps ends under a load that stays.",
             fix="Pass rm.shape_command(...).",
         )
-    many = physical(system, drive, over, initial)
+    many = lay_out_physical(system, drive, over, initial)
     ens = many.ensemble
     rests = _rests(many)
     half = _half_periods(rests)
@@ -148,13 +148,13 @@ class _Answer:
         return np.take_along_axis(x, back, axis=1), np.take_along_axis(v, back, axis=1)
 
 
-def _last(many: Physical) -> FloatArray:
+def _last(many: PhysicalScales) -> FloatArray:
     """Own time of the last step of each trajectory."""
     drive = many.ensemble.drive
     return many.time * (float(drive.times[-1]) if isinstance(drive, Steps) else 0.0)
 
 
-def _rests(many: Physical) -> list[Body | None]:
+def _rests(many: PhysicalScales) -> list[Body | None]:
     """Every trajectory's state of rest under the last load."""
     ens = many.ensemble
     drive = ens.drive
@@ -206,7 +206,7 @@ def _residuals(
 
 def _metrics(
     answer: _Answer,
-    many: Physical,
+    many: PhysicalScales,
     start: FloatArray,
     final: FloatArray,
     spacing: float,

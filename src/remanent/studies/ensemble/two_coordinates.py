@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from remanent._field import Role
-from remanent.studies.ensemble.ensemble import Ensemble, ensemble
+from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.layout import lay_out
 
 
 def two_coordinates(ens: Ensemble) -> tuple[Ensemble, dict[str, str]]:
@@ -14,7 +15,7 @@ def two_coordinates(ens: Ensemble) -> tuple[Ensemble, dict[str, str]]:
     The initial states stay those of one coordinate.
     """
     load = ens.system.prestress
-    both = ensemble(ens.system.replace(prestress=(load, load)), ens.drive)
+    both = lay_out(ens.system.replace(prestress=(load, load)), ens.drive)
     values = {name: v for name, v in ens.values.items() if name != "prestress"}
     values |= {f"prestress_{i}": ens.values["prestress"] for i in (1, 2)}
     first, second = both.field.names(Role.COORDINATE)

@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 from scipy.optimize import least_squares
 
-from remanent._checks import positive, require_numbers, require_real
+from remanent._checks import as_float_array, positive, require_real
 from remanent._errors import InputError
 from remanent._typing import FloatArray
 from remanent.analysis.inference.fitting import ParameterBox, difference_jacobian
@@ -70,7 +70,17 @@ def design(
     """
     asked = [measures] if isinstance(measures, Measure) else list(measures)
     step = require_real("step", step, _STEP)
-    wanted = np.array(require_numbers("targets", np.atleast_1d(np.asarray(targets, dtype=float))))
+    wanted = np.atleast_1d(
+        as_float_array(
+            "targets",
+            targets,
+            what="target values",
+            why="Each measure has one.",
+            fix="Pass one number per measure.",
+            least=1,
+            finite=True,
+        )
+    )
     guess = _guesses(asked, parameters)
     if len(wanted) != len(asked):
         raise InputError(

@@ -23,7 +23,12 @@ from remanent.results.read_measurements import Table, read_measurements
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.durations import durations
 from remanent.studies.ensemble.observables import observe
-from remanent.studies.ensemble.physical_scales import PHYSICAL, RULE, Physical, physical
+from remanent.studies.ensemble.physical_scales import (
+    PHYSICAL,
+    RULE,
+    PhysicalScales,
+    lay_out_physical,
+)
 from remanent.studies.inference.measure import chosen, listed
 from remanent.studies.response.frequency_response import WINDOW
 
@@ -235,7 +240,7 @@ class _Model:
         return np.concatenate([found[name] for name in self.measured], axis=1)
 
     def _history(self, over: Mapping[str, xr.DataArray]) -> dict[str, FloatArray]:
-        many = physical(self.actuator, self.drive, over, self.initial)
+        many = lay_out_physical(self.actuator, self.drive, over, self.initial)
         times = self.table["time"].values
         end = max(float(times[-1]), np.finfo(float).tiny)
         asked = many.problem(np.full(many.ensemble.count, end))
@@ -251,12 +256,12 @@ class _Model:
 
     def _response(self, over: Mapping[str, xr.DataArray]) -> dict[str, FloatArray]:
         omega = xr.DataArray(self.table["omega"].values, dims="frequency")
-        many = physical(self.actuator, self.drive, {**over, "omega": omega}, self.initial)
+        many = lay_out_physical(self.actuator, self.drive, {**over, "omega": omega}, self.initial)
         outcome = self._extremes(many)
         low, high = (many.ensemble.shaped(v) for v in (outcome.minimum, outcome.maximum))
         return {"maximum": high, "minimum": low, "amplitude": 0.5 * (high - low)}
 
-    def _extremes(self, many: Physical) -> Outcome:
+    def _extremes(self, many: PhysicalScales) -> Outcome:
         ens = many.ensemble
         if self.periods is not None:
             asked = many.problem(durations(ens, None, self.periods) / many.time)
@@ -288,7 +293,7 @@ def _guesses(
     parameters: Sequence[str] | Mapping[str, float],
     initial: ArrayLike | None,
 ) -> dict[str, float]:
-    ens = physical(actuator, drive, None, initial).ensemble
+    ens = lay_out_physical(actuator, drive, None, initial).ensemble
     start = {f"initial.{n}": float(v) for n, v in zip(ens.field.state, ens.initial[0], strict=True)}
     own = {**actuator.parameters(), **drive.parameters(), **start, **dict.fromkeys(PHYSICAL, 1.0)}
     require_known(listed(parameters), own, "the actuator or the drive, or a physical size")

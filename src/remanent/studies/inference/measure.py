@@ -16,7 +16,7 @@ from remanent._typing import FloatArray
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.models.drives.waves import Constant
-from remanent.studies.ensemble.ensemble import ensemble
+from remanent.studies.ensemble.layout import lay_out
 from remanent.studies.ensemble.physical_scales import PHYSICAL
 
 #: The dimension along which values of the fields are laid out.
@@ -104,7 +104,7 @@ class Measure:
     def own(self) -> dict[str, float]:
         """Values of all fields that may vary."""
         drive = self.drive
-        ens = ensemble(self.actuator, drive or Constant(0.0), None, self.options.get("initial"))
+        ens = lay_out(self.actuator, drive or Constant(0.0), None, self.options.get("initial"))
         own = {name: float(v[0]) for name, v in ens.values.items() if drive or name != "m"}
         start = {
             f"initial.{n}": float(v) for n, v in zip(ens.field.state, ens.initial[0], strict=True)

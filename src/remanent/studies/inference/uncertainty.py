@@ -20,6 +20,7 @@ from remanent.analysis.inference.uncertainty import (
 from remanent.results import build, provenance
 from remanent.results.build import Labelled
 from remanent.results.schema import describe
+from remanent.studies.ensemble.checks import as_seed
 from remanent.studies.ensemble.durations import require_count
 from remanent.studies.inference.measure import SAMPLE, Measure, Of, as_measure
 
@@ -32,7 +33,7 @@ def uncertainty(
     samples: int = 1024,
     quantiles: Sequence[float] = (0.05, 0.5, 0.95),
     sobol: bool = False,
-    rng: int | np.random.Generator = 0,
+    rng: int | np.random.Generator | None = None,
     **options: Any,
 ) -> xr.Dataset:
     """Propagate uncertain fields through a verb.
@@ -52,8 +53,8 @@ def uncertainty(
         Increasing, between 0 and 1.
     sobol
         Whether to find the indices too, which takes samples × (fields + 2) more runs.
-    rng
-        Seed or generator of the scrambling.
+    rng : int or numpy.random.Generator, optional
+        Seed of the scrambling; a generator gives its next number.  One fixed seed by default.
 
     Returns
     -------
@@ -105,7 +106,7 @@ def uncertainty(
     asked.require(names)
     shares = _shares(quantiles)
     samples = _samples(samples, shares)
-    generator = np.random.default_rng(rng)
+    generator = np.random.default_rng(as_seed(rng))
     like: list[xr.DataArray] = []
 
     def function(points: FloatArray) -> FloatArray:

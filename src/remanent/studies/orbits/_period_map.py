@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.spatial import KDTree
@@ -16,7 +16,8 @@ from remanent.integrate.ensemble.resolution import ladder
 from remanent.integrate.maps.period_map import Image, PeriodMap
 from remanent.integrate.variations import LOG_PERIOD
 from remanent.studies.ensemble.durations import require_periods
-from remanent.studies.ensemble.ensemble import Ensemble, problem
+from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.problem import initial_value_problem
 
 #: Double steps per period to begin with, and at least.
 _FIRST = 8
@@ -62,7 +63,7 @@ class StroboscopicMap:
 
     def __post_init__(self) -> None:
         require_periods(self.ensemble)
-        base = problem(self.ensemble, np.ones(1))
+        base = initial_value_problem(self.ensemble, np.ones(1))
         own = [name for name in self.names if name in base.field.parameters]
         self._problem: Problem = base
         self._slots: list[int] = [base.field.parameters.index(name) for name in own]
@@ -177,30 +178,3 @@ class _Known:
         tree = KDTree(self.places / scale, balanced_tree=False, compact_nodes=False)  # asked once
         _, nearest = tree.query(places / scale)
         return np.asarray(self.wanted[nearest])
-
-
-def spread(ensemble: Ensemble, states: FloatArray, varied: Mapping[str, FloatArray]) -> Ensemble:
-    """Many trajectories like a single one, with their own initial states and some values."""
-    count = len(states)
-    own = {name: np.broadcast_to(v, count).copy() for name, v in ensemble.values.items()}
-    return replace(
-        ensemble,
-        sizes={"point": count},
-        coords={},
-        values=own | dict(varied),
-        initial=states,
-        invalid=np.zeros(count, dtype=np.bool_),
-    )
-
-
-def at(ensemble: Ensemble, which: int) -> Ensemble:
-    """One trajectory of an ensemble as an ensemble of its own."""
-    values = {name: v[which : which + 1] for name, v in ensemble.values.items()}
-    return replace(
-        ensemble,
-        sizes={},
-        coords={},
-        values=values,
-        initial=ensemble.initial[which : which + 1],
-        invalid=ensemble.invalid[which : which + 1],
-    )

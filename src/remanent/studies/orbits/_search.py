@@ -21,7 +21,8 @@ from remanent.analysis.orbits.periodic_orbits import (
 )
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
-from remanent.studies.ensemble.ensemble import Ensemble, rest_values
+from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.initial import rest_values
 from remanent.studies.orbits._period_map import StroboscopicMap
 
 #: Its annotations know nothing of `args`.

@@ -23,7 +23,7 @@ from remanent.results import build, provenance
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.durations import require_count, require_periods
-from remanent.studies.ensemble.ensemble import ensemble
+from remanent.studies.ensemble.layout import lay_out
 from remanent.studies.orbits._period_map import StroboscopicMap
 from remanent.studies.orbits._search import box_of, require_isolated
 from remanent.studies.orbits.continue_orbit import parameter_bounds
@@ -102,7 +102,7 @@ def continue_bifurcation(
         "orbit_period", orbit_period, "Orbits close after whole drive periods."
     )
     most = require_count("max_points", max_points, "A curve is made of points.")
-    ens = ensemble(system, drive)
+    ens = lay_out(system, drive)
     require_periods(ens)
     require_isolated(ens)
     if len(parameters) != 2 or len(parameter_ranges) != 2 or parameters[0] == parameters[1]:

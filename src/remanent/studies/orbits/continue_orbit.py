@@ -15,15 +15,16 @@ from remanent._errors import InputError
 from remanent._status import Status
 from remanent._typing import ArrayLike, FloatArray
 from remanent.analysis.orbits.periodic_orbits import Orbits, newton_fixed_points
-from remanent.integrate.ensemble.ensemble import Progress
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.results import build, provenance
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.durations import require_count, require_periods
-from remanent.studies.ensemble.ensemble import Ensemble, Over, ensemble
-from remanent.studies.orbits._period_map import DIMENSIONS, StroboscopicMap, at
+from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.layout import Over, lay_out
+from remanent.studies.ensemble.progress import Progress, as_progress
+from remanent.studies.orbits._period_map import DIMENSIONS, StroboscopicMap
 from remanent.studies.orbits._search import (
     Search,
     all_orbits,
@@ -100,7 +101,7 @@ def continue_orbit(
     >>> ds.special_kind.values.tolist(), float(ds.special_omega[0].round(4))
     (['fold'], 1.2668)
     """
-    ens = ensemble(system, drive)
+    ens = lay_out(system, drive)
     low, high = parameter_bounds(parameter, parameter_range, ens)
     tracing = trace_with(
         ens, parameter, (low, high), state_box, orbit_period, max_points, tolerance
@@ -108,7 +109,7 @@ def continue_orbit(
     value = float(ens.values[parameter][0])
     orbit = _start(tracing, initial, value)
     branches = through(tracing, orbit, np.array([value]))
-    found = [describe_branches(at(ens, 0), branches, parameter, orbit_period)]
+    found = [describe_branches(ens.member(0), branches, parameter, orbit_period)]
     settings = {
         "parameter": parameter,
         "parameter_range": (low, high),
@@ -128,7 +129,7 @@ def response_diagram(
     slices: int = 9,
     max_points: int = 2000,
     tolerance: float = 1e-9,
-    progress: Progress | None = None,
+    progress: Progress = None,
 ) -> xr.Dataset:
     """All branches of forced response over the drive's frequency, stable and unstable.
 
@@ -172,13 +173,14 @@ def response_diagram(
     [1.2668]
     """
     whole = dict(over or {})
-    ens = ensemble(system, drive, whole, reserved=DIMENSIONS)
+    ens = lay_out(system, drive, whole, reserved=DIMENSIONS)
     low, high = parameter_bounds("omega", omega_range, ens)
     slices = require_count("slices", slices, "Orbits are looked for at each of them.")
+    report = as_progress(progress)
     done: list[int] = []
 
     def one(k: int) -> dict[str, Any]:
-        own = at(ens, k)
+        own = ens.member(k)
         if ens.invalid[k]:
             return {}
         own.values["omega"] = np.array([0.5 * (low + high)])
@@ -189,8 +191,8 @@ def response_diagram(
         search = Search(tracing.map, tracing.box, orbit_period, tolerance, symmetric, dense=False)
         found = describe_branches(own, everywhere(tracing, search, slices), "omega", orbit_period)
         done.append(k)
-        if progress is not None:
-            progress(len(done) / ens.count)
+        if report is not None:
+            report(len(done) / ens.count)
         return found
 
     with ThreadPoolExecutor(min(os.cpu_count() or 1, ens.count)) as pool:

@@ -20,7 +20,8 @@ from remanent.results import build, provenance
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.durations import require_count, require_periods
-from remanent.studies.ensemble.ensemble import Ensemble, Over, ensemble
+from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.layout import Over, lay_out
 from remanent.studies.orbits._period_map import StroboscopicMap
 
 _KINDS = ("fold", "period doubling")
@@ -88,10 +89,10 @@ def locate_bifurcation(
     orbit_period = require_count(
         "orbit_period", orbit_period, "Orbits close after whole drive periods."
     )
-    single = ensemble(system, drive)
+    single = lay_out(system, drive)
     require_periods(single)
     require_choice("parameter", parameter, list(single.values))
-    ens = ensemble(system, drive, over)
+    ens = lay_out(system, drive, over)
     if over and parameter in over:
         raise InputError(
             "over",

@@ -20,7 +20,8 @@ from remanent.results import build, provenance
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.durations import require_count, require_periods
-from remanent.studies.ensemble.ensemble import Ensemble, ensemble
+from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.layout import lay_out
 from remanent.studies.motion.poincare_section import poincare_section
 from remanent.studies.orbits._period_map import StroboscopicMap
 from remanent.studies.orbits.continue_orbit import parameter_bounds
@@ -108,7 +109,7 @@ def manifold_crossing(
     width = require_real("width", width, _WIDTH)
     every = require_count("orbit_period", orbit_period, "Orbits close after whole drive periods.")
     periods = require_count("periods", periods, "The motion must have time to leave.", 3)
-    ens = ensemble(system, drive, None, initial)
+    ens = lay_out(system, drive, None, initial)
     require_periods(ens)
     low, high = parameter_bounds(parameter, parameter_range, ens)
     runs = _Runs(ens, parameter, every, periods, tolerance)

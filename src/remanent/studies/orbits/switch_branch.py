@@ -14,8 +14,7 @@ from remanent.analysis.orbits.switching import crossing_branch_point
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.studies.ensemble.durations import require_count
-from remanent.studies.ensemble.ensemble import ensemble
-from remanent.studies.orbits._period_map import at
+from remanent.studies.ensemble.layout import lay_out
 from remanent.studies.orbits._tracing import through
 from remanent.studies.orbits.continue_orbit import (
     describe_branches,
@@ -91,7 +90,7 @@ def switch_branch(
         )
     parameter = str(branch.attrs.get("parameter", "omega"))
     period = int(branch.attrs["orbit_period"]) * _SWITCHES[kinds[which]]
-    ens = ensemble(actuator, drive)
+    ens = lay_out(actuator, drive)
     limits = parameter_bounds(parameter, branch.attrs["parameter_range"], ens)
     tracing = trace_with(ens, parameter, limits, state_box, period, max_points, tolerance)
     names = [f"special_{name}" for name in (*ens.field.state, parameter)]
@@ -109,6 +108,6 @@ def switch_branch(
         )
     z = point.unknown
     orbit = Orbits(z[:, :-1], point.extra["jacobian"], point.residual, point.error)
-    found = [describe_branches(at(ens, 0), through(tracing, orbit, z[:, -1]), parameter, period)]
+    found = [describe_branches(ens.member(0), through(tracing, orbit, z[:, -1]), parameter, period)]
     settings = {"parameter": parameter, "parameter_range": limits, "orbit_period": period}
     return label_branches(ens, found, parameter, tolerance, settings).isel(branch=0, drop=True)

@@ -21,14 +21,15 @@ from remanent.analysis.regimes.long_runs import (
     block_lengths,
     propagate_tangents,
 )
-from remanent.integrate.ensemble.ensemble import Progress
 from remanent.integrate.ensemble.problem import Problem
 from remanent.integrate.maps.advance import Advancer, Retrace
 from remanent.integrate.maps.period_map import Judged, PeriodMap
 from remanent.results import build, provenance
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.durations import require_periods
-from remanent.studies.ensemble.ensemble import Ensemble, problem
+from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.problem import initial_value_problem
+from remanent.studies.ensemble.progress import Report
 
 #: Trajectories followed together: enough of each resolution to fill the lanes of a kernel.
 CHUNK = 4096
@@ -54,7 +55,7 @@ class Follower:
     @cached_property
     def problem(self) -> Problem:
         """The trajectories as arrays."""
-        return problem(self.ensemble, np.ones(self.ensemble.count))
+        return initial_value_problem(self.ensemble, np.ones(self.ensemble.count))
 
     @cached_property
     def lengths(self) -> FloatArray:
@@ -146,7 +147,7 @@ class Follower:
     def each(
         self,
         work: Callable[[IntArray, Callable[[], bool]], T],
-        progress: Progress | None,
+        report: Report | None,
         *,
         most: int = CHUNK,
     ) -> list[tuple[IntArray, T]]:
@@ -170,8 +171,8 @@ class Follower:
                 futures = {pool.submit(work, chunk, stop.is_set): chunk for chunk in chunks}
                 for done, future in enumerate(as_completed(futures), start=1):
                     found.append((futures[future], future.result()))
-                    if progress is not None:
-                        progress(done / len(chunks))
+                    if report is not None:
+                        report(done / len(chunks))
             except BaseException:
                 stop.set()
                 pool.shutdown(wait=False, cancel_futures=True)

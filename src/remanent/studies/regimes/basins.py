@@ -12,13 +12,14 @@ from remanent._errors import InputError
 from remanent._typing import ArrayLike, IntArray
 from remanent.analysis.regimes.attractors import assign_attractors, extrapolate_tails
 from remanent.analysis.regimes.labels import Regime
-from remanent.integrate.ensemble.ensemble import Progress
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.results.build import Labelled
-from remanent.studies.ensemble.checks import require_tolerance
+from remanent.studies.ensemble.checks import as_seed, require_tolerance
 from remanent.studies.ensemble.durations import require_count, require_periods
-from remanent.studies.ensemble.ensemble import ensemble, require_memory
+from remanent.studies.ensemble.layout import lay_out
+from remanent.studies.ensemble.memory import require_memory
+from remanent.studies.ensemble.progress import Progress, as_progress
 from remanent.studies.regimes._follower import Follower, damped, gathered, labelled
 from remanent.studies.regimes.classify import FEWEST, KINDS, WHY, Judged
 
@@ -33,8 +34,8 @@ def basins(
     *,
     periods: int = 500,
     tolerance: float = 1e-9,
-    rng: np.random.Generator | None = None,
-    progress: Progress | None = None,
+    rng: int | np.random.Generator | None = None,
+    progress: Progress = None,
 ) -> xr.Dataset:
     """Say where the motion from each of many initial states ends.
 
@@ -85,10 +86,12 @@ def basins(
     """
     periods = require_count("periods", periods, WHY, FEWEST)
     tolerance = require_tolerance(tolerance)
-    ens = ensemble(system, drive, _starts(grid))
+    ens = lay_out(system, drive, _starts(grid))
     length = require_periods(ens)
-    require_memory((300.0 + 8.0 * _TAIL * len(ens.field.state)) * ens.count, f"{ens.count} ends")
-    seed = 0 if rng is None else int(rng.integers(2**31))
+    require_memory(
+        "over", (300.0 + 8.0 * _TAIL * len(ens.field.state)) * ens.count, f"{ens.count} ends"
+    )
+    seed = as_seed(rng)
     last = min(_TAIL, periods)
     judged = Judged(Follower(ens, periods, min(2, len(ens.field.state))), tolerance, seed)
 
@@ -102,7 +105,9 @@ def basins(
 
     shape = (0, last, len(ens.field.state))
     kinds = {**KINDS, "tail": np.empty(shape), "code": np.empty(0, dtype=np.int64)}
-    whole = gathered(judged.follower.each(work, progress, most=judged.most), ens, kinds)
+    whole = gathered(
+        judged.follower.each(work, as_progress(progress), most=judged.most), ens, kinds
+    )
     tail, code = whole.pop("tail"), whole.pop("code")
     variables: dict[str, Labelled] = {"drive_period": (ens.dims, ens.shaped(length))}
     for name, values in whole.items():

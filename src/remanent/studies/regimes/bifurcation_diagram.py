@@ -12,7 +12,6 @@ from remanent._errors import InputError
 from remanent._status import Status
 from remanent._typing import ArrayLike, FloatArray
 from remanent.analysis.regimes.long_runs import ESCAPE_BOUND
-from remanent.integrate.ensemble.ensemble import Progress
 from remanent.integrate.ensemble.problem import Problem
 from remanent.integrate.maps.advance import Advancer
 from remanent.integrate.maps.period_map import PeriodMap
@@ -21,8 +20,12 @@ from remanent.models.drives.base import Drive
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.durations import require_count, require_periods
-from remanent.studies.ensemble.ensemble import Ensemble, ensemble, problem, require_memory
+from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.layout import lay_out
+from remanent.studies.ensemble.memory import require_memory
 from remanent.studies.ensemble.observables import observe
+from remanent.studies.ensemble.problem import initial_value_problem
+from remanent.studies.ensemble.progress import Progress, Report, as_progress
 from remanent.studies.regimes._follower import labelled
 
 #: Sweeps of each direction asked for: the order in which values are visited.
@@ -42,7 +45,7 @@ def bifurcation_diagram(
     keep: int = 50,
     initial: ArrayLike | None = None,
     tolerance: float = 1e-9,
-    progress: Progress | None = None,
+    progress: Progress = None,
 ) -> xr.Dataset:
     """Sweep a parameter and keep the last points of the section at every value.
 
@@ -102,9 +105,9 @@ def bifurcation_diagram(
     discard = require_count("discard", discard, "Whole drive periods pass.", 0)
     keep = require_count("keep", keep, "It is a number of points.")
     tolerance = require_tolerance(tolerance)
-    base = ensemble(system, drive, None, initial)
+    base = lay_out(system, drive, None, initial)
     require_known([parameter], base.values, "the actuator and the drive")
-    ens = ensemble(system, drive, {parameter: values}, initial)
+    ens = lay_out(system, drive, {parameter: values}, initial)
     if ens.sizes.keys() != {parameter}:
         raise InputError(
             "values",
@@ -115,9 +118,9 @@ def bifurcation_diagram(
         )
     lengths = require_periods(ens)
     sweeps = _SWEEPS[direction]
-    require_memory(64.0 * ens.count * keep * len(sweeps), f"{ens.count} x {keep} points")
-    asked = problem(ens, np.ones(ens.count))
-    found = _sweep(ens, asked, lengths, sweeps, (discard, keep), tolerance, progress)
+    require_memory("over", 64.0 * ens.count * keep * len(sweeps), f"{ens.count} x {keep} points")
+    asked = initial_value_problem(ens, np.ones(ens.count))
+    found = _sweep(ens, asked, lengths, sweeps, (discard, keep), tolerance, as_progress(progress))
     states, error, status = found
     dims: tuple[str, ...] = (*(("sweep",) if direction == "both" else ()), parameter)
 
@@ -148,7 +151,7 @@ def _sweep(
     sweeps: tuple[str, ...],
     counts: tuple[int, int],
     tolerance: float,
-    progress: Progress | None,
+    report: Report | None,
 ) -> tuple[FloatArray, FloatArray, np.ndarray]:
     """States (sweep, value, point, state), errors and status (sweep, value)."""
     discard, keep = counts
@@ -172,8 +175,8 @@ def _sweep(
             error[valid, some] = worst
             now[valid] = np.where(good[:, None], last, ens.initial[0])
         status[np.setdiff1d(np.arange(len(sweeps)), valid), at[ens.invalid[at]]] = Status.INVALID
-        if progress is not None:
-            progress((n + 1) / ens.count)
+        if report is not None:
+            report((n + 1) / ens.count)
     return states, error, status
 
 

@@ -12,13 +12,14 @@ from remanent.analysis.regimes.decision import RegimeProblem, decide_regimes
 from remanent.analysis.regimes.labels import Regime, RegimeLabels
 from remanent.analysis.regimes.limit_orbits import IterateMap
 from remanent.analysis.regimes.long_runs import LongRun
-from remanent.integrate.ensemble.ensemble import Progress
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.results.build import Labelled
-from remanent.studies.ensemble.checks import require_tolerance
+from remanent.studies.ensemble.checks import as_seed, require_tolerance
 from remanent.studies.ensemble.durations import require_count, require_periods
-from remanent.studies.ensemble.ensemble import Over, ensemble, require_memory
+from remanent.studies.ensemble.layout import Over, lay_out
+from remanent.studies.ensemble.memory import require_memory
+from remanent.studies.ensemble.progress import Progress, as_progress
 from remanent.studies.regimes._follower import Follower, damped, gathered, labelled, status_of
 
 #: Factors between the tolerances that have to agree.
@@ -45,8 +46,8 @@ def classify(
     initial: ArrayLike | None = None,
     over: Over | None = None,
     tolerance: float = 1e-9,
-    rng: np.random.Generator | None = None,
-    progress: Progress | None = None,
+    rng: int | np.random.Generator | None = None,
+    progress: Progress = None,
 ) -> xr.Dataset:
     """Say what kind of motion each is, where independent indicators agree.
 
@@ -64,8 +65,9 @@ def classify(
         a state variable exceeds 10, as a body's temperature does, so many times as much.
         Motions are followed at 100 and at 10 times as much; those that are not regular at
         both are followed at this one too.
-    rng
-        Draws the frequencies of the 0-1 test; by default the same every time.
+    rng : int or numpy.random.Generator, optional
+        Seed of the frequencies of the 0-1 test; a generator gives its next number.  One
+        fixed seed by default.
 
     Returns
     -------
@@ -109,12 +111,12 @@ def classify(
     """
     periods = require_count("periods", periods, WHY, FEWEST)
     tolerance = require_tolerance(tolerance)
-    ens = ensemble(system, drive, over, initial)
+    ens = lay_out(system, drive, over, initial)
     length = require_periods(ens)
-    require_memory(300.0 * ens.count, f"{ens.count} labels")
-    seed = 0 if rng is None else int(rng.integers(2**31))
+    require_memory("over", 300.0 * ens.count, f"{ens.count} labels")
+    seed = as_seed(rng)
     judged = Judged(Follower(ens, periods, min(2, len(ens.field.state))), tolerance, seed)
-    parts = judged.follower.each(judged.chunk, progress, most=judged.most)
+    parts = judged.follower.each(judged.chunk, as_progress(progress), most=judged.most)
     whole = gathered(parts, ens, KINDS)
     variables: dict[str, Labelled] = {"drive_period": (ens.dims, ens.shaped(length))}
     for name, values in whole.items():

@@ -11,14 +11,15 @@ import xarray as xr
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, IntArray
 from remanent.analysis.regimes.lyapunov import lyapunov_exponents
-from remanent.integrate.ensemble.ensemble import Progress
 from remanent.integrate.maps.period_map import Judged
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.durations import require_count, require_periods
-from remanent.studies.ensemble.ensemble import Over, ensemble, require_memory
+from remanent.studies.ensemble.layout import Over, lay_out
+from remanent.studies.ensemble.memory import require_memory
+from remanent.studies.ensemble.progress import Progress, as_progress
 from remanent.studies.regimes._follower import Follower, gathered, labelled, status_of
 
 #: Most points of the history.
@@ -38,7 +39,7 @@ def lyapunov(
     initial: ArrayLike | None = None,
     over: Over | None = None,
     tolerance: float = 1e-9,
-    progress: Progress | None = None,
+    progress: Progress = None,
 ) -> xr.Dataset:
     """Average the growth of small differences over many drive periods.
 
@@ -91,7 +92,7 @@ def lyapunov(
     periods = require_count("periods", periods, "Exponents are averaged over whole drive periods.")
     count = require_count("count", count, "It is a number of exponents.")
     tolerance = require_tolerance(tolerance)
-    ens = ensemble(system, drive, over, initial)
+    ens = lay_out(system, drive, over, initial)
     length = require_periods(ens)
     dimension = len(ens.field.state)
     if count > dimension:
@@ -103,7 +104,7 @@ def lyapunov(
             fix=f"Pass {dimension} for the whole spectrum.",
         )
     shown = min(periods, _HISTORY)
-    require_memory(8.0 * ens.count * count * (shown + 3), f"{ens.count} histories")
+    require_memory("over", 8.0 * ens.count * count * (shown + 3), f"{ens.count} histories")
     follower = Follower(ens, periods, count)
     block = None if count == 1 else 1
     blocks = follower.blocks(block)
@@ -115,7 +116,7 @@ def lyapunov(
     kinds = dict.fromkeys(("horizon", "local_error", "status"), each)
     kinds |= dict.fromkeys(("exponent", "exponent_error"), np.empty((0, count)))
     kinds["exponent_history"] = np.empty((0, ends.size, count))
-    whole = gathered(follower.each(averages, progress), ens, kinds)
+    whole = gathered(follower.each(averages, as_progress(progress)), ens, kinds)
     number: tuple[str, ...] = ("exponent_number",) if count > 1 else ()
     coords: dict[str, Labelled] = {"period": (("period",), ends)}
     if count > 1:

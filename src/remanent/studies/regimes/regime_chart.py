@@ -10,10 +10,10 @@ import xarray as xr
 
 from remanent._errors import InputError
 from remanent._typing import ArrayLike
-from remanent.integrate.ensemble.ensemble import Progress
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
-from remanent.studies.ensemble.ensemble import Over
+from remanent.studies.ensemble.layout import Over
+from remanent.studies.ensemble.progress import Progress
 from remanent.studies.regimes.classify import classify
 
 
@@ -25,8 +25,8 @@ def regime_chart(
     periods: int = 300,
     initial: ArrayLike | None = None,
     tolerance: float = 1e-9,
-    rng: np.random.Generator | None = None,
-    progress: Progress | None = None,
+    rng: int | np.random.Generator | None = None,
+    progress: Progress = None,
 ) -> xr.Dataset:
     """Chart the regime of the motion over two parameters.
 

@@ -12,7 +12,6 @@ from remanent._errors import InputError
 from remanent._typing import ArrayLike, FloatArray, IntArray
 from remanent.analysis.orbits.periodic_orbits import floquet_multipliers
 from remanent.analysis.regimes.long_runs import LongRun, propagate_tangents
-from remanent.integrate.ensemble.ensemble import Progress
 from remanent.integrate.maps.advance import Step
 from remanent.integrate.maps.period_map import PeriodMap
 from remanent.integrate.variations import parting
@@ -21,7 +20,10 @@ from remanent.models.drives.base import Drive
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.durations import require_count, require_periods
-from remanent.studies.ensemble.ensemble import Ensemble, Over, ensemble, problem
+from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.layout import Over, lay_out
+from remanent.studies.ensemble.problem import initial_value_problem
+from remanent.studies.ensemble.progress import Progress, as_progress
 from remanent.studies.ensemble.two_coordinates import two_coordinates
 from remanent.studies.regimes._follower import CHUNK, Follower, gathered, labelled, status_of
 
@@ -44,7 +46,7 @@ def symmetry_check(
     initial: ArrayLike | None = None,
     over: Over | None = None,
     tolerance: float = 1e-9,
-    progress: Progress | None = None,
+    progress: Progress = None,
 ) -> xr.Dataset:
     """Say whether the model of one coordinate holds: whether equal stretches stay equal.
 
@@ -93,12 +95,14 @@ def symmetry_check(
     """
     periods = require_count("periods", periods, "Growth shows in a long run.", FEWEST)
     tolerance = require_tolerance(tolerance)
-    ens = ensemble(system, drive, over, initial)
+    ens = lay_out(system, drive, over, initial)
     length = require_periods(ens)
     apart = _Apart.of(ens, tolerance)
     follower = Follower(ens, periods, 0)
     parts = follower.each(
-        lambda which, cancelled: apart.judged(which, periods, cancelled), progress, most=CHUNK
+        lambda which, cancelled: apart.judged(which, periods, cancelled),
+        as_progress(progress),
+        most=CHUNK,
     )
     d = apart.width
     kinds = {
@@ -139,7 +143,7 @@ class _Apart:
             )
         two, pairs = two_coordinates(ens)
         field = parting(two.field, pairs)
-        asked = problem(two, np.ones(ens.count))
+        asked = initial_value_problem(two, np.ones(ens.count))
         lengths = np.where(ens.invalid, 1.0, require_periods(ens))
         flow = PeriodMap(field, asked.timeline.waveform)
         return cls(ens, flow, asked.parameters, lengths, len(pairs), tolerance)

@@ -14,8 +14,9 @@ from remanent.models.actuator import Actuator
 from remanent.models.drives.waves import Constant
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
-from remanent.studies.ensemble.ensemble import Over, ensemble, problem
+from remanent.studies.ensemble.layout import Over, lay_out
 from remanent.studies.ensemble.observables import observe
+from remanent.studies.ensemble.problem import initial_value_problem
 
 #: A half-period is looked for up to this time, then this much longer, so many times.
 _FIRST, _LONGER, _TRIES = 8.0, 4.0, 5
@@ -79,21 +80,21 @@ def backbone(
             why="Only free oscillations of one coordinate all have a period.",
             fix="Pass one number as prestress, no edges, dissipation=() and heat=None.",
         )
-    ens = ensemble(actuator, Constant(m), {**(over or {}), "initial.stretch": np.asarray(stretch)})
+    ens = lay_out(actuator, Constant(m), {**(over or {}), "initial.stretch": np.asarray(stretch)})
     half, error = np.full(ens.count, np.nan), np.full(ens.count, np.nan)
     duration = _FIRST
     for _ in range(_TRIES):
         missing = np.isnan(half) & ~ens.invalid
         if not missing.any():
             break
-        asked = problem(ens, np.full(ens.count, duration))
+        asked = initial_value_problem(ens, np.full(ens.count, duration))
         found, outcome = events.crossings(asked, "stretch_rate", 0.0, tolerance=tolerance)
         rows, first = np.unique(found.trajectory, return_index=True)
         acceleration = _acceleration(asked, rows, found.states[first])
         half[rows] = found.time[first]
         error[rows] = outcome.error[rows] / np.abs(acceleration)
         duration *= _LONGER
-    whole = problem(ens, np.where(np.isfinite(half), 2.0 * half, 1.0))
+    whole = initial_value_problem(ens, np.where(np.isfinite(half), 2.0 * half, 1.0))
     outcome = integrate(whole, Request(extremes=True), tolerance=tolerance)
     start = observe(whole, "energy", np.zeros((ens.count, 1)), ens.initial[:, None])[:, 0]
     with np.errstate(all="ignore"):

@@ -23,7 +23,7 @@ from remanent.models.drives.waves import Constant
 from remanent.results import build, provenance
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.durations import require_count
-from remanent.studies.ensemble.ensemble import ensemble
+from remanent.studies.ensemble.layout import lay_out
 from remanent.studies.motion.simulate import simulate
 from remanent.studies.orbits.continue_orbit import response_diagram
 from remanent.studies.response.backbone import backbone
@@ -281,7 +281,7 @@ def _free_frequency(actuator: Actuator, mean: float, size: FloatArray) -> FloatA
 
 def _small_oscillations(actuator: Actuator, mean: float) -> float:
     """Modulus of the eigenvalue of small oscillations about rest; NaN where there are none."""
-    ens = ensemble(actuator, Constant(mean))
+    ens = lay_out(actuator, Constant(mean))
     row = np.array([ens.values[name][0] for name in ens.field.parameters])
     body = Body(ens.field, row, ens.initial[0]).at_rest()
     if body is None:

@@ -16,7 +16,8 @@ from remanent.models.actuator import Actuator
 from remanent.models.drives.waves import Constant
 from remanent.results import build, provenance
 from remanent.results.build import Labelled
-from remanent.studies.ensemble.ensemble import Ensemble, Over, ensemble
+from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.layout import Over, lay_out
 from remanent.studies.ensemble.two_coordinates import two_coordinates
 from remanent.studies.statics._biaxial import in_plane
 from remanent.studies.statics._folds import folds
@@ -78,7 +79,7 @@ def equilibria(actuator: Actuator, m: float = 0.0, *, over: Over | None = None) 
     >>> curve.fold_m.values.round(4).tolist()
     [2.1777, 2.8483]
     """
-    ens = ensemble(actuator, Constant(m), over)
+    ens = lay_out(actuator, Constant(m), over)
     if actuator.coordinates == 2:
         return in_plane(ens)
     at_rest = AtRest(ens)

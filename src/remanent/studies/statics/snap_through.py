@@ -13,7 +13,7 @@ from remanent.models.actuator import Actuator
 from remanent.models.drives.waves import Constant
 from remanent.results import build, provenance
 from remanent.results.build import Labelled
-from remanent.studies.ensemble.ensemble import Over, ensemble
+from remanent.studies.ensemble.layout import Over, lay_out
 from remanent.studies.orbits.continue_orbit import parameter_bounds
 from remanent.studies.statics._folds import fold_points, grid_of
 from remanent.studies.statics._static_ensemble import AtRest
@@ -95,7 +95,7 @@ def snap_through(
             fix="Pass one number as prestress, no edges, dissipation=() and heat=None; it snaps "
             "before any that dissipates.",
         )
-    ens = ensemble(actuator, Constant(m), over, (initial, 0.0))
+    ens = lay_out(actuator, Constant(m), over, (initial, 0.0))
     low, high = parameter_bounds(parameter, np.asarray(parameter_range), ens)
     if parameter in ens.coords:
         raise InputError(
