@@ -13,8 +13,8 @@ from remanent.models.actuator import Actuator
 from remanent.models.drives.waves import Constant
 from remanent.results import build, provenance
 from remanent.results.build import Labelled
+from remanent.studies.ensemble.checks import require_parameter, require_range
 from remanent.studies.ensemble.layout import Over, lay_out
-from remanent.studies.orbits.continue_orbit import parameter_bounds
 from remanent.studies.statics._folds import fold_points, grid_of
 from remanent.studies.statics._static_ensemble import AtRest
 
@@ -96,7 +96,14 @@ def snap_through(
             "before any that dissipates.",
         )
     ens = lay_out(actuator, Constant(m), over, (initial, 0.0))
-    low, high = parameter_bounds(parameter, np.asarray(parameter_range), ens)
+    require_parameter("parameter", parameter, ens)
+    low, high = require_range(
+        "parameter_range",
+        parameter_range,
+        parameter,
+        ens,
+        "Thresholds lie between them.",
+    )
     if parameter in ens.coords:
         raise InputError(
             "over",
