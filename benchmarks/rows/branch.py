@@ -15,14 +15,11 @@ from benchmarks import auto07p
 from benchmarks.machine import one_core
 from benchmarks.rows.plan import Plan
 from remanent._typing import FloatArray
-from remanent.analysis.orbits.bifurcations import orbit_equations
-from remanent.analysis.orbits.continuation import (
-    ContinuationSettings,
-    Curve,
-    continue_curves,
-    correct_points,
-)
-from remanent.analysis.orbits.periodic_orbits import floquet_multipliers
+from remanent.analysis.orbits.continuation import ContinuationSettings, continue_curves
+from remanent.analysis.orbits.correction import correct_points
+from remanent.analysis.orbits.curves import Curve
+from remanent.analysis.orbits.orbit_equations import orbit_equations
+from remanent.analysis.orbits.stability import floquet_multipliers
 from remanent.studies.ensemble.layout import lay_out
 from remanent.studies.orbits._period_map import StroboscopicMap
 
@@ -99,10 +96,10 @@ def _traced(cases: FloatArray, block: int, tolerance: float) -> list[Curve]:
     starts, reached = correct_points(equations, guess, down, scale=scale, tolerance=tolerance)
     settings = ContinuationSettings(
         np.array([0.3, -8.0, 0.0, -9.0, _LOW]), np.array([4.0, 8.0, 999.0, 9.0, _HIGH + 1e-9]),
-        scale, step=_STEP, longest=_STEP, tolerance=tolerance, block=block, most=_POINTS,
-        held=(2, 3),
+        scale, first_step=_STEP, max_step=_STEP, tolerance=tolerance, block=block,
+        max_points=_POINTS, held=(2, 3),
     )  # fmt: skip
-    return continue_curves(equations, starts.taken(reached), settings)
+    return continue_curves(equations, starts.subset(reached), settings)
 
 
 def _equilibrium(theta: float, prestress: float) -> float:

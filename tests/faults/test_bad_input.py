@@ -1,4 +1,7 @@
-"""Bad input: one message that names the field, the rule, the value, and what to do."""
+"""Bad input: one message that names the field, the rule, the value, and what to do.
+
+Law: Bad input.
+"""
 
 from __future__ import annotations
 

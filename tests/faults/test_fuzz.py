@@ -1,6 +1,8 @@
 """Whatever the numbers: finite results, a documented status, or a message.
 
 Six hundred cases with the fast profile, more than ten thousand with the nightly one.
+
+Law: Any numbers.
 """
 
 from __future__ import annotations

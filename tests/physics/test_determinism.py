@@ -1,4 +1,4 @@
-"""N9: bits that depend on the trajectory alone, for every drive."""
+"""Determinism: bits that depend on the trajectory alone, for every drive."""
 
 from __future__ import annotations
 
@@ -78,7 +78,10 @@ def kinds() -> list[Any]:
 def test_bits_depend_on_nothing_but_the_trajectory(
     kind: type[Drive], asked: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """N9: reordered, alone, in parts, by one thread, in small chunks: every bit the same."""
+    """Reordered, alone, in parts, by one thread, in small chunks: every bit the same.
+
+    Law: Determinism.
+    """
     drive = random_drive(kind, np.random.default_rng([7, DRIVES.index(kind)]), LONGEST)
     everybody = np.arange(COUNT)
     reference = run(drive, asked, everybody)
@@ -95,7 +98,7 @@ def test_bits_depend_on_nothing_but_the_trajectory(
 def test_bits_do_not_depend_on_the_length_of_calls(
     asked: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """N9: a run cut into kernel calls of any length."""
+    """Determinism: a run cut into kernel calls of any length."""
     drive = rm.Sine(0.5, 3.0, 0.1)
     everybody = np.arange(COUNT)
     reference = run(drive, asked, everybody)
@@ -105,7 +108,7 @@ def test_bits_do_not_depend_on_the_length_of_calls(
 
 
 def test_verbs_are_deterministic_in_any_order() -> None:
-    """N9: reversed values of ``over`` give the reversed results, bit for bit."""
+    """Determinism: reversed values of ``over`` give the reversed results, bit for bit."""
     rng = np.random.default_rng(3)
     values = fields(rng)
     body, drive = rm.Actuator(dissipation=rm.Rayleigh(0.1)), rm.SineSquared(0.9, 1.3)
@@ -121,7 +124,7 @@ def test_verbs_are_deterministic_in_any_order() -> None:
 
 
 def test_bits_do_not_depend_on_the_batches_of_a_response() -> None:
-    """A response that is worked out in batches is the one that is worked out at once."""
+    """Determinism: a response that is worked out in batches is the one that is worked out at once."""
     over = {"omega": np.linspace(0.5, 2.0, 100)}
     actuator, drive = rm.Actuator(temperature=350), rm.SineSquared(0.4, 1.0)
     columns = []

@@ -35,7 +35,7 @@ def test_the_fold_moves_as_tangents_say() -> None:
     map_ = StroboscopicMap(lay_out(HOT, FOLD.replace(omega=omega)), ("omega", *fields), 1e-11)
     image = map_(state[None], np.array([[omega, 350.0, 0.4, 1.0]]), 1)
     left = np.linalg.svd(image.jacobian[0] - np.eye(2))[0][:, -1]
-    push = left @ image.slope[0]
+    push = left @ image.parameter_jacobian[0]
     ds = rm.sensitivity(
         rm.locate_bifurcation,
         HOT,

@@ -9,15 +9,21 @@ import numpy as np
 
 from remanent._typing import FloatArray, IntArray
 
-#: ``measure(t)`` with times (case, instant) gives the answer and its rate there.
+#: ``response(t)`` with times (case, instant) gives the answer and its rate there.
 Response = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
-#: Newton steps from a bracket between samples, many to a period.
-_ROUNDS = 5
+#: Newton steps from the middle between two samples, of which a period has many.
+_NEWTON_STEPS = 5
 
 
 @dataclass(frozen=True)
 class LevelCrossings:
-    """Instants (case, instant), NaN where there is none, and the rates there."""
+    """Instants at which an answer passes levels.
+
+    Attributes
+    ----------
+    time, rate : array (case, instant)
+        NaN where there is no passage.
+    """
 
     time: FloatArray
     rate: FloatArray
@@ -37,26 +43,28 @@ def last_outside(answer: FloatArray, low: float, high: float) -> IntArray:
 
 
 def level_crossings(
-    measure: Response, times: FloatArray, before: IntArray, levels: FloatArray
+    response: Response, times: FloatArray, before: IntArray, levels: FloatArray
 ) -> LevelCrossings:
     """Where an answer passes levels between a sample and the next, by Newton's method.
 
     Parameters
     ----------
+    response : callable
+        Of times (case, instant): the answer and its rate.
     times : array (case, sample)
-    before : array (case, instant)
+    before : array (case, instant) of int
         Number of the sample before the passage; out of range where there is none.
     levels : array (case, instant)
     """
-    known = (before >= 0) & (before < times.shape[1] - 1)
-    k = np.where(known, before, 0)
+    bracketed = (before >= 0) & (before < times.shape[1] - 1)
+    k = np.where(bracketed, before, 0)
     row = np.arange(len(times))[:, None]
     low, high = times[row, k], times[row, k + 1]
     t = 0.5 * (low + high)
     rate = np.ones_like(t)
-    for _ in range(_ROUNDS):
-        answer, rate = measure(t)
+    for _ in range(_NEWTON_STEPS):
+        answer, rate = response(t)
         with np.errstate(all="ignore"):
             moved = t - (answer - levels) / rate
         t = np.where(np.isfinite(moved), moved, t).clip(low, high)
-    return LevelCrossings(np.where(known, t, np.nan), np.where(known, rate, np.nan))
+    return LevelCrossings(np.where(bracketed, t, np.nan), np.where(bracketed, rate, np.nan))

@@ -17,12 +17,18 @@ from remanent._typing import ComplexArray, FloatArray
 #: by the durations, arrays (condition, step).
 TerminalResidual = Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray, FloatArray]]
 
-#: Directions that the input moves less than this, relative to others, are not moved.
-_RANK = 1e-7
-#: Durations change by less than this factor from a guess.
-_STRETCHED = 3.0
-#: Roots nearer to each other than this are one.
-_SAME = 1e-6
+#: Directions that the input moves less than this, relative to others, are not controllable.
+_MIN_CONTROLLABILITY = 1e-7
+#: Factor between the durations of a solution and those of the guess, at most.
+_MAX_DURATION_FACTOR = 3.0
+#: Roots that differ by less than this, relative to their size, are one.
+_MIN_ROOT_DISTANCE = 1e-6
+#: Poles with a smaller imaginary part, relative to their size, do not oscillate.
+_MIN_IMAGINARY_SHARE = 1e-6
+#: Relative change of the unknowns at which least squares stop.
+_LEAST_SQUARES_TOLERANCE = 1e-15
+#: Evaluations of least squares, at most.
+_MAX_EVALUATIONS = 30
 
 
 @dataclass(frozen=True)
@@ -47,28 +53,42 @@ class StepSequence:
 def controllable_poles(a: FloatArray, b: FloatArray) -> ComplexArray:
     """Eigenvalues of y' = a y + b u on the states that the input u can reach.
 
+    Modes that the input does not move have no part in the motion; their poles are left out.
+
     Parameters
     ----------
     a : array (state, state)
     b : array (state,)
+
+    Returns
+    -------
+    array (pole,) of complex
     """
+    # Kalman's controllability matrix b, a b, a^2 b ...: its columns span these states.
     columns = [b / np.linalg.norm(b)]
     for _ in range(len(b) - 1):
-        following = a @ columns[-1]
-        columns.append(following / max(float(np.linalg.norm(following)), 1e-300))
-    basis = orth(np.column_stack(columns), rcond=_RANK)
+        column = a @ columns[-1]
+        columns.append(column / max(float(np.linalg.norm(column)), 1e-300))
+    basis = orth(np.column_stack(columns), rcond=_MIN_CONTROLLABILITY)
     return np.asarray(np.linalg.eigvals(basis.T @ a @ basis), dtype=np.complex128)
 
 
-def impulse_spacing(found: ComplexArray) -> float:
-    """Half the period of the slowest oscillation; without one, the longest time constant."""
-    turning = np.abs(found.imag[np.abs(found.imag) > _SAME * np.abs(found)])
-    if turning.size:
-        return float(np.pi / turning.min())
-    return float(1.0 / np.abs(found.real).min())
+def impulse_spacing(poles: ComplexArray) -> float:
+    """Half the period of the slowest oscillation; without one, the longest time constant.
+
+    Parameters
+    ----------
+    poles : array (pole,) of complex
+        Of a linear system.
+    """
+    size = np.abs(poles)
+    frequencies = np.abs(poles.imag[np.abs(poles.imag) > _MIN_IMAGINARY_SHARE * size])
+    if frequencies.size:
+        return float(np.pi / frequencies.min())
+    return float(1.0 / np.abs(poles.real).min())
 
 
-def impulse_amplitudes(found: ComplexArray, spacing: float, multiplicity: int = 1) -> FloatArray:
+def impulse_amplitudes(poles: ComplexArray, spacing: float, multiplicity: int = 1) -> FloatArray:
     """Parts of a step, `spacing` apart, after which a linear system is at rest.
 
     Equation: parts A_i at times i T leave a mode s alone where sum A_i z^i = 0,
@@ -78,17 +98,27 @@ def impulse_amplitudes(found: ComplexArray, spacing: float, multiplicity: int = 
 
     Parameters
     ----------
-    multiplicity
-        Of each root: so many derivatives by the pole, less one, vanish too.
+    poles : array (pole,) of complex
+        Of the linear system.
+    spacing : float
+        The time T between two parts.
+    multiplicity : int
+        Of each root.  With multiplicity r the first r - 1 derivatives of the residual motion by
+        the pole vanish too, so that it is insensitive to an error of the pole.
 
     Returns
     -------
     array (part,)
         Their sum is 1.
     """
-    roots = np.exp(-found * spacing)
-    different = [z for i, z in enumerate(roots) if (np.abs(roots[:i] - z) > _SAME * abs(z)).all()]
-    parts = np.real(np.poly(np.repeat(different, multiplicity)))[::-1]
+    roots = np.exp(-poles * spacing)
+    # Poles of equal oscillators give equal roots, of which the polynomial needs one.
+    distinct = [
+        z
+        for i, z in enumerate(roots)
+        if (np.abs(roots[:i] - z) > _MIN_ROOT_DISTANCE * abs(z)).all()
+    ]
+    parts = np.real(np.poly(np.repeat(distinct, multiplicity)))[::-1]
     return np.asarray(parts / parts.sum())
 
 
@@ -97,10 +127,24 @@ def solve_step_sequence(
 ) -> StepSequence:
     """Loads and durations from which the system arrives at rest, near a guess.
 
-    Nonlinear least squares in the loads, over `scale`, and, where these are fewer than the
-    conditions, in the logarithms of the durations, which stay within a factor of three: there
-    are commands of many periods too.  The guess itself where its motion is not known.
-    `tolerance` is the error of a condition.
+    Nonlinear least squares in the loads and, where these are fewer than the conditions, in the
+    logarithms of the durations.  The durations stay within a factor of three of the guess,
+    since there are commands of many periods too.
+
+    Parameters
+    ----------
+    arrive : callable
+        The conditions at the end, and their derivatives.
+    guess : StepSequence
+    scale : float
+        Unit of the loads.
+    tolerance : float
+        Error of a condition.
+
+    Returns
+    -------
+    StepSequence
+        The guess itself where its motion is not known.
     """
     n = guess.loads.size
 
@@ -109,34 +153,36 @@ def solve_step_sequence(
         return z[:n] * scale, times
 
     @lru_cache(maxsize=1)  # conditions and derivatives are asked for one after the other
-    def arrived(z: bytes) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def arrival(z: bytes) -> tuple[FloatArray, FloatArray, FloatArray]:
         return arrive(*unpack(np.frombuffer(z)))
 
     def jacobian(z: FloatArray) -> FloatArray:
-        _, by_load, by_time = arrived(z.tobytes())
-        return np.hstack([by_load * scale, by_time * unpack(z)[1]])[:, : z.size]
+        _, by_load, by_duration = arrival(z.tobytes())
+        return np.hstack([by_load * scale, by_duration * unpack(z)[1]])[:, : z.size]
 
     def conditions(z: FloatArray) -> FloatArray:
-        return arrived(z.tobytes())[0]
+        return arrival(z.tobytes())[0]
 
-    known = arrive(guess.loads, guess.durations)[0]
-    if not np.isfinite(known).all():
+    at_guess = arrive(guess.loads, guess.durations)[0]
+    if not np.isfinite(at_guess).all():
         return guess
     start = np.concatenate([guess.loads / scale, np.log(guess.durations)])
-    within = np.repeat([np.inf, np.log(_STRETCHED)], n)
-    if n >= known.size:
-        start, within = start[:n], within[:n]
-    found = least_squares(
+    reach = np.repeat([np.inf, np.log(_MAX_DURATION_FACTOR)], n)
+    if n >= at_guess.size:  # the loads alone can meet all conditions
+        start, reach = start[:n], reach[:n]
+    solution = least_squares(
         conditions,
         start,
         jac=jacobian,
-        bounds=(start - within, start + within),
-        xtol=1e-15,
+        bounds=(start - reach, start + reach),
+        xtol=_LEAST_SQUARES_TOLERANCE,
         ftol=None,
         gtol=None,
-        max_nfev=30,
+        max_nfev=_MAX_EVALUATIONS,
     )
-    loads, durations = unpack(found.x)
-    by_condition = np.linalg.pinv(jacobian(found.x))[n:]
+    loads, durations = unpack(solution.x)
+    # The pseudoinverse says how each unknown moves with each condition; the rows of durations
+    # come after those of the loads.
+    by_condition = np.linalg.pinv(jacobian(solution.x))[n:]
     error = float(np.abs(durations[: len(by_condition)] @ by_condition).sum()) * tolerance
-    return StepSequence(loads, durations, float(np.abs(found.fun).max()), error)
+    return StepSequence(loads, durations, float(np.abs(solution.fun).max()), error)

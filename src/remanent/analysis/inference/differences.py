@@ -8,7 +8,15 @@ from remanent._typing import FloatArray
 
 
 def difference_offsets(step: float, levels: int) -> FloatArray:
-    """Where a function is wanted: +h, -h, +h/2, -h/2 ..., array (2 levels,)."""
+    """Where a function has to be evaluated: +h, -h, +h/2, -h/2 ..., array (2 levels,).
+
+    Parameters
+    ----------
+    step : float
+        The largest, h.
+    levels : int
+        How often it is halved, and once more.
+    """
     sizes = step * 0.5 ** np.arange(levels)
     return np.stack([sizes, -sizes], axis=1).ravel()
 
@@ -27,8 +35,8 @@ def richardson_derivative(
     ----------
     values, noise : array (2 levels, function)
         Values, and their errors.
-    step
-        Of the first two offsets.
+    step : float
+        Size of the first two offsets.
 
     Returns
     -------
@@ -38,15 +46,15 @@ def richardson_derivative(
     levels = len(values) // 2
     sizes = step * 0.5 ** np.arange(levels)[:, None]
     table = [(values[::2] - values[1::2]) / (2.0 * sizes)]
-    wrong = [(noise[::2] + noise[1::2]) / (2.0 * sizes)]
+    wrong = [(noise[::2] + noise[1::2]) / (2.0 * sizes)]  # what the noise makes of each entry
     best, error = np.full(values.shape[1], np.nan), np.full(values.shape[1], np.inf)
     for j in range(1, levels):
         power = 4.0**j
         fine, coarse = table[-1][1:], table[-1][:-1]
         table.append((power * fine - coarse) / (power - 1.0))
         wrong.append((power * wrong[-1][1:] + wrong[-1][:-1]) / (power - 1.0))
-        apart = np.maximum(np.abs(table[-1] - fine), np.abs(table[-1] - coarse))
-        for row, doubt in zip(table[-1], apart + wrong[-1], strict=True):
+        difference = np.maximum(np.abs(table[-1] - fine), np.abs(table[-1] - coarse))
+        for row, doubt in zip(table[-1], difference + wrong[-1], strict=True):
             better = doubt < error
             best, error = np.where(better, row, best), np.where(better, doubt, error)
     return best, error

@@ -15,10 +15,23 @@ from remanent._typing import BoolArray, FloatArray
 #: ``model(x)`` with candidates (candidate, parameter) gives predictions (candidate, datum).
 Model = Callable[[FloatArray], FloatArray]
 
-#: Differences span this share of a parameter's scale on either side.
-_STEP = 1e-4
-#: A profile is looked for up to so many times the half width of the linear interval.
-_FARTHEST = 8.0
+#: Step of a difference, relative to the parameter or its scale, on either side.
+_DIFFERENCE_STEP = 1e-4
+#: Distance from the estimate up to which the end of a profile is looked for, in half widths of
+#: the linear interval.
+_MAX_HALF_WIDTHS = 8.0
+#: Places on each side at which a profile is tried before its end is located.
+_PROFILE_PLACES = 4
+#: Tolerance of the end of a profile, in half widths of the linear interval.
+_PROFILE_TOLERANCE = 1e-3
+#: Condition number of the curvature above which the data do not determine the parameters.
+_MAX_CONDITION = 1e14
+#: Relative change of the parameters at which least squares stop.
+_PARAMETER_TOLERANCE = 1e-10
+#: Relative change of the sum of squares at which they stop.
+_SQUARES_TOLERANCE = 1e-12
+#: Evaluations of least squares, at most.
+_MAX_EVALUATIONS = 200
 
 
 @dataclass(frozen=True)
@@ -71,19 +84,29 @@ class LeastSquaresFit:
 
     def quantile(self, confidence: float) -> float:
         """Half width of a two-sided interval in standard errors (Student's t)."""
+        # Half the remaining probability lies beyond either end.
         return float(student.ppf(0.5 * (1.0 + confidence), self.degrees))
 
 
 @dataclass(frozen=True)
 class ParameterBox:
-    """Scales and bounds of parameters, arrays (parameter,)."""
+    """Scales and bounds of parameters, arrays (parameter,).
+
+    Attributes
+    ----------
+    scale : array (parameter,)
+        Their units, for differences and for least squares.
+    lower, upper : array (parameter,)
+        Infinite where there is no bound.
+    """
 
     scale: FloatArray
     lower: FloatArray
     upper: FloatArray
 
-    def only(self, kept: BoolArray) -> ParameterBox:
-        return ParameterBox(self.scale[kept], self.lower[kept], self.upper[kept])
+    def subset(self, mask: BoolArray) -> ParameterBox:
+        """The box of some of the parameters."""
+        return ParameterBox(self.scale[mask], self.lower[mask], self.upper[mask])
 
 
 def fit_least_squares(
@@ -92,6 +115,15 @@ def fit_least_squares(
     """Minimise sum [(model(x) - values)/deviation]^2 over x.
 
     The Jacobian is a central difference, all of whose candidates are one call of the model.
+
+    Parameters
+    ----------
+    model : callable
+        Of candidates (candidate, parameter), predictions (candidate, datum).
+    data : Observations
+    guess : array (parameter,)
+        To start from.
+    box : ParameterBox
 
     Raises
     ------
@@ -110,7 +142,7 @@ def fit_least_squares(
     x, residual = _minimum(model, data, guess, box)
     slope = difference_jacobian(model, x, box) / data.deviation[:, None]
     curvature = slope.T @ slope * np.outer(box.scale, box.scale)
-    if not np.linalg.cond(curvature) < 1e14:
+    if not np.linalg.cond(curvature) < _MAX_CONDITION:
         raise InputError(
             "parameters",
             must="each change the prediction in a way of its own",
@@ -126,9 +158,24 @@ def fit_least_squares(
 
 
 def difference_jacobian(
-    model: Model, x: FloatArray, box: ParameterBox, step: float = _STEP
+    model: Model, x: FloatArray, box: ParameterBox, step: float = _DIFFERENCE_STEP
 ) -> FloatArray:
-    """Derivatives (datum, parameter) by differences, central but at the bounds."""
+    """Derivatives of predictions by differences, central but at the bounds.
+
+    Parameters
+    ----------
+    model : callable
+        Of candidates (candidate, parameter), predictions (candidate, datum).
+    x : array (parameter,)
+        Where.
+    box : ParameterBox
+    step : float
+        Relative to the parameter or its scale, whichever is larger.
+
+    Returns
+    -------
+    array (datum, parameter)
+    """
     steps = step * np.diag(np.maximum(np.abs(x), box.scale))
     ends = np.concatenate([x + steps, x - steps]).clip(box.lower, box.upper)
     values = model(ends)
@@ -140,19 +187,37 @@ def difference_jacobian(
 def profile_interval(
     model: Model,
     data: Observations,
-    found: LeastSquaresFit,
+    best: LeastSquaresFit,
     box: ParameterBox,
     k: int,
     confidence: float,
 ) -> FloatArray:
-    """Interval of parameter k by its profile likelihood, array (2,).
+    """Interval of parameter k by its profile likelihood.
 
-    Where the least sum of squares at fixed x_k exceeds the minimum by s^2 t^2; an end that is
-    not found within the bounds and eight half widths is infinite.
+    Its ends are where the least sum of squares at fixed x_k exceeds the minimum by s^2 t^2: the
+    interval is not symmetric where the model is not linear.
+
+    Parameters
+    ----------
+    model : callable
+        Of candidates (candidate, parameter).
+    data : Observations
+    best : LeastSquaresFit
+        Of all parameters.
+    box : ParameterBox
+    k : int
+        Number of the parameter.
+    confidence : float
+        Probability that the interval holds it.
+
+    Returns
+    -------
+    array (2,)
+        An end that is not found within the bounds and eight half widths is infinite.
     """
-    threshold = found.variance * found.quantile(confidence) ** 2
-    others = np.arange(found.estimate.size) != k
-    rest = found.estimate[others]
+    threshold = best.variance * best.quantile(confidence) ** 2
+    free = np.arange(best.estimate.size) != k
+    rest = best.estimate[free]
 
     def excess(value: float) -> float:
         nonlocal rest
@@ -160,20 +225,20 @@ def profile_interval(
         def held(x: FloatArray) -> FloatArray:
             return model(np.insert(x, k, value, axis=1))
 
-        if others.any():
-            rest, residual = _minimum(held, data, rest, box.only(others))
+        if free.any():
+            rest, residual = _minimum(held, data, rest, box.subset(free))
         else:
             residual = (held(np.empty((1, 0)))[0] - data.values) / data.deviation
-        return float(residual @ residual) - found.chi_square - threshold
+        return float(residual @ residual) - best.chi_square - threshold
 
-    half = found.deviation[k] * found.quantile(confidence)
+    half = best.deviation[k] * best.quantile(confidence)
     ends = []
     for side, bound in ((-1.0, box.lower[k]), (1.0, box.upper[k])):
-        rest, inner, end = found.estimate[others], found.estimate[k], side * np.inf
-        for width in np.geomspace(1.0, _FARTHEST, 4):
-            outer = float(np.clip(found.estimate[k] + side * width * half, *sorted((inner, bound))))
+        rest, inner, end = best.estimate[free], best.estimate[k], side * np.inf
+        for width in np.geomspace(1.0, _MAX_HALF_WIDTHS, _PROFILE_PLACES):
+            outer = float(np.clip(best.estimate[k] + side * width * half, *sorted((inner, bound))))
             if excess(outer) > 0.0:
-                end = brentq(excess, inner, outer, xtol=1e-3 * half)
+                end = brentq(excess, inner, outer, xtol=_PROFILE_TOLERANCE * half)
                 break
             inner = outer
         ends.append(end)
@@ -199,8 +264,8 @@ def _minimum(
             why="Its error bound is not met up to the last of them.",
             fix="Use earlier data, a larger tolerance, or a better guess.",
         )
-    found = least_squares(
+    solution = least_squares(
         residual, guess, jac=slope, bounds=(box.lower, box.upper), x_scale=box.scale,
-        xtol=1e-10, ftol=1e-12, gtol=None, max_nfev=200,
+        xtol=_PARAMETER_TOLERANCE, ftol=_SQUARES_TOLERANCE, gtol=None, max_nfev=_MAX_EVALUATIONS,
     )  # fmt: skip
-    return np.asarray(found.x), np.asarray(found.fun)
+    return np.asarray(solution.x), np.asarray(solution.fun)

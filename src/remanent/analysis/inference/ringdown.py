@@ -10,6 +10,9 @@ from scipy.stats import linregress
 
 from remanent._typing import FloatArray
 
+#: Fewest swings through whose logarithms a line with an error can be laid.
+_MIN_SWINGS = 3
+
 
 @dataclass(frozen=True)
 class DecayFit:
@@ -42,7 +45,7 @@ def fit_decay(time: FloatArray, values: FloatArray, *, prominence: float) -> Dec
     ----------
     time, values : array (sample,)
         Evenly spaced or not.
-    prominence
+    prominence : float
         Swings smaller than this share of the largest one are left out, and all that follow.
     """
     spline = CubicSpline(time, values)
@@ -51,7 +54,7 @@ def fit_decay(time: FloatArray, values: FloatArray, *, prominence: float) -> Dec
     swings = np.abs(np.diff(heights))
     small = np.flatnonzero(swings < prominence * swings.max(initial=0.0))
     count = int(small[0]) if small.size else swings.size
-    if count < 3:
+    if count < _MIN_SWINGS:
         return None
     number = np.arange(count)
     line = linregress(number, np.log(swings[:count]))

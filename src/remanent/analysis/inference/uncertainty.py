@@ -13,7 +13,7 @@ from remanent._typing import FloatArray
 
 #: ``function(x)`` with points (point, argument) gives values (point, number).
 Function = Callable[[FloatArray], FloatArray]
-#: Independently scrambled parts of a sample; their scatter is the error of what they give.
+#: Independently scrambled parts of a sample, whose scatter is the error of what they give.
 REPLICATES = 8
 
 
@@ -70,30 +70,41 @@ def propagate_distributions(
 
     Parameters
     ----------
-    samples
+    function : callable
+        Of points (point, argument), values (point, number).
+    distributions : sequence
+        One for each argument.
+    quantiles : array (quantile,)
+        Probabilities.
+    samples : int
         A power of two; a part should have a point beyond each quantile.
+    rng : numpy.random.Generator
+        Scrambles the points.
     """
-    blocks = [_points(distributions, samples // REPLICATES, rng) for _ in range(REPLICATES)]
+    blocks = [_sobol_points(distributions, samples // REPLICATES, rng) for _ in range(REPLICATES)]
     values = function(np.concatenate(blocks))
-    seen = np.isfinite(values)
-    values = np.where(seen, values, np.nan)
+    finite = np.isfinite(values)
+    values = np.where(finite, values, np.nan)
     parts = values.reshape(REPLICATES, samples // REPLICATES, -1)
-    lost = ~seen.reshape(parts.shape).any(axis=1).all(axis=0)  # by one part at least
+    # A statistic is given only where every replicate has a value for it.
+    unknown = ~finite.reshape(parts.shape).any(axis=1).all(axis=0)
 
-    def judged(of: Callable[[FloatArray], FloatArray]) -> tuple[FloatArray, FloatArray]:
-        each = np.stack([of(np.where(lost, 0.0, part)) for part in parts])
-        error = each.std(axis=0, ddof=1) / np.sqrt(REPLICATES)
-        return np.where(lost, np.nan, each.mean(axis=0)), np.where(lost, np.nan, error)
+    def with_error(
+        statistic: Callable[[FloatArray], FloatArray],
+    ) -> tuple[FloatArray, FloatArray]:
+        by_part = np.stack([statistic(np.where(unknown, 0.0, part)) for part in parts])
+        error = by_part.std(axis=0, ddof=1) / np.sqrt(REPLICATES)
+        return np.where(unknown, np.nan, by_part.mean(axis=0)), np.where(unknown, np.nan, error)
 
-    def shares(x: FloatArray) -> FloatArray:
+    def sample_quantiles(x: FloatArray) -> FloatArray:
         # Hazen's positions: where evenly spread points are, in the middle of their shares.
         return np.asarray(np.nanquantile(x, quantiles, axis=0, method="hazen"))
 
     return PropagatedStatistics(
-        *judged(shares),
-        *judged(lambda x: np.nanmean(x, axis=0)),
-        *judged(lambda x: np.nanstd(x, axis=0, ddof=1)),
-        seen.mean(axis=0),
+        *with_error(sample_quantiles),
+        *with_error(lambda x: np.nanmean(x, axis=0)),
+        *with_error(lambda x: np.nanstd(x, axis=0, ddof=1)),
+        finite.mean(axis=0),
     )
 
 
@@ -109,40 +120,55 @@ def estimate_sobol_indices(
     scrambled by itself; their mean, and its standard error.  (A bootstrap takes the points for
     independent, which they are not.)  ``samples * (arguments + 2)`` points, all in one call.
     NaN where the function is constant, or unknown somewhere.
+
+    Parameters
+    ----------
+    function : callable
+        Of points (point, argument), values (point, number).
+    distributions : sequence
+        One for each argument.
+    samples : int
+        A power of two.
+    rng : numpy.random.Generator
+        Scrambles the points.
     """
     count, size = len(distributions), samples // REPLICATES
     sequence = [qmc.Sobol(2 * count, rng=rng).random(size) for _ in range(REPLICATES)]
-    rows = [_crossed(part[:, :count], part[:, count:]) for part in sequence]
-    values = function(_transformed(distributions, np.concatenate(rows)))
+    rows = [_saltelli_rows(part[:, :count], part[:, count:]) for part in sequence]
+    values = function(_quantiles_at(distributions, np.concatenate(rows)))
     values = values.reshape(REPLICATES, count + 2, size, -1).transpose(1, 0, 3, 2)
-    kept = np.isfinite(values).all(axis=(0, 1, 3)) & (np.ptp(values, axis=(0, 1, 3)) > 0.0)
-    found = np.full((2, REPLICATES, count, len(kept)), np.nan)
+    usable = np.isfinite(values).all(axis=(0, 1, 3)) & (np.ptp(values, axis=(0, 1, 3)) > 0.0)
+    by_part = np.full((2, REPLICATES, count, len(usable)), np.nan)
     for part in range(REPLICATES):
-        runs = values[:, part, kept] - values[:2, part, kept].mean(axis=(0, 2))[:, None]
-        if kept.any():
+        # Less the mean, which changes no variance but saves digits.
+        runs = values[:, part, usable] - values[:2, part, usable].mean(axis=(0, 2))[:, None]
+        if usable.any():
             # SciPy stumbles over a single number of a single argument: it gets one twice.
             runs = np.concatenate([runs, runs[:, :1]], axis=1)
             blocks = {"f_A": runs[0], "f_B": runs[1], "f_AB": runs[2:]}
             shares = sobol_indices(func=blocks, n=size)  # type: ignore[arg-type]
             for k, order in enumerate((shares.first_order, shares.total_order)):
-                found[k, part][:, kept] = np.reshape(order, (-1, count))[:-1].T
-    (first, total), error = found.mean(axis=1), found.std(axis=1, ddof=1) / np.sqrt(REPLICATES)
+                by_part[k, part][:, usable] = np.reshape(order, (-1, count))[:-1].T
+    first, total = by_part.mean(axis=1)
+    error = by_part.std(axis=1, ddof=1) / np.sqrt(REPLICATES)
     return SobolIndices(first, error[0], total, error[1])
 
 
-def _crossed(a: FloatArray, b: FloatArray) -> FloatArray:
+def _saltelli_rows(a: FloatArray, b: FloatArray) -> FloatArray:
     """Points a, points b, and a with one column after the other from b."""
     columns = np.arange(a.shape[1])
     return np.concatenate([a, b, *(np.where(columns == k, b, a) for k in columns)])
 
 
-def _points(
+def _sobol_points(
     distributions: Sequence[Distribution], count: int, rng: np.random.Generator
 ) -> FloatArray:
-    return _transformed(distributions, qmc.Sobol(len(distributions), rng=rng).random(count))
+    return _quantiles_at(distributions, qmc.Sobol(len(distributions), rng=rng).random(count))
 
 
-def _transformed(distributions: Sequence[Distribution], shares: FloatArray) -> FloatArray:
-    inside = np.clip(shares, 0.5**54, 1.0 - 0.5**53)  # scrambled points can fall on 0
+def _quantiles_at(distributions: Sequence[Distribution], shares: FloatArray) -> FloatArray:
+    """Points of the distributions, array (point, argument), from points of the unit cube."""
+    # Scrambled points can fall on 0, where quantiles are infinite.
+    inside = np.clip(shares, 0.5**54, 1.0 - 0.5**53)
     columns = [d.ppf(q) for d, q in zip(distributions, inside.T, strict=True)]
     return np.column_stack(columns)

@@ -1,4 +1,4 @@
-"""Curves of solutions of n equations in n + 1 unknowns: pseudo-arclength, many at once.
+"""Pseudo-arclength continuation of many curves at once.
 
 A kernel advances sixteen trajectories in the time of one, so points are predicted in
 blocks: several ahead on each of several curves, corrected together by Newton's method,
@@ -11,88 +11,40 @@ H. B. Keller, in: Applications of Bifurcation Theory (Academic Press, 1977) 359.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from remanent._typing import BoolArray, FloatArray, IntArray
+from remanent.analysis.orbits.correction import correct_points
+from remanent.analysis.orbits.curves import Curve, CurveEquations, CurvePoints, concatenate_points
 
-#: Newton steps at most.
-_CORRECTIONS = 6
-#: A correction longer than this share of the step, or a turn of the tangent by more than
-#: this cosine, makes the step shorter.
-_FAR, _TURN = 0.25, 0.97
-#: The step grows if corrections were shorter than this share of it.
-_CLOSE = 0.02
-#: Points that a curve has before it may be back at its start.
-_BEGUN = 10
-#: Steps shorter than this share of the first end a curve.
-_TOO_SHORT = 1e-7
-
-
-@dataclass(frozen=True)
-class EquationValues:
-    """Equations at some points.
-
-    Attributes
-    ----------
-    value : array (point, equation)
-    derivative : array (point, equation, unknown)
-    error : array (point,)
-        Estimated error of the value.
-    extra : mapping of name to array (point, ...)
-        Whatever else is to be kept with each point.
-    """
-
-    value: FloatArray
-    derivative: FloatArray
-    error: FloatArray
-    extra: Mapping[str, FloatArray]
-
-
-#: ``equations(unknowns)`` with unknowns (point, n + 1).
-CurveEquations = Callable[[FloatArray], EquationValues]
-
-
-@dataclass(frozen=True)
-class CurvePoints:
-    """Points of a curve.
-
-    Attributes
-    ----------
-    unknown : array (point, n + 1)
-    tangent : array (point, n + 1)
-        Of unit length in scaled unknowns.
-    residual, error : array (point,)
-        Largest defect of the equations, and its estimated error.
-    extra : mapping of name to array (point, ...)
-    """
-
-    unknown: FloatArray
-    tangent: FloatArray
-    residual: FloatArray
-    error: FloatArray
-    extra: Mapping[str, FloatArray]
-
-    def __len__(self) -> int:
-        return int(self.unknown.shape[0])
-
-    def taken(self, which: slice | IntArray | BoolArray) -> CurvePoints:
-        """Some of the points, in the order asked."""
-        extra = {name: values[which] for name, values in self.extra.items()}
-        return CurvePoints(
-            self.unknown[which], self.tangent[which], self.residual[which], self.error[which], extra
-        )
-
-
-@dataclass(frozen=True)
-class Curve:
-    """A curve, and why it ended: ``closed``, ``bounds``, ``points`` or ``lost``."""
-
-    points: CurvePoints
-    closed: bool
-    ends: tuple[str, str]
+#: Length of a correction relative to the step, beyond which a point is not what was predicted.
+_MAX_CORRECTION = 0.25
+#: Cosine of the turn of the tangent from point to point, at least.
+_MIN_TURN_COSINE = 0.97
+#: Distance of neighbouring points relative to the step, at least.
+_MIN_GAP = 0.5
+#: Distance of neighbouring points relative to the step, at most.
+_MAX_GAP = 2.0
+#: The step grows if all corrections of a block are shorter than this share of it.
+_SMALL_CORRECTION = 0.02
+#: Factor by which the step grows.
+_GROWTH = 1.5
+#: Factor by which the step shrinks if less than half a block is kept.
+_SHRINKAGE = 0.5
+#: Factor by which the step shrinks if nothing of a block is kept.
+_STRONG_SHRINKAGE = 0.25
+#: A step shorter than this share of the first ends the curve.
+_MIN_STEP_SHARE = 1e-7
+#: Fewest points of a curve that may be back at its start.
+_MIN_POINTS_OF_LOOP = 10
+#: Distance from the start, in steps, within which a curve may be back at it.
+_HOME_DISTANCE = 2.0
+#: Distance from the line through the start along its tangent, in steps, at most.
+_HOME_OFFSET = 0.5
+#: Cosine of the angle between the tangents there and at the start, at least.
+_HOME_COSINE = 0.9
 
 
 @dataclass(frozen=True)
@@ -104,15 +56,15 @@ class ContinuationSettings:
     lower, upper : array (n + 1,)
         Box that a curve stays in.
     scale : array (n + 1,)
-        Lengths are measured in these units.
-    step, longest : float
-        First and longest step along a curve, scaled.
+        Units of the unknowns, in which lengths are measured.
+    first_step, max_step : float
+        Along a curve, in scaled unknowns.
     tolerance : float
         Of the equations.
     block : int
         Points predicted at once on each curve.
-    most : int
-        Points of a curve, in each direction.
+    max_points : int
+        Of a curve, in each direction.
     held : tuple of int
         Unknowns that do not change along a curve.
     """
@@ -120,118 +72,45 @@ class ContinuationSettings:
     lower: FloatArray
     upper: FloatArray
     scale: FloatArray
-    step: float = 0.01
-    longest: float = 0.05
+    first_step: float = 0.01
+    max_step: float = 0.05
     tolerance: float = 1e-10
     block: int = 8
-    most: int = 1000
+    max_points: int = 1000
     held: tuple[int, ...] = ()
-
-
-def unit_tangents(derivative: FloatArray, like: FloatArray, scale: FloatArray) -> FloatArray:
-    """Unit null vectors of the scaled derivatives, on the side of `like`."""
-    _, _, right = np.linalg.svd(derivative * scale)
-    t = right[:, -1, :]
-    side = np.sign(np.einsum("ij,ij->i", t, like))
-    return np.asarray(t * np.where(side == 0.0, 1.0, side)[:, None])
-
-
-def correct_points(
-    equations: CurveEquations,
-    guess: FloatArray,
-    direction: FloatArray,
-    *,
-    scale: FloatArray,
-    tolerance: float,
-) -> tuple[CurvePoints, BoolArray]:
-    """Points of curves nearest to guesses, in planes across given directions.
-
-    Parameters
-    ----------
-    guess, direction : array (point, n + 1)
-        The direction is of scaled unknowns.
-
-    Returns
-    -------
-    points, reached
-        Whether Newton's method converged, for each.
-    """
-    z, here = guess.copy(), equations(guess)
-    for _ in range(_CORRECTIONS - 1):
-        residual, reached, finite = _judged(here, tolerance)
-        moving = np.flatnonzero(finite & ~reached)
-        if not moving.size:
-            break
-        matrix = np.concatenate(
-            [here.derivative[moving] * scale, direction[moving, None, :]], axis=1
-        )
-        offset = np.einsum("ij,ij->i", direction[moving], (guess - z)[moving] / scale)
-        right = np.concatenate([-here.value[moving], offset[:, None]], axis=1)
-        z[moving] += _solved(matrix, right) * scale
-        here = _with(here, equations(z[moving]), moving)
-    residual, reached, finite = _judged(here, tolerance)
-    derivative = np.where(finite[:, None, None], here.derivative, 0.0)
-    tangent = unit_tangents(derivative, direction, scale)
-    return CurvePoints(z, tangent, residual, here.error, here.extra), reached & finite
-
-
-def _judged(here: EquationValues, tolerance: float) -> tuple[FloatArray, BoolArray, BoolArray]:
-    """Residuals, where they are small enough, and where all is finite."""
-    with np.errstate(all="ignore"):
-        residual = np.abs(here.value).max(axis=1)
-    finite = np.isfinite(here.derivative).all(axis=(1, 2)) & np.isfinite(residual)
-    return residual, residual <= np.maximum(tolerance, 4.0 * here.error), finite
-
-
-def _with(whole: EquationValues, part: EquationValues, which: IntArray) -> EquationValues:
-    """The equations at some points put in."""
-
-    def put(into: FloatArray, values: FloatArray) -> FloatArray:
-        new = into.copy()
-        new[which] = values
-        return new
-
-    return EquationValues(
-        put(whole.value, part.value),
-        put(whole.derivative, part.derivative),
-        put(whole.error, part.error),
-        {name: put(values, part.extra[name]) for name, values in whole.extra.items()},
-    )
-
-
-def _solved(matrix: FloatArray, right: FloatArray) -> FloatArray:
-    with np.errstate(all="ignore"):
-        try:
-            return np.asarray(np.linalg.solve(matrix, right[..., None])[..., 0])
-        except np.linalg.LinAlgError:
-            return np.asarray((np.linalg.pinv(matrix) @ right[..., None])[..., 0])
 
 
 def continue_curves(
     equations: CurveEquations, starts: CurvePoints, settings: ContinuationSettings
 ) -> list[Curve]:
-    """Follow the curve through each of some points, both ways, together.
+    """Follow the curve through each of some points, both ways, all together.
 
     Parameters
     ----------
-    starts
+    equations : callable
+        Of unknowns (point, n + 1).
+    starts : CurvePoints
         Points of curves (one each), with tangents; one curve is made of each.
+    settings : ContinuationSettings
     """
     count = len(starts)
-    both = starts.taken(np.concatenate([np.arange(count), np.arange(count)]))
-    turned = np.concatenate([starts.tangent, -starts.tangent])
-    heads = CurvePoints(both.unknown, turned, both.residual, both.error, both.extra)
-    arms = _arms(equations, heads, settings)
-    return [_curve(arms[k], arms[k + count]) for k in range(count)]
+    heads = concatenate_points([starts, starts.reversed_tangents()])
+    arms = _grow_arms(equations, heads, settings)
+    return [_join_arms(arms[k], arms[k + count]) for k in range(count)]
 
 
 @dataclass
 class _Arm:
-    """One direction of one curve while it grows."""
+    """One direction of one curve while it grows.
+
+    Everything but `first_step` and `origin` changes: each block appends to `parts`, moves
+    `before` up to the last point but one, and sets the next `step`; `end` is empty until the
+    arm stops.
+    """
 
     parts: list[CurvePoints]
     step: float
-    first: float
+    first_step: float
     before: tuple[FloatArray, FloatArray]
     origin: FloatArray
     end: str = ""
@@ -239,43 +118,54 @@ class _Arm:
 
     @property
     def head(self) -> tuple[FloatArray, FloatArray]:
+        """Unknowns and tangent of the last point."""
         last = self.parts[-1]
         return last.unknown[-1], last.tangent[-1]
 
+    @property
+    def first_tangent(self) -> FloatArray:
+        """Tangent at the start."""
+        return np.asarray(self.parts[0].tangent[0])
 
-def _arms(
+
+def _grow_arms(
     equations: CurveEquations, heads: CurvePoints, settings: ContinuationSettings
 ) -> list[_Arm]:
-    arms = []
-    for k in range(len(heads)):
-        z, t = heads.unknown[k], heads.tangent[k]
-        before = (z - settings.step * t * settings.scale, t)
-        first = heads.taken(slice(k, k + 1))
-        arms.append(_Arm([first], settings.step, settings.step, before, z / settings.scale))
+    """Grow the arm from each head until it ends; arms k and k + count/2 are of one curve."""
+    arms = [_new_arm(heads.subset(slice(k, k + 1)), settings) for k in range(len(heads))]
     half = len(arms) // 2
     while growing := [k for k, arm in enumerate(arms) if not arm.end]:
-        some = [arms[k] for k in growing]
-        guess, direction = _predicted(some, settings)
+        subset = [arms[k] for k in growing]
+        guess, direction = _predict(subset, settings)
         points, reached = correct_points(
             equations, guess, direction, scale=settings.scale, tolerance=settings.tolerance
         )
-        blocks = _looked_at(some, points, reached, guess, settings)
-        for i, k in enumerate(growing):
+        blocks = _inspect(subset, points, reached, guess, settings)
+        for k, block in zip(growing, blocks, strict=True):
             if arms[k].end:  # its other half came round just now
                 continue
-            _grown(arms[k], points, blocks[i], settings)
+            _extend(arms[k], points, block, settings)
             if arms[k].end == "closed":
                 arms[(k + half) % len(arms)].end = "closed"
     return arms
 
 
-def _predicted(arms: list[_Arm], settings: ContinuationSettings) -> tuple[FloatArray, FloatArray]:
+def _new_arm(head: CurvePoints, settings: ContinuationSettings) -> _Arm:
+    """An arm of one point; the one before it is made up, on the tangent."""
+    z, t = head.unknown[0], head.tangent[0]
+    before = (z - settings.first_step * t * settings.scale, t)
+    step = settings.first_step
+    return _Arm([head], step, step, before, z / settings.scale)
+
+
+def _predict(arms: list[_Arm], settings: ContinuationSettings) -> tuple[FloatArray, FloatArray]:
     """Points ahead of each arm on the cubic through its last two points with their tangents."""
     before, head = zip(*((arm.before, arm.head) for arm in arms), strict=True)
     scaled0, scaled1 = (np.array([z for z, _ in ends]) / settings.scale for ends in (before, head))
     t0, t1 = (np.array([t for _, t in ends]) for ends in (before, head))
     gap = np.maximum(np.linalg.norm(scaled1 - scaled0, axis=1), 1e-300)[:, None]
     secant = (scaled1 - scaled0) / gap
+    # z(s) = z1 + s t1 + s^2 c2 + s^3 c3, s the distance from the head: z(-gap) = z0, z'(-gap) = t0.
     curve2 = ((2.0 * t1 + t0 - 3.0 * secant) / gap)[:, None]
     curve3 = ((t1 + t0 - 2.0 * secant) / gap**2)[:, None]
     steps = np.array([arm.step for arm in arms])[:, None]
@@ -292,104 +182,148 @@ def _predicted(arms: list[_Arm], settings: ContinuationSettings) -> tuple[FloatA
 
 @dataclass(frozen=True)
 class _Block:
-    """What is seen of the points that were predicted on one arm."""
+    """What is seen of the points that were predicted on one arm.
+
+    Attributes
+    ----------
+    first : int
+        Number of the first of them among all that were corrected together.
+    kept : int
+        How many are what was predicted.
+    outside : bool
+        The last of these is outside the box.
+    home : int or None
+        How many come before the curve is back at its start.
+    largest_correction : float
+        Of those that are kept, in scaled unknowns.
+    least_turn_cosine : float
+        Of all of them.
+    """
 
     first: int
     kept: int
-    out: bool
+    outside: bool
     home: int | None
-    worst: float
-    bend: float
+    largest_correction: float
+    least_turn_cosine: float
 
 
-def _looked_at(
+def _inspect(
     arms: list[_Arm],
     points: CurvePoints,
     reached: BoolArray,
     guess: FloatArray,
     settings: ContinuationSettings,
 ) -> list[_Block]:
-    """How many points of every arm's block are what was predicted."""
+    """How many points of every arm's block are what was predicted.
+
+    Newton's method can land on another branch, or on this one far away.  A point counts only if
+    it converged near its guess, its tangent is nearly that of the point before, and the
+    distance from that point is about a step.  After the first that fails nothing counts.
+    """
     shape = (len(arms), settings.block)
     correction = np.linalg.norm((points.unknown - guess) / settings.scale, axis=1).reshape(shape)
-    heads, turns = (np.array(one)[:, None] for one in zip(*(arm.head for arm in arms), strict=True))
+    heads = np.array([arm.head[0] for arm in arms])[:, None]
+    head_tangents = np.array([arm.head[1] for arm in arms])[:, None]
     unknown, tangent = (a.reshape(*shape, -1) for a in (points.unknown, points.tangent))
     chain = np.concatenate([heads, unknown], axis=1) / settings.scale
-    before = np.concatenate([turns, tangent[:, :-1]], axis=1)
+    before = np.concatenate([head_tangents, tangent[:, :-1]], axis=1)
     gap = np.linalg.norm(np.diff(chain, axis=1), axis=2)
-    turned = np.einsum("kij,kij->ki", before, tangent)
+    turn_cosine = np.einsum("kij,kij->ki", before, tangent)
     step = np.array([arm.step for arm in arms])[:, None]
-    even = (gap > 0.5 * step) & (gap < 2.0 * step)
-    good = reached.reshape(shape) & (correction < _FAR * step) & (turned > _TURN) & even
+    near = correction < _MAX_CORRECTION * step
+    even = (gap > _MIN_GAP * step) & (gap < _MAX_GAP * step)
+    good = reached.reshape(shape) & near & (turn_cosine > _MIN_TURN_COSINE) & even
     kept = np.cumprod(good, axis=1).sum(axis=1)
     inside = ((unknown >= settings.lower) & (unknown <= settings.upper)).all(axis=2)
     within = np.cumprod(inside, axis=1).sum(axis=1)
-    home = _homes(arms, chain[:, 1:], tangent)
+    home = _points_before_home(arms, chain[:, 1:], tangent)
     blocks = []
     for i in range(len(arms)):
-        out = bool(within[i] < kept[i])
-        some = int(within[i]) + 1 if out else int(kept[i])
-        worst = float(correction[i, :some].max(initial=0.0))
-        came = int(home[i]) if home[i] < some and not out else None
-        blocks.append(_Block(i * shape[1], some, out, came, worst, float(turned[i].min())))
+        outside = bool(within[i] < kept[i])
+        # The first point outside is kept: the end of the curve is between it and the one before.
+        count = int(within[i]) + 1 if outside else int(kept[i])
+        blocks.append(
+            _Block(
+                first=i * settings.block,
+                kept=count,
+                outside=outside,
+                home=int(home[i]) if home[i] < count and not outside else None,
+                largest_correction=float(correction[i, :count].max(initial=0.0)),
+                least_turn_cosine=float(turn_cosine[i].min()),
+            )
+        )
     return blocks
 
 
-def _grown(arm: _Arm, points: CurvePoints, block: _Block, settings: ContinuationSettings) -> None:
-    """Keep the points of a block that are what was predicted, and choose the next step."""
-    kept = block.kept if block.home is None else block.home
-    arm.end = "bounds" if block.out else "closed" if block.home is not None else ""
-    if kept:
-        chosen = points.taken(slice(block.first, block.first + kept))
-        (z, t), last = arm.head, kept - 2
-        arm.before = (chosen.unknown[last], chosen.tangent[last]) if last >= 0 else (z, t)
-        arm.parts.append(chosen)
-        arm.total += kept
-    if not arm.end and arm.total >= settings.most:
-        arm.end = "points"
-    if kept == settings.block and block.worst < _CLOSE * arm.step and block.bend > _TURN**0.5:
-        arm.step = min(1.5 * arm.step, settings.longest)
-    elif kept < settings.block // 2:
-        arm.step *= 0.25 if kept == 0 else 0.5
-    if not arm.end and arm.step < _TOO_SHORT * arm.first:
-        arm.end = "lost"
+def _points_before_home(arms: list[_Arm], chain: FloatArray, tangent: FloatArray) -> IntArray:
+    """How many points of each block come before the curve is back at its start.
 
+    It is back where it passes the start in the direction of the first tangent: near it, beside
+    its tangent by less than half a step, and pointing the same way.
 
-def _homes(arms: list[_Arm], chain: FloatArray, tangent: FloatArray) -> IntArray:
-    """How many points of each block come before the curve is back at its start."""
+    Parameters
+    ----------
+    chain, tangent : array (arm, point, n + 1)
+        Of the points of the block, in scaled unknowns.
+    """
     start = np.array([arm.origin for arm in arms])[:, None]
-    towards = np.array([arm.parts[0].tangent[0] for arm in arms])
+    towards = np.array([arm.first_tangent for arm in arms])
     step = np.array([arm.step for arm in arms])[:, None]
     away = chain - start
     along = np.einsum("kij,kj->ki", away, towards)
-    near = np.linalg.norm(away, axis=2) < 2.0 * step
-    same = np.einsum("kij,kj->ki", tangent, towards) > 0.9
+    near = np.linalg.norm(away, axis=2) < _HOME_DISTANCE * step
+    parallel = np.einsum("kij,kj->ki", tangent, towards) > _HOME_COSINE
     across = np.linalg.norm(away - along[:, :, None] * towards[:, None], axis=2)
-    passed = near & same & (along >= 0.0) & (across < 0.5 * step)
-    passed &= np.array([arm.total >= _BEGUN for arm in arms])[:, None]
+    passed = near & parallel & (along >= 0.0) & (across < _HOME_OFFSET * step)
+    # Every curve is near its start when it begins.
+    passed &= np.array([arm.total >= _MIN_POINTS_OF_LOOP for arm in arms])[:, None]
     return np.asarray(np.where(passed.any(axis=1), passed.argmax(axis=1), chain.shape[1]))
 
 
-def _curve(forth: _Arm, back: _Arm) -> Curve:
+def _extend(arm: _Arm, points: CurvePoints, block: _Block, settings: ContinuationSettings) -> None:
+    """Append the points of a block that are what was predicted, and choose the next step."""
+    kept = block.kept if block.home is None else block.home
+    arm.end = "bounds" if block.outside else "closed" if block.home is not None else ""
+    if kept:
+        part = points.subset(slice(block.first, block.first + kept))
+        last_but_one = kept - 2
+        if last_but_one >= 0:
+            arm.before = (part.unknown[last_but_one], part.tangent[last_but_one])
+        else:
+            arm.before = arm.head
+        arm.parts.append(part)
+        arm.total += kept
+    if not arm.end and arm.total >= settings.max_points:
+        arm.end = "points"
+    arm.step = _next_step(arm.step, kept, block, settings)
+    if not arm.end and arm.step < _MIN_STEP_SHARE * arm.first_step:
+        arm.end = "lost"
+
+
+def _next_step(step: float, kept: int, block: _Block, settings: ContinuationSettings) -> float:
+    """The step after a block.
+
+    It grows only after a whole block with short corrections and gentle turns.  Less than half a
+    block means that the prediction is too bold; in between the step stays, since a point
+    that is lost at the end of a block costs less than a shorter step.
+    """
+    gentle = block.least_turn_cosine > _MIN_TURN_COSINE**0.5
+    if kept == settings.block and block.largest_correction < _SMALL_CORRECTION * step and gentle:
+        return min(_GROWTH * step, settings.max_step)
+    if kept < settings.block // 2:
+        return step * (_STRONG_SHRINKAGE if kept == 0 else _SHRINKAGE)
+    return step
+
+
+def _join_arms(forth: _Arm, back: _Arm) -> Curve:
     """Both arms as one curve, in the direction of the first."""
     closed = forth.end == "closed" and back.end == "closed" and forth.total > 1
     ahead = concatenate_points(forth.parts)
     if closed:
-        whole = ahead if forth.total >= back.total else concatenate_points(back.parts)
-        return Curve(whole.taken(np.append(np.arange(len(whole)), 0)), True, ("closed", "closed"))
-    behind = concatenate_points(back.parts).taken(slice(None, 0, -1))
-    flipped = CurvePoints(
-        behind.unknown, -behind.tangent, behind.residual, behind.error, behind.extra
-    )
-    return Curve(concatenate_points([flipped, ahead]), False, (back.end, forth.end))
-
-
-def concatenate_points(parts: list[CurvePoints]) -> CurvePoints:
-    """Some stretches of points as one."""
-    return CurvePoints(
-        np.concatenate([part.unknown for part in parts]),
-        np.concatenate([part.tangent for part in parts]),
-        np.concatenate([part.residual for part in parts]),
-        np.concatenate([part.error for part in parts]),
-        {name: np.concatenate([part.extra[name] for part in parts]) for name in parts[0].extra},
-    )
+        # Each arm went all the way round, or was told that the other did: the longer one did.
+        loop = ahead if forth.total >= back.total else concatenate_points(back.parts)
+        points = loop.subset(np.append(np.arange(len(loop)), 0))
+        return Curve(points, True, ("closed", "closed"))
+    behind = concatenate_points(back.parts).subset(slice(None, 0, -1)).reversed_tangents()
+    return Curve(concatenate_points([behind, ahead]), False, (back.end, forth.end))

@@ -17,7 +17,7 @@ class MapImage:
     state : array (point, state)
     jacobian : array (point, state, state)
         ``jacobian[k, i, j]`` is the derivative of component i by initial component j.
-    slope : array (point, state, parameter)
+    parameter_jacobian : array (point, state, parameter)
         Derivatives by the parameters.
     error : array (point,)
         Estimated error of the state, and of the derivatives relative to their largest.
@@ -25,7 +25,7 @@ class MapImage:
 
     state: FloatArray
     jacobian: FloatArray
-    slope: FloatArray
+    parameter_jacobian: FloatArray
     error: FloatArray
 
 

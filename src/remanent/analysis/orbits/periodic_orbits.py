@@ -1,35 +1,30 @@
-"""Periodic orbits of maps: Newton's method from many guesses, multipliers, stability."""
+"""Periodic orbits of maps: Newton's method from many guesses, each orbit once."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from enum import IntEnum
 
 import numpy as np
 
-from remanent._typing import BoolArray, ComplexArray, FloatArray, IntArray
-from remanent.analysis.orbits.maps import Map, MapImage
+from remanent._typing import BoolArray, FloatArray, IntArray
+from remanent.analysis.orbits.maps import Map
 
-#: Newton steps at most, and the longest one, of a component of the state.
-_STEPS, _LONGEST = 25, 0.25
-#: How near to 1 the size of a complex multiplier of a conservative map is, on the circle.
-_CIRCLE = 1e-6
-#: Orbits nearer to each other than this are one.
-_APART = 1e-7
-
-
-class Stability(IntEnum):
-    """What the multipliers say of an orbit."""
-
-    UNDECIDED = 0
-    ELLIPTIC = 1
-    SADDLE = 2
-    STABLE = 3
-    UNSTABLE = 4
-
-    @property
-    def meaning(self) -> str:
-        return self.name.lower()
+#: Newton steps at most.
+_MAX_NEWTON_STEPS = 25
+#: Longest step of a component of the state: far from an orbit a whole step leads anywhere.
+_MAX_MOVE = 0.25
+#: A residual cannot be expected to fall below this many times the error of the image.
+_RESIDUAL_FACTOR = 4.0
+#: Share of its width by which a point may lie outside the box, for rounding.
+_BOX_SLACK = 1e-9
+#: Orbits nearer to each other than this are one, whatever their errors.
+_MIN_DISTANCE = 1e-7
+#: Orbits nearer to each other than this many times their errors are one, too.
+_DISTANCE_FACTOR = 10.0
+#: Smallest singular value of 1 - J that an error of a point is divided by.
+_MIN_SINGULAR_VALUE = 1e-12
+#: Digits of the states by which orbits are put in order.
+_ORDER_DIGITS = 6
 
 
 @dataclass(frozen=True)
@@ -52,6 +47,13 @@ class Orbits:
     residual: FloatArray
     error: FloatArray
 
+    def subset(self, indices: IntArray | BoolArray) -> Orbits:
+        """Some of the orbits, in the order of the indices."""
+        return Orbits(
+            self.state[indices], self.jacobian[indices], self.residual[indices],
+            self.error[indices],
+        )  # fmt: skip
+
 
 def newton_fixed_points(
     map_: Map,
@@ -60,46 +62,51 @@ def newton_fixed_points(
     *,
     iterate: int,
     tolerance: float,
-    bounds: FloatArray,
-    worst: float = 1e-6,
+    box: FloatArray,
+    max_error: float = 1e-6,
 ) -> Orbits:
     """Fixed points of an iterate of a map, from many guesses; those that were reached.
 
     Parameters
     ----------
+    map_ : Map
     guesses : array (point, state)
     parameters : array (point, parameter)
-    tolerance
+    iterate : int
+        Of the map.
+    tolerance : float
         Of the residual, beside the map's own error.
-    bounds : array (state, 2)
-        Guesses that leave a box of twice this size are given up.
-    worst
+    box : array (state, 2)
+        Where fixed points are looked for.  Guesses that leave a box of twice this size are
+        given up.
+    max_error : float
         So are guesses whose image has a larger error.
     """
     x, p = guesses.copy(), parameters
     if not len(x):
-        return _joined([], map_.dimension)
-    centre, reach = bounds.mean(axis=1), bounds[:, 1] - bounds[:, 0]
-    found: list[Orbits] = []
-    for _ in range(_STEPS):
+        return _concatenate([], map_.dimension)
+    centre, width = box.mean(axis=1), box[:, 1] - box[:, 0]
+    parts: list[Orbits] = []
+    for _ in range(_MAX_NEWTON_STEPS):
         image = map_(x, p, iterate)
-        move, residual = newton_step(x, image.state, image.jacobian, longest=_LONGEST)
-        done = residual <= np.maximum(tolerance, 4.0 * image.error)
-        known = image.error <= worst
-        kept = done & known & _within(x, bounds)
-        if kept.any():
-            found.append(_orbits(x, image, residual, kept))
-        inside = (np.abs(x + move - centre) <= reach).all(axis=1)
-        going = ~done & known & np.isfinite(move).all(axis=1) & inside
-        if not going.any():
+        move, residual = newton_step(x, image.state, image.jacobian, longest=_MAX_MOVE)
+        converged = residual <= np.maximum(tolerance, _RESIDUAL_FACTOR * image.error)
+        accurate = image.error <= max_error
+        reached = converged & accurate & _is_inside(x, box)
+        if reached.any():
+            points = Orbits(x, image.jacobian, residual, image.error)
+            parts.append(points.subset(reached))
+        near = (np.abs(x + move - centre) <= width).all(axis=1)
+        going_on = ~converged & accurate & np.isfinite(move).all(axis=1) & near
+        if not going_on.any():
             break
-        x, p = (x + move)[going], p[going]
-    return _joined(found, map_.dimension)
+        x, p = (x + move)[going_on], p[going_on]
+    return _concatenate(parts, map_.dimension)
 
 
-def _within(x: FloatArray, bounds: FloatArray) -> BoolArray:
-    slack = 1e-9 * (bounds[:, 1] - bounds[:, 0])
-    return np.asarray(((x >= bounds[:, 0] - slack) & (x <= bounds[:, 1] + slack)).all(axis=1))
+def _is_inside(x: FloatArray, box: FloatArray) -> BoolArray:
+    slack = _BOX_SLACK * (box[:, 1] - box[:, 0])
+    return np.asarray(((x >= box[:, 0] - slack) & (x <= box[:, 1] + slack)).all(axis=1))
 
 
 def newton_step(
@@ -111,13 +118,13 @@ def newton_step(
     ----------
     x, image : array (point, state)
     jacobian : array (point, state, state)
-    longest
+    longest : float
         Moves with a longer component are shortened to it.
 
     Returns
     -------
     move : array (point, state)
-        NaN where the equations are singular or unknown.
+        The solution of (1 - J) move = image - x; NaN where that is singular or unknown.
     residual : array (point,)
     """
     defect = image - x
@@ -135,23 +142,12 @@ def newton_step(
     return np.asarray(move), np.where(np.isfinite(residual), residual, np.inf)
 
 
-def _orbits(x: FloatArray, image: MapImage, residual: FloatArray, which: BoolArray) -> Orbits:
-    return Orbits(x[which], image.jacobian[which], residual[which], image.error[which])
-
-
-def _joined(some: list[Orbits], dimension: int) -> Orbits:
-    if not some:
+def _concatenate(parts: list[Orbits], dimension: int) -> Orbits:
+    if not parts:
         empty = np.empty((0, dimension))
         return Orbits(empty, np.empty((0, dimension, dimension)), np.empty(0), np.empty(0))
     names = ("state", "jacobian", "residual", "error")
-    return Orbits(*(np.concatenate([getattr(one, name) for one in some]) for name in names))
-
-
-def orbit_subset(orbits: Orbits, which: IntArray | BoolArray) -> Orbits:
-    """Some of the orbits."""
-    return Orbits(
-        orbits.state[which], orbits.jacobian[which], orbits.residual[which], orbits.error[which]
-    )
+    return Orbits(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
 
 
 def distinct_orbits(map_: Map, orbits: Orbits, parameter: FloatArray, *, iterate: int) -> Orbits:
@@ -159,100 +155,51 @@ def distinct_orbits(map_: Map, orbits: Orbits, parameter: FloatArray, *, iterate
 
     Parameters
     ----------
+    map_ : Map
+    orbits : Orbits
+        Fixed points of the iterate: an orbit may be there several times, by several of its
+        points, and orbits of shorter periods may be there.
     parameter : array (parameter,)
         At which all of them were found.
+    iterate : int
+        Of the map.
     """
     if not orbits.residual.size:
         return orbits
-    order = np.lexsort(np.round(orbits.state, 6).T[::-1])
-    orbits = orbit_subset(orbits, order)
+    order = np.lexsort(np.round(orbits.state, _ORDER_DIGITS).T[::-1])
+    orbits = orbits.subset(order)
     points = [orbits.state]
     for _ in range(iterate - 1):
         points.append(map_(points[-1], np.tile(parameter, (len(order), 1)), 1).state)
     path = np.stack(points)  # (iterate, orbit, state)
-    slack = _APART + 10.0 * _sensitivity(orbits)
+    slack = _MIN_DISTANCE + _DISTANCE_FACTOR * _position_errors(orbits)
+    divisors = [j for j in range(1, iterate) if iterate % j == 0]
     kept: list[int] = []
     for k in range(len(order)):
-        returns = [j for j in range(1, iterate) if iterate % j == 0]
-        if any(_near(path[0, k], path[j, k], slack[k]) for j in returns):
+        if any(_is_near(path[0, k], path[j, k], slack[k]) for j in divisors):
             continue
         if not any(
-            _near(path[j, k], orbits.state[i], slack[k] + slack[i])
+            _is_near(path[j, k], orbits.state[i], slack[k] + slack[i])
             for i in kept
             for j in range(iterate)
         ):
             kept.append(k)
-    return orbit_subset(orbits, np.array(kept, dtype=np.int64))
+    return orbits.subset(np.array(kept, dtype=np.int64))
 
 
-def _sensitivity(orbits: Orbits) -> FloatArray:
-    """How far from the orbit a point with its residual may be."""
+def _position_errors(orbits: Orbits) -> FloatArray:
+    """How far from the orbit a point with its residual may be, array (orbit,).
+
+    The residual over the smallest singular value of 1 - J.  Near a fold that value vanishes,
+    but there the distance is the root of the residual.
+    """
     matrix = np.eye(orbits.state.shape[1]) - orbits.jacobian
     smallest = np.linalg.svd(matrix, compute_uv=False)[:, -1]
-    reach = (orbits.residual + orbits.error) / np.maximum(smallest, 1e-12)
-    return np.asarray(np.minimum(reach, np.sqrt(orbits.residual + orbits.error)))
+    defect = orbits.residual + orbits.error
+    return np.asarray(
+        np.minimum(defect / np.maximum(smallest, _MIN_SINGULAR_VALUE), np.sqrt(defect))
+    )
 
 
-def _near(a: FloatArray, b: FloatArray, slack: float) -> bool:
+def _is_near(a: FloatArray, b: FloatArray, slack: float) -> bool:
     return bool(np.abs(a - b).max() <= slack)
-
-
-def floquet_multipliers(jacobian: FloatArray, error: FloatArray) -> tuple[ComplexArray, FloatArray]:
-    """Floquet multipliers, largest first, and an estimate of their error.
-
-    Parameters
-    ----------
-    jacobian : array (orbit, state, state)
-    error : array (orbit,)
-        Of the Jacobian, relative to its largest entry.
-
-    Returns
-    -------
-    values : array (orbit, multiplier) of complex
-    errors : array (orbit, multiplier)
-        By the condition number of each eigenvalue, at most the root that a double
-        eigenvalue's error is.
-    """
-    values, right = np.linalg.eig(jacobian)
-    values, right = values.astype(complex), right.astype(complex)
-    size = np.abs(jacobian).max(axis=(1, 2))
-    change = (error + 4.0 * np.finfo(float).eps) * size
-    d = jacobian.shape[1]
-    with np.errstate(all="ignore"):
-        left = np.linalg.pinv(right)
-        condition = np.linalg.norm(left, axis=2) * np.linalg.norm(right, axis=1)
-        together = np.linalg.svd(right, compute_uv=False)[:, -1] < 1e-7
-        condition[together] = np.inf  # two multipliers have met
-        double = np.maximum(size, 1.0) ** (1.0 - 1.0 / d) * change ** (1.0 / d)
-        errors = np.fmin(condition * change[:, None], double[:, None])
-    order = np.argsort(-np.abs(values) - 1e-9 * values.imag, axis=1, kind="stable")
-    return np.take_along_axis(values, order, 1), np.take_along_axis(errors, order, 1)
-
-
-def orbit_stability(values: ComplexArray, errors: FloatArray, *, conservative: bool) -> IntArray:
-    """What multipliers, with their errors, say of each orbit.
-
-    Parameters
-    ----------
-    conservative
-        The map preserves area: multipliers come in pairs whose product is 1.
-    """
-    size, slack = np.abs(values), 4.0 * errors
-    outside, inside = size > 1.0 + slack, size < 1.0 - slack
-    if conservative:
-        # Multipliers off the unit circle are real, but for quartets of four or more.
-        turning = (np.abs(values.imag) > slack).all(axis=1) & (
-            np.abs(size - 1.0) <= np.maximum(slack, _CIRCLE)
-        ).all(axis=1)
-        saddle = outside.any(axis=1) & inside.any(axis=1)
-        kinds = [(turning, Stability.ELLIPTIC), (saddle, Stability.SADDLE)]
-    else:
-        kinds = [
-            (inside.all(axis=1), Stability.STABLE),
-            (outside.any(axis=1) & inside.any(axis=1), Stability.SADDLE),
-            (outside.all(axis=1), Stability.UNSTABLE),
-        ]
-    result = np.full(values.shape[0], int(Stability.UNDECIDED))
-    for which, kind in kinds:
-        result[which] = int(kind)
-    return result

@@ -12,12 +12,13 @@ import numpy as np
 
 from remanent._typing import BoolArray, FloatArray, IntArray
 
-#: Motion has left when its unstable coordinate exceeds what remains by this factor.
-_LEFT = 2.0
-#: It has passed when the distance was least, and below this share of that at the start.
-_PASSED = 0.6
-#: So many times its error a coordinate must be for its sign to count.
-_CERTAIN = 10.0
+#: Motion has left the saddle when its coordinate along the unstable direction exceeds the rest
+#: of its displacement by this factor.
+_MIN_DEPARTURE = 2.0
+#: Least distance from the saddle relative to that at the start, for motion that comes near it.
+_MAX_APPROACH = 0.6
+#: The sign of a coordinate counts if it exceeds its error by this factor.
+_MIN_CERTAINTY = 10.0
 
 
 @dataclass(frozen=True)
@@ -67,15 +68,19 @@ def unstable_direction(jacobian: FloatArray) -> tuple[FloatArray, FloatArray, Bo
 def saddle_passages(
     visited: FloatArray, saddle: FloatArray, jacobian: FloatArray, error: FloatArray
 ) -> SaddlePassage:
-    """See on which side motions pass.
+    """See on which side of a saddle motions pass it.
+
+    Near the saddle motion is the sum of a part along the unstable direction, which grows, and a
+    rest, which shrinks.  Once the first exceeds the second its sign is settled.
 
     Parameters
     ----------
     visited : array (trajectory, iterate, state)
         From the start on; NaN where unknown.
     saddle : array (trajectory, state)
-        The saddle of each one's own map.
+        The saddle of each trajectory's map.
     jacobian : array (trajectory, state, state)
+        Of that map there.
     error : array (trajectory,)
         Of the states visited and of the saddle.
     """
@@ -83,21 +88,21 @@ def saddle_passages(
     away = visited - saddle[:, None]
     along = np.einsum("ij,itj->it", form, away)
     rest = np.linalg.norm(away - along[..., None] * direction[:, None], axis=2)
-    along *= np.where(along[:, :1] < 0.0, -1.0, 1.0)
+    along *= np.where(along[:, :1] < 0.0, -1.0, 1.0)  # positive on the side of the start
     distance = np.linalg.norm(away, axis=2)
     with np.errstate(invalid="ignore"):
-        left = _approached(distance) & (np.abs(along) > _LEFT * rest)
-    first = left.argmax(axis=1)
+        departed = _has_come_near(distance) & (np.abs(along) > _MIN_DEPARTURE * rest)
+    first = departed.argmax(axis=1)
     row = np.arange(len(visited))
-    sure = left[row, first] & (np.abs(along[row, first]) > _CERTAIN * error)
+    sure = departed[row, first] & (np.abs(along[row, first]) > _MIN_CERTAINTY * error)
     side = np.where(sure, np.sign(along[row, first]), 0.0).astype(np.int64)
     return SaddlePassage(side, first, np.fmin.accumulate(distance, axis=1)[row, first])
 
 
-def _approached(distance: FloatArray) -> BoolArray:
+def _has_come_near(distance: FloatArray) -> BoolArray:
     """From the first near local minimum of the distance on, array (trajectory, iterate)."""
     least = np.zeros(distance.shape, dtype=np.bool_)
     inner = distance[:, 1:-1]
     least[:, 1:-1] = (inner < distance[:, :-2]) & (inner <= distance[:, 2:])
-    least &= distance < _PASSED * distance[:, :1]
+    least &= distance < _MAX_APPROACH * distance[:, :1]
     return np.logical_or.accumulate(least, axis=1)

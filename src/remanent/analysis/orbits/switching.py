@@ -14,12 +14,16 @@ from __future__ import annotations
 import numpy as np
 
 from remanent._typing import FloatArray
-from remanent.analysis.orbits.continuation import CurveEquations, CurvePoints, correct_points
+from remanent.analysis.orbits.correction import correct_points
+from remanent.analysis.orbits.curves import CurveEquations, CurvePoints
 
 #: Lengths tried along the second null vector, in scaled unknowns.
-_LENGTHS = (0.01, 0.003, 0.03, 0.001)
-#: A point that comes back nearer than this share of the length is on the old branch.
-_OLD = 0.3
+_TRIAL_LENGTHS = (0.01, 0.003, 0.03, 0.001)
+#: A point that Newton's method leaves nearer than this share of the length to the crossing, along
+#: the second vector, is on the branch that is known.
+_MIN_DEPARTURE = 0.3
+#: A point farther than this many lengths from the crossing is on a third branch.
+_MAX_DISTANCE = 3.0
 
 
 def crossing_branch_point(
@@ -29,13 +33,14 @@ def crossing_branch_point(
 
     Parameters
     ----------
-    equations
+    equations : callable
         Of the branch to be found: at a period doubling, of twice the period.
     crossing : array (n + 1,)
         Where both meet; the last unknown is the parameter, and the first branch does not
         turn back there.
     scale : array (n + 1,)
-    tolerance
+        Units of the unknowns.
+    tolerance : float
         Of the equations.
 
     Notes
@@ -49,13 +54,14 @@ def crossing_branch_point(
     plane = right[-2:]
     across = plane[1, -1] * plane[0] - plane[0, -1] * plane[1]
     across /= np.linalg.norm(across)
-    for length in _LENGTHS:
+    for length in _TRIAL_LENGTHS:
         guess = crossing + length * across * scale
         points, reached = correct_points(
             equations, guess[None], across[None], scale=scale, tolerance=tolerance
         )
         away = (points.unknown[0] - crossing) / scale
-        far = np.linalg.norm(away) < 3.0 * length and away @ across > _OLD * length
-        if reached[0] and far:
+        departed = away @ across > _MIN_DEPARTURE * length
+        near = np.linalg.norm(away) < _MAX_DISTANCE * length
+        if reached[0] and departed and near:
             return points
     return None

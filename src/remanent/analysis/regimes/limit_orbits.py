@@ -116,9 +116,9 @@ def approaches_limit(
         slope = slope / ((n - n.mean()) ** 2).sum()
         approach = -slope * n[-1]
         agrees = np.abs(slope - rate) <= _MAX_RATE_DIFFERENCE * np.abs(rate)
-        # No earlier quarter may have been nearer: motion that passes by is not settling.
-        nearest = distance[:, 0] <= distance[:, -max(count // 4, 1) :].min(axis=1)
-    return np.asarray((approach >= _MIN_APPROACH) & agrees & nearest)
+        # Distances run backwards in time: motion must end nearer than its first quarter was.
+        nearer = distance[:, 0] <= distance[:, -max(count // 4, 1) :].min(axis=1)
+    return np.asarray((approach >= _MIN_APPROACH) & agrees & nearer)
 
 
 def settling_periods(

@@ -9,10 +9,10 @@ import numpy as np
 
 from remanent._typing import ComplexArray, FloatArray, IntArray
 
-#: A harmonic resonates within this part of the free frequency.
-_NEAR = 0.1
-#: Beside a smaller share of the oscillation it is one of many.
-_SHARE = 0.05
+#: Distance of a resonant harmonic from the free frequency, relative to that, at most.
+_MAX_DETUNING = 0.1
+#: Share of a resonant harmonic in the mean square of the oscillation, at least.
+_MIN_SHARE = 0.05
 
 
 @dataclass(frozen=True)
@@ -61,9 +61,10 @@ def resonant_harmonic(
     own, free : array (orbit,)
         Frequency of the orbit, and of the free oscillation that is as large.
     """
-    most = amplitudes.shape[1] - 1
+    highest = amplitudes.shape[1] - 1
     known = np.isfinite(free)
-    number = np.where(known, np.clip(np.rint(np.where(known, free, own) / own), 1, most), 0)
+    ratio = np.where(known, free, own) / own
+    number = np.where(known, np.clip(np.rint(ratio), 1, highest), 0)
     number = number.astype(np.int64)
     power = np.abs(amplitudes) ** 2
     power[:, 0] = 0.0
@@ -73,7 +74,7 @@ def resonant_harmonic(
 
 
 def resonance_kind(
-    found: ResonantHarmonic, k: int, period: int, *, doubled: bool
+    resonance: ResonantHarmonic, k: int, period: int, *, doubled: bool
 ) -> tuple[str, int, int]:
     """Name a resonance, and give its order p:q in lowest terms.
 
@@ -83,15 +84,23 @@ def resonance_kind(
 
     Parameters
     ----------
-    k
-        Which of the orbits.
-    period
+    resonance : ResonantHarmonic
+        Of all orbits.
+    k : int
+        Number of the orbit.
+    period : int
         Of the orbit, in drive periods.
-    doubled
+    doubled : bool
         Whether its branch meets one of half the period.
+
+    Returns
+    -------
+    kind : str
+        ``undecided`` where no harmonic is near the free frequency.
+    p, q : int
     """
-    number = int(found.harmonic[k])
-    if not abs(found.detuning[k]) <= _NEAR or found.share[k] < _SHARE:
+    number = int(resonance.harmonic[k])
+    if not abs(resonance.detuning[k]) <= _MAX_DETUNING or resonance.share[k] < _MIN_SHARE:
         return "undecided", 0, 0
     common = gcd(number, period)
     p, q = number // common, period // common

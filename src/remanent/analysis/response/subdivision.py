@@ -9,7 +9,7 @@ import numpy as np
 
 from remanent._typing import FloatArray, IntArray
 
-#: ``measure(case, x)`` with arrays (point,) gives the values (point,); NaN where unknown.
+#: ``function(case, x)`` with arrays (point,) gives the values (point,); NaN where unknown.
 CaseFunction = Callable[[IntArray, FloatArray], FloatArray]
 
 
@@ -33,7 +33,7 @@ class Maximum:
 def refine_maximum(
     x: FloatArray,
     values: FloatArray,
-    measure: CaseFunction,
+    function: CaseFunction,
     *,
     width: float,
     candidates: int = 3,
@@ -52,12 +52,14 @@ def refine_maximum(
         Increasing.
     values : array (case, point)
         NaN is never the largest.
-    measure
-        Further values.
-    width
+    function : callable
+        Of arrays (point,) of cases and places: further values.
+    width : float
         Of the last bracket.
-    candidates, division
-        Local maxima kept at each level; parts an interval is divided into.
+    candidates : int
+        Local maxima that are refined at first; one less at each level, down to one.
+    division : int
+        Parts that an interval is divided into.
     """
     tables = [_Table(x, row).around_peaks(candidates) for row in values]
     while True:
@@ -65,9 +67,9 @@ def refine_maximum(
         case = np.repeat(np.arange(len(tables)), [p.size for p in points])
         if not case.size:
             break
-        found = measure(case, np.concatenate(points))
+        new = function(case, np.concatenate(points))
         tables = [
-            t.joined(p, found[case == k]) if p.size else t
+            t.with_points(p, new[case == k]) if p.size else t
             for k, (t, p) in enumerate(zip(tables, points, strict=True))
         ]
         candidates = max(1, candidates - 1)
@@ -76,6 +78,8 @@ def refine_maximum(
 
 @dataclass(frozen=True)
 class _Table:
+    """Values of one case at increasing places, arrays (point,)."""
+
     x: FloatArray
     values: FloatArray
 
@@ -87,13 +91,14 @@ class _Table:
         index = np.flatnonzero(is_peak)
         return index[np.argsort(-self.values[index], kind="stable")]
 
-    def around_peaks(self, most: int) -> _Table:
+    def around_peaks(self, count: int) -> _Table:
         """The largest peaks and their neighbours: no other point is looked at again."""
-        near = (self.peaks()[:most, None] + np.array([-1, 0, 1])).clip(0, self.x.size - 1)
+        near = (self.peaks()[:count, None] + np.array([-1, 0, 1])).clip(0, self.x.size - 1)
         kept = np.unique(near)
         return _Table(self.x[kept], self.values[kept])
 
     def bracket(self, k: int) -> tuple[float, float]:
+        """The neighbours of point k."""
         return float(self.x[max(k - 1, 0)]), float(self.x[min(k + 1, self.x.size - 1)])
 
     def refinement(self, width: float, candidates: int, division: int) -> FloatArray:
@@ -104,16 +109,18 @@ class _Table:
         lower, upper = self.bracket(int(peaks[0]))
         if upper - lower <= width:
             return np.empty(0)
-        new = [_between(self.x, int(k), division) for k in peaks[:candidates]]
+        new = [_divided(self.x, int(k), division) for k in peaks[:candidates]]
         points = np.setdiff1d(np.concatenate(new), self.x)
         return points if points.size else np.empty(0)
 
-    def joined(self, x: FloatArray, values: FloatArray) -> _Table:
-        together = np.concatenate([self.x, x])
-        order = np.argsort(together, kind="stable")
-        return _Table(together[order], np.concatenate([self.values, values])[order])
+    def with_points(self, x: FloatArray, values: FloatArray) -> _Table:
+        """A table with further points, in order."""
+        places = np.concatenate([self.x, x])
+        order = np.argsort(places, kind="stable")
+        return _Table(places[order], np.concatenate([self.values, values])[order])
 
     def best(self) -> tuple[float, float, float, float]:
+        """Place and value of the largest peak, and its bracket; NaN without one."""
         peaks = self.peaks()
         if not peaks.size:
             return (np.nan,) * 4
@@ -121,7 +128,7 @@ class _Table:
         return float(self.x[k]), float(self.values[k]), *self.bracket(k)
 
 
-def _between(x: FloatArray, k: int, division: int) -> FloatArray:
+def _divided(x: FloatArray, k: int, division: int) -> FloatArray:
     """Points that divide the intervals on both sides of ``x[k]``."""
     sides = [(a, b) for a, b in ((k - 1, k), (k, k + 1)) if a >= 0 and b < x.size]
     inner = np.arange(1, division) / division

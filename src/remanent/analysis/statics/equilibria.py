@@ -10,9 +10,14 @@ from scipy.optimize import elementwise
 
 from remanent._typing import FloatArray, IntArray
 
+# SciPy's stubs know nothing of `args`.
+_find_root: Any = elementwise.find_root
+#: Step of a complex difference: it loses no digits however small it is.
+_COMPLEX_STEP = 1e-100
+
 #: ``force(case, x)`` with arrays (point,) gives the force (point,).
 Force = Callable[[IntArray, Any], Any]
-#: ``force(case, x, p)``: the same for values (point,) of a parameter.
+#: ``force(case, x, p)`` gives the same for values (point,) of a parameter, such as the load.
 LoadedForce = Callable[[IntArray, Any, Any], Any]
 
 
@@ -21,9 +26,9 @@ def find_zeros(force: Force, cases: int, grid: FloatArray) -> FloatArray:
 
     Parameters
     ----------
-    force
-        Vectorised over cases and positions.
-    cases
+    force : callable
+        Of arrays (point,) of cases and positions.
+    cases : int
         How many cases there are.
     grid : array (point,) or (case, point)
         Increasing positions.  Two zeros between neighbours are not seen, nor any beside a
@@ -42,10 +47,9 @@ def find_zeros(force: Force, cases: int, grid: FloatArray) -> FloatArray:
     exact_case, exact_k = np.nonzero(values == 0.0)
     roots = np.empty(0)
     if case.size:
-        find_root: Any = elementwise.find_root  # its stubs do not know `args`
         ends = grid[case, k], grid[case, k + 1]
         with np.errstate(all="ignore"):  # forces may have poles
-            solved = find_root(lambda x, i: force(i, x), ends, args=(case,))
+            solved = _find_root(lambda x, i: force(i, x), ends, args=(case,))
         roots = np.asarray(solved.x)
     exact = grid[exact_case, exact_k]
     return _rows(np.concatenate([case, exact_case]), np.concatenate([roots, exact]), cases)
@@ -58,8 +62,9 @@ def balancing_parameter(
 
     Parameters
     ----------
-    force
-        Monotonic in the parameter between the bounds.
+    force : callable
+        Of arrays (point,) of cases, positions and the parameter; monotonic in the parameter
+        between the bounds.
     bounds : two arrays (case,)
         Least and largest value of the parameter.
     case, x : array (point,)
@@ -71,26 +76,40 @@ def balancing_parameter(
     """
     low, high = (np.broadcast_to(end[case], np.shape(x)) for end in bounds)
     ends = np.asarray(force(case, x, low)), np.asarray(force(case, x, high))
-    found = np.full(np.shape(x), np.nan)
+    parameter = np.full(np.shape(x), np.nan)
     with np.errstate(invalid="ignore"):
-        at = np.nonzero((np.sign(ends[0]) * np.sign(ends[1]) <= 0) & (ends[0] != ends[1]))
-    if at[0].size:
-        find_root: Any = elementwise.find_root
+        bracketed = np.nonzero((np.sign(ends[0]) * np.sign(ends[1]) <= 0) & (ends[0] != ends[1]))
+    if bracketed[0].size:
         with np.errstate(all="ignore"):  # forces may have poles
-            solved = find_root(
-                lambda p, i, y: force(i, y, p), (low[at], high[at]), args=(case[at], x[at])
+            solved = _find_root(
+                lambda p, i, y: force(i, y, p),
+                (low[bracketed], high[bracketed]),
+                args=(case[bracketed], x[bracketed]),
             )
-        found[at] = solved.x
-    return found
+        parameter[bracketed] = solved.x
+    return parameter
 
 
 def force_slope(force: Force, case: IntArray, x: FloatArray) -> FloatArray:
-    """Derivative of a force by a complex step: exact to round-off."""
-    step = 1e-100
-    return np.asarray(np.imag(force(case, x + 1j * step)) / step)
+    """Derivative of a force by x: exact to round-off, by a complex step.
+
+    Equation: f'(x) = Im f(x + ih)/h + O(h^2), without a difference of nearly equal numbers.
+
+    Parameters
+    ----------
+    force : callable
+        Analytic, and computed with complex numbers.
+    case, x : array (point,)
+
+    Returns
+    -------
+    array (point,)
+    """
+    return np.asarray(np.imag(force(case, x + 1j * _COMPLEX_STEP)) / _COMPLEX_STEP)
 
 
 def _rows(case: IntArray, x: FloatArray, cases: int) -> FloatArray:
+    """Positions sorted into one row for each case, filled up with NaN."""
     order = np.lexsort((x, case))
     case, x = case[order], x[order]
     count = np.bincount(case, minlength=cases)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from remanent._status import Status
 from remanent._typing import IntArray
 from remanent.analysis.orbits.bifurcations import SpecialPoint
-from remanent.analysis.orbits.continuation import CurvePoints
+from remanent.analysis.orbits.curves import CurvePoints
 from remanent.analysis.orbits.periodic_orbits import Orbits
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset

@@ -10,12 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from remanent._typing import FloatArray
-from remanent.analysis.orbits.periodic_orbits import (
-    Orbits,
-    Stability,
-    floquet_multipliers,
-    orbit_stability,
-)
+from remanent.analysis.orbits.periodic_orbits import Orbits
+from remanent.analysis.orbits.stability import Stability, floquet_multipliers, orbit_stability
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Request
 from remanent.studies.ensemble.durations import require_periods

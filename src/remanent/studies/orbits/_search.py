@@ -11,12 +11,7 @@ from scipy.optimize import elementwise
 
 from remanent._field import Role
 from remanent._typing import FloatArray
-from remanent.analysis.orbits.periodic_orbits import (
-    Orbits,
-    distinct_orbits,
-    newton_fixed_points,
-    orbit_subset,
-)
+from remanent.analysis.orbits.periodic_orbits import Orbits, distinct_orbits, newton_fixed_points
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.studies.ensemble.ensemble import Ensemble
@@ -118,8 +113,8 @@ def _orbits_from(
     """Different orbits that Newton's method reaches from guesses."""
     orbits = newton_fixed_points(
         map_, guesses, np.tile(row, (len(guesses), 1)),
-        iterate=search.orbit_period, tolerance=tolerance, bounds=search.box,
-        worst=_ROUGH_RESIDUAL,
+        iterate=search.orbit_period, tolerance=tolerance, box=search.box,
+        max_error=_ROUGH_RESIDUAL,
     )  # fmt: skip
     return distinct_orbits(map_, orbits, row, iterate=search.orbit_period)
 
@@ -191,4 +186,4 @@ def nearest_to_rest(orbits: Orbits, ens: Ensemble) -> Orbits:
     """The orbit whose point is nearest to rest, alone."""
     rest = [float(rest_values(v, ens.values, ens.count)[0]) for v in ens.field.variables]
     k = int(np.argmin(np.linalg.norm(orbits.state - rest, axis=1)))
-    return orbit_subset(orbits, np.array([k]))
+    return orbits.subset(np.array([k]))

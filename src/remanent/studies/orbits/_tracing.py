@@ -9,23 +9,18 @@ from typing import Any
 import numpy as np
 
 from remanent._typing import FloatArray
-from remanent.analysis.orbits.bifurcations import (
-    SpecialPoint,
-    find_special_points,
-    interpolate_curve,
-    orbit_equations,
-)
-from remanent.analysis.orbits.continuation import (
-    ContinuationSettings,
+from remanent.analysis.orbits.bifurcations import SpecialPoint, find_special_points
+from remanent.analysis.orbits.continuation import ContinuationSettings, continue_curves
+from remanent.analysis.orbits.correction import correct_points, unit_tangents
+from remanent.analysis.orbits.curves import (
     Curve,
     CurveEquations,
     CurvePoints,
     concatenate_points,
-    continue_curves,
-    correct_points,
-    unit_tangents,
+    interpolate_curve,
 )
-from remanent.analysis.orbits.periodic_orbits import Orbits, orbit_subset
+from remanent.analysis.orbits.orbit_equations import orbit_equations
+from remanent.analysis.orbits.periodic_orbits import Orbits
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.durations import require_count, require_periods
 from remanent.studies.ensemble.ensemble import Ensemble
@@ -95,8 +90,8 @@ class Tracing:
         lower, upper = (np.append(self.box[:, k], self.parameter_range[k]) for k in (0, 1))
         scale = np.append(np.ones(len(self.box)), self.parameter_range[1] - self.parameter_range[0])
         return ContinuationSettings(
-            lower, upper, scale, step=FIRST_STEP, longest=LONGEST_STEP,
-            tolerance=0.1 * self.tolerance, most=self.max_points,
+            lower, upper, scale, first_step=FIRST_STEP, max_step=LONGEST_STEP,
+            tolerance=0.1 * self.tolerance, max_points=self.max_points,
         )  # fmt: skip
 
     def search(self, *, dense: bool = True) -> Search:
@@ -207,7 +202,7 @@ def trace_all(tracing: Tracing, slices: int) -> list[Branch]:
             for i, point in enumerate(points)
             if not any(contains(branch.curve, point, scale) for branch in branches)
         ]
-        subset = orbit_subset(orbits, np.array(new, dtype=np.int64))
+        subset = orbits.subset(np.array(new, dtype=np.int64))
         branches += trace_through(tracing, subset, np.full(len(new), values[k]))
     return branches
 
@@ -237,8 +232,8 @@ def _clipped(equations: CurveEquations, curve: Curve, settings: ContinuationSett
         points = _end_on_bounds(equations, points, settings)
     if curve.ends[0] == "bounds":
         backwards = np.arange(len(points))[::-1]
-        points = _end_on_bounds(equations, points.taken(backwards), settings)
-        points = points.taken(np.arange(len(points))[::-1])
+        points = _end_on_bounds(equations, points.subset(backwards), settings)
+        points = points.subset(np.arange(len(points))[::-1])
     return Curve(points, curve.closed, curve.ends)
 
 
@@ -261,7 +256,7 @@ def _end_on_bounds(
     end, reached = correct_points(
         equations, guess[None], direction, scale=settings.scale, tolerance=settings.tolerance
     )
-    inner = points.taken(slice(0, -1))
+    inner = points.subset(slice(0, -1))
     side = np.sign(end.tangent[0] @ inner.tangent[-1])
     end = replace(end, tangent=side * end.tangent)
     return concatenate_points([inner, end]) if reached[0] else inner

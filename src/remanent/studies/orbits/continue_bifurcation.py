@@ -14,13 +14,10 @@ from remanent._checks import require_choice
 from remanent._errors import InputError
 from remanent._status import Status
 from remanent._typing import ArrayLike, FloatArray
-from remanent.analysis.orbits.bifurcations import bifurcation_equations
-from remanent.analysis.orbits.continuation import (
-    ContinuationSettings,
-    Curve,
-    continue_curves,
-    correct_points,
-)
+from remanent.analysis.orbits.continuation import ContinuationSettings, continue_curves
+from remanent.analysis.orbits.correction import correct_points
+from remanent.analysis.orbits.curves import Curve
+from remanent.analysis.orbits.orbit_equations import bifurcation_equations
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.results.build import Labelled
@@ -226,8 +223,8 @@ class _Plane:
         lower, upper = np.concatenate([self.box, np.array(self.limits)]).T
         scale = np.concatenate([np.ones(len(self.box)), np.ptp(np.array(self.limits), axis=1)])
         return ContinuationSettings(
-            lower, upper, scale, step=FIRST_STEP, longest=LONGEST_STEP, tolerance=self.tolerance,
-            most=self.max_points,
+            lower, upper, scale, first_step=FIRST_STEP, max_step=LONGEST_STEP, tolerance=self.tolerance,
+            max_points=self.max_points,
         )  # fmt: skip
 
     def trace(self, kind: str, state: FloatArray) -> Curve:

@@ -156,7 +156,7 @@ def _start(tracing: Tracing, guess: FloatArray | None, value: float) -> Orbits:
     else:
         orbits = newton_fixed_points(
             tracing.map, guess[None], np.array([[value]]), iterate=tracing.orbit_period,
-            tolerance=tracing.tolerance, bounds=tracing.box,
+            tolerance=tracing.tolerance, box=tracing.box,
         )  # fmt: skip
         why = "Newton's method reached none from it."
     if not orbits.residual.size:

@@ -11,9 +11,9 @@ from remanent._checks import require_choice
 from remanent._errors import InputError
 from remanent._status import Status
 from remanent._typing import ArrayLike, BoolArray, FloatArray
-from remanent.analysis.orbits.bifurcations import bifurcation_equations
-from remanent.analysis.orbits.continuation import correct_points
+from remanent.analysis.orbits.correction import correct_points
 from remanent.analysis.orbits.maps import MapImage
+from remanent.analysis.orbits.orbit_equations import bifurcation_equations
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.studies.ensemble.checks import require_parameter, require_state, require_tolerance
@@ -233,5 +233,5 @@ class _NumberedMap:
         """
         rows = self.fields[np.rint(parameters[:, 1]).astype(np.int64)]
         image = self.map.run(states, np.hstack([parameters[:, :1], rows]), iterate)
-        slope = np.pad(image.slope[:, :, :1], ((0, 0), (0, 0), (0, 1)))
+        slope = np.pad(image.parameter_jacobian[:, :, :1], ((0, 0), (0, 0), (0, 1)))
         return MapImage(image.state, image.jacobian, slope, image.error)

@@ -11,14 +11,11 @@ from remanent._checks import positive, require_real
 from remanent._errors import InputError
 from remanent._status import Status
 from remanent._typing import ArrayLike, ComplexArray, FloatArray
-from remanent.analysis.orbits.bifurcations import orbit_equations
-from remanent.analysis.orbits.continuation import CurvePoints, correct_points
-from remanent.analysis.orbits.periodic_orbits import (
-    Stability,
-    floquet_multipliers,
-    orbit_stability,
-)
+from remanent.analysis.orbits.correction import correct_points
+from remanent.analysis.orbits.curves import CurvePoints
+from remanent.analysis.orbits.orbit_equations import orbit_equations
 from remanent.analysis.orbits.separatrix import SaddlePassage, saddle_passages, unstable_direction
+from remanent.analysis.orbits.stability import Stability, floquet_multipliers, orbit_stability
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Request
 from remanent.models.actuator import Actuator
@@ -238,7 +235,7 @@ class _Runs:
             latest = int(passage.iterate[list(ends)].max()) + _MORE_PERIODS
             length = min(latest * self.orbit_period, self.periods)
             values = np.linspace(values[ends[0]], values[ends[1]], _TRIED_AT_ONCE + 2)
-        there = points.taken(slice(ends[0], ends[0] + 1))
+        there = points.subset(slice(ends[0], ends[0] + 1))
         multipliers, _ = floquet_multipliers(there.extra["jacobian"], there.error)
         return _Crossing(
             float(values[ends[0]] + 0.5 * gap), gap, state, multipliers[0],

@@ -10,7 +10,7 @@ import xarray as xr
 
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, FloatArray, IntArray
-from remanent.analysis.orbits.periodic_orbits import floquet_multipliers
+from remanent.analysis.orbits.stability import floquet_multipliers
 from remanent.analysis.regimes.long_runs import LongRun, propagate_tangents
 from remanent.integrate.maps.advance import Step
 from remanent.integrate.maps.period_map import PeriodMap

@@ -24,7 +24,7 @@ from remanent.studies.ensemble.layout import Over, lay_out
 from remanent.studies.ensemble.problem import initial_value_problem
 from remanent.studies.ensemble.progress import Progress, Report, as_progress, within
 
-#: Default length of the window, in units of tau: that of the paper.
+#: Default length of the window, in units of tau: that of [Thermal].
 WINDOW = 100.0
 _WIDTH = positive("It is the width of the last bracket.", "Pass for example 1e-6.")
 _DISCARD = not_negative("It is the time before the window.", "Pass 0 to start at once.")

@@ -82,7 +82,7 @@ def _of_one(still: AtRest, k: int) -> FloatArray:
     guesses = _guesses(still, k)
     bounds = np.log(2.0 * _FARTHEST) * np.array([[-1.0, 1.0]] * 2)
     none = np.empty((len(guesses), 0))
-    orbits = newton_fixed_points(map_, guesses, none, iterate=1, tolerance=_STILL, bounds=bounds)
+    orbits = newton_fixed_points(map_, guesses, none, iterate=1, tolerance=_STILL, box=bounds)
     found = np.exp(distinct_orbits(map_, orbits, np.empty(0), iterate=1).state)
     return np.asarray(found[np.lexsort(found.T[::-1])])
 

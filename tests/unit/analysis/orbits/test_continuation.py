@@ -8,24 +8,14 @@ import numpy as np
 import pytest
 
 from remanent._typing import FloatArray
-from remanent.analysis.orbits.bifurcations import SpecialPoint, find_special_points, orbit_equations
-from remanent.analysis.orbits.continuation import (
-    ContinuationSettings,
-    Curve,
-    CurveEquations,
-    CurvePoints,
-    EquationValues,
-    continue_curves,
-    unit_tangents,
-)
+from remanent.analysis.orbits.bifurcations import SpecialPoint, find_special_points
+from remanent.analysis.orbits.continuation import ContinuationSettings, continue_curves
+from remanent.analysis.orbits.correction import unit_tangents
+from remanent.analysis.orbits.curves import Curve, CurveEquations, CurvePoints, EquationValues
 from remanent.analysis.orbits.maps import Map, MapImage
-from remanent.analysis.orbits.periodic_orbits import (
-    Stability,
-    distinct_orbits,
-    floquet_multipliers,
-    newton_fixed_points,
-    orbit_stability,
-)
+from remanent.analysis.orbits.orbit_equations import orbit_equations
+from remanent.analysis.orbits.periodic_orbits import distinct_orbits, newton_fixed_points
+from remanent.analysis.orbits.stability import Stability, floquet_multipliers, orbit_stability
 
 EPS = np.finfo(float).eps
 
@@ -91,7 +81,7 @@ def test_a_curve_goes_round_folds_to_its_bounds() -> None:
 
 def test_steps_follow_the_curvature() -> None:
     """A sharp bend is resolved; a straight stretch takes few points."""
-    curve = traced(plane("fold"), [3.0, 9.0], [[-5, 5], [-1, 20]], longest=0.5)
+    curve = traced(plane("fold"), [3.0, 9.0], [[-5, 5], [-1, 20]], max_step=0.5)
     gaps = np.linalg.norm(np.diff(curve.points.unknown, axis=0), axis=1)
     assert gaps.max() > 4 * gaps[np.argmin(np.abs(curve.points.unknown[:-1, 0]))]
 
@@ -200,7 +190,7 @@ def logistic_orbits(r: float, period: int) -> FloatArray:
     guesses = np.linspace(0.01, 0.99, 200)[:, None]
     p = np.full((200, 1), r)
     found = newton_fixed_points(
-        Logistic(), guesses, p, iterate=period, tolerance=1e-13, bounds=np.array([[0.0, 1.0]])
+        Logistic(), guesses, p, iterate=period, tolerance=1e-13, box=np.array([[0.0, 1.0]])
     )
     return distinct_orbits(Logistic(), found, np.array([r]), iterate=period).state[:, 0]
 

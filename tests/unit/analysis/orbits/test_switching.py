@@ -9,8 +9,8 @@ import pytest
 from tests.unit.analysis.orbits.test_continuation import Logistic
 
 from remanent._typing import FloatArray
-from remanent.analysis.orbits.bifurcations import orbit_equations
 from remanent.analysis.orbits.maps import MapImage
+from remanent.analysis.orbits.orbit_equations import orbit_equations
 from remanent.analysis.orbits.switching import crossing_branch_point
 
 

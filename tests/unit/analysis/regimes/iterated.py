@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from remanent._typing import BoolArray, FloatArray, IntArray
+from remanent.analysis.regimes.long_runs import LongRun, propagate_tangents
 
 #: (state (point, d), parameters (point, p)) to image and Jacobian (point, d, d).
 Step = Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]
@@ -86,3 +87,11 @@ def henon(y: FloatArray, p: FloatArray) -> tuple[FloatArray, FloatArray]:
 def rolled(y: FloatArray) -> FloatArray:
     """Cosine and sine of both coordinates of a torus."""
     return np.concatenate([np.cos(y), np.sin(y)], axis=-1)
+
+
+def run(
+    step: Step, y0: FloatArray, par: FloatArray, periods: int, *, every: bool = False
+) -> LongRun:
+    """A point of a map with all its tangents; or several, one parameter each."""
+    start, advance = np.atleast_2d(y0), Iterated(step, np.atleast_2d(par))
+    return propagate_tangents(advance, start, periods, directions=start.shape[1], every=every)
