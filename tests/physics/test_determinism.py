@@ -124,7 +124,7 @@ def test_verbs_are_deterministic_in_any_order() -> None:
 
 
 def test_bits_do_not_depend_on_the_batches_of_a_response() -> None:
-    """Determinism: a response that is worked out in batches is the one that is worked out at once."""
+    """Determinism: a response worked out in batches is the one worked out at once."""
     over = {"omega": np.linspace(0.5, 2.0, 100)}
     actuator, drive = rm.Actuator(temperature=350), rm.SineSquared(0.4, 1.0)
     columns = []

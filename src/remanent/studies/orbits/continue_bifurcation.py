@@ -223,8 +223,8 @@ class _Plane:
         lower, upper = np.concatenate([self.box, np.array(self.limits)]).T
         scale = np.concatenate([np.ones(len(self.box)), np.ptp(np.array(self.limits), axis=1)])
         return ContinuationSettings(
-            lower, upper, scale, first_step=FIRST_STEP, max_step=LONGEST_STEP, tolerance=self.tolerance,
-            max_points=self.max_points,
+            lower, upper, scale, first_step=FIRST_STEP, max_step=LONGEST_STEP,
+            tolerance=self.tolerance, max_points=self.max_points,
         )  # fmt: skip
 
     def trace(self, kind: str, state: FloatArray) -> Curve:
