@@ -346,7 +346,7 @@ def _label(
     rows = [nothing if crossing is None else crossing for crossing in crossings]
     saddles = np.array([row.saddle for row in rows])
     missing = np.where(ens.invalid, Status.INVALID, Status.DIVERGED)
-    return to_dataset(
+    dataset = to_dataset(
         ens,
         {
             parameter: np.array([row.value for row in rows]),
@@ -359,3 +359,5 @@ def _label(
         status=np.where([crossing is not None for crossing in crossings], Status.OK, missing),
         **settings,
     )
+    # The drive's or the system's own value of the parameter has no part in the result.
+    return dataset.assign_attrs(over=" ".join([*ens.coords, parameter]))

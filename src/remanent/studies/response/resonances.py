@@ -152,10 +152,12 @@ def resonances(
         "peak": (("peak",), np.arange(columns["omega"].shape[1])),
         "harmonic": (("harmonic",), np.arange(HARMONICS + 1)),
     }
-    return to_dataset(
+    dataset = to_dataset(
         ens, variables, coords=coords, status=member_status(ens, reasons, Status.DIVERGED),
         tolerance=tolerance, parameter_range=limits, slices=slices,
     )  # fmt: skip
+    # The drive's own frequency has no part in the result.
+    return dataset.assign_attrs(over=" ".join([*ens.coords, "omega"]))
 
 
 def _require_one_coordinate(system: Actuator) -> None:
