@@ -166,10 +166,12 @@ class Field:
         Names.  Parameters are the user's own numeric fields under their own names.
     rates
         One output per state variable.
+    observable
+        Name of the quantity whose extremes are followed between steps, ``thickness_stretch``
+        of an actuator; its rate is observed under this name and ``_rate``.
     watched
-        Four outputs: an observable whose extremes are followed between steps (the
-        thickness stretch), its first and second time derivative, and a cheaper quantity
-        with the sign of the first.
+        Four outputs: that quantity, its first and second time derivative, and a cheaper
+        quantity with the sign of the first.
     observables
         Further quantities by name, one output each (``thickness_stretch``,
         ``thickness_stretch_rate``, ``energy``, ``load`` ...).
@@ -180,6 +182,7 @@ class Field:
     parameters: tuple[str, ...]
     waveforms: tuple[str, ...]
     rates: Program
+    observable: str
     watched: Program
     observables: Mapping[str, Program]
 
@@ -197,6 +200,11 @@ class Field:
     def rest(self) -> tuple[float | str, ...]:
         """Value at rest of each state variable, a number or the name of a parameter."""
         return tuple(variable.rest for variable in self.variables)
+
+    @property
+    def watched_names(self) -> tuple[str, str]:
+        """Names of the quantity whose extremes are followed, and of its rate."""
+        return self.observable, f"{self.observable}_rate"
 
     def indices(self, *roles: Role) -> list[int]:
         """Positions in the state of the variables that have one of these roles."""
@@ -247,6 +255,7 @@ class Field:
                 "parameters": self.parameters,
                 "waveforms": self.waveforms,
                 "rates": _program_to_plain(self.rates),
+                "observable": self.observable,
                 "watched": _program_to_plain(self.watched),
                 "observables": {k: _program_to_plain(v) for k, v in self.observables.items()},
             },
@@ -270,6 +279,7 @@ class Field:
                 parameters=parameters,
                 waveforms=waveforms,
                 rates=_program_from_plain(inputs, plain["rates"]),
+                observable=str(plain["observable"]),
                 watched=_program_from_plain(inputs, plain["watched"]),
                 observables={
                     k: _program_from_plain(inputs, v) for k, v in plain["observables"].items()

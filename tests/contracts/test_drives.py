@@ -19,7 +19,7 @@ from remanent.models.drives.piecewise import Sampled, Steps
 from remanent.models.drives.sines import Sines
 
 DRIVES: dict[str, Drive] = {
-    **examples(Drive),
+    **examples(Drive),  # type: ignore[type-abstract]
     "even harmonics": Sines([0.2, -0.1], [2, 4], 0.7),
     "two frequencies": Sines([0.2, 0.1], [1.0, 2.0**0.5], 0.9, phases=[0.0, 0.4], mean=-0.1),
     "one step": Steps((0.0,), (0.1,)),

@@ -22,7 +22,7 @@ from remanent.models.materials.base import Material
 
 J = sp.Symbol("I1") - 3
 MATERIALS: dict[str, Material] = {
-    **examples(Material),
+    **examples(Material),  # type: ignore[type-abstract]
     "ogden, one term": rm.Ogden([2.0], [1.0]),
     "formula of a stretch": rm.StrainEnergy("log(l1)**2 + log(l2)**2 + log(l3)**2"),
     "formula with a limit": rm.StrainEnergy("-j*log(1 - (I1 - 3)/j)", {"j": 12.0}),

@@ -24,6 +24,16 @@ DAMPED = rm.Actuator(dissipation=rm.Rayleigh(0.1))
 HOT = rm.Actuator(temperature=350.0)
 DRIVE = rm.SineSquared(0.4, 1.25)
 STEP = rm.Steps((0.0,), (0.1,))
+SIZED = rm.Actuator.from_si(
+    shear_modulus="100 kPa",
+    density="2000 kg/m^3",
+    half_length="5 mm",
+    half_thickness="0.5 mm",
+)
+#: Lengths of a run, of which exactly one is given: a bad one may be told by another.
+LENGTHS = {"duration", "periods", "times"}
+#: Arguments that do not go together; which of them is wrong is a matter of taste.
+PARTNERS = (LENGTHS, {"measure", "of"})
 
 
 @cache
@@ -40,7 +50,7 @@ def branch() -> xr.Dataset:
 
 @cache
 def measure() -> rm.Measure:
-    return rm.Measure(rm.shape_commands, BODY, 1.5, of="switch_time")
+    return rm.Measure(rm.equilibria, BODY, 0.16, of="turning_upper")
 
 
 def data() -> dict[str, np.ndarray]:
@@ -52,14 +62,14 @@ def data() -> dict[str, np.ndarray]:
 SOUND: Mapping[str, Callable[[], dict[str, Any]]] = {
     "backbone": lambda: {"actuator": BODY, "stretch": [1.05]},
     "basins": lambda: {
-        "system": DAMPED, "drive": DRIVE, "periods": 64,
+        "system": DAMPED, "drive": DRIVE, "periods": 100,
         "grid": {"stretch": [1.0, 1.1], "stretch_rate": [0.0]},
     },
     "bifurcation_diagram": lambda: {
         "system": DAMPED, "drive": DRIVE, "parameter": "b", "values": [0.3, 0.4], "discard": 2,
         "keep": 2,
     },
-    "classify": lambda: {"system": DAMPED, "drive": DRIVE, "periods": 64},
+    "classify": lambda: {"system": DAMPED, "drive": DRIVE, "periods": 100},
     "continue_bifurcation": lambda: {
         "system": HOT, "drive": rm.SineSquared(0.4, 1.2668), "kind": "fold",
         "parameters": ("omega", "b"), "parameter_ranges": [(1.2, 1.3), (0.35, 0.45)],
@@ -73,7 +83,7 @@ SOUND: Mapping[str, Callable[[], dict[str, Any]]] = {
         "system": BODY, "drive": DRIVE, "variable": "stretch", "value": 1.0, "duration": 1.0,
     },
     "cycle_losses": lambda: {"system": DAMPED, "drive": DRIVE, "periods": 2},
-    "design": lambda: {"measures": measure(), "targets": 1.2, "parameters": "temperature"},
+    "design": lambda: {"measures": measure(), "targets": 1.1, "parameters": "temperature"},
     "energy_balance": lambda: {"system": DAMPED, "drive": DRIVE, "duration": 1.0},
     "equilibria": lambda: {"actuator": BODY},
     "fit": lambda: {
@@ -98,7 +108,8 @@ SOUND: Mapping[str, Callable[[], dict[str, Any]]] = {
     "poincare_section": lambda: {"system": BODY, "drive": DRIVE, "periods": 2},
     "read_measurements": lambda: {"data": {"time": [0.0, 1.0], "thickness_stretch": [1.0, 1.1]}},
     "regime_chart": lambda: {
-        "system": DAMPED, "drive": DRIVE, "over": {"b": [0.3, 0.4]}, "periods": 64,
+        "system": DAMPED, "drive": DRIVE, "over": {"b": [0.3], "temperature": [293.0]},
+        "periods": 100,
     },
     "rescale": lambda: {"dataset": rm.simulate(BODY, DRIVE, duration=1.0), "temperature": 300.0},
     "resonances": lambda: {
@@ -118,8 +129,8 @@ SOUND: Mapping[str, Callable[[], dict[str, Any]]] = {
     },
     "step_response": lambda: {"system": DAMPED, "drive": STEP, "duration": 5.0},
     "switch_branch": lambda: {"branch": branch(), "actuator": HOT, "drive": DRIVE},
-    "symmetry_check": lambda: {"system": DAMPED, "drive": DRIVE, "periods": 16},
-    "to_si": lambda: {"dataset": rm.simulate(BODY, DRIVE, duration=1.0)},
+    "symmetry_check": lambda: {"system": DAMPED, "drive": DRIVE, "periods": 50},
+    "to_si": lambda: {"dataset": rm.simulate(SIZED, DRIVE, duration=1.0)},
     "uncertainty": lambda: {
         "measure": measure(), "parameter_ranges": {"temperature": (290.0, 300.0)}, "samples": 256,
     },
@@ -297,7 +308,7 @@ def fault(verb: str, argument: str, value: Any) -> str:
     try:
         function(**call)
     except rm.InputError as error:
-        return untrue(error, allowed)
+        return untrue(error, argument, allowed)
     except Exception as error:
         return f"{type(error).__name__}: {error}"
     return "accepted"
@@ -305,8 +316,7 @@ def fault(verb: str, argument: str, value: Any) -> str:
 
 def alone(sound: dict[str, Any], argument: str) -> dict[str, Any]:
     """Without the lengths of the run that exclude each other."""
-    lengths = {"duration", "periods", "times"}
-    drop = lengths if argument in lengths else set()
+    drop = LENGTHS if argument in LENGTHS else set()
     return {name: value for name, value in sound.items() if name not in drop}
 
 
@@ -316,12 +326,15 @@ def fields(sound: Mapping[str, Any]) -> set[str]:
     return {name for part in parts for name in part.parameters()}
 
 
-def untrue(error: rm.InputError, allowed: set[str]) -> str:
+def untrue(error: rm.InputError, argument: str, allowed: set[str]) -> str:
     """What in a message is not so."""
     message = str(error)
     if not re.fullmatch(r"(?s)`.+` must .+; got .+\. .+\.", message):
         return f"not of five parts: {message}"
     if re.split(r"[\[.]", error.name)[0] not in allowed and error.name not in allowed:
         return f"names no argument: {message}"
+    named = re.split(r"[\[.]", error.name)[0]
+    if named != argument and not any({named, argument} <= pair for pair in PARTNERS):
+        return f"names another argument: {message}"
     unknown = [name for name in re.findall(r"`(\w+)`", error.fix) if name not in allowed]
     return f"proposes what is not there, {unknown}: {message}" if unknown else ""

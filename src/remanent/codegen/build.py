@@ -43,6 +43,7 @@ def build(system: System, drive: Drive) -> Field:
         parameters=parameters,
         waveforms=drive.waveforms,
         rates=program(*form.rates, admissibility=form.admissibility),
+        observable=form.observable,
         watched=program(*form.watched),
         observables={name: program(e, as_written=True) for name, e in form.observables.items()},
     )

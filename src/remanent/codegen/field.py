@@ -50,7 +50,7 @@ def field_for(system: System, drive: Drive) -> Field:
         return _derived(system, drive)
     key = fingerprint(structure)
     if key not in _memory:
-        _memory[key] = _stored(key) or _stored_now(key, _derived(system, drive))
+        _memory[key] = _load(key) or _store(key, _derived(system, drive))
     return _memory[key]
 
 
@@ -66,7 +66,8 @@ def _derived(system: System, drive: Drive) -> Field:
     return field
 
 
-def _stored(key: str) -> Field | None:
+def _load(key: str) -> Field | None:
+    """The field from the cache on disk, or None where there is none that can be read."""
     text = _cache.load_text(_KIND, key)
     if text is not None:
         with suppress(ValueError):
@@ -74,7 +75,8 @@ def _stored(key: str) -> Field | None:
     return None
 
 
-def _stored_now(key: str, field: Field) -> Field:
+def _store(key: str, field: Field) -> Field:
+    """The field itself, after writing it to the cache on disk."""
     _cache.store_text(_KIND, key, field.to_json())
     return field
 

@@ -79,8 +79,10 @@ def lower(
     if as_written:
         return translator.instructions.program([translator.written(e) for e in plain])
     limits = [sp.sympify(e) for e in admissibility]
-    values = translator.together([*plain, *limits])[: len(plain)]
+    values = translator.with_shared_divisions([*plain, *limits])[: len(plain)]
     structured = translator.instructions.program(translator.guarded(limits, plain, values))
+    # Of few state variables the normal form may be cheaper: everything is written out as
+    # quotients of polynomials.  Of more it is not, and cancelling takes SymPy very long.
     if sum(level == Level.STATE for level in levels.values()) > _MAX_STATES_FOR_NORMAL_FORM:
         return structured
     inner = {s: e for s, e in definitions.items() if translator.level(s) == Level.STATE}
@@ -102,7 +104,11 @@ def _written_out(expression: Expression, definitions: Mapping[Symbol, Expression
 
 
 class _Translator:
-    """Expressions in, values of one set of instructions out."""
+    """Expressions in, values of one set of instructions out.
+
+    A builder: `instructions` grows with every value that is asked for, and reciprocals that
+    exist already are remembered, so that each division is made once.
+    """
 
     def __init__(
         self,
@@ -140,15 +146,15 @@ class _Translator:
         roots = [self.instructions.call("sqrt", self.written(e)) for e in admissibility]
         if not roots:
             return list(values)
-        nothing = self._sum(self.instructions.add(r, (-r[0], r[1])) for r in roots)
+        zero_or_nan = self._sum(self.instructions.add(r, (-r[0], r[1])) for r in roots)
         return [
-            value if e.is_Symbol else self.instructions.add(value, nothing)
+            value if e.is_Symbol else self.instructions.add(value, zero_or_nan)
             for e, value in zip(expressions, values, strict=True)
         ]
 
     # As it is structured --------------------------------------------------------------
 
-    def together(self, expressions: Sequence[Expression]) -> list[Signed]:
+    def with_shared_divisions(self, expressions: Sequence[Expression]) -> list[Signed]:
         """Values as they are written, with one division for all that are divided by.
 
         Of n values the reciprocals cost one division and 3 (n - 1) multiplications; those
@@ -317,14 +323,14 @@ class _Translator:
 
     def _fraction(self, product: Expression) -> Signed:
         """A product; negative powers are divided by, at most once on each level."""
-        factors = list(self._flattened(product))
+        factors = list(self._factors(product))
         levels = sorted({self.level(f) for f in factors})
         return reduce(
             self.instructions.mul,
             (self._ratio([f for f in factors if self.level(f) == level]) for level in levels),
         )
 
-    def _flattened(self, product: Expression) -> Iterator[Expression]:
+    def _factors(self, product: Expression) -> Iterator[Expression]:
         """Factors of a product, also of products that stand for symbols in it.
 
         Only what changes within a run is looked into: its constant factors then join
@@ -333,7 +339,7 @@ class _Translator:
         for factor in product.as_ordered_factors():
             meaning = self._definitions.get(factor)
             if meaning is not None and meaning.is_Mul and self.level(factor) == Level.DRIVE:
-                yield from self._flattened(meaning)
+                yield from self._factors(meaning)
             else:
                 yield factor
 

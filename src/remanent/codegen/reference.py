@@ -44,7 +44,14 @@ def watched(
 def observables(
     field: Field, phase: ArrayLike, y: FloatArray, p: FloatArray, u: ArrayLike
 ) -> dict[str, FloatArray]:
-    """Every observable by name, arrays (trajectory,).  Arguments as for :func:`rates`."""
+    """Every observable by name, arrays (trajectory,).
+
+    Parameters
+    ----------
+    field, phase, y, p, u
+        The vector field, and phase, states, parameters and waveforms, as :func:`rates` takes
+        them.
+    """
     return {
         name: _evaluate(field, program, phase, y, p, u)[:, 0]
         for name, program in field.observables.items()

@@ -38,6 +38,7 @@ def first_order(motion: Motion) -> FirstOrderForm:
         loads=(motion.load.name,),
         definitions={**motion.definitions, **solution.definitions},
         rates=tuple(rates.values()),
+        observable="thickness_stretch",
         watched=(THICKNESS, THICKNESS_RATE, solution.thickness, rate_sign),
         observables={
             "thickness_stretch": THICKNESS,

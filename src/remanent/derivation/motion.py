@@ -225,8 +225,11 @@ class FirstOrderForm:
         waveforms, the phase and earlier definitions.
     rates
         Rate of each state variable.
+    observable
+        Name of the quantity whose extremes are followed, among the observables.
     watched
-        The thickness stretch, its rate, its acceleration, and the rate's sign.
+        That quantity (the thickness stretch), its rate, its acceleration, and something with
+        the sign of the rate.
     observables
         Further quantities by name.
     admissibility
@@ -238,6 +241,7 @@ class FirstOrderForm:
     loads: tuple[str, ...]
     definitions: Mapping[Symbol, Expression]
     rates: tuple[Expression, ...]
+    observable: str
     watched: tuple[Expression, ...]
     observables: Mapping[str, Expression]
     admissibility: tuple[Expression, ...] = ()

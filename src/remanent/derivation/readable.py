@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
+from remanent._errors import InputError
 from remanent.derivation import block
 from remanent.derivation.energy_balance import temperature_rate
 from remanent.derivation.lagrange import lagrange
@@ -13,6 +14,7 @@ from remanent.derivation.motion import Motion
 from remanent.derivation.symbols import Expression, Symbol
 from remanent.derivation.unexpanded import Unexpanded
 from remanent.models.actuator import Actuator
+from remanent.models.system import System
 
 
 @dataclass(frozen=True)
@@ -42,9 +44,42 @@ class Equations:
         return f"$\\displaystyle {self.latex}$"
 
 
-def equations(actuator: Actuator) -> Equations:
-    """The equations of motion of an actuator under a load that is left as a symbol."""
-    motion = block.motion(actuator, None)
+def equations(system: System) -> Equations:
+    """The equations of motion of an actuator under a load that is left as a symbol.
+
+    Parameters
+    ----------
+    system : Actuator
+        Its numbers play no part; its classes and choices do.
+
+    Returns
+    -------
+    Equations
+        SymPy equations, which a notebook shows typeset.
+
+    Raises
+    ------
+    InputError
+        For a system that is no actuator.
+
+    See Also
+    --------
+    remanent.simulate : Solve them.
+
+    Examples
+    --------
+    >>> equations(Actuator()).second_order[0].rhs
+    0
+    """
+    if not isinstance(system, Actuator):
+        raise InputError(
+            "system",
+            "be an actuator",
+            repr(system)[:80],
+            "Only its equations can be typeset.",
+            "Pass for example rm.Actuator().",
+        )
+    motion = block.motion(system, None)
     rows = second_order(motion)
     rates = {**motion.internal, **_temperature_rate(motion)}
     internal = tuple(sp.Eq(dotted(k), e, evaluate=False) for k, e in rates.items())

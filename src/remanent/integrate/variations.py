@@ -110,6 +110,7 @@ def parting(field: Field, pairs: Mapping[str, str]) -> Field:
         parameters=field.parameters,
         waveforms=field.waveforms,
         rates=into.program(outputs),
+        observable=field.observable,
         watched=_with_inputs(field.watched, inputs, plain),
         observables={k: _with_inputs(p, inputs, plain) for k, p in field.observables.items()},
     )
@@ -180,6 +181,7 @@ def _widened(field: Field, added: tuple[StateVariable, ...], rates: Program) -> 
         parameters=field.parameters,
         waveforms=field.waveforms,
         rates=rates,
+        observable=field.observable,
         watched=_with_inputs(field.watched, inputs),
         observables={name: _with_inputs(p, inputs) for name, p in field.observables.items()},
     )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from dataclasses import replace as replace_fields
@@ -14,7 +13,7 @@ import numpy as np
 
 from remanent import _checks, _units
 from remanent._checks import Rule
-from remanent._errors import InputError, InputWarning
+from remanent._errors import InputError
 from remanent._typing import ArrayLike, BoolArray, FloatArray
 from remanent._units import Quantity
 from remanent.models.dissipation import Dissipation
@@ -24,14 +23,9 @@ from remanent.models.materials.base import Material
 from remanent.models.materials.named import NeoHookean
 from remanent.models.pairs import is_pair, numbered
 from remanent.models.parts import Part, Structure, parameters_of
+from remanent.models.plausibility import warn_if_implausible
 from remanent.models.scaling import Scales
 from remanent.models.temperature_shift import Shift
-
-#: A temperature in kelvin below this is probably meant in degrees Celsius.
-LOWEST_PLAUSIBLE_TEMPERATURE: Final = 100.0
-
-#: The rating of plain NdFeB magnets, 80 degrees Celsius, in kelvin.
-MAGNET_RATING: Final = 353.15
 
 #: Fields that hold one part of the model each.
 _SINGLE_PARTS: Final = ("material", "heat", "magnet")
@@ -272,25 +266,7 @@ class Actuator:
 
     def warn_if_implausible(self, values: Mapping[str, ArrayLike], *, stacklevel: int = 2) -> None:
         """Warn of allowed values, single or in a batch, that look like a mistake."""
-        for name in ("temperature", "reference_temperature"):
-            given = np.asarray(values.get(name, LOWEST_PLAUSIBLE_TEMPERATURE))
-            if np.any(given < LOWEST_PLAUSIBLE_TEMPERATURE):
-                warnings.warn(
-                    f"`{name}` is below {LOWEST_PLAUSIBLE_TEMPERATURE:g} K somewhere. "
-                    "Temperatures are in kelvin; "
-                    "for t degrees Celsius pass t + 273.15.",
-                    InputWarning,
-                    stacklevel=stacklevel,
-                )
-        rated = np.asarray(values.get("magnet.temperature_coefficient", 0.0)) == 0.0
-        if np.any(~rated & (np.asarray(values.get("temperature", 0.0)) > MAGNET_RATING)):
-            warnings.warn(
-                f"`temperature` is above {MAGNET_RATING:g} K (80 degrees Celsius) somewhere, the "
-                "rating of plain NdFeB magnets: a constant temperature coefficient is a guess "
-                "there.",
-                InputWarning,
-                stacklevel=stacklevel,
-            )
+        warn_if_implausible(values, stacklevel=stacklevel)
 
     def replace(self, **changes: Any) -> Self:
         """A copy with some fields changed; unknown fields raise `InputError`."""

@@ -126,8 +126,9 @@ def _columns(
     _require_used("units", units, called)
     for name, (_, bracket), values in zip(called, headings, table.values(), strict=True):
         key = "omega" if name == "frequency" else name
-        unit = units.get(name, bracket)
-        columns[key] = _dimensionless(key, np.ravel(np.asarray(values)), unit, actuator)
+        unit, source = (units[name], "units") if name in units else (bracket, "data")
+        argument = f"{source}[{name!r}]"
+        columns[key] = _dimensionless(key, np.ravel(np.asarray(values)), unit, actuator, argument)
     return columns
 
 
@@ -200,10 +201,12 @@ def _mat(path: Path) -> Mapping[str, Any]:
     return {k: v for k, v in loadmat(path, squeeze_me=True).items() if not k.startswith("__")}
 
 
-def _dimensionless(name: str, values: Any, unit: str | None, actuator: System | None) -> FloatArray:
-    argument = f"data[{name!r}]"
+def _dimensionless(
+    name: str, values: Any, unit: str | None, actuator: System | None, argument: str
+) -> FloatArray:
+    """Values of a variable without their unit, which came with `argument`."""
     numbers = as_float_array(
-        argument,
+        f"data[{name!r}]",
         values,
         what="measured values",
         why="Everything but its heading is measured.",

@@ -35,24 +35,24 @@ from remanent.models.temperature_shift import WLF
 X, Y, A, U = sp.symbols("x y a u", positive=True)
 LEVELS = {X: Level.STATE, Y: Level.STATE, A: Level.PARAMETER, U: Level.DRIVE}
 
-PAPERS = SineSquared(0.4, 1.25)
+ARTICLE = SineSquared(0.4, 1.25)
 PAIR = (0.0, 1.0)
 ZENER = Zener(0.5, 2.0)
 MODELS = {
-    "paper": (Actuator(), PAPERS),
+    "article": (Actuator(), ARTICLE),
     "damped": (Actuator(dissipation=Rayleigh(0.1)), Sine(0.1, 1.0)),
     "rotation": (Actuator(magnet=Magnet(law="rotation")), Constant(0.1)),
     "steps": (Actuator(), Steps([0.0], [0.1])),
     "chirp": (Actuator(), Chirp(0.1, 1.0, 2.0, 9.0)),
-    "biaxial": (Actuator(prestress=PAIR, dissipation=Rayleigh(0.1)), PAPERS),
-    "unequal edges": (Actuator(edges=(1.0, 0.5)), PAPERS),
-    "fluid": (Actuator(dissipation=KelvinVoigt(0.1)), PAPERS),
-    "fluid in two directions": (Actuator(prestress=PAIR, dissipation=KelvinVoigt(0.1)), PAPERS),
-    "zener": (Actuator(dissipation=ZENER), PAPERS),
-    "shifted": (Actuator(dissipation=Zener(0.5, 2.0, WLF(8.0, 200.0))), PAPERS),
-    "prony": (Actuator(prestress=PAIR, dissipation=(ZENER, ZENER)), PAPERS),
-    "warm": (Actuator(heat=Heat(), dissipation=Rayleigh(0.1)), PAPERS),
-    "warm in two directions": (Actuator(prestress=PAIR, heat=Heat(), dissipation=ZENER), PAPERS),
+    "biaxial": (Actuator(prestress=PAIR, dissipation=Rayleigh(0.1)), ARTICLE),
+    "unequal edges": (Actuator(edges=(1.0, 0.5)), ARTICLE),
+    "fluid": (Actuator(dissipation=KelvinVoigt(0.1)), ARTICLE),
+    "fluid in two directions": (Actuator(prestress=PAIR, dissipation=KelvinVoigt(0.1)), ARTICLE),
+    "zener": (Actuator(dissipation=ZENER), ARTICLE),
+    "shifted": (Actuator(dissipation=Zener(0.5, 2.0, WLF(8.0, 200.0))), ARTICLE),
+    "prony": (Actuator(prestress=PAIR, dissipation=(ZENER, ZENER)), ARTICLE),
+    "warm": (Actuator(heat=Heat(), dissipation=Rayleigh(0.1)), ARTICLE),
+    "warm in two directions": (Actuator(prestress=PAIR, heat=Heat(), dissipation=ZENER), ARTICLE),
 }
 POLYNOMIAL = StrainEnergy("a*(I1 - 3) + b*log(I2/3)", {"a": 1.0, "b": 0.1})
 
@@ -196,7 +196,7 @@ def test_rates_in_fifty_digits(name: str) -> None:
 
 def test_jacobian_by_complex_steps() -> None:
     """d(rates)/d(state) by a complex step of 1e-40 against SymPy."""
-    field, system = derived("paper")
+    field, system = derived("article")
     point = random_inputs(field, np.random.default_rng(3), 1)[0]
     rate = written_out(system.rates[1], system)
     at = {s: float(point[field.inputs.index(s.name)]) for s in rate.free_symbols}
@@ -219,7 +219,7 @@ def test_one_division_by_the_state(name: str) -> None:
 
 def test_equation_16_is_short() -> None:
     """Sixteen additions and multiplications and a division, and five for the load."""
-    field, _ = derived("paper")
+    field, _ = derived("article")
     counts = dynamic(field.rates, {*field.state, *field.waveforms})
     assert counts["div"] == 1
     assert set(counts) <= {"add", "sub", "mul", "div"}

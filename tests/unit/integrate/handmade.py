@@ -48,6 +48,7 @@ class Oscillator:
             parameters=names,
             waveforms=("sine", "cosine"),
             rates=program(V, acceleration),
+            observable="position",
             watched=program(Q, V, acceleration, V),
             observables={"position": program(Q), "acceleration": program(acceleration)},
         )

@@ -34,6 +34,7 @@ def autonomous(rates: list[sp.Expr]) -> Field:
         parameters=(),
         waveforms=("sine", "cosine"),
         rates=program(*rates),  # type: ignore[arg-type]
+        observable="x",
         watched=program(X, rates[0], rates[0], rates[0]),  # type: ignore[arg-type]
         observables={},
     )

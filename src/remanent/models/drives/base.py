@@ -91,8 +91,13 @@ class Drive(Part, ABC):
     def rate(self, p: Mapping[str, Any], u: Mapping[str, Any], phase: Any, fn: Any) -> Any:
         """Rate of the load, dm/dtau; None where it jumps or has no closed form.
 
-        Wanted where a remanence that depends on temperature takes part in a heat balance.
-        Arguments as for :meth:`load`.
+        It enters the equations where a remanence that depends on temperature takes part in
+        a heat balance.
+
+        Parameters
+        ----------
+        p, u, phase, fn
+            Numeric fields, waveforms, phase and functions, as :meth:`load` takes them.
         """
         return None
 

@@ -106,7 +106,7 @@ def logarithmic_decrement(
 def _time_dimension(history: xr.Dataset, variable: str) -> Hashable:
     """``time``, or ``cycle`` where every motion has times of its own."""
     dims = [d for d in ("time", "cycle") if d in history.dims]
-    if not isinstance(variable, str) or variable not in history:
+    if dims and (not isinstance(variable, str) or variable not in history):
         raise InputError(
             "variable",
             must="be a variable of `history`",

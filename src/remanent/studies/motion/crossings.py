@@ -23,8 +23,6 @@ from remanent.studies.ensemble.problem import initial_value_problem
 from remanent.studies.ensemble.progress import Progress, as_progress
 
 _VALUE = finite("It is the value that is passed.")
-#: Observables whose passages are found, beside the state variables.
-_OBSERVABLES = ("thickness_stretch", "thickness_stretch_rate")
 #: Signs of the passages that each `direction` stands for; 0 is a touch.
 _DIRECTIONS = {"both": (-1, 0, 1), "up": (1,), "down": (-1,)}
 
@@ -114,7 +112,7 @@ def crossings(
     require_choice("direction", direction, list(_DIRECTIONS))
     report = as_progress(progress)
     ens = lay_out(system, drive, over, initial)
-    require_choice("variable", variable, [*_OBSERVABLES, *ens.field.state])
+    require_choice("variable", variable, [*ens.field.watched_names, *ens.field.state])
     problem = initial_value_problem(ens, durations(ens, duration, periods))
     passages, outcome = events.crossings(
         problem, variable, value, tolerance=tolerance, progress=report

@@ -116,7 +116,7 @@ def poincare_section(
     variables: dict[str, PerTrajectory] = {
         name: (("period",), states[:, :, k]) for k, name in enumerate(ens.field.state)
     }
-    for name in ("thickness_stretch", "thickness_stretch_rate"):
+    for name in ens.field.watched_names:
         variables[name] = (("period",), observe(problem, name, times, states))
     variables["drive_period"] = length
     return to_dataset(

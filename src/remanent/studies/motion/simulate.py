@@ -19,8 +19,6 @@ from remanent.studies.ensemble.problem import initial_value_problem
 from remanent.studies.ensemble.progress import Progress, as_progress
 from remanent.studies.ensemble.time_grid import time_grid
 
-_OBSERVABLES = ("thickness_stretch", "thickness_stretch_rate", "energy", "load")
-
 
 def simulate(
     system: System,
@@ -108,7 +106,7 @@ def simulate(
     variables: dict[str, PerTrajectory] = {
         name: ((grid.axis,), states[:, :, k]) for k, name in enumerate(ens.field.state)
     }
-    for name in _OBSERVABLES:
+    for name in (*ens.field.watched_names, "energy", "load"):
         values = observe(problem, name, grid.times, states)
         # The load does not depend on the state: without this it would go on past the horizon.
         values = np.where(np.isnan(states[:, :, 0]), np.nan, values)

@@ -30,8 +30,6 @@ from remanent.studies.regimes._parameter_sweep import ParameterSweep, Section
 _SWEEPS = {"up": ("up",), "down": ("down",), "both": ("up", "down")}
 #: Bytes that a point of the section takes.
 _BYTES_PER_POINT = 64.0
-#: Functions of the state that the result has beside it.
-_OBSERVABLES = ("thickness_stretch", "thickness_stretch_rate")
 #: Names of dimensions that results have of their own.
 _RESERVED = RESERVED | {"sweep"}
 
@@ -203,7 +201,7 @@ def _variables(sweep: ParameterSweep, section: Section) -> dict[str, PerTrajecto
         name: labelled(section.states[..., k], "period") for k, name in enumerate(ens.field.state)
     }
     times = np.zeros((ens.count, sweep.keep))  # at the beginning of a period
-    for name in _OBSERVABLES:
+    for name in ens.field.watched_names:
         observed = [observe(sweep.problem, name, times, section.states[:, k]) for k in range(count)]
         variables[name] = labelled(np.stack(observed, axis=1), "period")
     variables["drive_period"] = sweep.period_lengths
