@@ -129,7 +129,7 @@ class StaticState:
     def thickness(self) -> float:
         """The thickness stretch."""
         inputs = [0.0, *self.state, *self.parameters]
-        return float(self.field.observables["thickness_stretch"](inputs, functions=np)[0])
+        return float(self.field.observables[self.field.observable](inputs, functions=np)[0])
 
     def _at(self, free: FloatArray) -> StaticState:
         state = np.where([r is Role.RATE for r in self.field.roles], 0.0, self.state)
@@ -143,7 +143,7 @@ class StaticState:
         values[self.field.parameters.index("m")] = load
         inputs = [0.0, *state, *values]
         rates = self.field.rates(inputs, functions=np)
-        (x,) = self.field.observables["thickness_stretch"](inputs, functions=np)
+        (x,) = self.field.observables[self.field.observable](inputs, functions=np)
         return np.array([*(rates[k] for k in self.balanced), x - thickness])
 
     def _jacobian(self, u: FloatArray) -> FloatArray:
