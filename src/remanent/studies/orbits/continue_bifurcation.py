@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from remanent._checks import require_choice
+from remanent._checks import require_choice, shortened
 from remanent._errors import InputError
 from remanent._status import Status
 from remanent._typing import ArrayLike, FloatArray
@@ -176,14 +176,18 @@ def _require_plane(
     parameters: Sequence[str], ranges: Sequence[ArrayLike], ens: Ensemble
 ) -> tuple[tuple[str, str], list[tuple[float, float]]]:
     """Two different fields and their ranges."""
-    if len(parameters) != 2 or len(ranges) != 2 or parameters[0] == parameters[1]:
-        raise InputError(
-            "parameters",
-            must="be two different fields, with a range each",
-            got=(parameters, ranges),
-            why="A curve lies in a plane.",
-            fix="Pass for example ('omega', 'b').",
-        )
+    for name, pair, what, example in (
+        ("parameters", parameters, "different fields", "('omega', 'b')"),
+        ("parameter_ranges", ranges, "ranges", "[(1.0, 1.4), (0.2, 0.6)]"),
+    ):
+        if not _is_pair(pair):
+            raise InputError(
+                name,
+                must=f"be two {what}",
+                got=shortened(pair),
+                why="A curve lies in a plane.",
+                fix=f"Pass for example {example}.",
+            )
     first, second = (require_parameter("parameters", name, ens) for name in parameters)
     require_free((first, second), ens)
     limits = [
@@ -191,6 +195,13 @@ def _require_plane(
         for name, pair in zip(parameters, ranges, strict=True)
     ]
     return (first, second), limits
+
+
+def _is_pair(value: object) -> bool:
+    """Whether `value` is a sequence of two entries that are not the same."""
+    if not isinstance(value, Sequence | np.ndarray) or isinstance(value, str) or len(value) != 2:
+        return False
+    return not (isinstance(value[0], str) and value[0] == value[1])
 
 
 @dataclass(frozen=True)

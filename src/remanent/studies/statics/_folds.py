@@ -64,7 +64,9 @@ def on_curve(
     """The parameter that balances the force at stretches (case, point)."""
     force = static.force_at(name)
     row = np.repeat(np.arange(cases.size), stretches.shape[1])
-    value = balancing_parameter(lambda i, y, p: force(cases[i], y, p), bounds, row, stretches.ravel())
+    value = balancing_parameter(
+        lambda i, y, p: force(cases[i], y, p), bounds, row, stretches.ravel()
+    )
     return value.reshape(stretches.shape)
 
 
