@@ -8,10 +8,11 @@ import numpy as np
 import xarray as xr
 
 from remanent._typing import ArrayLike, FloatArray, IntArray
-from remanent.analysis.regimes.decision import RegimeProblem, decide_regimes
+from remanent.analysis.regimes.decision import decide_regimes
 from remanent.analysis.regimes.labels import Regime, RegimeLabels
 from remanent.analysis.regimes.limit_orbits import IterateMap
 from remanent.analysis.regimes.long_runs import LongRun
+from remanent.analysis.regimes.problem import RegimeProblem
 from remanent.integrate.ensemble.ensemble import Progress
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
