@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from numbers import Real
+from typing import Any
 
 import numpy as np
 
@@ -119,12 +120,68 @@ def require_known(names: Iterable[str], known: Iterable[str], owner: str) -> Non
     for name in names:
         if name not in fields:
             raise InputError(
-                name,
+                str(name),
                 must=f"be a field of {owner}",
                 got=repr(name),
                 why="Unknown fields are refused so that a misspelling does not go unnoticed.",
                 fix=f"Its fields are: {', '.join(fields) or 'none'}.",
             )
+
+
+def require_names(name: str, value: object, known: Iterable[str], owner: str) -> list[str]:
+    """Names of numeric fields, at least one, of which a single one may stand by itself.
+
+    Parameters
+    ----------
+    name : str
+        Name of the argument.
+    value : str, or iterable of str
+        What was passed for it.
+    known : iterable of str
+        Names that there are.
+    owner : str
+        What has these names, as in "the actuator".
+    """
+    names = [value] if isinstance(value, str) else value
+    fields = list(known)
+    message = {
+        "why": "Only fields that enter the equations can be chosen.",
+        "fix": f"Its fields are: {', '.join(fields)}.",
+    }
+    if not isinstance(names, Iterable) or not (entries := list(names)):
+        raise InputError(
+            name, must=f"name fields of {owner}, at least one", got=shortened(value), **message
+        )
+    for entry in entries:
+        if not isinstance(entry, str) or entry not in fields:
+            raise InputError(name, must=f"name fields of {owner}", got=shortened(entry), **message)
+    return entries
+
+
+def require_mapping(name: str, value: object, *, what: str, fix: str) -> Mapping[Any, Any]:
+    """`value` if it is a mapping, whose keys and values are `what`."""
+    if not isinstance(value, Mapping):
+        raise InputError(
+            name,
+            must=f"be a mapping of {what}",
+            got=shortened(value),
+            why="What is not named keeps its usual value.",
+            fix=fix,
+        )
+    return value
+
+
+def require_flag(name: str, value: object) -> bool:
+    """`value` if it is True or False."""
+    if not isinstance(value, bool | np.bool_):
+        raise InputError(
+            name,
+            must="be True or False",
+            got=shortened(value),
+            why="It switches a part of the work on.",
+            fix="Pass True or False.",
+        )
+    return bool(value)
 
 
 def as_float_array(

@@ -159,23 +159,30 @@ class Field:
     ----------
     variables
         The state variables in order, with their roles and values at rest.
+    loads
+        Names of the loads, each of which is an observable too; an actuator has one,
+        ``load``.
     parameters, waveforms
         Names.  Parameters are the user's own numeric fields under their own names.
     rates
         One output per state variable.
+    observable
+        Name of the quantity whose extremes are followed between steps, ``thickness_stretch``
+        of an actuator; its rate is observed under this name and ``_rate``.
     watched
-        Four outputs: an observable whose extremes are followed between steps (the
-        thickness stretch), its first and second time derivative, and a cheaper quantity
-        with the sign of the first.
+        Four outputs: that quantity, its first and second time derivative, and a cheaper
+        quantity with the sign of the first.
     observables
         Further quantities by name, one output each (``thickness_stretch``,
         ``thickness_stretch_rate``, ``energy``, ``load`` ...).
     """
 
     variables: tuple[StateVariable, ...]
+    loads: tuple[str, ...]
     parameters: tuple[str, ...]
     waveforms: tuple[str, ...]
     rates: Program
+    observable: str
     watched: Program
     observables: Mapping[str, Program]
 
@@ -193,6 +200,11 @@ class Field:
     def rest(self) -> tuple[float | str, ...]:
         """Value at rest of each state variable, a number or the name of a parameter."""
         return tuple(variable.rest for variable in self.variables)
+
+    @property
+    def watched_names(self) -> tuple[str, str]:
+        """Names of the quantity whose extremes are followed, and of its rate."""
+        return self.observable, f"{self.observable}_rate"
 
     def indices(self, *roles: Role) -> list[int]:
         """Positions in the state of the variables that have one of these roles."""
@@ -219,6 +231,8 @@ class Field:
         object.__setattr__(self, "observables", MappingProxyType(dict(self.observables)))
         if any(v.belongs_to not in {None, *self.state} for v in self.variables):
             raise ValueError("a state variable belongs to one that does not exist")
+        if not {*self.loads} <= {*self.observables}:
+            raise ValueError("a load is not observed")
         if not {v.rest for v in self.variables if isinstance(v.rest, str)} <= {*self.parameters}:
             raise ValueError("a value at rest is a parameter that does not exist")
         for program in (self.rates, self.watched, *self.observables.values()):
@@ -237,9 +251,11 @@ class Field:
         return json.dumps(
             {
                 "variables": [asdict(variable) for variable in self.variables],
+                "loads": self.loads,
                 "parameters": self.parameters,
                 "waveforms": self.waveforms,
                 "rates": _program_to_plain(self.rates),
+                "observable": self.observable,
                 "watched": _program_to_plain(self.watched),
                 "observables": {k: _program_to_plain(v) for k, v in self.observables.items()},
             },
@@ -252,14 +268,18 @@ class Field:
         try:
             plain = json.loads(text)
             variables = tuple(map(_variable_from_plain, plain["variables"]))
-            parameters, waveforms = (tuple(map(str, plain[k])) for k in ("parameters", "waveforms"))
+            loads, parameters, waveforms = (
+                tuple(map(str, plain[k])) for k in ("loads", "parameters", "waveforms")
+            )
             state = (variable.name for variable in variables)
             inputs = ("drive_phase", *state, *parameters, *waveforms)
             return cls(
                 variables=variables,
+                loads=loads,
                 parameters=parameters,
                 waveforms=waveforms,
                 rates=_program_from_plain(inputs, plain["rates"]),
+                observable=str(plain["observable"]),
                 watched=_program_from_plain(inputs, plain["watched"]),
                 observables={
                     k: _program_from_plain(inputs, v) for k, v in plain["observables"].items()

@@ -22,8 +22,8 @@ from tests.unit.analysis.regimes.iterated import Iterated, henon, logistic, roll
 from tests.unit.integrate.handmade import COSINE, Oscillator, Q, V, turning
 
 from remanent._typing import FloatArray, IntArray
+from remanent.analysis.regimes.collection import state_observables
 from remanent.analysis.regimes.decision import RegimeProblem, decide_regimes
-from remanent.analysis.regimes.evidence import state_observables
 from remanent.analysis.regimes.labels import Regime
 from remanent.analysis.regimes.long_runs import LongRun, TangentMap, propagate_tangents
 from remanent.integrate.maps.advance import Advancer, Step

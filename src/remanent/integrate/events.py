@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.optimize import elementwise
 
 from remanent._field import Field, Program
+from remanent._roots import find_root
 from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.integrate.ensemble import dense
 from remanent.integrate.ensemble.ensemble import Progress, integrate
@@ -23,8 +23,6 @@ from remanent.integrate.ensemble.problem import (
 from remanent.integrate.methods.runge_kutta import default_method
 from remanent.integrate.variations import derivatives
 
-#: Its annotations know nothing of `args`.
-find_root: Any = elementwise.find_root
 _ROOT = {"xatol": 0.0, "xrtol": 4.0 * np.finfo(float).eps, "fatol": 0.0, "frtol": 0.0}
 
 

@@ -106,9 +106,11 @@ def parting(field: Field, pairs: Mapping[str, str]) -> Field:
     plain = {name: first.get(name, name) for name in field.inputs}
     return Field(
         variables=variables,
+        loads=field.loads,
         parameters=field.parameters,
         waveforms=field.waveforms,
         rates=into.program(outputs),
+        observable=field.observable,
         watched=_with_inputs(field.watched, inputs, plain),
         observables={k: _with_inputs(p, inputs, plain) for k, p in field.observables.items()},
     )
@@ -175,9 +177,11 @@ def _widened(field: Field, added: tuple[StateVariable, ...], rates: Program) -> 
     inputs = _inputs(field, added)
     return Field(
         variables=(*field.variables, *added),
+        loads=field.loads,
         parameters=field.parameters,
         waveforms=field.waveforms,
         rates=rates,
+        observable=field.observable,
         watched=_with_inputs(field.watched, inputs),
         observables={name: _with_inputs(p, inputs) for name, p in field.observables.items()},
     )

@@ -13,6 +13,7 @@ import xarray as xr
 
 from remanent._checks import positive, require_real
 from remanent._errors import InputError
+from remanent.results.checks import require_dataset
 from remanent.results.schema import TABLE, Kind, describe
 
 #: Powers of the ratio of temperatures by which each kind of quantity grows.
@@ -82,6 +83,7 @@ def rescale(dataset: xr.Dataset, *, temperature: float) -> xr.Dataset:
     >>> round(float(hot.natural_frequency[0] / cool.natural_frequency[0]), 4)
     1.4142
     """
+    require_dataset("dataset", dataset)
     wanted = require_real("temperature", temperature, _RULE)
     actuator = _parsed(dataset, "actuator")
     _require_entropic(dataset, actuator)

@@ -13,6 +13,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from remanent._errors import InputError
+from remanent.results.checks import require_dataset
 from remanent.results.schema import Kind, Variable, describe
 
 __all__ = ["to_si"]
@@ -88,6 +89,7 @@ def to_si(dataset: xr.Dataset) -> xr.Dataset:
     InputError
         The Dataset has no scales.
     """
+    require_dataset("dataset", dataset)
     scales = _scales(dataset)
     converted = dataset.copy()
     for name in dataset.variables:

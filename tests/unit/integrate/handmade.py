@@ -12,7 +12,7 @@ import sympy as sp
 from remanent._field import Field, Role, StateVariable
 from remanent._timeline import Timeline
 from remanent._typing import ArrayLike, FloatArray
-from remanent.codegen.lower import lower
+from remanent.codegen.lower import Level, lower
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Outcome, Problem, Request
 
@@ -32,7 +32,8 @@ class Oscillator:
         names = tuple(self.parameters)
         symbols = {name: sp.Symbol(name, real=True) for name in names}
         inputs = ("drive_phase", "q", "v", *names, "sine", "cosine")
-        levels = {Q: 2, V: 2, SINE: 1, COSINE: 1} | dict.fromkeys(symbols.values(), 0)
+        levels = dict.fromkeys((Q, V), Level.STATE) | dict.fromkeys((SINE, COSINE), Level.DRIVE)
+        levels |= dict.fromkeys(symbols.values(), Level.PARAMETER)
         acceleration = self.acceleration.subs({sp.Symbol(n): s for n, s in symbols.items()})
 
         def program(*outputs: Any) -> Any:
@@ -43,9 +44,11 @@ class Oscillator:
                 StateVariable("q", Role.COORDINATE),
                 StateVariable("v", Role.RATE, belongs_to="q"),
             ),
+            loads=(),
             parameters=names,
             waveforms=("sine", "cosine"),
             rates=program(V, acceleration),
+            observable="position",
             watched=program(Q, V, acceleration, V),
             observables={"position": program(Q), "acceleration": program(acceleration)},
         )

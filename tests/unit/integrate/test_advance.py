@@ -11,7 +11,7 @@ from remanent._field import Field, Role, StateVariable
 from remanent._typing import FloatArray
 from remanent.analysis.regimes.long_runs import LongRun, propagate_tangents
 from remanent.analysis.regimes.lyapunov import LyapunovExponents, lyapunov_exponents
-from remanent.codegen.lower import lower
+from remanent.codegen.lower import Level, lower
 from remanent.integrate.maps.advance import Advancer
 from remanent.integrate.maps.period_map import Image, Judged, PeriodMap
 
@@ -22,16 +22,19 @@ def autonomous(rates: list[sp.Expr]) -> Field:
     """A field of x, y, z without parameters; the phase is there but plays no part."""
     names = ("x", "y", "z")[: len(rates)]
     inputs = ("drive_phase", *names, "sine", "cosine")
-    levels = dict.fromkeys((X, Y, Z), 2) | dict.fromkeys(sp.symbols("sine cosine", real=True), 1)
+    waveforms = sp.symbols("sine cosine", real=True)
+    levels = dict.fromkeys((X, Y, Z), Level.STATE) | dict.fromkeys(waveforms, Level.DRIVE)
 
     def program(*outputs: sp.Expr) -> object:
         return lower(outputs, inputs=inputs, levels=levels, definitions={})
 
     return Field(
         variables=tuple(StateVariable(name, Role.COORDINATE) for name in names),
+        loads=(),
         parameters=(),
         waveforms=("sine", "cosine"),
         rates=program(*rates),  # type: ignore[arg-type]
+        observable="x",
         watched=program(X, rates[0], rates[0], rates[0]),  # type: ignore[arg-type]
         observables={},
     )

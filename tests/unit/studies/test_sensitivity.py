@@ -149,7 +149,7 @@ def test_special_points_over_a_grid_are_those_of_branches() -> None:
 
 def test_what_cannot_be_measured_is_refused() -> None:
     """The message says what is missing."""
-    with pytest.raises(rm.InputError, match="numeric fields"):
+    with pytest.raises(rm.InputError, match="`parameters` must name fields"):
         rm.sensitivity(
             rm.shape_commands, rm.Actuator(), 1.5, of="switch_time", parameters="stiffness"
         )

@@ -42,14 +42,14 @@ class Observations:
     ----------
     values : array (datum,)
     deviation : array (datum,)
-        Standard deviations, up to a common factor where they are not `known`.
-    known : bool
-        Whether the deviations are absolute; else the scatter about the fit says how large.
+        Standard deviations, up to a common factor where they are not `absolute`.
+    absolute : bool
+        Whether the deviations are true; else the scatter about the fit says how large they are.
     """
 
     values: FloatArray
     deviation: FloatArray
-    known: bool
+    absolute: bool
 
 
 @dataclass(frozen=True)
@@ -151,7 +151,7 @@ def fit_least_squares(
             fix="Fit fewer of them.",
         )
     chi_square = float(residual @ residual)
-    variance = 1.0 if data.known else chi_square / degrees
+    variance = 1.0 if data.absolute else chi_square / degrees
     inverse = np.linalg.inv(curvature) * np.outer(box.scale, box.scale)
     predicted = data.values + residual * data.deviation
     return LeastSquaresFit(x, variance * inverse, predicted, chi_square, variance, degrees)

@@ -15,18 +15,14 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from itertools import combinations
 from types import MappingProxyType
-from typing import Any
 
 import numpy as np
-from scipy.optimize import elementwise
 
+from remanent._roots import find_minimum, find_root
 from remanent._typing import FloatArray
 from remanent.analysis.orbits.correction import correct_points
 from remanent.analysis.orbits.curves import CurveEquations, CurvePoints, interpolate_curve
 
-# SciPy's stubs know nothing of `args`.
-_find_root: Any = elementwise.find_root
-_find_minimum: Any = elementwise.find_minimum
 #: A test function is beyond zero if it is by this many times its error.
 _NOISE_FACTOR = 8.0
 #: Tolerance of a root, relative to its place along the branch, which counts points.
@@ -204,7 +200,7 @@ def _hidden_crossings(
     if not k.size:
         return (np.empty(0),) * 3
     side, x = np.sign(values[k]), k.astype(np.float64)
-    least = _find_minimum(
+    least = find_minimum(
         lambda x, side: side * value(x),
         (x - 1.0, x, x + 1.0),
         args=(side,),
@@ -235,7 +231,7 @@ def _locate(
     high: FloatArray,
 ) -> list[SpecialPoint]:
     """Roots of a test function between places along a branch, all together."""
-    root = _find_root(
+    root = find_root(
         value,
         (low, high),
         tolerances={

@@ -41,15 +41,15 @@ def is_quasi_periodic(
     Averages have to reach many digits; or fewer, where the rotation number converges and the
     other evidence is clearer than it need be otherwise.
     """
-    attracts = _stays_open(e, t) & (e.band_extent >= t.min_band_extent)
-    many_digits = (e.digits >= t.min_torus_digits) & ~(e.zero_one > t.max_torus_zero_one)
+    attracts = _stays_open(e, t) & (e["band_extent"] >= t.min_band_extent)
+    many_digits = (e["digits"] >= t.min_torus_digits) & ~(e["zero_one"] > t.max_torus_zero_one)
     fewer_digits = (
-        (e.digits >= t.min_digits_on_rotation)
+        (e["digits"] >= t.min_digits_on_rotation)
         & (e.rotation_digits >= t.min_rotation_digits)
         & (e.late_growth <= t.max_late_growth_on_rotation)
-        & ~(e.zero_one > t.max_zero_one_on_rotation)
+        & ~(e["zero_one"] > t.max_zero_one_on_rotation)
     )
-    margin = e.digits / np.where(many_digits, t.min_torus_digits, t.min_digits_on_rotation)
+    margin = e["digits"] / np.where(many_digits, t.min_torus_digits, t.min_digits_on_rotation)
     torus = _is_open(e, t) & _grows_like_a_power(e, periods, t) & (~damped | attracts)
     return torus & (many_digits | fewer_digits), margin
 
@@ -68,13 +68,14 @@ def is_chaotic(
         & (significance > 1.0)
         & (e.growth >= least_growth)
         & (e.half_growths.min(axis=1) >= t.min_half_growth)
-        & (e.banded_digits <= t.max_chaos_digits)
+        & (e["banded_digits"] <= t.max_chaos_digits)
     )
     return chaotic, np.minimum(significance, e.growth / least_growth)
 
 
-#: Where several hold, the last one decides.
-RULES: tuple[tuple[Regime, Rule], ...] = (
+#: The rule of each regime; where several hold, the last one decides.
+Rules = Sequence[tuple[Regime, Rule]]
+RULES: Rules = (
     (Regime.PERIODIC, is_periodic),
     (Regime.QUASI_PERIODIC, is_quasi_periodic),
     (Regime.CHAOTIC, is_chaotic),
@@ -98,13 +99,18 @@ def _stays_open(e: EvidenceTable, t: Thresholds) -> BoolArray:
 
 
 def regime_of_run(
-    evidence: EvidenceTable, *, damped: BoolArray, periods: int, thresholds: Thresholds
+    evidence: EvidenceTable,
+    *,
+    damped: BoolArray,
+    periods: int,
+    thresholds: Thresholds,
+    rules: Rules = RULES,
 ) -> tuple[IntArray, FloatArray]:
     """The regime that one run speaks for, and the margin, arrays (orbit,)."""
     count = evidence.exponent.size
     regime, margin = np.full(count, int(Regime.UNDECIDED)), np.full(count, np.nan)
     with np.errstate(all="ignore"):  # comparisons with NaN are false: nothing is decided
-        for label, rule in RULES:
+        for label, rule in rules:
             holds, clearance = rule(evidence, damped, periods, thresholds)
             regime = np.where(holds, int(label), regime)
             margin = np.where(holds, clearance, margin)
@@ -117,6 +123,7 @@ def agreed_regime(
     damped: BoolArray,
     periods: int,
     thresholds: Thresholds | None = None,
+    rules: Rules = RULES,
 ) -> tuple[IntArray, FloatArray]:
     """The regime that runs at all tolerances agree on, and the margin.
 
@@ -129,6 +136,8 @@ def agreed_regime(
     periods : int
         Length of the runs.
     thresholds : Thresholds, optional
+    rules : sequence of (Regime, callable)
+        Where several hold, the last one decides.
 
     Returns
     -------
@@ -139,7 +148,8 @@ def agreed_regime(
     """
     thresholds = thresholds or Thresholds()
     verdicts = [
-        regime_of_run(run, damped=damped, periods=periods, thresholds=thresholds) for run in runs
+        regime_of_run(run, damped=damped, periods=periods, thresholds=thresholds, rules=rules)
+        for run in runs
     ]
     regime = verdicts[0][0]
     agreed = np.all([label == regime for label, _ in verdicts[1:]], axis=0)

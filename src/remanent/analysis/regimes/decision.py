@@ -10,21 +10,24 @@ one.  :func:`decide_regimes` names them in order; a new step goes between two of
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from remanent._typing import BoolArray, FloatArray, IntArray
-from remanent.analysis.regimes.agreement import agreed_regime
-from remanent.analysis.regimes.evidence import (
-    EvidenceTable,
+from remanent.analysis.regimes.agreement import RULES, Rules, agreed_regime
+from remanent.analysis.regimes.collection import (
+    INDICATORS,
     Observables,
     collect_evidence,
     state_observables,
 )
+from remanent.analysis.regimes.evidence import EvidenceTable
 from remanent.analysis.regimes.labels import Regime, RegimeLabels
 from remanent.analysis.regimes.limit_orbits import IterateMap, settling_periods
 from remanent.analysis.regimes.long_runs import LongRun
+from remanent.analysis.regimes.orbit_batch import Indicator
 from remanent.analysis.regimes.thresholds import Thresholds
 from remanent.analysis.regimes.transients import LOOSEST, RunAtTolerance, chaos_lasts
 
@@ -53,7 +56,12 @@ class RegimeProblem:
         For the frequencies of the 0-1 test.
     observables : callable
         Bounded functions of the states.
+    indicators : mapping of name to callable
+        What is computed from the orbits.
+    rules : sequence of (Regime, callable)
+        What the evidence is judged by.
     thresholds : Thresholds
+        What it is compared with.
     """
 
     run: RunAtTolerance
@@ -62,12 +70,18 @@ class RegimeProblem:
     iterate: IterateMap | None = None
     seed: int = 0
     observables: Observables = state_observables
+    indicators: Mapping[str, Indicator] = field(default_factory=lambda: INDICATORS)
+    rules: Rules = RULES
     thresholds: Thresholds = field(default_factory=Thresholds)
 
     def evidence(self, run: LongRun, orbits: IntArray) -> EvidenceTable:
         """The evidence of a run of some orbits."""
         return collect_evidence(
-            run, damped=self.damped[orbits], seed=self.seed, observables=self.observables
+            run,
+            damped=self.damped[orbits],
+            seed=self.seed,
+            observables=self.observables,
+            indicators=self.indicators,
         )
 
     def agreed(
@@ -75,7 +89,11 @@ class RegimeProblem:
     ) -> tuple[IntArray, FloatArray]:
         """The regime that runs of some orbits agree on, and the margin."""
         return agreed_regime(
-            runs, damped=self.damped[orbits], periods=periods, thresholds=self.thresholds
+            runs,
+            damped=self.damped[orbits],
+            periods=periods,
+            thresholds=self.thresholds,
+            rules=self.rules,
         )
 
 

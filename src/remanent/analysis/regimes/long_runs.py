@@ -160,7 +160,7 @@ def propagate_tangents(
     directions: int,
     width: int | None = None,
     every: bool = False,
-    lost: float = 1e-2,
+    max_state_error: float = 1e-2,
     block: int | None = None,
     cancelled: Callable[[], bool] = lambda: False,
 ) -> LongRun:
@@ -180,7 +180,7 @@ def propagate_tangents(
         Components of a tangent; those of a state by default.
     every : bool
         Keep all states.
-    lost : float
+    max_state_error : float
         Error of the state from which on it counts as unknown, for `horizon`.
     block : int, optional
         Periods between renormalisations; one where the smallest exponent matters, since of
@@ -221,7 +221,7 @@ def propagate_tangents(
             with np.errstate(over="ignore"):
                 added = image.error[going_on] * (end - done)
                 accumulated[points] = accumulated[points] * growth + added
-            known = accumulated[points] <= lost
+            known = accumulated[points] <= max_state_error
             horizon[points] = np.where(known, np.inf, np.minimum(horizon[points], done))
         active, done = points, end
     horizon = np.minimum(horizon, completed)

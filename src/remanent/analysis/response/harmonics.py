@@ -50,7 +50,7 @@ def fourier_amplitudes(samples: FloatArray, count: int) -> ComplexArray:
 
 
 def resonant_harmonic(
-    amplitudes: ComplexArray, own: FloatArray, free: FloatArray
+    amplitudes: ComplexArray, orbit_frequency: FloatArray, free_frequency: FloatArray
 ) -> ResonantHarmonic:
     """Find the harmonic whose frequency is nearest to that of the free oscillation.
 
@@ -58,19 +58,25 @@ def resonant_harmonic(
     ----------
     amplitudes : array (orbit, harmonic)
         From :func:`fourier_amplitudes`.
-    own, free : array (orbit,)
-        Frequency of the orbit, and of the free oscillation that is as large.
+    orbit_frequency : array (orbit,)
+    free_frequency : array (orbit,)
+        Of the free oscillation that is as large; NaN where there is none.
+
+    Returns
+    -------
+    ResonantHarmonic
+        Harmonic 0, with detuning NaN, where there is no free oscillation.
     """
     highest = amplitudes.shape[1] - 1
-    known = np.isfinite(free)
-    ratio = np.where(known, free, own) / own
+    known = np.isfinite(free_frequency)
+    ratio = np.where(known, free_frequency, orbit_frequency) / orbit_frequency
     number = np.where(known, np.clip(np.rint(ratio), 1, highest), 0)
     number = number.astype(np.int64)
     power = np.abs(amplitudes) ** 2
     power[:, 0] = 0.0
     row = np.arange(len(power))
     share = power[row, number] / np.maximum(power.sum(axis=1), np.finfo(float).tiny)
-    return ResonantHarmonic(number, number * own / free - 1.0, share)
+    return ResonantHarmonic(number, number * orbit_frequency / free_frequency - 1.0, share)
 
 
 def resonance_kind(

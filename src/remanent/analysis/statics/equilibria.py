@@ -6,12 +6,10 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from scipy.optimize import elementwise
 
+from remanent._roots import find_root
 from remanent._typing import FloatArray, IntArray
 
-# SciPy's stubs know nothing of `args`.
-_find_root: Any = elementwise.find_root
 #: Step of a complex difference: it loses no digits however small it is.
 _COMPLEX_STEP = 1e-100
 
@@ -49,7 +47,7 @@ def find_zeros(force: Force, cases: int, grid: FloatArray) -> FloatArray:
     if case.size:
         ends = grid[case, k], grid[case, k + 1]
         with np.errstate(all="ignore"):  # forces may have poles
-            solved = _find_root(lambda x, i: force(i, x), ends, args=(case,))
+            solved = find_root(lambda x, i: force(i, x), ends, args=(case,))
         roots = np.asarray(solved.x)
     exact = grid[exact_case, exact_k]
     return _rows(np.concatenate([case, exact_case]), np.concatenate([roots, exact]), cases)
@@ -81,7 +79,7 @@ def balancing_parameter(
         bracketed = np.nonzero((np.sign(ends[0]) * np.sign(ends[1]) <= 0) & (ends[0] != ends[1]))
     if bracketed[0].size:
         with np.errstate(all="ignore"):  # forces may have poles
-            solved = _find_root(
+            solved = find_root(
                 lambda p, i, y: force(i, y, p),
                 (low[bracketed], high[bracketed]),
                 args=(case[bracketed], x[bracketed]),

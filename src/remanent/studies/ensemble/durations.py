@@ -13,6 +13,8 @@ from remanent.studies.ensemble.ensemble import Ensemble
 
 #: Larger integers are not exact in double precision.
 _LARGEST_COUNT = 2**53
+#: Default length of the window of a response, in units of tau: that of [Thermal].
+RESPONSE_WINDOW = 100.0
 _TIME: Rule = positive("A run takes a positive time.", "Pass a time in units of tau.")
 
 
@@ -66,13 +68,18 @@ def require_periods(ens: Ensemble) -> FloatArray:
     return periods
 
 
+def require_duration(duration: object) -> float:
+    """The length of a run in units of tau."""
+    return require_real("duration", duration, _TIME)
+
+
 def durations(ens: Ensemble, duration: float | None, periods: int | None) -> FloatArray:
     """Length of every trajectory, array (trajectory,), from one of `duration` and `periods`.
 
     For verbs that take both, of which exactly one is given.
     """
     if periods is None:
-        return np.broadcast_to(require_real("duration", duration, _TIME), ens.count)
+        return np.broadcast_to(require_duration(duration), ens.count)
     count = require_count("periods", periods, "Runs are counted in whole drive periods.")
     lengths = ens.periods()
     if lengths is None:

@@ -11,8 +11,8 @@ import numpy as np
 
 from remanent._field import Field
 from remanent._typing import BoolArray, FloatArray
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.results.build import Labelled
 
 #: Trajectories that are worked on together where their results are all that is kept.
@@ -25,7 +25,7 @@ class Ensemble:
 
     Attributes
     ----------
-    system : Actuator
+    system : System
     drive : Drive
     field : Field
         Their equations of motion.
@@ -41,7 +41,7 @@ class Ensemble:
         Where a value breaks a rule.  Nothing is computed there.
     """
 
-    system: Actuator
+    system: System
     drive: Drive
     field: Field
     sizes: dict[str, int]

@@ -10,7 +10,7 @@ from remanent._checks import as_float_array, shortened
 from remanent._errors import InputError
 from remanent._field import Field, Role, StateVariable
 from remanent._typing import ArrayLike, BoolArray, FloatArray
-from remanent.models.actuator import Actuator
+from remanent.models.system import System
 
 #: Largest stretch and rate, and inverse of the smallest stretch, to start from.
 FARTHEST = 1e6
@@ -55,6 +55,7 @@ def initial_states(
         # A column with a stride holds values that differ: a temperature that `over` varies.
         if k >= given.size and column.strides != (0,):
             columns.setdefault(k, column)
+    _refuse_fixed(given, [k for k in range(given.size) if k not in columns], field)
     row = np.append(given, first[given.size :])
     states = np.broadcast_to(row, (count, len(rest)))
     if columns:
@@ -83,6 +84,20 @@ def _given_state(initial: ArrayLike, field: Field) -> FloatArray:
     return state
 
 
+def _refuse_fixed(given: FloatArray, fixed: list[int], field: Field) -> None:
+    """Raise where what all trajectories start from is no state; what varies has a status."""
+    for k in fixed:
+        variable = field.variables[k]
+        if variable.positive and not given[k] > 0.0:
+            raise InputError(
+                "initial",
+                must=f"have a {variable.name} greater than 0",
+                got=given[k],
+                why="Stretches are ratios of lengths, temperatures are absolute.",
+                fix="Pass 1 for the undeformed block.",
+            )
+
+
 def rest_values(
     variable: StateVariable, values: Mapping[str, FloatArray], count: int
 ) -> FloatArray:
@@ -91,43 +106,36 @@ def rest_values(
 
 
 def invalid_states(
-    actuator: Actuator, values: Mapping[str, FloatArray], states: FloatArray, field: Field
+    system: System, values: Mapping[str, FloatArray], states: FloatArray, field: Field
 ) -> BoolArray:
     """Where a state is no state to start from, array (trajectory,) of bool."""
     invalid = ~(np.abs(states) <= FARTHEST).all(axis=1)
     invalid |= ~(states[:, _positive(field)] >= 1.0 / FARTHEST).all(axis=1)
-    return np.asarray(invalid | ~_reachable(actuator, values, states, field))
+    return np.asarray(invalid | ~_admissible(system, values, states, field))
 
 
 def refuse_state(
-    actuator: Actuator, values: Mapping[str, FloatArray], states: FloatArray, field: Field
+    system: System, values: Mapping[str, FloatArray], states: FloatArray, field: Field
 ) -> None:
     """Raise what is wrong with the first of the states, if anything is."""
     state = states[0]
-    for k in _positive(field):
-        if not state[k] > 0.0:
-            raise InputError(
-                "initial",
-                must=f"have a {field.state[k]} greater than 0",
-                got=state[k],
-                why="Stretches are ratios of lengths, temperatures are absolute.",
-                fix="Pass 1 for the undeformed block.",
-            )
-    if not (np.abs(state) <= FARTHEST).all() or min(state[_positive(field)]) < 1.0 / FARTHEST:
+    _refuse_fixed(state, list(range(state.size)), field)
+    inside = (state[_positive(field)] >= 1.0 / FARTHEST).all()
+    if not (inside and (np.abs(state) <= FARTHEST).all()):
         raise InputError(
             "initial",
             must=f"have stretches from {1.0 / FARTHEST:g} to {FARTHEST:g} and rates up to "
             f"{FARTHEST:g}",
             got=state.tolist(),
-            why="No actuator gets beyond them, and high powers lose their digits there.",
+            why="No motion gets beyond them, and high powers lose their digits there.",
             fix="Pass (1, 0) for rest.",
         )
-    if not _reachable(actuator, values, states, field).all():
+    if not _admissible(system, values, states, field).all():
         raise InputError(
             "initial",
             must="be a state that the material can reach",
             got=state.tolist(),
-            why=f"It lies beyond the limiting chain extension of {actuator.material!r}.",
+            why=f"It lies beyond {system.describe_limits()}.",
             fix="Start nearer to (1, 0), or raise the limit.",
         )
 
@@ -137,9 +145,9 @@ def _positive(field: Field) -> list[int]:
     return [k for k, variable in enumerate(field.variables) if variable.positive]
 
 
-def _reachable(
-    actuator: Actuator, values: Mapping[str, FloatArray], states: FloatArray, field: Field
+def _admissible(
+    system: System, values: Mapping[str, FloatArray], states: FloatArray, field: Field
 ) -> BoolArray:
-    """Whether the material reaches each state; one coordinate stands for both stretches."""
-    columns = field.indices(Role.COORDINATE)
-    return actuator.reachable(values, states[:, columns[0]], states[:, columns[-1]])
+    """Whether the energies exist in each state, array (trajectory,) of bool."""
+    coordinates = (states[:, k] for k in field.indices(Role.COORDINATE))
+    return system.admissible(values, *coordinates)

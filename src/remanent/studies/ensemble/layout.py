@@ -8,14 +8,15 @@ from collections.abc import Mapping
 import numpy as np
 import xarray as xr
 
-from remanent._checks import as_float_array, increases, require_instance, shortened
+from remanent._checks import as_float_array, increases, shortened
 from remanent._errors import InputError
 from remanent._field import Field
 from remanent._typing import ArrayLike, BoolArray, FloatArray
 from remanent.codegen.field import field_for
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.results.build import Labelled
+from remanent.studies.ensemble.checks import require_drive, require_system
 from remanent.studies.ensemble.ensemble import (
     BATCH_SIZE,
     Ensemble,
@@ -34,7 +35,7 @@ RESERVED = frozenset(
 
 
 def lay_out(
-    system: Actuator,
+    system: System,
     drive: Drive,
     over: Over | None = None,
     initial: ArrayLike | None = None,
@@ -48,7 +49,7 @@ def lay_out(
 
     Parameters
     ----------
-    system : Actuator
+    system : System
     drive : Drive
     over : mapping of name to array_like or DataArray, optional
         Numeric fields with their values.
@@ -73,8 +74,8 @@ def lay_out(
         Unknown field, empty, unsorted or too large grid, bad initial state; for a
         single trajectory also any value that breaks a rule.
     """
-    require_instance(system_argument, system, Actuator, "rm.Actuator()")
-    require_instance("drive", drive, Drive, "rm.SineSquared(0.4, 1.25)")
+    require_system(system_argument, system)
+    require_drive(drive)
     require_over(over)
     _require_load_rate(system, drive, over)
     field = field_for(system, drive)
@@ -110,11 +111,9 @@ def require_over(over: object) -> None:
         )
 
 
-def _require_load_rate(system: Actuator, drive: Drive, over: Over | None) -> None:
+def _require_load_rate(system: System, drive: Drive, over: Over | None) -> None:
     """Refuse a remanence that depends on a temperature which jumps of the load change."""
-    name = "magnet.temperature_coefficient"
-    depends = name in (over or {}) or system.parameters()[name] != 0.0
-    if system.heat is not None and depends and not drive.has_rate:
+    if system.needs_load_rate({}, varied=over or ()) and not drive.has_rate:
         raise InputError(
             "drive",
             must="have a rate of its load in closed form where the remanence warms the body",
@@ -215,7 +214,7 @@ def _outer_product(
 
 
 def _invalid(
-    system: Actuator,
+    system: System,
     drive: Drive,
     values: Mapping[str, FloatArray],
     states: FloatArray,

@@ -13,9 +13,9 @@ from remanent._errors import InputError
 from remanent._timeline import Timeline
 from remanent._typing import ArrayLike, FloatArray
 from remanent.integrate.ensemble.problem import Problem
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.models.drives.piecewise import Table
+from remanent.models.system import System
 from remanent.results.schema import Kind, describe
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.layout import Over, lay_out
@@ -87,7 +87,7 @@ class PhysicalScales:
 
 
 def lay_out_physical(
-    system: Actuator,
+    system: System,
     drive: Drive,
     over: Over | None = None,
     initial: ArrayLike | None = None,

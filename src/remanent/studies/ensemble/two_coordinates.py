@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from remanent._field import Role
+from remanent.studies.ensemble.checks import require_actuator
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.layout import lay_out
 
@@ -14,8 +15,9 @@ def two_coordinates(ens: Ensemble) -> tuple[Ensemble, dict[str, str]]:
 
     The initial states stay those of one coordinate.
     """
-    load = ens.system.prestress
-    both = lay_out(ens.system.replace(prestress=(load, load)), ens.drive)
+    actuator = require_actuator("system", ens.system)
+    load = actuator.prestress
+    both = lay_out(actuator.replace(prestress=(load, load)), ens.drive)
     values = {name: v for name, v in ens.values.items() if name != "prestress"}
     values |= {f"prestress_{i}": ens.values["prestress"] for i in (1, 2)}
     first, second = both.field.names(Role.COORDINATE)

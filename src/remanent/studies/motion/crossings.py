@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from remanent._checks import finite, require_choice, require_real
 from remanent._typing import ArrayLike, BoolArray
 from remanent.integrate import events
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.dataset import to_dataset
 from remanent.studies.ensemble.durations import durations, require_exactly_one
@@ -23,14 +23,12 @@ from remanent.studies.ensemble.problem import initial_value_problem
 from remanent.studies.ensemble.progress import Progress, as_progress
 
 _VALUE = finite("It is the value that is passed.")
-#: Observables whose passages are found, beside the state variables.
-_OBSERVABLES = ("thickness_stretch", "thickness_stretch_rate")
 #: Signs of the passages that each `direction` stands for; 0 is a touch.
 _DIRECTIONS = {"both": (-1, 0, 1), "up": (1,), "down": (-1,)}
 
 
 def crossings(
-    system: Actuator,
+    system: System,
     drive: Drive,
     variable: str,
     value: float,
@@ -47,7 +45,7 @@ def crossings(
 
     Parameters
     ----------
-    system : Actuator
+    system : System
         What moves.
     drive : Drive
         The magnetic load on it.
@@ -114,7 +112,7 @@ def crossings(
     require_choice("direction", direction, list(_DIRECTIONS))
     report = as_progress(progress)
     ens = lay_out(system, drive, over, initial)
-    require_choice("variable", variable, [*_OBSERVABLES, *ens.field.state])
+    require_choice("variable", variable, [*ens.field.watched_names, *ens.field.state])
     problem = initial_value_problem(ens, durations(ens, duration, periods))
     passages, outcome = events.crossings(
         problem, variable, value, tolerance=tolerance, progress=report

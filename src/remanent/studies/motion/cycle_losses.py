@@ -11,8 +11,8 @@ from remanent._typing import ArrayLike
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Request
 from remanent.integrate.variations import with_integrals
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
 from remanent.studies.ensemble.durations import require_count, require_periods
@@ -29,7 +29,7 @@ _POWERS = {"dissipated_energy": "dissipated_power", "drive_work": "drive_power"}
 
 
 def cycle_losses(
-    system: Actuator,
+    system: System,
     drive: Drive,
     *,
     periods: int,
@@ -43,7 +43,7 @@ def cycle_losses(
 
     Parameters
     ----------
-    system : Actuator
+    system : System
         What moves.
     drive : Drive
         A periodic load.

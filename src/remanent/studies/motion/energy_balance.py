@@ -7,12 +7,13 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
+from remanent._field import Role
 from remanent._typing import ArrayLike, FloatArray
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Problem, Request
 from remanent.integrate.variations import with_integrals
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
 from remanent.studies.ensemble.durations import require_exactly_one
@@ -37,7 +38,7 @@ _HEAT_INTEGRALS = {
 
 
 def energy_balance(
-    system: Actuator,
+    system: System,
     drive: Drive,
     *,
     duration: float | None = None,
@@ -52,7 +53,7 @@ def energy_balance(
 
     Parameters
     ----------
-    system : Actuator
+    system : System
         What moves.
     drive : Drive
         The magnetic load on it.
@@ -115,7 +116,7 @@ def energy_balance(
     report = as_progress(progress)
     ens = lay_out(system, drive, over, initial)
     grid = time_grid(ens, duration, periods, times)
-    warms = system.heat is not None
+    warms = bool(ens.field.indices(Role.TEMPERATURE))
     integrals = _INTEGRALS | (_HEAT_INTEGRALS if warms else {})
     problem = _with_integrals(initial_value_problem(ens, grid.duration), integrals)
     request = Request(times=grid.times)

@@ -9,8 +9,8 @@ from remanent._checks import Rule, require_real
 from remanent._typing import ArrayLike
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Request
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
 from remanent.studies.ensemble.durations import require_count, require_periods
@@ -29,7 +29,7 @@ _PHASE = Rule(
 
 
 def poincare_section(
-    system: Actuator,
+    system: System,
     drive: Drive,
     *,
     periods: int,
@@ -44,7 +44,7 @@ def poincare_section(
 
     Parameters
     ----------
-    system : Actuator
+    system : System
         What moves.
     drive : Drive
         A periodic load.
@@ -116,7 +116,7 @@ def poincare_section(
     variables: dict[str, PerTrajectory] = {
         name: (("period",), states[:, :, k]) for k, name in enumerate(ens.field.state)
     }
-    for name in ("thickness_stretch", "thickness_stretch_rate"):
+    for name in ens.field.watched_names:
         variables[name] = (("period",), observe(problem, name, times, states))
     variables["drive_period"] = length
     return to_dataset(

@@ -8,8 +8,8 @@ import xarray as xr
 from remanent._typing import ArrayLike
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Request
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
 from remanent.studies.ensemble.durations import require_exactly_one
@@ -19,11 +19,9 @@ from remanent.studies.ensemble.problem import initial_value_problem
 from remanent.studies.ensemble.progress import Progress, as_progress
 from remanent.studies.ensemble.time_grid import time_grid
 
-_OBSERVABLES = ("thickness_stretch", "thickness_stretch_rate", "energy", "load")
-
 
 def simulate(
-    system: Actuator,
+    system: System,
     drive: Drive,
     *,
     duration: float | None = None,
@@ -38,7 +36,7 @@ def simulate(
 
     Parameters
     ----------
-    system : Actuator
+    system : System
         What moves.
     drive : Drive
         The magnetic load on it.
@@ -108,7 +106,7 @@ def simulate(
     variables: dict[str, PerTrajectory] = {
         name: ((grid.axis,), states[:, :, k]) for k, name in enumerate(ens.field.state)
     }
-    for name in _OBSERVABLES:
+    for name in (*ens.field.watched_names, "energy", "load"):
         values = observe(problem, name, grid.times, states)
         # The load does not depend on the state: without this it would go on past the horizon.
         values = np.where(np.isnan(states[:, :, 0]), np.nan, values)

@@ -100,11 +100,12 @@ def _default(name: str, variable: StateVariable, ens: Ensemble) -> FloatArray:
 
 def require_isolated(ens: Ensemble) -> None:
     """Refuse adiabatic bodies: they warm for ever, or have an orbit for each entropy."""
-    if ens.system.heat is not None and not (ens.values["heat.exchange"] > 0.0).all():
+    warms = bool(ens.field.indices(Role.TEMPERATURE))
+    if warms and not (ens.values["heat.exchange"] > 0.0).all():
         raise InputError(
-            "actuator",
+            "system",
             must="exchange heat where its temperature is a state",
-            got=ens.system.heat,
+            got=ens.system,
             why="Without exchange it warms for ever, or has an orbit for every temperature.",
             fix="Pass rm.Heat(exchange=...) above 0, or heat=None.",
         )

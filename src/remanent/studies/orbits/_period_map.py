@@ -152,7 +152,7 @@ class StroboscopicMap:
         """Fields whose derivatives the kernel carries along.
 
         The field that times the drive acts through the length of the period, and through the
-        rate of the load where that takes part in the heat balance.
+        rate of the load where that enters the equations.
         """
         timed = self.ensemble.drive.timed_by
         return [
@@ -163,10 +163,8 @@ class StroboscopicMap:
 
     @property
     def _load_rate_matters(self) -> bool:
-        """Whether a remanence depends on a temperature that is a state."""
-        name = "magnet.temperature_coefficient"
-        varies = name in self.names or bool(self.ensemble.values[name].any())
-        return self.ensemble.system.heat is not None and varies
+        """Whether rates of the loads enter the equations."""
+        return self.ensemble.system.needs_load_rate(self.ensemble.values, varied=self.names)
 
     @cached_property
     def _flow(self) -> PeriodMap:

@@ -4,22 +4,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import Any
 
 import numpy as np
-from scipy.optimize import elementwise
 
 from remanent._field import Role
+from remanent._roots import find_root
 from remanent._typing import FloatArray
 from remanent.analysis.orbits.periodic_orbits import Orbits, distinct_orbits, newton_fixed_points
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.initial import rest_values
 from remanent.studies.orbits._period_map import StroboscopicMap
 
-#: Its annotations know nothing of `args`.
-find_root: Any = elementwise.find_root
 #: Error of a period in the first search.
 _ROUGH_TOLERANCE = 1e-6
 #: Largest resolution of the first search: guesses that need more lead nowhere.
@@ -69,7 +66,7 @@ class Search:
     dense: bool = True
 
 
-def is_reversible(system: Actuator, drive: Drive) -> bool:
+def is_reversible(system: System, drive: Drive) -> bool:
     """Whether reversing time leaves the equation of motion as it is."""
     period = drive.period
     if period is None or not system.conservative:

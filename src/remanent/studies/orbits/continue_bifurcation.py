@@ -18,8 +18,8 @@ from remanent.analysis.orbits.continuation import ContinuationSettings, continue
 from remanent.analysis.orbits.correction import correct_points
 from remanent.analysis.orbits.curves import Curve
 from remanent.analysis.orbits.orbit_equations import bifurcation_equations
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import (
     require_parameter,
@@ -47,7 +47,7 @@ from remanent.studies.orbits._tracing import FIRST_STEP, LONGEST_STEP
 
 
 def continue_bifurcation(
-    system: Actuator,
+    system: System,
     drive: Drive,
     kind: str,
     parameters: Sequence[str],
@@ -65,7 +65,7 @@ def continue_bifurcation(
 
     Parameters
     ----------
-    system : Actuator
+    system : System
         What moves.
     drive : Drive
         A periodic load.  The own values of both are where the curve is looked for.

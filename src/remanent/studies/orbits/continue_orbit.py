@@ -11,8 +11,8 @@ import xarray as xr
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, FloatArray
 from remanent.analysis.orbits.periodic_orbits import Orbits, newton_fixed_points
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.studies.ensemble.checks import require_parameter, require_range, require_state
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.layout import Over, lay_out
@@ -28,7 +28,7 @@ _STATE_FIX = "Take one from periodic_orbits, at phase 0."
 
 
 def continue_orbit(
-    system: Actuator,
+    system: System,
     drive: Drive,
     parameter: str,
     parameter_range: ArrayLike,
@@ -45,7 +45,7 @@ def continue_orbit(
 
     Parameters
     ----------
-    system : Actuator
+    system : System
         What moves.
     drive : Drive
         A periodic load.

@@ -14,8 +14,8 @@ from remanent._typing import ArrayLike, BoolArray, FloatArray
 from remanent.analysis.orbits.correction import correct_points
 from remanent.analysis.orbits.maps import MapImage
 from remanent.analysis.orbits.orbit_equations import bifurcation_equations
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.studies.ensemble.checks import require_parameter, require_state, require_tolerance
 from remanent.studies.ensemble.dataset import to_dataset
 from remanent.studies.ensemble.durations import require_periods
@@ -35,7 +35,7 @@ _HOMOTOPY_STEPS = 4
 
 
 def locate_bifurcation(
-    system: Actuator,
+    system: System,
     drive: Drive,
     kind: str,
     parameter: str,
@@ -49,7 +49,7 @@ def locate_bifurcation(
 
     Parameters
     ----------
-    system : Actuator
+    system : System
         What moves.
     drive : Drive
         A periodic load.  With their own values both are near the special point.

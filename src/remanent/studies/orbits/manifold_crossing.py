@@ -19,8 +19,8 @@ from remanent.analysis.orbits.separatrix import SaddlePassage, saddle_passages, 
 from remanent.analysis.orbits.stability import Stability, floquet_multipliers, orbit_stability
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Request
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.studies.ensemble.checks import (
     require_parameter,
     require_range,
@@ -58,7 +58,7 @@ _WIDTH = positive("It is the width of the last bracket.", "Pass for example 1e-8
 
 
 def manifold_crossing(
-    system: Actuator,
+    system: System,
     drive: Drive,
     parameter: str,
     parameter_range: ArrayLike,
@@ -79,7 +79,7 @@ def manifold_crossing(
 
     Parameters
     ----------
-    system : Actuator
+    system : System
         What moves.
     drive : Drive
         A periodic load.

@@ -10,8 +10,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
@@ -36,7 +36,7 @@ _COLUMN_DIMENSIONS = MappingProxyType(
 
 
 def periodic_orbits(
-    system: Actuator,
+    system: System,
     drive: Drive,
     *,
     orbit_period: int = 1,
@@ -49,7 +49,7 @@ def periodic_orbits(
 
     Parameters
     ----------
-    system : Actuator
+    system : System
         What moves.
     drive : Drive
         A periodic load.

@@ -8,8 +8,8 @@ from typing import Any
 import xarray as xr
 
 from remanent._typing import ArrayLike
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.studies.ensemble.durations import require_count
 from remanent.studies.ensemble.layout import Over, lay_out
 from remanent.studies.ensemble.progress import Progress, as_progress
@@ -21,7 +21,7 @@ from remanent.studies.orbits._tracing import TracingOptions
 
 
 def response_diagram(
-    system: Actuator,
+    system: System,
     drive: Drive,
     omega_range: ArrayLike,
     *,
@@ -37,7 +37,7 @@ def response_diagram(
 
     Parameters
     ----------
-    system : Actuator
+    system : System
         What moves.
     drive : Drive
         A load with a field ``omega``, whose value is not used.

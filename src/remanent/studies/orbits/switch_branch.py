@@ -13,8 +13,8 @@ from remanent._errors import InputError
 from remanent._typing import FloatArray
 from remanent.analysis.orbits.periodic_orbits import Orbits
 from remanent.analysis.orbits.switching import crossing_branch_point
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.studies.ensemble.durations import require_count
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.layout import lay_out
@@ -27,7 +27,7 @@ _PERIOD_FACTORS = MappingProxyType({"period doubling": 2, "branch point": 1})
 
 
 def switch_branch(
-    system: Actuator,
+    system: System,
     drive: Drive,
     branch: xr.Dataset,
     special: int = 0,
@@ -40,7 +40,7 @@ def switch_branch(
 
     Parameters
     ----------
-    system, drive : Actuator, Drive
+    system, drive : System, Drive
         Those of the branch.
     branch : xarray.Dataset
         A result of :func:`remanent.continue_orbit`, without `over`, or of this verb.

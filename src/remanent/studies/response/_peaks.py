@@ -21,6 +21,7 @@ from remanent.integrate.ensemble.problem import Request
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.models.drives.waves import Constant
+from remanent.studies.ensemble.checks import require_actuator
 from remanent.studies.ensemble.durations import require_periods
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.layout import lay_out
@@ -29,8 +30,8 @@ from remanent.studies.ensemble.problem import initial_value_problem
 from remanent.studies.orbits._branch_tables import BranchTable, Table
 from remanent.studies.orbits._tracing import TracingOptions
 from remanent.studies.response._free_oscillations import free_oscillations
-from remanent.studies.statics._static_ensemble import AtRest
-from remanent.studies.statics._static_state import Body
+from remanent.studies.statics._static_ensemble import StaticEnsemble
+from remanent.studies.statics._static_state import StaticState
 
 #: Harmonics of the orbit that are told, beside its mean.
 HARMONICS = 12
@@ -175,7 +176,7 @@ def describe_peaks(member: Ensemble, varied: Iterable[str], peaks: Sequence[Peak
 
 def _own_parts(member: Ensemble, varied: Iterable[str]) -> tuple[Actuator, Drive]:
     """System and drive with the values of a member of an ensemble."""
-    system, drive = member.system, member.drive
+    system, drive = require_actuator("system", member.system), member.drive
     for name in varied:
         if name in drive.parameters():
             drive = drive.replace(**{name: float(member.values[name][0])})
@@ -230,7 +231,7 @@ def _free_frequency(system: Actuator, mean: float, amplitude: FloatArray) -> Flo
 
 def _stable_stretch(system: Actuator, mean: float) -> float:
     """The stretch at the one stable equilibrium under a load."""
-    at_rest = AtRest(lay_out(system, Constant(mean)))
+    at_rest = StaticEnsemble(lay_out(system, Constant(mean)))
     roots = find_zeros(at_rest.force, 1, at_rest.grid)[0]
     stable = roots[force_slope(at_rest.force, np.zeros(roots.size, dtype=np.int64), roots) < 0.0]
     if stable.size != 1:
@@ -248,8 +249,8 @@ def _small_oscillations(system: Actuator, mean: float) -> float:
     """Modulus of the eigenvalue of small oscillations about rest; NaN where there are none."""
     ens = lay_out(system, Constant(mean))
     row = np.array([ens.values[name][0] for name in ens.field.parameters])
-    body = Body(ens.field, row, ens.initial[0]).at_rest()
-    if body is None:
+    rest = StaticState(ens.field, row, ens.initial[0]).relax()
+    if rest is None:
         return np.nan
-    values = np.linalg.eigvals(body.linear()[0])
+    values = np.linalg.eigvals(rest.linearised()[0])
     return max((abs(complex(s)) for s in values if s.imag > 0.0), default=np.nan)

@@ -13,25 +13,23 @@ from remanent._typing import ArrayLike, FloatArray, IntArray
 from remanent.analysis.response.subdivision import Maximum, refine_maximum
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Outcome, Request, gathered
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.results.build import Labelled
-from remanent.studies.ensemble.checks import require_tolerance
+from remanent.studies.ensemble.checks import require_drive, require_tolerance
 from remanent.studies.ensemble.dataset import to_dataset
-from remanent.studies.ensemble.durations import durations, require_exactly_one
+from remanent.studies.ensemble.durations import RESPONSE_WINDOW, durations, require_exactly_one
 from remanent.studies.ensemble.ensemble import BATCH_SIZE, Ensemble
-from remanent.studies.ensemble.layout import Over, lay_out
+from remanent.studies.ensemble.layout import Over, lay_out, require_over
 from remanent.studies.ensemble.problem import initial_value_problem
 from remanent.studies.ensemble.progress import Progress, Report, as_progress, within
 
-#: Default length of the window, in units of tau: that of [Thermal].
-WINDOW = 100.0
 _WIDTH = positive("It is the width of the last bracket.", "Pass for example 1e-6.")
 _DISCARD = not_negative("It is the time before the window.", "Pass 0 to start at once.")
 
 
 def frequency_response(
-    system: Actuator,
+    system: System,
     drive: Drive,
     omega: ArrayLike,
     *,
@@ -91,12 +89,13 @@ def frequency_response(
     1.25
     """
     if periods is None and duration is None:
-        duration = WINDOW
+        duration = RESPONSE_WINDOW
     require_exactly_one(duration=duration, periods=periods)
-    require_tolerance(tolerance)
+    require_tolerance(tolerance, "the error of the extremes")
     discard = require_real("discard", discard, _DISCARD)
     resonance_width = require_real("resonance_width", resonance_width, _WIDTH)
-    grid = _frequencies(drive, omega, over)
+    require_over(over)
+    grid = _frequencies(require_drive(drive), omega, over)
     whole = {**(over or {}), "omega": grid}
     ens = lay_out(system, drive, whole, initial)
 

@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 from remanent._errors import InputError
 from remanent._status import Status
 from remanent._typing import ArrayLike
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.results.build import Labelled
+from remanent.studies.ensemble.checks import require_actuator
 from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
 from remanent.studies.ensemble.durations import require_count
 from remanent.studies.ensemble.ensemble import Ensemble
@@ -33,7 +34,7 @@ _MAX_POINTS = 2000
 
 
 def resonances(
-    system: Actuator,
+    system: System,
     drive: Drive,
     omega_range: ArrayLike,
     *,
@@ -48,7 +49,7 @@ def resonances(
 
     Parameters
     ----------
-    system : Actuator
+    system : System
         What moves, with one coordinate.
     drive : Drive
         A load with a field ``omega``, whose value is not used.
@@ -160,11 +161,11 @@ def resonances(
     return dataset.assign_attrs(over=" ".join([*ens.coords, "omega"]))
 
 
-def _require_one_coordinate(system: Actuator) -> None:
+def _require_one_coordinate(system: System) -> None:
     """Refuse what has no backbone."""
-    if system.coordinates > 1:
+    if require_actuator("system", system).coordinates > 1:
         raise InputError(
-            "actuator",
+            "system",
             must="have one coordinate",
             got=system,
             why="Resonances are named by free oscillations of the same amplitude, which two "

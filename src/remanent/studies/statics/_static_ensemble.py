@@ -8,9 +8,9 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from scipy.optimize import elementwise
 
 from remanent._field import Program, Role, StateVariable
+from remanent._roots import find_root
 from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.studies.ensemble.ensemble import Ensemble
 
@@ -22,7 +22,7 @@ Changed = Mapping[str, FloatArray]
 
 
 @dataclass(frozen=True)
-class AtRest:
+class StaticEnsemble:
     """The field of an ensemble at zero rates, branches relaxed, at the surroundings' temperature.
 
     Stretches are given for each coordinate, arrays (point,); differences of stretches
@@ -61,8 +61,8 @@ class AtRest:
     def reachable(self, case: IntArray, one: FloatArray, two: FloatArray) -> BoolArray:
         """Whether the material reaches in-plane stretches, arrays that broadcast with `case`."""
         columns = {name: value[case] for name, value in self.ens.values.items()}
-        found = self.ens.system.reachable(columns, one, two)
-        return np.broadcast_to(found, np.broadcast_shapes(case.shape, one.shape))
+        inside = self.ens.system.admissible(columns, one, two)
+        return np.broadcast_to(inside, np.broadcast_shapes(case.shape, one.shape))
 
     def force(
         self, case: IntArray, stretch: FloatArray, changed: Changed | None = None
@@ -128,6 +128,5 @@ def farthest_inside(
     inside: Callable[..., BoolArray], near: FloatArray, far: FloatArray, index: IntArray
 ) -> FloatArray:
     """The last numbers with `inside(number, index)`, from `near`, where it holds, to `far`."""
-    find_root: Any = elementwise.find_root  # its stubs do not know `args`
     solved = find_root(lambda x, i: np.where(inside(x, i), 1.0, -1.0), (near, far), args=(index,))
     return np.asarray(np.where(solved.f_bracket[0] > 0.0, *solved.bracket))

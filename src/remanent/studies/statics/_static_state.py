@@ -17,7 +17,7 @@ _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(24)
 
 
 @dataclass(frozen=True)
-class Body:
+class StaticState:
     """The field of an actuator under a constant load, for one set of its parameters.
 
     Attributes
@@ -56,13 +56,13 @@ class Body:
         """The magnetic load."""
         return float(self.parameters[self.field.parameters.index("m")])
 
-    def at_load(self, load: float) -> Body:
+    def at_load(self, load: float) -> StaticState:
         """The same under another load."""
         values = self.parameters.copy()
         values[self.field.parameters.index("m")] = load
         return replace(self, parameters=values)
 
-    def at_target(self, thickness: float) -> Body | None:
+    def at_thickness(self, thickness: float) -> StaticState | None:
         """The body at rest at a thickness stretch, under the load for it, if there is one."""
 
         def unbalance(u: FloatArray) -> FloatArray:
@@ -79,7 +79,7 @@ class Body:
             return None
         return self.at_load(float(found.x[-1]))._at(found.x[:-1])
 
-    def at_rest(self) -> Body | None:
+    def relax(self) -> StaticState | None:
         """The body at the state of rest near its own, under its load, if there is one."""
 
         def unbalance(u: FloatArray) -> FloatArray:
@@ -99,7 +99,7 @@ class Body:
         compliance = np.linalg.solve(self._jacobian(u), np.eye(len(u))[-1])[-1]
         return float(compliance * self._conjugate())
 
-    def linear(self) -> tuple[FloatArray, FloatArray]:
+    def linearised(self) -> tuple[FloatArray, FloatArray]:
         """Derivatives of the rates by the moving state variables, and by the load."""
         moved = [self._rates(k) for k in self.moving]
         column = 1 + len(self.state) + self.field.parameters.index("m")
@@ -122,7 +122,7 @@ class Body:
         inputs = [0.0, *self.state, *self.parameters]
         return float(self.field.observables["thickness_stretch"](inputs, functions=np)[0])
 
-    def _at(self, free: FloatArray) -> Body:
+    def _at(self, free: FloatArray) -> StaticState:
         state = np.where([r is Role.RATE for r in self.field.roles], 0.0, self.state)
         state[self.free] = free
         return replace(self, state=state)

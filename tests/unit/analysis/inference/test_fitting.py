@@ -31,13 +31,13 @@ def ringing(x: FloatArray) -> FloatArray:
 def noisy(seed: int, sigma: float) -> Observations:
     values = ringing(np.array([[0.2, 3.0]]))[0]
     noise = np.random.default_rng(seed).normal(0.0, sigma, T.size)
-    return Observations(values + noise, np.ones(T.size), known=False)
+    return Observations(values + noise, np.ones(T.size), absolute=False)
 
 
 def test_a_line_is_the_textbook_regression() -> None:
     """Estimates, standard errors, and a profile that is the linear interval itself."""
     values = 1.0 + 0.3 * T + np.random.default_rng(0).normal(0.0, 0.1, T.size)
-    data = Observations(values, np.ones(T.size), known=False)
+    data = Observations(values, np.ones(T.size), absolute=False)
     found = fit_least_squares(line, data, np.zeros(2), FREE)
     book = linregress(T, values)
     np.testing.assert_allclose(found.estimate, [book.intercept, book.slope], rtol=1e-7)
@@ -87,7 +87,7 @@ def test_profile_ends_are_infinite_where_nothing_limits_them() -> None:
     def flat(x: FloatArray) -> FloatArray:
         return np.repeat(np.exp(-x), 5, axis=1)
 
-    data = Observations(np.array([0.03, -0.03, 0.05, -0.04, 0.04]), np.full(5, 0.05), known=True)
+    data = Observations(np.array([0.03, -0.03, 0.05, -0.04, 0.04]), np.full(5, 0.05), absolute=True)
     box = ParameterBox(np.ones(1), np.array([-5.0]), np.array([50.0]))
     ends = profile_interval(
         flat, data, fit_least_squares(flat, data, np.array([3.0]), box), box, 0, 0.95

@@ -11,7 +11,13 @@ from remanent._typing import FloatArray
 from remanent.analysis.orbits.bifurcations import SpecialPoint, find_special_points
 from remanent.analysis.orbits.continuation import ContinuationSettings, continue_curves
 from remanent.analysis.orbits.correction import unit_tangents
-from remanent.analysis.orbits.curves import Curve, CurveEquations, CurvePoints, EquationValues
+from remanent.analysis.orbits.curves import (
+    Curve,
+    CurveEquations,
+    CurvePoints,
+    EquationValues,
+    interpolate_curve,
+)
 from remanent.analysis.orbits.maps import Map, MapImage
 from remanent.analysis.orbits.orbit_equations import orbit_equations
 from remanent.analysis.orbits.periodic_orbits import distinct_orbits, newton_fixed_points
@@ -58,6 +64,7 @@ def plane(f: str) -> CurveEquations:
 
 
 def test_a_circle_closes() -> None:
+    """x^2 + p^2 = 1: every point on it, once round, the first point again as the last."""
     curve = traced(plane("circle"), [1.0, 0.0], [[-2, 2], [-2, 2]])
     assert curve.closed
     z = curve.points.unknown
@@ -69,6 +76,7 @@ def test_a_circle_closes() -> None:
 
 
 def test_a_curve_goes_round_folds_to_its_bounds() -> None:
+    """p = x^3 - x: x runs through, p turns at its extremes ±2/√27, both ends leave the box."""
     curve = traced(plane("cubic"), [0.0, 0.0], [[-3, 3], [-2, 2]])
     x, p = curve.points.unknown.T
     np.testing.assert_allclose(x**3 - x, p, atol=1e-11)
@@ -84,6 +92,62 @@ def test_steps_follow_the_curvature() -> None:
     curve = traced(plane("fold"), [3.0, 9.0], [[-5, 5], [-1, 20]], max_step=0.5)
     gaps = np.linalg.norm(np.diff(curve.points.unknown, axis=0), axis=1)
     assert gaps.max() > 4 * gaps[np.argmin(np.abs(curve.points.unknown[:-1, 0]))]
+
+
+def test_a_curve_goes_straight_on_where_it_crosses_itself() -> None:
+    """The lemniscate x^2 = p^2 (1 - p^2): one curve through the crossing at 0, closed."""
+    curve = traced(plane("lemniscate"), [0.0, 1.0], [[-2, 2], [-2, 2]])
+    assert curve.closed
+    x, p = curve.points.unknown.T
+    np.testing.assert_allclose(x**2, p**2 * (1.0 - p**2), atol=1e-11)
+    # Straight on, p changes its sign at 0; turning off there, it would keep it.
+    assert (p.min(), p.max()) == (pytest.approx(-1.0, abs=1e-2), pytest.approx(1.0, abs=1e-2))
+    assert np.count_nonzero(np.diff(np.sign(p))) == 2
+
+
+def test_curves_followed_together_are_those_followed_alone() -> None:
+    """Determinism: the company of other curves changes no bit of one."""
+    equations, scale = plane("cubic"), np.ones(2)
+    settings = ContinuationSettings(
+        np.array([-3.0, -2.0]), np.array([3.0, 2.0]), scale, tolerance=1e-12
+    )
+    x = np.array([0.0, 1.1, -1.3])
+    starts = start(equations, np.stack([x, x**3 - x], axis=1), scale)
+    together = continue_curves(equations, starts, settings)
+    for k, curve in enumerate(together):
+        (alone,) = continue_curves(equations, starts.subset(slice(k, k + 1)), settings)
+        np.testing.assert_array_equal(curve.points.unknown, alone.points.unknown)
+        assert curve.ends == alone.ends
+
+
+@pytest.mark.parametrize("number", [1, 1000])
+def test_a_curve_ends_after_as_many_points_as_were_asked_for(number: int) -> None:
+    """At least so many in each direction, at most one block more; why it ends is said."""
+    curve = traced(
+        plane("circle"),
+        [1.0, 0.0],
+        [[-2, 2], [-2, 2]],
+        max_points=number,
+        max_step=0.001,
+        first_step=0.001,
+    )
+    assert curve.ends == ("points", "points")
+    assert 2 * number - 1 <= len(curve.points) <= 2 * (number + 8)
+
+
+def test_places_between_points_lie_on_the_curve_to_fourth_order() -> None:
+    """Hermite's cubic through two points of a circle: half the step, a sixteenth of the error."""
+    errors = []
+    for angle in (0.2, 0.1):
+        ends = np.array([0.0, angle])
+        unknown = np.stack([np.cos(ends), np.sin(ends)], axis=1)
+        tangent = np.stack([-np.sin(ends), np.cos(ends)], axis=1)
+        points = CurvePoints(unknown, tangent, np.zeros(2), np.zeros(2), {})
+        place, direction = interpolate_curve(points, np.array([0]), np.array([0.5]), np.ones(2))
+        errors.append(abs(np.hypot(*place[0]) - 1.0))
+        np.testing.assert_allclose(direction[0] @ place[0], 0.0, atol=1e-12)
+    assert errors[0] / errors[1] == pytest.approx(16.0, rel=0.05)
+    assert errors[1] < 1e-5
 
 
 @dataclass(frozen=True)
@@ -133,8 +197,9 @@ def specials(map_: Map, z: list[float], box: list[list[float]]) -> list[SpecialP
 
 
 def test_the_logistic_map_doubles_its_period_at_3() -> None:
+    """The multiplier 2 - r of x = 1 - 1/r is -1 at r = 3, within the error that is reported."""
     found = specials(Logistic(), [0.5, 2.0], [[0.1, 1.0], [1.5, 3.8]])
-    assert [one.kind for one in found] == ["period doubling"]
+    assert [special.kind for special in found] == ["period doubling"]
     assert found[0].points.unknown[0] == pytest.approx([2.0 / 3.0, 3.0], abs=1e-10)
     assert abs(found[0].points.unknown[0, 1] - 3.0) <= found[0].error < 1e-9
 
@@ -161,10 +226,10 @@ class Grazing:
 def test_doublings_narrower_than_a_step_are_found(width: float) -> None:
     """Both edges of a window of instability between two points of the branch."""
     found = specials(Grazing(width), [0.0, 0.2037], [[-1.0, 1.0], [-0.5, 0.5]])
-    assert [one.kind for one in found] == ["period doubling"] * 2
-    places = np.array([one.points.unknown[0, 1] for one in found])
+    assert [special.kind for special in found] == ["period doubling"] * 2
+    places = np.array([special.points.unknown[0, 1] for special in found])
     assert np.sort(places) == pytest.approx([-width, width], rel=1e-4)
-    assert all(abs(abs(p) - width) <= one.error for p, one in zip(places, found, strict=True))
+    assert all(abs(abs(p) - width) <= s.error for p, s in zip(places, found, strict=True))
 
 
 @pytest.mark.parametrize("width", [0.0, -1e-4])
@@ -176,13 +241,14 @@ def test_a_multiplier_that_does_not_pass_is_no_doubling(width: float) -> None:
 def test_branches_cross_at_1() -> None:
     """The fixed points 0 and 1 - 1/r meet at r = 1."""
     found = specials(Logistic(), [0.5, 2.0], [[-0.5, 1.0], [0.7, 2.5]])
-    assert [one.kind for one in found] == ["branch point"]
+    assert [special.kind for special in found] == ["branch point"]
     assert found[0].points.unknown[0] == pytest.approx([0.0, 1.0], abs=1e-8)
 
 
 def test_the_delayed_logistic_map_has_a_torus_at_2() -> None:
+    """The multipliers of x = 1 - 1/r are exp(±iπ/3) at r = 2, and leave the unit circle there."""
     found = specials(Delayed(), [1 / 3, 1 / 3, 1.5], [[0.1, 1.0], [0.1, 1.0], [1.2, 2.5]])
-    assert [one.kind for one in found] == ["Neimark-Sacker"]
+    assert [special.kind for special in found] == ["Neimark-Sacker"]
     assert found[0].points.unknown[0, 2] == pytest.approx(2.0, abs=1e-10)
 
 
@@ -202,6 +268,7 @@ def test_numbers_of_orbits_of_the_full_logistic_map(period: int, count: int) -> 
 
 
 def test_orbits_of_the_logistic_map() -> None:
+    """r = 3.2: 0, 1 - 1/r, and x = (r + 1 ± √((r + 1)(r - 3)))/(2r) of period 2."""
     np.testing.assert_allclose(logistic_orbits(3.2, 1), [0.0, 1.0 - 1.0 / 3.2], atol=1e-12)
     (x,) = logistic_orbits(3.2, 2)
     roots = [(4.2 + s * np.sqrt(4.2 * 0.2)) / 6.4 for s in (-1, 1)]
@@ -227,6 +294,7 @@ def test_multipliers_and_their_error() -> None:
 
 
 def test_stability_is_undecided_within_the_error() -> None:
+    """Multipliers inside, outside and on the unit circle, the last within their error."""
     values = np.array([[1.2, 0.5], [0.9, 0.5], [1.3, 1.2], [1.0 + 1e-9, 0.5]], dtype=complex)
     kinds = orbit_stability(values, np.full(values.shape, 1e-8), conservative=False)
     assert [Stability(k).meaning for k in kinds] == ["saddle", "stable", "unstable", "undecided"]

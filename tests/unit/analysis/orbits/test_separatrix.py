@@ -45,10 +45,12 @@ def test_the_side_is_that_of_the_stable_manifold() -> None:
 
 
 def test_what_an_error_could_turn_is_not_decided() -> None:
+    """v = 1.99 and 2.01 part by 0.01 at the top: an error of 0.1 could turn the sign."""
     assert passed(np.array([1.99, 2.01]), error=0.1) == [0, 0]
 
 
 def test_what_does_not_come_near_is_not_decided() -> None:
+    """At v = 0.5 the pendulum swings by 29 degrees only."""
     assert passed(np.array([0.5])) == [0]
 
 
@@ -75,6 +77,7 @@ def test_what_stays_is_not_decided() -> None:
     ],
 )
 def test_saddles_have_one_real_multiplier_outside(matrix: FloatArray, expected: bool) -> None:
+    """A saddle, a source, a sink, a centre; direction and form are dual eigenvectors."""
     direction, form, saddle = unstable_direction(matrix[None])
     assert saddle.tolist() == [expected]
     if expected:

@@ -32,6 +32,7 @@ class Pitchfork:
 
 
 def test_the_pair_beside_a_symmetric_orbit_is_found() -> None:
+    """x^2 = p beside x = 0."""
     point = crossing_branch_point(
         orbit_equations(Pitchfork(), 1), np.zeros(2), scale=np.ones(2), tolerance=1e-13
     )

@@ -40,6 +40,7 @@ def test_a_constant_has_all_digits() -> None:
 
 
 def test_digits_of_a_torus_and_of_noise() -> None:
+    """Averages converge faster than any power on a torus, like n^(-1/2) in noise."""
     n = np.arange(1000)
     torus = np.cos(2 * np.pi * GOLDEN * n) + 0.3 * np.cos(4 * np.pi * GOLDEN * n)
     noise = np.random.default_rng(5).normal(size=1000)
@@ -61,6 +62,7 @@ def test_rotation_number_of_a_twisted_circle() -> None:
 
 
 def test_a_curve_beside_its_centre_has_no_rotation_number() -> None:
+    """A circle about 0 does not turn about (3, 0)."""
     n = np.arange(400)
     points = np.stack([np.cos(n), np.sin(n)], axis=1)
     found = rotation_numbers(points[None], centre=np.array([[3.0, 0.0]]))

@@ -27,6 +27,7 @@ def test_henon_exponents_add_up_to_ln_b() -> None:
 
 
 def test_exponents_come_in_pairs_where_area_is_preserved() -> None:
+    """Standard map: L1 + L2 = 0, and L1 near ln(K/2) at large K (Chirikov 1979)."""
     path = run(standard, np.array([0.5, 1.0]), np.array([5.0]), 2000)
     found = lyapunov_exponents(path.growth, path.block_lengths)
     assert abs(found.mean[0].sum()) < 1e-6

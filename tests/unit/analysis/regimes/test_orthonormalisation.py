@@ -8,6 +8,7 @@ from remanent.analysis.regimes.orthonormalisation import orthonormalise
 
 
 def test_orthonormal_factors_give_back_the_vectors() -> None:
+    """V = R^T Q and Q Q^T = 1, also for two vectors that are nearly parallel."""
     rng = np.random.default_rng(3)
     vectors = rng.normal(size=(5, 3, 3))
     vectors[0, 1] = vectors[0, 0] * (1.0 + 1e-9) + 1e-9 * rng.normal(size=3)

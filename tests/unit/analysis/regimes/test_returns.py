@@ -20,6 +20,7 @@ GOLDEN = (np.sqrt(5.0) - 1.0) / 2.0
 
 
 def test_period_of_the_best_return() -> None:
+    """cos(2πn/7) comes back after 7 exactly, a golden rotation never."""
     n = np.arange(300)
     points = np.stack([np.cos(2 * np.pi * n / 7), np.cos(2 * np.pi * n * GOLDEN)])[:, :, None]
     found = find_best_returns(points, closed=1e-9)
@@ -48,7 +49,7 @@ def test_attractors_are_sorted_by_their_visitors() -> None:
 
 def decaying(multiplier: float, count: int = 41) -> FloatArray:
     """x <- a x from 1, array (1, iterate, 1)."""
-    return (multiplier ** np.arange(count))[None, :, None]
+    return np.asarray(multiplier ** np.arange(count), dtype=np.float64)[None, :, None]
 
 
 @pytest.mark.parametrize(("multiplier", "approaches"), [(0.9, True), (0.8, False), (0.95, False)])
