@@ -124,7 +124,7 @@ class PilotResolution:
             again = ~reliable & (image.resolution < self.finest)
             pending = pending[again]
             resolution[pending] = np.minimum(finer[again], self.finest)
-        return np.minimum(wanted, self.finest)
+        return np.asarray(np.minimum(wanted, self.finest))
 
 
 def _rounded(values: FloatArray, bits: int, floor: int) -> FloatArray:

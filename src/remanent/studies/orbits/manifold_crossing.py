@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -338,7 +339,7 @@ def _no_crossing(passage: SaddlePassage, limits: tuple[float, float]) -> InputEr
 
 
 def _label(
-    ens: Ensemble, crossings: list[_Crossing | None], parameter: str, **settings: object
+    ens: Ensemble, crossings: list[_Crossing | None], parameter: str, **settings: Any
 ) -> xr.Dataset:
     """Crossings of all members as a Dataset, NaN where there are none."""
     d = len(ens.field.state)

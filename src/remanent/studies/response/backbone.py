@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
+from remanent._checks import as_float_array
 from remanent._typing import ArrayLike
 from remanent.models.actuator import Actuator
 from remanent.models.drives.waves import Constant
 from remanent.studies.ensemble.checks import require_actuator, require_tolerance
 from remanent.studies.ensemble.dataset import to_dataset
-from remanent.studies.ensemble.layout import Over, lay_out
+from remanent.studies.ensemble.layout import Over, lay_out, require_over
 from remanent.studies.ensemble.observables import observe
 from remanent.studies.response._free_oscillations import (
     free_oscillations,
@@ -72,9 +73,23 @@ def backbone(
     >>> bool(abs(ds.frequency[0] - 6**0.5) < 1e-6)
     True
     """
-    require_tolerance(tolerance, "the state at the other turning point")
+    require_tolerance(tolerance, "the error of the state at the other turning point")
     require_free_oscillations(require_actuator("actuator", actuator), "actuator")
-    ens = lay_out(actuator, Constant(m), {**(over or {}), "initial.stretch": np.asarray(stretch)})
+    require_over(over)
+    stretches = as_float_array(
+        "stretch",
+        stretch,
+        what="in-plane stretches",
+        why="An oscillation starts from each.",
+        fix="Pass for example numpy.linspace(1.01, 1.5, 50).",
+        least=1,
+    )
+    ens = lay_out(
+        actuator,
+        Constant(m),
+        {**(over or {}), "initial.stretch": stretches},
+        system_argument="actuator",
+    )
     free = free_oscillations(ens, tolerance)
     start = np.zeros((ens.count, 1))
     return to_dataset(
