@@ -152,7 +152,7 @@ class StroboscopicMap:
         """Fields whose derivatives the kernel carries along.
 
         The field that times the drive acts through the length of the period, and through the
-        rate of the load where that takes part in the heat balance.
+        rate of the load where that enters the equations.
         """
         timed = self.ensemble.drive.timed_by
         return [

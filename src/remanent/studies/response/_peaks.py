@@ -249,8 +249,8 @@ def _small_oscillations(system: Actuator, mean: float) -> float:
     """Modulus of the eigenvalue of small oscillations about rest; NaN where there are none."""
     ens = lay_out(system, Constant(mean))
     row = np.array([ens.values[name][0] for name in ens.field.parameters])
-    body = StaticState(ens.field, row, ens.initial[0]).relax()
-    if body is None:
+    rest = StaticState(ens.field, row, ens.initial[0]).relax()
+    if rest is None:
         return np.nan
-    values = np.linalg.eigvals(body.linearised()[0])
+    values = np.linalg.eigvals(rest.linearised()[0])
     return max((abs(complex(s)) for s in values if s.imag > 0.0), default=np.nan)

@@ -73,7 +73,7 @@ def backbone(
     >>> bool(abs(ds.frequency[0] - 6**0.5) < 1e-6)
     True
     """
-    require_tolerance(tolerance, "the state at the other turning point")
+    require_tolerance(tolerance, "the error of the state at the other turning point")
     require_free_oscillations(require_actuator("actuator", actuator), "actuator")
     require_over(over)
     stretches = as_float_array(

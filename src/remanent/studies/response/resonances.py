@@ -176,12 +176,11 @@ def _require_orbit_periods(orbit_periods: Sequence[int]) -> None:
 
 def _require_one_coordinate(system: System) -> None:
     """Refuse what has no backbone."""
-    actuator = require_actuator("system", system)
-    if actuator.coordinates > 1:
+    if require_actuator("system", system).coordinates > 1:
         raise InputError(
             "system",
             must="have one coordinate",
-            got=actuator,
+            got=system,
             why="Resonances are named by free oscillations of the same amplitude, which two "
             "coordinates have of more than one kind.",
             fix="Pass one number as prestress and no edges, or read the peaks of response_diagram.",
