@@ -16,8 +16,9 @@ from llvmlite import binding
 from remanent import _cache
 from remanent._field import Field
 from remanent._typing import FloatArray
-from remanent.integrate.kernel.kernel import NAME, Method, Options, kernel_source, layout_of
+from remanent.integrate.kernel.kernel import NAME, kernel_source
 from remanent.integrate.kernel.layout import Layout
+from remanent.integrate.kernel.options import Method, Options, layout_of
 
 _SIGNATURE = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 4, *[ctypes.c_int64] * 4)
 _LOCK = threading.Lock()

@@ -10,9 +10,8 @@ from scipy.spatial import KDTree
 
 from remanent._typing import FloatArray, IntArray
 from remanent.analysis.maps import Mapped
-from remanent.integrate.ensemble.ensemble import MAX_RESOLUTION
 from remanent.integrate.ensemble.problem import Problem
-from remanent.integrate.ensemble.resolution import ladder
+from remanent.integrate.ensemble.resolution import MAX_RESOLUTION, round_up_resolution
 from remanent.integrate.maps.period_map import Image, PeriodMap
 from remanent.integrate.variations import LOG_PERIOD
 from remanent.studies.ensemble.durations import require_periods
@@ -120,7 +119,7 @@ class StroboscopicMap:
             cycles=iterate,
             half=half,
             resolution=self._foreseen(states, parameters),
-            finest=self.most,
+            max_resolution=self.most,
         )
         self._learn(states, parameters, image)
         slope = np.zeros((count, d, len(self.names)))
@@ -151,7 +150,9 @@ class StroboscopicMap:
         places = np.hstack([states, parameters])
         known = np.isfinite(places).all(axis=1) & np.isfinite(image.error)
         if known.any():
-            found = np.minimum(ladder(np.clip(wanted[known], _FIRST, self.most)), self.most)
+            found = np.minimum(
+                round_up_resolution(np.clip(wanted[known], _FIRST, self.most)), self.most
+            )
             new = _Known(places[known], found)
             self._known = new if self._known is None else new.and_then(self._known)
 

@@ -18,8 +18,8 @@ from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.analysis.following import Advance, Path, block_lengths, follow
 from remanent.integrate.ensemble.ensemble import Progress
 from remanent.integrate.ensemble.problem import Problem
-from remanent.integrate.maps.advance import Advancer, Retrace
-from remanent.integrate.maps.period_map import Judged, PeriodMap
+from remanent.integrate.maps.advance import Advancer, CoarseReplay
+from remanent.integrate.maps.period_map import ErrorControl, PeriodMap
 from remanent.results import build, provenance
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.durations import require_periods
@@ -58,13 +58,16 @@ class Follower:
 
     @cached_property
     def flow(self) -> Callable[..., PeriodMap]:
-        """The period map with so many tangents, made once for each and for what it judges."""
+        """The period map with so many tangents, made once for each choice."""
         asked = self.problem
 
         @lru_cache
-        def flow(directions: int, judged: Judged = "all") -> PeriodMap:
+        def flow(directions: int, error_control: ErrorControl = "all") -> PeriodMap:
             return PeriodMap(
-                asked.field, asked.timeline.waveform, directions=directions, judged=judged
+                asked.field,
+                asked.timeline.waveform,
+                directions=directions,
+                error_control=error_control,
             )
 
         return flow
@@ -75,10 +78,10 @@ class Follower:
         tolerance: float,
         *,
         directions: int | None = None,
-        judged: Judged = "all",
+        error_control: ErrorControl = "all",
     ) -> Advancer:
         """What advances some of the trajectories, from then on by their number among these."""
-        flow = self.flow(self.directions if directions is None else directions, judged)
+        flow = self.flow(self.directions if directions is None else directions, error_control)
         return Advancer(flow, self.problem.parameters[which], self.lengths[which], tolerance)
 
     def run(
@@ -99,7 +102,7 @@ class Follower:
         """
         directions = self.directions if directions is None else directions
         return follow(
-            self.advancer(which, tolerance, directions=directions, judged="state"),
+            self.advancer(which, tolerance, directions=directions, error_control="state"),
             self.problem.initial[which] if states is None else states,
             self.periods,
             directions=directions,
@@ -108,19 +111,19 @@ class Follower:
             cancelled=cancelled,
         )
 
-    def twice(
+    def follow_with_doubled_steps(
         self,
         which: IntArray,
         tolerance: float,
         *,
-        judged: Judged,
+        error_control: ErrorControl,
         block: int | None,
         cancelled: Callable[[], bool],
     ) -> tuple[Path, Path]:
         """Follow some of the trajectories, and once more with steps twice as long."""
-        first = self.advancer(which, tolerance, judged=judged)
-        flow = self.flow(self.directions, "nothing")
-        again = Retrace(flow, first.parameters, first.lengths, first.taken)
+        first = self.advancer(which, tolerance, error_control=error_control)
+        flow = self.flow(self.directions, "none")
+        again = CoarseReplay(flow, first.parameters, first.lengths, first.resolution_history)
 
         def path(advance: Advance) -> Path:
             return follow(

@@ -12,7 +12,7 @@ from remanent._errors import InputError
 from remanent._typing import ArrayLike, IntArray
 from remanent.analysis.lyapunov import exponents
 from remanent.integrate.ensemble.ensemble import Progress
-from remanent.integrate.maps.period_map import Judged
+from remanent.integrate.maps.period_map import ErrorControl
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.results.build import Labelled
@@ -165,11 +165,15 @@ class _Averages:
         return found
 
     def _measured(
-        self, which: IntArray, judged: Judged, cancelled: Callable[[], bool]
+        self, which: IntArray, error_control: ErrorControl, cancelled: Callable[[], bool]
     ) -> dict[str, np.ndarray]:
         """Means of two runs: those of the first, their scatter, and how far the others are."""
-        path, other = self.follower.twice(
-            which, self.tolerance, judged=judged, block=self.block, cancelled=cancelled
+        path, other = self.follower.follow_with_doubled_steps(
+            which,
+            self.tolerance,
+            error_control=error_control,
+            block=self.block,
+            cancelled=cancelled,
         )
         fine, coarse = (exponents(p.growth, p.lengths) for p in (path, other))
         tau = self.follower.lengths[which]

@@ -15,7 +15,7 @@ from remanent.analysis.orbits import multipliers
 from remanent.integrate.ensemble.ensemble import Progress
 from remanent.integrate.maps.advance import Step
 from remanent.integrate.maps.period_map import PeriodMap
-from remanent.integrate.variations import parting
+from remanent.integrate.variations import transverse_field
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.results.build import Labelled
@@ -138,7 +138,7 @@ class _Apart:
                 "Pass one number as prestress, and no edges.",
             )
         two, pairs = two_coordinates(ens)
-        field = parting(two.field, pairs)
+        field = transverse_field(two.field, pairs)
         asked = problem(two, np.ones(ens.count))
         lengths = np.where(ens.invalid, 1.0, require_periods(ens))
         flow = PeriodMap(field, asked.timeline.waveform)

@@ -107,7 +107,7 @@ class AtRest:
         return [np.broadcast_to(value, np.shape(stretches[0])) for value in found]
 
     def _value(self, name: str, stretches: Sequence[Any], values: Mapping[str, FloatArray]) -> Any:
-        if name.startswith("parting."):
+        if name.startswith("transverse."):
             return np.full(np.shape(stretches[0]), 0.0 if name.endswith("_rate") else 1.0)
         if name.endswith("_rate"):
             return 0.0 * stretches[0]

@@ -10,7 +10,7 @@ import xarray as xr
 from remanent._status import Status
 from remanent._typing import FloatArray, IntArray
 from remanent.analysis.equilibria import slope, zeros
-from remanent.integrate.variations import parting
+from remanent.integrate.variations import transverse_field
 from remanent.models.actuator import Actuator
 from remanent.models.drives.waves import Constant
 from remanent.results import build, provenance
@@ -116,9 +116,9 @@ def equilibria(actuator: Actuator, m: float = 0.0, *, over: Over | None = None) 
 def _parting_stiffness(ens: Ensemble, case: IntArray, stretch: FloatArray) -> FloatArray:
     """omega_a^2 of a small difference of the in-plane stretches at rest."""
     both, pairs = two_coordinates(ens)
-    at_rest = AtRest(replace(both, field=parting(both.field, pairs)))
+    at_rest = AtRest(replace(both, field=transverse_field(both.field, pairs)))
     rates = at_rest.run(at_rest.ens.field.rates, case, stretch)
-    return np.asarray(-rates[at_rest.ens.field.state.index("parting.stretch_1_rate")])
+    return np.asarray(-rates[at_rest.ens.field.state.index("transverse.stretch_1_rate")])
 
 
 def _landscape(ens: Ensemble, at_rest: AtRest, found: FloatArray) -> dict[str, Labelled]:
