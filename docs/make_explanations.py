@@ -25,7 +25,7 @@ def two_directions() -> Any:
         tolerance=1e-8,
     )
     figure, axes = plt.subplots(figsize=(6.4, 3.8), layout="constrained")
-    growth = ds.parting_exponent.where(ds.symmetry != "kept", 0.0)
+    growth = ds.transverse_exponent.where(ds.symmetry != "kept", 0.0)
     drawn = axes.pcolormesh(
         omega, b, growth.clip(0.0), cmap="magma_r", shading="nearest", rasterized=True
     )
@@ -60,7 +60,9 @@ def viscosity() -> Any:
             over={"dissipation.0.relaxation_time": times},
             tolerance=1e-7,
         )
-        right.loglog(times, ds.loss[:, 0], style, color=colour, label=rf"$\omega = {w:g}$")
+        right.loglog(
+            times, ds.dissipated_energy[:, 0], style, color=colour, label=rf"$\omega = {w:g}$"
+        )
     right.set(xlabel=r"relaxation time $t_r$", ylabel=r"loss in a period of the load, over $\mu$")
     right.legend(frameon=False)
     note(figure, r"$b = 0.6$, $\mu_v/\mu = 0.5$, $c = 1$, $S = 0$; settled motion")

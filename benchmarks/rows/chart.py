@@ -46,7 +46,7 @@ def _folds(hot: rm.Actuator, drive: rm.SineSquared) -> Any:
     orbits = rm.response_diagram(hot, drive, (1.1, 1.4))
     (fold,) = np.flatnonzero(orbits.special_kind.values == "fold")
     at = orbits.isel(special=fold)
-    return rm.continue_special(
+    return rm.continue_bifurcation(
         hot, rm.SineSquared(0.4, float(at.special_omega)), "fold", ("omega", "b"), [_OMEGA, _B],
-        start=(float(at.special_stretch), float(at.special_stretch_rate)),
+        initial=(float(at.special_stretch), float(at.special_stretch_rate)),
     )  # fmt: skip

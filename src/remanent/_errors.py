@@ -19,9 +19,5 @@ class InputError(RemanentError, ValueError):
         super().__init__(f"`{name}` must {rule}; got {value}. {reason} {remedy}")
 
 
-class IntegrationError(RemanentError, RuntimeError):
-    """A single trajectory, asked for by itself, could not be computed."""
-
-
 class InputWarning(UserWarning):
     """An argument is allowed but looks like a mistake."""

@@ -23,7 +23,7 @@ from remanent.codegen.field import field_for
 DRIVE = rm.SineSquared(0.4, 1.25)
 PERIOD = np.pi / 1.25
 SOLID = rm.StrainEnergy("(I1 - 3)/2 + a*(I1 - 3)**2", {"a": 0.05})
-#: Damped bodies, each with one thing that the paper's has not.
+#: Damped bodies, each with one thing that the body of [Thermal] has not.
 QUICK = {
     "two directions": rm.Actuator(prestress=(0.3, -0.2), dissipation=rm.Rayleigh(0.2)),
     "fluid": rm.Actuator(dissipation=rm.KelvinVoigt(0.1)),
@@ -92,7 +92,7 @@ def test_orbits_close_when_they_are_simulated(name: str) -> None:
 
 @every
 def test_product_of_multipliers_is_that_of_the_divergence(name: str) -> None:
-    """N8: Liouville's formula, with internal variables and temperatures too."""
+    """Liouville's formula: with internal variables and temperatures too."""
     product = np.prod(orbit(name).multipliers.values)
     assert abs(product.imag) <= 1e-9
     assert product.real == pytest.approx(np.exp(mean_trace(name) * PERIOD), rel=1e-7)
@@ -100,7 +100,7 @@ def test_product_of_multipliers_is_that_of_the_divergence(name: str) -> None:
 
 @every
 def test_lyapunov_exponents_add_up_to_the_divergence(name: str) -> None:
-    """N7; and the largest is that of the largest multiplier."""
+    """Exponents: their sum is the mean divergence, the largest that of the multipliers."""
     count = orbit(name).sizes["state"]
     ds = rm.lyapunov(
         BODIES[name], DRIVE, periods=300, count=count, initial=orbit(name).initial.values
@@ -114,7 +114,7 @@ def test_lyapunov_exponents_add_up_to_the_divergence(name: str) -> None:
 def test_branches_pass_through_what_is_left_after_transients(name: str) -> None:
     """An amplitude on the branch, at a frequency of its own, is that of a long run from rest."""
     start = orbit(name).initial.values
-    branch = rm.continue_orbit(BODIES[name], DRIVE, "omega", (1.2, 1.3), start=start)
+    branch = rm.continue_orbit(BODIES[name], DRIVE, "omega", (1.2, 1.3), initial=start)
     assert set(branch.stability.values.tolist()) == {"stable"}
     np.testing.assert_allclose(branch.omega[[0, -1]], (1.2, 1.3), rtol=1e-12)
     some = branch.isel(point=[0, branch.sizes["point"] // 2, -1])
@@ -151,13 +151,13 @@ def test_small_loads_are_followed_with_their_own_period(name: str) -> None:
 def test_what_a_cycle_takes_in_is_lost_in_it(name: str) -> None:
     """Work of the load over a closed orbit is dissipated, or flows off as heat besides."""
     ds = rm.cycle_losses(BODIES[name], DRIVE, periods=2, initial=orbit(name).initial.values)
-    surplus = (ds.work - ds.loss).values
-    assert (ds.loss.values > 1e-4).all()
+    surplus = (ds.drive_work - ds.dissipated_energy).values
+    assert (ds.dissipated_energy.values > 1e-4).all()
     if BODIES[name].heat is None:
         assert abs(surplus).max() <= 1e-8
     else:
         assert (surplus > 1e-8).all()
-        assert (surplus < 1e-2 * ds.loss.values).all()
+        assert (surplus < 1e-2 * ds.dissipated_energy.values).all()
 
 
 @every
@@ -185,7 +185,7 @@ def test_equal_directions_are_one(name: str) -> None:
     np.testing.assert_allclose(responses[1].amplitude, responses[0].amplitude, atol=1e-8)
     here, there = (rm.equilibria(body, 0.16) for body in (one, two))
     assert float(there.stretch_1[0]) == pytest.approx(float(here.stretch[0]), rel=1e-12)
-    modes = sorted([float(here.natural_frequency[0]), float(here.parting_stiffness[0]) ** 0.5])
+    modes = sorted([float(here.natural_frequency[0]), float(here.transverse_stiffness[0]) ** 0.5])
     np.testing.assert_allclose(there.natural_frequency[0], modes, rtol=1e-9)
 
 
@@ -221,7 +221,7 @@ PHYSICAL: dict[str, tuple[Callable[[rm.Actuator], xr.Dataset], dict[str, Any]]] 
     "energy_balance": (lambda a: rm.energy_balance(a, DRIVE, duration=5.0), DAMPED),
     "cycle_losses": (lambda a: rm.cycle_losses(a, DRIVE, periods=2), DAMPED),
     "symmetry_check": (lambda a: rm.symmetry_check(a, DRIVE, periods=50), DAMPED),
-    "shaped_steps": (lambda a: rm.shaped_steps(a, 0.8), {}),
+    "shape_commands": (lambda a: rm.shape_commands(a, 0.8), {}),
     "step_response": (lambda a: rm.step_response(a, rm.Constant(0.2), duration=5.0), DAMPED),
     "backbone": (lambda a: rm.backbone(a, [1.1, 1.2]), {}),
     "snap_through": (lambda a: rm.snap_through(a, "m", (0.0, 4.0)), {}),
@@ -248,7 +248,7 @@ def test_a_block_twice_as_large_moves_at_half_the_speed(
 def test_every_kind_of_result_can_be_drawn(name: str) -> None:
     body, first = BODIES[name], str(orbit(name).state.values[0])
     grid = {first: [0.9, 1.1], f"{first}_rate": [0.0, 0.2]}
-    branch = rm.continue_orbit(body, DRIVE, "omega", (1.24, 1.26), start=orbit(name).initial)
+    branch = rm.continue_orbit(body, DRIVE, "omega", (1.24, 1.26), initial=orbit(name).initial)
     pictures: list[Any] = [
         rm.plot.history(rm.simulate(body, DRIVE, duration=3.0), first),
         rm.plot.phase(rm.simulate(body, DRIVE, duration=3.0), first, f"{first}_rate"),
@@ -308,7 +308,7 @@ def test_a_search_that_fails_says_so() -> None:
 def test_thresholds_of_a_material_with_a_limit_tend_to_those_without() -> None:
     """And are found without a warning, though its forces have poles."""
     limited, plain = (
-        rm.snap_through(rm.Actuator(prestress=2.2, material=solid), "m", (1.0, 4.0), start=2.0)
+        rm.snap_through(rm.Actuator(prestress=2.2, material=solid), "m", (1.0, 4.0), initial=2.0)
         for solid in (rm.Gent(1e7), rm.NeoHookean())
     )
     for name in ("fold_m", "snap_m"):

@@ -22,12 +22,12 @@ def test_symmetry_is_lost_where_it_is_known_to_be() -> None:
     at = rm.equilibria(body(theta * load, theta), theta * beta)
     k = int(np.argmin(abs(at.equilibrium_stretch.values - 2.0 ** (1.0 / 3.0))))
     assert float(at.equilibrium_stretch[k]) == pytest.approx(2.0 ** (1.0 / 3.0), abs=1e-6)
-    assert float(at.parting_stiffness[k]) == pytest.approx(0.0, abs=1e-6)
+    assert float(at.transverse_stiffness[k]) == pytest.approx(0.0, abs=1e-6)
     grid = theta * np.linspace(1.5, 2.1, 61)
     below = rm.equilibria(body(0.0, theta), 0.999 * theta * beta, over={"prestress": grid})
     above = rm.equilibria(body(0.0, theta), 1.001 * theta * beta, over={"prestress": grid})
-    assert float(below.parting_stiffness.min()) > 0.0
-    assert float(above.parting_stiffness.min()) < 0.0
+    assert float(below.transverse_stiffness.min()) > 0.0
+    assert float(above.transverse_stiffness.min()) < 0.0
 
 
 @pytest.mark.parametrize(("theta", "S", "m"), [(1.0, 0.0, 0.16), (1.4, 0.7, -0.5), (0.8, 1.0, 0.9)])
@@ -36,8 +36,8 @@ def test_frequency_of_parting_stretches(theta: float, S: float, m: float) -> Non
     at = rm.equilibria(body(S, theta, c=0.3), m)
     x = at.stretch.values
     expected = 3.0 * (theta * (1.0 + x**-6) - m * x**-4)
-    assert at.parting_stiffness.values == pytest.approx(expected, rel=1e-12)
-    assert at.parting_stiffness.values == pytest.approx(3.0 * (2.0 * theta - S / x), rel=1e-10)
+    assert at.transverse_stiffness.values == pytest.approx(expected, rel=1e-12)
+    assert at.transverse_stiffness.values == pytest.approx(3.0 * (2.0 * theta - S / x), rel=1e-10)
     both = rm.equilibria(body((S, S), theta, c=0.3), m)
     modes = sorted([float(at.natural_frequency[0]), math.sqrt(float(expected[0]))])
     assert both.natural_frequency.values[0] == pytest.approx(modes, rel=1e-9)
@@ -48,7 +48,7 @@ def test_without_load_both_modes_of_a_cube_have_one_frequency() -> None:
     at = rm.equilibria(body((0.0, 0.0), 1.2), 0.0)
     assert at.natural_frequency.values == pytest.approx(math.sqrt(7.2), rel=1e-9)
     for m in (-1.0, 0.5, 2.0):
-        found = rm.equilibria(body(0.0, 1.2), m).parting_stiffness.values
+        found = rm.equilibria(body(0.0, 1.2), m).transverse_stiffness.values
         assert found == pytest.approx([7.2], rel=1e-10)
 
 
@@ -58,7 +58,7 @@ def test_unequal_equilibria_appear_in_pairs() -> None:
     assert at.stretch_1.values == pytest.approx(at.stretch_2.values[::-1], rel=1e-9)
     assert at.stability.values.tolist() == ["stable", "unstable", "stable"]
     one = rm.equilibria(body(2.1), 2.5)
-    assert one.parting_stiffness.values.min() < 0.0
+    assert one.transverse_stiffness.values.min() < 0.0
 
 
 HARD: dict[str, tuple[rm.Actuator, float, int]] = {
@@ -91,6 +91,8 @@ def test_indices_of_all_equilibria_add_up_to_one(
     So the degree of its gradient is 1 (Poincare and Hopf): minima and maxima count 1, saddles
     -1.  An equilibrium that is missed by itself breaks this; the counts are those that
     3 x 3 times as many cells give.
+
+    Law: Complete searches.
     """
     at = rm.equilibria(actuator, m)
     falling = 2 - np.isfinite(at.natural_frequency.values).sum(axis=-1)
@@ -127,7 +129,7 @@ def test_symmetry_check_sees_what_two_stretches_do() -> None:
     assert str(lost.symmetry.values) == "lost"
     short = rm.symmetry_check(body(), DRIVE, periods=50)
     seen = grown(DRIVE, 50, body())
-    assert 2.0 < seen <= float(short.parting_growth) + 1e-3
+    assert 2.0 < seen <= float(short.transverse_growth) + 1e-3
 
 
 @pytest.mark.slow
@@ -136,10 +138,10 @@ def test_multipliers_of_a_difference_are_those_of_two_coordinates() -> None:
     drive, actuator = rm.SineSquared(0.4, 1.6), body().replace(dissipation=rm.Rayleigh(0.1))
     one = rm.periodic_orbits(actuator, drive)
     start = one.initial.values[0]
-    apart = rm.symmetry_check(actuator, drive, periods=50, initial=start).parting_multipliers
+    apart = rm.symmetry_check(actuator, drive, periods=50, initial=start).transverse_multipliers
     both = rm.continue_orbit(
         actuator.replace(prestress=(0.0, 0.0)), drive, "omega", (1.59, 1.61),
-        start=(*start, *start), max_points=2,
+        initial=(*start, *start), max_points=2,
     )  # fmt: skip
     there = both.isel(point=int(abs(both.omega.values.ravel() - 1.6).argmin()))
     exact = np.sort_complex(np.concatenate([one.multipliers.values[0], apart.values]))
@@ -151,4 +153,4 @@ def test_a_damped_orbit_keeps_its_symmetry() -> None:
     damped = body().replace(dissipation=rm.Zener(0.5, 1.0))
     ds = rm.symmetry_check(damped, rm.SineSquared(0.4, 1.25), periods=100)
     assert str(ds.symmetry.values) == "kept"
-    assert float(ds.parting_exponent) < 0.0
+    assert float(ds.transverse_exponent) < 0.0

@@ -1,4 +1,4 @@
-"""N6: results at another temperature are the same motions, exactly."""
+"""Reversal and scaling: results at another temperature are the same motions, exactly."""
 
 from __future__ import annotations
 
@@ -117,11 +117,11 @@ def test_orbits() -> None:
 def test_the_fold_of_the_paper_from_the_reference_temperature() -> None:
     drive = rm.SineSquared(0.4 / ROOT, 1.25 / ROOT)
     branch = rm.continue_orbit(
-        rm.Actuator(), drive, "omega", (1.2 / ROOT, 1.3 / ROOT), start=(1.433, 0.0)
+        rm.Actuator(), drive, "omega", (1.2 / ROOT, 1.3 / ROOT), initial=(1.433, 0.0)
     )
     hot = rm.rescale(branch, temperature=HOT)
     assert float(hot.special_omega[0]) == pytest.approx(1.26679529184453, abs=1e-10)
-    np.testing.assert_allclose(hot.attrs["bounds"], (1.2, 1.3))
+    np.testing.assert_allclose(hot.attrs["parameter_range"], (1.2, 1.3))
 
 
 def test_there_and_back_again() -> None:

@@ -117,8 +117,8 @@ def test_a_response_born_by_period_doubling_is_parametric() -> None:
     """Near twice the natural frequency the forced orbit is unstable, and a 1:2 response grows."""
     body = rm.Actuator(dissipation=rm.Rayleigh(0.01))
     ds = rm.resonances(
-        body, rm.SineSquared(0.8, 1.0), (2.1, 2.6), periods=(2,), slices=3,
-        bounds={"stretch": (0.7, 2.0), "stretch_rate": (-2.0, 2.0)},
+        body, rm.SineSquared(0.8, 1.0), (2.1, 2.6), orbit_periods=(2,), slices=3,
+        state_box={"stretch": (0.7, 2.0), "stretch_rate": (-2.0, 2.0)},
     )  # fmt: skip
     assert set(ds.resonance_kind.values.tolist()) == {"parametric"}
     assert set(ds.order_p.values.tolist()) == {1}

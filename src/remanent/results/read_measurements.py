@@ -20,9 +20,9 @@ from remanent.results import build
 from remanent.results.build import Labelled
 from remanent.results.schema import Kind, describe
 
-__all__ = ["Table", "measurements"]
+__all__ = ["Table", "read_measurements"]
 
-#: What :func:`measurements` reads.
+#: What :func:`read_measurements` reads.
 Table: TypeAlias = xr.Dataset | pd.DataFrame | Mapping[str, Any] | str | PathLike[str]
 #: ``time [ms]``, ``omega (rad/s)`` or ``amplitude``.
 _HEADING = re.compile(r"\s*(.*?)\s*(?:[\[(]\s*([^\])]*?)\s*[\])])?\s*")
@@ -37,7 +37,7 @@ _SI: Mapping[Kind, tuple[str, str, float]] = {
 _ALONG = ("time", "omega")
 
 
-def measurements(
+def read_measurements(
     data: Table,
     actuator: Actuator | None = None,
     *,
@@ -73,7 +73,7 @@ def measurements(
 
     Examples
     --------
-    >>> ds = measurements({"time": [0.0, 1.0, 2.0], "thickness stretch": [1.0, 1.1, 1.0]})
+    >>> ds = read_measurements({"time": [0.0, 1.0, 2.0], "thickness stretch": [1.0, 1.1, 1.0]})
     >>> dict(ds.sizes), list(ds.data_vars)
     ({'time': 3}, ['thickness_stretch'])
     """

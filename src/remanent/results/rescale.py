@@ -243,7 +243,8 @@ def _attributes(attrs: Mapping[Any, Any], ratio: float) -> dict[Any, Any]:
         if isinstance(value, int | float) and not isinstance(value, bool):
             factor = _factor(name, ratio)
             found[name] = value if factor == 1.0 else value * factor
-    if "bounds" in found:
+    if "parameter_range" in found:
         factor = _factor(str(attrs.get("parameter", "omega")), ratio)
-        found["bounds"] = tuple(float(value) * factor for value in np.ravel(found["bounds"]))
+        values = np.ravel(found["parameter_range"])
+        found["parameter_range"] = tuple(float(value) * factor for value in values)
     return found

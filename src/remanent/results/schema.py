@@ -128,10 +128,6 @@ _ROWS = (
     Variable("entropy_given_off", "1", "entropy given to the surroundings", r"s_e", _ALONG),
     Variable("entropy_balance", "1", "defect of the entropy balance", r"r_s", _ALONG),
     Variable(
-        "loss", "1", "energy dissipated in a period", r"D_1", ("period",), Kind.ENERGY_DENSITY
-    ),
-    Variable("work", "1", "work of the load in a period", r"W_1", ("period",), Kind.ENERGY_DENSITY),
-    Variable(
         "mean_thickness_stretch", "1", "mean thickness stretch", r"\langle\lambda_3\rangle", _ALONG
     ),
     Variable("load", "1", "magnetic load", r"m", _ALONG, Kind.LOAD),
@@ -263,23 +259,23 @@ _ROWS = (
         Kind.RATE,
     ),
     Variable("symmetry", "1", "symmetry of the in-plane stretches", r"\mathrm{symmetry}"),
-    Variable("parting_growth", "1", "growth of a difference of stretches, logarithm", r"g_a"),
+    Variable("transverse_growth", "1", "growth of a difference of stretches, logarithm", r"g_a"),
     Variable(
-        "parting_exponent",
+        "transverse_exponent",
         "1",
         "exponent of a difference of stretches",
         r"\Lambda_a",
         kind=Kind.RATE,
     ),
     Variable(
-        "parting_multipliers",
+        "transverse_multipliers",
         "1",
         "Floquet multipliers of a difference of stretches",
         r"\rho_a",
         ("multiplier",),
     ),
     Variable(
-        "parting_stiffness",
+        "transverse_stiffness",
         "1",
         "square of the frequency at which stretches part",
         r"\omega_a^2",
@@ -334,7 +330,7 @@ _ROWS = (
         Kind.FREQUENCY,
     ),
     Variable("detuning", "1", "detuning from the free oscillation", r"\sigma", ("peak",)),
-    # The reconstruction of what the paper leaves unstated.
+    # The reconstruction of what [Thermal] leaves unstated.
     Variable(
         "misfit", "rad", "largest resonance misfit", r"\max|\Delta\omega_r|", kind=Kind.FREQUENCY
     ),

@@ -133,7 +133,7 @@ def test_a_cached_field_needs_no_sympy() -> None:
         "import sys\n"
         "from remanent.codegen.field import field_for\n"
         "from remanent.models.actuator import Actuator\n"
-        "from remanent.models.drives import Constant\n"
+        "from remanent.models.drives.waves import Constant\n"
         "field_for(Actuator(), Constant(0.1))\n"
         "print('sympy' in sys.modules)"
     )

@@ -87,7 +87,7 @@ def dynamic(code: Program, varying: set[str]) -> Counter[str]:
     return counts
 
 
-# Law N11 ------------------------------------------------------------------------------
+# Law: Generated code ------------------------------------------------------------------
 
 
 def random_inputs(field: Field, rng: np.random.Generator, count: int) -> np.ndarray:
@@ -327,7 +327,7 @@ def test_the_order_of_instructions_is_always_the_same() -> None:
     script = (
         "from remanent.codegen.build import build\n"
         "from remanent.models.actuator import Actuator\n"
-        "from remanent.models.drives import SineSquared\n"
+        "from remanent.models.drives.waves import SineSquared\n"
         "print(build(Actuator(), SineSquared(0.4, 1.0)).fingerprint)"
     )
     prints = {

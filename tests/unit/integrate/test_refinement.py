@@ -52,7 +52,11 @@ class Row:
     slowness: float = 1.0
 
 
-NEW: dict[str, Any] = {"best_horizon": NAN, "best_resolution": 0, "status_before": Status.NOT_COMPUTED}
+NEW: dict[str, Any] = {
+    "best_horizon": NAN,
+    "best_resolution": 0,
+    "status_before": Status.NOT_COMPUTED,
+}
 STUCK: dict[str, Any] = {"horizon": 20.5, "stalls_after": 1}
 
 TABLE = [

@@ -80,7 +80,7 @@ def test_a_robust_command_loses_to_second_order() -> None:
     over = {"shear_modulus": [1.005, 1.01]}
     growth, left = [], []
     for robust in ((), ("shear_modulus",)):
-        command = rm.shape_command(actuator, 1.2, robust=robust)
+        command = rm.shape_command(actuator, 1.2, robust_to=robust)
         found = rm.step_response(actuator, command, over=over).residual_amplitude.values
         growth.append(found[1] / found[0])
         left.append(found[1])
@@ -154,15 +154,15 @@ def test_residual_energy_is_the_kinetic_and_potential_energy_above_rest() -> Non
 
 
 def test_commands_over_a_field_are_the_single_ones() -> None:
-    """`shaped_steps` over a grid, and NaN where the target cannot be held."""
-    ds = rm.shaped_steps(rm.Actuator(), 1.3, over={"prestress": [0.0, 0.4]})
+    """`shape_commands` over a grid, and NaN where the target cannot be held."""
+    ds = rm.shape_commands(rm.Actuator(), 1.3, over={"prestress": [0.0, 0.4]})
     for s in (0.0, 0.4):
         single = rm.shape_command(rm.Actuator(prestress=s), 1.3)
         np.testing.assert_array_equal(ds.sel(prestress=s).step_load, single.loads)
         np.testing.assert_array_equal(ds.sel(prestress=s).step_time, single.times)
     assert (ds.switch_time_error < 1e-8).all()
     unstable = 1.1 - 1.1**-5 + 2.15 * 1.1**-3
-    mixed = rm.shaped_steps(rm.Actuator(), 1.1**-2, over={"prestress": [0.0, unstable]})
+    mixed = rm.shape_commands(rm.Actuator(), 1.1**-2, over={"prestress": [0.0, unstable]})
     np.testing.assert_array_equal(np.isfinite(mixed.switch_time), [True, False])
 
 
@@ -175,7 +175,7 @@ def test_what_cannot_be_held_is_refused() -> None:
     with pytest.raises(rm.InputError, match="target"):
         rm.shape_command(rm.Actuator(), -1.0)
     with pytest.raises(rm.InputError, match="field"):
-        rm.shape_command(rm.Actuator(), 1.2, robust="stiffness")
+        rm.shape_command(rm.Actuator(), 1.2, robust_to="stiffness")
     with pytest.raises(rm.InputError, match=r"rm\.Steps"):
         rm.step_response(rm.Actuator(), rm.Sine(0.1, 1.0))
 

@@ -94,14 +94,14 @@ def test_physical_sizes_from_files_with_units(kind: str, tmp_path: Path) -> None
     names = {"speed": "thickness_stretch_rate"}
     if kind == "csv":
         pd.DataFrame(columns).to_csv(tmp_path / "run.csv", index=False)
-        data = rm.measurements(tmp_path / "run.csv", guess, names=names)
+        data = rm.read_measurements(tmp_path / "run.csv", guess, names=names)
     elif kind == "mat":
         plain = dict(zip(("time", "thickness_stretch", "speed"), columns.values(), strict=True))
         savemat(tmp_path / "run.mat", plain)
         units = {"time": "ms", "thickness_stretch_rate": "1/s"}
-        data = rm.measurements(tmp_path / "run.mat", guess, names=names, units=units)
+        data = rm.read_measurements(tmp_path / "run.mat", guess, names=names, units=units)
     else:
-        data = rm.measurements(pd.DataFrame(columns), guess, names=names)
+        data = rm.read_measurements(pd.DataFrame(columns), guess, names=names)
     found = rm.fit(guess, drive(guess), data, ["shear_modulus", "remanence"])
     np.testing.assert_allclose(found.estimate, [1.1, 150.0 / 143.0], rtol=1e-6)
 
@@ -122,19 +122,19 @@ def test_decrement_of_small_oscillations() -> None:
 def test_bad_measurements_are_refused(tmp_path: Path) -> None:
     """The message says which column, and why."""
     with pytest.raises(rm.InputError, match="from_si"):
-        rm.measurements({"time [ms]": [0.0, 1.0], "stretch": [1.0, 1.0]}, GUESS)
+        rm.read_measurements({"time [ms]": [0.0, 1.0], "stretch": [1.0, 1.0]}, GUESS)
     with pytest.raises(rm.InputError, match="dimension of s"):
-        rm.measurements({"time [kg]": [0.0], "stretch": [1.0]}, sizes("1 MPa", "1 T", 0.1))
+        rm.read_measurements({"time [kg]": [0.0], "stretch": [1.0]}, sizes("1 MPa", "1 T", 0.1))
     with pytest.raises(rm.InputError, match="schema"):
-        rm.measurements({"time": [0.0, 1.0], "strech": [1.0, 1.0]})
+        rm.read_measurements({"time": [0.0, 1.0], "strech": [1.0, 1.0]})
     with pytest.raises(rm.InputError, match="readable"):
-        rm.measurements(tmp_path / "missing.csv")
+        rm.read_measurements(tmp_path / "missing.csv")
     with pytest.raises(rm.InputError, match="`time` or `omega`"):
-        rm.measurements({"stretch": [1.0, 1.0]})
-    short = rm.measurements({"time": [0.0, 1.0], "stretch": [1.0, 1.0]})
+        rm.read_measurements({"stretch": [1.0, 1.0]})
+    short = rm.read_measurements({"time": [0.0, 1.0], "stretch": [1.0, 1.0]})
     with pytest.raises(rm.InputError, match="more than 2"):
         rm.fit(GUESS, STEP, short, ["dissipation.0.eta", "m"])
     with pytest.raises(rm.InputError, match="field"):
         rm.fit(GUESS, STEP, record(0.0), ["viscosity"])
     with pytest.raises(rm.InputError, match="guess"):
-        rm.fit(GUESS, STEP, record(0.0), ["m"], bounds={"m": (0.4, 0.5)})
+        rm.fit(GUESS, STEP, record(0.0), ["m"], parameter_ranges={"m": (0.4, 0.5)})

@@ -132,7 +132,7 @@ def energy(x: FloatArray | float, S: float, m: float) -> FloatArray | float:
 def test_threshold_is_where_the_saddle_has_the_energy_of_the_start() -> None:
     S = 2.2
     thin = brentq(lambda x: x - x**-5 - S, 1.5, 3.0, xtol=1e-14)
-    ds = rm.snap_through(rm.Actuator(prestress=S), "m", (1.0, 4.0), start=thin)
+    ds = rm.snap_through(rm.Actuator(prestress=S), "m", (1.0, 4.0), initial=thin)
 
     def rise(x: float) -> float:
         return float(energy(x, S, balance(x, S)) - energy(thin, S, balance(x, S)))
@@ -149,7 +149,7 @@ def test_motions_on_both_sides_of_the_threshold(material: rm.Gent) -> None:
     """A step one in ten thousand above it passes the saddle, as much below it turns."""
     actuator = rm.Actuator(prestress=2.4, c=0.3, material=material)
     thin = float(rm.equilibria(actuator, 0.0).stretch[-1])
-    ds = rm.snap_through(actuator, "m", (1.0, 6.0), start=thin)
+    ds = rm.snap_through(actuator, "m", (1.0, 6.0), initial=thin)
     m, saddle = float(ds.snap_m[-1]), float(ds.snap_stretch[-1])
     over = {"m": [m * (1.0 - 1e-4), m * (1.0 + 1e-4)]}
     run = rm.simulate(actuator, rm.Constant(m), duration=15.0, initial=(thin, 0.0), over=over)
@@ -174,7 +174,7 @@ def test_nothing_snaps_without_prestress() -> None:
 
 def test_thresholds_over_other_fields() -> None:
     over = {"prestress": [-1.0, 1.9, 2.2], "c": [0.1, 1.0]}
-    ds = rm.snap_through(rm.Actuator(), "m", (1.0, 4.0), over=over, start=1.9)
+    ds = rm.snap_through(rm.Actuator(), "m", (1.0, 4.0), over=over, initial=1.9)
     assert ds.snap_m.dims == ("prestress", "c", "snap")
     np.testing.assert_array_equal(ds.snap_m[:, 0], ds.snap_m[:, 1])
     assert np.isnan(ds.snap_m.values[0]).all()
@@ -185,12 +185,12 @@ def test_thresholds_over_other_fields() -> None:
     [
         ({"actuator": rm.Actuator(dissipation=rm.Rayleigh(0.1))}, "no dissipation and no heat"),
         ({"parameter": "load"}, "`parameter` must be one of"),
-        ({"bounds": (2.0, 1.0)}, "`bounds` must be the lowest and the highest"),
+        ({"parameter_range": (2.0, 1.0)}, "`parameter_range` must be the lowest and the highest"),
         ({"over": {"m": [1.0]}}, "`over` must not hold m"),
-        ({"start": -1.0}, "`initial` must have a stretch greater than 0"),
+        ({"initial": -1.0}, "`initial` must have a stretch greater than 0"),
     ],
 )
 def test_bad_arguments_are_explained(fields: dict[str, object], message: str) -> None:
-    given = {"actuator": rm.Actuator(), "parameter": "m", "bounds": (0.0, 1.0), **fields}
+    given = {"actuator": rm.Actuator(), "parameter": "m", "parameter_range": (0.0, 1.0), **fields}
     with pytest.raises(InputError, match=message):
         rm.snap_through(**given)  # type: ignore[arg-type]

@@ -21,12 +21,12 @@ NATURAL = rm.Measure(rm.backbone, rm.Actuator(), [1.00001], of=natural)
 
 def test_quantiles_and_shares_of_a_closed_form() -> None:
     """omega_n^2 = 18 T/(293 (1 + 2c)); ln omega_n is a sum, so that shares are known nearly."""
-    ds = rm.uncertainty(NATURAL, ranges={"temperature": norm(293.0, 5.0)}, samples=512)
+    ds = rm.uncertainty(NATURAL, parameter_ranges={"temperature": norm(293.0, 5.0)}, samples=512)
     exact = np.sqrt(6.0 * norm(293.0, 5.0).ppf(ds["quantile"]) / 293.0)
     assert (abs(ds.value - exact) < 5.0 * ds.value_error).all()
     assert (ds.value_error < 1e-3).all()
     both = {"temperature": (288.0, 298.0), "c": (0.99, 1.01)}
-    ds = rm.uncertainty(NATURAL, ranges=both, samples=256, sobol=True)
+    ds = rm.uncertainty(NATURAL, parameter_ranges=both, samples=256, sobol=True)
     warm, slender = (5.0 / 293.0 / 2.0) ** 2, (0.01 / 3.0) ** 2
     shares = np.array([warm, slender]) / (warm + slender)
     for index in (ds.first_index, ds.total_index):
@@ -40,7 +40,7 @@ def test_a_history_has_a_band_and_repeats_itself() -> None:
     def band(rng: int) -> xr.Dataset:
         return rm.uncertainty(
             rm.simulate, rm.Actuator(), rm.Constant(0.2), times=[0.0, 1.0, 5.0],
-            of="thickness_stretch", ranges={"c": (0.9, 1.1)}, samples=256, rng=rng,
+            of="thickness_stretch", parameter_ranges={"c": (0.9, 1.1)}, samples=256, rng=rng,
         )  # fmt: skip
 
     ds = band(3)
@@ -60,7 +60,7 @@ def test_physical_sizes_may_be_uncertain() -> None:
     left = [
         rm.uncertainty(
             rm.step_response, rm.Actuator(), command, of="residual_amplitude", duration=10.0,
-            ranges={name: (0.95, 1.05)}, samples=32, quantiles=(0.25, 0.5, 0.75),
+            parameter_ranges={name: (0.95, 1.05)}, samples=32, quantiles=(0.25, 0.5, 0.75),
         )
         for name in ("shear_modulus", "remanence")
     ]  # fmt: skip
@@ -71,14 +71,14 @@ def test_physical_sizes_may_be_uncertain() -> None:
 def test_bad_ranges_are_refused() -> None:
     """The message says which, and what to pass."""
     with pytest.raises(rm.InputError, match="larger upper"):
-        rm.uncertainty(NATURAL, ranges={"c": (1.0, 0.5)})
+        rm.uncertainty(NATURAL, parameter_ranges={"c": (1.0, 0.5)})
     with pytest.raises(rm.InputError, match="power of two"):
-        rm.uncertainty(NATURAL, ranges={"c": (0.5, 1.0)}, samples=1000)
+        rm.uncertainty(NATURAL, parameter_ranges={"c": (0.5, 1.0)}, samples=1000)
     with pytest.raises(rm.InputError, match="at least one"):
-        rm.uncertainty(NATURAL, ranges={})
+        rm.uncertainty(NATURAL, parameter_ranges={})
     with pytest.raises(rm.InputError, match="numeric fields"):
-        rm.uncertainty(NATURAL, ranges={"omega": (0.5, 1.0)})
+        rm.uncertainty(NATURAL, parameter_ranges={"omega": (0.5, 1.0)})
     with pytest.raises(rm.InputError, match="increase"):
-        rm.uncertainty(NATURAL, ranges={"c": (0.5, 1.0)}, quantiles=(0.9, 0.1))
+        rm.uncertainty(NATURAL, parameter_ranges={"c": (0.5, 1.0)}, quantiles=(0.9, 0.1))
     with pytest.raises(rm.InputError, match="alone"):
-        rm.uncertainty(NATURAL, rm.Actuator(), ranges={"c": (0.5, 1.0)})
+        rm.uncertainty(NATURAL, rm.Actuator(), parameter_ranges={"c": (0.5, 1.0)})

@@ -41,7 +41,7 @@ def shape_command(
     target: float,
     *,
     initial: ArrayLike | None = None,
-    robust: str | Sequence[str] = (),
+    robust_to: str | Sequence[str] = (),
     tolerance: float = 1e-10,
 ) -> Steps:
     r"""Steps of the magnetic load that land on a thickness stretch at rest.
@@ -56,7 +56,7 @@ def shape_command(
         From where; (1, 0) by default, as in every verb, also with prestress, where it is not
         an equilibrium under no load.  For a move from there pass the ``stretch`` that
         :func:`remanent.equilibria` gives, and 0.
-    robust
+    robust_to
         Fields of the actuator (``"temperature"`` ...), or ``"shear_modulus"``, ``"density"``,
         ``"remanence"``: the residual vibration shall not change, to first order, with each of
         them.  The command is longer by about half a period for each.
@@ -80,7 +80,7 @@ def shape_command(
     m₁ = θ(x − 1)(x + 2)/(2x), whose motion from rest turns at x, for half its period, then
     m₂ = θ(x³ − 1)/x², under which x is an equilibrium.  In general the last load and state of
     rest solve the equations of equilibrium; loads and durations before it solve
-    y(end) = y(rest), and dy(end)/dp = dy(rest)/dp for each p in `robust`, by least squares
+    y(end) = y(rest), and dy(end)/dp = dy(rest)/dp for each p in `robust_to`, by least squares
     from the answer for small moves (:func:`remanent.analysis.shaping.fractions`).
 
     Examples
@@ -90,16 +90,18 @@ def shape_command(
     >>> [round(m, 6) for m in command.loads]
     [0.583333, 1.055556]
     """
-    found = shaped_steps(actuator, target, initial=initial, robust=robust, tolerance=tolerance)
+    found = shape_commands(
+        actuator, target, initial=initial, robust_to=robust_to, tolerance=tolerance
+    )
     return Steps(found.step_time.values, found.step_load.values)
 
 
-def shaped_steps(
+def shape_commands(
     actuator: Actuator,
     target: float,
     *,
     initial: ArrayLike | None = None,
-    robust: str | Sequence[str] = (),
+    robust_to: str | Sequence[str] = (),
     over: Over | None = None,
     tolerance: float = 1e-10,
 ) -> xr.Dataset:
@@ -107,7 +109,7 @@ def shaped_steps(
 
     Parameters
     ----------
-    actuator, target, initial, robust, tolerance
+    actuator, target, initial, robust_to, tolerance
         As there.
     over
         Values of fields of the actuator; they become dimensions.
@@ -122,13 +124,13 @@ def shaped_steps(
     Examples
     --------
     >>> import remanent as rm
-    >>> ds = rm.shaped_steps(rm.Actuator(), 1.5, over={"temperature": [250.0, 350.0]})
+    >>> ds = rm.shape_commands(rm.Actuator(), 1.5, over={"temperature": [250.0, 350.0]})
     >>> ds.switch_time.values.round(4).tolist()
     [1.5415, 1.3028]
     """
     target = require_real("target", target, _TARGET)
     require_tolerance(tolerance)
-    sizes = (robust,) if isinstance(robust, str) else tuple(robust)
+    sizes = (robust_to,) if isinstance(robust_to, str) else tuple(robust_to)
     ens = ensemble(actuator, Constant(0.0), over, initial, reserved=frozenset({"step"}))
     known = [name for name in ens.field.parameters if name != "m"]
     require_known(sizes, [*known, *PHYSICAL], "the actuator, or a physical size")
@@ -152,7 +154,7 @@ def _command(
     """The steps before the last, and the last load, for one actuator."""
     if single.invalid[0]:
         raise _impossible(target, "a field is invalid")
-    actuator = single.actuator
+    actuator = single.system
     for name, value in actuator.parameters().items():
         if single.values[name][0] != value:
             actuator = actuator.with_parameter(name, float(single.values[name][0]))
@@ -236,7 +238,7 @@ def _labelled(
     }
     coords: dict[str, Labelled] = {**ens.coords, "step": (("step",), np.arange(most))}
     attributes = provenance.attributes(
-        ens.actuator,
+        ens.system,
         None,
         tolerance,
         over=ens.coords,

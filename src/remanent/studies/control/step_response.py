@@ -18,9 +18,8 @@ from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.models.drives.piecewise import Steps
 from remanent.models.drives.waves import Constant
-from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
-from remanent.studies.ensemble.dataset import label
+from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
 from remanent.studies.ensemble.ensemble import Over
 from remanent.studies.ensemble.observables import observe
 from remanent.studies.ensemble.physical_scales import Physical, physical
@@ -34,7 +33,7 @@ _RISE = (0.1, 0.9)
 
 
 def step_response(
-    actuator: Actuator,
+    system: Actuator,
     drive: Drive,
     *,
     duration: float | None = None,
@@ -47,7 +46,7 @@ def step_response(
 
     Parameters
     ----------
-    actuator
+    system
         What moves.
     drive
         :class:`remanent.Steps`, or :class:`remanent.Constant`, one step at τ = 0.
@@ -101,7 +100,7 @@ def step_response(
             "drive", "be rm.Steps or rm.Constant", repr(drive),
             "A response to steps ends under a load that stays.", "Pass rm.shape_command(...).",
         )  # fmt: skip
-    many = physical(actuator, drive, over, initial)
+    many = physical(system, drive, over, initial)
     ens = many.ensemble
     rests = _rests(many)
     half = _half_periods(rests)
@@ -115,12 +114,12 @@ def step_response(
     start = answer(np.zeros((ens.count, 1)))[0][:, 0]
     spacing = float(np.nanmin(half)) / _SAMPLES
     found |= _metrics(answer, many, start, found["final"], spacing, band)
-    variables: dict[str, Labelled] = {
-        name: (ens.dims, ens.shaped(np.where(ens.invalid, np.nan, values)))
-        for name, values in found.items()
+    variables: dict[str, PerTrajectory] = {
+        name: np.where(ens.invalid, np.nan, values) for name, values in found.items()
     }
-    settings = {"duration": length, "band": band}
-    return label(ens, answer.outcome, variables, {}, tolerance, **settings)
+    return to_dataset(
+        ens, variables, outcome=answer.outcome, tolerance=tolerance, duration=length, band=band
+    )
 
 
 class _Answer:
@@ -157,7 +156,7 @@ def _rests(many: Physical) -> list[Body | None]:
     ens = many.ensemble
     drive = ens.drive
     loads = many.load * float(drive.loads[-1]) if isinstance(drive, Steps) else ens.values["m"]
-    field = field_for(ens.actuator, Constant(0.0))
+    field = field_for(ens.system, Constant(0.0))
     found: list[Body | None] = []
     for k in np.arange(ens.count):
         values = {name: v[k] for name, v in ens.values.items()} | {"m": loads[k]}

@@ -1,37 +1,78 @@
-"""What every Dataset of an ensemble carries."""
+"""The one place where results of an ensemble get status, error, labels and attributes."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
+from remanent._status import Status
 from remanent.integrate.ensemble.problem import Outcome
 from remanent.results import build, provenance
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.ensemble import Ensemble
 
+#: An array (trajectory, ...) with the names of its later dimensions; none if it is bare.
+PerTrajectory = NDArray[Any] | tuple[tuple[str, ...], NDArray[Any]]
 
-def label(
+
+def to_dataset(
     ens: Ensemble,
-    outcome: Outcome,
-    variables: Mapping[str, Labelled],
-    coords: Mapping[str, Labelled],
-    tolerance: float,
+    variables: Mapping[str, PerTrajectory],
+    *,
+    tolerance: float | None,
+    coords: Mapping[str, Labelled] | None = None,
+    shared: Mapping[str, Labelled] | None = None,
+    outcome: Outcome | None = None,
+    error: str = "error",
+    status: NDArray[Any] | None = None,
     **settings: Any,
 ) -> xr.Dataset:
-    """Variables with their error, horizon and status, labelled and attributed."""
-    evidence: dict[str, Labelled] = {
-        "error": (ens.dims, ens.shaped(outcome.error)),
-        "horizon": (ens.dims, ens.shaped(outcome.horizon)),
-        "status": (ens.dims, ens.shaped(outcome.status)),
-    }
+    """Label the results of an ensemble: the dimensions of ``over`` first, then their own.
+
+    Parameters
+    ----------
+    variables : mapping of name to array (trajectory, ...)
+        With the names of the later dimensions, ``(("time",), array)``, where there are any.
+    tolerance : float or None
+        What was asked for; None where nothing was integrated.
+    coords : mapping of name to Labelled, optional
+        Coordinates beside those of `ens`, which all trajectories share.
+    shared : mapping of name to Labelled, optional
+        Variables that do not have the dimensions of `ens`, or only some of them.
+    outcome : Outcome, optional
+        Of the integration: its ``error``, ``horizon`` and ``status`` become variables.
+    error : str
+        Name of the variable that takes the error of `outcome`.
+    status : array (trajectory,) of int, optional
+        Where there is no `outcome`; by default ``ok``, or ``invalid`` where a value breaks
+        a rule.
+    **settings
+        What else decides the numbers, for the attributes.
+
+    Returns
+    -------
+    xarray.Dataset
+    """
+    evidence: dict[str, PerTrajectory] = {}
+    if outcome is not None:
+        evidence = {error: outcome.error, "horizon": outcome.horizon, "status": outcome.status}
+    elif status is not None:
+        evidence = {"status": status}
+    elif "status" not in variables:
+        evidence = {"status": np.where(ens.invalid, Status.INVALID, Status.OK)}
+    labelled = {name: _labelled(ens, values) for name, values in {**variables, **evidence}.items()}
     attributes = provenance.attributes(
-        ens.actuator,
-        ens.drive,
-        tolerance,
-        over=ens.coords,
-        **settings,
+        ens.system, ens.drive, tolerance, over=ens.coords, **settings
     )
-    return build.dataset({**variables, **evidence}, {**ens.coords, **coords}, attributes)
+    return build.dataset(
+        {**labelled, **(shared or {})}, {**ens.coords, **(coords or {})}, attributes
+    )
+
+
+def _labelled(ens: Ensemble, values: PerTrajectory) -> Labelled:
+    dims, array = values if isinstance(values, tuple) else ((), values)
+    return (*ens.dims, *dims), ens.shaped(array)

@@ -53,7 +53,7 @@ class Ensemble:
         Where a value breaks a rule.
     """
 
-    actuator: Actuator
+    system: Actuator
     drive: Drive
     field: Field
     sizes: dict[str, int]
@@ -218,7 +218,7 @@ def _physical_memory() -> float:
 
 
 def _harmless(ens: Ensemble, name: str) -> float:
-    return {**ens.actuator.parameters(), **ens.drive.parameters()}[name]
+    return {**ens.system.parameters(), **ens.drive.parameters()}[name]
 
 
 def _labelled(

@@ -22,9 +22,9 @@ _STEP = positive("It is the relative change of a field in a difference.", "Pass 
 def design(
     measures: Measure | Sequence[Measure],
     targets: float | Sequence[float],
-    fields: Mapping[str, float] | Sequence[str] | str,
+    parameters: Mapping[str, float] | Sequence[str] | str,
     *,
-    bounds: Mapping[str, tuple[float, float]] | None = None,
+    parameter_ranges: Mapping[str, tuple[float, float]] | None = None,
     step: float = 1e-3,
 ) -> xr.Dataset:
     """Find the fields with which measures take given values.
@@ -35,10 +35,10 @@ def design(
         What is to be placed, each one number.
     targets
         Where, one for each.
-    fields
+    parameters
         What may change: names, or names with first guesses.  As many as measures, for an
         answer to the point; fewer come as near as they can, more stay near the guess.
-    bounds
+    parameter_ranges
         Lowest and highest value of some of the fields.
     step
         Relative change of a field in differences.
@@ -63,7 +63,7 @@ def design(
     Examples
     --------
     >>> import remanent as rm
-    >>> switch = rm.Measure(rm.shaped_steps, rm.Actuator(), 1.5, of="switch_time")
+    >>> switch = rm.Measure(rm.shape_commands, rm.Actuator(), 1.5, of="switch_time")
     >>> ds = rm.design(switch, 1.2, "temperature")
     >>> round(float(ds.solution[0]), 3)  # 293 (1.42388/1.2)^2
     412.529
@@ -71,14 +71,14 @@ def design(
     asked = [measures] if isinstance(measures, Measure) else list(measures)
     step = require_real("step", step, _STEP)
     wanted = np.array(require_numbers("targets", np.atleast_1d(np.asarray(targets, dtype=float))))
-    guess = _guesses(asked, fields)
+    guess = _guesses(asked, parameters)
     if len(wanted) != len(asked):
         raise InputError(
             "targets", f"have {len(asked)} values", len(wanted),
             "Each measure has one.", "Pass one target per measure.",
         )  # fmt: skip
     names, start = list(guess), np.array(list(guess.values()))
-    box = _box(guess, bounds or {})
+    box = _box(guess, parameter_ranges or {})
     weight = np.maximum(np.abs(wanted), 1e-3)
 
     def distance(rows: FloatArray) -> FloatArray:
@@ -94,7 +94,7 @@ def design(
     begin = distance(start[None])
     if not np.isfinite(begin).all() or begin.shape[1] != len(asked):
         raise InputError(
-            "fields", "start where each measure is one known number", guess,
+            "parameters", "start where each measure is one known number", guess,
             "The search starts there.", "Pass other guesses, or reduce the measure by `of`.",
         )  # fmt: skip
     with np.errstate(all="ignore"):  # of a measure that stops changing

@@ -19,7 +19,7 @@ from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.results import build, provenance
 from remanent.results.build import Labelled
-from remanent.results.read_measurements import Table, measurements
+from remanent.results.read_measurements import Table, read_measurements
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.durations import durations
 from remanent.studies.ensemble.observables import observe
@@ -39,12 +39,12 @@ _EXTREMES = ("amplitude", "maximum", "minimum")
 
 
 def fit(
-    actuator: Actuator,
+    system: Actuator,
     drive: Drive,
     data: Table,
     parameters: Sequence[str] | Mapping[str, float],
     *,
-    bounds: Mapping[str, tuple[float, float]] | None = None,
+    parameter_ranges: Mapping[str, tuple[float, float]] | None = None,
     initial: ArrayLike | None = None,
     duration: float | None = None,
     periods: int | None = None,
@@ -57,10 +57,10 @@ def fit(
 
     Parameters
     ----------
-    actuator, drive
+    system, drive
         What was measured, with guesses for what is not known.
     data
-        What :func:`remanent.measurements` returns or reads: along ``time`` any of the
+        What :func:`remanent.read_measurements` returns or reads: along ``time`` any of the
         variables of :func:`remanent.simulate`, or along ``omega`` an ``amplitude``,
         ``maximum`` or ``minimum`` as of :func:`remanent.frequency_response`;
         ``thickness_stretch_error`` and the like are standard deviations.  Without them all
@@ -69,7 +69,7 @@ def fit(
         Numeric fields of actuator and drive, ``initial.stretch`` and the like, and
         ``shear_modulus``, ``density``, ``remanence`` over their nominal values; with first
         guesses, or just names, from the values there are.
-    bounds
+    parameter_ranges
         Of parameters; by default those that the fields themselves have.
     initial
         As for :func:`remanent.simulate`.
@@ -118,14 +118,14 @@ def fit(
     require_tolerance(tolerance)
     confidence = require_real("confidence", confidence, _CONFIDENCE)
     discard = require_real("discard", discard, _DISCARD)
-    guess = _guesses(actuator, drive, parameters, initial)
-    table = measurements(data, actuator)
+    guess = _guesses(system, drive, parameters, initial)
+    table = read_measurements(data, system)
     if "omega" in table.dims and duration is None and periods is None:
         duration = WINDOW
     model = _Model(
-        actuator, drive, tuple(guess), initial, table, duration, periods, discard, tolerance
+        system, drive, tuple(guess), initial, table, duration, periods, discard, tolerance
     )
-    found_data, box = model.data(), _box(actuator, drive, guess, bounds)
+    found_data, box = model.data(), _box(system, drive, guess, parameter_ranges)
     start = np.array(list(guess.values()))
     found = fitting.fit(model, found_data, start, box)
     half = found.quantile(confidence) * found.deviation
@@ -156,7 +156,7 @@ def fit(
         **model.labels(),
     }
     attributes = provenance.attributes(
-        actuator, drive, tolerance, over=guess, confidence=confidence, duration=duration,
+        system, drive, tolerance, over=guess, confidence=confidence, duration=duration,
         periods=periods, scaled=False,
     )  # fmt: skip
     return build.dataset(variables, coords, attributes)
@@ -192,7 +192,7 @@ class _Model:
         if self.along not in self.table.dims or not self.measured:
             raise InputError(
                 "data", "hold variables along `time` or `omega`", list(self.table.sizes),
-                "They are compared with a history or a response.", "Use rm.measurements(...).",
+                "They are compared with a history or a response.", "Use rm.read_measurements(...).",
             )  # fmt: skip
         values = np.concatenate([self.table[name].values for name in self.measured])
         given = [f"{name}_error" in self.table for name in self.measured]
@@ -267,7 +267,8 @@ def _column(asked: Problem, name: str, times: FloatArray, states: FloatArray) ->
         known = [*asked.field.state, *asked.field.observables]
         raise InputError(
             "data", f"hold variables among {', '.join(known)}", name,
-            "They are what a history has.", "Name the columns so, by rm.measurements(names=...).",
+            "They are what a history has.",
+            "Name the columns so, by rm.read_measurements(names=...).",
         )  # fmt: skip
     return observe(asked, name, times, states)
 

@@ -32,7 +32,7 @@ def logarithmic_decrement(
     ----------
     history
         Of a ring-down: `variable` along ``time``, or along ``cycle`` with times of its own,
-        as from :func:`remanent.simulate` or :func:`remanent.measurements`.
+        as from :func:`remanent.simulate` or :func:`remanent.read_measurements`.
     variable
         What oscillates.
     smallest

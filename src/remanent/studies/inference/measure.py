@@ -43,7 +43,7 @@ class Measure:
     Examples
     --------
     >>> import remanent as rm
-    >>> switch = Measure(rm.shaped_steps, rm.Actuator(), 1.5, of="switch_time")
+    >>> switch = Measure(rm.shape_commands, rm.Actuator(), 1.5, of="switch_time")
     >>> values, errors = switch.at({"temperature": [293.0, 300.0]})
     >>> values.values.round(4).tolist()
     [1.4239, 1.4072]

@@ -23,7 +23,7 @@ _LEVELS = 6
 def sensitivity(
     measure: Measure | Callable[..., Any],
     *arguments: Any,
-    fields: str | Sequence[str],
+    parameters: str | Sequence[str],
     of: Of | None = None,
     step: float = 0.02,
     **options: Any,
@@ -34,7 +34,7 @@ def sensitivity(
     ----------
     measure
         A :class:`remanent.Measure`, or a verb, followed by its arguments and options.
-    fields
+    parameters
         Fields of the actuator or the drive, ``initial.stretch`` ...; ``shear_modulus``,
         ``density``, ``remanence`` where the verb knows them.
     of
@@ -66,15 +66,15 @@ def sensitivity(
     --------
     >>> import remanent as rm
     >>> ds = rm.sensitivity(
-    ...     rm.shaped_steps, rm.Actuator(), 1.5, of="switch_time", fields=["temperature", "c"]
+    ...     rm.shape_commands, rm.Actuator(), 1.5, of="switch_time", parameters=["temperature", "c"]
     ... )
     >>> [round(x, 6) for x in ds.elasticity.values.tolist()]
     [-0.5, 0.390917]
     """
     asked = as_measure(measure, arguments, of, **options)
     step = require_real("step", step, _STEP)
-    asked.require(listed(fields))
-    at = chosen(fields, asked.own())
+    asked.require(listed(parameters))
+    at = chosen(parameters, asked.own())
     names, centre = list(at), np.array(list(at.values()))
     widths = step * np.where(centre == 0.0, 1.0, np.abs(centre))
     away = np.concatenate([offsets(width, _LEVELS) for width in widths])

@@ -22,7 +22,7 @@ from remanent.studies.inference.measure import SAMPLE, Measure, Of, as_measure
 def uncertainty(
     measure: Measure | Callable[..., Any],
     *arguments: Any,
-    ranges: Mapping[str, Any],
+    parameter_ranges: Mapping[str, Any],
     of: Of | None = None,
     samples: int = 1024,
     quantiles: Sequence[float] = (0.05, 0.5, 0.95),
@@ -36,7 +36,7 @@ def uncertainty(
     ----------
     measure
         A :class:`remanent.Measure`, or a verb, followed by its arguments and options.
-    ranges
+    parameter_ranges
         What is not known: fields by name, each with ``(low, high)`` between which all values
         are alike, or a frozen distribution of ``scipy.stats``.  They are independent.
     of
@@ -79,16 +79,20 @@ def uncertainty(
     ...     rm.Actuator(),
     ...     [1.0001],
     ...     of=lambda found: found.frequency.isel({"initial.stretch": 0}),
-    ...     ranges={"temperature": (280.0, 300.0)},
+    ...     parameter_ranges={"temperature": (280.0, 300.0)},
     ... )
     >>> ds.value.values.round(3).tolist()  # (6 T/293)^(1/2)
     [2.399, 2.437, 2.475]
     """
     asked = as_measure(measure, arguments, of, **options)
-    names, distributions = list(ranges), [_distribution(n, r) for n, r in ranges.items()]
+    names, distributions = (
+        list(parameter_ranges),
+        [_distribution(n, r) for n, r in parameter_ranges.items()],
+    )
     if not names:
         raise InputError(
-            "ranges", "name at least one field", ranges, "Something must be uncertain.",
+            "parameter_ranges", "name at least one field", parameter_ranges,
+            "Something must be uncertain.",
             "Pass for example {'temperature': (280, 300)}.",
         )  # fmt: skip
     asked.require(names)

@@ -13,7 +13,7 @@ from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
-from remanent.studies.ensemble.dataset import label
+from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
 from remanent.studies.ensemble.durations import durations, require_one
 from remanent.studies.ensemble.ensemble import Over, ensemble, problem, require_memory
 
@@ -22,7 +22,7 @@ _DIRECTIONS = {"both": (-1, 0, 1), "up": (1,), "down": (-1,)}
 
 
 def crossings(
-    actuator: Actuator,
+    system: Actuator,
     drive: Drive,
     variable: str,
     value: float,
@@ -39,7 +39,7 @@ def crossings(
 
     Parameters
     ----------
-    actuator, drive
+    system, drive
         What moves, and the magnetic load on it.
     variable
         ``"thickness_stretch"``, ``"thickness_stretch_rate"``, or a state variable.
@@ -88,7 +88,7 @@ def crossings(
     require_tolerance(tolerance)
     value = require_real("value", value, _VALUE)
     require_choice("direction", direction, list(_DIRECTIONS))
-    ens = ensemble(actuator, drive, over, initial)
+    ens = ensemble(system, drive, over, initial)
     known = ["thickness_stretch", "thickness_stretch_rate", *ens.field.state]
     require_choice("variable", variable, known)
     asked = problem(ens, durations(ens, duration, periods))
@@ -101,20 +101,20 @@ def crossings(
     most = int(count.max(initial=0))
     require_memory(8.0 * ens.count * most * (2 + len(ens.field.state)), "the crossings")
     column = np.arange(row.size) - (np.cumsum(count) - count)[row]
-    dims = (*ens.dims, "crossing")
 
-    def table(values: np.ndarray, missing: float) -> Labelled:
-        whole = np.full((ens.count, most), missing, dtype=values.dtype)
-        whole[row, column] = values[wanted]
-        return dims, ens.shaped(whole)
+    def table(values: np.ndarray, missing: float) -> PerTrajectory:
+        padded = np.full((ens.count, most), missing, dtype=values.dtype)
+        padded[row, column] = values[wanted]
+        return ("crossing",), padded
 
-    variables: dict[str, Labelled] = {"crossing_time": table(found.time, np.nan)}
+    variables: dict[str, PerTrajectory] = {"crossing_time": table(found.time, np.nan)}
     for k, name in enumerate(ens.field.state):
         variables[name] = table(found.states[:, k], np.nan)
     variables["direction"] = table(found.direction.astype(np.int8), 0)
-    variables["crossings"] = (ens.dims, ens.shaped(count))
+    variables["crossings"] = count
     numbers: IntArray = np.arange(most)
-    settings = {"variable": variable, "value": value, "direction": direction}
-    settings |= {"duration": duration, "periods": periods}
     coords: dict[str, Labelled] = {"crossing": (("crossing",), numbers)}
-    return label(ens, outcome, variables, coords, tolerance, **settings)
+    return to_dataset(
+        ens, variables, coords=coords, outcome=outcome, tolerance=tolerance,
+        variable=variable, value=value, direction=direction, duration=duration, periods=periods,
+    )  # fmt: skip

@@ -15,15 +15,15 @@ from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
-from remanent.studies.ensemble.dataset import label
+from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
 from remanent.studies.ensemble.durations import require_count, require_periods
 from remanent.studies.ensemble.ensemble import Over, ensemble, problem, require_memory
 
-_POWERS = {"loss": "dissipated_power", "work": "drive_power"}
+_POWERS = {"dissipated_energy": "dissipated_power", "drive_work": "drive_power"}
 
 
 def cycle_losses(
-    actuator: Actuator,
+    system: Actuator,
     drive: Drive,
     *,
     periods: int,
@@ -37,7 +37,7 @@ def cycle_losses(
 
     Parameters
     ----------
-    actuator, drive
+    system, drive
         What moves, and a periodic load.
     periods
         Length of the run in smallest periods of the load.
@@ -51,8 +51,8 @@ def cycle_losses(
     Returns
     -------
     xarray.Dataset
-        Along ``period``, the number of the period that ends, from 1: ``loss``, dissipated
-        per reference volume and μ, and ``work`` of the magnetic load.  Once the motion is
+        Along ``period``, the number of the period that ends, from 1: ``dissipated_energy``
+        per reference volume and μ, and ``drive_work`` of the magnetic load.  Once the motion is
         periodic both are equal.  ``error``, ``horizon``, ``status``; NaN beyond the horizon.
 
     Raises
@@ -74,13 +74,13 @@ def cycle_losses(
     ...     periods=60,
     ...     discard=59,
     ... )
-    >>> bool(abs(ds.loss - ds.work) < 1e-3 * ds.loss)
+    >>> bool(abs(ds.dissipated_energy - ds.drive_work) < 1e-3 * ds.dissipated_energy)
     True
     """
     periods = require_count("periods", periods, "Losses are counted in whole drive periods.")
     discard = require_count("discard", discard, "Losses are counted in whole periods.", 0)
     require_tolerance(tolerance)
-    ens = ensemble(actuator, drive, over, initial)
+    ens = ensemble(system, drive, over, initial)
     length = require_periods(ens)
     require_memory(100.0 * ens.count * periods, f"{ens.count} x {periods} periods")
     plain = problem(ens, periods * length)
@@ -93,9 +93,12 @@ def cycle_losses(
     ends = np.arange(periods + 1) * length[:, None]
     sums[ends > outcome.horizon[:, None] * (1 + 1e-12)] = np.nan
     each = np.diff(sums, axis=1)[:, discard:]
-    variables: dict[str, Labelled] = {
-        name: ((*ens.dims, "period"), ens.shaped(each[:, :, k])) for k, name in enumerate(_POWERS)
+    variables: dict[str, PerTrajectory] = {
+        name: (("period",), each[:, :, k]) for k, name in enumerate(_POWERS)
     }
-    variables["drive_period"] = (ens.dims, ens.shaped(length))
+    variables["drive_period"] = length
     coords: dict[str, Labelled] = {"period": (("period",), np.arange(discard + 1, periods + 1))}
-    return label(ens, outcome, variables, coords, tolerance, periods=periods, discard=discard)
+    return to_dataset(
+        ens, variables, coords=coords, outcome=outcome, tolerance=tolerance,
+        periods=periods, discard=discard,
+    )  # fmt: skip

@@ -15,7 +15,7 @@ from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
-from remanent.studies.ensemble.dataset import label
+from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
 from remanent.studies.ensemble.durations import require_one
 from remanent.studies.ensemble.ensemble import Over, ensemble, problem
 from remanent.studies.ensemble.observables import observe
@@ -35,7 +35,7 @@ _OF_HEAT = {
 
 
 def energy_balance(
-    actuator: Actuator,
+    system: Actuator,
     drive: Drive,
     *,
     duration: float | None = None,
@@ -50,7 +50,7 @@ def energy_balance(
 
     Parameters
     ----------
-    actuator, drive, duration, periods, times, initial, over, progress
+    system, drive, duration, periods, times, initial, over, progress
         As for :func:`remanent.simulate`.
     tolerance
         Asked of the global error of the state and of the integrals, absolute.
@@ -90,10 +90,10 @@ def energy_balance(
     """
     require_one(duration=duration, periods=periods, times=times)
     require_tolerance(tolerance)
-    ens = ensemble(actuator, drive, over, initial)
+    ens = ensemble(system, drive, over, initial)
     grid, shared = time_grid(ens, duration, periods, times)
     plain = problem(ens, np.maximum(grid[:, -1], np.finfo(float).tiny))
-    names = _INTEGRALS | (_OF_HEAT if actuator.heat is not None else {})
+    names = _INTEGRALS | (_OF_HEAT if system.heat is not None else {})
     start = np.pad(plain.initial, ((0, 0), (0, len(names))))
     asked = replace(plain, field=with_integrals(plain.field, tuple(names)), initial=start)
     outcome = integrate(asked, Request(times=grid), tolerance=tolerance, progress=progress)
@@ -114,16 +114,16 @@ def energy_balance(
             grid > 0.0, found["mean_thickness_stretch"] / grid, at_first
         )
     found["stored_energy"] = observe(asked, "stored_energy", grid, states)
-    left = found["dissipated_energy" if actuator.heat is None else "heat_given_off"]
+    left = found["dissipated_energy" if system.heat is None else "heat_given_off"]
     found["balance"] = gained("stored_energy") - found["drive_work"] + left
-    if actuator.heat is not None:
+    if system.heat is not None:
         found["entropy"] = observe(asked, "entropy", grid, states)
         inner = gained("entropy") - found["entropy_produced"]
         found["entropy_balance"] = inner + found["entropy_given_off"]
     axis = "time" if shared else "cycle"
-    variables: dict[str, Labelled] = {
-        name: ((*ens.dims, axis), ens.shaped(values)) for name, values in found.items()
-    }
+    variables: dict[str, PerTrajectory] = {name: ((axis,), v) for name, v in found.items()}
     time: Labelled = (("time",), grid[0]) if shared else ((*ens.dims, "cycle"), ens.shaped(grid))
-    settings = {"duration": duration, "periods": periods}
-    return label(ens, outcome, variables, {"time": time}, tolerance, **settings)
+    return to_dataset(
+        ens, variables, coords={"time": time}, outcome=outcome, tolerance=tolerance,
+        duration=duration, periods=periods,
+    )  # fmt: skip

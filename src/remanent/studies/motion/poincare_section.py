@@ -13,7 +13,7 @@ from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
-from remanent.studies.ensemble.dataset import label
+from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
 from remanent.studies.ensemble.durations import require_count, require_periods
 from remanent.studies.ensemble.ensemble import Over, ensemble, problem, require_memory
 from remanent.studies.ensemble.observables import observe
@@ -27,12 +27,12 @@ _PHASE = Rule(
 
 
 def poincare_section(
-    actuator: Actuator,
+    system: Actuator,
     drive: Drive,
     *,
     periods: int,
     every: int = 1,
-    phase: float = 0.0,
+    section_phase: float = 0.0,
     initial: ArrayLike | None = None,
     over: Over | None = None,
     tolerance: float = 1e-9,
@@ -42,14 +42,14 @@ def poincare_section(
 
     Parameters
     ----------
-    actuator, drive
+    system, drive
         What moves, and a periodic load.
     periods
         Length of the run in smallest periods of the load.
     every
         Periods between points.  The flux b sin(ωτ) repeats at every second period of
         its square: pass 2 to strobe at the period of the flux.
-    phase
+    section_phase
         Fraction of a period, in [0, 1), at which the state is taken.
     initial, over, tolerance, progress
         As for :func:`remanent.simulate`.
@@ -81,30 +81,31 @@ def poincare_section(
     """
     periods = require_count("periods", periods, "Sections are taken after whole drive periods.")
     every = require_count("every", every, "Points are whole drive periods apart.")
-    phase = require_real("phase", phase, _PHASE)
+    section_phase = require_real("section_phase", section_phase, _PHASE)
     require_tolerance(tolerance)
-    ens = ensemble(actuator, drive, over, initial)
+    ens = ensemble(system, drive, over, initial)
     length = require_periods(ens)
     points = periods // every + 1
     require_memory(80.0 * ens.count * points, f"{ens.count} x {points} states")
     number = np.arange(0, periods + 1, every)
-    if phase:
-        number = number[number + phase <= periods]
+    if section_phase:
+        number = number[number + section_phase <= periods]
     asked = problem(ens, periods * length)
     with np.errstate(invalid="ignore"):  # where the period is none, the status says so
-        times = (number + phase) * length[:, None]
-    request = Request(times=times) if phase else Request(strobe=every)
+        times = (number + section_phase) * length[:, None]
+    request = Request(times=times) if section_phase else Request(strobe=every)
     outcome = integrate(asked, request, tolerance=tolerance, progress=progress)
     assert outcome.states is not None
     states = outcome.states[:, : number.size]
     states[times > outcome.horizon[:, None] * (1 + 1e-12)] = np.nan
-    dims = (*ens.dims, "period")
-    variables: dict[str, Labelled] = {
-        name: (dims, ens.shaped(states[:, :, k])) for k, name in enumerate(ens.field.state)
+    variables: dict[str, PerTrajectory] = {
+        name: (("period",), states[:, :, k]) for k, name in enumerate(ens.field.state)
     }
     for name in ("thickness_stretch", "thickness_stretch_rate"):
-        variables[name] = (dims, ens.shaped(observe(asked, name, times, states)))
-    variables["drive_period"] = (ens.dims, ens.shaped(length))
-    settings = {"periods": periods, "every": every, "section_phase": phase}
+        variables[name] = (("period",), observe(asked, name, times, states))
+    variables["drive_period"] = length
     coords: dict[str, Labelled] = {"period": (("period",), number)}
-    return label(ens, outcome, variables, coords, tolerance, **settings)
+    return to_dataset(
+        ens, variables, coords=coords, outcome=outcome, tolerance=tolerance,
+        periods=periods, every=every, section_phase=section_phase,
+    )  # fmt: skip

@@ -16,7 +16,7 @@ from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
-from remanent.studies.ensemble.dataset import label
+from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
 from remanent.studies.ensemble.durations import durations, require_one
 from remanent.studies.ensemble.ensemble import Ensemble, Over, ensemble, problem, require_memory
 from remanent.studies.ensemble.observables import observe
@@ -26,7 +26,7 @@ _PER_TAU, _FEWEST, _MOST = 20, 200, 20_000
 
 
 def simulate(
-    actuator: Actuator,
+    system: Actuator,
     drive: Drive,
     *,
     duration: float | None = None,
@@ -41,7 +41,7 @@ def simulate(
 
     Parameters
     ----------
-    actuator, drive
+    system, drive
         What moves, and the magnetic load on it.
     duration
         Length of the run in units of tau.
@@ -79,7 +79,7 @@ def simulate(
     Notes
     -----
     Solves M(λ)λ'' − 6cλ⁻⁷λ'² + 3[θ(λ − λ⁻⁵) − S + mλ⁻³] = 0 and its generalisations
-    (paper, equation 16).
+    [Thermal, eq. 16].
 
     Examples
     --------
@@ -90,7 +90,7 @@ def simulate(
     """
     require_one(duration=duration, periods=periods, times=times)
     require_tolerance(tolerance)
-    ens = ensemble(actuator, drive, over, initial)
+    ens = ensemble(system, drive, over, initial)
     grid, shared = time_grid(ens, duration, periods, times)
     asked = problem(ens, np.maximum(grid[:, -1], np.finfo(float).tiny))
     outcome = integrate(asked, Request(times=grid), tolerance=tolerance, progress=progress)
@@ -98,15 +98,16 @@ def simulate(
     assert states is not None
     states[grid > outcome.horizon[:, None] * (1 + 1e-12)] = np.nan
     axis = "time" if shared else "cycle"
-    variables: dict[str, Labelled] = {
-        name: ((*ens.dims, axis), ens.shaped(states[:, :, k]))
-        for k, name in enumerate(ens.field.state)
+    variables: dict[str, PerTrajectory] = {
+        name: ((axis,), states[:, :, k]) for k, name in enumerate(ens.field.state)
     }
     for name in ("thickness_stretch", "thickness_stretch_rate", "energy"):
-        variables[name] = ((*ens.dims, axis), ens.shaped(observe(asked, name, grid, states)))
+        variables[name] = ((axis,), observe(asked, name, grid, states))
     time: Labelled = (("time",), grid[0]) if shared else ((*ens.dims, "cycle"), ens.shaped(grid))
-    settings = {"duration": duration, "periods": periods}
-    return label(ens, outcome, variables, {"time": time}, tolerance, **settings)
+    return to_dataset(
+        ens, variables, coords={"time": time}, outcome=outcome, tolerance=tolerance,
+        duration=duration, periods=periods,
+    )  # fmt: skip
 
 
 def time_grid(ens: Ensemble, duration: Any, periods: Any, times: Any) -> tuple[FloatArray, bool]:

@@ -85,7 +85,7 @@ class StroboscopicMap:
         """Whether a remanence depends on a temperature that is a state."""
         name = "magnet.temperature_coefficient"
         varies = name in self.names or bool(self.ensemble.values[name].any())
-        return self.ensemble.actuator.heat is not None and varies
+        return self.ensemble.system.heat is not None and varies
 
     @property
     def dimension(self) -> int:

@@ -98,9 +98,9 @@ def _default(name: str, ens: Ensemble) -> tuple[float, float]:
 
 def require_isolated(ens: Ensemble) -> None:
     """Refuse adiabatic bodies: they warm for ever, or have an orbit for each entropy."""
-    if ens.actuator.heat is not None and not (ens.values["heat.exchange"] > 0.0).all():
+    if ens.system.heat is not None and not (ens.values["heat.exchange"] > 0.0).all():
         raise InputError(
-            "actuator", "exchange heat where its temperature is a state", ens.actuator.heat,
+            "actuator", "exchange heat where its temperature is a state", ens.system.heat,
             "Without exchange it warms for ever, or has an orbit for every temperature.",
             "Pass rm.Heat(exchange=...) above 0, or heat=None.",
         )  # fmt: skip

@@ -27,16 +27,16 @@ from remanent.studies.orbits.continue_orbit import parameter_bounds
 _KINDS = ("fold", "period doubling")
 
 
-def continue_special(
-    actuator: Actuator,
+def continue_bifurcation(
+    system: Actuator,
     drive: Drive,
     kind: str,
     parameters: Sequence[str],
-    bounds: Sequence[ArrayLike],
+    parameter_ranges: Sequence[ArrayLike],
     *,
-    start: ArrayLike,
-    period: int = 1,
-    state_bounds: Mapping[str, Any] | None = None,
+    initial: ArrayLike,
+    orbit_period: int = 1,
+    state_box: Mapping[str, Any] | None = None,
     max_points: int = 500,
     tolerance: float = 1e-8,
 ) -> xr.Dataset:
@@ -44,19 +44,19 @@ def continue_special(
 
     Parameters
     ----------
-    actuator, drive
+    system, drive
         What moves, and a periodic load; their own values are where the curve is looked for.
     kind
         ``"fold"`` or ``"period doubling"``.
     parameters
         Two numeric fields of either, such as ``("omega", "b")``.  The first is adjusted to
-        reach the special point from `start`.
-    bounds
+        reach the special point from `initial`.
+    parameter_ranges
         Lowest and highest value of each.
-    start : (stretch, rate)
+    initial : (stretch, rate)
         A state near the special point, for example ``special_stretch`` and
         ``special_stretch_rate`` of a branch.
-    period, state_bounds, max_points
+    orbit_period, state_box, max_points
         As for :func:`remanent.continue_orbit`.
     tolerance
         Of the residual, also of the determinant that vanishes.
@@ -81,40 +81,45 @@ def continue_special(
     --------
     >>> import remanent as rm
     >>> hot = rm.Actuator(temperature=350)
-    >>> ds = rm.continue_special(
+    >>> ds = rm.continue_bifurcation(
     ...     hot,
     ...     rm.SineSquared(0.4, 1.2668),
     ...     "fold",
     ...     ("omega", "b"),
     ...     [(1.0, 1.45), (0.2, 0.6)],
-    ...     start=(1.2268, 0.0),
+    ...     initial=(1.2268, 0.0),
     ... )
     >>> bool(ds.residual.max() < 1e-8), ds.omega.size > 20
     (True, True)
     """
     require_choice("kind", kind, _KINDS)
     require_tolerance(tolerance)
-    period = require_count("period", period, "Orbits close after whole drive periods.")
+    orbit_period = require_count(
+        "orbit_period", orbit_period, "Orbits close after whole drive periods."
+    )
     most = require_count("max_points", max_points, "A curve is made of points.")
-    ens = ensemble(actuator, drive)
+    ens = ensemble(system, drive)
     require_periods(ens)
     require_isolated(ens)
-    if len(parameters) != 2 or len(bounds) != 2 or parameters[0] == parameters[1]:
+    if len(parameters) != 2 or len(parameter_ranges) != 2 or parameters[0] == parameters[1]:
         raise InputError(
             "parameters", "be two different fields, with a pair of bounds each",
-            (parameters, bounds), "A curve lies in a plane.", "Pass for example ('omega', 'b').",
+            (parameters, parameter_ranges), "A curve lies in a plane.",
+            "Pass for example ('omega', 'b').",
         )  # fmt: skip
-    limits = [parameter_bounds(n, b, ens) for n, b in zip(parameters, bounds, strict=True)]
-    box = box_of(ens, state_bounds)
+    limits = [
+        parameter_bounds(n, b, ens) for n, b in zip(parameters, parameter_ranges, strict=True)
+    ]
+    box = box_of(ens, state_box)
     lower, upper = np.concatenate([box, np.array(limits)]).T
     scale = np.concatenate([np.ones(len(box)), np.ptp(np.array(limits), axis=1)])
     map_ = StroboscopicMap(ens, tuple(parameters), min(0.01 * tolerance, 1e-10))
-    equations = special_equations(map_, period, kind, scale)
+    equations = special_equations(map_, orbit_period, kind, scale)
     own = [float(ens.values[name][0]) for name in parameters]
-    guess = np.concatenate([np.asarray(start, dtype=float).ravel(), own])[None]
+    guess = np.concatenate([np.asarray(initial, dtype=float).ravel(), own])[None]
     if guess.shape[1] != scale.size:
         raise InputError(
-            "start", f"be {len(box)} numbers", repr(start),
+            "initial", f"be {len(box)} numbers", repr(initial),
             "It is a state at phase 0.", "Take it from the special points of a branch.",
         )  # fmt: skip
     held = np.zeros(guess.shape)
@@ -122,7 +127,7 @@ def continue_special(
     points, reached = corrected(equations, guess, held, scale=scale, tolerance=tolerance)
     if not reached[0]:
         raise InputError(
-            "start", f"be near a {kind}", (repr(start), own),
+            "initial", f"be near a {kind}", (repr(initial), own),
             "Newton's method found none from it.",
             "Pass the state and parameters of a special point of a branch.",
         )  # fmt: skip
@@ -139,6 +144,6 @@ def continue_special(
     variables: dict[str, Labelled] = {name: (("point",), v) for name, v in columns.items()}
     coords: dict[str, Labelled] = {"point": (("point",), np.arange(len(some)))}
     attributes = provenance.attributes(
-        actuator, drive, tolerance, kind=kind, bounds=limits, orbit_period=period
+        system, drive, tolerance, kind=kind, parameter_ranges=limits, orbit_period=orbit_period
     )
     return build.dataset(variables, coords, attributes)

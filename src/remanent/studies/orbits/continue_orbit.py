@@ -37,14 +37,14 @@ from remanent.studies.orbits.periodic_orbits import described
 
 
 def continue_orbit(
-    actuator: Actuator,
+    system: Actuator,
     drive: Drive,
     parameter: str,
-    bounds: ArrayLike,
+    parameter_range: ArrayLike,
     *,
-    start: ArrayLike | None = None,
-    period: int = 1,
-    state_bounds: Mapping[str, Any] | None = None,
+    initial: ArrayLike | None = None,
+    orbit_period: int = 1,
+    state_box: Mapping[str, Any] | None = None,
     max_points: int = 1000,
     tolerance: float = 1e-9,
 ) -> xr.Dataset:
@@ -52,20 +52,20 @@ def continue_orbit(
 
     Parameters
     ----------
-    actuator, drive
+    system, drive
         What moves, and a periodic load.
     parameter
         A numeric field of either, such as ``"omega"``, ``"b"``, ``"temperature"`` or
         ``"dissipation.0.eta"``.
-    bounds
+    parameter_range
         Its lowest and highest value.
-    start : (stretch, rate), optional
+    initial : (stretch, rate), optional
         A state near the orbit at phase 0, for the field's own value; by default the orbit
         nearest to rest.
-    period
+    orbit_period
         Of the orbit, in drive periods.
-    state_bounds
-        The branch ends where the state at phase 0 leaves them; as `bounds` of
+    state_box
+        The branch ends where the state at phase 0 leaves them; as `parameter_range` of
         :func:`remanent.periodic_orbits`.
     max_points
         In each direction from the start.
@@ -95,29 +95,35 @@ def continue_orbit(
     >>> import remanent as rm
     >>> hot = rm.Actuator(temperature=350)
     >>> ds = rm.continue_orbit(
-    ...     hot, rm.SineSquared(0.4, 1.25), "omega", (1.0, 1.6), start=(1.433, 0.0)
+    ...     hot, rm.SineSquared(0.4, 1.25), "omega", (1.0, 1.6), initial=(1.433, 0.0)
     ... )
     >>> ds.special_kind.values.tolist(), float(ds.special_omega[0].round(4))
     (['fold'], 1.2668)
     """
-    ens = ensemble(actuator, drive)
-    low, high = parameter_bounds(parameter, bounds, ens)
-    tracing = trace_with(ens, parameter, (low, high), state_bounds, period, max_points, tolerance)
+    ens = ensemble(system, drive)
+    low, high = parameter_bounds(parameter, parameter_range, ens)
+    tracing = trace_with(
+        ens, parameter, (low, high), state_box, orbit_period, max_points, tolerance
+    )
     value = float(ens.values[parameter][0])
-    orbit = _start(tracing, start, value)
+    orbit = _start(tracing, initial, value)
     branches = through(tracing, orbit, np.array([value]))
-    found = [describe_branches(at(ens, 0), branches, parameter, period)]
-    settings = {"parameter": parameter, "bounds": (low, high), "orbit_period": period}
+    found = [describe_branches(at(ens, 0), branches, parameter, orbit_period)]
+    settings = {
+        "parameter": parameter,
+        "parameter_range": (low, high),
+        "orbit_period": orbit_period,
+    }
     return label_branches(ens, found, parameter, tolerance, settings).isel(branch=0, drop=True)
 
 
 def response_diagram(
-    actuator: Actuator,
+    system: Actuator,
     drive: Drive,
-    omega_bounds: ArrayLike,
+    omega_range: ArrayLike,
     *,
-    bounds: Mapping[str, Any] | None = None,
-    period: int = 1,
+    state_box: Mapping[str, Any] | None = None,
+    orbit_period: int = 1,
     over: Over | None = None,
     slices: int = 9,
     max_points: int = 2000,
@@ -128,14 +134,14 @@ def response_diagram(
 
     Parameters
     ----------
-    actuator, drive
+    system, drive
         What moves, and a drive with a field ``omega``, whose value is not used.
-    omega_bounds
+    omega_range
         Lowest and highest frequency, radians per unit of tau.
-    bounds
+    state_box
         Of the state at phase 0, as for :func:`remanent.periodic_orbits`: undamped branches
         run off to infinite amplitude.
-    period
+    orbit_period
         Of the orbits in drive periods.
     over
         Values of other numeric fields; they become dimensions of the result.
@@ -166,8 +172,8 @@ def response_diagram(
     [1.2668]
     """
     whole = dict(over or {})
-    ens = ensemble(actuator, drive, whole, reserved=DIMENSIONS)
-    low, high = parameter_bounds("omega", omega_bounds, ens)
+    ens = ensemble(system, drive, whole, reserved=DIMENSIONS)
+    low, high = parameter_bounds("omega", omega_range, ens)
     slices = require_count("slices", slices, "Orbits are looked for at each of them.")
     done: list[int] = []
 
@@ -176,10 +182,12 @@ def response_diagram(
         if ens.invalid[k]:
             return {}
         own.values["omega"] = np.array([0.5 * (low + high)])
-        tracing = trace_with(own, "omega", (low, high), bounds, period, max_points, tolerance)
-        symmetric = is_symmetric(actuator, drive)
-        search = Search(tracing.map, tracing.box, period, tolerance, symmetric, dense=False)
-        found = describe_branches(own, everywhere(tracing, search, slices), "omega", period)
+        tracing = trace_with(
+            own, "omega", (low, high), state_box, orbit_period, max_points, tolerance
+        )
+        symmetric = is_symmetric(system, drive)
+        search = Search(tracing.map, tracing.box, orbit_period, tolerance, symmetric, dense=False)
+        found = describe_branches(own, everywhere(tracing, search, slices), "omega", orbit_period)
         done.append(k)
         if progress is not None:
             progress(len(done) / ens.count)
@@ -187,7 +195,7 @@ def response_diagram(
 
     with ThreadPoolExecutor(min(os.cpu_count() or 1, ens.count)) as pool:
         found = list(pool.map(one, range(ens.count)))
-    settings = {"bounds": (low, high), "orbit_period": period, "slices": slices}
+    settings = {"parameter_range": (low, high), "orbit_period": orbit_period, "slices": slices}
     return label_branches(ens, found, "omega", tolerance, settings)
 
 
@@ -197,14 +205,14 @@ def parameter_bounds(parameter: str, bounds: ArrayLike, ens: Ensemble) -> tuple[
     pair = np.asarray(bounds, dtype=float)
     if pair.shape != (2,) or not np.isfinite(pair).all() or not pair[0] < pair[1]:
         raise InputError(
-            "bounds", f"be the lowest and the highest value of {parameter}", repr(bounds),
+            "parameter_range", f"be the lowest and the highest value of {parameter}", repr(bounds),
             "A branch is followed between them.", "Pass two increasing numbers.",
         )  # fmt: skip
     for value in pair:
-        broken = ens.actuator.invalid({parameter: value}) | ens.drive.invalid({parameter: value})
+        broken = ens.system.invalid({parameter: value}) | ens.drive.invalid({parameter: value})
         if broken.any():
             raise InputError(
-                "bounds", f"be possible values of {parameter}", float(value),
+                "parameter_range", f"be possible values of {parameter}", float(value),
                 "Orbits are computed up to them.", "Pass values within the field's own range.",
             )  # fmt: skip
     return float(pair[0]), float(pair[1])
@@ -230,7 +238,7 @@ def trace_with(
         period=require_count("period", period, "Orbits close after whole drive periods."),
         tolerance=tolerance,
         most=require_count("max_points", max_points, "A branch is made of points."),
-        conservative=ens.actuator.conservative,
+        conservative=ens.system.conservative,
     )
 
 
@@ -239,11 +247,11 @@ def _start(tracing: Tracing, start: ArrayLike | None, value: float) -> Orbits:
     ens, (low, high) = tracing.map.ensemble, tracing.bounds
     if not low <= value <= high:
         raise InputError(
-            "bounds", f"include the field's own value, {value:g}", (low, high),
+            "parameter_range", f"include the field's own value, {value:g}", (low, high),
             "The branch starts there.", "Change the drive or the actuator, or the bounds.",
         )  # fmt: skip
     if start is None:
-        symmetric = is_symmetric(ens.actuator, ens.drive)
+        symmetric = is_symmetric(ens.system, ens.drive)
         search = Search(tracing.map, tracing.box, tracing.period, tracing.tolerance, symmetric)
         (orbits,) = all_orbits(search, np.array([[value]]))
         why = "None was found at the field's own value."
@@ -366,6 +374,6 @@ def _dataset(
         "special": (("special",), np.arange(marks["kind"].shape[1])),
     }
     attributes = provenance.attributes(
-        ens.actuator, ens.drive, tolerance, over=ens.coords, **settings
+        ens.system, ens.drive, tolerance, over=ens.coords, **settings
     )
     return build.dataset(variables, coords, attributes)

@@ -28,14 +28,14 @@ _KINDS = ("fold", "period doubling")
 _STAGES = 4
 
 
-def special_point(
-    actuator: Actuator,
+def locate_bifurcation(
+    system: Actuator,
     drive: Drive,
     kind: str,
     parameter: str,
     *,
-    start: ArrayLike,
-    period: int = 1,
+    initial: ArrayLike,
+    orbit_period: int = 1,
     over: Over | None = None,
     tolerance: float = 1e-9,
 ) -> xr.Dataset:
@@ -43,16 +43,16 @@ def special_point(
 
     Parameters
     ----------
-    actuator, drive
+    system, drive
         What moves, and a periodic load, near the special point.
     kind
         ``"fold"`` or ``"period doubling"``.
     parameter
         The field that is adjusted; its own value is the guess.
-    start : (stretch, rate)
+    initial : (stretch, rate)
         A state near the orbit at phase 0, for example ``special_stretch`` and
         ``special_stretch_rate`` of :func:`remanent.continue_orbit`.
-    period
+    orbit_period
         Of the orbit, in drive periods.
     over
         Values of other fields, not far from the actuator's own; they become dimensions.
@@ -73,40 +73,42 @@ def special_point(
     Examples
     --------
     >>> import remanent as rm
-    >>> ds = rm.special_point(
+    >>> ds = rm.locate_bifurcation(
     ...     rm.Actuator(temperature=350),
     ...     rm.SineSquared(0.4, 1.2668),
     ...     "fold",
     ...     "omega",
-    ...     start=(1.2268, 0.0),
+    ...     initial=(1.2268, 0.0),
     ... )
     >>> float(ds.omega.round(6))
     1.266795
     """
     require_choice("kind", kind, _KINDS)
     require_tolerance(tolerance)
-    period = require_count("period", period, "Orbits close after whole drive periods.")
-    single = ensemble(actuator, drive)
+    orbit_period = require_count(
+        "orbit_period", orbit_period, "Orbits close after whole drive periods."
+    )
+    single = ensemble(system, drive)
     require_periods(single)
     require_choice("parameter", parameter, list(single.values))
-    ens = ensemble(actuator, drive, over)
+    ens = ensemble(system, drive, over)
     if over and parameter in over:
         raise InputError(
             "over", f"not name {parameter}", repr(parameter), "It is adjusted.", "Leave it out."
         )
-    state = np.asarray(start, dtype=float).ravel()
+    state = np.asarray(initial, dtype=float).ravel()
     d = len(single.field.state)
     if state.shape != (d,) or not np.isfinite(state).all():
         raise InputError(
-            "start", f"be {d} numbers", repr(start),
+            "initial", f"be {d} numbers", repr(initial),
             "It is a state at phase 0.", "Take it from the special points of a branch.",
         )  # fmt: skip
     unknown, residual, error, reached = _found(
-        single, ens, kind, parameter, state, period, tolerance
+        single, ens, kind, parameter, state, orbit_period, tolerance
     )
     if not ens.sizes and not reached[0]:
         raise InputError(
-            "start", f"be near a {kind}", repr(start), "Newton's method found none from it.",
+            "initial", f"be near a {kind}", repr(initial), "Newton's method found none from it.",
             "Pass the state and the parameter of a special point of a branch.",
         )  # fmt: skip
     columns = {parameter: unknown[:, d], f"{parameter}_error": error, "residual": residual}
@@ -118,7 +120,7 @@ def special_point(
     status = np.where(reached, Status.OK, bad).astype(np.int8)
     variables["status"] = (ens.dims, ens.shaped(status))
     attributes = provenance.attributes(
-        actuator, drive, tolerance, over=ens.coords, kind=kind, orbit_period=period
+        system, drive, tolerance, over=ens.coords, kind=kind, orbit_period=orbit_period
     )
     return build.dataset(variables, dict(ens.coords), attributes)
 

@@ -36,14 +36,14 @@ _WIDTH = positive("It is the width of the last bracket.", "Pass for example 1e-8
 
 
 def manifold_crossing(
-    actuator: Actuator,
+    system: Actuator,
     drive: Drive,
     parameter: str,
-    bracket: ArrayLike,
+    parameter_range: ArrayLike,
     *,
     saddle: ArrayLike | None = None,
     initial: ArrayLike | None = None,
-    period: int = 1,
+    orbit_period: int = 1,
     periods: int = 200,
     width: float = 1e-8,
     tolerance: float = 1e-6,
@@ -55,18 +55,18 @@ def manifold_crossing(
 
     Parameters
     ----------
-    actuator, drive
+    system, drive
         What moves, and a periodic load.
     parameter
         A numeric field of either, such as ``"omega"``.
-    bracket
+    parameter_range
         Two values of it, on different sides.
     saddle : (stretch, rate), optional
         A state near the saddle orbit at phase 0, at the lower value; by default the saddle
         nearest to the motion from `initial` there.
     initial
         State at the start; rest by default.
-    period
+    orbit_period
         Of the saddle orbit in drive periods.
     periods
         Longest run in drive periods.  The nearer the crossing, the longer motion stays at
@@ -106,11 +106,11 @@ def manifold_crossing(
     """
     require_tolerance(tolerance)
     width = require_real("width", width, _WIDTH)
-    every = require_count("period", period, "Orbits close after whole drive periods.")
+    every = require_count("orbit_period", orbit_period, "Orbits close after whole drive periods.")
     periods = require_count("periods", periods, "The motion must have time to leave.", 3)
-    ens = ensemble(actuator, drive, None, initial)
+    ens = ensemble(system, drive, None, initial)
     require_periods(ens)
-    low, high = parameter_bounds(parameter, bracket, ens)
+    low, high = parameter_bounds(parameter, parameter_range, ens)
     runs = _Runs(ens, parameter, every, periods, tolerance)
     state = runs.guess(low) if saddle is None else np.asarray(saddle, dtype=float).ravel()
     if state.size != len(ens.field.state):
@@ -128,7 +128,7 @@ def manifold_crossing(
             continue
         if ends is None:
             raise InputError(
-                "bracket", "hold one crossing between its ends", (low, high),
+                "parameter_range", "hold one crossing between its ends", (low, high),
                 f"From its values the motion leaves on the sides {passage.side.tolist()} "
                 "(1: the way it came, -1: beyond, 0: not decided).",
                 "Move the ends nearer to the jump, or pass more `periods`.",
@@ -137,7 +137,9 @@ def manifold_crossing(
         state = points.unknown[ends[0], :-1]
         if gap <= width or gap > 0.5 * (values[-1] - values[0]):
             break
-        length = min(int(passage.iterate[list(ends)].max()) * period + _MORE * period, periods)
+        length = min(
+            int(passage.iterate[list(ends)].max()) * orbit_period + _MORE * orbit_period, periods
+        )
         values = np.linspace(values[ends[0]], values[ends[1]], _TRIED + 2)
     there = points.taken(slice(ends[0], ends[0] + 1))
     return _labelled(runs, values[ends[0]] + 0.5 * gap, gap, there, width)
@@ -156,7 +158,7 @@ class _Runs:
     def visited(self, values: FloatArray, length: int) -> tuple[FloatArray, FloatArray]:
         """States (value, iterate, state) once per period of the orbit, and their errors."""
         run = poincare_section(
-            self.ens.actuator, self.ens.drive, periods=length, every=self.period,
+            self.ens.system, self.ens.drive, periods=length, every=self.period,
             over={self.parameter: values}, initial=self.ens.initial[0], tolerance=self.tolerance,
         )  # fmt: skip
         states = np.stack([run[name].values for name in self.ens.field.state], axis=-1)
@@ -165,7 +167,10 @@ class _Runs:
     def guess(self, value: float) -> FloatArray:
         """The saddle nearest to the motion at a value."""
         found = periodic_orbits(
-            self.ens.actuator, self.ens.drive, period=self.period, over={self.parameter: [value]}
+            self.ens.system,
+            self.ens.drive,
+            orbit_period=self.period,
+            over={self.parameter: [value]},
         ).isel({self.parameter: 0})
         saddles = found["initial"].values[found["stability"].values == "saddle"]
         if not len(saddles):
@@ -225,7 +230,7 @@ def _labelled(runs: _Runs, value: float, gap: float, points: Points, width: floa
         variables[name] = ((), points.unknown[0, k])
     coords: dict[str, Labelled] = {"multiplier": (("multiplier",), np.arange(known.shape[1]))}
     attributes = provenance.attributes(
-        runs.ens.actuator, runs.ens.drive, runs.tolerance, over=(runs.parameter,),
+        runs.ens.system, runs.ens.drive, runs.tolerance, over=(runs.parameter,),
         orbit_period=runs.period, periods=runs.periods, width=width,
     )  # fmt: skip
     return build.dataset(variables, coords, attributes)

@@ -35,11 +35,11 @@ _FINE, _COARSE = 1e-8, 1e-5
 
 
 def periodic_orbits(
-    actuator: Actuator,
+    system: Actuator,
     drive: Drive,
     *,
-    period: int = 1,
-    bounds: Mapping[str, Any] | None = None,
+    orbit_period: int = 1,
+    state_box: Mapping[str, Any] | None = None,
     over: Over | None = None,
     tolerance: float = 1e-9,
 ) -> xr.Dataset:
@@ -47,12 +47,12 @@ def periodic_orbits(
 
     Parameters
     ----------
-    actuator, drive
+    system, drive
         What moves, and a periodic load.
-    period
+    orbit_period
         Least period of the orbits in drive periods: 1 for the forced response, 2, 3 ... for
         subharmonic orbits.
-    bounds
+    state_box
         Range of each state variable at phase 0 in which orbits are looked for, such as
         ``{"stretch": (0.3, 4.0)}``; by default stretches from 0.3 to 4 and rates from −8
         to 8.
@@ -92,14 +92,16 @@ def periodic_orbits(
     >>> ds.stability.values.tolist()
     ['elliptic', 'elliptic', 'saddle']
     """
-    period = require_count("period", period, "Orbits close after whole drive periods.")
+    orbit_period = require_count(
+        "orbit_period", orbit_period, "Orbits close after whole drive periods."
+    )
     require_tolerance(tolerance)
-    ens = ensemble(actuator, drive, over, reserved=DIMENSIONS)
+    ens = ensemble(system, drive, over, reserved=DIMENSIONS)
     require_periods(ens)
     require_isolated(ens)
-    box = box_of(ens, bounds)
-    found = [_of_one(at(ens, k), box, period, tolerance) for k in range(ens.count)]
-    return _labelled(ens, found, period, tolerance)
+    box = box_of(ens, state_box)
+    found = [_of_one(at(ens, k), box, orbit_period, tolerance) for k in range(ens.count)]
+    return _labelled(ens, found, orbit_period, tolerance)
 
 
 def _of_one(ens: Ensemble, box: FloatArray, period: int, tolerance: float) -> dict[str, Any]:
@@ -107,7 +109,7 @@ def _of_one(ens: Ensemble, box: FloatArray, period: int, tolerance: float) -> di
     if ens.invalid[0]:
         return {}
     map_ = StroboscopicMap(ens, (), min(0.1 * tolerance, 1e-10))
-    symmetric = is_symmetric(ens.actuator, ens.drive)
+    symmetric = is_symmetric(ens.system, ens.drive)
     (orbits,) = all_orbits(Search(map_, box, period, tolerance, symmetric), np.empty((1, 0)))
     return described(ens, orbits, period, {})
 
@@ -123,7 +125,7 @@ def described(
         Fields whose values differ between the orbits.
     """
     values, errors = multipliers(orbits.jacobian, orbits.error)
-    kinds = stability(values, errors, conservative=ens.actuator.conservative)
+    kinds = stability(values, errors, conservative=ens.system.conservative)
     maximum, minimum = _extremes(ens, orbits.state, period, varied)
     return {
         "initial": orbits.state,
@@ -192,6 +194,6 @@ def _labelled(
         "multiplier": (("multiplier",), np.arange(d)),
     }
     attributes = provenance.attributes(
-        ens.actuator, ens.drive, tolerance, over=ens.coords, orbit_period=period
+        ens.system, ens.drive, tolerance, over=ens.coords, orbit_period=period
     )
     return build.dataset(variables, coords, attributes)

@@ -34,7 +34,7 @@ def switch_branch(
     branch: xr.Dataset,
     special: int = 0,
     *,
-    state_bounds: Mapping[str, Any] | None = None,
+    state_box: Mapping[str, Any] | None = None,
     max_points: int = 1000,
     tolerance: float = 1e-9,
 ) -> xr.Dataset:
@@ -50,7 +50,7 @@ def switch_branch(
         Which of its special points: a ``period doubling``, where the branch of twice the
         period starts, or a ``branch point``, where another of the same period does (the pair
         of orbits that break a symmetry).
-    state_bounds, max_points, tolerance
+    state_box, max_points, tolerance
         As for :func:`remanent.continue_orbit`.
 
     Returns
@@ -89,8 +89,8 @@ def switch_branch(
     parameter = str(branch.attrs.get("parameter", "omega"))
     period = int(branch.attrs["orbit_period"]) * _SWITCHES[kinds[which]]
     ens = ensemble(actuator, drive)
-    limits = parameter_bounds(parameter, branch.attrs["bounds"], ens)
-    tracing = trace_with(ens, parameter, limits, state_bounds, period, max_points, tolerance)
+    limits = parameter_bounds(parameter, branch.attrs["parameter_range"], ens)
+    tracing = trace_with(ens, parameter, limits, state_box, period, max_points, tolerance)
     names = [f"special_{name}" for name in (*ens.field.state, parameter)]
     crossing = np.array([float(branch[name].values.ravel()[which]) for name in names])
     point = other_branch(
@@ -105,5 +105,5 @@ def switch_branch(
     z = point.unknown
     orbit = Orbits(z[:, :-1], point.extra["jacobian"], point.residual, point.error)
     found = [describe_branches(at(ens, 0), through(tracing, orbit, z[:, -1]), parameter, period)]
-    settings = {"parameter": parameter, "bounds": limits, "orbit_period": period}
+    settings = {"parameter": parameter, "parameter_range": limits, "orbit_period": period}
     return label_branches(ens, found, parameter, tolerance, settings).isel(branch=0, drop=True)

@@ -179,7 +179,7 @@ class Follower:
 
 def damped(ens: Ensemble) -> BoolArray:
     """Where the motion loses energy, array (trajectory,)."""
-    found = ens.actuator.dissipative(ens.values)
+    found = ens.system.dissipative(ens.values)
     return np.asarray(np.broadcast_to(found, (ens.count,)))
 
 
@@ -227,7 +227,7 @@ def labelled(
 ) -> xr.Dataset:
     """Variables with their coordinates, labelled and attributed."""
     attributes = provenance.attributes(
-        ens.actuator,
+        ens.system,
         ens.drive,
         tolerance,
         over=ens.coords,

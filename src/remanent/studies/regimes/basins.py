@@ -27,7 +27,7 @@ _TAIL = 128
 
 
 def basins(
-    actuator: Actuator,
+    system: Actuator,
     drive: Drive,
     grid: Mapping[str, ArrayLike],
     *,
@@ -40,7 +40,7 @@ def basins(
 
     Parameters
     ----------
-    actuator, drive
+    system, drive
         What moves, and a periodic load.
     grid
         State variables with their initial values, ``{"stretch": ..., "stretch_rate": ...}``,
@@ -85,7 +85,7 @@ def basins(
     """
     periods = require_count("periods", periods, WHY, FEWEST)
     tolerance = require_tolerance(tolerance)
-    ens = ensemble(actuator, drive, _starts(grid))
+    ens = ensemble(system, drive, _starts(grid))
     length = require_periods(ens)
     require_memory((300.0 + 8.0 * _TAIL * len(ens.field.state)) * ens.count, f"{ens.count} ends")
     seed = 0 if rng is None else int(rng.integers(2**31))

@@ -32,7 +32,7 @@ _BLOCK = 64
 
 
 def bifurcation_diagram(
-    actuator: Actuator,
+    system: Actuator,
     drive: Drive,
     parameter: str,
     values: ArrayLike,
@@ -48,7 +48,7 @@ def bifurcation_diagram(
 
     Parameters
     ----------
-    actuator, drive
+    system, drive
         What moves, and a periodic load.
     parameter
         A field of the actuator or the drive.
@@ -102,9 +102,9 @@ def bifurcation_diagram(
     discard = require_count("discard", discard, "Whole drive periods pass.", 0)
     keep = require_count("keep", keep, "It is a number of points.")
     tolerance = require_tolerance(tolerance)
-    base = ensemble(actuator, drive, None, initial)
+    base = ensemble(system, drive, None, initial)
     require_known([parameter], base.values, "the actuator and the drive")
-    ens = ensemble(actuator, drive, {parameter: values}, initial)
+    ens = ensemble(system, drive, {parameter: values}, initial)
     if ens.sizes.keys() != {parameter}:
         raise InputError(
             "values",

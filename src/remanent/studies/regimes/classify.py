@@ -38,7 +38,7 @@ WHY = "A regime shows in a long run."
 
 
 def classify(
-    actuator: Actuator,
+    system: Actuator,
     drive: Drive,
     *,
     periods: int,
@@ -52,7 +52,7 @@ def classify(
 
     Parameters
     ----------
-    actuator, drive
+    system, drive
         What moves, and a periodic load.
     periods
         Length of the run in smallest periods of the load, at least 100.  With 500 most
@@ -109,7 +109,7 @@ def classify(
     """
     periods = require_count("periods", periods, WHY, FEWEST)
     tolerance = require_tolerance(tolerance)
-    ens = ensemble(actuator, drive, over, initial)
+    ens = ensemble(system, drive, over, initial)
     length = require_periods(ens)
     require_memory(300.0 * ens.count, f"{ens.count} labels")
     seed = 0 if rng is None else int(rng.integers(2**31))

@@ -30,7 +30,7 @@ _COLLAPSED = 1e-13
 
 
 def lyapunov(
-    actuator: Actuator,
+    system: Actuator,
     drive: Drive,
     *,
     periods: int,
@@ -44,7 +44,7 @@ def lyapunov(
 
     Parameters
     ----------
-    actuator, drive
+    system, drive
         What moves, and a periodic load.
     periods
         Length of the run in smallest periods of the load.  The first tenth is left out of
@@ -91,7 +91,7 @@ def lyapunov(
     periods = require_count("periods", periods, "Exponents are averaged over whole drive periods.")
     count = require_count("count", count, "It is a number of exponents.")
     tolerance = require_tolerance(tolerance)
-    ens = ensemble(actuator, drive, over, initial)
+    ens = ensemble(system, drive, over, initial)
     length = require_periods(ens)
     dimension = len(ens.field.state)
     if count > dimension:

@@ -18,7 +18,7 @@ from remanent.studies.regimes.classify import classify
 
 
 def regime_chart(
-    actuator: Actuator,
+    system: Actuator,
     drive: Drive,
     over: Over,
     *,
@@ -32,7 +32,7 @@ def regime_chart(
 
     Parameters
     ----------
-    actuator, drive
+    system, drive
         What moves, and a periodic load.
     over
         Two fields with their values, the axes of the chart.
@@ -77,7 +77,7 @@ def regime_chart(
             "Pass for example {'omega': ..., 'b': ...}, or call rm.classify.",
         )
     return classify(
-        actuator,
+        system,
         drive,
         periods=periods,
         initial=initial,

@@ -37,7 +37,7 @@ _SIZE = 1e-3
 
 
 def symmetry_check(
-    actuator: Actuator,
+    system: Actuator,
     drive: Drive,
     *,
     periods: int = 200,
@@ -50,7 +50,7 @@ def symmetry_check(
 
     Parameters
     ----------
-    actuator
+    system
         With equal dead loads and edges, of one coordinate.
     drive
         A periodic load.
@@ -64,10 +64,10 @@ def symmetry_check(
     Returns
     -------
     xarray.Dataset
-        ``symmetry``: ``kept``, ``lost`` or ``undecided``; ``parting_growth``, the logarithm
+        ``symmetry``: ``kept``, ``lost`` or ``undecided``; ``transverse_growth``, the logarithm
         of the growth of a difference λ₁ − λ₂ over the run, the largest of all directions
-        and times; ``parting_exponent`` per unit of τ, over the second half.  Where the
-        motion closes after one drive period, ``parting_multipliers``, the Floquet
+        and times; ``transverse_exponent`` per unit of τ, over the second half.  Where the
+        motion closes after one drive period, ``transverse_multipliers``, the Floquet
         multipliers of the difference, else NaN.  ``local_error``, ``status``.
 
     Raises
@@ -93,7 +93,7 @@ def symmetry_check(
     """
     periods = require_count("periods", periods, "Growth shows in a long run.", FEWEST)
     tolerance = require_tolerance(tolerance)
-    ens = ensemble(actuator, drive, over, initial)
+    ens = ensemble(system, drive, over, initial)
     length = require_periods(ens)
     apart = _Apart.of(ens, tolerance)
     follower = Follower(ens, periods, 0)
@@ -103,8 +103,8 @@ def symmetry_check(
     d = apart.width
     kinds = {
         "symmetry": np.empty(0, dtype="<U9"),
-        **dict.fromkeys(("parting_growth", "parting_exponent"), np.empty(0)),
-        "parting_multipliers": np.empty((0, d), dtype=complex),
+        **dict.fromkeys(("transverse_growth", "transverse_exponent"), np.empty(0)),
+        "transverse_multipliers": np.empty((0, d), dtype=complex),
         **dict.fromkeys(("local_error", "status"), np.empty(0)),
     }
     whole = gathered(parts, ens, kinds)
@@ -129,11 +129,11 @@ class _Apart:
 
     @classmethod
     def of(cls, ens: Ensemble, tolerance: float) -> _Apart:
-        if ens.actuator.coordinates != 1:
+        if ens.system.coordinates != 1:
             raise InputError(
                 "actuator",
                 "have one coordinate",
-                ens.actuator,
+                ens.system,
                 "What is asked is whether that one is enough.",
                 "Pass one number as prestress, and no edges.",
             )
@@ -160,9 +160,9 @@ class _Apart:
         verdict, growth, exponent = _verdict(path, periods)
         return {
             "symmetry": verdict,
-            "parting_growth": growth,
-            "parting_exponent": exponent / tau,
-            "parting_multipliers": values,
+            "transverse_growth": growth,
+            "transverse_exponent": exponent / tau,
+            "transverse_multipliers": values,
             "local_error": path.error,
             "status": status_of(path),
         }

@@ -12,9 +12,8 @@ from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Problem, Request
 from remanent.models.actuator import Actuator
 from remanent.models.drives.waves import Constant
-from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
-from remanent.studies.ensemble.dataset import label
+from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
 from remanent.studies.ensemble.ensemble import Over, ensemble, problem
 from remanent.studies.ensemble.observables import observe
 
@@ -97,15 +96,15 @@ def backbone(
     start = observe(whole, "energy", np.zeros((ens.count, 1)), ens.initial[:, None])[:, 0]
     with np.errstate(all="ignore"):
         frequency = np.pi / half
-    variables: dict[str, Labelled] = {
-        "frequency": (ens.dims, ens.shaped(frequency)),
-        "frequency_error": (ens.dims, ens.shaped(frequency * error / half)),
-        "energy": (ens.dims, ens.shaped(start)),
-        "maximum": (ens.dims, ens.shaped(outcome.maximum)),
-        "minimum": (ens.dims, ens.shaped(outcome.minimum)),
-        "amplitude": (ens.dims, ens.shaped(0.5 * (outcome.maximum - outcome.minimum))),
+    variables: dict[str, PerTrajectory] = {
+        "frequency": frequency,
+        "frequency_error": frequency * error / half,
+        "energy": start,
+        "maximum": outcome.maximum,
+        "minimum": outcome.minimum,
+        "amplitude": 0.5 * (outcome.maximum - outcome.minimum),
     }
-    return label(ens, outcome, variables, {}, tolerance)
+    return to_dataset(ens, variables, outcome=outcome, tolerance=tolerance)
 
 
 def _acceleration(asked: Problem, rows: IntArray, states: FloatArray) -> FloatArray:

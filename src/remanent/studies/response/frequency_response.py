@@ -18,18 +18,18 @@ from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
-from remanent.studies.ensemble.dataset import label
+from remanent.studies.ensemble.dataset import to_dataset
 from remanent.studies.ensemble.durations import durations, require_one
 from remanent.studies.ensemble.ensemble import Ensemble, Over, ensemble, problem
 
-#: Default length of the window, in units of tau: that of the paper.
+#: Default length of the window, in units of tau: that of [Thermal].
 WINDOW = 100.0
 _WIDTH = positive("It is the width of the last bracket.", "Pass for example 1e-6.")
 _DISCARD = not_negative("It is the time before the window.", "Pass 0 to start at once.")
 
 
 def frequency_response(
-    actuator: Actuator,
+    system: Actuator,
     drive: Drive,
     omega: ArrayLike,
     *,
@@ -46,7 +46,7 @@ def frequency_response(
 
     Parameters
     ----------
-    actuator, drive
+    system, drive
         What moves, and a drive with a field ``omega``, whose value is not used.
     omega : array (omega,)
         Drive frequencies, radians per unit of tau, increasing, positive.
@@ -96,17 +96,25 @@ def frequency_response(
     resonance_width = require_real("resonance_width", resonance_width, _WIDTH)
     grid = _frequencies(drive, omega, over)
     whole = {**(over or {}), "omega": grid}
-    ens = ensemble(actuator, drive, whole, initial)
+    ens = ensemble(system, drive, whole, initial)
 
     def respond(some: Ensemble, report: Progress | None = None) -> Outcome:
         return _respond(some, duration, periods, discard, tolerance, report)
 
     outcome = respond(ens, progress)
-    amplitude = ens.shaped(_amplitude(outcome))
-    peak = _resonance(ens, grid, amplitude, respond, resonance_width)
-    variables = _variables(ens, outcome, amplitude, peak)
-    settings = {"duration": duration, "periods": periods, "discard": discard}
-    return label(ens, outcome, variables, {}, tolerance, **settings)
+    amplitude = _amplitude(outcome)
+    peak = _resonance(ens, grid, ens.shaped(amplitude), respond, resonance_width)
+    return to_dataset(
+        ens,
+        {"amplitude": amplitude, "maximum": outcome.maximum, "minimum": outcome.minimum},
+        shared=_peak_variables(ens, peak),
+        outcome=outcome,
+        error="amplitude_error",
+        tolerance=tolerance,
+        duration=duration,
+        periods=periods,
+        discard=discard,
+    )
 
 
 def _frequencies(drive: Drive, omega: ArrayLike, over: Over | None) -> FloatArray:
@@ -193,7 +201,7 @@ def _at(ens: Ensemble, which: IntArray, omega: FloatArray) -> Ensemble:
     """Trajectories like some of an ensemble, at other frequencies."""
     values = {name: v[which] for name, v in ens.values.items()} | {"omega": omega}
     return Ensemble(
-        ens.actuator,
+        ens.system,
         ens.drive,
         ens.field,
         {"point": which.size},
@@ -204,17 +212,13 @@ def _at(ens: Ensemble, which: IntArray, omega: FloatArray) -> Ensemble:
     )
 
 
-def _variables(
-    ens: Ensemble, outcome: Outcome, amplitude: FloatArray, peak: Largest
-) -> dict[str, Labelled]:
-    others = tuple(d for d in ens.dims if d != "omega")
-    shape = tuple(ens.sizes[d] for d in others)
-    return {
-        "amplitude": (ens.dims, amplitude),
-        "maximum": (ens.dims, ens.shaped(outcome.maximum)),
-        "minimum": (ens.dims, ens.shaped(outcome.minimum)),
-        "amplitude_error": (ens.dims, ens.shaped(outcome.error)),
-        "resonance": (others, peak.position.reshape(shape)),
-        "resonance_amplitude": (others, peak.value.reshape(shape)),
-        "resonance_error": (others, (peak.upper - peak.lower).reshape(shape)),
+def _peak_variables(ens: Ensemble, peak: Largest) -> dict[str, Labelled]:
+    """Resonances, along the dimensions of the ensemble but for that of frequency."""
+    dims = tuple(d for d in ens.dims if d != "omega")
+    shape = tuple(ens.sizes[d] for d in dims)
+    values = {
+        "resonance": peak.position,
+        "resonance_amplitude": peak.value,
+        "resonance_error": peak.upper - peak.lower,
     }
+    return {name: (dims, array.reshape(shape)) for name, array in values.items()}

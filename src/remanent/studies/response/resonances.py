@@ -35,12 +35,12 @@ _TOLERANCE = 1e-7
 
 
 def resonances(
-    actuator: Actuator,
+    system: Actuator,
     drive: Drive,
-    omega_bounds: ArrayLike,
+    omega_range: ArrayLike,
     *,
-    periods: Sequence[int] = (1,),
-    bounds: Mapping[str, Any] | None = None,
+    orbit_periods: Sequence[int] = (1,),
+    state_box: Mapping[str, Any] | None = None,
     slices: int = 9,
     tolerance: float = 1e-9,
 ) -> xr.Dataset:
@@ -48,15 +48,15 @@ def resonances(
 
     Parameters
     ----------
-    actuator, drive
+    system, drive
         What moves, with one coordinate, and a drive with a field ``omega``, whose value is
         not used.
-    omega_bounds
+    omega_range
         Lowest and highest frequency.
-    periods
+    orbit_periods
         Of the orbits, in drive periods: 1 for primary and superharmonic resonances, 2, 3 ...
         for subharmonic and parametric ones.
-    bounds, slices, tolerance
+    state_box, slices, tolerance
         As for :func:`remanent.response_diagram`.
 
     Returns
@@ -64,7 +64,7 @@ def resonances(
     xarray.Dataset
         Along ``peak``, by frequency: ``omega`` with ``omega_error``, the distance between
         the neighbouring points of the branch; ``amplitude``; ``unbounded``, whether the
-        branch rises to the end of `bounds` instead of turning back; ``resonance_kind``
+        branch rises to the end of `state_box` instead of turning back; ``resonance_kind``
         (``primary``, ``superharmonic``, ``subharmonic``, ``parametric``,
         ``ultrasubharmonic``, ``undecided``), with ``order_p``:``order_q``, oscillations in
         drive periods, 0:0 where undecided; ``orbit_period``; ``stability``; the ``phase_lag``
@@ -99,26 +99,26 @@ def resonances(
     >>> ds.resonance_kind.values.tolist()
     ['superharmonic', 'primary']
     """
-    for one in periods:
-        require_count("periods", one, "Orbits close after whole drive periods.")
-    _require_one_coordinate(actuator)
+    for one in orbit_periods:
+        require_count("orbit_periods", one, "Orbits close after whole drive periods.")
+    _require_one_coordinate(system)
     peaks = [
         peak
-        for period in periods
+        for period in orbit_periods
         for peak in _peaks(
             response_diagram(
-                actuator, drive, omega_bounds, bounds=bounds, period=period, slices=slices,
+                system, drive, omega_range, state_box=state_box, orbit_period=period, slices=slices,
                 tolerance=tolerance,
             ),
             period,
-            field_for(actuator, drive).state,
+            field_for(system, drive).state,
         )
     ]  # fmt: skip
     peaks.sort(key=lambda peak: peak.omega)
-    described = _described(actuator, drive, peaks)
+    described = _described(system, drive, peaks)
     attributes = provenance.attributes(
-        actuator, drive, tolerance, over=("omega",),
-        bounds=tuple(np.asarray(omega_bounds, dtype=float).tolist()), slices=slices,
+        system, drive, tolerance, over=("omega",),
+        parameter_range=tuple(np.asarray(omega_range, dtype=float).tolist()), slices=slices,
     )  # fmt: skip
     coords: dict[str, Labelled] = {
         "peak": (("peak",), np.arange(len(peaks))),
@@ -154,7 +154,7 @@ def _require_one_coordinate(actuator: Actuator) -> None:
 
 def _peaks(diagram: xr.Dataset, period: int, state: Sequence[str]) -> list[_Peak]:
     """Local maxima of the amplitude along every branch, and ends that run off."""
-    low, high = diagram.attrs["bounds"]
+    low, high = diagram.attrs["parameter_range"]
     found = []
     for b in range(diagram.sizes["branch"]):
         row = diagram.isel(branch=b)

@@ -58,7 +58,7 @@ def in_plane(ens: Ensemble) -> xr.Dataset:
         "equilibrium": (("equilibrium",), np.arange(most)),
         "mode": (("mode",), np.arange(2)),
     }
-    attributes = provenance.attributes(ens.actuator, ens.drive, None, over=ens.coords)
+    attributes = provenance.attributes(ens.system, ens.drive, None, over=ens.coords)
     return build.dataset(variables, coords, attributes)
 
 

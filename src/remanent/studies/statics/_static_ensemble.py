@@ -61,7 +61,7 @@ class AtRest:
     def reachable(self, case: IntArray, one: FloatArray, two: FloatArray) -> BoolArray:
         """Whether the material reaches in-plane stretches, arrays that broadcast with `case`."""
         columns = {name: value[case] for name, value in self.ens.values.items()}
-        found = self.ens.actuator.reachable(columns, one, two)
+        found = self.ens.system.reachable(columns, one, two)
         return np.broadcast_to(found, np.broadcast_shapes(case.shape, one.shape))
 
     def force(

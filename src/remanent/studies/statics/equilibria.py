@@ -45,7 +45,7 @@ def equilibria(actuator: Actuator, m: float = 0.0, *, over: Over | None = None) 
         fewer: ``equilibrium_stretch`` (thickness stretch), ``stretch``,
         ``equilibrium_potential``, ``natural_frequency`` (radians per unit of tau, NaN
         where unstable) and ``stability`` (``stable``, ``unstable`` or empty), within
-        equal stretches; ``parting_stiffness``, ω_a² of λ₁ − λ₂, negative where the
+        equal stretches; ``transverse_stiffness``, ω_a² of λ₁ − λ₂, negative where the
         stretches do not stay equal.
         ``potential`` against ``thickness_stretch`` is the potential energy per
         reference volume over mu, ``level`` that of rest, whose motion runs between
@@ -95,7 +95,7 @@ def equilibria(actuator: Actuator, m: float = 0.0, *, over: Over | None = None) 
         "equilibrium_potential": at_rest.potential(case, found),
         "natural_frequency": frequency,
         "stability": stability,
-        "parting_stiffness": _parting_stiffness(ens, case, found),
+        "transverse_stiffness": _transverse_stiffness(ens, case, found),
     }
     variables: dict[str, Labelled] = {k: (dims, ens.shaped(v)) for k, v in along.items()}
     status = np.where(ens.invalid, Status.INVALID, Status.OK).astype(np.int8)
@@ -113,7 +113,7 @@ def equilibria(actuator: Actuator, m: float = 0.0, *, over: Over | None = None) 
     return build.dataset(variables, coords, attributes)
 
 
-def _parting_stiffness(ens: Ensemble, case: IntArray, stretch: FloatArray) -> FloatArray:
+def _transverse_stiffness(ens: Ensemble, case: IntArray, stretch: FloatArray) -> FloatArray:
     """omega_a^2 of a small difference of the in-plane stretches at rest."""
     both, pairs = two_coordinates(ens)
     at_rest = AtRest(replace(both, field=transverse_field(both.field, pairs)))

@@ -30,10 +30,10 @@ _STEP = 1e-6
 def snap_through(
     actuator: Actuator,
     parameter: str,
-    bounds: tuple[float, float],
+    parameter_range: tuple[float, float],
     *,
     m: float = 0.0,
-    start: float = 1.0,
+    initial: float = 1.0,
     over: Over | None = None,
 ) -> xr.Dataset:
     """Find the static and the dynamic threshold of a snap from one equilibrium to another.
@@ -44,11 +44,11 @@ def snap_through(
         An actuator of one coordinate without dissipation and heat balance.
     parameter
         The numeric field that is raised or stepped: ``m``, ``prestress``, ``temperature`` ...
-    bounds
+    parameter_range
         Its least and largest value.
     m
         Magnetic load, where it is not the parameter.
-    start
+    initial
         In-plane stretch from which the motion starts, at zero rate, when the parameter is
         switched on.
     over
@@ -59,7 +59,7 @@ def snap_through(
     xarray.Dataset
         Along ``fold``: ``fold_<parameter>``, ``fold_stretch``, ``fold_thickness_stretch``, where
         a stable and an unstable equilibrium meet (slow loading snaps there).  Along ``snap``:
-        ``snap_<parameter>``, the value at which the motion from `start` just reaches an
+        ``snap_<parameter>``, the value at which the motion from `initial` just reaches an
         unstable equilibrium (which may be the start itself), ``snap_stretch`` and
         ``snap_thickness_stretch`` there, and ``snap_direction``: 1 if beyond it a larger value
         takes the motion to larger in-plane stretches, -1 if to smaller.
@@ -82,7 +82,7 @@ def snap_through(
     >>> import remanent as rm
     >>> pulled = rm.Actuator(prestress=2.2)
     >>> thin = float(rm.equilibria(pulled, 0.0).stretch[0])
-    >>> ds = rm.snap_through(pulled, "m", (1.0, 4.0), start=thin)
+    >>> ds = rm.snap_through(pulled, "m", (1.0, 4.0), initial=thin)
     >>> ds.fold_m.values.round(4).tolist(), ds.snap_m.values.round(4).tolist()
     ([2.1777, 2.8483], [2.4868])
     """
@@ -93,8 +93,8 @@ def snap_through(
             "Pass one number as prestress, no edges, dissipation=() and heat=None; it snaps "
             "before any that dissipates.",
         )  # fmt: skip
-    ens = ensemble(actuator, Constant(m), over, (start, 0.0))
-    low, high = parameter_bounds(parameter, np.asarray(bounds), ens)
+    ens = ensemble(actuator, Constant(m), over, (initial, 0.0))
+    low, high = parameter_bounds(parameter, np.asarray(parameter_range), ens)
     if parameter in ens.coords:
         raise InputError(
             "over", f"not hold {parameter}", repr(list(ens.coords)),
@@ -124,7 +124,13 @@ def snap_through(
     variables["status"] = (ens.dims, ens.shaped(status))
     drive = None if parameter == "m" else Constant(m)
     attributes = provenance.attributes(
-        actuator, drive, None, over=ens.coords, parameter=parameter, bounds=[low, high], start=start
+        actuator,
+        drive,
+        None,
+        over=ens.coords,
+        parameter=parameter,
+        parameter_range=[low, high],
+        initial=initial,
     )
     return build.dataset(variables, coords, attributes)
 
