@@ -65,8 +65,9 @@ class Crossings:
         """Those that come before the `ends` of their trajectories, sorted."""
         kept = np.flatnonzero(self.time <= ends[self.trajectory] * (1.0 + _HORIZON_SLACK))
         order = kept[np.lexsort((self.time[kept], self.trajectory[kept]))]
-        columns = (self.trajectory, self.time, self.states, self.direction)
-        return Crossings(*(column[order] for column in columns))
+        return Crossings(
+            self.trajectory[order], self.time[order], self.states[order], self.direction[order]
+        )
 
 
 def crossings(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from remanent._typing import IntArray
+from remanent._typing import FloatArray, IntArray
 from remanent.integrate.ensemble.counts import cycle_counts, double_steps
 from remanent.integrate.ensemble.run import Attempt, Chunk, Run
 from remanent.integrate.ensemble.sampler import Sampler
@@ -48,7 +48,7 @@ def _memory(run: Run, indices: IntArray) -> LaneMemory:
         "at_horizon": initial,
         "parameter": problem.parameters[indices],
     }
-    scalars = {
+    scalars: dict[str, FloatArray | float] = {
         "begin": 0.0 if begin is None else begin[indices] * _INWARD,
         "end": problem.duration[indices] * _INWARD,
         "tolerance": run.tolerance,

@@ -125,14 +125,14 @@ def _cuts(
     How a step is made must not depend on how many cycles follow, which other
     trajectories decide; a `single` piece is the same for all.
     """
-    whole = slice(0, resolution)
+    full_cycle = slice(0, resolution)
     started = -(-_START // resolution)  # cycles that the start takes part in
     if single and resolution < 3 * _START:
         # So few steps that those of the start are most of them: none is worth another method.
-        yield 0, 1, whole, False
+        yield 0, 1, full_cycle, False
         return
     if started > 1:
-        yield 0, min(started, cycles), whole, False
+        yield 0, min(started, cycles), full_cycle, False
     else:
         yield 0, 1, slice(0, _START), False
         yield from ((0, 1, part, True) for part in _parts(_START, resolution, most_steps))
@@ -140,13 +140,13 @@ def _cuts(
     if strobe and started % strobe and started < cycles:
         # Segments with a whole number of strobes are recorded by the kernel; come there first.
         aligned = min(strobe - started % strobe, cycles - started)
-        yield started, aligned, whole, True
+        yield started, aligned, full_cycle, True
         started += aligned
     if strobe:
         per_segment = strobe * max(1, per_segment // strobe)
     for first in range(started, cycles, per_segment):
         if 2 * resolution <= most_steps or strobe:
-            yield first, min(per_segment, cycles - first), whole, True
+            yield first, min(per_segment, cycles - first), full_cycle, True
         else:
             yield from ((first, 1, part, True) for part in _parts(0, resolution, most_steps))
 

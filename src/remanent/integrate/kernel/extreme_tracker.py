@@ -120,13 +120,22 @@ class KeptStep:
 
     def get(self) -> DoubleStep:
         """The double steps that wait."""
-        vectors = [cells.get() for cells in self.vectors]
-        left, middle, right, *coarse = vectors[:-3]
+        left, middle, right, *coarse, left_load, middle_load, right_load = (
+            cells.get() for cells in self.vectors
+        )
         coarse_left, coarse_right = coarse or (None, None)
         return DoubleStep(
-            left, middle, right, coarse_left, coarse_right,
-            *vectors[-3:], self.start.get(), self.diverged.get(),
-        )  # fmt: skip
+            left,
+            middle,
+            right,
+            coarse_left,
+            coarse_right,
+            left_load,
+            middle_load,
+            right_load,
+            self.start.get(),
+            self.diverged.get(),
+        )
 
     def is_waiting(self) -> Mask:
         """Which trajectories have a double step that waits."""
@@ -248,18 +257,13 @@ class ExtremeTracker:
         """Work out the double steps that wait: their extremes and the error of these."""
         step = self.kept.get()
         diverged, waiting = step.diverged > 0.5, self.kept.is_waiting()
-        nodes = [
-            self.code.watched(y, load)
-            for y, load in (
-                (step.left, step.left_load),
-                (step.middle, step.middle_load),
-                (step.right, step.right_load),
-            )
-        ]
-        polynomial = hermite_coefficients(*nodes, self.run.step)
+        left = self.code.watched(step.left, step.left_load)
+        middle = self.code.watched(step.middle, step.middle_load)
+        right = self.code.watched(step.right, step.right_load)
+        polynomial = hermite_coefficients(left, middle, right, self.run.step)
         if step.coarse_left is not None and step.coarse_right is not None:
-            at_left = self._difference(nodes[0], step.coarse_left, step.left_load)
-            at_right = self._difference(nodes[2], step.coarse_right, step.right_load)
+            at_left = self._difference(left, step.coarse_left, step.left_load)
+            at_right = self._difference(right, step.coarse_right, step.right_load)
             error = (
                 larger_or_nan(at_left, at_right) * self.monitor.scale
                 + abs(polynomial[-1]) * _INTERPOLATION_ERROR
@@ -267,7 +271,7 @@ class ExtremeTracker:
             error = diverged.choose(self.writer.constant(math.inf), error)
             self.monitor.record_error(waiting, error, step.start, step.left)
         followed = waiting & (self.cells.within_tolerance.get() > 0.5)
-        self._take_extremes(followed, step.start, nodes, polynomial)
+        self._take_extremes(followed, step.start, (left, middle, right), polynomial)
         self.kept.clear()
 
     def _difference(self, fine: TimeDerivatives, coarse: Sequence[Lanes], load: Load) -> Lanes:

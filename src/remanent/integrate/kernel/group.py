@@ -149,9 +149,18 @@ class TrajectoryCells:
         def vector(kind: str) -> VectorCells:
             return VectorCells(tuple(cell(f"{kind}.{i}") for i in range(slots.layout.states)))
 
-        vectors = {kind: vector(kind) for kind in STATES}
-        scalars = {name: cell(name) for name in RESULTS}
-        return cls(**vectors, **scalars)
+        return cls(
+            fine=vector("fine"),
+            compensation=vector("compensation"),
+            coarse=vector("coarse"),
+            at_horizon=vector("at_horizon"),
+            within_tolerance=cell("within_tolerance"),
+            horizon=cell("horizon"),
+            error_to_horizon=cell("error_to_horizon"),
+            largest_error=cell("largest_error"),
+            maximum=cell("maximum"),
+            minimum=cell("minimum"),
+        )
 
     def save(self, slots: GroupSlots) -> None:
         """Write the cells back."""

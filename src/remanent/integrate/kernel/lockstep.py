@@ -54,8 +54,8 @@ class Lockstep:
 
         def update(change: list[Lanes]) -> list[Lanes]:
             if self.method.compensated:
-                moved, rest = compensated_sum(y, change, self.cells.compensation.get())
-                self.cells.compensation.set(rest)
+                moved, compensation = compensated_sum(y, change, self.cells.compensation.get())
+                self.cells.compensation.set(compensation)
             else:
                 moved = [a + b for a, b in zip(y, change, strict=True)]
             self.cells.fine.set(moved)

@@ -280,7 +280,7 @@ class PeriodMap:
             "coarse": points.start,
             "parameter": points.parameters,
         }
-        scalars = {
+        scalars: dict[str, FloatArray | float] = {
             "cycle": points.length,
             "step": points.length / (2 * level),
             # Later than the end of the run, so that no cycle is left out.

@@ -108,19 +108,19 @@ class RungeKutta:
 
 
 def compensated_sum(
-    y: Sequence[Any], change: Sequence[Any], rest: Sequence[Any]
+    y: Sequence[Any], change: Sequence[Any], compensation: Sequence[Any]
 ) -> tuple[list[Any], list[Any]]:
-    """Add `change` and what earlier roundings cut off, `rest`; return sum and new rest.
+    """Add `change` to `y` with what earlier roundings cut off; return the sum and what it cuts off.
 
     References
     ----------
     W. Kahan, Comm. ACM 8 (1965) 40.
     """
     moved, cut = [], []
-    for a, b, r in zip(y, change, rest, strict=True):
-        whole = b + r
-        moved.append(a + whole)
-        cut.append(whole - (moved[-1] - a))
+    for a, b, r in zip(y, change, compensation, strict=True):
+        increment = b + r
+        moved.append(a + increment)
+        cut.append(increment - (moved[-1] - a))
     return moved, cut
 
 
