@@ -47,21 +47,15 @@ _INTERPOLATION_ERROR = 0.057
 
 
 @dataclass(frozen=True)
-class DoubleStep:
-    """States and loads of a double step: all that its extremes are worked out from.
+class StepStates:
+    """Both solutions in a double step.
 
     Attributes
     ----------
-    left, middle, right : list of Lanes
+    left, middle, right : sequence of Lanes
         The fine solution at the beginning, in the middle and at the end.
-    coarse_left, coarse_right : list of Lanes, optional
+    coarse_left, coarse_right : sequence of Lanes, optional
         The coarse solution at the beginning and at the end, where there is one.
-    left_load, middle_load, right_load : list of Lanes
-        Phase and waveforms at the same times.
-    start : Lanes
-        Time of the beginning, tau.
-    diverged : Lanes
-        1 where the solutions have diverged in the step, else 0.
     """
 
     left: Sequence[Lanes]
@@ -69,6 +63,25 @@ class DoubleStep:
     right: Sequence[Lanes]
     coarse_left: Sequence[Lanes] | None
     coarse_right: Sequence[Lanes] | None
+
+
+@dataclass(frozen=True)
+class DoubleStep:
+    """All that the extremes of a double step are worked out from.
+
+    Attributes
+    ----------
+    states : StepStates
+        Of both solutions.
+    left_load, middle_load, right_load : list of Lanes
+        Phase and waveforms at the beginning, in the middle and at the end.
+    start : Lanes
+        Time of the beginning, tau.
+    diverged : Lanes
+        1 where the solutions have diverged in the step, else 0.
+    """
+
+    states: StepStates
     left_load: Load
     middle_load: Load
     right_load: Load
@@ -77,9 +90,10 @@ class DoubleStep:
 
     def vectors(self) -> Iterator[Sequence[Lanes]]:
         """All of it but the scalars, in the order of the attributes."""
-        yield from (self.left, self.middle, self.right)
-        if self.coarse_left is not None and self.coarse_right is not None:
-            yield from (self.coarse_left, self.coarse_right)
+        y = self.states
+        yield from (y.left, y.middle, y.right)
+        if y.coarse_left is not None and y.coarse_right is not None:
+            yield from (y.coarse_left, y.coarse_right)
         yield from (self.left_load, self.middle_load, self.right_load)
 
 
@@ -125,11 +139,7 @@ class KeptStep:
         )
         coarse_left, coarse_right = coarse or (None, None)
         return DoubleStep(
-            left,
-            middle,
-            right,
-            coarse_left,
-            coarse_right,
+            StepStates(left, middle, right, coarse_left, coarse_right),
             left_load,
             middle_load,
             right_load,
@@ -201,10 +211,7 @@ class ExtremeTracker:
 
     def note(
         self,
-        left: Sequence[Lanes],
-        middle: Sequence[Lanes],
-        right: Sequence[Lanes],
-        coarse: tuple[Sequence[Lanes], Sequence[Lanes]] | None,
+        states: StepStates,
         cycle: Cycle,
         first: ir.Value,
         second: ir.Value,
@@ -214,10 +221,9 @@ class ExtremeTracker:
 
         Parameters
         ----------
-        left, middle, right : sequence of Lanes
-            The fine solution at the beginning, in the middle and at the end.
-        coarse : pair of sequences of Lanes, optional
-            The coarse solution at the beginning and at the end.
+        states : StepStates
+            Both solutions.
+        cycle : Cycle
         first, second : ir.Value
             Numbers of the two fine steps in the cycle.
         near_an_end : ir.Value
@@ -228,14 +234,15 @@ class ExtremeTracker:
         right_load = end_row(last_node)
         left_load, middle_load = row(0), row(last_node)
         before = self.direction.get()
-        between = self.code.direction(middle, middle_load)
-        after = self.code.direction(right, right_load)
+        between = self.code.direction(states.middle, middle_load)
+        after = self.code.direction(states.right, right_load)
         self.direction.set(after)
         turned = (before * between <= 0.0) | (between * after <= 0.0)
         diverged = turned.without(turned)
-        if coarse:
-            # Reported once: afterwards the error is above the ceiling.
-            diverged = self.monitor.diverged(right, coarse[1]) & self.monitor.below_ceiling()
+        if states.coarse_right is not None:
+            # Noted once: resolving it puts the error above the ceiling.
+            diverged = self.monitor.diverged(states.right, states.coarse_right)
+            diverged = diverged & self.monitor.below_ceiling()
         b, run = self.writer.builder, self.run
         with b.if_then(b.or_((turned | diverged).any(), near_an_end), likely=False):
             t0 = cycle.time(first)
@@ -243,12 +250,9 @@ class ExtremeTracker:
             inside = (run.begin < t2) & (turned | (t0 <= run.begin) | (run.end <= t2))
             event = (t0 < run.end) & (inside | diverged)
             zero, one = self.writer.constant(0.0), self.writer.constant(1.0)
-            coarse_left, coarse_right = coarse or (None, None)
-            step = DoubleStep(
-                left, middle, right, coarse_left, coarse_right,
-                left_load, middle_load, right_load, t0, diverged.choose(one, zero),
-            )  # fmt: skip
-            # A place is needed that another double step of the same trajectory may hold.
+            flag = diverged.choose(one, zero)
+            step = DoubleStep(states, left_load, middle_load, right_load, t0, flag)
+            # The place for it may hold an earlier double step of the same trajectory.
             with b.if_then((event & self.kept.is_waiting()).any(), likely=False):
                 self.resolve()
             self.kept.put(event, step)
@@ -256,20 +260,21 @@ class ExtremeTracker:
     def resolve(self) -> None:
         """Work out the double steps that wait: their extremes and the error of these."""
         step = self.kept.get()
+        y = step.states
         diverged, waiting = step.diverged > 0.5, self.kept.is_waiting()
-        left = self.code.watched(step.left, step.left_load)
-        middle = self.code.watched(step.middle, step.middle_load)
-        right = self.code.watched(step.right, step.right_load)
+        left = self.code.watched(y.left, step.left_load)
+        middle = self.code.watched(y.middle, step.middle_load)
+        right = self.code.watched(y.right, step.right_load)
         polynomial = hermite_coefficients(left, middle, right, self.run.step)
-        if step.coarse_left is not None and step.coarse_right is not None:
-            at_left = self._difference(left, step.coarse_left, step.left_load)
-            at_right = self._difference(right, step.coarse_right, step.right_load)
+        if y.coarse_left is not None and y.coarse_right is not None:
+            at_left = self._difference(left, y.coarse_left, step.left_load)
+            at_right = self._difference(right, y.coarse_right, step.right_load)
             error = (
                 larger_or_nan(at_left, at_right) * self.monitor.scale
                 + abs(polynomial[-1]) * _INTERPOLATION_ERROR
             )
             error = diverged.choose(self.writer.constant(math.inf), error)
-            self.monitor.record_error(waiting, error, step.start, step.left)
+            self.monitor.record_error(waiting, error, step.start, y.left)
         followed = waiting & (self.cells.within_tolerance.get() > 0.5)
         self._take_extremes(followed, step.start, (left, middle, right), polynomial)
         self.kept.clear()

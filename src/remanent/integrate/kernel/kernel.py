@@ -21,10 +21,10 @@ from llvmlite import ir
 
 from remanent._field import Field
 from remanent.integrate.kernel.error_monitor import ErrorMonitor
-from remanent.integrate.kernel.extreme_tracker import ExtremeTracker
+from remanent.integrate.kernel.extreme_tracker import ExtremeTracker, StepStates
 from remanent.integrate.kernel.field_code import FieldCode, LoadTable, outlined_rates
 from remanent.integrate.kernel.group import Cycle, GroupSlots, RunConstants, TrajectoryCells
-from remanent.integrate.kernel.lanes import DOUBLE, INTEGER, Lanes, Writer
+from remanent.integrate.kernel.lanes import DOUBLE, INTEGER, Writer
 from remanent.integrate.kernel.lockstep import Lockstep
 from remanent.integrate.kernel.options import Method, Options, layout_of
 from remanent.integrate.kernel.recorder import Recorder
@@ -66,8 +66,18 @@ def kernel_source(
 ) -> str:
     """LLVM assembly of the kernel ``void kernel(...)`` with these :class:`Arguments`.
 
-    With `estimates` the code is for a processor that estimates reciprocals of eight numbers at
-    once.
+    Parameters
+    ----------
+    field : Field
+        What moves.
+    method : RungeKutta or Adams
+        What it is integrated with.
+    options : Options
+        What is followed.
+    width : int
+        Trajectories per group.
+    estimates : bool
+        The code is for a processor that estimates reciprocals of eight numbers at once.
     """
     module = ir.Module(name="remanent")
     pointer = DOUBLE.as_pointer()
@@ -176,13 +186,14 @@ class GroupKernel:
         left, coarse_left = self.solutions.fine_state(), self.solutions.coarse_state()
         middle = self.solutions.fine_step(first)
         right = self.solutions.fine_step(second)
-        coarse: tuple[list[Lanes], list[Lanes]] | None = None
+        states = StepStates(left, middle, right, None, None)
         if self.options.coarse_solution:
-            coarse = coarse_left, self.solutions.coarse_step(number)
+            coarse_right = self.solutions.coarse_step(number)
+            states = StepStates(left, middle, right, coarse_left, coarse_right)
         if self.tracker and near_an_end is not None:
-            self.tracker.note(left, middle, right, coarse, cycle, first, second, near_an_end)
-        elif coarse:
-            self.monitor.compare_states(left, right, coarse[1], cycle.time(first))
+            self.tracker.note(states, cycle, first, second, near_an_end)
+        elif states.coarse_right is not None:
+            self.monitor.compare_states(left, right, states.coarse_right, cycle.time(first))
         count = b.mul(cycle.number, b.mul(self.arguments.double_steps, w.integer(2)))
         count = b.add(count, first)
         self.recorder.note(b.add(count, w.integer(1)), middle)
