@@ -138,9 +138,12 @@ class RefinementPolicy:
     telling_refinement : float
         A stalled attempt counts only if it is finer than the best one by this factor: steps
         that are hardly shorter reach hardly further, whatever the motion does.
+    stalls_allowed : int
+        Refinement is given up after so many stalled attempts in a row ...
+    late_stalls_allowed : int
+        ... or so many where the horizon lies late in the run, so that little is lacking.
     late_share : float
-        Where the horizon lies past this share of the run, one stalled attempt is not enough to
-        give up: two are.
+        The horizon is late past this share of the run.
     early_cycles : float
         Nothing is given up while the horizon lies within so many cycles, in which a fast
         stretch of time may just not be resolved.
@@ -158,13 +161,28 @@ class RefinementPolicy:
     max_resolution: int = MAX_RESOLUTION
     stall_growth: float = 1.05
     telling_refinement: float = 1.5
+    stalls_allowed: int = 1
+    late_stalls_allowed: int = 2
     late_share: float = 0.8
     early_cycles: float = 3.0
     jump_share: float = 0.05
     escape_size: float = 1e6
 
     def decide(self, trajectories: Trajectories, history: History, evidence: Evidence) -> Decision:
-        """What follows from an attempt, for every trajectory by itself."""
+        """What follows from an attempt, for every trajectory by itself.
+
+        Parameters
+        ----------
+        trajectories : Trajectories
+        history : History
+            Before the attempt.
+        evidence : Evidence
+            Of the attempt.
+
+        Returns
+        -------
+        Decision
+        """
         met = evidence.within_tolerance
         horizon = np.where(met, trajectories.duration, evidence.horizon)
         # Before the first attempt the horizon is NaN, so that nothing has stalled.
@@ -176,13 +194,7 @@ class RefinementPolicy:
         singular = ~met & (horizon <= 0.0) & np.isnan(evidence.largest_error)
         in_vain = ~met & self._exhausted(trajectories, horizon, stalls)
         unfinished = ~met & ~in_vain & ~escaped
-        resolution = refine_resolution(
-            evidence.resolution,
-            evidence.largest_error,
-            self.tolerance,
-            self.order,
-            asymptotic_limit=ASYMPTOTIC_LIMIT,
-        )
+        resolution = self._next_resolution(evidence)
         affordable = resolution <= self.max_resolution * trajectories.slowness
         status = np.where(improved, np.where(met, Status.OK, Status.HORIZON), history.status)
         status = np.where(escaped, Status.ESCAPED, status)
@@ -202,6 +214,16 @@ class RefinementPolicy:
             status.astype(np.int8),
         )
 
+    def _next_resolution(self, evidence: Evidence) -> IntArray:
+        """What the order of the method predicts from the error of the attempt."""
+        return refine_resolution(
+            evidence.resolution,
+            evidence.largest_error,
+            self.tolerance,
+            self.order,
+            asymptotic_limit=ASYMPTOTIC_LIMIT,
+        )
+
     def _stalls(self, stalled: BoolArray, history: History, evidence: Evidence) -> IntArray:
         """How many attempts in a row have stalled and tell something."""
         jumped = evidence.error_to_horizon < self.jump_share * self.tolerance
@@ -215,4 +237,5 @@ class RefinementPolicy:
         """Where so many attempts have stalled that no finer one will reach the end."""
         late = horizon > self.late_share * trajectories.duration
         shown = horizon > self.early_cycles * trajectories.cycle
-        return np.asarray(shown & (stalls >= np.where(late, 2, 1)))
+        allowed = np.where(late, self.late_stalls_allowed, self.stalls_allowed)
+        return np.asarray(shown & (stalls >= allowed))

@@ -45,6 +45,7 @@ class LoadTable:
         base = b.mul(step, w.integer(self.nodes * self.columns))
 
         def at(node: int) -> Load:
+            # The load is the same for all trajectories: a scalar, copied to every lane.
             index = (w.integer(node * self.columns + k) for k in range(self.columns))
             return [w.spread(w.load_scalar(self.memory, b.add(base, k))) for k in index]
 
@@ -105,6 +106,8 @@ class FieldCode:
 
     def direction(self, y: Sequence[Lanes], load: Load) -> Lanes:
         """A cheaper quantity with the sign of the watched observable's rate."""
+        # The instructions of the other three outputs are written too; as nothing uses them,
+        # the optimiser leaves them out.
         return self._run(self.field.watched, y, load)[3]
 
     def _run(
