@@ -10,7 +10,7 @@ import numpy as np
 
 from remanent._typing import IntArray
 from remanent.analysis.regimes.lyapunov import lyapunov_exponents
-from remanent.integrate.maps.period_map import Judged
+from remanent.integrate.maps.period_map import ErrorControl
 from remanent.studies.regimes._follower import Follower, status_of
 
 #: Points of the history, at most.
@@ -89,7 +89,7 @@ class ExponentEstimator:
         return _with_total_error(estimate)
 
     def _estimate(
-        self, indices: IntArray, error_control: Judged, cancelled: Callable[[], bool]
+        self, indices: IntArray, error_control: ErrorControl, cancelled: Callable[[], bool]
     ) -> dict[str, np.ndarray]:
         """Means of a run, their scatter, and their difference from a run of coarser steps."""
         path, coarse_path = self.follower.follow_with_doubled_steps(

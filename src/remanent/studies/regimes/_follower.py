@@ -20,8 +20,8 @@ from remanent.analysis.regimes.long_runs import (
     propagate_tangents,
 )
 from remanent.integrate.ensemble.problem import Problem
-from remanent.integrate.maps.advance import Advancer, Retrace
-from remanent.integrate.maps.period_map import Judged, PeriodMap
+from remanent.integrate.maps.advance import Advancer, CoarseReplay
+from remanent.integrate.maps.period_map import ErrorControl, PeriodMap
 from remanent.studies.ensemble.durations import require_periods
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.problem import initial_value_problem
@@ -75,8 +75,8 @@ class Follower:
         field, waveform = self.problem.field, self.problem.timeline.waveform
 
         @lru_cache
-        def period_map(directions: int, error_control: Judged = "all") -> PeriodMap:
-            return PeriodMap(field, waveform, directions=directions, judged=error_control)
+        def period_map(directions: int, error_control: ErrorControl = "all") -> PeriodMap:
+            return PeriodMap(field, waveform, directions=directions, error_control=error_control)
 
         return period_map
 
@@ -86,7 +86,7 @@ class Follower:
         tolerance: float,
         *,
         directions: int | None = None,
-        error_control: Judged = "all",
+        error_control: ErrorControl = "all",
     ) -> Advancer:
         """What advances a subset of the trajectories, which it numbers from 0."""
         flow = self.period_map(self.directions if directions is None else directions, error_control)
@@ -135,7 +135,7 @@ class Follower:
         indices: IntArray,
         tolerance: float,
         *,
-        error_control: Judged,
+        error_control: ErrorControl,
         block: int | None,
         cancelled: Callable[[], bool],
     ) -> tuple[LongRun, LongRun]:
@@ -145,8 +145,8 @@ class Follower:
         resolutions that the first chose, halved, and so has nothing of its own to choose.
         """
         fine = self.advancer(indices, tolerance, error_control=error_control)
-        flow = self.period_map(self.directions, "nothing")
-        coarse = Retrace(flow, fine.parameters, fine.lengths, fine.taken)
+        flow = self.period_map(self.directions, "none")
+        coarse = CoarseReplay(flow, fine.parameters, fine.lengths, fine.resolution_history)
 
         def path(advance: TangentMap) -> LongRun:
             return propagate_tangents(
