@@ -128,7 +128,7 @@ SOUND: Mapping[str, Callable[[], dict[str, Any]]] = {
         "actuator": rm.Actuator(prestress=2.2), "parameter": "m", "parameter_range": (1.0, 4.0),
     },
     "step_response": lambda: {"system": DAMPED, "drive": STEP, "duration": 5.0},
-    "switch_branch": lambda: {"branch": branch(), "actuator": HOT, "drive": DRIVE},
+    "switch_branch": lambda: {"branch": branch(), "system": HOT, "drive": DRIVE},
     "symmetry_check": lambda: {"system": DAMPED, "drive": DRIVE, "periods": 50},
     "to_si": lambda: {"dataset": rm.simulate(SIZED, DRIVE, duration=1.0)},
     "uncertainty": lambda: {

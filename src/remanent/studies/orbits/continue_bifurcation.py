@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from remanent._checks import require_choice
+from remanent._checks import require_choice, shortened
 from remanent._errors import InputError
 from remanent._status import Status
 from remanent._typing import ArrayLike, FloatArray
@@ -176,19 +176,29 @@ def _require_plane(
     parameters: Sequence[str], ranges: Sequence[ArrayLike], ens: Ensemble
 ) -> tuple[tuple[str, str], list[tuple[float, float]]]:
     """Two different fields and their ranges."""
-    if len(parameters) != 2 or len(ranges) != 2 or parameters[0] == parameters[1]:
+    names = parameters if isinstance(parameters, list | tuple) else ()
+    if len(names) != 2 or names[0] == names[1]:
         raise InputError(
             "parameters",
-            must="be two different fields, with a range each",
-            got=(parameters, ranges),
+            must="be two different fields",
+            got=shortened(parameters),
             why="A curve lies in a plane.",
             fix="Pass for example ('omega', 'b').",
         )
-    first, second = (require_parameter("parameters", name, ens) for name in parameters)
+    pairs = ranges if isinstance(ranges, list | tuple | np.ndarray) else ()
+    if len(pairs) != 2:
+        raise InputError(
+            "parameter_ranges",
+            must="be two pairs, the lowest and the highest value of each parameter",
+            got=shortened(ranges),
+            why="The curve is followed between them.",
+            fix="Pass for example [(1.0, 1.5), (0.2, 0.6)].",
+        )
+    first, second = (require_parameter("parameters", name, ens) for name in names)
     require_free((first, second), ens)
     limits = [
         require_range("parameter_ranges", pair, name, ens, "The curve is followed between them.")
-        for name, pair in zip(parameters, ranges, strict=True)
+        for name, pair in zip((first, second), pairs, strict=True)
     ]
     return (first, second), limits
 

@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from remanent._checks import shortened
 from remanent._errors import InputError
 from remanent._status import Status
 from remanent._typing import ArrayLike
@@ -118,8 +119,7 @@ def resonances(
     >>> ds.resonance_kind.values.tolist()
     ['superharmonic', 'primary']
     """
-    for period in orbit_periods:
-        require_orbit_period(period, "orbit_periods")
+    _require_periods(orbit_periods)
     _require_one_coordinate(system)
     ens = lay_out(system, drive, over, reserved=DIMENSIONS)
     limits = require_frequencies(omega_range, ens)
@@ -159,6 +159,20 @@ def resonances(
     )  # fmt: skip
     # The drive's own frequency has no part in the result.
     return dataset.assign_attrs(over=" ".join([*ens.coords, "omega"]))
+
+
+def _require_periods(orbit_periods: Sequence[int]) -> None:
+    """At least one period, each a count of drive periods."""
+    if not isinstance(orbit_periods, list | tuple) or not orbit_periods:
+        raise InputError(
+            "orbit_periods",
+            must="be one or more periods of orbits",
+            got=shortened(orbit_periods),
+            why="Peaks are looked for on the branches of each.",
+            fix="Pass for example (1, 2).",
+        )
+    for period in orbit_periods:
+        require_orbit_period(period, "orbit_periods")
 
 
 def _require_one_coordinate(system: System) -> None:
