@@ -23,6 +23,7 @@ BODY = rm.Actuator()
 DAMPED = rm.Actuator(dissipation=rm.Rayleigh(0.1))
 HOT = rm.Actuator(temperature=350.0)
 DRIVE = rm.SineSquared(0.4, 1.25)
+BARELY_DAMPED, FAST = rm.Actuator(dissipation=rm.Rayleigh(0.01)), rm.SineSquared(0.8, 2.4)
 STEP = rm.Steps((0.0,), (0.1,))
 SIZED = rm.Actuator.from_si(
     shear_modulus="100 kPa",
@@ -43,9 +44,7 @@ def decaying() -> xr.Dataset:
 
 @cache
 def branch() -> xr.Dataset:
-    return rm.continue_orbit(
-        HOT, DRIVE, "omega", (1.2, 1.3), initial=(1.433, 0.0), max_points=40, tolerance=1e-6
-    )
+    return rm.continue_orbit(BARELY_DAMPED, FAST, "omega", (2.25, 2.45))
 
 
 @cache
@@ -128,7 +127,9 @@ SOUND: Mapping[str, Callable[[], dict[str, Any]]] = {
         "actuator": rm.Actuator(prestress=2.2), "parameter": "m", "parameter_range": (1.0, 4.0),
     },
     "step_response": lambda: {"system": DAMPED, "drive": STEP, "duration": 5.0},
-    "switch_branch": lambda: {"branch": branch(), "system": HOT, "drive": DRIVE},
+    "switch_branch": lambda: {
+        "system": BARELY_DAMPED, "drive": FAST, "branch": branch(), "special": 1, "max_points": 2,
+    },
     "symmetry_check": lambda: {"system": DAMPED, "drive": DRIVE, "periods": 50},
     "to_si": lambda: {"dataset": rm.simulate(SIZED, DRIVE, duration=1.0)},
     "uncertainty": lambda: {
@@ -195,6 +196,7 @@ BAD: Mapping[str, tuple[Any, ...]] = {
              {"stretch": [2.0, 1.0]}, {"stretch": [1j]}, {"stretch": None}),
     "history": (1.0, "history", {}, xr.Dataset(), object()),
     "initial": NO_STATE,
+    "k": ("1", NAN, -1, 1.5, [], True, 99),
     "keep": NO_COUNT,
     "kind": NO_NAME,
     "m": NO_NUMBER,
@@ -228,6 +230,7 @@ BAD: Mapping[str, tuple[Any, ...]] = {
     "slices": NO_COUNT,
     "smallest": (*NO_NUMBER, -1.0, 1.0),
     "sobol": (1.0, "yes", [], object()),
+    "special_point": ("1", NAN, -1, 1.5, [], True, 99),
     "special": ("1", NAN, -1, 1.5, [], True, 99),
     "state_box": NO_BOX,
     "step": (*NO_NUMBER, 0.0, -1.0),

@@ -176,31 +176,32 @@ def _require_plane(
     parameters: Sequence[str], ranges: Sequence[ArrayLike], ens: Ensemble
 ) -> tuple[tuple[str, str], list[tuple[float, float]]]:
     """Two different fields and their ranges."""
-    names = parameters if isinstance(parameters, list | tuple) else ()
-    if len(names) != 2 or names[0] == names[1]:
-        raise InputError(
-            "parameters",
-            must="be two different fields",
-            got=shortened(parameters),
-            why="A curve lies in a plane.",
-            fix="Pass for example ('omega', 'b').",
-        )
-    pairs = ranges if isinstance(ranges, list | tuple | np.ndarray) else ()
-    if len(pairs) != 2:
-        raise InputError(
-            "parameter_ranges",
-            must="be two pairs, the lowest and the highest value of each parameter",
-            got=shortened(ranges),
-            why="The curve is followed between them.",
-            fix="Pass for example [(1.0, 1.5), (0.2, 0.6)].",
-        )
-    first, second = (require_parameter("parameters", name, ens) for name in names)
+    for name, pair, what, example in (
+        ("parameters", parameters, "different fields", "('omega', 'b')"),
+        ("parameter_ranges", ranges, "ranges", "[(1.0, 1.4), (0.2, 0.6)]"),
+    ):
+        if not _is_pair(pair):
+            raise InputError(
+                name,
+                must=f"be two {what}",
+                got=shortened(pair),
+                why="A curve lies in a plane.",
+                fix=f"Pass for example {example}.",
+            )
+    first, second = (require_parameter("parameters", name, ens) for name in parameters)
     require_free((first, second), ens)
     limits = [
         require_range("parameter_ranges", pair, name, ens, "The curve is followed between them.")
-        for name, pair in zip((first, second), pairs, strict=True)
+        for name, pair in zip(parameters, ranges, strict=True)
     ]
     return (first, second), limits
+
+
+def _is_pair(value: object) -> bool:
+    """Whether `value` is a sequence of two entries that are not the same."""
+    if not isinstance(value, Sequence | np.ndarray) or isinstance(value, str) or len(value) != 2:
+        return False
+    return not (isinstance(value[0], str) and value[0] == value[1])
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ from remanent.analysis.orbits.periodic_orbits import Orbits
 from remanent.analysis.orbits.switching import crossing_branch_point
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
+from remanent.results.checks import require_dataset
 from remanent.studies.ensemble.durations import require_count
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.layout import lay_out
@@ -106,6 +107,14 @@ def switch_branch(
 
 def _require_switch(branch: xr.Dataset, special: int) -> str:
     """The kind of a special point, where another branch starts there."""
+    if "special_kind" not in require_dataset("branch", branch):
+        raise InputError(
+            "branch",
+            must="have special points",
+            got=f"variables {', '.join(map(str, branch.data_vars)) or 'none'}",
+            why="The other branch starts at one of them.",
+            fix="Pass a result of continue_orbit.",
+        )
     kinds = [str(kind) for kind in branch["special_kind"].values.ravel()]
     number = require_count("special", special, "It is the number of a special point.", 0)
     known = number < len(kinds) and kinds[number] in _PERIOD_FACTORS

@@ -119,7 +119,7 @@ def resonances(
     >>> ds.resonance_kind.values.tolist()
     ['superharmonic', 'primary']
     """
-    _require_periods(orbit_periods)
+    _require_orbit_periods(orbit_periods)
     _require_one_coordinate(system)
     ens = lay_out(system, drive, over, reserved=DIMENSIONS)
     limits = require_frequencies(omega_range, ens)
@@ -161,14 +161,13 @@ def resonances(
     return dataset.assign_attrs(over=" ".join([*ens.coords, "omega"]))
 
 
-def _require_periods(orbit_periods: Sequence[int]) -> None:
-    """At least one period, each a count of drive periods."""
-    if not isinstance(orbit_periods, list | tuple) or not orbit_periods:
+def _require_orbit_periods(orbit_periods: Sequence[int]) -> None:
+    if not isinstance(orbit_periods, Sequence | np.ndarray) or not len(orbit_periods):
         raise InputError(
             "orbit_periods",
-            must="be one or more periods of orbits",
+            must="be a sequence of positive integers, at least one",
             got=shortened(orbit_periods),
-            why="Peaks are looked for on the branches of each.",
+            why="Peaks of the orbits of each period are found.",
             fix="Pass for example (1, 2).",
         )
     for period in orbit_periods:
