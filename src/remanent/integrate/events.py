@@ -18,7 +18,7 @@ from remanent.integrate.methods.runge_kutta import default_method
 from remanent.integrate.variations import derivatives
 
 #: Its annotations know nothing of `args`.
-find_root: Any = elementwise.find_root
+_find_root: Any = elementwise.find_root
 #: A root is located to the last digits of the fraction of a step.
 _ROOT_TOLERANCES = {"xatol": 0.0, "xrtol": 4.0 * np.finfo(float).eps, "fatol": 0.0, "frtol": 0.0}
 #: A crossing beyond the horizon by this relative distance still lies on it.
@@ -70,7 +70,7 @@ class Crossings:
         )
 
 
-def crossings(
+def find_crossings(
     problem: Problem,
     name: str,
     value: float,
@@ -216,7 +216,7 @@ class _Steps:
         i, j = self.row[k], self.step[k]
         window, finder = self.window, self.finder
         parameters = window.parameters[:, i]
-        states = dense.between(
+        states = dense.partial_step(
             finder.field, default_method(), finder.waveform,
             states=window.states[i, j], parameters=list(parameters),
             phase=window.phase[j], span=part * window.span, time=part * window.step[i],
@@ -232,7 +232,7 @@ class _Steps:
         """The passage in each of the steps, between two fractions of it."""
         # The root at the beginning of a step that starts on the value is none.
         start = np.nextafter(low, 1.0, where=low == 0.0, out=low.copy())
-        root = find_root(
+        root = _find_root(
             lambda s, k: self.at(s, k)[0],
             (start, high),
             args=(self.number,),
@@ -252,7 +252,7 @@ class _Steps:
         side : array (trajectory, step)
             Sign of the observable less the value at the beginning of each step.
         """
-        turn = find_root(
+        turn = _find_root(
             lambda s, k: self.at(s, k)[1],
             (np.zeros(self.count), np.ones(self.count)),
             args=(self.number,),

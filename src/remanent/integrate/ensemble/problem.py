@@ -133,7 +133,7 @@ class Outcome:
     findings: tuple[Any, ...] = ()
 
 
-def gathered(count: int, parts: Iterable[tuple[slice, Outcome]]) -> Outcome:
+def merge_outcomes(count: int, parts: Iterable[tuple[slice, Outcome]]) -> Outcome:
     """The outcome of `count` trajectories from those of their parts.
 
     Each part is put in its place and forgotten, so that memory is needed for all parts once and

@@ -92,7 +92,7 @@ def crossings(
     known = ["thickness_stretch", "thickness_stretch_rate", *ens.field.state]
     require_choice("variable", variable, known)
     asked = problem(ens, durations(ens, duration, periods))
-    found, outcome = events.crossings(
+    found, outcome = events.find_crossings(
         asked, variable, value, tolerance=tolerance, progress=progress
     )
     wanted = np.isin(found.direction, _DIRECTIONS[direction])

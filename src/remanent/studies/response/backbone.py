@@ -85,7 +85,7 @@ def backbone(
         if not missing.any():
             break
         asked = problem(ens, np.full(ens.count, duration))
-        found, outcome = events.crossings(asked, "stretch_rate", 0.0, tolerance=tolerance)
+        found, outcome = events.find_crossings(asked, "stretch_rate", 0.0, tolerance=tolerance)
         rows, first = np.unique(found.trajectory, return_index=True)
         acceleration = _acceleration(asked, rows, found.states[first])
         half[rows] = found.time[first]

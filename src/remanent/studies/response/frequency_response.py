@@ -13,7 +13,7 @@ from remanent._errors import InputError
 from remanent._typing import ArrayLike, FloatArray, IntArray
 from remanent.analysis.subdivision import Largest, largest
 from remanent.integrate.ensemble.ensemble import Progress, integrate
-from remanent.integrate.ensemble.problem import Outcome, Request, gathered
+from remanent.integrate.ensemble.problem import Outcome, Request, merge_outcomes
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.results.build import Labelled
@@ -164,7 +164,7 @@ def _respond(
             asked = problem(some, durations(some, duration, periods))
             yield part, integrate(asked, request, tolerance=tolerance, progress=share)
 
-    return gathered(ens.count, parts())
+    return merge_outcomes(ens.count, parts())
 
 
 def _share(progress: Progress, part: slice, count: int) -> Progress:
