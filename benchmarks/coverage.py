@@ -29,7 +29,8 @@ from remanent._typing import FloatArray
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Outcome, Request
 from remanent.models.drives.base import Drive
-from remanent.studies.ensemble.ensemble import ensemble, problem
+from remanent.studies.ensemble.layout import lay_out
+from remanent.studies.ensemble.problem import initial_value_problem
 
 #: Results and pages are written below it.
 ROOT = Path(__file__).parent.parent
@@ -157,7 +158,7 @@ class Group:
     def computed(self) -> Outcome:
         """What the package answers."""
         over = {name: xr.DataArray(v, dims="case") for name, v in self.values.items()}
-        asked = problem(ensemble(self.actuator, self.drive, over), self.duration)
+        asked = initial_value_problem(lay_out(self.actuator, self.drive, over), self.duration)
         request = Request(times=self.times())
         if self.kind.extremes:
             request = Request(extremes=True, begin=self.begin())

@@ -27,12 +27,13 @@ from benchmarks.multiply_add import lanes_per_second
 from benchmarks.rows.plan import Plan
 from benchmarks.tools import ours
 from remanent._typing import FloatArray
+from remanent.integrate.ensemble.attempt import attempt
 from remanent.integrate.ensemble.problem import Request
 from remanent.integrate.ensemble.resolution import method_for
-from remanent.integrate.ensemble.segments import attempt
+from remanent.integrate.ensemble.run import Chunk, Run
 from remanent.integrate.kernel.compile import Kernel, Kernels, compiled, host
-from remanent.integrate.kernel.kernel import Method, Options
-from remanent.integrate.kernel.tables import waveform_tables
+from remanent.integrate.kernel.options import Method, Options
+from remanent.integrate.kernel.tables import CycleTables
 from remanent.integrate.methods.runge_kutta import default_method
 
 #: Double steps per cycle, the same for every trajectory.
@@ -48,7 +49,7 @@ _OMEGA = (1.25, 1.2501)
 #: Kernels by name: what is asked of a run, and what its kernel holds.
 _CASES = {
     "extremes and bound": (Request(extremes=True), Options(extremes=True)),
-    "extremes alone": (Request(extremes=True), Options(extremes=True, companion=False)),
+    "extremes alone": (Request(extremes=True), Options(extremes=True, coarse_solution=False)),
     "states and bound": (Request(), Options()),
 }
 
@@ -116,11 +117,14 @@ def _seconds_per_pass(method: Method, options: Options, repeats: int) -> float:
     start = compiled(problem.field, default_method(), options)
     seconds = []
     for _ in range(repeats + 1):  # the first is for the caches
-        run = _Timed(compiled(problem.field, method, options))
-        attempt(
-            problem, Request(extremes=options.extremes), Kernels(start, run),  # type: ignore[arg-type]
-            _ERROR_CEILING, _RESOLUTION, np.arange(problem.duration.size),
-            lambda nodes, n: waveform_tables(problem.timeline.waveform, nodes, n), lambda: True,
-        )  # fmt: skip
-        seconds.append(run.seconds / run.passes)
+        timed = _Timed(compiled(problem.field, method, options))
+        run = Run(
+            problem,
+            Request(extremes=options.extremes),
+            Kernels(start, timed),  # type: ignore[arg-type]
+            _ERROR_CEILING,
+            CycleTables(problem.timeline.waveform),
+        )
+        attempt(run, Chunk(_RESOLUTION, np.arange(problem.duration.size)))
+        seconds.append(timed.seconds / timed.passes)
     return statistics.median(seconds[1:])

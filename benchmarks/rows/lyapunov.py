@@ -22,7 +22,8 @@ from benchmarks.rows.plan import Plan
 from benchmarks.tools import pynamicalsys_rk45
 from remanent._typing import FloatArray
 from remanent.integrate.maps.period_map import PeriodMap
-from remanent.studies.ensemble.ensemble import ensemble, problem
+from remanent.studies.ensemble.layout import lay_out
+from remanent.studies.ensemble.problem import initial_value_problem
 
 #: Drive periods over which exponents are averaged.
 _PERIODS = 500
@@ -129,8 +130,8 @@ def _ours(
 ) -> Callable[[float], tuple[FloatArray, FloatArray]]:
     """States after a period, and its length, by the map that the verb iterates."""
     over = {name: xr.DataArray(starts[name], dims="case") for name in ("omega", "b")}
-    asked = problem(ensemble(hot, drive, over), np.ones(_STARTS))
-    flow = PeriodMap(asked.field, asked.timeline.waveform, directions=1, judged="state")
+    asked = initial_value_problem(lay_out(hot, drive, over), np.ones(_STARTS))
+    flow = PeriodMap(asked.field, asked.timeline.waveform, directions=1, error_control="state")
     states, length = np.column_stack([starts["x"], starts["v"]]), np.pi / starts["omega"]
 
     def period(tolerance: float) -> tuple[FloatArray, FloatArray]:

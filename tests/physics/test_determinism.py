@@ -11,12 +11,13 @@ from tests.physics.independent import DRIVES, random_drive
 
 import remanent as rm
 from remanent._typing import FloatArray, IntArray
-from remanent.integrate.ensemble import pool, segments
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Outcome, Request
+from remanent.integrate.ensemble.work_sizes import DEFAULT_SIZES, WorkSizes
 from remanent.models.drives.base import Drive
-from remanent.studies.ensemble.ensemble import ensemble as laid_out
-from remanent.studies.ensemble.ensemble import problem
+from remanent.studies.ensemble.layout import lay_out
+from remanent.studies.ensemble.problem import initial_value_problem
+from remanent.studies.response.frequency_response import response_extremes
 
 COUNT, LONGEST = 20, 18.0
 #: What is asked: states between steps, states after cycles, extremes.
@@ -33,7 +34,13 @@ def fields(rng: np.random.Generator) -> dict[str, FloatArray]:
     }
 
 
-def run(drive: Drive, asked: str, which: IntArray, workers: int = 2) -> list[Any]:
+def run(
+    drive: Drive,
+    asked: str,
+    which: IntArray,
+    workers: int = 2,
+    sizes: WorkSizes = DEFAULT_SIZES,
+) -> list[Any]:
     """Everything that is answered of some of the trajectories, each as long as its own."""
     rng = np.random.default_rng(12)
     values, duration = fields(rng), rng.uniform(1.0, LONGEST, COUNT)
@@ -45,8 +52,9 @@ def run(drive: Drive, asked: str, which: IntArray, workers: int = 2) -> list[Any
         "strobe": Request(strobe=2),
         "extremes": Request(extremes=True, begin=0.3 * end),
     }[asked]
-    whole = problem(laid_out(body, drive, over), end)
-    found = columns(integrate(whole, request, tolerance=1e-8, workers=workers))
+    whole = initial_value_problem(lay_out(body, drive, over), end)
+    outcome = integrate(whole, request, tolerance=1e-8, workers=workers, sizes=sizes)
+    found = columns(outcome)
     if asked == "strobe":
         # after its end a trajectory goes on for the sake of longer ones only
         own = np.floor(end / (2.0 * (drive.period or np.inf))).astype(int) + 1
@@ -74,9 +82,7 @@ def kinds() -> list[Any]:
 
 
 @pytest.mark.parametrize(("kind", "asked"), kinds())
-def test_bits_depend_on_nothing_but_the_trajectory(
-    kind: type[Drive], asked: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_bits_depend_on_nothing_but_the_trajectory(kind: type[Drive], asked: str) -> None:
     """Reordered, alone, in parts, by one thread, in small chunks: every bit the same.
 
     Law: Determinism.
@@ -88,22 +94,19 @@ def test_bits_depend_on_nothing_but_the_trajectory(
     for which in (mixed, mixed[:9], mixed[9:], mixed[:1]):
         assert_same(run(drive, asked, which), reference, which)
     assert_same(run(drive, asked, everybody, workers=1), reference, everybody)
-    monkeypatch.setattr(pool, "_CHUNK_STEPS", 1)
-    monkeypatch.setattr(segments, "_SAMPLES_AT_ONCE", 7)
-    assert_same(run(drive, asked, everybody, workers=3), reference, everybody)
+    sizes = WorkSizes(chunk_steps=1, samples=7)
+    assert_same(run(drive, asked, everybody, workers=3, sizes=sizes), reference, everybody)
 
 
 @pytest.mark.parametrize("asked", ["strobe", "extremes"])
-def test_bits_do_not_depend_on_the_length_of_calls(
-    asked: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_bits_do_not_depend_on_the_length_of_segments(asked: str) -> None:
     """Determinism: a run cut into kernel calls of any length."""
     drive = rm.Sine(0.5, 3.0, 0.1)
     everybody = np.arange(COUNT)
     reference = run(drive, asked, everybody)
     for steps in (64, 300):
-        monkeypatch.setattr(segments, "_STEPS_PER_CALL", (steps, steps))
-        assert_same(run(drive, asked, everybody), reference, everybody)
+        sizes = WorkSizes(fewest_steps=steps, most_steps=steps)
+        assert_same(run(drive, asked, everybody, sizes=sizes), reference, everybody)
 
 
 def test_verbs_are_deterministic_in_any_order() -> None:
@@ -122,10 +125,14 @@ def test_verbs_are_deterministic_in_any_order() -> None:
         np.testing.assert_array_equal(there_values[::-1], back[name].transpose("case", "omega"))
 
 
-def test_bits_do_not_depend_on_the_parts_of_a_response(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Determinism: a response that is worked out in parts is the whole one."""
+def test_bits_do_not_depend_on_the_batches_of_a_response() -> None:
+    """Determinism: a response worked out in batches is the one worked out at once."""
+    over = {"omega": np.linspace(0.5, 2.0, 100)}
     actuator, drive = rm.Actuator(temperature=350), rm.SineSquared(0.4, 1.0)
-    omega = np.linspace(0.5, 2.0, 100)
-    whole = rm.frequency_response(actuator, drive, omega, tolerance=1e-7)
-    monkeypatch.setattr("remanent.studies.ensemble.ensemble._SLAB", 37)
-    assert rm.frequency_response(actuator, drive, omega, tolerance=1e-7).identical(whole)
+    columns = []
+    for size in (100, 37):
+        ens = lay_out(actuator, drive, over, batch_size=size)
+        outcome = response_extremes(ens, 100.0, None, 0.0, 1e-7, batch_size=size)
+        columns.append([outcome.maximum, outcome.minimum, outcome.error, outcome.status])
+    for at_once, batched in zip(*columns, strict=True):
+        np.testing.assert_array_equal(at_once, batched)

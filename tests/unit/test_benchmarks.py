@@ -25,7 +25,7 @@ from benchmarks.tools.tool import TOLERANCES, Answer, Run
 from remanent.integrate.ensemble.problem import Request
 from remanent.integrate.ensemble.resolution import method_for
 from remanent.integrate.kernel.compile import Target, host
-from remanent.integrate.kernel.kernel import Options
+from remanent.integrate.kernel.options import Options
 
 RESULTS = sorted((Path(__file__).parents[2] / "benchmarks" / "results").glob("*.json"))
 

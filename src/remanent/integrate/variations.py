@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any
 
-from remanent._field import Field, Program
+from remanent._field import Field, Program, Role, StateVariable
 from remanent._instructions import Instructions, Signed
 
 #: Stands among `parameters` of :func:`tangent` for the logarithm of the length of a cycle.
@@ -28,11 +28,11 @@ def tangent(field: Field, *, directions: int, parameters: Sequence[str] = ()) ->
 
     Parameters
     ----------
-    field
+    field : Field
         With state variables y.
-    directions
+    directions : int
         How many derivatives along changes of the initial state.
-    parameters
+    parameters : sequence of str
         Names of parameters, or :data:`LOG_PERIOD`.
 
     Returns
@@ -41,7 +41,11 @@ def tangent(field: Field, *, directions: int, parameters: Sequence[str] = ()) ->
         State ``(*y, *w[0], *w[1], ...)``: first the directions, then the parameters.
     """
     columns = directions + len(parameters)
-    added = tuple(f"tangent.{k}.{name}" for k in range(columns) for name in field.state)
+    added = tuple(
+        StateVariable(f"tangent.{k}.{name}", Role.VARIATION, belongs_to=name)
+        for k in range(columns)
+        for name in field.state
+    )
     inputs = _inputs(field, added)
     into = Instructions(inputs)
     values = [_Dual(into, into.input(name), (None,) * columns) for name in field.inputs]
@@ -63,59 +67,76 @@ def tangent(field: Field, *, directions: int, parameters: Sequence[str] = ()) ->
     return _widened(field, added, into.program(outputs))
 
 
-def parting(field: Field, pairs: Mapping[str, str]) -> Field:
+def transverse_field(field: Field, pairs: Mapping[str, str]) -> Field:
     """The motion of like variables that are equal, and how small differences of them grow.
 
     Equation, where x and y are columns of like variables and the motion keeps x = y:
     (x - y)' = (df_x/dx - df_x/dy) (x - y), differentiated along the motion with x = y.
-    Rounding cannot break the equality, since each pair is one variable here.
+    This is the variational equation transverse to the invariant set x = y; exponents and
+    multipliers of it are the transverse ones.  Rounding cannot break the equality, since each
+    pair is one variable here.
 
     Parameters
     ----------
-    pairs
+    field : Field
+        Whose equations are the same where x and y are exchanged.
+    pairs : mapping of str to str
         Second variable of each pair by the first.
 
     Returns
     -------
     Field
-        State: the variables but the second ones, then ``"parting.NAME"`` for each pair.
+        State: the variables but the second ones, then ``"transverse.NAME"`` for each pair.
     """
-    kept = tuple(name for name in field.state if name not in pairs.values())
-    added = tuple(f"parting.{name}" for name in pairs)
-    state = (*kept, *added)
+    kept = tuple(v for v in field.variables if v.name not in pairs.values())
+    added = tuple(
+        StateVariable(f"transverse.{name}", Role.VARIATION, belongs_to=name) for name in pairs
+    )
+    variables = (*kept, *added)
+    state = tuple(variable.name for variable in variables)
     inputs = ("drive_phase", *state, *field.parameters, *field.waveforms)
     into = Instructions(inputs)
-    first = {second: name for name, second in pairs.items()}
+    first_of = {second: name for name, second in pairs.items()}
     values = []
     for name in field.inputs:
-        like = first.get(name, name)
-        slope = into.input(f"parting.{like}") if like in pairs else None
-        turned = slope and (_minus(slope) if name in first else slope)
-        values.append(_Dual(into, into.input(like), (turned,)))
+        representative = first_of.get(name, name)
+        # Along (1, -1): a change of the first by the difference, of the second by its negative.
+        difference = into.input(f"transverse.{representative}") if representative in pairs else None
+        slope = difference and (_minus(difference) if name in first_of else difference)
+        values.append(_Dual(into, into.input(representative), (slope,)))
     rates = dict(zip(field.state, _run(field.rates, values, into, 1), strict=True))
     zero = into.constant(0.0)
-    outputs = [rates[name].value for name in kept]
+    outputs = [rates[variable.name].value for variable in kept]
     outputs += [rates[name].slopes[0] or zero for name in pairs]
-    plain = {name: first.get(name, name) for name in field.inputs}
+    names = {name: first_of.get(name, name) for name in field.inputs}
     return Field(
-        state=state,
+        variables=variables,
+        loads=field.loads,
         parameters=field.parameters,
         waveforms=field.waveforms,
         rates=into.program(outputs),
-        watched=_with_inputs(field.watched, inputs, plain),
-        observables={k: _with_inputs(p, inputs, plain) for k, p in field.observables.items()},
+        observable=field.observable,
+        watched=_with_inputs(field.watched, inputs, names),
+        observables={k: _with_inputs(p, inputs, names) for k, p in field.observables.items()},
     )
 
 
 def with_integrals(field: Field, names: Sequence[str]) -> Field:
     """A field whose state also holds integrals over time of some of its observables.
 
+    Parameters
+    ----------
+    field : Field
+        With state variables y.
+    names : sequence of str
+        Of observables.
+
     Returns
     -------
     Field
         State ``(*y, "integral.NAME", ...)``.
     """
-    added = tuple(f"integral.{name}" for name in names)
+    added = tuple(StateVariable(f"integral.{name}", Role.INTEGRAL) for name in names)
     into = Instructions(_inputs(field, added))
     values = [_Dual(into, into.input(name), ()) for name in field.inputs]
     programs = (field.rates, *(field.observables[name] for name in names))
@@ -128,7 +149,10 @@ def derivatives(field: Field, name: str, variables: Sequence[str]) -> Program:
 
     Parameters
     ----------
-    variables
+    field : Field
+    name : str
+        Of the observable or state variable.
+    variables : sequence of str
         State variables or parameters to differentiate with respect to.
 
     Returns
@@ -149,8 +173,9 @@ def derivatives(field: Field, name: str, variables: Sequence[str]) -> Program:
     return into.program([value.value, *(s or into.constant(0.0) for s in value.slopes)])
 
 
-def _inputs(field: Field, added: tuple[str, ...]) -> tuple[str, ...]:
-    return ("drive_phase", *field.state, *added, *field.parameters, *field.waveforms)
+def _inputs(field: Field, added: Sequence[StateVariable]) -> tuple[str, ...]:
+    names = (variable.name for variable in added)
+    return ("drive_phase", *field.state, *names, *field.parameters, *field.waveforms)
 
 
 def _run(
@@ -163,13 +188,15 @@ def _run(
     )
 
 
-def _widened(field: Field, added: tuple[str, ...], rates: Program) -> Field:
-    state, inputs = (*field.state, *added), _inputs(field, added)
+def _widened(field: Field, added: tuple[StateVariable, ...], rates: Program) -> Field:
+    inputs = _inputs(field, added)
     return Field(
-        state=state,
+        variables=(*field.variables, *added),
+        loads=field.loads,
         parameters=field.parameters,
         waveforms=field.waveforms,
         rates=rates,
+        observable=field.observable,
         watched=_with_inputs(field.watched, inputs),
         observables={name: _with_inputs(p, inputs) for name, p in field.observables.items()},
     )
