@@ -9,6 +9,7 @@ from typing import Any, Self
 import numpy as np
 
 from remanent._field import Field, Program
+from remanent._roots import find_root
 from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.integrate.ensemble import dense
 from remanent.integrate.ensemble.ensemble import Progress, integrate

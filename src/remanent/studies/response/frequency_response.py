@@ -13,7 +13,7 @@ from remanent._errors import InputError
 from remanent._typing import ArrayLike, FloatArray, IntArray
 from remanent.analysis.response.subdivision import Maximum, refine_maximum
 from remanent.integrate.ensemble.ensemble import integrate
-from remanent.integrate.ensemble.problem import Outcome, Request
+from remanent.integrate.ensemble.problem import Outcome, Request, merge_outcomes
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.results.build import Labelled
