@@ -158,11 +158,11 @@ class Group:
     def computed(self) -> Outcome:
         """What the package answers."""
         over = {name: xr.DataArray(v, dims="case") for name, v in self.values.items()}
-        asked = initial_value_problem(lay_out(self.actuator, self.drive, over), self.duration)
+        problem = initial_value_problem(lay_out(self.actuator, self.drive, over), self.duration)
         request = Request(times=self.times())
         if self.kind.extremes:
             request = Request(extremes=True, begin=self.begin())
-        return integrate(asked, request, tolerance=self.tolerance)
+        return integrate(problem, request, tolerance=self.tolerance)
 
 
 def group(seed: int, kind: int, number: int) -> Group:

@@ -107,13 +107,13 @@ def _row(method: Method, options: Options, repeats: int, peak: float) -> dict[st
 
 def _operations(method: Method, options: Options) -> Counter[str]:
     """Operations of a double step of one group of lanes, by kind."""
-    field = ours.asked(RESPONSE, RESPONSE.omegas[:1]).field
+    field = ours.response_problem(RESPONSE, RESPONSE.omegas[:1]).field
     return work_per_pass(assembly(host().source(field, method, options), host()))
 
 
 def _seconds_per_pass(method: Method, options: Options, repeats: int) -> float:
     """Processor time of one double step of one group, the median of runs."""
-    problem = ours.asked(RESPONSE, np.linspace(*_OMEGA, _GROUPS * host().width))
+    problem = ours.response_problem(RESPONSE, np.linspace(*_OMEGA, _GROUPS * host().width))
     start = compiled(problem.field, default_method(), options)
     seconds = []
     for _ in range(repeats + 1):  # the first is for the caches

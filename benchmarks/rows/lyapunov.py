@@ -130,12 +130,12 @@ def _ours(
 ) -> Callable[[float], tuple[FloatArray, FloatArray]]:
     """States after a period, and its length, by the map that the verb iterates."""
     over = {name: xr.DataArray(starts[name], dims="case") for name in ("omega", "b")}
-    asked = initial_value_problem(lay_out(hot, drive, over), np.ones(_STARTS))
-    flow = PeriodMap(asked.field, asked.timeline.waveform, directions=1, error_control="state")
+    problem = initial_value_problem(lay_out(hot, drive, over), np.ones(_STARTS))
+    flow = PeriodMap(problem.field, problem.timeline.waveform, directions=1, error_control="state")
     states, length = np.column_stack([starts["x"], starts["v"]]), np.pi / starts["omega"]
 
     def period(tolerance: float) -> tuple[FloatArray, FloatArray]:
-        return flow(states, asked.parameters, length, tolerance=tolerance).state, length
+        return flow(states, problem.parameters, length, tolerance=tolerance).state, length
 
     return period
 

@@ -78,7 +78,7 @@ def test_the_yardstick_is_one_multiply_add_per_chain(target: Target) -> None:
 def test_operations_of_a_step_do_not_depend_on_the_processor() -> None:
     """Per lane a kernel does the same arithmetic on processors of one vector width."""
     method = method_for(Request(extremes=True), 1e-9)
-    field = ours.asked(RESPONSE, RESPONSE.omegas[:1]).field
+    field = ours.response_problem(RESPONSE, RESPONSE.omegas[:1]).field
     counts = [
         work_per_pass(assembly(target.source(field, method, Options(extremes=True)), target))
         for target in TARGETS_X86[:2]

@@ -53,7 +53,7 @@ class ClaimEvidence:
         Histories under the periodic load (figures 5 and 6).
     regimes
         What kind of motion that is, with the evidence (``remanent.classify``), and the
-        length of the run it took, ``run_periods``; empty until :func:`regimes` is asked.
+        length of the run it took, ``run_periods``; empty until :func:`regimes` has computed it.
     section, neighbour
         Sections at every drive period, of the motion from rest and of one that starts
         at a stretch larger by :data:`NEIGHBOUR_OFFSET`.

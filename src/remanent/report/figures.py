@@ -74,8 +74,8 @@ def figure_4(dataset: xr.Dataset) -> Figure:
     ----------
     dataset
         ``amplitude`` (prestress, temperature, omega); ``resonance``,
-        ``resonance_error`` and, if wanted, ``resonance_amplitude`` and ``published``
-        (prestress, temperature).
+        ``resonance_error`` and, where they are to be drawn, ``resonance_amplitude`` and
+        ``published`` (prestress, temperature).
 
     Returns
     -------
