@@ -28,8 +28,8 @@ def compared(scaled: xr.Dataset, direct: xr.Dataset, tolerance: float) -> None:
             np.testing.assert_allclose(ours, theirs, rtol=tolerance, atol=tolerance, err_msg=name)
         elif ours.dtype.kind not in "fc":
             np.testing.assert_array_equal(ours, theirs)
-    assert _rounded(scaled.attrs["actuator"]) == _rounded(direct.attrs["actuator"])
-    assert _rounded(scaled.attrs["drive"]) == _rounded(direct.attrs["drive"])
+    assert _rounded(scaled.attrs["system_text"]) == _rounded(direct.attrs["system_text"])
+    assert _rounded(scaled.attrs["drive_text"]) == _rounded(direct.attrs["drive_text"])
 
 
 def _rounded(text: str) -> list[str]:
@@ -121,7 +121,7 @@ def test_the_fold_of_the_paper_from_the_reference_temperature() -> None:
     )
     hot = rm.rescale(branch, temperature=HOT)
     assert float(hot.special_omega[0]) == pytest.approx(1.26679529184453, abs=1e-10)
-    np.testing.assert_allclose(hot.attrs["bounds"], (1.2, 1.3))
+    np.testing.assert_allclose(hot.attrs["parameter_range"], (1.2, 1.3))
 
 
 def test_there_and_back_again() -> None:

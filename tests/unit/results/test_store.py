@@ -64,7 +64,7 @@ def test_files_keep_to_the_classic_model(everything: xr.Dataset, tmp_path: Path)
 def test_attributes_are_plain_text(everything: xr.Dataset, tmp_path: Path) -> None:
     """Text attributes have a fixed length, which every version of MATLAB reads."""
     with h5py.File(store.write(everything, tmp_path / "all.nc")) as file:
-        for owner, key in ((file, "actuator"), (file["amplitude"], "units")):
+        for owner, key in ((file, "system_text"), (file["amplitude"], "units")):
             text = h5py.check_string_dtype(owner.attrs.get_id(key).dtype)
             assert text is not None
             assert text.length is not None

@@ -11,7 +11,7 @@ from remanent._checks import Rule, require_real
 from remanent._errors import InputError
 from remanent._typing import FloatArray
 from remanent.analysis.ringdown import Decay, decay
-from remanent.results import build
+from remanent.results import build, provenance
 
 _SHARE = Rule(
     "lie between 0 and 1",
@@ -86,7 +86,7 @@ def logarithmic_decrement(
         n: (dims, np.reshape(v, shape)) for n, v in zip(_NAMES, np.transpose(rows), strict=True)
     }
     coords = {str(d): ((str(d),), history[d].values) for d in others if d in history.coords}
-    keep = {k: v for k, v in history.attrs.items() if k in ("actuator", "drive", "versions")}
+    keep = {k: v for k, v in history.attrs.items() if k in provenance.ORIGIN}
     return build.dataset(found, coords, keep)
 
 

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from types import MappingProxyType
+from typing import Any, Final
 
 import numpy as np
 import xarray as xr
 
 from remanent._errors import InputError
+from remanent._typing import ArrayLike
 from remanent.analysis.orbits import Orbits
 from remanent.analysis.switching import other_branch
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.results import provenance
 from remanent.studies.ensemble.durations import require_count
 from remanent.studies.ensemble.ensemble import ensemble
 from remanent.studies.orbits._period_map import at
@@ -25,15 +28,20 @@ from remanent.studies.orbits.continue_orbit import (
 )
 
 #: Where other branches start, and how many times longer the period of their orbits is.
-_SWITCHES = {"period doubling": 2, "branch point": 1}
+_PERIOD_FACTORS: Final[Mapping[str, int]] = MappingProxyType(
+    {"period doubling": 2, "branch point": 1}
+)
 
 
 def switch_branch(
-    actuator: Actuator,
-    drive: Drive,
     branch: xr.Dataset,
-    special: int = 0,
+    special_point: int = 0,
     *,
+    system: Actuator | None = None,
+    drive: Drive | None = None,
+    parameter: str | None = None,
+    parameter_range: ArrayLike | None = None,
+    orbit_period: int | None = None,
     state_box: Mapping[str, Any] | None = None,
     max_points: int = 1000,
     tolerance: float = 1e-9,
@@ -42,26 +50,45 @@ def switch_branch(
 
     Parameters
     ----------
-    actuator, drive
-        Those of the branch.
-    branch
+    branch : xarray.Dataset
         A result of :func:`remanent.continue_orbit` or of this verb.
-    special
-        Which of its special points: a ``period doubling``, where the branch of twice the
-        period starts, or a ``branch point``, where another of the same period does (the pair
-        of orbits that break a symmetry).
-    state_box, max_points, tolerance
-        As for :func:`remanent.continue_orbit`.
+    special_point : int
+        The number of one of its special points: a ``period doubling``, where the branch of
+        twice the period starts, or a ``branch point``, where another of the same period does
+        (the pair of orbits that break a symmetry).
+    system, drive : Actuator and Drive, optional
+        Those of the branch; by default they are read from its attributes, which arithmetic
+        drops.
+    parameter : str, optional
+        The field that changes along the branch; by default read from its attributes.
+    parameter_range : (float, float), optional
+        The lowest and the highest value of that field on the new branch; by default those of
+        `branch`.
+    orbit_period : int, optional
+        Of the orbits on `branch`, in drive periods; by default read from its attributes.
+    state_box : mapping of str to (float, float), optional
+        Intervals of state variables by name; the new branch ends where the state at phase 0
+        leaves them.
+    max_points : int
+        The largest number of points in each direction from the start.
+    tolerance : float
+        Of the residual.
 
     Returns
     -------
     xarray.Dataset
-        As that of :func:`remanent.continue_orbit`, within the bounds of the first branch.
+        The new branch, labelled like that of :func:`remanent.continue_orbit`.
 
     Raises
     ------
     InputError
-        A bad argument, another kind of special point, or a branch that is not reached.
+        A bad argument, another kind of special point, a branch that does not say what made
+        it, or no other branch that is reached.
+
+    See Also
+    --------
+    remanent.continue_orbit : the branch to start from.
+    remanent.locate_bifurcation : one special point, to full accuracy.
 
     Notes
     -----
@@ -75,35 +102,77 @@ def switch_branch(
     >>> forced = rm.continue_orbit(damped, drive, "omega", (2.25, 2.45))
     >>> forced.special_kind.values.tolist()
     ['period doubling', 'period doubling']
-    >>> doubled = rm.switch_branch(damped, drive, forced, 1)
+    >>> doubled = rm.switch_branch(forced, 1)
     >>> doubled.attrs["orbit_period"], set(doubled.stability.values.tolist()) >= {"stable"}
     (2, True)
     """
-    kinds = [str(one) for one in branch["special_kind"].values.ravel()]
-    which = require_count("special", special, "It is the number of a special point.", 0)
-    if which >= len(kinds) or kinds[which] not in _SWITCHES or "orbit_period" not in branch.attrs:
-        raise InputError(
-            "special", "be the number of a period doubling or of a branch point", special,
-            f"The special points are {kinds}.", "Pass one of these, of a result of continue_orbit.",
-        )  # fmt: skip
-    parameter = str(branch.attrs.get("parameter", "omega"))
-    period = int(branch.attrs["orbit_period"]) * _SWITCHES[kinds[which]]
-    ens = ensemble(actuator, drive)
-    limits = parameter_bounds(parameter, branch.attrs["parameter_range"], ens)
-    tracing = trace_with(ens, parameter, limits, state_box, period, max_points, tolerance)
+    kind, number = _require_switch(branch, special_point)
+    system, drive = _made_by(branch, system, drive)
+    parameter = str(_given(branch, "parameter", parameter))
+    parameter_range = _given(branch, "parameter_range", parameter_range)
+    doubled = int(_given(branch, "orbit_period", orbit_period)) * _PERIOD_FACTORS[kind]
+    ens = ensemble(system, drive)
+    limits = parameter_bounds(parameter, parameter_range, ens)
+    tracing = trace_with(ens, parameter, limits, state_box, doubled, max_points, tolerance)
     names = [f"special_{name}" for name in (*ens.field.state, parameter)]
-    crossing = np.array([float(branch[name].values.ravel()[which]) for name in names])
+    crossing = np.array([float(branch[name].values.ravel()[number]) for name in names])
     point = other_branch(
         tracing.equations, crossing, scale=tracing.settings.scale, tolerance=0.1 * tolerance
     )
     if point is None:
         raise InputError(
-            "special", "have another branch beside it", kinds[which],
+            "special_point", "have another branch beside it", kind,
             "No point of one was reached by short steps across the branch.",
             "Look for its orbits with periodic_orbits, and start there.",
         )  # fmt: skip
     z = point.unknown
     orbit = Orbits(z[:, :-1], point.extra["jacobian"], point.residual, point.error)
-    found = [describe_branches(at(ens, 0), through(tracing, orbit, z[:, -1]), parameter, period)]
-    settings = {"parameter": parameter, "parameter_range": limits, "orbit_period": period}
-    return label_branches(ens, found, parameter, tolerance, settings).isel(branch=0, drop=True)
+    branches = [
+        describe_branches(at(ens, 0), through(tracing, orbit, z[:, -1]), parameter, doubled)
+    ]
+    settings = {"parameter": parameter, "parameter_range": limits, "orbit_period": doubled}
+    return label_branches(ens, branches, parameter, tolerance, settings).isel(branch=0, drop=True)
+
+
+def _require_switch(branch: xr.Dataset, special_point: int) -> tuple[str, int]:
+    """The kind and the number of a special point at which another branch starts."""
+    number = require_count("special_point", special_point, "It is the number of one.", 0)
+    if not isinstance(branch, xr.Dataset) or "special_kind" not in branch:
+        raise InputError(
+            "branch", "have special points", type(branch).__name__,
+            "Another branch starts at one of them.", "Pass the result of continue_orbit.",
+        )  # fmt: skip
+    kinds = [str(kind) for kind in branch["special_kind"].values.ravel()]
+    if number >= len(kinds) or kinds[number] not in _PERIOD_FACTORS:
+        raise InputError(
+            "special_point", "be the number of a period doubling or of a branch point", number,
+            f"The special points are {kinds}.", "Pass the number of such a point, from 0.",
+        )  # fmt: skip
+    return kinds[number], number
+
+
+def _made_by(
+    branch: xr.Dataset, system: Actuator | None, drive: Drive | None
+) -> tuple[Actuator, Drive]:
+    """The system and the drive of a branch, unless they are given."""
+    several = provenance.varying(branch)
+    if several and (system is None or drive is None):
+        raise InputError(
+            "branch", "be that of one system and one drive", f"several values of {several}",
+            "A branch is followed for one value of every other field.",
+            "Select one, branch.isel(...) without drop=True, or pass system=... and drive=....",
+        )  # fmt: skip
+    return (
+        provenance.read_system(branch) if system is None else system,
+        provenance.read_drive(branch) if drive is None else drive,
+    )
+
+
+def _given(branch: xr.Dataset, name: str, value: Any) -> Any:
+    """A setting of the branch: as it is given, else from the attributes."""
+    if value is None and name not in branch.attrs:
+        raise InputError(
+            name, "be given, or be an attribute of the branch", "neither",
+            "Arithmetic drops attributes.", f"Pass {name}=... as it was for the branch.",
+        )  # fmt: skip
+    return branch.attrs[name] if value is None else value

@@ -154,7 +154,7 @@ def _require_one_coordinate(actuator: Actuator) -> None:
 
 def _peaks(diagram: xr.Dataset, period: int, state: Sequence[str]) -> list[_Peak]:
     """Local maxima of the amplitude along every branch, and ends that run off."""
-    low, high = diagram.attrs["bounds"]
+    low, high = diagram.attrs["parameter_range"]
     found = []
     for b in range(diagram.sizes["branch"]):
         row = diagram.isel(branch=b)
