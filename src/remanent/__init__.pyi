@@ -81,6 +81,7 @@ from .studies.inference.sensitivity import sensitivity as sensitivity
 from .studies.inference.uncertainty import uncertainty as uncertainty
 
 # Results.
+from .results.files import load as load, save as save
 from .results.rescale import rescale as rescale
 from .results.si import to_si as to_si
 

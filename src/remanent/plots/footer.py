@@ -120,9 +120,12 @@ def _fields(table: Mapping[str, Any], shown: set[str], owner: str = "") -> Itera
             yield from _part(content, shown, name)
         elif isinstance(content, list):
             yield from _entries(name, content, shown)
-        elif isinstance(content, int | float) and not isinstance(content, bool):
-            if name not in shown and not _neutral(name, content):
-                yield _setting(f"{owner}.{name}" if owner else name, content)
+        elif _is_number(content) and name not in shown and not _neutral(name, content):
+            yield _setting(f"{owner}.{name}" if owner else name, content)
+
+
+def _is_number(content: object) -> bool:
+    return isinstance(content, int | float) and not isinstance(content, bool)
 
 
 def _entries(name: str, entries: list[Any], shown: set[str]) -> Iterator[str]:
