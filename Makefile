@@ -15,7 +15,7 @@ PYTEST := $(BIN)/python -m pytest -n 2
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-9s %s\n", $$1, $$2 }' Makefile
 
-paper: $(VENV)/.runtime ## figures, data and the audit of the paper's claims, in paper/
+paper: $(VENV)/.runtime ## figures, data and the audit of the article's claims, in paper/
 	$(BIN)/remanent paper --out paper
 
 test: $(VENV)/.develop ## the tests, without the slow ones

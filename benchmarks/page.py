@@ -36,9 +36,9 @@ $c = 0.01$, $S = 1$, $b = 0.9$, $\\omega$ from 0.5 to 4: fast stretches of the m
 that should differ a hundredfold between frequencies.
 """
 _PRECISION = """\
-Time against achieved error, each point one setting. heyoka.py and SciPy give the end only and
-their errors are of the end; ours are of the extremes. Hollow: some motions have no value, because
-their error could not be bounded.
+Time against achieved error, each point one setting. heyoka.py and SciPy give the end state only,
+and their errors are those of the end state; ours are those of the extremes. Hollow markers are
+settings at which some trajectories failed to meet the error bound.
 """
 _KERNEL = """\
 One double step of one group of lanes: two steps of the solution and, for a bound, one of its
@@ -46,12 +46,12 @@ coarser companion and their comparison. Numbers are operations per trajectory th
 read from the assembly. The share of slots is that of the instructions through the multiply–add
 units in what a loop of nothing but independent multiply–adds issues in the same time on the same
 core; the share of operations counts a multiply–add as two. Divisions, comparisons
-and moves take time and count for nothing.
+and moves take time and are not counted.
 """
 _BRANCH = """\
 The branch of the smallest orbit of the undamped actuator, 500 points down from $\\omega = 1.6$ to
 1.15, with multipliers, and the same for 64 actuators (temperatures from 250 to 400 K, prestress
-from 0 to 1) followed together. AUTO-07p, in the fastest form we found, has 60 intervals with 4
+from 0 to 1) followed together. AUTO-07p, in the fastest form we found, uses 60 intervals with 4
 collocation points and tolerance $10^{-8}$; its multipliers are then good to $10^{-4}$. Ours has the
 loosest tolerance with which its orbits close after a period as well as AUTO's. Processor time.
 """
@@ -94,7 +94,7 @@ def _page(results: Results) -> Iterator[str]:
     yield _INTRODUCTION
     yield from _warnings(results)
     yield from ("## What is asked", "", tables.asked(results).markdown(), "")
-    yield "Met: `aim` where that is reached, `yes` where what is asked at least is.\n"
+    yield "Met: `aim` where the aim is reached, `yes` where only the least that is asked is.\n"
     for row, title, text, table in _SECTIONS:
         if row in results:
             data = results[row]["data"]
@@ -111,9 +111,11 @@ def _warnings(results: Results) -> Iterator[str]:
     if quick or busy:
         yield ":::{warning}"
         if quick:
-            yield f"Small sizes (`--quick`), to try the code: {', '.join(quick)}."
+            yield "Measured at small sizes only (`--quick`), which try the code and say little"
+            yield f"about speed: {', '.join(quick)}."
         if busy:
-            yield f"The machine was busy with other work: {', '.join(busy)}."
+            yield "Measured while other programs used the machine, so that times scatter and may be"
+            yield f"too long: {', '.join(busy)}."
         yield ":::\n"
 
 

@@ -1,6 +1,6 @@
 """Equation 16 by heyoka's Taylor series in extended precision: what errors are measured against.
 
-The equation and the loads are written out here once more, from the paper and from the
+The equation and the loads are written out here once more, from [Thermal] and from the
 documentation of the drives.  Of the package only the values of its own fields are used,
 and the coefficients of the spline that defines a sampled signal.  With 64 bits of
 mantissa the reference errs 2000 times less than anything in double precision, however

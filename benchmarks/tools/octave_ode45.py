@@ -1,4 +1,4 @@
-"""GNU Octave's ode45, the paper's tool, where ``octave-cli`` is on the path.
+"""GNU Octave's ode45, the tool of [Thermal], where ``octave-cli`` is on the path.
 
 Its own clock is read, so that its start does not count.
 """

@@ -23,7 +23,7 @@ from remanent.codegen.field import field_for
 DRIVE = rm.SineSquared(0.4, 1.25)
 PERIOD = np.pi / 1.25
 SOLID = rm.StrainEnergy("(I1 - 3)/2 + a*(I1 - 3)**2", {"a": 0.05})
-#: Damped bodies, each with one thing that the paper's has not.
+#: Damped bodies, each with one thing that the body of [Thermal] has not.
 QUICK = {
     "two directions": rm.Actuator(prestress=(0.3, -0.2), dissipation=rm.Rayleigh(0.2)),
     "fluid": rm.Actuator(dissipation=rm.KelvinVoigt(0.1)),
@@ -92,7 +92,7 @@ def test_orbits_close_when_they_are_simulated(name: str) -> None:
 
 @every
 def test_product_of_multipliers_is_that_of_the_divergence(name: str) -> None:
-    """N8: Liouville's formula, with internal variables and temperatures too."""
+    """Liouville's formula: with internal variables and temperatures too."""
     product = np.prod(orbit(name).multipliers.values)
     assert abs(product.imag) <= 1e-9
     assert product.real == pytest.approx(np.exp(mean_trace(name) * PERIOD), rel=1e-7)
@@ -100,7 +100,7 @@ def test_product_of_multipliers_is_that_of_the_divergence(name: str) -> None:
 
 @every
 def test_lyapunov_exponents_add_up_to_the_divergence(name: str) -> None:
-    """N7; and the largest is that of the largest multiplier."""
+    """Exponents: their sum is the mean divergence, the largest that of the multipliers."""
     count = orbit(name).sizes["state"]
     ds = rm.lyapunov(
         BODIES[name], DRIVE, periods=300, count=count, initial=orbit(name).initial.values

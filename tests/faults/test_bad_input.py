@@ -1,4 +1,7 @@
-"""Bad input: one message that names the field, the rule, the value, and what to do."""
+"""Bad input: one message that names the field, the rule, the value, and what to do.
+
+Law: Bad input.
+"""
 
 from __future__ import annotations
 
@@ -152,7 +155,7 @@ CASES: dict[str, tuple[Callable[[], Any], tuple[str, ...]]] = {
     "every 0": (lambda: rm.poincare_section(BODY, DRIVE, periods=5, every=0), ("`every`", "0")),
     "phase 1": (
         lambda: rm.poincare_section(BODY, DRIVE, periods=5, section_phase=1),
-        ("`phase`", "[0, 1)"),
+        ("`section_phase`", "[0, 1)"),
     ),
     "section": (
         lambda: rm.poincare_section(BODY, rm.Steps([0], [1]), periods=5),

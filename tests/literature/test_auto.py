@@ -42,7 +42,7 @@ def diagram(request: pytest.FixtureRequest) -> tuple[dict[str, Any], xr.Dataset]
 
 
 def test_folds_are_those_of_auto(diagram: tuple[dict[str, Any], xr.Dataset]) -> None:
-    """To 1e-8, and to the error reported; no other fold, and none missing."""
+    """Independent engines: to 1e-8 and the reported error; no other fold, none missing."""
     known, ds = diagram
     expected = np.sort([one["omega"] for one in known["special"] if one["kind"] == "LP"])
     folds = ds.where(ds.special_kind == "fold", drop=True)
@@ -63,7 +63,7 @@ def test_no_branch_is_missing(diagram: tuple[dict[str, Any], xr.Dataset]) -> Non
 
 
 def test_multipliers_along_branches(diagram: tuple[dict[str, Any], xr.Dataset]) -> None:
-    """N8: their product is exp of the integral of the trace, 1 without damping."""
+    """Liouville's formula: the product is exp of the integral of the trace, 1 undamped."""
     known, ds = diagram
     product = ds.multipliers.prod("multiplier", skipna=False).values
     product = product[np.isfinite(product)]
@@ -75,7 +75,7 @@ def test_multipliers_along_branches(diagram: tuple[dict[str, Any], xr.Dataset]) 
 
 
 def test_all_orbits_are_found(diagram: tuple[dict[str, Any], xr.Dataset]) -> None:
-    """Those that a search of 80 x 80 cells found, at five frequencies."""
+    """Complete searches: what a search of 80 x 80 cells found, at five frequencies."""
     known, _ = diagram
     for omega, orbits in known["search"].items():
         body = actuator(known["parameters"]["eta"])
@@ -89,7 +89,7 @@ def test_all_orbits_are_found(diagram: tuple[dict[str, Any], xr.Dataset]) -> Non
 
 @pytest.mark.parametrize(("b", "omega", "count"), [(0.3, 1.2, 3), (0.3, 1.32, 1)])
 def test_each_orbit_is_counted_once_at_any_tolerance(b: float, omega: float, count: int) -> None:
-    """Newton's method stops short of the same orbit in different places."""
+    """Complete searches: Newton's method stops short of one orbit in different places."""
     for tolerance in (1e-6, 1e-7, 1e-9):
         ds = rm.periodic_orbits(actuator(0.0), rm.SineSquared(b, omega), tolerance=tolerance)
         assert int(ds.orbits) == ds.orbit.size == count
@@ -120,7 +120,7 @@ def specials(
 
 @pytest.mark.parametrize("name", ["duffing", "van_der_pol", "double_well"])
 def test_special_points_of_forced_oscillators(name: str) -> None:
-    """Folds, doublings and torus points of every branch, to 1e-8 and to the reported error."""
+    """Independent engines: folds, doublings, torus points, to 1e-8 and the reported error."""
     known = reference(name)
     free = known["free"]
     branches = {branch["name"]: branch for branch in known["branches"]}

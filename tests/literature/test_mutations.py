@@ -21,7 +21,7 @@ SEEN = 0.005
 
 
 def resonances(actuator: rm.Actuator, prestresses: tuple[float, ...] = PRESTRESSES) -> Any:
-    """Resonances (prestress, temperature) of the paper's response curves."""
+    """Resonances (prestress, temperature) of the published response curves."""
     over = {"prestress": prestresses, "temperature": TEMPERATURES}
     drive = rm.SineSquared(0.4, 1.0)
     found = rm.frequency_response(

@@ -1,6 +1,8 @@
 """Labels of a thousand motions against references that no label of ours went into.
 
 The cases and how their truth was found: ``regimes/README.md``.
+
+Law: Chaos needs two witnesses.
 """
 
 from __future__ import annotations

@@ -165,7 +165,10 @@ def test_the_jump_lies_between_bounds_below_the_fold(summary: Any) -> None:
 
 
 def test_folds_scale_with_temperature(summary: Any) -> None:
-    """N6: without prestress they are one curve in (b²/θ, ω/√θ); another verb follows it."""
+    """Without prestress they are one curve in (b²/θ, ω/√θ); another verb follows it.
+
+    Law: Reversal and scaling.
+    """
     found = [f for f in summary["folds"] if f["prestress"] == 0.0]
     assert len(found) == 3
     for one in found:

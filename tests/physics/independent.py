@@ -1,6 +1,6 @@
 """Equation 16 by somebody else's integrators: SciPy's DOP853, heyoka's Taylor series.
 
-The equation is written out here once more, from the paper, so that nothing of the
+The equation is written out here once more, from [Thermal], so that nothing of the
 package but the drive's own load m(tau) is used.
 """
 

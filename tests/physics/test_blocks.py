@@ -1,4 +1,7 @@
-"""Two directions, viscosity and heat against an independent engine (laws N2, N4)."""
+"""Two directions, viscosity and heat against an independent engine.
+
+Laws: Coverage, Independent engines.
+"""
 
 from __future__ import annotations
 
@@ -116,7 +119,7 @@ def test_bounds_hold_at_loose_tolerances(tolerance: float) -> None:
 
 
 def test_the_reference_is_equation_16_where_stretches_are_equal() -> None:
-    """The independent block by itself: lambda'' of the paper's equation."""
+    """The independent block by itself: lambda'' of [Thermal, eq. 16]."""
     x, v, c, theta, S, m = 1.2, 0.3, 0.4, 1.1, 0.2, 0.16
     block = Block(c=c, theta=theta, loads=(S, S), m=lambda _t: m)
     rates = block.rates(0.0, np.array([x, v, x, v, theta]))

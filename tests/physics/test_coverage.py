@@ -26,7 +26,7 @@ def shortened(some: Group, tolerance: float) -> Group:
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-6, 1e-11])
 @pytest.mark.parametrize("kind", ALL, ids=[kind.name for kind in KINDS])
 def test_reported_errors_cover_true_ones(kind: int, tolerance: float) -> None:
-    """N2: all of 16 random trajectories, and not a hundred times too large at the median."""
+    """Coverage: all of 16 random trajectories, and not a hundred times too large at the median."""
     some = shortened(group(3, kind, 0), tolerance)
     outcome = some.computed()
     regular = np.flatnonzero(outcome.status == Status.OK)
@@ -41,7 +41,7 @@ def test_reported_errors_cover_true_ones(kind: int, tolerance: float) -> None:
 
 @pytest.mark.slow
 def test_coverage_of_thousands_of_trajectories() -> None:
-    """N2: 99.5 % covered, of every kind 99 %, the median bound within 100 times the error."""
+    """Coverage: 99.5 % covered, of every kind 99 %, the median bound within 100 times the error."""
     found = list(coverage.measured(4000, seed=4))
     total = coverage.summary(found)
     assert total["ok"] >= 0.95
@@ -58,7 +58,7 @@ RAN_OFF = [(8, 1), (8, 62), (7, 15)]
 
 @pytest.mark.parametrize(("kind", "number"), RAN_OFF)
 def test_extremes_of_a_solution_that_ran_off_are_not_reported(kind: int, number: int) -> None:
-    """N2: extremes and statuses are right where the first resolutions are far too low."""
+    """Coverage: extremes and statuses are right where the first resolutions are far too low."""
     found = list(cases(seed=1, kind=kind, number=number))
     assert all(case.status == Status.OK for case in found)
     assert max(case.true for case in found) <= 2.0 * found[0].tolerance
@@ -66,7 +66,10 @@ def test_extremes_of_a_solution_that_ran_off_are_not_reported(kind: int, number:
 
 @pytest.mark.parametrize("kind", [k for k in ALL if k not in EXTREME])
 def test_states_agree_with_taylor_series(kind: int) -> None:
-    """N4: heyoka in extended precision, every drive, to ten times the tolerance."""
+    """heyoka in extended precision, every drive, to ten times the tolerance.
+
+    Law: Independent engines.
+    """
     some = shortened(group(5, kind, 0), 1e-9)
     outcome = some.computed()
     regular = np.flatnonzero(outcome.status == Status.OK)
@@ -78,7 +81,7 @@ def test_states_agree_with_taylor_series(kind: int) -> None:
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-11])
 @pytest.mark.parametrize("kind", ALL)
 def test_many_results_agree_with_taylor_series(kind: int, tolerance: float) -> None:
-    """N4: states and extremes of a hundred trajectories of each kind."""
+    """Independent engines: states and extremes of a hundred trajectories of each kind."""
     for number in range(1, 7):
         some = replace(group(5, kind, number), tolerance=tolerance)
         outcome = some.computed()
@@ -87,7 +90,10 @@ def test_many_results_agree_with_taylor_series(kind: int, tolerance: float) -> N
 
 
 def test_the_reference_agrees_with_itself_forward_and_back() -> None:
-    """N4: heyoka's own error is far below any tolerance: there and back under a constant load."""
+    """heyoka's own error is far below any tolerance: there and back under a constant load.
+
+    Law: Independent engines.
+    """
     some = group(6, 0, 0)
     motion = some.motion(0)
     there = taylor.states(motion, np.array([0.0, 30.0]))[-1]

@@ -1,4 +1,4 @@
-"""N9: bits that depend on the trajectory alone, for every drive."""
+"""Determinism: bits that depend on the trajectory alone, for every drive."""
 
 from __future__ import annotations
 
@@ -77,7 +77,10 @@ def kinds() -> list[Any]:
 def test_bits_depend_on_nothing_but_the_trajectory(
     kind: type[Drive], asked: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """N9: reordered, alone, in parts, by one thread, in small chunks: every bit the same."""
+    """Reordered, alone, in parts, by one thread, in small chunks: every bit the same.
+
+    Law: Determinism.
+    """
     drive = random_drive(kind, np.random.default_rng([7, DRIVES.index(kind)]), LONGEST)
     everybody = np.arange(COUNT)
     reference = run(drive, asked, everybody)
@@ -94,7 +97,7 @@ def test_bits_depend_on_nothing_but_the_trajectory(
 def test_bits_do_not_depend_on_the_length_of_calls(
     asked: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """N9: a run cut into kernel calls of any length."""
+    """Determinism: a run cut into kernel calls of any length."""
     drive = rm.Sine(0.5, 3.0, 0.1)
     everybody = np.arange(COUNT)
     reference = run(drive, asked, everybody)
@@ -104,7 +107,7 @@ def test_bits_do_not_depend_on_the_length_of_calls(
 
 
 def test_verbs_are_deterministic_in_any_order() -> None:
-    """N9: reversed values of ``over`` give the reversed results, bit for bit."""
+    """Determinism: reversed values of ``over`` give the reversed results, bit for bit."""
     rng = np.random.default_rng(3)
     values = fields(rng)
     body, drive = rm.Actuator(dissipation=rm.Rayleigh(0.1)), rm.SineSquared(0.9, 1.3)
@@ -114,13 +117,13 @@ def test_verbs_are_deterministic_in_any_order() -> None:
         return rm.frequency_response(body, drive, [0.8, 1.6], duration=12.0, over=over)
 
     there, back = answered(1), answered(-1)
-    for name in ("maximum", "minimum", "error", "status", "horizon"):
+    for name in ("maximum", "minimum", "amplitude_error", "status", "horizon"):
         there_values = there[name].transpose("case", "omega").values
         np.testing.assert_array_equal(there_values[::-1], back[name].transpose("case", "omega"))
 
 
 def test_bits_do_not_depend_on_the_parts_of_a_response(monkeypatch: pytest.MonkeyPatch) -> None:
-    """N9: a response that is worked out in parts is the whole one."""
+    """Determinism: a response that is worked out in parts is the whole one."""
     actuator, drive = rm.Actuator(temperature=350), rm.SineSquared(0.4, 1.0)
     omega = np.linspace(0.5, 2.0, 100)
     whole = rm.frequency_response(actuator, drive, omega, tolerance=1e-7)

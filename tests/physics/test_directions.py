@@ -91,6 +91,8 @@ def test_indices_of_all_equilibria_add_up_to_one(
     So the degree of its gradient is 1 (Poincare and Hopf): minima and maxima count 1, saddles
     -1.  An equilibrium that is missed by itself breaks this; the counts are those that
     3 x 3 times as many cells give.
+
+    Law: Complete searches.
     """
     at = rm.equilibria(actuator, m)
     falling = 2 - np.isfinite(at.natural_frequency.values).sum(axis=-1)

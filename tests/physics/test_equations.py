@@ -1,4 +1,4 @@
-"""The equations of motion that the energies lead to, against the paper and identities."""
+"""The equations of motion that the energies lead to, against [Thermal] and identities."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def inertia(stretch: Any) -> Any:
 
 
 def equation_16(stretch: Any, rate: Any, acceleration: Any, theta: Any, load: Any) -> Any:
-    """Left side of equation 16 of the paper."""
+    """Left side of [Thermal, eq. 16]."""
     force = theta * (stretch - stretch**-5) - S + load * stretch**-3
     return inertia(stretch) * acceleration - 6 * C * stretch**-7 * rate**2 + sp.Integer(3) * force
 
@@ -224,7 +224,7 @@ def test_two_equal_stretches_move_as_one() -> None:
 
 
 def test_lagrange_equations_of_two_stretches() -> None:
-    """M and f against the energies of physics.md, differentiated along a motion."""
+    """M and f against the energies on the page of two directions, along a motion."""
     motion = lagrange.motion(Actuator(edges=(1.0, 2.0)), Constant(0.1))
     kinetic, potential = motion.explicit(motion.kinetic), motion.explicit(motion.potential)
     tau = sp.Symbol("tau")

@@ -48,7 +48,10 @@ def test_energy_is_conserved_under_constant_load(c: float, m: float, S: float) -
     "periods", [1000, pytest.param(10_000, marks=pytest.mark.slow)], ids=["1e3", "1e4"]
 )
 def test_energy_over_many_periods(periods: int) -> None:
-    """Undamped, a drive of amplitude zero: energy returns after 10**4 periods (law N5)."""
+    """Undamped, a drive of amplitude zero: energy returns after 10**4 periods.
+
+    Law: Energy and work.
+    """
     body = actuator(c=0.3)
     ds = rm.poincare_section(
         body, rm.Sine(0.0, 2.0, 0.16), periods=periods, every=periods // 100, tolerance=1e-8
@@ -75,7 +78,9 @@ WORKING: dict[str, Drive] = {
 @pytest.mark.parametrize("eta", [0.0, 0.15])
 @pytest.mark.parametrize("name", WORKING)
 def test_work_of_the_drive_and_loss_to_the_dashpot_balance(name: str, eta: float) -> None:
-    """N5: E + m x, x the thickness stretch, gains int (m x' - 2 eta lambda'**2) dtau, to 1e-8.
+    """E + m x, x the thickness stretch, gains int (m x' - 2 eta lambda'**2) dtau, to 1e-8.
+
+    Law: Energy and work.
 
     The work of the drive, - int x m' dtau, is integrated by parts, so that loads may jump.
     """
@@ -131,7 +136,7 @@ def period_by_quadrature(c: float, theta: float, S: float, m: float) -> float:
 def test_orbit_under_constant_load_closes_after_the_quadratures_period(
     c: float, theta: float, S: float, m: float
 ) -> None:
-    """From rest at lambda = 1 the state returns after the period (law N3)."""
+    """From rest at lambda = 1 the state returns after the period (law: Exact solutions)."""
     period = period_by_quadrature(c, theta, S, m)
     times = np.array([0.0, 0.5 * period, period, 10.0 * period])
     ds = rm.simulate(
@@ -266,7 +271,7 @@ def test_temperature_scales_out_with_damping() -> None:
 
 
 def test_dimensional_and_dimensionless_are_one_motion() -> None:
-    """from_si and the numbers of physics.md section 1 by hand (law N6)."""
+    """from_si and the numbers of docs/model.md by hand (law: Reversal and scaling)."""
     film = rm.Actuator.from_si(
         shear_modulus="100 kPa",
         density="2000 kg/m^3",
@@ -313,7 +318,7 @@ def jacobian(
 
 @pytest.mark.parametrize(("x", "v"), [(1.0, 0.0), (0.9, 0.3), (1.2, -0.4)])
 def test_period_map_preserves_area(x: float, v: float) -> None:
-    """det = M(start)/M(end) in (lambda, lambda'), without damping (law N8)."""
+    """det = M(start)/M(end) in (lambda, lambda'), without damping (law: Liouville's formula)."""
     c = 0.6
     end, matrix = jacobian(actuator(c=c), rm.SineSquared(0.4, 1.25), x, v)
     exact = (1.0 + 2.0 * c * x**-6) / (1.0 + 2.0 * c * end**-6)
@@ -322,7 +327,7 @@ def test_period_map_preserves_area(x: float, v: float) -> None:
 
 @pytest.mark.parametrize("eta", [0.05, 0.3])
 def test_period_map_contracts_area_by_the_trace(eta: float) -> None:
-    """det = M(start)/M(end) exp(-3 eta int dtau/M) with a dashpot (law N8)."""
+    """det = M(start)/M(end) exp(-3 eta int dtau/M) with a dashpot (law: Liouville's formula)."""
     c, drive = 0.6, rm.SineSquared(0.4, 1.25)
     body = actuator(c=c).replace(dissipation=rm.Rayleigh(eta))
     end, matrix = jacobian(body, drive, 0.9, 0.3)
@@ -362,7 +367,7 @@ def test_motion_under_an_even_load_runs_back() -> None:
 
 
 def test_error_follows_the_tolerance() -> None:
-    """N2: median achieved error against tolerance 1e-3 ... 1e-12, slope 0.8 to 1.2."""
+    """Error follows tolerance: median error against tolerance 1e-3 ... 1e-12, slope 0.8 to 1.2."""
     rng = np.random.default_rng(8)
     values = {
         "c": 10.0 ** rng.uniform(-2, 0, 24),

@@ -62,7 +62,7 @@ FULL: dict[str, Any] = {
 @pytest.mark.parametrize("load", [0.3, (0.3, -0.2)])
 @pytest.mark.parametrize("exchange", [0.0, 0.2])
 def test_energy_and_entropy_balance(load: Any, exchange: float) -> None:
-    """Both balances close within the error; entropy is produced and never destroyed."""
+    """Energy and work: both balances close within the error; entropy is never destroyed."""
     body = rm.Actuator(temperature=320.0, prestress=load, **FULL).replace(
         heat=rm.Heat(5e-3, exchange)
     )

@@ -1,4 +1,7 @@
-"""Our states and bounds against an independent engine, at random parameters (law N2, N4)."""
+"""Our states and bounds against an independent engine, at random parameters.
+
+Laws: Coverage, Independent engines.
+"""
 
 from __future__ import annotations
 
@@ -152,7 +155,7 @@ def test_states_agree_with_taylor_series() -> None:
             engine.pars[:] = [*numbers, p["mean"], p["m"], p["omega"], p["phase"]]
             states = np.asarray(engine.propagate_grid(times)[-1])
             ours = np.stack([ds.stretch.values[k], ds.stretch_rate.values[k]], axis=-1)
-            assert np.abs(ours - states).max() <= 1e-8  # ten times the tolerance (law N4)
+            assert np.abs(ours - states).max() <= 1e-8  # ten times the tolerance
 
 
 def test_the_reference_knows_where_loads_have_corners() -> None:

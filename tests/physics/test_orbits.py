@@ -90,7 +90,10 @@ ORBITS = [
 
 @pytest.mark.parametrize("orbit", ORBITS)
 def test_orbits_under_constant_loads_are_those_of_the_quadrature(orbit: Orbit) -> None:
-    """N3: at any time of ten periods, the true error <= the reported one <= the tolerance."""
+    """At any time of ten periods, the true error <= the reported one <= the tolerance.
+
+    Law: Exact solutions.
+    """
     with mpmath.workdps(DIGITS):
         times, exact = orbit.states(4, 10)
     body = rm.Actuator(
@@ -107,7 +110,7 @@ def test_orbits_under_constant_loads_are_those_of_the_quadrature(orbit: Orbit) -
 
 
 def test_the_quadrature_knows_small_oscillations() -> None:
-    """N3: near equilibrium the period is 2 pi sqrt((1 + 2 c)/(18 theta))."""
+    """Exact solutions: near equilibrium the period is 2 pi sqrt((1 + 2 c)/(18 theta))."""
     with mpmath.workdps(DIGITS):
         orbit = Orbit(0.2, 1.3, 1e-6, 0.0)
         period = float(2 * orbit.until(mpmath.pi / 2))

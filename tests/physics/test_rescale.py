@@ -1,4 +1,4 @@
-"""N6: results at another temperature are the same motions, exactly."""
+"""Reversal and scaling: results at another temperature are the same motions, exactly."""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""N6: what cannot change the motion: running it back, and the units it is written in."""
+"""What cannot change the motion: running it back, and the units it is written in.
+
+Law: Reversal and scaling.
+"""
 
 from __future__ import annotations
 
@@ -39,7 +42,10 @@ REVERSED: dict[str, tuple[Drive, Drive]] = {
 
 @pytest.mark.parametrize("name", REVERSED)
 def test_forward_then_back(name: str) -> None:
-    """N6: under the reversed load the undamped motion runs back, to 100 times the tolerance."""
+    """Under the reversed load the undamped motion runs back, to 100 times the tolerance.
+
+    Law: Reversal and scaling.
+    """
     forward, backward = REVERSED[name]
     tolerance = 1e-10
     bodies = {
@@ -79,7 +85,10 @@ SCALED: dict[str, Callable[[float, float], Drive]] = {
 @pytest.mark.parametrize("theta", [0.5, 1.9])
 @pytest.mark.parametrize("name", SCALED)
 def test_temperature_scales_out_of_every_drive(name: str, theta: float, eta: float) -> None:
-    """N6: (theta; m, S, eta, tau) and (1; m/theta, S/theta, eta/sqrt theta, tau sqrt theta)."""
+    """(theta; m, S, eta, tau) and (1; m/theta, S/theta, eta/sqrt theta, tau sqrt theta).
+
+    Law: Reversal and scaling.
+    """
     root = math.sqrt(theta)
     times = np.linspace(0.0, 100.0, 101)
     slenderness, prestress = np.array([1.0, 0.1, 0.02]), np.array([0.1, 0.6, 1.2])
@@ -120,7 +129,10 @@ FILM: dict[str, Any] = {
 
 
 def test_dimensional_and_dimensionless_runs_are_one_motion() -> None:
-    """N6: an actuator in SI and the same numbers worked out by hand, over tau <= 100."""
+    """An actuator in SI and the same numbers worked out by hand, over tau <= 100.
+
+    Law: Reversal and scaling.
+    """
     film = rm.Actuator.from_si(**FILM)
     unit = 4e-3 * math.sqrt(1900.0 / 80e3)
     omega = 2.0 * math.pi * 300.0 * unit

@@ -65,7 +65,10 @@ def test_two_halves_of_a_branch_are_one() -> None:
     ],
 )
 def test_temperature_scales_out(element: Any, scaled: Any) -> None:
-    """(theta; m, w, eta, tau) and (1; m/theta, w/r, eta/r, tau r), r = sqrt(theta)."""
+    """(theta; m, w, eta, tau) and (1; m/theta, w/r, eta/r, tau r), r = sqrt(theta).
+
+    Law: Reversal and scaling.
+    """
     theta = 1.37
     root = math.sqrt(theta)
     warm = rm.Actuator(temperature=293.0 * theta, dissipation=element, prestress=(0.4, 0.1))

@@ -52,7 +52,7 @@ def test_the_yardstick_is_multiply_adds_and_nothing_else() -> None:
 
 @pytest.mark.parametrize("job", JOBS.values(), ids=lambda job: job.name)
 def test_acceleration_is_equation_16(job: Job) -> None:
-    """The form with one division equals the equation as the paper writes it."""
+    """The form with one division equals the equation as [Thermal, eq. 16] has it."""
     rng = np.random.default_rng(16)
     m, x, v = rng.uniform(0, 1, 99), rng.uniform(0.5, 2, 99), rng.uniform(-2, 2, 99)
     force = job.theta * (x - x**-5) - job.prestress + m * x**-3

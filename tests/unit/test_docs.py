@@ -1,41 +1,94 @@
-"""What the README and the pages of the site show is true: every name is there, every block runs."""
+"""What the README and the pages of the site show is true: names, files, figures and code."""
 
 from __future__ import annotations
 
+import dataclasses
+import inspect
+import json
 import re
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 
-import remanent
+import remanent as rm
+from remanent.results.schema import TABLE
 
 ROOT = Path(__file__).parents[2]
-PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
-BLOCK = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-CODE = {str(page.relative_to(ROOT)): BLOCK.findall(page.read_text("utf-8")) for page in PAGES}
+DOCS = ROOT / "docs"
+PAGES = [ROOT / "README.md", *sorted(DOCS.rglob("*.md"))]
+FENCE = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+
+#: Runs the blocks of a page in one namespace.  Each block is compiled with the page's name and
+#: the block's own line, so that tracebacks and warnings point into the page.
+RUNNER = """
+import json, sys
+
+page, blocks = json.load(sys.stdin)
+shared = {"__name__": "__main__"}
+for line, text in blocks:
+    try:
+        exec(compile("\\n" * (line - 1) + text, page, "exec"), shared)
+    except BaseException:
+        print(f"the block at {page}:{line} failed", file=sys.stderr)
+        raise
+"""
 
 
-@pytest.mark.parametrize("page", [page for page, blocks in CODE.items() if blocks])
-def test_code_runs(page: str, tmp_path: Path) -> None:
-    """The Python blocks of a page run in order, in a fresh interpreter, without a warning."""
-    done = subprocess.run(
-        [sys.executable, "-W", "error", "-c", "\n".join(CODE[page])],
-        cwd=tmp_path,
+def blocks_of(page: Path) -> list[tuple[int, str]]:
+    """Line number and text of each Python block."""
+    text = page.read_text("utf-8")
+    return [(text.count("\n", 0, m.start(1)) + 1, m[1]) for m in FENCE.finditer(text)]
+
+
+BLOCKS = {str(page.relative_to(ROOT)): blocks_of(page) for page in PAGES}
+
+
+def run_blocks(
+    page: str, blocks: list[tuple[int, str]], folder: Path
+) -> subprocess.CompletedProcess[str]:
+    """Run the blocks of a page in a fresh interpreter, where a warning is an error."""
+    return subprocess.run(
+        [sys.executable, "-W", "error", "-c", RUNNER],
+        input=json.dumps([page, blocks]),
+        cwd=folder,
         capture_output=True,
         text=True,
         check=False,
     )
-    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize("page", [page for page, blocks in BLOCKS.items() if blocks])
+def test_code_runs(page: str, tmp_path: Path) -> None:
+    """The Python blocks of a page run in order, in one namespace, without a warning."""
+    finished = run_blocks(page, BLOCKS[page], tmp_path)
+    assert finished.returncode == 0, finished.stderr
+
+
+def test_a_failing_block_is_named(tmp_path: Path) -> None:
+    """The message says at which line the block starts; the traceback, which line failed."""
+    finished = run_blocks("page.md", [(3, "x = 1\n"), (9, "y = x\nz = y / 0\n")], tmp_path)
+    assert finished.returncode != 0
+    assert "the block at page.md:9 failed" in finished.stderr
+    assert 'File "page.md", line 10' in finished.stderr
 
 
 def test_reference_lists_every_public_name() -> None:
     """The reference has each name of ``__all__`` once, and no other."""
-    text = (ROOT / "docs" / "reference.md").read_text("utf-8")
+    text = (DOCS / "reference.md").read_text("utf-8")
     listed = re.findall(r"^\.\. auto(?:class|function|exception):: remanent\.(\w+)$", text, re.M)
-    assert sorted(listed) == sorted(set(remanent.__all__) - {"plot", "__version__"})
+    assert sorted(listed) == sorted(set(rm.__all__) - {"plot", "__version__"})
     assert ".. automodule:: remanent.plots" in text
+
+
+def test_reference_lists_every_status() -> None:
+    """The table of status codes has each code once, with its flag and its sentence."""
+    text = (DOCS / "reference.md").read_text("utf-8")
+    rows = re.findall(r"^\| (\d+) \| `([a-z-]+)` \| (.*) \|$", text, re.M)
+    assert rows == [(str(s.value), s.meaning, s.explanation) for s in rm.Status]
 
 
 def test_makefile_commands_of_the_readme_exist() -> None:
@@ -45,3 +98,91 @@ def test_makefile_commands_of_the_readme_exist() -> None:
     targets = set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text("utf-8"), re.M))
     assert named
     assert named <= targets
+
+
+def test_verbs_without_over_are_listed() -> None:
+    """The page names exactly the verbs of a system that do not take ``over``."""
+    text = (DOCS / "how-to" / "many-parameters.md").read_text("utf-8")
+    listed = re.search(r"do not take `over`:\n((?:\|.*\n|\n)+)", text)
+    named = set(re.findall(r"^\| `(\w+)` \|", listed[1] if listed else "", re.M))
+    verbs = {name: getattr(rm, name) for name in rm.__all__}
+    signatures = {n: inspect.signature(f) for n, f in verbs.items() if inspect.isfunction(f)}
+    of_systems = {
+        name
+        for name, signature in signatures.items()
+        if next(iter(signature.parameters), "") in ("actuator", "system")
+    }
+    without = {name for name in of_systems if "over" not in signatures[name].parameters}
+    assert len(of_systems) > 20
+    assert named == without
+
+
+def test_the_window_of_instability_is_found() -> None:
+    """The two doublings that the page on orbits gives are in the response diagram."""
+    text = (DOCS / "how-to" / "orbits.md").read_text("utf-8")
+    window = re.search(r"window of\s+instability between ω = (0\.\d+) and (0\.\d+)", text)
+    assert window
+    diagram = rm.response_diagram(
+        rm.Actuator(temperature=350), rm.SineSquared(b=0.4, omega=1.0), (0.87, 0.9)
+    )
+    assert diagram.special_kind.values.tolist() == ["period doubling"] * 2
+    found = np.sort(diagram.special_omega.values)
+    assert found == pytest.approx([float(window[1]), float(window[2])], abs=5e-7)
+
+
+#: Laws by name, with the test files that hold them.
+LAWS = {
+    section.split("\n", 1)[0]: re.findall(r"`(tests/[\w/]+\.py)`", section)
+    for section in re.split(r"^## ", (DOCS / "explanation/laws.md").read_text("utf-8"), flags=re.M)
+    if "*Held by:*" in section
+}
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_laws_are_held_by_the_tests_listed(law: str) -> None:
+    """The files listed for a law are those that cite it by its name."""
+    cited = re.compile(rf'"""{law}:|# Law: {law}\b|[Ll]aws?: (?:[\w\' ]+, )*{law}\b')
+    citing = {
+        str(path.relative_to(ROOT))
+        for path in (ROOT / "tests").rglob("*.py")
+        if path != Path(__file__) and cited.search(path.read_text("utf-8"))
+    }
+    assert citing == set(LAWS[law])
+
+
+@pytest.mark.parametrize("page", ["docs/design.md", "docs/explanation/measurements.md"])
+def test_files_that_pages_name_exist(page: str) -> None:
+    """Paths in backticks are in the package or at the top of the repository."""
+    text = (ROOT / page).read_text("utf-8")
+    named = set(re.findall(r"`([\w./-]+(?:\.pyi?|\.md|/))`", text))
+    assert named
+    package = ROOT / "src" / "remanent"
+    missing = [name for name in named if not ((package / name).exists() or (ROOT / name).exists())]
+    assert not missing
+
+
+def test_the_article_is_named() -> None:
+    """Pages write the article's title or its key, not "the paper"."""
+    vague = re.compile(r"\b[Tt]he paper\b")
+    assert not [str(page) for page in PAGES if vague.search(page.read_text("utf-8"))]
+
+
+#: Words in backticks that are neither public names, nor arguments, nor variables of results.
+LABELS = {"stable", "unstable", "elliptic", "saddle", "undecided", "unbounded"}
+LABELS |= {"periodic", "chaotic", "escaped", "invalid", "horizon"}
+OUTSIDE = {"sqrt", "exp", "log", "sin", "cos", "pi", "pint", "xarray", "from_si"}
+
+
+def test_words_in_backticks_are_names() -> None:
+    """Guides name what exists: public names, their arguments, variables, values of labels."""
+    names = LABELS | OUTSIDE | set(rm.__all__) | set(TABLE) | {f"{name}_error" for name in TABLE}
+    values: list[Any] = [getattr(rm, name) for name in rm.__all__]
+    for value in values:
+        has_arguments = inspect.isfunction(value) or dataclasses.is_dataclass(value)
+        if has_arguments:
+            names |= set(inspect.signature(value).parameters)
+    pages = [*(DOCS / "how-to").glob("*.md"), DOCS / "getting-started.md", DOCS / "model.md"]
+    code = "\n".join(text for page in pages for _, text in blocks_of(page))
+    words = {word for page in pages for word in re.findall(r"`([a-z_]+)`", page.read_text("utf-8"))}
+    unknown = {word for word in words - names if not re.search(rf"^{word} = ", code, re.MULTILINE)}
+    assert not unknown

@@ -65,5 +65,5 @@ def test_every_name_of_the_stub_is_exported_to_type_checkers() -> None:
 
 def test_unknown_name_raises() -> None:
     """A name that does not exist is an AttributeError that says so."""
-    with pytest.raises(AttributeError, match="no attribute 'no_such_name'"):
+    with pytest.raises(AttributeError, match="No remanent attribute no_such_name"):
         _ = remanent.no_such_name  # type: ignore[attr-defined]

@@ -26,7 +26,7 @@ def commands() -> None:
     help="Folder for the page, the pictures and the data; made if missing.",
 )
 def paper(out: Path) -> None:
-    """Reproduce the paper's figures and audit its claims."""
+    """Reproduce the published figures and audit the claims."""
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
     from remanent.report.paper import reproduce, write

@@ -149,7 +149,7 @@ def derive(actuator: Actuator, drive: Drive) -> System:
 def motion(actuator: Actuator, drive: Drive | None) -> Motion:
     """Energies of an actuator; without a drive, the load is left as a symbol.
 
-    Equations, per 8 H L1 L2 mu (paper, equations 1 to 9), l3 = 1/(l1 l2):
+    Equations, per 8 H L1 L2 mu [Thermal, eqs. 3 to 12], l3 = 1/(l1 l2):
     T = (w1 l1'^2 + w2 l2'^2 + c l3'^2)/6,  w_i = (L_i/L)^2, here 1 where edges are equal,
     U = mu(T)/mu W(l1, l2, l3) - m l3 - S1 (l1 - 1) - S2 (l2 - 1) + viscous energy
     + the magnet's energy in its own field.
@@ -320,7 +320,7 @@ def _by_thickness(term: Expression, q: Sequence[Symbol], x: Symbol) -> Expressio
 def lagrange(motion: Motion) -> tuple[Any, Any]:
     """Mass matrix M and force f of Lagrange's equations M(q) q'' = f(q, q').
 
-    Equation: d/dtau dT/dq' - dT/dq + dU/dq + dD/dq' = 0 (paper, equation 13).
+    Equation: d/dtau dT/dq' - dT/dq + dU/dq + dD/dq' = 0 [Thermal, eq. 8].
     """
     q, v = motion.coordinates, motion.rates
     kinetic, potential = motion.explicit(motion.kinetic), motion.explicit(motion.potential)

@@ -22,7 +22,7 @@ class Equations:
     ----------
     second_order
         SymPy equations, one for each coordinate: M q'' + ... = 0, scaled so that for
-        one coordinate it is the paper's equation 16.
+        one coordinate it is equation 16 of [Thermal].
     internal
         SymPy equations for the rates of internal variables, and of the temperature where
         that is a state.
@@ -63,7 +63,7 @@ def _warming(motion: lagrange.Motion) -> dict[Expression, Expression]:
 def second_order(motion: lagrange.Motion) -> tuple[Expression, ...]:
     """Lagrange's equations M q'' - f = 0, times 3/2 for equal stretches, 3 otherwise.
 
-    Equation 16 of the paper is Lagrange's equation of the energies per 8 H L^2 mu,
+    Equation 16 of [Thermal] is Lagrange's equation of the energies per 8 H L^2 mu,
     where the stretch has mass 2/3, times 3/2.
     """
     mass, force = lagrange.lagrange(motion)

@@ -88,7 +88,7 @@ def own(p: Mapping[str, Any], prefix: str) -> dict[str, Any]:
 class Rayleigh(Dissipation):
     """A linear dashpot on stretch: D = eta (l1'^2 + l2'^2)/2 per 8 H L^2 mu.
 
-    For equal stretches the term eta l' joins the bracket of the paper's equation 16.
+    For equal stretches the term eta l' joins the bracket of [Thermal, eq. 16].
 
     Parameters
     ----------

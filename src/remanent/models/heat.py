@@ -57,7 +57,7 @@ def stiffness(theta: Any, entropic_fraction: Any) -> Any:
     """Factor of the strain energy at temperature T = theta T0.
 
     Equation: mu(T)/mu(T0) = (1 - f) + f theta.  With f = 1, entropic elasticity, this
-    is T/T0 (paper, section 2); with f = 0 the modulus does not depend on temperature.
+    is T/T0 [Thermal, eq. 6]; with f = 0 the modulus does not depend on temperature.
     """
     return (1 - entropic_fraction) + entropic_fraction * theta
 

@@ -40,7 +40,7 @@ __all__ = [
     "title",
 ]
 
-#: Widths of a paper's single and double column, in inches (89 mm and 183 mm).
+#: Widths of a journal's single and double column, in inches (89 mm and 183 mm).
 SINGLE, DOUBLE = 3.5, 7.2
 
 #: Okabe and Ito's colours, without yellow (too light for lines on white).

@@ -1,1 +1,1 @@
-"""The paper's reproduction and the audit of its claims."""
+"""The reproduction of [Thermal] and the audit of its claims."""

@@ -35,7 +35,7 @@ def audit(reference: Evidence, others: Sequence[Evidence]) -> list[Verdict]:
     reference
         Evidence for the reference setting, whose numbers are reported.
     others
-        Evidence for further settings of what the paper leaves unstated.
+        Evidence for further settings of what [Thermal] leaves unstated.
     """
     return [_decide(claim, reference, others) for claim in CLAIMS]
 
@@ -62,7 +62,7 @@ def _decide(claim: Claim, reference: Evidence, others: Sequence[Evidence]) -> Ve
 def _count(others: Sequence[Evidence]) -> str:
     if not others:
         return ""
-    return f"The same at {len(others)} further settings of what the paper leaves unstated."
+    return f"The same at {len(others)} further settings of what the article leaves unstated."
 
 
 def _dependence(votes: Sequence[tuple[Setting, str, Finding]]) -> str:
@@ -77,7 +77,7 @@ def _dependence(votes: Sequence[tuple[Setting, str, Finding]]) -> str:
     yes = [_name(s, r) for s, r, f in votes if f.holds]
     no = [_name(s, r) for s, r, f in votes if not f.holds]
     return (
-        f"It depends on what the paper leaves unstated. Holds at: {'; '.join(yes)}. "
+        f"It depends on what the article leaves unstated. Holds at: {'; '.join(yes)}. "
         f"Fails at: {'; '.join(no)}."
     )
 

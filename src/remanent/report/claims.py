@@ -1,4 +1,4 @@
-"""The audit: each statement of the paper, and the test that decides it.
+"""The audit: each statement of [Thermal], and the test that decides it.
 
 A test looks at the evidence for one setting and says, for every reading of the
 statement, whether it holds and by which numbers.  Whether the statement is supported,

@@ -20,7 +20,7 @@ from remanent.studies.response.frequency_response import frequency_response
 
 #: Frequencies over which branches are followed, and at how many of them they are looked for.
 _RANGE, _SLICES = (0.7, 1.5), 3
-#: The case whose fold and jump are located: the paper's resonance at 1.25.
+#: The case whose fold and jump are located: the published resonance at 1.25.
 NEAR: Final = {"prestress": 0.0, "temperature": 350.0}
 #: The jump is looked for from so far below the resonance to so far above it.
 _AROUND = (0.005, 0.001)
@@ -82,7 +82,7 @@ def chart() -> Data:
     """Regimes from rest over the plane of frequency and load, without prestress.
 
     At the reference temperature; with ω/√θ and b/√θ it is that of every temperature, where
-    ``chart_cases`` says the places of the paper's own.
+    ``chart_cases`` says the places of the published ones.
     """
     actuator, drive = REFERENCE.actuator, REFERENCE.drive(1.0)
     found = regime_chart(

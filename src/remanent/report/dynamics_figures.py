@@ -113,7 +113,7 @@ def chaos(chart: xr.Dataset, cases: xr.Dataset) -> Figure:
     chart
         ``regime``, ``exponent``, ``rotation_number`` (b, omega).
     cases
-        ``omega`` and ``b`` (temperature) of the paper's motions in that plane.
+        ``omega`` and ``b`` (temperature) of the published motions in that plane.
 
     Returns
     -------

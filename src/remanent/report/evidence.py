@@ -1,4 +1,4 @@
-"""What a verdict is drawn from: the six cases of the paper, computed for one setting."""
+"""What a verdict is drawn from: the six cases of [Thermal], computed for one setting."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from remanent.studies.regimes.classify import classify
 from remanent.studies.response.frequency_response import frequency_response
 from remanent.studies.statics.equilibria import equilibria
 
-#: All combinations, prestress first as in the paper's panels.
+#: All combinations, prestress first as in the published panels.
 CASES = {"prestress": PRESTRESSES, "temperature": TEMPERATURES}
 #: Frequencies at which responses are tabulated before the largest is refined.
 OMEGAS = np.linspace(0.5, 2.0, 601)

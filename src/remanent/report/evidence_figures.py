@@ -1,4 +1,4 @@
-"""Figures that the paper does not have and its claims need; nothing is computed here."""
+"""Figures that [Thermal] does not have and its claims need; nothing is computed here."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from remanent.report.figures import only_outer_labels, panels, per_prestress
 
 __all__ = ["landscapes", "tolerance_story", "valley"]
 
-#: Misfits whose contour lines are drawn: the paper's rounding, and what the audit reaches.
+#: Misfits whose contour lines are drawn: the published rounding, and what the audit reaches.
 _CONTOURS = (0.01, 0.025, 0.1)
 _BEHIND = "#bdbdbd"
 _MARK = style.OKABE_ITO["vermillion"]
@@ -49,7 +49,7 @@ def landscapes(dataset: xr.Dataset) -> Figure:
 
 
 def tolerance_story(sections: xr.Dataset, drift: xr.Dataset) -> Figure:
-    """Draw Poincaré sections converged and at the paper's tolerance, side by side.
+    """Draw Poincaré sections converged and at the published tolerance, side by side.
 
     Parameters
     ----------

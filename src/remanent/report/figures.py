@@ -1,7 +1,7 @@
-"""The paper's figures 2 to 6, in its arrangement, from Datasets; nothing is computed here.
+"""Figures 2 to 6 of [Thermal], in its arrangement, from Datasets; nothing is computed here.
 
 Every Dataset is labelled by :mod:`remanent.results.build`, and its attributes make the
-footer.  Panels are lettered as in the paper.
+footer.  Panels are lettered as in [Thermal].
 """
 
 from __future__ import annotations
@@ -89,7 +89,7 @@ def figure_4(dataset: xr.Dataset) -> Figure:
 def figure_5_or_6(history: xr.Dataset, section: xr.Dataset) -> Figure:
     """Draw figure 5 or 6, and beside it the section at every drive period.
 
-    The load repeats every pi/omega, the field every 2 pi/omega; the paper does not say
+    The load repeats every pi/omega, the field every 2 pi/omega; [Thermal] does not say
     at which it strobes.  Its two columns are drawn with every second drive period; a
     third shows every one, odd periods open.
 

@@ -1,4 +1,4 @@
-"""The paper, reproduced and audited: everything that ``remanent paper`` does."""
+"""[Thermal], reproduced and audited: everything that ``remanent paper`` does."""
 
 from __future__ import annotations
 
@@ -173,7 +173,7 @@ def _scripts(reference: Evidence) -> dict[str, xr.Dataset]:
 
 
 def _reconstruct(report: Report) -> dict[str, xr.Dataset]:
-    """Misfits of every law; the paper's own reading over every window."""
+    """Misfits of every law; the published reading over every window."""
     windows = dict.fromkeys(LAWS, (100.0,)) | {"sin2": reconstruction.WINDOWS}
     total, done = sum(map(len, windows.values())), 0
     found = {}

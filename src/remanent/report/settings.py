@@ -1,4 +1,4 @@
-"""What the paper states, and what it leaves unstated."""
+"""What [Thermal] states, and what it leaves unstated."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ AGREEMENT: Final = 0.01
 
 @dataclass(frozen=True)
 class Setting:
-    """One choice of everything the paper leaves unstated.
+    """One choice of everything [Thermal] leaves unstated.
 
     Attributes
     ----------
@@ -53,7 +53,7 @@ class Setting:
 
     @property
     def actuator(self) -> Actuator:
-        """The paper's cube, with this reference temperature."""
+        """The published cube, with this reference temperature."""
         return Actuator(reference_temperature=self.reference_temperature)
 
     def drive(self, omega: float) -> Drive:

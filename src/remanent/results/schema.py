@@ -330,7 +330,7 @@ _ROWS = (
         Kind.FREQUENCY,
     ),
     Variable("detuning", "1", "detuning from the free oscillation", r"\sigma", ("peak",)),
-    # The reconstruction of what the paper leaves unstated.
+    # The reconstruction of what [Thermal] leaves unstated.
     Variable(
         "misfit", "rad", "largest resonance misfit", r"\max|\Delta\omega_r|", kind=Kind.FREQUENCY
     ),

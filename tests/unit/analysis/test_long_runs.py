@@ -47,7 +47,7 @@ def label(
 
 
 def test_logistic_map_at_four_has_exponent_ln_2() -> None:
-    """N7: within 1 % and within 3 standard errors."""
+    """Exponents: within 1 % and within 3 standard errors."""
     path = run(logistic, np.array([0.3]), np.array([4.0]), 20000)
     found = exponents(path.growth, path.lengths)
     assert found.mean[0, 0] == pytest.approx(np.log(2.0), rel=0.01)
@@ -79,7 +79,7 @@ def test_a_fixed_point_has_its_eigenvalues() -> None:
 
 
 def test_exponents_do_not_depend_on_company() -> None:
-    """N9: a point alone and among others goes the same way, to the bit."""
+    """Determinism: a point alone and among others goes the same way, to the bit."""
     par = np.linspace(3.6, 4.0, 9)[:, None]
     together = run(logistic, np.full((9, 1), 0.3), par, 500)
     alone = run(logistic, np.array([0.3]), par[4], 500)
@@ -253,7 +253,7 @@ def test_what_leaves_has_escaped() -> None:
 
 
 def test_one_tolerance_that_disagrees_takes_the_label_away() -> None:
-    """N10: chaos at one tolerance, a fixed point at another."""
+    """Chaos needs two witnesses: chaos at one tolerance, a fixed point at another."""
     par = np.array([[3.9]])
 
     def again(which: IntArray, n: int, _states: FloatArray | None = None, /) -> Path:
@@ -267,7 +267,7 @@ def test_one_tolerance_that_disagrees_takes_the_label_away() -> None:
 
 @pytest.mark.parametrize(("later", "regime"), [(3.9, Regime.CHAOTIC), (2.8, Regime.UNDECIDED)])
 def test_damped_chaos_has_to_outlast_the_run(later: float, regime: Regime) -> None:
-    """N10: chaos that settles in what follows the run was a transient."""
+    """Chaos needs two witnesses: chaos that settles in what follows the run was a transient."""
 
     def again(which: IntArray, n: int, states: FloatArray | None = None, /) -> Path:
         par = np.full((which.size, 1), 3.9 if states is None else later)

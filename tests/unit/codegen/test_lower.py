@@ -87,7 +87,7 @@ def dynamic(code: Program, varying: set[str]) -> Counter[str]:
     return counts
 
 
-# Law N11 ------------------------------------------------------------------------------
+# Law: Generated code ------------------------------------------------------------------
 
 
 def random_inputs(field: Field, rng: np.random.Generator, count: int) -> np.ndarray:

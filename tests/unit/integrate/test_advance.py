@@ -50,13 +50,16 @@ def spectrum(
 
 
 def test_decay_has_exponent_minus_one() -> None:
-    """N7: x' = -x."""
+    """Exponents: x' = -x."""
     found, _ = spectrum(autonomous([-X]), [1.0], 0.7, 200)
     assert found.mean[0, 0] == pytest.approx(-1.0, abs=1e-8)
 
 
 def test_lorenz_exponents() -> None:
-    """N7: their sum is the trace, -(10 + 1 + 8/3); the largest is 0.9056 (Viswanath 1998)."""
+    """Their sum is the trace, -(10 + 1 + 8/3); the largest is 0.9056 (Viswanath 1998).
+
+    Law: Exponents.
+    """
     rates = [10 * (Y - X), 28 * X - Y - X * Z, X * Y - sp.Rational(8, 3) * Z]
     found, path = spectrum(autonomous(rates), [1.0, 1.0, 20.0], 0.2, 4000)
     assert path.trusted.all()
@@ -76,7 +79,7 @@ def test_roessler_exponents() -> None:
 
 
 def test_exponent_of_the_map_is_period_times_that_of_the_flow() -> None:
-    """N7: strobing half as often doubles growth per period."""
+    """Exponents: strobing half as often doubles growth per period."""
     rates = [10 * (Y - X), 28 * X - Y - X * Z, X * Y - sp.Rational(8, 3) * Z]
     often, _ = spectrum(autonomous(rates), [1.0, 1.0, 20.0], 0.2, 2000, directions=1)
     seldom, _ = spectrum(autonomous(rates), [1.0, 1.0, 20.0], 0.4, 1000, directions=1)
@@ -102,7 +105,7 @@ def test_forced_duffing_is_chaotic_and_contracts_as_its_damping_says() -> None:
 
 
 def test_company_and_blocks_do_not_change_a_run() -> None:
-    """N9: a trajectory alone, among others, and after others with other steps."""
+    """Determinism: a trajectory alone, among others, and after others with other steps."""
     forces = np.linspace(0.05, 0.5, 37)
     par = np.column_stack([np.linspace(0.5, 1.5, 37), np.full(37, 0.1), forces])
     start = np.tile([0.5, 0.0], (37, 1))

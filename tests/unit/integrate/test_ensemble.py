@@ -65,7 +65,7 @@ def assert_same(a: list[np.ndarray], b: list[np.ndarray]) -> None:
 
 @pytest.mark.parametrize("kind", [0, 1, 2], ids=["times", "strobe", "extremes"])
 def test_bits_do_not_depend_on_the_company(kind: int) -> None:
-    """Alone, in any order, and in parts of any size: the same bits (law N9)."""
+    """Alone, in any order, and in parts of any size: the same bits (law: Determinism)."""
     whole = driven()
     request = requests(whole)[kind]
     reference = integrate(whole, request, tolerance=1e-9)

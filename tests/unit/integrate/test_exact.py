@@ -86,7 +86,10 @@ CASES: dict[str, tuple[Oscillator, tuple[float, float], float | None, FloatArray
 @pytest.mark.parametrize("tolerance", TOLERANCES)
 @pytest.mark.parametrize("name", CASES)
 def test_the_requested_tolerance_is_met(name: str, tolerance: float) -> None:
-    """True error <= reported error <= tolerance, at steps and between them (law N3)."""
+    """True error <= reported error <= tolerance, at steps and between them.
+
+    Law: Exact solutions.
+    """
     oscillator, initial, period, exact = CASES[name]
     asked = problem(oscillator, initial, TIMES[-1], period=period)
     outcome = sampled(asked, TIMES, tolerance)
@@ -97,7 +100,10 @@ def test_the_requested_tolerance_is_met(name: str, tolerance: float) -> None:
 
 @pytest.mark.parametrize("method", [default_method(), adams(8)])
 def test_error_falls_with_the_order_of_the_method(method: Method) -> None:
-    """The compiled kernels are of order 8 (Runge-Kutta) and 9 (Adams), law N1."""
+    """The compiled kernels are of order 8 (Runge-Kutta) and 9 (Adams).
+
+    Law: Order of the methods.
+    """
     oscillator, initial, period, exact = CASES["forced line"]
     asked = problem(oscillator, initial, TIMES[-1], period=period)
     kernels = Kernels(

@@ -1,4 +1,7 @@
-"""N1: the order of every kernel, of states between steps and of extremes between steps."""
+"""The order of every kernel, of states between steps and of extremes between steps.
+
+Law: Order of the methods.
+"""
 
 from __future__ import annotations
 
@@ -53,7 +56,10 @@ LEVELS = np.array([10, 12, 14, 16, 20])
 
 @pytest.mark.parametrize("method", METHODS, ids=lambda m: m.name)
 def test_order_of_the_kernels(method: Method) -> None:
-    """N1: states at and between the steps of a nonlinear motion, order 8 or 9 within 0.2."""
+    """States at and between the steps of a nonlinear motion, order 8 or 9 within 0.2.
+
+    Law: Order of the methods.
+    """
     asked = problem(CYCLE, (1.0, 0.0), TIMES[-1])
     errors = []
     for level in LEVELS:
@@ -65,7 +71,7 @@ def test_order_of_the_kernels(method: Method) -> None:
 
 @pytest.mark.parametrize("method", METHODS, ids=lambda m: m.name)
 def test_order_of_the_error_estimate(method: Method) -> None:
-    """N1: the difference of the two solutions shrinks with the order too."""
+    """Order of the methods: the difference of the two solutions shrinks with the order too."""
     asked = problem(CYCLE, (1.0, 0.0), TIMES[-1])
     bounds = [attempted(asked, Request(), method, int(n)).values["total"][0] for n in LEVELS]
     assert order(LEVELS, bounds) == pytest.approx(method.order, abs=WITHIN)
@@ -73,7 +79,10 @@ def test_order_of_the_error_estimate(method: Method) -> None:
 
 @pytest.mark.parametrize("method", METHODS, ids=lambda m: m.name)
 def test_order_of_extremes(method: Method) -> None:
-    """N1: the extremes of the cycle, 1 and -1, from many phases, between steps."""
+    """The extremes of the cycle, 1 and -1, from many phases, between steps.
+
+    Law: Order of the methods.
+    """
     angles = np.linspace(0.0, 2.0 * np.pi, 32)
     asked = problem(CYCLE, np.column_stack([np.cos(angles), -np.sin(angles)]), 10.0)
     errors = []
@@ -95,7 +104,7 @@ def hermite_error(function: Callable[[Any], Any], centre: float, h: Any) -> Any:
 
 
 def test_order_of_the_polynomial_between_steps() -> None:
-    """N1: extremes between steps err by O(h**9), in fifty digits."""
+    """Order of the methods: extremes between steps err by O(h**9), in fifty digits."""
     with mpmath.workdps(50):
         steps = [mpmath.mpf(2) ** -k for k in range(3, 8)]
         errors = [hermite_error(lambda t: mpmath.exp(mpmath.sin(t)), 0.4, h) for h in steps]
@@ -120,7 +129,10 @@ def local_errors(part: Any, steps: list[Any]) -> list[Any]:
 
 @pytest.mark.parametrize("part", [0.1, 0.5, 0.9, 1.0])
 def test_order_of_a_step_in_fifty_digits(part: float) -> None:
-    """N1: whole steps, and the shorter ones that give states between them: O(h**9)."""
+    """Whole steps, and the shorter ones that give states between them: O(h**9).
+
+    Law: Order of the methods.
+    """
     with mpmath.workdps(50):
         steps = [mpmath.mpf(2) ** -k for k in range(4, 9)]
         errors = local_errors(mpmath.mpf(part), steps)
@@ -128,7 +140,10 @@ def test_order_of_a_step_in_fifty_digits(part: float) -> None:
 
 
 def test_coefficients_of_adams_are_the_published_ones() -> None:
-    """N1: the Adams-Bashforth formula of order 8 and the next term of its series."""
+    """The Adams-Bashforth formula of order 8 and the next term of its series.
+
+    Law: Order of the methods.
+    """
     numerators = [434241, -1152169, 2183877, -2664477, 2102243, -1041723, 295767, -36799]
     published = [float(Fraction(n, 120960)) for n in numerators]
     np.testing.assert_allclose(adams(8).single, published, rtol=1e-15)
@@ -136,7 +151,10 @@ def test_coefficients_of_adams_are_the_published_ones() -> None:
 
 
 def test_the_next_terms_are_integrals_of_newtons_polynomial() -> None:
-    """N1: the integral of s (s + 1) ... (s + 7)/8! over a step, and its double integral."""
+    """The integral of s (s + 1) ... (s + 7)/8! over a step, and its double integral.
+
+    Law: Order of the methods.
+    """
 
     def newton(s: Any) -> Any:
         return mpmath.rf(s, 8) / mpmath.factorial(8)
@@ -178,7 +196,7 @@ def acceleration(q: Any, v: Any) -> Any:
 
 
 def test_order_of_adams_in_fifty_digits() -> None:
-    """N1: the formulas of the kernel are of order 9, with exact weights."""
+    """Order of the methods: the formulas of the kernel are of order 9, with exact weights."""
     levels = [100, 200, 400]
     with mpmath.workdps(50):
         errors = [adams_march(n) for n in levels]
@@ -187,7 +205,10 @@ def test_order_of_adams_in_fifty_digits() -> None:
 
 
 def test_the_polynomial_is_exact_for_its_degree() -> None:
-    """N1: every power up to 8 is reproduced, so the error begins with the ninth."""
+    """Every power up to 8 is reproduced, so the error begins with the ninth.
+
+    Law: Order of the methods.
+    """
     h = 0.5
     for power in range(10):
         left, middle, right = [

@@ -41,7 +41,10 @@ def values_of(field: Field, rng: np.random.Generator) -> list[complex]:
 
 @pytest.mark.parametrize("field", fields(), ids=["everything", "actuator"])
 def test_tangents_are_complex_step_derivatives(field: Field) -> None:
-    """N11: w' = J w (+ df/dp, + f), against the complex step, to 8 ulp times condition."""
+    """w' = J w (+ df/dp, + f), against the complex step, to 8 ulp times condition.
+
+    Law: Generated code.
+    """
     rng = np.random.default_rng(5)
     n, p = len(field.state), field.parameters[0]
     carried = tangent(field, directions=2, parameters=(p, LOG_PERIOD))

@@ -24,7 +24,7 @@ FILM: dict[str, Any] = {
 
 
 def test_the_realistic_set() -> None:
-    """m of 140 mT is about 0.16, c is 0.01, the unit of time 0.707 ms (physics.md)."""
+    """m of 140 mT is about 0.16, c is 0.01, the unit of time 0.707 ms."""
     film = Actuator.from_si(**FILM)
     assert film.c == pytest.approx(0.01, rel=1e-14)
     assert film.load("140 mT") == pytest.approx(0.143 * 0.14 / (1e5 * MU0), rel=1e-14)
@@ -69,7 +69,7 @@ def test_frequencies_count_cycles_or_radians() -> None:
 
 @given(st.floats(1.0, 1e9), st.floats(1.0, 1e5), st.floats(1e-6, 1.0), st.floats(1e-6, 10.0))
 def test_round_trips(modulus: float, density: float, length: float, remanence: float) -> None:
-    """Within 1e-14 for load, frequency, time and stress (law N6)."""
+    """Within 1e-14 for load, frequency, time and stress (law: Reversal and scaling)."""
     film = Actuator.from_si(
         shear_modulus=f"{modulus!r} Pa",
         density=f"{density!r} kg/m^3",

@@ -119,7 +119,7 @@ def frequency_response(points: int = 61, duration: float = 50.0) -> xr.Dataset:
 
 
 def drive(omega: float) -> Load:
-    """Return the paper's load at one frequency."""
+    """Return the published load at one frequency."""
     return lambda tau: (0.4 * np.sin(omega * tau)) ** 2
 
 
@@ -393,7 +393,7 @@ def regimes() -> xr.Dataset:
 
 
 def cases() -> xr.Dataset:
-    """The paper's places in such a chart."""
+    """The published places in such a chart."""
     return build.dataset(
         {"omega": (("temperature",), 1.25 * np.sqrt(T0 / TEMPERATURES)),
          "b": (("temperature",), 0.4 * np.sqrt(T0 / TEMPERATURES))},

@@ -43,7 +43,7 @@ def test_the_lightest_colour_can_be_read_on_white() -> None:
 
 
 def test_a_colour_means_a_temperature() -> None:
-    """350 K looks the same alone, and among the paper's three."""
+    """350 K looks the same alone, and among the published three."""
     (alone,) = style.temperature_colours([350.0])
     assert alone == style.temperature_colours([250.0, 350.0, 400.0])[1]
 

@@ -19,7 +19,10 @@ CASES = {
 
 @pytest.mark.parametrize("case", CASES.values(), ids=CASES.keys())
 def test_energy_balances(case: tuple[rm.Actuator, rm.SineSquared]) -> None:
-    """N5: stored energy changes by work minus dissipation, within 1e-8 and the error."""
+    """Stored energy changes by work minus dissipation, within 1e-8 and the error.
+
+    Law: Energy and work.
+    """
     ds = rm.energy_balance(*case, duration=200.0, tolerance=1e-10)
     assert float(ds.drive_work[-1]) > 1e-3
     assert float(np.abs(ds.balance).max()) < 1e-8

@@ -111,7 +111,7 @@ def test_runs_of_different_length_have_their_own_times() -> None:
 def test_bits_do_not_depend_on_the_processors(
     workers: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """One processor or two: the same bits, through the public verb (law N9)."""
+    """One processor or two: the same bits, through the public verb (law: Determinism)."""
     over = {"omega": np.linspace(0.6, 2.0, 30), "temperature": [250.0, 400.0]}
     reference = simulated(over=over)
     monkeypatch.setattr("os.cpu_count", lambda: workers)

@@ -185,12 +185,12 @@ def test_thresholds_over_other_fields() -> None:
     [
         ({"actuator": rm.Actuator(dissipation=rm.Rayleigh(0.1))}, "no dissipation and no heat"),
         ({"parameter": "load"}, "`parameter` must be one of"),
-        ({"bounds": (2.0, 1.0)}, "`bounds` must be the lowest and the highest"),
+        ({"parameter_range": (2.0, 1.0)}, "`parameter_range` must be the lowest and the highest"),
         ({"over": {"m": [1.0]}}, "`over` must not hold m"),
-        ({"start": -1.0}, "`initial` must have a stretch greater than 0"),
+        ({"initial": -1.0}, "`initial` must have a stretch greater than 0"),
     ],
 )
 def test_bad_arguments_are_explained(fields: dict[str, object], message: str) -> None:
-    given = {"actuator": rm.Actuator(), "parameter": "m", "bounds": (0.0, 1.0), **fields}
+    given = {"actuator": rm.Actuator(), "parameter": "m", "parameter_range": (0.0, 1.0), **fields}
     with pytest.raises(InputError, match=message):
         rm.snap_through(**given)  # type: ignore[arg-type]

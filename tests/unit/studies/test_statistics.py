@@ -83,7 +83,7 @@ def test_the_rotation_number_of_small_motion_is_a_ratio_of_frequencies() -> None
 
 
 def test_labels_do_not_depend_on_company() -> None:
-    """N9: alone and among others, equal to the bit."""
+    """Determinism: alone and among others, equal to the bit."""
     omega = np.linspace(0.8, 2.0, 9)
     body = rm.Actuator(dissipation=rm.Rayleigh(0.02))
     whole = rm.classify(body, DRIVE, periods=150, over={"omega": omega})

@@ -63,7 +63,10 @@ class Constant(Drive):
 
 @dataclass(frozen=True)
 class SineSquared(Drive):
-    """The paper's load, m(tau) = [b sin(omega tau + phase)]^2.
+    """The load m(tau) = [b sin(omega tau + phase)]^2.
+
+    The square of a sinusoidal flux, written b^2 in [Thermal, eq. 15]. With b = 0.4 it gives the
+    published resonances; the article does not state the law of its load.
 
     Parameters
     ----------

@@ -32,7 +32,7 @@ _MODULUS = _checks.positive(
 
 @dataclass(frozen=True)
 class NeoHookean(Material):
-    """The neo-Hookean solid, W/mu = (l1^2 + l2^2 + l3^2 - 3)/2 (paper, section 2).
+    """The neo-Hookean solid, W/mu = (l1^2 + l2^2 + l3^2 - 3)/2 [Thermal, eq. 3].
 
     Parameters
     ----------

@@ -79,7 +79,7 @@ def simulate(
     Notes
     -----
     Solves M(λ)λ'' − 6cλ⁻⁷λ'² + 3[θ(λ − λ⁻⁵) − S + mλ⁻³] = 0 and its generalisations
-    (paper, equation 16).
+    [Thermal, eq. 16].
 
     Examples
     --------

@@ -205,14 +205,14 @@ def parameter_bounds(parameter: str, bounds: ArrayLike, ens: Ensemble) -> tuple[
     pair = np.asarray(bounds, dtype=float)
     if pair.shape != (2,) or not np.isfinite(pair).all() or not pair[0] < pair[1]:
         raise InputError(
-            "bounds", f"be the lowest and the highest value of {parameter}", repr(bounds),
+            "parameter_range", f"be the lowest and the highest value of {parameter}", repr(bounds),
             "A branch is followed between them.", "Pass two increasing numbers.",
         )  # fmt: skip
     for value in pair:
         broken = ens.system.invalid({parameter: value}) | ens.drive.invalid({parameter: value})
         if broken.any():
             raise InputError(
-                "bounds", f"be possible values of {parameter}", float(value),
+                "parameter_range", f"be possible values of {parameter}", float(value),
                 "Orbits are computed up to them.", "Pass values within the field's own range.",
             )  # fmt: skip
     return float(pair[0]), float(pair[1])
@@ -247,7 +247,7 @@ def _start(tracing: Tracing, start: ArrayLike | None, value: float) -> Orbits:
     ens, (low, high) = tracing.map.ensemble, tracing.bounds
     if not low <= value <= high:
         raise InputError(
-            "bounds", f"include the field's own value, {value:g}", (low, high),
+            "parameter_range", f"include the field's own value, {value:g}", (low, high),
             "The branch starts there.", "Change the drive or the actuator, or the bounds.",
         )  # fmt: skip
     if start is None:

@@ -22,7 +22,7 @@ from remanent.studies.ensemble.dataset import to_dataset
 from remanent.studies.ensemble.durations import durations, require_one
 from remanent.studies.ensemble.ensemble import Ensemble, Over, ensemble, problem
 
-#: Default length of the window, in units of tau: that of the paper.
+#: Default length of the window, in units of tau: that of [Thermal].
 WINDOW = 100.0
 _WIDTH = positive("It is the width of the last bracket.", "Pass for example 1e-6.")
 _DISCARD = not_negative("It is the time before the window.", "Pass 0 to start at once.")
