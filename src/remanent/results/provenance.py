@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any, Final
@@ -235,6 +235,6 @@ def _flat(value: Any) -> Any:
     return tuple(np.ravel(value).tolist()) if isinstance(value, list | tuple) else value
 
 
-def _present(name: str, text: str) -> Mapping[str, str]:
+def _present(name: str, text: str) -> dict[str, str]:
     """Keep an entry unless it is empty: netCDF knows no empty text."""
     return {name: text} if text else {}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import fields, is_dataclass, replace
+from dataclasses import fields, replace
 from types import MappingProxyType
 from typing import Any, Final, TypeVar
 
@@ -202,7 +202,7 @@ def _changed(value: _Model, ratio: float, temperature: float) -> _Model:
 
 def _changed_field(name: str, content: Any, ratio: float, temperature: float) -> Any:
     """A field at the other temperature: a number, a part, or a table of these."""
-    if is_dataclass(content) and not isinstance(content, type):
+    if isinstance(content, Part):
         return _changed(content, ratio, temperature)
     if isinstance(content, tuple):
         return tuple(_changed_field(name, item, ratio, temperature) for item in content)

@@ -11,7 +11,7 @@ from __future__ import annotations
 import csv
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
 from pathlib import Path
 from typing import Any, Final, TextIO
 
@@ -59,8 +59,7 @@ def write(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
         metadata.require_plain(name, variable)
         about = metadata.described(variable, coordinate=name in dataset.coords)
         comments.append(f"{_VARIABLE}{name}: {json.dumps(about)}")
-        spread = variable.set_dims({dim: dataset.sizes[dim] for dim in dims}).transpose(*dims)
-        columns |= _columns(name, np.ravel(spread.values))
+        columns |= _columns(name, np.ravel(_repeated(variable, dims, dataset.sizes)))
     with replaced_whole(path) as part, part.open("w", encoding="utf-8", newline="") as file:
         file.writelines(f"{comment}\n" for comment in comments)
         rows = csv.writer(file, lineterminator="\n")
@@ -146,6 +145,15 @@ def _common_dimensions(dataset: xr.Dataset) -> tuple[str, ...]:
 
 def _largest(dims: list[tuple[str, ...]]) -> tuple[str, ...]:
     return max(dims, key=len, default=())
+
+
+def _repeated(
+    variable: xr.Variable, dims: tuple[str, ...], sizes: Mapping[Hashable, int]
+) -> NDArray[Any]:
+    """Values along all dimensions of the table, repeated along those that they lack."""
+    ordered = variable.transpose(*(dim for dim in dims if dim in variable.dims))
+    lengths = [sizes[dim] if dim in variable.dims else 1 for dim in dims]
+    return np.broadcast_to(np.reshape(ordered.values, lengths), [sizes[dim] for dim in dims])
 
 
 def _columns(name: str, values: NDArray[Any]) -> dict[str, NDArray[Any]]:

@@ -91,7 +91,7 @@ def test_equal_datasets_make_equal_files(
 @given(
     values=nps.arrays(np.float64, nps.array_shapes(min_dims=0, max_dims=3, min_side=0)),
     text=st.lists(
-        st.text(st.characters(exclude_categories=("Cs",), exclude_characters="\0"), max_size=5),
+        st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\0"), max_size=5),
         max_size=4,
     ),
     truth=st.booleans(),
