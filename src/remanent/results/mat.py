@@ -55,7 +55,7 @@ def write(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
 
     path = Path(path)
     contents: dict[str, Any] = {}
-    descriptions: dict[str, metadata.Description] = {}
+    descriptions: dict[str, metadata.Record] = {}
     for name, variable in metadata.ordered(dataset).items():
         metadata.require_plain(name, variable)
         key = _matlab_name(name)
@@ -106,7 +106,7 @@ def read(path: str | os.PathLike[str]) -> xr.Dataset:
             "Read other files by read_measurements.",
         )  # fmt: skip
     about = json.loads(str(np.ravel(contents[_METADATA])[0]))
-    descriptions: dict[str, metadata.Description] = about["variables"]
+    descriptions: dict[str, metadata.Record] = about["variables"]
     values = {name: _values(contents[d["variable"]], d) for name, d in descriptions.items()}
     return metadata.dataset_of(values, descriptions, about["attributes"])
 
@@ -117,7 +117,7 @@ def _matlab_name(name: str) -> str:
     return (key if key[:1].isalpha() else f"x{key}")[:_LONGEST_NAME]
 
 
-def _values(array: NDArray[Any], about: metadata.Description) -> NDArray[Any]:
+def _values(array: NDArray[Any], about: metadata.Record) -> NDArray[Any]:
     if about["dtype"] != "str":
         return array
     # An empty text is an empty array of characters.

@@ -17,7 +17,7 @@ __all__ = [
 ]  # fmt: skip
 
 #: What of a variable is kept beside its values.
-Description = dict[str, Any]
+Record = dict[str, Any]
 
 
 def ordered(dataset: xr.Dataset) -> dict[str, xr.Variable]:
@@ -27,7 +27,7 @@ def ordered(dataset: xr.Dataset) -> dict[str, xr.Variable]:
     return {**dict(sorted(coords.items())), **others}
 
 
-def described(variable: xr.Variable, *, coordinate: bool) -> Description:
+def described(variable: xr.Variable, *, coordinate: bool) -> Record:
     """Dimensions, shape, type and attributes of a variable, ready for JSON."""
     kind = "str" if is_text(variable) else str(variable.dtype)
     return {
@@ -51,7 +51,7 @@ def read_attributes(attrs: Mapping[str, Any]) -> dict[str, Any]:
 
 def dataset_of(
     values: Mapping[str, NDArray[Any]],
-    descriptions: Mapping[str, Description],
+    descriptions: Mapping[str, Record],
     attrs: Mapping[str, Any],
 ) -> xr.Dataset:
     """Put a Dataset together from its values and what was kept of them.
@@ -60,7 +60,7 @@ def dataset_of(
     ----------
     values : mapping of name to array
         Of any shape with the right number of entries.
-    descriptions : mapping of name to Description
+    descriptions : mapping of name to Record
         Those of :func:`described`, for the same names.
     attrs : mapping
         Attributes of the whole, from :func:`described_attributes`.

@@ -107,10 +107,10 @@ def read(path: str | os.PathLike[str]) -> xr.Dataset:
 
 def _comments(
     file: TextIO,
-) -> tuple[dict[str, Any] | None, dict[str, metadata.Description], list[str]]:
+) -> tuple[dict[str, Any] | None, dict[str, metadata.Record], list[str]]:
     """Read up to the headings: attributes of the whole, descriptions of variables, headings."""
     attrs: dict[str, Any] | None = None
-    descriptions: dict[str, metadata.Description] = {}
+    descriptions: dict[str, metadata.Record] = {}
     for line in iter(file.readline, ""):
         if line.startswith(_WHOLE):
             attrs = json.loads(line.removeprefix(_WHOLE))
@@ -164,7 +164,7 @@ def _columns(name: str, values: NDArray[Any]) -> dict[str, NDArray[Any]]:
 
 def _values(
     name: str,
-    about: metadata.Description,
+    about: metadata.Record,
     columns: Mapping[str, tuple[str, ...]],
     sizes: Mapping[str, int],
 ) -> NDArray[Any]:
