@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any, Final
 
 import xarray as xr
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from remanent._errors import InputError
-from remanent.plots.style import FAINT, number, title
+from remanent.plots.style import FAINT, legend_above, number, title
 from remanent.results import provenance
 from remanent.results.schema import describe
 
-__all__ = ["add", "text"]
+__all__ = ["add", "finish", "text"]
 
 #: Fields that say nothing at this value.
 _NEUTRAL: Final[Mapping[str, object]] = MappingProxyType(
@@ -43,6 +45,34 @@ _FONT_SIZE: Final = 6.0
 _LETTER_WIDTH: Final = 0.43
 #: Longest description that is shown where a system or a drive is no plain data.
 _LONGEST: Final = 90
+
+
+def finish(
+    axes: Axes,
+    given: Axes | None,
+    dataset: xr.Dataset,
+    entries: Sequence[Artist] = (),
+    *,
+    hide: Iterable[str] = (),
+) -> None:
+    """Add the legend and, to a figure of our own, the footer: the end of every plot.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        What was drawn in.
+    given : matplotlib.axes.Axes or None
+        What the user asked to draw in; None where the figure is ours.
+    dataset : xarray.Dataset
+        The result that was drawn.
+    entries : sequence of matplotlib.artist.Artist
+        What the legend names; fewer than two need none.
+    hide : iterable of str
+        Fields that the footer leaves out, see :func:`add`.
+    """
+    legend_above(axes, entries)
+    if given is None:
+        add(axes.get_figure(root=True), dataset, hide=hide)  # type: ignore[arg-type]
 
 
 def add(figure: Figure, dataset: xr.Dataset, *, hide: Iterable[str] = ()) -> None:
