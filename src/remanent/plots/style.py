@@ -202,8 +202,8 @@ def symbol(array: xr.DataArray | xr.Variable) -> str:
     Examples
     --------
     >>> import xarray as xr
-    >>> symbol(xr.DataArray(0.0, name="omega"))
-    '$\\\\omega$'
+    >>> symbol(xr.DataArray(0.0, name="b"))
+    '$b$'
     """
     text = _attribute(array, "symbol")
     return f"${text}$" if text else ""
