@@ -18,9 +18,9 @@ from matplotlib import pyplot as plt
 import remanent as rm
 from remanent._errors import InputError
 from remanent._typing import FloatArray
-from remanent.results import provenance
 from remanent.codegen import reference
 from remanent.codegen.field import field_for
+from remanent.results import provenance
 
 DRIVE = rm.SineSquared(0.4, 1.25)
 PERIOD = np.pi / 1.25
