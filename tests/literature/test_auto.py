@@ -16,9 +16,12 @@ from tests.literature.flows import ForcedOscillator
 
 import remanent as rm
 from remanent._typing import FloatArray
-from remanent.analysis.bifurcations import Special, orbit_equations, special_points
-from remanent.analysis.continuation import Points, Settings, follow, tangents
-from remanent.analysis.switching import other_branch
+from remanent.analysis.orbits.bifurcations import SpecialPoint, find_special_points
+from remanent.analysis.orbits.continuation import ContinuationSettings, continue_curves
+from remanent.analysis.orbits.correction import unit_tangents
+from remanent.analysis.orbits.curves import CurvePoints
+from remanent.analysis.orbits.orbit_equations import orbit_equations
+from remanent.analysis.orbits.switching import crossing_branch_point
 
 HERE = Path(__file__).parent / "auto" / "reference"
 KINDS = {"LP": "fold", "PD": "period doubling", "TR": "Neimark-Sacker", "BP": "branch point"}
@@ -102,20 +105,33 @@ def specials(
     value: float,
     bounds: tuple[float, float],
     period: int,
-) -> list[Special]:
+) -> list[SpecialPoint]:
     """Special points of the branch through a state."""
     equations = orbit_equations(map_, period)
     scale = np.array([1.0, 1.0, bounds[1] - bounds[0]])
     unknown = np.array([[x, v, value]])
     here = equations(unknown)
     ahead: FloatArray = np.array([[0.0, 0.0, 1.0]])
-    start = Points(unknown, tangents(here.derivative, ahead, scale),
-                   np.abs(here.value).max(axis=1), here.error, here.extra)  # fmt: skip
-    settings = Settings(np.array([-9.0, -9.0, bounds[0]]), np.array([9.0, 9.0, bounds[1]]), scale,
-                        step=0.005, longest=0.02, tolerance=1e-11, block=8)  # fmt: skip
-    (curve,) = follow(equations, start, settings)
-    return special_points(equations, curve.points, scale=scale, tolerance=1e-11,
-                          conservative=False)  # fmt: skip
+    start = CurvePoints(
+        unknown,
+        unit_tangents(here.derivative, ahead, scale),
+        np.abs(here.value).max(axis=1),
+        here.error,
+        here.extra,
+    )
+    settings = ContinuationSettings(
+        np.array([-9.0, -9.0, bounds[0]]),
+        np.array([9.0, 9.0, bounds[1]]),
+        scale,
+        first_step=0.005,
+        max_step=0.02,
+        tolerance=1e-11,
+        block=8,
+    )
+    (curve,) = continue_curves(equations, start, settings)
+    return find_special_points(
+        equations, curve.points, scale=scale, tolerance=1e-11, conservative=False
+    )
 
 
 @pytest.mark.parametrize("name", ["duffing", "van_der_pol", "double_well"])
@@ -157,12 +173,19 @@ def test_doublings_lead_to_the_next_branch() -> None:
         scale = np.array([1.0, 1.0, 0.05])
         equations = orbit_equations(map_, period)
         crossing = np.array([mark["x"], mark["v"], mark["F"]])
-        start = other_branch(equations, crossing, scale=scale, tolerance=1e-11)
+        start = crossing_branch_point(equations, crossing, scale=scale, tolerance=1e-11)
         assert start is not None
         low, high = min(branches[period]["F"]) - 1e-4, max(branches[period]["F"]) + 1e-4
-        settings = Settings(np.array([-9.0, -9.0, low]), np.array([9.0, 9.0, high]), scale,
-                            step=0.005, longest=0.02, tolerance=1e-11, block=8)  # fmt: skip
-        (curve,) = follow(equations, start, settings)
+        settings = ContinuationSettings(
+            np.array([-9.0, -9.0, low]),
+            np.array([9.0, 9.0, high]),
+            scale,
+            first_step=0.005,
+            max_step=0.02,
+            tolerance=1e-11,
+            block=8,
+        )
+        (curve,) = continue_curves(equations, start, settings)
         ours = [curve.points.unknown]
         for n in range(1, period):  # the other phases of the same orbits
             z = curve.points.unknown
@@ -171,8 +194,9 @@ def test_doublings_lead_to_the_next_branch() -> None:
         columns = np.column_stack([branches[period][name] for name in ("x", "v", "F")])
         away = np.abs((chain[None] - columns[:, None]) / scale).max(axis=2).min(axis=1)
         assert away.max() < 0.03
-        nearest = special_points(equations, curve.points, scale=scale, tolerance=1e-11,
-                                 conservative=False)  # fmt: skip
+        nearest = find_special_points(
+            equations, curve.points, scale=scale, tolerance=1e-11, conservative=False
+        )
         following = marks[marks.index(mark) + 1]["F"]
         doublings = [s.points.unknown[0, 2] for s in nearest if s.kind == "period doubling"]
         assert min(abs(value - following) for value in doublings) < 1e-8

@@ -7,18 +7,22 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.optimize import elementwise
 
 from remanent._field import Field, Program
+from remanent._roots import find_root
 from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.integrate.ensemble import dense
 from remanent.integrate.ensemble.ensemble import Progress, integrate
-from remanent.integrate.ensemble.problem import Outcome, Problem, Request, Window
+from remanent.integrate.ensemble.problem import (
+    Outcome,
+    Problem,
+    Request,
+    Window,
+    latest_trusted_time,
+)
 from remanent.integrate.methods.runge_kutta import default_method
 from remanent.integrate.variations import derivatives
 
-#: Its annotations know nothing of `args`.
-find_root: Any = elementwise.find_root
 _ROOT = {"xatol": 0.0, "xrtol": 4.0 * np.finfo(float).eps, "fatol": 0.0, "frtol": 0.0}
 
 
@@ -85,7 +89,7 @@ def crossings(
         np.concatenate([getattr(part, field) for part in parts])
         for field in ("trajectory", "time", "states", "direction")
     ]
-    ends = np.minimum(outcome.horizon, problem.duration)[joined[0]] * (1.0 + 1e-12)
+    ends = latest_trusted_time(np.minimum(outcome.horizon, problem.duration)[joined[0]])
     kept = np.flatnonzero(joined[1] <= ends)
     order = kept[np.lexsort((joined[1][kept], joined[0][kept]))]
     return Crossings(*(column[order] for column in joined)), outcome

@@ -103,19 +103,24 @@ def from_plain(table: Mapping[str, Any]) -> Any:
     cls = _class_of(kind)
     if cls is None:
         raise InputError(
-            KIND, f"be one of {', '.join(_public_kinds())}", _shortened(kind),
-            "A value is rebuilt by the public name of its class.",
-            "Pass a value of a class of your own itself, where a system or a drive is asked for.",
-        )  # fmt: skip
+            KIND,
+            must=f"be one of {', '.join(_public_kinds())}",
+            got=_shortened(kind),
+            why="A value is rebuilt by the public name of its class.",
+            fix="Pass a value of a class of your own itself, as a system or a drive.",
+        )
     arguments = {name: _rebuilt(content) for name, content in table.items() if name != KIND}
     known = [field for field in fields(cls) if field.init]
     _checks.require_known(arguments, [field.name for field in known], str(kind))
     for field in known:
         if _is_required(field) and field.name not in arguments:
             raise InputError(
-                field.name, f"be given for {kind}", "a table without it",
-                "It has no default.", f"Add `{field.name}` to the table.",
-            )  # fmt: skip
+                field.name,
+                must=f"be given for {kind}",
+                got="a table without it",
+                why="It has no default.",
+                fix=f"Add `{field.name}` to the table.",
+            )
     return cls(**arguments)
 
 
@@ -173,9 +178,12 @@ def _rebuilt(content: Any) -> Any:
 
 def _not_plain(name: str, content: object) -> InputError:
     return InputError(
-        name, "be a number, text, a part, or a list or table of these", _shortened(content),
-        "Results and study files hold plain data only.", "Write it as numbers or as a formula.",
-    )  # fmt: skip
+        name,
+        must="be a number, text, a part, or a list or table of these",
+        got=_shortened(content),
+        why="Results and study files hold plain data only.",
+        fix="Write it as numbers or as a formula.",
+    )
 
 
 def _shortened(content: object) -> str:

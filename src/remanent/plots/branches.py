@@ -153,10 +153,12 @@ def _followed(dataset: xr.Dataset) -> str:
     if name in dataset and f"special_{name}" in dataset:
         return name
     raise InputError(
-        "dataset", "say which parameter was followed", ", ".join(map(str, dataset.data_vars)),
-        "Arithmetic drops the attribute `parameter`; a branch has special points of it.",
-        "Pass parameter=..., or the result of continue_orbit or response_diagram.",
-    )  # fmt: skip
+        "dataset",
+        must="say which parameter was followed",
+        got=", ".join(map(str, dataset.data_vars)),
+        why="Arithmetic drops the attribute `parameter`; a branch has special points of it.",
+        fix="Pass parameter=..., or the result of continue_orbit or response_diagram.",
+    )
 
 
 def _draw(

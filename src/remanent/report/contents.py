@@ -1,4 +1,4 @@
-"""What the report holds, before it is written."""
+"""What the report holds: the evidence, the verdicts, the data and the pictures."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from remanent.report.evidence import ClaimEvidence
 
 @dataclass(frozen=True)
 class Paper:
-    """All that was computed.
+    """All that was computed to reproduce and audit the article.
 
     Attributes
     ----------
     evidence : ClaimEvidence
         For the reference setting.
     verdicts : list of ClaimVerdict
-        Of every claim.
+        One for every claim.
     datasets : mapping of str to xarray.Dataset
-        By name.
+        The data of the figures, by name.
     pictures : mapping of str to mapping of str to bytes
-        Files by name of the picture and suffix.
+        The files of each picture, by the picture's name and the file's suffix.
     """
 
     evidence: ClaimEvidence

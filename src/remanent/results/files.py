@@ -79,16 +79,22 @@ def save(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
     """
     if not isinstance(dataset, xr.Dataset):
         raise InputError(
-            "dataset", "be an xarray.Dataset", type(dataset).__name__,
-            "A file holds variables by name.", "For a DataArray pass array.to_dataset(name=...).",
-        )  # fmt: skip
+            "dataset",
+            must="be an xarray.Dataset",
+            got=type(dataset).__name__,
+            why="A file holds variables by name.",
+            fix="For a DataArray pass array.to_dataset(name=...).",
+        )
     target = Path(path)
     module = _format(target)
     if not target.parent.is_dir():
         raise InputError(
-            "path", "lie in a folder that exists", str(path),
-            f"There is no folder {str(target.parent)!r}.", "Create it first.",
-        )  # fmt: skip
+            "path",
+            must="lie in a folder that exists",
+            got=str(path),
+            why=f"There is no folder {str(target.parent)!r}.",
+            fix="Create it first.",
+        )
     with _in_words("written", target, OSError):
         module.write(dataset, target)
     return target
@@ -123,8 +129,12 @@ def load(path: str | os.PathLike[str]) -> xr.Dataset:
     module = _format(source)
     if not source.is_file():
         raise InputError(
-            "path", "be a file", str(path), "There is none of that name.", "Check the path.",
-        )  # fmt: skip
+            "path",
+            must="be a file",
+            got=str(path),
+            why="There is none of that name.",
+            fix="Check the path.",
+        )
 
     # What the readers of other packages raise of a damaged file is not limited.
     with _in_words("read", source, Exception):
@@ -137,9 +147,12 @@ def _format(path: Path) -> ModuleType:
     if module is None:
         endings = ", ".join(_FORMATS)
         raise InputError(
-            "path", f"end in one of {endings}", str(path), "The ending says the format.",
-            "Use .nc for everything, .csv for one table, .mat for MATLAB and Octave.",
-        )  # fmt: skip
+            "path",
+            must=f"end in one of {endings}",
+            got=str(path),
+            why="The ending says the format.",
+            fix="Use .nc for everything, .csv for one table, .mat for MATLAB and Octave.",
+        )
     return module
 
 
@@ -152,6 +165,9 @@ def _in_words(action: str, path: Path, errors: type[Exception]) -> Iterator[None
         raise
     except errors as error:
         raise InputError(
-            "path", f"be a file that can be {action}", str(path),
-            f"{type(error).__name__}: {error}.", "Check the disk, the permissions and the file.",
-        ) from error  # fmt: skip
+            "path",
+            must=f"be a file that can be {action}",
+            got=str(path),
+            why=f"{type(error).__name__}: {error}.",
+            fix="Check the disk, the permissions and the file.",
+        ) from error

@@ -61,9 +61,12 @@ def write(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
         key = _matlab_name(name)
         if key in {*contents, _METADATA}:
             raise InputError(
-                name, "have a name of its own in MATLAB", key,
-                "Another variable has the same.", "Rename it: dataset.rename({...: ...}).",
-            )  # fmt: skip
+                name,
+                must="have a name of its own in MATLAB",
+                got=key,
+                why="Another variable has the same.",
+                fix="Rename it: dataset.rename({...: ...}).",
+            )
         about = metadata.described(variable, coordinate=name in dataset.coords)
         descriptions[name] = {"variable": key, **about}
         text = metadata.is_text(variable)
@@ -101,10 +104,12 @@ def read(path: str | os.PathLike[str]) -> xr.Dataset:
     contents = loadmat(path, appendmat=False, chars_as_strings=True)
     if _METADATA not in contents:
         raise InputError(
-            "path", "be a MAT file that rm.save wrote", str(path),
-            f"Its `{_METADATA}` says what the variables are.",
-            "Read other files by read_measurements.",
-        )  # fmt: skip
+            "path",
+            must="be a MAT file that rm.save wrote",
+            got=str(path),
+            why=f"Its `{_METADATA}` says what the variables are.",
+            fix="Read other files by read_measurements.",
+        )
     about = json.loads(str(np.ravel(contents[_METADATA])[0]))
     descriptions: dict[str, metadata.Record] = about["variables"]
     values = {name: _values(contents[d["variable"]], d) for name, d in descriptions.items()}

@@ -93,9 +93,12 @@ def require_plain(name: str, variable: xr.Variable) -> None:
     """Raise unless a variable holds numbers, truth values or text."""
     if variable.dtype.kind not in "biufc" and not is_text(variable):
         raise InputError(
-            name, "hold numbers, booleans or strings", str(variable.dtype),
-            "Files hold plain numbers that every program can read.", "Convert it or leave it out.",
-        )  # fmt: skip
+            name,
+            must="hold numbers, booleans or strings",
+            got=str(variable.dtype),
+            why="Files hold plain numbers that every program can read.",
+            fix="Convert it or leave it out.",
+        )
 
 
 def _plain(name: str, value: Any) -> Any:
@@ -104,9 +107,12 @@ def _plain(name: str, value: Any) -> Any:
     array = np.asarray(value)
     if array.dtype.kind not in "biufU":
         raise InputError(
-            "attrs", "hold text and numbers", f"{name} = {value!r}"[:80],
-            "Other programs read them.", f"Remove it: del dataset.attrs[{name!r}].",
-        )  # fmt: skip
+            "attrs",
+            must="hold text and numbers",
+            got=f"{name} = {value!r}"[:80],
+            why="Other programs read them.",
+            fix=f"Remove it: del dataset.attrs[{name!r}].",
+        )
     return {"values": array.tolist(), "dtype": str(array.dtype)} if array.ndim else array.item()
 
 

@@ -154,10 +154,10 @@ def _reduce(name: str, variable: xr.Variable) -> xr.Variable:
     if values.dtype.kind not in "if":
         raise InputError(
             name,
-            "hold numbers, booleans or strings",
-            str(values.dtype),
-            "Files hold plain numbers that every program can read.",
-            "Convert it or leave it out.",
+            must="hold numbers, booleans or strings",
+            got=str(values.dtype),
+            why="Files hold plain numbers that every program can read.",
+            fix="Convert it or leave it out.",
         )
     return xr.Variable(variable.dims, values, attrs)
 
@@ -205,10 +205,10 @@ def _narrow(name: str, values: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
             return narrow
     raise InputError(
         name,
-        "hold integers below 2^53",
-        int(np.abs(values).max()),
-        "Larger ones do not fit the classic netCDF model.",
-        "Store them as two variables.",
+        must="hold integers below 2^53",
+        got=int(np.abs(values).max()),
+        why="Larger ones do not fit the classic netCDF model.",
+        fix="Store them as two variables.",
     )
 
 
@@ -223,9 +223,12 @@ def _attribute(value: Any) -> Any:
     number = np.asarray(value)
     if number.dtype.kind not in "biufU":
         raise InputError(
-            "attrs", "hold text and numbers", repr(value)[:80], "Other programs read them.",
-            "Remove that attribute, or write it as text.",
-        )  # fmt: skip
+            "attrs",
+            must="hold text and numbers",
+            got=repr(value)[:80],
+            why="Other programs read them.",
+            fix="Remove that attribute, or write it as text.",
+        )
     if number.dtype.kind in "biu" and number.dtype not in (np.int8, np.int16, np.int32):
         number = number.astype(np.int8) if number.dtype.kind == "b" else _narrow("attrs", number)
     return number if number.ndim else number[()]

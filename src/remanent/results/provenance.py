@@ -12,9 +12,9 @@ import numpy as np
 import xarray as xr
 
 from remanent._errors import InputError
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.models.plain import from_plain, to_plain
+from remanent.models.system import System
 
 __all__ = [
     "DRIVE", "ORIGIN", "SYSTEM", "attributes", "described", "has_drive", "plain", "read_drive",
@@ -46,7 +46,7 @@ def attributes(
 
     Parameters
     ----------
-    system, drive : Actuator, Drive or other frozen dataclass
+    system, drive : System and Drive, or other frozen dataclasses
         `drive` may be None (equilibria).  Text is kept as text for people.
     tolerance : float or None
         The tolerance asked for; None where nothing was integrated.
@@ -123,7 +123,7 @@ def plain(dataset: xr.Dataset, name: str) -> dict[str, Any] | None:
     return table if isinstance(table, dict) else None
 
 
-def read_system(dataset: xr.Dataset) -> Actuator:
+def read_system(dataset: xr.Dataset) -> System:
     """The system that made a Dataset.
 
     Parameters
@@ -133,7 +133,7 @@ def read_system(dataset: xr.Dataset) -> Actuator:
 
     Returns
     -------
-    Actuator
+    System
         As it was given to the verb.  Fields named in the attribute ``over`` have the value
         that `dataset` was reduced to (``dataset.sel(temperature=350)``); where it still has
         several, or dropped them, they keep the value from before, which was not used: see
@@ -151,7 +151,7 @@ def read_system(dataset: xr.Dataset) -> Actuator:
     >>> read_system(many.isel(temperature=1)).temperature
     350.0
     """
-    system: Actuator = _read(dataset, SYSTEM)
+    system: System = _read(dataset, SYSTEM)
     return system
 
 
@@ -192,17 +192,21 @@ def _read(dataset: xr.Dataset, name: str) -> Any:
     table = plain(dataset, name)
     if table is None:
         raise InputError(
-            "dataset", f"say which {name} made it",
-            dataset.attrs.get(f"{name}_text", "one without the attribute"),
-            "Arithmetic drops attributes, and only plain data can be read back.",
-            f"Pass {name}=... as well, or the result of a verb as it was.",
-        )  # fmt: skip
+            "dataset",
+            must=f"say which {name} made it",
+            got=dataset.attrs.get(f"{name}_text", "one without the attribute"),
+            why="Arithmetic drops attributes, and only plain data can be read back.",
+            fix=f"Pass {name}=... as well, or the result of a verb as it was.",
+        )
     value = from_plain(table)
-    if isinstance(value, Drive if name == SYSTEM else Actuator):
+    if not isinstance(value, System if name == SYSTEM else Drive):
         raise InputError(
-            "dataset", f"say which {name} made it", repr(value),
-            f"Its attribute `{name}` holds something else.", f"Pass {name}=... as well.",
-        )  # fmt: skip
+            "dataset",
+            must=f"say which {name} made it",
+            got=repr(value),
+            why=f"Its attribute `{name}` holds something else.",
+            fix=f"Pass {name}=... as well.",
+        )
     return _at_point(value, dataset)
 
 

@@ -11,12 +11,14 @@ from typing import Any, Final, TypeVar
 import numpy as np
 import xarray as xr
 
-from remanent._checks import positive, require_real
+from remanent._checks import positive, require_real, shortened
 from remanent._errors import InputError
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.models.parts import Part
+from remanent.models.system import System
 from remanent.results import provenance
+from remanent.results.checks import require_dataset
 from remanent.results.schema import TABLE, Kind, describe
 
 #: Powers of the ratio of temperatures by which each kind of quantity grows.
@@ -52,7 +54,7 @@ def rescale(
     dataset: xr.Dataset,
     *,
     temperature: float,
-    system: Actuator | None = None,
+    system: System | None = None,
     drive: Drive | None = None,
 ) -> xr.Dataset:
     """Turn a result for one temperature into that for another, without computing it again.
@@ -104,8 +106,9 @@ def rescale(
     >>> round(float(hot.natural_frequency[0] / cool.natural_frequency[0]), 4)
     1.4142
     """
+    require_dataset("dataset", dataset)
     target = require_real("temperature", temperature, _RULE)
-    source = provenance.read_system(dataset) if system is None else system
+    source = _actuator(provenance.read_system(dataset) if system is None else system)
     _require_entropic(dataset, source)
     ratio = target / _temperature(dataset, source)
     scaled = dataset.copy()
@@ -120,6 +123,19 @@ def rescale(
     if drive is not None:
         scaled.attrs.update(provenance.described("drive", _changed(drive, ratio, target)))
     return scaled
+
+
+def _actuator(system: object) -> Actuator:
+    """The system, if it is one whose numbers are known to scale with temperature."""
+    if not isinstance(system, Actuator):
+        raise InputError(
+            "system",
+            must="be an Actuator",
+            got=shortened(system),
+            why="It is not known how other systems scale with temperature.",
+            fix="Compute the result at the other temperature.",
+        )
+    return system
 
 
 def _require_entropic(dataset: xr.Dataset, system: Actuator) -> None:
@@ -138,10 +154,12 @@ def _require_entropic(dataset: xr.Dataset, system: Actuator) -> None:
     obstacles += sorted(set(needed) & set(map(str, dataset.coords)))
     if obstacles:
         raise InputError(
-            "dataset", "be of an actuator that scales with temperature", ", ".join(obstacles),
-            "Only entropic stress, a constant remanence and viscosity do, without a heat balance.",
-            "Compute it again at the other temperature.",
-        )  # fmt: skip
+            "dataset",
+            must="be of an actuator that scales with temperature",
+            got=", ".join(obstacles),
+            why="Only entropic stress, a constant remanence and viscosity do, and no heat balance.",
+            fix="Compute it again at the other temperature.",
+        )
 
 
 def _temperature(dataset: xr.Dataset, system: Actuator) -> float:
@@ -149,9 +167,12 @@ def _temperature(dataset: xr.Dataset, system: Actuator) -> float:
     for name in ("temperature", "reference_temperature"):
         if name in dataset.coords and dataset[name].ndim:
             raise InputError(
-                "dataset", f"have one {name}", dataset[name].values,
-                "One ratio scales all of it.", f"Select one: dataset.sel({name}=...).",
-            )  # fmt: skip
+                "dataset",
+                must=f"have one {name}",
+                got=dataset[name].values,
+                why="One ratio scales all of it.",
+                fix=f"Select one: dataset.sel({name}=...).",
+            )
     if "temperature" in dataset.coords:
         return float(dataset["temperature"])
     return system.temperature
@@ -220,9 +241,12 @@ def _power_of_field(name: str) -> float:
         if candidate in TABLE:
             return _power(candidate)
     raise InputError(
-        "dataset", "have fields whose unit is known", name,
-        "It is not known how this one scales.", "Compute the result at the other temperature.",
-    )  # fmt: skip
+        "dataset",
+        must="have fields whose unit is known",
+        got=name,
+        why="It is not known how this one scales.",
+        fix="Compute the result at the other temperature.",
+    )
 
 
 def _attributes(attrs: Mapping[Any, Any], ratio: float) -> dict[Any, Any]:

@@ -155,10 +155,10 @@ def describe(name: str) -> Description:
             return description
     raise InputError(
         "name",
-        "be a variable of the schema",
-        repr(name),
-        "Every variable of a Dataset has a unit, a meaning and a symbol.",
-        "Add a line to remanent/results/variables.csv.",
+        must="be a variable of the schema",
+        got=repr(name),
+        why="Every variable of a Dataset has a unit, a meaning and a symbol.",
+        fix="Add a line to remanent/results/variables.csv.",
     )
 
 

@@ -89,9 +89,12 @@ def read(path: str | os.PathLike[str]) -> xr.Dataset:
         attrs, descriptions, headings = _comments(file)
         if attrs is None:
             raise InputError(
-                "path", "be a table that rm.save wrote", str(path),
-                "Its comments say what the columns are.", "Read other tables by read_measurements.",
-            )  # fmt: skip
+                "path",
+                must="be a table that rm.save wrote",
+                got=str(path),
+                why="Its comments say what the columns are.",
+                fix="Read other tables by read_measurements.",
+            )
         # A table without rows has headings without columns.
         columns = dict(zip(headings, zip(*csv.reader(file), strict=True), strict=False))
     lengths: dict[str, int] = {}
@@ -129,17 +132,21 @@ def _common_dimensions(dataset: xr.Dataset) -> tuple[str, ...]:
     wider = [name for name, v in variables.items() if not set(v.dims) <= set(dims)]
     if wider:
         raise InputError(
-            "dataset", "have one variable with all dimensions, to be one table",
-            f"`{wider[0]}` along {dataset[wider[0]].dims}, others along {dims}",
-            "Rows of a CSV file are points.",
-            "Select variables of one table, dataset[['amplitude']], or write a .nc or .mat file.",
-        )  # fmt: skip
+            "dataset",
+            must="have one variable with all dimensions, to be one table",
+            got=f"`{wider[0]}` along {dataset[wider[0]].dims}, others along {dims}",
+            why="Rows of a CSV file are points.",
+            fix="Select some variables, dataset[['amplitude']], or write a .nc or .mat file.",
+        )
     lost = [name for name, v in variables.items() if v.size and 0 in dataset.sizes.values()]
     if lost:
         raise InputError(
-            "dataset", "have a point, to be a table", f"none along {dims}",
-            f"A table without rows has no place for `{lost[0]}`.", "Write a .nc or .mat file.",
-        )  # fmt: skip
+            "dataset",
+            must="have a point, to be a table",
+            got=f"none along {dims}",
+            why=f"A table without rows has no place for `{lost[0]}`.",
+            fix="Write a .nc or .mat file.",
+        )
     return dims
 
 

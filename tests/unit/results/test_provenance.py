@@ -83,8 +83,7 @@ def test_a_selected_point_has_the_system_of_that_point() -> None:
     assert provenance.varying(result) == list(over)
     point = result.sel(temperature=350.0).isel({"b": 0, "material.jm": 1})
     assert provenance.varying(point) == []
-    assert provenance.read_system(point).temperature == 350.0
-    assert provenance.read_system(point).material == rm.Gent(20.0)
+    assert provenance.read_system(point) == rm.Actuator(temperature=350.0, material=rm.Gent(20.0))
     assert provenance.read_drive(point) == rm.SineSquared(0.3, 1.0)
     assert provenance.varying(result.isel(b=0, drop=True)) == list(over)
 

@@ -12,7 +12,7 @@ from remanent._field import BINARY
 from remanent._timeline import Timeline
 from remanent._typing import FloatArray, IntArray
 from remanent.integrate.ensemble import dense
-from remanent.integrate.ensemble.problem import Problem, Request, Window
+from remanent.integrate.ensemble.problem import Problem, Request, Window, latest_trusted_time
 from remanent.integrate.kernel.compile import Kernel, Kernels
 from remanent.integrate.kernel.layout import PAST
 from remanent.integrate.methods.runge_kutta import default_method
@@ -436,7 +436,7 @@ class _Sampler:
             position = np.where(np.abs(position - near) < 1e-9, near, position)
             inside = (position >= 0.0) & (position <= steps[:, None])
         horizon = _column(lanes, self.kernels, "horizon")[: self.count]
-        trusted = self.times <= horizon[:, None] * (1.0 + 1e-12)
+        trusted = self.times <= latest_trusted_time(horizon)[:, None]
         trajectory, sample = np.nonzero(inside & trusted & (steps > 0)[:, None])
         flat = self._parameters(lanes)
         for first in range(0, trajectory.size, _SAMPLES_AT_ONCE):

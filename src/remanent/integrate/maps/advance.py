@@ -25,7 +25,7 @@ _AIM = 0.3
 
 @dataclass(frozen=True)
 class Step:
-    """What became of trajectories in one block; see `remanent.analysis.following.Advanced`."""
+    """What became of trajectories in one block; it is a `TangentImage` of `analysis`."""
 
     visited: FloatArray
     tangents: FloatArray

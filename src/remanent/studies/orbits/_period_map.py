@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.spatial import KDTree
 
 from remanent._typing import FloatArray, IntArray
-from remanent.analysis.maps import Mapped
+from remanent.analysis.orbits.maps import MapImage
 from remanent.integrate.ensemble.ensemble import MAX_RESOLUTION
 from remanent.integrate.ensemble.problem import Problem
 from remanent.integrate.ensemble.resolution import ladder
 from remanent.integrate.maps.period_map import Image, PeriodMap
 from remanent.integrate.variations import LOG_PERIOD
 from remanent.studies.ensemble.durations import require_periods
-from remanent.studies.ensemble.ensemble import Ensemble, problem
+from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.problem import initial_value_problem
 
 #: Double steps per period to begin with, and at least.
 _FIRST = 8
@@ -62,7 +63,7 @@ class StroboscopicMap:
 
     def __post_init__(self) -> None:
         require_periods(self.ensemble)
-        base = problem(self.ensemble, np.ones(1))
+        base = initial_value_problem(self.ensemble, np.ones(1))
         own = [name for name in self.names if name in base.field.parameters]
         self._problem: Problem = base
         self._slots: list[int] = [base.field.parameters.index(name) for name in own]
@@ -83,23 +84,21 @@ class StroboscopicMap:
 
     @property
     def _rate_matters(self) -> bool:
-        """Whether a remanence depends on a temperature that is a state."""
-        name = "magnet.temperature_coefficient"
-        varies = name in self.names or bool(self.ensemble.values[name].any())
-        return self.ensemble.system.heat is not None and varies
+        """Whether rates of the loads enter the equations."""
+        return self.ensemble.system.needs_load_rate(self.ensemble.values, varied=self.names)
 
     @property
     def dimension(self) -> int:
         """Number of state variables."""
         return self._flow.dimension
 
-    def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> Mapped:
-        """Apply the map; see :class:`remanent.analysis.maps.Map`."""
+    def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> MapImage:
+        """Apply the map; see :class:`remanent.analysis.orbits.maps.Map`."""
         return self.run(states, parameters, iterate)
 
     def run(
         self, states: FloatArray, parameters: FloatArray, iterate: int, *, half: bool = False
-    ) -> Mapped:
+    ) -> MapImage:
         """Apply the map, and half of it once more where asked."""
         count, d = states.shape
         values = {name: np.ascontiguousarray(parameters[:, k]) for k, name in enumerate(self.names)}
@@ -130,7 +129,7 @@ class StroboscopicMap:
             if name in self._carried:
                 slope[:, :, k] += image.tangent[:, d + self._carried.index(name)]
         jacobian = np.moveaxis(image.tangent[:, :d], 1, 2)
-        return Mapped(image.state, jacobian, slope, image.error * max(iterate, 1))
+        return MapImage(image.state, jacobian, slope, image.error * max(iterate, 1))
 
     def _foreseen(self, states: FloatArray, parameters: FloatArray) -> IntArray | int:
         """The resolution that was wanted at the nearest point of late.
@@ -177,30 +176,3 @@ class _Known:
         tree = KDTree(self.places / scale, balanced_tree=False, compact_nodes=False)  # asked once
         _, nearest = tree.query(places / scale)
         return np.asarray(self.wanted[nearest])
-
-
-def spread(ensemble: Ensemble, states: FloatArray, varied: Mapping[str, FloatArray]) -> Ensemble:
-    """Many trajectories like a single one, with their own initial states and some values."""
-    count = len(states)
-    own = {name: np.broadcast_to(v, count).copy() for name, v in ensemble.values.items()}
-    return replace(
-        ensemble,
-        sizes={"point": count},
-        coords={},
-        values=own | dict(varied),
-        initial=states,
-        invalid=np.zeros(count, dtype=np.bool_),
-    )
-
-
-def at(ensemble: Ensemble, which: int) -> Ensemble:
-    """One trajectory of an ensemble as an ensemble of its own."""
-    values = {name: v[which : which + 1] for name, v in ensemble.values.items()}
-    return replace(
-        ensemble,
-        sizes={},
-        coords={},
-        values=values,
-        initial=ensemble.initial[which : which + 1],
-        invalid=ensemble.invalid[which : which + 1],
-    )

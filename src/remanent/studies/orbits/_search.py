@@ -8,18 +8,18 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
-from scipy.optimize import elementwise
 
 from remanent._errors import InputError
+from remanent._field import Role, StateVariable
+from remanent._roots import find_root
 from remanent._typing import FloatArray
-from remanent.analysis.orbits import Orbits, distinct, newton, taken
-from remanent.models.actuator import Actuator
+from remanent.analysis.orbits.periodic_orbits import Orbits, distinct_orbits, newton_fixed_points
 from remanent.models.drives.base import Drive
-from remanent.studies.ensemble.ensemble import Ensemble, at_rest
+from remanent.models.system import System
+from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.initial import rest_values
 from remanent.studies.orbits._period_map import StroboscopicMap
 
-#: Its annotations know nothing of `args`.
-find_root: Any = elementwise.find_root
 #: Default box: stretches, and their rates.
 STRETCHES, RATES = (0.3, 4.0), (-8.0, 8.0)
 #: Kelvin around the surroundings in which a body's temperature is looked for.
@@ -68,48 +68,61 @@ def box_of(ens: Ensemble, bounds: Mapping[str, Any] | None) -> FloatArray:
     for name in given:
         if name not in state:
             raise InputError(
-                "bounds", f"name state variables, {', '.join(state)}", repr(name),
-                "Orbits are looked for in a box of states.", "Pass {'stretch': (0.3, 4.0)}.",
-            )  # fmt: skip
+                "bounds",
+                must=f"name state variables, {', '.join(state)}",
+                got=repr(name),
+                why="Orbits are looked for in a box of states.",
+                fix="Pass {'stretch': (0.3, 4.0)}.",
+            )
     rows = []
-    for name in state:
-        pair = np.asarray(given.get(name, _default(name, ens)), float)
+    for variable in ens.field.variables:
+        name = variable.name
+        pair = np.asarray(given.get(name, _default(variable, ens)), float)
         if pair.shape != (2,) or not np.isfinite(pair).all() or not pair[0] < pair[1]:
             raise InputError(
-                "bounds", f"give {name} a lower and a larger upper number", repr(given[name]),
-                "Orbits are looked for in a box of states.", "Pass {'stretch': (0.3, 4.0)}.",
-            )  # fmt: skip
-        if not name.endswith("_rate") and pair[0] <= 0.0:
+                "bounds",
+                must=f"give {name} a lower and a larger upper number",
+                got=repr(given[name]),
+                why="Orbits are looked for in a box of states.",
+                fix="Pass {'stretch': (0.3, 4.0)}.",
+            )
+        if variable.positive and pair[0] <= 0.0:
             raise InputError(
-                "bounds", f"keep {name} above 0", float(pair[0]),
-                "A stretch is a ratio of lengths.", "Pass {'stretch': (0.3, 4.0)}.",
-            )  # fmt: skip
+                "bounds",
+                must=f"keep {name} above 0",
+                got=float(pair[0]),
+                why="A stretch is a ratio of lengths.",
+                fix="Pass {'stretch': (0.3, 4.0)}.",
+            )
         rows.append(pair)
     return np.array(rows)
 
 
-def _default(name: str, ens: Ensemble) -> tuple[float, float]:
+def _default(variable: StateVariable, ens: Ensemble) -> tuple[float, float]:
     """Bounds of a state variable that none were given for."""
-    if name == "body_temperature":
-        around = ens.values["temperature"]
+    if variable.role is Role.TEMPERATURE:
+        around = rest_values(variable, ens.values, ens.count)
         return float(around.min()) - WARMTH, float(around.max()) + WARMTH
-    return RATES if name.endswith("_rate") else STRETCHES
+    return RATES if variable.role is Role.RATE else STRETCHES
 
 
 def require_isolated(ens: Ensemble) -> None:
     """Refuse adiabatic bodies: they warm for ever, or have an orbit for each entropy."""
-    if ens.system.heat is not None and not (ens.values["heat.exchange"] > 0.0).all():
+    warms = bool(ens.field.indices(Role.TEMPERATURE))
+    if warms and not (ens.values["heat.exchange"] > 0.0).all():
         raise InputError(
-            "actuator", "exchange heat where its temperature is a state", ens.system.heat,
-            "Without exchange it warms for ever, or has an orbit for every temperature.",
-            "Pass rm.Heat(exchange=...) above 0, or heat=None.",
-        )  # fmt: skip
+            "system",
+            must="exchange heat where its temperature is a state",
+            got=ens.system,
+            why="Without exchange it warms for ever, or has an orbit for every temperature.",
+            fix="Pass rm.Heat(exchange=...) above 0, or heat=None.",
+        )
 
 
-def is_symmetric(actuator: Actuator, drive: Drive) -> bool:
+def is_symmetric(system: System, drive: Drive) -> bool:
     """Whether reversing time leaves the motion's equation as it is."""
     period = drive.period
-    if period is None or not actuator.conservative:
+    if period is None or not system.conservative:
         return False
     times = np.linspace(0.0, 0.5, 33) * period
     ahead, back = drive(times), drive(period - times)
@@ -144,11 +157,11 @@ def _closed(
     search: Search, map_: StroboscopicMap, guesses: FloatArray, row: FloatArray, tolerance: float
 ) -> Orbits:
     """Different orbits that Newton's method reaches from guesses."""
-    orbits = newton(
+    orbits = newton_fixed_points(
         map_, guesses, np.tile(row, (len(guesses), 1)),
-        iterate=search.period, tolerance=tolerance, bounds=search.box, worst=10.0 * _ROUGH,
+        iterate=search.period, tolerance=tolerance, box=search.box, max_error=10.0 * _ROUGH,
     )  # fmt: skip
-    return distinct(map_, orbits, row, iterate=search.period)
+    return distinct_orbits(map_, orbits, row, iterate=search.period)
 
 
 def _in_box(search: Search) -> FloatArray:
@@ -156,8 +169,8 @@ def _in_box(search: Search) -> FloatArray:
 
     What is internal is guessed from the stretches: relaxed, at the temperature outside.
     """
-    state = search.map.ensemble.field.state
-    moving = [k for k, name in enumerate(state) if name.startswith("stretch")]
+    field = search.map.ensemble.field
+    moving = field.indices(Role.COORDINATE, Role.RATE)
     counts = (_DENSE if search.dense else _SPARSE)[len(moving)]
     axes = [
         np.geomspace(low, high, n) if low > 0.0 else np.linspace(low, high, n)
@@ -166,10 +179,10 @@ def _in_box(search: Search) -> FloatArray:
     grid = np.stack([axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")], axis=1)
     guesses = np.tile(search.box.mean(axis=1), (len(grid), 1))
     guesses[:, moving] = grid
-    for k, name in enumerate(state):
-        like = f"stretch{name.rpartition('viscous_stretch')[2]}"
-        if "viscous_stretch" in name and like in state:
-            guesses[:, k] = guesses[:, state.index(like)]
+    for k in field.indices(Role.INTERNAL):
+        coordinate = field.variables[k].belongs_to
+        if coordinate is not None:
+            guesses[:, k] = guesses[:, field.state.index(coordinate)]
     return guesses
 
 
@@ -212,6 +225,6 @@ def _symmetric(search: Search, parameters: FloatArray, late: bool) -> list[Float
 
 def nearest_rest(orbits: Orbits, ens: Ensemble) -> Orbits:
     """The orbit whose point is nearest to rest, alone."""
-    rest = [float(at_rest(name, ens.values)[0]) for name in ens.field.state]
+    rest = [float(rest_values(v, ens.values, ens.count)[0]) for v in ens.field.variables]
     k = int(np.argmin(np.linalg.norm(orbits.state - rest, axis=1)))
-    return taken(orbits, np.array([k]))
+    return orbits.subset(np.array([k]))

@@ -7,18 +7,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from remanent._typing import FloatArray
-from remanent.analysis.bifurcations import Special, between, orbit_equations, special_points
-from remanent.analysis.continuation import (
+from remanent.analysis.orbits.bifurcations import SpecialPoint, find_special_points
+from remanent.analysis.orbits.continuation import ContinuationSettings, continue_curves
+from remanent.analysis.orbits.correction import correct_points, unit_tangents
+from remanent.analysis.orbits.curves import (
     Curve,
-    Equations,
-    Points,
-    Settings,
-    corrected,
-    follow,
-    joined,
-    tangents,
+    CurveEquations,
+    CurvePoints,
+    concatenate_points,
+    interpolate_curve,
 )
-from remanent.analysis.orbits import Orbits
+from remanent.analysis.orbits.orbit_equations import orbit_equations
+from remanent.analysis.orbits.periodic_orbits import Orbits
 from remanent.studies.orbits._period_map import StroboscopicMap
 from remanent.studies.orbits._search import Search, all_orbits
 
@@ -35,7 +35,7 @@ class Branch:
     """A branch with its special points."""
 
     curve: Curve
-    special: list[Special]
+    special: list[SpecialPoint]
 
 
 @dataclass(frozen=True)
@@ -51,16 +51,16 @@ class Tracing:
     conservative: bool
 
     @property
-    def equations(self) -> Equations:
+    def equations(self) -> CurveEquations:
         return orbit_equations(self.map, self.period)
 
     @property
-    def settings(self) -> Settings:
+    def settings(self) -> ContinuationSettings:
         lower, upper = (np.append(self.box[:, k], self.bounds[k]) for k in (0, 1))
         scale = np.append(np.ones(len(self.box)), self.bounds[1] - self.bounds[0])
-        return Settings(
-            lower, upper, scale, step=_STEP, longest=_LONGEST, tolerance=0.1 * self.tolerance,
-            most=self.most,
+        return ContinuationSettings(
+            lower, upper, scale, first_step=_STEP, max_step=_LONGEST,
+            tolerance=0.1 * self.tolerance, max_points=self.most,
         )  # fmt: skip
 
 
@@ -79,15 +79,17 @@ def through(tracing: Tracing, orbits: Orbits, values: FloatArray) -> list[Branch
     here = equations(unknown)
     along = np.zeros(unknown.shape)
     along[:, -1] = 1.0
-    starts = Points(
+    starts = CurvePoints(
         unknown,
-        tangents(here.derivative, along, settings.scale),
+        unit_tangents(here.derivative, along, settings.scale),
         np.abs(here.value).max(axis=1),
         here.error,
         here.extra,
     )
     block = _ALONE if len(values) == 1 else _TOGETHER
-    curves = follow(equations, starts, Settings(**{**vars(settings), "block": block}))
+    curves = continue_curves(
+        equations, starts, ContinuationSettings(**{**vars(settings), "block": block})
+    )
     kept: list[Curve] = []
     for curve, start in zip(curves, unknown, strict=True):
         if not any(passes(other, start, settings.scale) for other in kept):
@@ -95,7 +97,7 @@ def through(tracing: Tracing, orbits: Orbits, values: FloatArray) -> list[Branch
     return [
         Branch(
             curve,
-            special_points(
+            find_special_points(
                 equations,
                 curve.points,
                 scale=settings.scale,
@@ -139,23 +141,25 @@ def passes(curve: Curve, point: FloatArray, scale: FloatArray) -> bool:
     part = (np.einsum("ij,ij->i", away, chord) / square).clip(0.0, 1.0)
     distance = np.linalg.norm(away - part[:, None] * chord, axis=1)
     nearest = np.argsort(distance)[:3]
-    guess, _ = between(points, nearest, part[nearest], scale)
+    guess, _ = interpolate_curve(points, nearest, part[nearest], scale)
     return bool((np.linalg.norm((guess - point) / scale, axis=1) < _ON).any())
 
 
-def _clipped(equations: Equations, curve: Curve, settings: Settings) -> Curve:
+def _clipped(equations: CurveEquations, curve: Curve, settings: ContinuationSettings) -> Curve:
     """The curve up to the bounds exactly, where it left them."""
     points = curve.points
     if curve.ends[1] == "bounds":
         points = _end_on_bounds(equations, points, settings)
     if curve.ends[0] == "bounds":
-        turned = points.taken(np.arange(len(points))[::-1])
+        turned = points.subset(np.arange(len(points))[::-1])
         points = _end_on_bounds(equations, turned, settings)
-        points = points.taken(np.arange(len(points))[::-1])
+        points = points.subset(np.arange(len(points))[::-1])
     return Curve(points, curve.closed, curve.ends)
 
 
-def _end_on_bounds(equations: Equations, points: Points, settings: Settings) -> Points:
+def _end_on_bounds(
+    equations: CurveEquations, points: CurvePoints, settings: ContinuationSettings
+) -> CurvePoints:
     """Move the last point back to where the curve crosses the bounds."""
     if len(points) < 2:
         return points
@@ -169,10 +173,10 @@ def _end_on_bounds(equations: Equations, points: Points, settings: Settings) -> 
     guess[i] = wall[i]
     across = np.zeros((1, last.size))
     across[0, i] = 1.0
-    end, reached = corrected(
+    end, reached = correct_points(
         equations, guess[None], across, scale=settings.scale, tolerance=settings.tolerance
     )
-    inner = points.taken(slice(0, -1))
+    inner = points.subset(slice(0, -1))
     side = np.sign(end.tangent[0] @ inner.tangent[-1])
     end = replace(end, tangent=side * end.tangent)
-    return joined([inner, end]) if reached[0] else inner
+    return concatenate_points([inner, end]) if reached[0] else inner

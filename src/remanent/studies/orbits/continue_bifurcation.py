@@ -11,15 +11,16 @@ import xarray as xr
 from remanent._checks import require_choice
 from remanent._errors import InputError
 from remanent._typing import ArrayLike
-from remanent.analysis.bifurcations import special_equations
-from remanent.analysis.continuation import Settings, corrected, follow
-from remanent.models.actuator import Actuator
+from remanent.analysis.orbits.continuation import ContinuationSettings, continue_curves
+from remanent.analysis.orbits.correction import correct_points
+from remanent.analysis.orbits.orbit_equations import bifurcation_equations
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.results import build, provenance
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.durations import require_count, require_periods
-from remanent.studies.ensemble.ensemble import ensemble
+from remanent.studies.ensemble.layout import lay_out
 from remanent.studies.orbits._period_map import StroboscopicMap
 from remanent.studies.orbits._search import box_of, require_isolated
 from remanent.studies.orbits.continue_orbit import parameter_bounds
@@ -28,7 +29,7 @@ _KINDS = ("fold", "period doubling")
 
 
 def continue_bifurcation(
-    system: Actuator,
+    system: System,
     drive: Drive,
     kind: str,
     parameters: Sequence[str],
@@ -98,15 +99,17 @@ def continue_bifurcation(
         "orbit_period", orbit_period, "Orbits close after whole drive periods."
     )
     most = require_count("max_points", max_points, "A curve is made of points.")
-    ens = ensemble(system, drive)
+    ens = lay_out(system, drive)
     require_periods(ens)
     require_isolated(ens)
     if len(parameters) != 2 or len(parameter_ranges) != 2 or parameters[0] == parameters[1]:
         raise InputError(
-            "parameters", "be two different fields, with a pair of bounds each",
-            (parameters, parameter_ranges), "A curve lies in a plane.",
-            "Pass for example ('omega', 'b').",
-        )  # fmt: skip
+            "parameters",
+            must="be two different fields, with a pair of bounds each",
+            got=(parameters, parameter_ranges),
+            why="A curve lies in a plane.",
+            fix="Pass for example ('omega', 'b').",
+        )
     limits = [
         parameter_bounds(n, b, ens) for n, b in zip(parameters, parameter_ranges, strict=True)
     ]
@@ -114,26 +117,32 @@ def continue_bifurcation(
     lower, upper = np.concatenate([box, np.array(limits)]).T
     scale = np.concatenate([np.ones(len(box)), np.ptp(np.array(limits), axis=1)])
     map_ = StroboscopicMap(ens, tuple(parameters), min(0.01 * tolerance, 1e-10))
-    equations = special_equations(map_, orbit_period, kind, scale)
+    equations = bifurcation_equations(map_, orbit_period, kind, scale)
     own = [float(ens.values[name][0]) for name in parameters]
     guess = np.concatenate([np.asarray(initial, dtype=float).ravel(), own])[None]
     if guess.shape[1] != scale.size:
         raise InputError(
-            "initial", f"be {len(box)} numbers", repr(initial),
-            "It is a state at phase 0.", "Take it from the special points of a branch.",
-        )  # fmt: skip
+            "initial",
+            must=f"be {len(box)} numbers",
+            got=repr(initial),
+            why="It is a state at phase 0.",
+            fix="Take it from the special points of a branch.",
+        )
     held = np.zeros(guess.shape)
     held[0, -1] = 1.0
-    points, reached = corrected(equations, guess, held, scale=scale, tolerance=tolerance)
+    points, reached = correct_points(equations, guess, held, scale=scale, tolerance=tolerance)
     if not reached[0]:
         raise InputError(
-            "initial", f"be near a {kind}", (repr(initial), own),
-            "Newton's method found none from it.",
-            "Pass the state and parameters of a special point of a branch.",
-        )  # fmt: skip
-    settings = Settings(lower, upper, scale, step=0.005, longest=0.02, tolerance=tolerance,
-                        most=most)  # fmt: skip
-    (curve,) = follow(equations, points, settings)
+            "initial",
+            must=f"be near a {kind}",
+            got=(repr(initial), own),
+            why="Newton's method found none from it.",
+            fix="Pass the state and parameters of a special point of a branch.",
+        )
+    settings = ContinuationSettings(
+        lower, upper, scale, first_step=0.005, max_step=0.02, tolerance=tolerance, max_points=most
+    )
+    (curve,) = continue_curves(equations, points, settings)
     some, d = curve.points, len(box)
     columns = {
         **{name: some.unknown[:, d + k] for k, name in enumerate(parameters)},

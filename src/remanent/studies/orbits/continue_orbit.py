@@ -14,16 +14,17 @@ from remanent._checks import require_choice
 from remanent._errors import InputError
 from remanent._status import Status
 from remanent._typing import ArrayLike, FloatArray
-from remanent.analysis.orbits import Orbits, newton
-from remanent.integrate.ensemble.ensemble import Progress
-from remanent.models.actuator import Actuator
+from remanent.analysis.orbits.periodic_orbits import Orbits, newton_fixed_points
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.results import build, provenance
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.durations import require_count, require_periods
-from remanent.studies.ensemble.ensemble import Ensemble, Over, ensemble
-from remanent.studies.orbits._period_map import DIMENSIONS, StroboscopicMap, at
+from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.layout import Over, lay_out
+from remanent.studies.ensemble.progress import Progress, as_progress
+from remanent.studies.orbits._period_map import DIMENSIONS, StroboscopicMap
 from remanent.studies.orbits._search import (
     Search,
     all_orbits,
@@ -37,7 +38,7 @@ from remanent.studies.orbits.periodic_orbits import described
 
 
 def continue_orbit(
-    system: Actuator,
+    system: System,
     drive: Drive,
     parameter: str,
     parameter_range: ArrayLike,
@@ -100,7 +101,7 @@ def continue_orbit(
     >>> ds.special_kind.values.tolist(), float(ds.special_omega[0].round(4))
     (['fold'], 1.2668)
     """
-    ens = ensemble(system, drive)
+    ens = lay_out(system, drive)
     low, high = parameter_bounds(parameter, parameter_range, ens)
     tracing = trace_with(
         ens, parameter, (low, high), state_box, orbit_period, max_points, tolerance
@@ -108,7 +109,7 @@ def continue_orbit(
     value = float(ens.values[parameter][0])
     orbit = _start(tracing, initial, value)
     branches = through(tracing, orbit, np.array([value]))
-    found = [describe_branches(at(ens, 0), branches, parameter, orbit_period)]
+    found = [describe_branches(ens.member(0), branches, parameter, orbit_period)]
     settings = {
         "parameter": parameter,
         "parameter_range": (low, high),
@@ -118,7 +119,7 @@ def continue_orbit(
 
 
 def response_diagram(
-    system: Actuator,
+    system: System,
     drive: Drive,
     omega_range: ArrayLike,
     *,
@@ -128,7 +129,7 @@ def response_diagram(
     slices: int = 9,
     max_points: int = 2000,
     tolerance: float = 1e-9,
-    progress: Progress | None = None,
+    progress: Progress = None,
 ) -> xr.Dataset:
     """All branches of forced response over the drive's frequency, stable and unstable.
 
@@ -172,13 +173,14 @@ def response_diagram(
     [1.2668]
     """
     whole = dict(over or {})
-    ens = ensemble(system, drive, whole, reserved=DIMENSIONS)
+    ens = lay_out(system, drive, whole, reserved=DIMENSIONS)
     low, high = parameter_bounds("omega", omega_range, ens)
     slices = require_count("slices", slices, "Orbits are looked for at each of them.")
+    report = as_progress(progress)
     done: list[int] = []
 
     def one(k: int) -> dict[str, Any]:
-        own = at(ens, k)
+        own = ens.member(k)
         if ens.invalid[k]:
             return {}
         own.values["omega"] = np.array([0.5 * (low + high)])
@@ -189,8 +191,8 @@ def response_diagram(
         search = Search(tracing.map, tracing.box, orbit_period, tolerance, symmetric, dense=False)
         found = describe_branches(own, everywhere(tracing, search, slices), "omega", orbit_period)
         done.append(k)
-        if progress is not None:
-            progress(len(done) / ens.count)
+        if report is not None:
+            report(len(done) / ens.count)
         return found
 
     with ThreadPoolExecutor(min(os.cpu_count() or 1, ens.count)) as pool:
@@ -205,16 +207,22 @@ def parameter_bounds(parameter: str, bounds: ArrayLike, ens: Ensemble) -> tuple[
     pair = np.asarray(bounds, dtype=float)
     if pair.shape != (2,) or not np.isfinite(pair).all() or not pair[0] < pair[1]:
         raise InputError(
-            "parameter_range", f"be the lowest and the highest value of {parameter}", repr(bounds),
-            "A branch is followed between them.", "Pass two increasing numbers.",
-        )  # fmt: skip
+            "parameter_range",
+            must=f"be the lowest and the highest value of {parameter}",
+            got=repr(bounds),
+            why="A branch is followed between them.",
+            fix="Pass two increasing numbers.",
+        )
     for value in pair:
         broken = ens.system.invalid({parameter: value}) | ens.drive.invalid({parameter: value})
         if broken.any():
             raise InputError(
-                "parameter_range", f"be possible values of {parameter}", float(value),
-                "Orbits are computed up to them.", "Pass values within the field's own range.",
-            )  # fmt: skip
+                "parameter_range",
+                must=f"be possible values of {parameter}",
+                got=float(value),
+                why="Orbits are computed up to them.",
+                fix="Pass values within the field's own range.",
+            )
     return float(pair[0]), float(pair[1])
 
 
@@ -247,9 +255,12 @@ def _start(tracing: Tracing, start: ArrayLike | None, value: float) -> Orbits:
     ens, (low, high) = tracing.map.ensemble, tracing.bounds
     if not low <= value <= high:
         raise InputError(
-            "parameter_range", f"include the field's own value, {value:g}", (low, high),
-            "The branch starts there.", "Change the drive or the actuator, or the bounds.",
-        )  # fmt: skip
+            "parameter_range",
+            must=f"include the field's own value, {value:g}",
+            got=(low, high),
+            why="The branch starts there.",
+            fix="Change the drive or the actuator, or the bounds.",
+        )
     if start is None:
         symmetric = is_symmetric(ens.system, ens.drive)
         search = Search(tracing.map, tracing.box, tracing.period, tracing.tolerance, symmetric)
@@ -259,19 +270,25 @@ def _start(tracing: Tracing, start: ArrayLike | None, value: float) -> Orbits:
         guess = np.asarray(start, dtype=float).reshape(1, -1)
         if guess.shape[1] != tracing.map.dimension:
             raise InputError(
-                "start", f"be {tracing.map.dimension} numbers", repr(start),
-                "It is a state at phase 0.", "Take one from periodic_orbits.",
-            )  # fmt: skip
-        orbits = newton(
+                "start",
+                must=f"be {tracing.map.dimension} numbers",
+                got=repr(start),
+                why="It is a state at phase 0.",
+                fix="Take one from periodic_orbits.",
+            )
+        orbits = newton_fixed_points(
             tracing.map, guess, np.array([[value]]), iterate=tracing.period,
-            tolerance=tracing.tolerance, bounds=tracing.box,
+            tolerance=tracing.tolerance, box=tracing.box,
         )  # fmt: skip
         why = "Newton's method reached none from it."
     if not orbits.residual.size:
         raise InputError(
-            "start", "be near a periodic orbit", repr(start), why,
-            "Widen `state_bounds`, or take a state from periodic_orbits.",
-        )  # fmt: skip
+            "start",
+            must="be near a periodic orbit",
+            got=repr(start),
+            why=why,
+            fix="Widen `state_bounds`, or take a state from periodic_orbits.",
+        )
     return nearest_rest(orbits, ens) if start is None else orbits
 
 

@@ -11,16 +11,17 @@ from remanent._checks import require_choice
 from remanent._errors import InputError
 from remanent._status import Status
 from remanent._typing import ArrayLike, BoolArray, FloatArray
-from remanent.analysis.bifurcations import special_equations
-from remanent.analysis.continuation import corrected
-from remanent.analysis.maps import Mapped
-from remanent.models.actuator import Actuator
+from remanent.analysis.orbits.correction import correct_points
+from remanent.analysis.orbits.maps import MapImage
+from remanent.analysis.orbits.orbit_equations import bifurcation_equations
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.results import build, provenance
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.durations import require_count, require_periods
-from remanent.studies.ensemble.ensemble import Ensemble, Over, ensemble
+from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.layout import Over, lay_out
 from remanent.studies.orbits._period_map import StroboscopicMap
 
 _KINDS = ("fold", "period doubling")
@@ -29,7 +30,7 @@ _STAGES = 4
 
 
 def locate_bifurcation(
-    system: Actuator,
+    system: System,
     drive: Drive,
     kind: str,
     parameter: str,
@@ -88,29 +89,39 @@ def locate_bifurcation(
     orbit_period = require_count(
         "orbit_period", orbit_period, "Orbits close after whole drive periods."
     )
-    single = ensemble(system, drive)
+    single = lay_out(system, drive)
     require_periods(single)
     require_choice("parameter", parameter, list(single.values))
-    ens = ensemble(system, drive, over)
+    ens = lay_out(system, drive, over)
     if over and parameter in over:
         raise InputError(
-            "over", f"not name {parameter}", repr(parameter), "It is adjusted.", "Leave it out."
+            "over",
+            must=f"not name {parameter}",
+            got=repr(parameter),
+            why="It is adjusted.",
+            fix="Leave it out.",
         )
     state = np.asarray(initial, dtype=float).ravel()
     d = len(single.field.state)
     if state.shape != (d,) or not np.isfinite(state).all():
         raise InputError(
-            "initial", f"be {d} numbers", repr(initial),
-            "It is a state at phase 0.", "Take it from the special points of a branch.",
-        )  # fmt: skip
+            "initial",
+            must=f"be {d} numbers",
+            got=repr(initial),
+            why="It is a state at phase 0.",
+            fix="Take it from the special points of a branch.",
+        )
     unknown, residual, error, reached = _found(
         single, ens, kind, parameter, state, orbit_period, tolerance
     )
     if not ens.sizes and not reached[0]:
         raise InputError(
-            "initial", f"be near a {kind}", repr(initial), "Newton's method found none from it.",
-            "Pass the state and the parameter of a special point of a branch.",
-        )  # fmt: skip
+            "initial",
+            must=f"be near a {kind}",
+            got=repr(initial),
+            why="Newton's method found none from it.",
+            fix="Pass the state and the parameter of a special point of a branch.",
+        )
     columns = {parameter: unknown[:, d], f"{parameter}_error": error, "residual": residual}
     columns |= {name: unknown[:, k] for k, name in enumerate(ens.field.state)}
     variables: dict[str, Labelled] = {
@@ -150,8 +161,8 @@ def _found(
     held = np.tile(np.eye(size)[-1], (valid.size, 1))
     for share in np.linspace(0.0, 1.0, _STAGES + 1) if fields else [0.0]:
         numbered = _Numbered(map_, begin + share * (ends - begin))
-        equations = special_equations(numbered, period, kind, scale)
-        points, reached = corrected(equations, guess, held, scale=scale, tolerance=tolerance)
+        equations = bifurcation_equations(numbered, period, kind, scale)
+        points, reached = correct_points(equations, guess, held, scale=scale, tolerance=tolerance)
         guess = np.where(reached[:, None], points.unknown, guess)
     square = equations(points.unknown).derivative[:, :, :-1]
     with np.errstate(all="ignore"):
@@ -176,9 +187,9 @@ class _Numbered:
         """Number of state variables."""
         return self.map.dimension
 
-    def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> Mapped:
+    def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> MapImage:
         """Apply the map; a number next to a whole one is that, so that it has no effect."""
         own = self.fields[np.rint(parameters[:, 1]).astype(np.int64)]
         image = self.map.run(states, np.hstack([parameters[:, :1], own]), iterate)
-        slope = np.pad(image.slope[:, :, :1], ((0, 0), (0, 0), (0, 1)))
-        return Mapped(image.state, image.jacobian, slope, image.error)
+        slope = np.pad(image.parameter_jacobian[:, :, :1], ((0, 0), (0, 0), (0, 1)))
+        return MapImage(image.state, image.jacobian, slope, image.error)

@@ -10,17 +10,19 @@ import xarray as xr
 from remanent._checks import positive, require_real
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, FloatArray
-from remanent.analysis.bifurcations import orbit_equations
-from remanent.analysis.continuation import Points, corrected
-from remanent.analysis.orbits import multipliers
-from remanent.analysis.separatrix import Passage, passages, unstable
-from remanent.models.actuator import Actuator
+from remanent.analysis.orbits.correction import correct_points
+from remanent.analysis.orbits.curves import CurvePoints
+from remanent.analysis.orbits.orbit_equations import orbit_equations
+from remanent.analysis.orbits.separatrix import SaddlePassage, saddle_passages, unstable_direction
+from remanent.analysis.orbits.stability import floquet_multipliers
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.results import build, provenance
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.durations import require_count, require_periods
-from remanent.studies.ensemble.ensemble import Ensemble, ensemble
+from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.layout import lay_out
 from remanent.studies.motion.poincare_section import poincare_section
 from remanent.studies.orbits._period_map import StroboscopicMap
 from remanent.studies.orbits.continue_orbit import parameter_bounds
@@ -36,7 +38,7 @@ _WIDTH = positive("It is the width of the last bracket.", "Pass for example 1e-8
 
 
 def manifold_crossing(
-    system: Actuator,
+    system: System,
     drive: Drive,
     parameter: str,
     parameter_range: ArrayLike,
@@ -108,16 +110,19 @@ def manifold_crossing(
     width = require_real("width", width, _WIDTH)
     every = require_count("orbit_period", orbit_period, "Orbits close after whole drive periods.")
     periods = require_count("periods", periods, "The motion must have time to leave.", 3)
-    ens = ensemble(system, drive, None, initial)
+    ens = lay_out(system, drive, None, initial)
     require_periods(ens)
     low, high = parameter_bounds(parameter, parameter_range, ens)
     runs = _Runs(ens, parameter, every, periods, tolerance)
     state = runs.guess(low) if saddle is None else np.asarray(saddle, dtype=float).ravel()
     if state.size != len(ens.field.state):
         raise InputError(
-            "saddle", f"be {len(ens.field.state)} numbers", repr(saddle),
-            "It is a state at phase 0.", "Take one from periodic_orbits.",
-        )  # fmt: skip
+            "saddle",
+            must=f"be {len(ens.field.state)} numbers",
+            got=repr(saddle),
+            why="It is a state at phase 0.",
+            fix="Take one from periodic_orbits.",
+        )
     values = np.linspace(low, high, _TRIED + 2)
     length = min(_FIRST, periods)
     while True:
@@ -128,11 +133,13 @@ def manifold_crossing(
             continue
         if ends is None:
             raise InputError(
-                "parameter_range", "hold one crossing between its ends", (low, high),
-                f"From its values the motion leaves on the sides {passage.side.tolist()} "
+                "parameter_range",
+                must="hold one crossing between its ends",
+                got=(low, high),
+                why=f"From its values the motion leaves on the sides {passage.side.tolist()} "
                 "(1: the way it came, -1: beyond, 0: not decided).",
-                "Move the ends nearer to the jump, or pass more `periods`.",
-            )  # fmt: skip
+                fix="Move the ends nearer to the jump, or pass more `periods`.",
+            )
         gap = float(values[ends[1]] - values[ends[0]])
         state = points.unknown[ends[0], :-1]
         if gap <= width or gap > 0.5 * (values[-1] - values[0]):
@@ -141,7 +148,7 @@ def manifold_crossing(
             int(passage.iterate[list(ends)].max()) * orbit_period + _MORE * orbit_period, periods
         )
         values = np.linspace(values[ends[0]], values[ends[1]], _TRIED + 2)
-    there = points.taken(slice(ends[0], ends[0] + 1))
+    there = points.subset(slice(ends[0], ends[0] + 1))
     return _labelled(runs, values[ends[0]] + 0.5 * gap, gap, there, width)
 
 
@@ -175,36 +182,43 @@ class _Runs:
         saddles = found["initial"].values[found["stability"].values == "saddle"]
         if not len(saddles):
             raise InputError(
-                "bracket", "begin where there is a saddle orbit", value,
-                "Motion is told by the side on which it passes one.", "Pass `saddle`.",
-            )  # fmt: skip
+                "bracket",
+                must="begin where there is a saddle orbit",
+                got=value,
+                why="Motion is told by the side on which it passes one.",
+                fix="Pass `saddle`.",
+            )
         states, _ = self.visited(np.array([value]), min(_FIRST, self.periods))
         distance = np.linalg.norm(states[0][:, None] - saddles, axis=2)
         return np.asarray(saddles[np.nanmin(distance, axis=0).argmin()])
 
-    def passed(self, values: FloatArray, state: FloatArray, length: int) -> tuple[Points, Passage]:
+    def passed(
+        self, values: FloatArray, state: FloatArray, length: int
+    ) -> tuple[CurvePoints, SaddlePassage]:
         """The saddle at each value, and how the motion passes it."""
         map_ = StroboscopicMap(self.ens, (self.parameter,), 0.1 * _RESIDUAL)
         guess = np.column_stack([np.tile(state, (values.size, 1)), values])
         held = np.zeros(guess.shape)
         held[:, -1] = 1.0
-        points, reached = corrected(
+        points, reached = correct_points(
             orbit_equations(map_, self.period), guess, held,
             scale=np.ones(guess.shape[1]), tolerance=_RESIDUAL,
         )  # fmt: skip
         jacobian = points.extra["jacobian"]
-        if not reached.all() or not unstable(jacobian)[2].all():
+        if not reached.all() or not unstable_direction(jacobian)[2].all():
             raise InputError(
-                "saddle", "be near a saddle orbit throughout the bracket", state.tolist(),
-                "Newton's method reached none, or another kind of orbit.",
-                "Pass a narrower bracket, or a saddle's state from periodic_orbits.",
-            )  # fmt: skip
+                "saddle",
+                must="be near a saddle orbit throughout the bracket",
+                got=state.tolist(),
+                why="Newton's method reached none, or another kind of orbit.",
+                fix="Pass a narrower bracket, or a saddle's state from periodic_orbits.",
+            )
         states, error = self.visited(values, length)
         both = error + points.error + points.residual
-        return points, passages(states, points.unknown[:, :-1], jacobian, both)
+        return points, saddle_passages(states, points.unknown[:, :-1], jacobian, both)
 
 
-def _change(passage: Passage) -> tuple[int, int] | None:
+def _change(passage: SaddlePassage) -> tuple[int, int] | None:
     """Neighbours among the decided that pass on different sides: those that come nearest.
 
     Where motion passes far from the saddle its side means little.
@@ -218,8 +232,10 @@ def _change(passage: Passage) -> tuple[int, int] | None:
     return int(decided[k]), int(decided[k + 1])
 
 
-def _labelled(runs: _Runs, value: float, gap: float, points: Points, width: float) -> xr.Dataset:
-    known, _ = multipliers(points.extra["jacobian"], points.error)
+def _labelled(
+    runs: _Runs, value: float, gap: float, points: CurvePoints, width: float
+) -> xr.Dataset:
+    known, _ = floquet_multipliers(points.extra["jacobian"], points.error)
     variables: dict[str, Labelled] = {
         runs.parameter: ((), np.array(value)),
         f"{runs.parameter}_error": ((), np.array(gap)),

@@ -11,17 +11,20 @@ import xarray as xr
 
 from remanent._status import Status
 from remanent._typing import FloatArray
-from remanent.analysis.orbits import Orbits, Stability, multipliers, stability
+from remanent.analysis.orbits.periodic_orbits import Orbits
+from remanent.analysis.orbits.stability import Stability, floquet_multipliers, orbit_stability
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Request
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.results import build, provenance
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.durations import require_count, require_periods
-from remanent.studies.ensemble.ensemble import Ensemble, Over, ensemble, problem
-from remanent.studies.orbits._period_map import DIMENSIONS, StroboscopicMap, at, spread
+from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.layout import Over, lay_out
+from remanent.studies.ensemble.problem import initial_value_problem
+from remanent.studies.orbits._period_map import DIMENSIONS, StroboscopicMap
 from remanent.studies.orbits._search import (
     Search,
     all_orbits,
@@ -35,7 +38,7 @@ _FINE, _COARSE = 1e-8, 1e-5
 
 
 def periodic_orbits(
-    system: Actuator,
+    system: System,
     drive: Drive,
     *,
     orbit_period: int = 1,
@@ -96,11 +99,11 @@ def periodic_orbits(
         "orbit_period", orbit_period, "Orbits close after whole drive periods."
     )
     require_tolerance(tolerance)
-    ens = ensemble(system, drive, over, reserved=DIMENSIONS)
+    ens = lay_out(system, drive, over, reserved=DIMENSIONS)
     require_periods(ens)
     require_isolated(ens)
     box = box_of(ens, state_box)
-    found = [_of_one(at(ens, k), box, orbit_period, tolerance) for k in range(ens.count)]
+    found = [_of_one(ens.member(k), box, orbit_period, tolerance) for k in range(ens.count)]
     return _labelled(ens, found, orbit_period, tolerance)
 
 
@@ -124,8 +127,8 @@ def described(
     varied : mapping of name to array (orbit,)
         Fields whose values differ between the orbits.
     """
-    values, errors = multipliers(orbits.jacobian, orbits.error)
-    kinds = stability(values, errors, conservative=ens.system.conservative)
+    values, errors = floquet_multipliers(orbits.jacobian, orbits.error)
+    kinds = orbit_stability(values, errors, conservative=ens.system.conservative)
     maximum, minimum = _extremes(ens, orbits.state, period, varied)
     return {
         "initial": orbits.state,
@@ -146,8 +149,8 @@ def _extremes(
     """Extremes of the thickness stretch over one period of each orbit."""
     if not len(states):
         return np.empty(0), np.empty(0)
-    some = spread(ens, states, varied)
-    asked = problem(some, period * require_periods(some))
+    some = ens.with_states(states, varied)
+    asked = initial_value_problem(some, period * require_periods(some))
     first = integrate(asked, Request(extremes=True), tolerance=_FINE)
     maximum, minimum = first.maximum, first.minimum
     missed = np.isnan(maximum)

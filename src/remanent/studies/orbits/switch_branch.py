@@ -11,14 +11,13 @@ import xarray as xr
 
 from remanent._errors import InputError
 from remanent._typing import ArrayLike
-from remanent.analysis.orbits import Orbits
-from remanent.analysis.switching import other_branch
-from remanent.models.actuator import Actuator
+from remanent.analysis.orbits.periodic_orbits import Orbits
+from remanent.analysis.orbits.switching import crossing_branch_point
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.results import provenance
 from remanent.studies.ensemble.durations import require_count
-from remanent.studies.ensemble.ensemble import ensemble
-from remanent.studies.orbits._period_map import at
+from remanent.studies.ensemble.layout import lay_out
 from remanent.studies.orbits._tracing import through
 from remanent.studies.orbits.continue_orbit import (
     describe_branches,
@@ -37,7 +36,7 @@ def switch_branch(
     branch: xr.Dataset,
     special_point: int = 0,
     *,
-    system: Actuator | None = None,
+    system: System | None = None,
     drive: Drive | None = None,
     parameter: str | None = None,
     parameter_range: ArrayLike | None = None,
@@ -56,7 +55,7 @@ def switch_branch(
         The number of one of its special points: a ``period doubling``, where the branch of
         twice the period starts, or a ``branch point``, where another of the same period does
         (the pair of orbits that break a symmetry).
-    system, drive : Actuator and Drive, optional
+    system, drive : System and Drive, optional
         Those of the branch; by default they are read from its attributes, which arithmetic
         drops.
     parameter : str, optional
@@ -111,24 +110,26 @@ def switch_branch(
     parameter = str(_given(branch, "parameter", parameter))
     parameter_range = _given(branch, "parameter_range", parameter_range)
     doubled = int(_given(branch, "orbit_period", orbit_period)) * _PERIOD_FACTORS[kind]
-    ens = ensemble(system, drive)
+    ens = lay_out(system, drive)
     limits = parameter_bounds(parameter, parameter_range, ens)
     tracing = trace_with(ens, parameter, limits, state_box, doubled, max_points, tolerance)
     names = [f"special_{name}" for name in (*ens.field.state, parameter)]
     crossing = np.array([float(branch[name].values.ravel()[number]) for name in names])
-    point = other_branch(
+    point = crossing_branch_point(
         tracing.equations, crossing, scale=tracing.settings.scale, tolerance=0.1 * tolerance
     )
     if point is None:
         raise InputError(
-            "special_point", "have another branch beside it", kind,
-            "No point of one was reached by short steps across the branch.",
-            "Look for its orbits with periodic_orbits, and start there.",
-        )  # fmt: skip
+            "special_point",
+            must="have another branch beside it",
+            got=kind,
+            why="No point of one was reached by short steps across the branch.",
+            fix="Look for its orbits with periodic_orbits, and start there.",
+        )
     z = point.unknown
     orbit = Orbits(z[:, :-1], point.extra["jacobian"], point.residual, point.error)
     branches = [
-        describe_branches(at(ens, 0), through(tracing, orbit, z[:, -1]), parameter, doubled)
+        describe_branches(ens.member(0), through(tracing, orbit, z[:, -1]), parameter, doubled)
     ]
     settings = {"parameter": parameter, "parameter_range": limits, "orbit_period": doubled}
     return label_branches(ens, branches, parameter, tolerance, settings).isel(branch=0, drop=True)
@@ -139,29 +140,37 @@ def _require_switch(branch: xr.Dataset, special_point: int) -> tuple[str, int]:
     number = require_count("special_point", special_point, "It is the number of one.", 0)
     if not isinstance(branch, xr.Dataset) or "special_kind" not in branch:
         raise InputError(
-            "branch", "have special points", type(branch).__name__,
-            "Another branch starts at one of them.", "Pass the result of continue_orbit.",
-        )  # fmt: skip
+            "branch",
+            must="have special points",
+            got=type(branch).__name__,
+            why="Another branch starts at one of them.",
+            fix="Pass the result of continue_orbit.",
+        )
     kinds = [str(kind) for kind in branch["special_kind"].values.ravel()]
     if number >= len(kinds) or kinds[number] not in _PERIOD_FACTORS:
         raise InputError(
-            "special_point", "be the number of a period doubling or of a branch point", number,
-            f"The special points are {kinds}.", "Pass the number of such a point, from 0.",
-        )  # fmt: skip
+            "special_point",
+            must="be the number of a period doubling or of a branch point",
+            got=number,
+            why=f"The special points are {kinds}.",
+            fix="Pass the number of such a point, from 0.",
+        )
     return kinds[number], number
 
 
 def _made_by(
-    branch: xr.Dataset, system: Actuator | None, drive: Drive | None
-) -> tuple[Actuator, Drive]:
+    branch: xr.Dataset, system: System | None, drive: Drive | None
+) -> tuple[System, Drive]:
     """The system and the drive of a branch, unless they are given."""
     several = provenance.varying(branch)
     if several and (system is None or drive is None):
         raise InputError(
-            "branch", "be that of one system and one drive", f"several values of {several}",
-            "A branch is followed for one value of every other field.",
-            "Select one, branch.isel(...) without drop=True, or pass system=... and drive=....",
-        )  # fmt: skip
+            "branch",
+            must="be that of one system and one drive",
+            got=f"several values of {several}",
+            why="A branch is followed for one value of every other field.",
+            fix="Select one, branch.isel(...) without drop=True, or pass system=... and drive=....",
+        )
     return (
         provenance.read_system(branch) if system is None else system,
         provenance.read_drive(branch) if drive is None else drive,
@@ -172,7 +181,10 @@ def _given(branch: xr.Dataset, name: str, value: Any) -> Any:
     """A setting of the branch: as it is given, else from the attributes."""
     if value is None and name not in branch.attrs:
         raise InputError(
-            name, "be given, or be an attribute of the branch", "neither",
-            "Arithmetic drops attributes.", f"Pass {name}=... as it was for the branch.",
-        )  # fmt: skip
+            name,
+            must="be given, or be an attribute of the branch",
+            got="neither",
+            why="Arithmetic drops attributes.",
+            fix=f"Pass {name}=... as it was for the branch.",
+        )
     return branch.attrs[name] if value is None else value

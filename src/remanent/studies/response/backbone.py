@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
+from remanent._checks import as_float_array
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, FloatArray, IntArray
 from remanent.integrate import events
@@ -12,10 +13,11 @@ from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Problem, Request
 from remanent.models.actuator import Actuator
 from remanent.models.drives.waves import Constant
-from remanent.studies.ensemble.checks import require_tolerance
+from remanent.studies.ensemble.checks import require_actuator, require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
-from remanent.studies.ensemble.ensemble import Over, ensemble, problem
+from remanent.studies.ensemble.layout import Over, lay_out, require_over
 from remanent.studies.ensemble.observables import observe
+from remanent.studies.ensemble.problem import initial_value_problem
 
 #: A half-period is looked for up to this time, then this much longer, so many times.
 _FIRST, _LONGER, _TRIES = 8.0, 4.0, 5
@@ -70,28 +72,45 @@ def backbone(
     >>> bool(abs(ds.frequency[0] - 6**0.5) < 1e-6)
     True
     """
-    require_tolerance(tolerance)
+    require_tolerance(tolerance, "the error of the state at the other turning point")
+    require_actuator("actuator", actuator)
     if not actuator.conservative or actuator.coordinates > 1:
         raise InputError(
-            "actuator", "have one coordinate, no dissipation and no heat balance", actuator,
-            "Only free oscillations of one coordinate all have a period.",
-            "Pass one number as prestress, no edges, dissipation=() and heat=None.",
-        )  # fmt: skip
-    ens = ensemble(actuator, Constant(m), {**(over or {}), "initial.stretch": np.asarray(stretch)})
+            "actuator",
+            must="have one coordinate, no dissipation and no heat balance",
+            got=actuator,
+            why="Only free oscillations of one coordinate all have a period.",
+            fix="Pass one number as prestress, no edges, dissipation=() and heat=None.",
+        )
+    require_over(over)
+    stretches = as_float_array(
+        "stretch",
+        stretch,
+        what="in-plane stretches",
+        why="An oscillation starts from each.",
+        fix="Pass for example numpy.linspace(1.01, 1.5, 50).",
+        least=1,
+    )
+    ens = lay_out(
+        actuator,
+        Constant(m),
+        {**(over or {}), "initial.stretch": stretches},
+        system_argument="actuator",
+    )
     half, error = np.full(ens.count, np.nan), np.full(ens.count, np.nan)
     duration = _FIRST
     for _ in range(_TRIES):
         missing = np.isnan(half) & ~ens.invalid
         if not missing.any():
             break
-        asked = problem(ens, np.full(ens.count, duration))
+        asked = initial_value_problem(ens, np.full(ens.count, duration))
         found, outcome = events.crossings(asked, "stretch_rate", 0.0, tolerance=tolerance)
         rows, first = np.unique(found.trajectory, return_index=True)
         acceleration = _acceleration(asked, rows, found.states[first])
         half[rows] = found.time[first]
         error[rows] = outcome.error[rows] / np.abs(acceleration)
         duration *= _LONGER
-    whole = problem(ens, np.where(np.isfinite(half), 2.0 * half, 1.0))
+    whole = initial_value_problem(ens, np.where(np.isfinite(half), 2.0 * half, 1.0))
     outcome = integrate(whole, Request(extremes=True), tolerance=tolerance)
     start = observe(whole, "energy", np.zeros((ens.count, 1)), ens.initial[:, None])[:, 0]
     with np.errstate(all="ignore"):

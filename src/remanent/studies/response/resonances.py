@@ -11,19 +11,25 @@ import xarray as xr
 
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, ComplexArray, FloatArray, IntArray
-from remanent.analysis.harmonics import harmonics, kind, resonant
+from remanent.analysis.response.harmonics import (
+    fourier_amplitudes,
+    resonance_kind,
+    resonant_harmonic,
+)
 from remanent.codegen.field import field_for
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.models.drives.waves import Constant
+from remanent.models.system import System
 from remanent.results import build, provenance
 from remanent.results.build import Labelled
+from remanent.studies.ensemble.checks import require_actuator
 from remanent.studies.ensemble.durations import require_count
-from remanent.studies.ensemble.ensemble import ensemble
+from remanent.studies.ensemble.layout import lay_out
 from remanent.studies.motion.simulate import simulate
 from remanent.studies.orbits.continue_orbit import response_diagram
 from remanent.studies.response.backbone import backbone
-from remanent.studies.statics._static_state import Body
+from remanent.studies.statics._static_state import StaticState
 from remanent.studies.statics.equilibria import equilibria
 
 #: Harmonics of the orbit that are told; samples of the orbit and of the load.
@@ -35,7 +41,7 @@ _TOLERANCE = 1e-7
 
 
 def resonances(
-    system: Actuator,
+    system: System,
     drive: Drive,
     omega_range: ArrayLike,
     *,
@@ -101,7 +107,7 @@ def resonances(
     """
     for one in orbit_periods:
         require_count("orbit_periods", one, "Orbits close after whole drive periods.")
-    _require_one_coordinate(system)
+    actuator = _require_one_coordinate(system)
     peaks = [
         peak
         for period in orbit_periods
@@ -115,7 +121,7 @@ def resonances(
         )
     ]  # fmt: skip
     peaks.sort(key=lambda peak: peak.omega)
-    described = _described(system, drive, peaks)
+    described = _described(actuator, drive, peaks)
     attributes = provenance.attributes(
         system, drive, tolerance, over=("omega",),
         parameter_range=tuple(np.asarray(omega_range, dtype=float).tolist()), slices=slices,
@@ -141,15 +147,19 @@ class _Peak:
     doubled: bool
 
 
-def _require_one_coordinate(actuator: Actuator) -> None:
-    """Refuse what has no backbone."""
+def _require_one_coordinate(system: System) -> Actuator:
+    """The actuator, refused where it has no backbone."""
+    actuator = require_actuator("system", system)
     if actuator.coordinates > 1:
         raise InputError(
-            "actuator", "have one coordinate", actuator,
-            "Resonances are named by free oscillations of the same amplitude, which two "
+            "system",
+            must="have one coordinate",
+            got=actuator,
+            why="Resonances are named by free oscillations of the same amplitude, which two "
             "coordinates have of more than one kind.",
-            "Pass one number as prestress and no edges, or read the peaks of response_diagram.",
-        )  # fmt: skip
+            fix="Pass one number as prestress and no edges, or read the peaks of response_diagram.",
+        )
+    return actuator
 
 
 def _peaks(diagram: xr.Dataset, period: int, state: Sequence[str]) -> list[_Peak]:
@@ -191,8 +201,10 @@ def _described(actuator: Actuator, drive: Drive, peaks: Sequence[_Peak]) -> dict
     amplitudes = _harmonics(actuator, drive, peaks)
     mean, load = _load(drive)
     free = _free_frequency(actuator, mean, size)
-    found = resonant(amplitudes, 2.0 * np.pi / (_lengths(drive, omega) * period), free)
-    names = [kind(found, k, peak.period, doubled=peak.doubled) for k, peak in enumerate(peaks)]
+    found = resonant_harmonic(amplitudes, 2.0 * np.pi / (_lengths(drive, omega) * period), free)
+    names = [
+        resonance_kind(found, k, peak.period, doubled=peak.doubled) for k, peak in enumerate(peaks)
+    ]
     angle = np.angle(amplitudes[np.arange(len(peaks)), found.harmonic])
     lag = np.mod(found.harmonic / period * np.angle(load) - angle, 2.0 * np.pi)
     return {
@@ -215,7 +227,9 @@ def _described(actuator: Actuator, drive: Drive, peaks: Sequence[_Peak]) -> dict
 
 def _harmonics(actuator: Actuator, drive: Drive, peaks: Sequence[_Peak]) -> ComplexArray:
     """Harmonics of the thickness stretch along each orbit, array (peak, harmonic)."""
-    found = [harmonics(_samples(actuator, drive, peak)[None], _HARMONICS)[0] for peak in peaks]
+    found = [
+        fourier_amplitudes(_samples(actuator, drive, peak)[None], _HARMONICS)[0] for peak in peaks
+    ]
     return np.array(found).reshape(len(peaks), _HARMONICS + 1)
 
 
@@ -242,7 +256,7 @@ def _load(drive: Drive) -> tuple[float, complex]:
     """Mean of the load, and its first harmonic."""
     assert drive.period is not None
     values = drive(np.arange(_SAMPLES) / _SAMPLES * drive.period)
-    found = harmonics(np.asarray(values)[None], 1)[0]
+    found = fourier_amplitudes(np.asarray(values)[None], 1)[0]
     return float(found[0].real), complex(found[1])
 
 
@@ -254,10 +268,12 @@ def _free_frequency(actuator: Actuator, mean: float, size: FloatArray) -> FloatA
     stable = rest["stretch"].values[rest["stability"].values == "stable"]
     if stable.size != 1:
         raise InputError(
-            "drive", "have a mean load with one stable equilibrium", mean,
-            "Resonances are named by the free oscillations about it.",
-            "Pass another load or prestress.",
-        )  # fmt: skip
+            "drive",
+            must="have a mean load with one stable equilibrium",
+            got=mean,
+            why="Resonances are named by the free oscillations about it.",
+            fix="Pass another load or prestress.",
+        )
     starts = float(stable[0]) * np.geomspace(1.001, _WIDEST / float(stable[0]), _FREE)
     elastic = actuator.replace(dissipation=(), heat=None)
     free = backbone(elastic, starts, m=mean, tolerance=1e-6)
@@ -269,10 +285,10 @@ def _free_frequency(actuator: Actuator, mean: float, size: FloatArray) -> FloatA
 
 def _small_oscillations(actuator: Actuator, mean: float) -> float:
     """Modulus of the eigenvalue of small oscillations about rest; NaN where there are none."""
-    ens = ensemble(actuator, Constant(mean))
+    ens = lay_out(actuator, Constant(mean))
     row = np.array([ens.values[name][0] for name in ens.field.parameters])
-    body = Body(ens.field, row, ens.initial[0]).at_rest()
+    body = StaticState(ens.field, row, ens.initial[0]).relax()
     if body is None:
         return np.nan
-    values = np.linalg.eigvals(body.linear()[0])
+    values = np.linalg.eigvals(body.linearised()[0])
     return max((abs(complex(s)) for s in values if s.imag > 0.0), default=np.nan)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import root
 
-from remanent._field import Field
+from remanent._field import Field, Role
 from remanent._typing import FloatArray
 
 _STEP = 1e-100
@@ -17,7 +17,7 @@ _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(24)
 
 
 @dataclass(frozen=True)
-class Body:
+class StaticState:
     """The field of an actuator under a constant load, for one set of its parameters.
 
     Attributes
@@ -37,36 +37,32 @@ class Body:
     @cached_property
     def free(self) -> list[int]:
         """State variables that rest determines: stretches and internal variables."""
-        held = {"body_temperature"}
-        return [
-            k
-            for k, name in enumerate(self.field.state)
-            if not name.endswith("_rate") and name not in held
-        ]
+        return self.field.indices(Role.COORDINATE, Role.INTERNAL)
 
     @cached_property
     def moving(self) -> list[int]:
         """Those and the rates of stretches."""
-        return [k for k, name in enumerate(self.field.state) if name != "body_temperature"]
+        return self.field.indices(Role.COORDINATE, Role.RATE, Role.INTERNAL)
 
     @cached_property
     def balanced(self) -> list[int]:
         """State variables whose rates vanish at rest by a balance, not by definition."""
-        names = self.field.state
-        return [k for k in self.moving if f"{names[k]}_rate" not in names]
+        variables = [self.field.variables[k] for k in self.moving]
+        has_rate = {v.belongs_to for v in variables if v.role is Role.RATE}
+        return [k for k, v in zip(self.moving, variables, strict=True) if v.name not in has_rate]
 
     @property
     def load(self) -> float:
         """The magnetic load."""
         return float(self.parameters[self.field.parameters.index("m")])
 
-    def at_load(self, load: float) -> Body:
+    def at_load(self, load: float) -> StaticState:
         """The same under another load."""
         values = self.parameters.copy()
         values[self.field.parameters.index("m")] = load
         return replace(self, parameters=values)
 
-    def at_target(self, thickness: float) -> Body | None:
+    def at_thickness(self, thickness: float) -> StaticState | None:
         """The body at rest at a thickness stretch, under the load for it, if there is one."""
 
         def unbalance(u: FloatArray) -> FloatArray:
@@ -83,7 +79,7 @@ class Body:
             return None
         return self.at_load(float(found.x[-1]))._at(found.x[:-1])
 
-    def at_rest(self) -> Body | None:
+    def relax(self) -> StaticState | None:
         """The body at the state of rest near its own, under its load, if there is one."""
 
         def unbalance(u: FloatArray) -> FloatArray:
@@ -103,7 +99,7 @@ class Body:
         compliance = np.linalg.solve(self._jacobian(u), np.eye(len(u))[-1])[-1]
         return float(compliance * self._conjugate())
 
-    def linear(self) -> tuple[FloatArray, FloatArray]:
+    def linearised(self) -> tuple[FloatArray, FloatArray]:
         """Derivatives of the rates by the moving state variables, and by the load."""
         moved = [self._rates(k) for k in self.moving]
         column = 1 + len(self.state) + self.field.parameters.index("m")
@@ -126,8 +122,8 @@ class Body:
         inputs = [0.0, *self.state, *self.parameters]
         return float(self.field.observables["thickness_stretch"](inputs, functions=np)[0])
 
-    def _at(self, free: FloatArray) -> Body:
-        state = np.where([n.endswith("_rate") for n in self.field.state], 0.0, self.state)
+    def _at(self, free: FloatArray) -> StaticState:
+        state = np.where([r is Role.RATE for r in self.field.roles], 0.0, self.state)
         state[self.free] = free
         return replace(self, state=state)
 
