@@ -49,6 +49,13 @@ def branch() -> xr.Dataset:
 
 
 @cache
+def forced() -> xr.Dataset:
+    """A branch with period doublings."""
+    body, drive = rm.Actuator(dissipation=rm.Rayleigh(0.01)), rm.SineSquared(0.8, 2.4)
+    return rm.continue_orbit(body, drive, "omega", (2.25, 2.45))
+
+
+@cache
 def measure() -> rm.Measure:
     return rm.Measure(rm.equilibria, BODY, 0.16, of="turning_upper")
 
@@ -128,7 +135,7 @@ SOUND: Mapping[str, Callable[[], dict[str, Any]]] = {
         "actuator": rm.Actuator(prestress=2.2), "parameter": "m", "parameter_range": (1.0, 4.0),
     },
     "step_response": lambda: {"system": DAMPED, "drive": STEP, "duration": 5.0},
-    "switch_branch": lambda: {"branch": branch(), "actuator": HOT, "drive": DRIVE},
+    "switch_branch": lambda: {"branch": forced(), "max_points": 2},
     "symmetry_check": lambda: {"system": DAMPED, "drive": DRIVE, "periods": 50},
     "to_si": lambda: {"dataset": rm.simulate(SIZED, DRIVE, duration=1.0)},
     "uncertainty": lambda: {
@@ -228,7 +235,7 @@ BAD: Mapping[str, tuple[Any, ...]] = {
     "slices": NO_COUNT,
     "smallest": (*NO_NUMBER, -1.0, 1.0),
     "sobol": (1.0, "yes", [], object()),
-    "special": ("1", NAN, -1, 1.5, [], True, 99),
+    "special_point": ("1", NAN, -1, 1.5, [], True, 99),
     "state_box": NO_BOX,
     "step": (*NO_NUMBER, 0.0, -1.0),
     "stretch": ("text", [], [1j], ["1"], [None], {}, object()),

@@ -11,7 +11,7 @@ from typing import Any, Final, TypeVar
 import numpy as np
 import xarray as xr
 
-from remanent._checks import positive, require_real, shortened
+from remanent._checks import positive, require_instance, require_real, shortened
 from remanent._errors import InputError
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
@@ -121,6 +121,7 @@ def rescale(
     if drive is None and provenance.has_drive(dataset):
         drive = provenance.read_drive(dataset)
     if drive is not None:
+        require_instance("drive", drive, Drive, "Constant(0.1)")
         scaled.attrs.update(provenance.described("drive", _changed(drive, ratio, target)))
     return scaled
 

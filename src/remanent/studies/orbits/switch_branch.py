@@ -107,9 +107,14 @@ def switch_branch(
     """
     kind, number = _require_switch(branch, special_point)
     system, drive = _made_by(branch, system, drive)
-    parameter = str(_given(branch, "parameter", parameter))
+    parameter = _given(branch, "parameter", parameter)
     parameter_range = _given(branch, "parameter_range", parameter_range)
-    doubled = int(_given(branch, "orbit_period", orbit_period)) * _PERIOD_FACTORS[kind]
+    single = require_count(
+        "orbit_period",
+        _given(branch, "orbit_period", orbit_period),
+        "Orbits close after whole drive periods.",
+    )
+    doubled = single * _PERIOD_FACTORS[kind]
     ens = lay_out(system, drive)
     limits = parameter_bounds(parameter, parameter_range, ens)
     tracing = trace_with(ens, parameter, limits, state_box, doubled, max_points, tolerance)
