@@ -23,9 +23,10 @@ from tests.unit.integrate.handmade import COSINE, Oscillator, Q, V, turning
 
 from remanent._typing import FloatArray, IntArray
 from remanent.analysis.regimes.collection import state_observables
-from remanent.analysis.regimes.decision import RegimeProblem, decide_regimes
+from remanent.analysis.regimes.decision import decide_regimes
 from remanent.analysis.regimes.labels import Regime
 from remanent.analysis.regimes.long_runs import LongRun, TangentMap, propagate_tangents
+from remanent.analysis.regimes.problem import RegimeProblem
 from remanent.integrate.maps.advance import Advancer, Step
 from remanent.integrate.maps.period_map import PeriodMap
 from remanent.models.actuator import Actuator

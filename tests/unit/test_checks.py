@@ -13,7 +13,18 @@ import xarray as xr
 from remanent._checks import as_float_array, require_increasing, require_names
 from remanent._errors import InputError
 
-MESSAGE = {"what": "numbers of a test", "why": "It is tested.", "fix": "Pass 1."}
+
+def gate(value: Any, *, ndim: int | None = None, least: int = 0, finite: bool = False) -> Any:
+    return as_float_array(
+        "x",
+        value,
+        what="numbers of a test",
+        why="It is tested.",
+        fix="Pass 1.",
+        ndim=ndim,
+        least=least,
+        finite=finite,
+    )
 
 
 @pytest.mark.parametrize(
@@ -29,7 +40,7 @@ MESSAGE = {"what": "numbers of a test", "why": "It is tested.", "fix": "Pass 1."
 )
 def test_real_numbers_pass_the_gate(value: Any) -> None:
     """Whatever holds them, they come out as an array of floats of its own."""
-    array = as_float_array("x", value, **MESSAGE)
+    array = gate(value)
     np.testing.assert_array_equal(array, [1.0, 2.0])
     assert array.dtype == np.float64
     assert not np.shares_memory(array, np.asarray(value))
@@ -55,7 +66,7 @@ def test_real_numbers_pass_the_gate(value: Any) -> None:
 def test_what_numpy_would_turn_into_numbers_in_silence_is_refused(value: Any) -> None:
     """Text, dates, None and objects, though ``float64`` arrays could be made of them."""
     with pytest.raises(InputError, match=r"^`x` must be real numbers \(numbers of a test\); got"):
-        as_float_array("x", value, **MESSAGE)
+        gate(value)
 
 
 def test_the_gate_says_what_form_it_wants() -> None:
@@ -63,7 +74,7 @@ def test_the_gate_says_what_form_it_wants() -> None:
     message = r"a sequence of finite numbers \(numbers of a test\), at least two; got"
     for value in ([1.0], [[1.0, 2.0]], [1.0, np.nan], 1.0):
         with pytest.raises(InputError, match=message):
-            as_float_array("x", value, ndim=1, least=2, finite=True, **MESSAGE)
+            gate(value, ndim=1, least=2, finite=True)
 
 
 def test_increasing_numbers_increase() -> None:

@@ -77,14 +77,11 @@ def test_a_branch_without_attributes_is_drawn_against_a_parameter_that_is_named(
     """What was followed is an attribute, omega without it; another one has to be passed."""
     branch = synthetic.fold().drop_attrs()
     other = branch.rename(omega="b", special_omega="special_b")
+    named = other.assign_attrs(parameter="b")
     labels = []
-    for dataset, named in (
-        (branch, {}),
-        (other, {"parameter": "b"}),
-        (other.assign_attrs(parameter="b"), {}),
-    ):
+    for dataset, parameter in ((branch, None), (other, "b"), (named, None)):
         axes = Figure().add_subplot()
-        plots.branch(dataset, ax=axes, **named)
+        plots.branch(dataset, parameter=parameter, ax=axes)
         labels.append(axes.get_xlabel().rpartition(", ")[2])
     assert labels == ["$\\omega$", "$b$", "$b$"]
     with pytest.raises(InputError, match="Pass parameter="):

@@ -1,4 +1,4 @@
-"""When a sampled answer to a step rises and settles: instants at which levels are passed."""
+"""When a sampled step response rises and settles: instants at which it passes levels."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 from remanent._typing import FloatArray, IntArray
 
-#: ``response(t)`` with times (case, instant) gives the answer and its rate there.
+#: ``response(t)`` with times (case, instant) gives the response and its rate there.
 Response = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 #: Newton steps from the middle between two samples, of which a period has many.
 _NEWTON_STEPS = 5
@@ -17,7 +17,7 @@ _NEWTON_STEPS = 5
 
 @dataclass(frozen=True)
 class LevelCrossings:
-    """Instants at which an answer passes levels.
+    """Instants at which a response passes levels.
 
     Attributes
     ----------
@@ -29,28 +29,51 @@ class LevelCrossings:
     rate: FloatArray
 
 
-def first_above(answer: FloatArray, level: float) -> IntArray:
-    """Number of the first sample at or above a level, -1 without one; array (case,)."""
-    above = answer >= level
+def first_above(response: FloatArray, level: float) -> IntArray:
+    """Number of the first sample at or above a level.
+
+    Parameters
+    ----------
+    response : array (case, sample)
+    level : float
+
+    Returns
+    -------
+    array (case,) of int
+        -1 where there is none.
+    """
+    above = response >= level
     return np.where(above.any(axis=1), above.argmax(axis=1), -1)
 
 
-def last_outside(answer: FloatArray, low: float, high: float) -> IntArray:
-    """Number of the last sample outside a band, -1 without one; array (case,)."""
-    outside = ~((answer >= low) & (answer <= high))
-    last = answer.shape[1] - 1 - outside[:, ::-1].argmax(axis=1)
+def last_outside(response: FloatArray, low: float, high: float) -> IntArray:
+    """Number of the last sample outside a band.
+
+    Parameters
+    ----------
+    response : array (case, sample)
+    low, high : float
+        Ends of the band, which belong to it.
+
+    Returns
+    -------
+    array (case,) of int
+        -1 where there is none.
+    """
+    outside = ~((response >= low) & (response <= high))
+    last = response.shape[1] - 1 - outside[:, ::-1].argmax(axis=1)
     return np.where(outside.any(axis=1), last, -1)
 
 
 def level_crossings(
     response: Response, times: FloatArray, before: IntArray, levels: FloatArray
 ) -> LevelCrossings:
-    """Where an answer passes levels between a sample and the next, by Newton's method.
+    """Where a response passes levels between a sample and the next, by Newton's method.
 
     Parameters
     ----------
     response : callable
-        Of times (case, instant): the answer and its rate.
+        Of times (case, instant): its values and its rates.
     times : array (case, sample)
     before : array (case, instant) of int
         Number of the sample before the passage; out of range where there is none.
@@ -63,8 +86,8 @@ def level_crossings(
     t = 0.5 * (low + high)
     rate = np.ones_like(t)
     for _ in range(_NEWTON_STEPS):
-        answer, rate = response(t)
+        value, rate = response(t)
         with np.errstate(all="ignore"):
-            moved = t - (answer - levels) / rate
+            moved = t - (value - levels) / rate
         t = np.where(np.isfinite(moved), moved, t).clip(low, high)
     return LevelCrossings(np.where(bracketed, t, np.nan), np.where(bracketed, rate, np.nan))

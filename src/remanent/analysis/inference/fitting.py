@@ -220,6 +220,7 @@ def profile_interval(
     rest = best.estimate[free]
 
     def excess(value: float) -> float:
+        # The other parameters start from their best values at the place before.
         nonlocal rest
 
         def held(x: FloatArray) -> FloatArray:

@@ -14,9 +14,10 @@ from remanent.analysis.regimes.evidence import EvidenceTable
 from remanent.analysis.regimes.labels import Regime
 from remanent.analysis.regimes.thresholds import Thresholds
 
-#: ``rule(evidence, damped, periods, thresholds)`` says of each orbit whether it is of the
-#: regime, and by what factor the evidence clears its threshold.
-Rule = Callable[[EvidenceTable, BoolArray, int, Thresholds], tuple[BoolArray, FloatArray]]
+#: ``rule(evidence, damped, periods, thresholds)`` of a table, an array (orbit,) of bool that says
+#: where motion contracts, and the length of the run.  It says of each orbit whether it is of the
+#: regime, and by what factor the evidence clears its threshold: arrays (orbit,).
+RegimeRule = Callable[[EvidenceTable, BoolArray, int, Thresholds], tuple[BoolArray, FloatArray]]
 
 
 def is_periodic(
@@ -73,9 +74,10 @@ def is_chaotic(
     return chaotic, np.minimum(significance, e.growth / least_growth)
 
 
-#: The rule of each regime; where several hold, the last one decides.
-Rules = Sequence[tuple[Regime, Rule]]
-RULES: Rules = (
+#: Rules in the order in which they are asked; where several hold, the last one decides.
+RegimeRules = Sequence[tuple[Regime, RegimeRule]]
+#: The rule of each regime.
+RULES: RegimeRules = (
     (Regime.PERIODIC, is_periodic),
     (Regime.QUASI_PERIODIC, is_quasi_periodic),
     (Regime.CHAOTIC, is_chaotic),
@@ -104,7 +106,7 @@ def regime_of_run(
     damped: BoolArray,
     periods: int,
     thresholds: Thresholds,
-    rules: Rules = RULES,
+    rules: RegimeRules = RULES,
 ) -> tuple[IntArray, FloatArray]:
     """The regime that one run speaks for, and the margin, arrays (orbit,)."""
     count = evidence.exponent.size
@@ -123,7 +125,7 @@ def agreed_regime(
     damped: BoolArray,
     periods: int,
     thresholds: Thresholds | None = None,
-    rules: Rules = RULES,
+    rules: RegimeRules = RULES,
 ) -> tuple[IntArray, FloatArray]:
     """The regime that runs at all tolerances agree on, and the margin.
 

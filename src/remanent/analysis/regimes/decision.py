@@ -10,91 +10,22 @@ one.  :func:`decide_regimes` names them in order; a new step goes between two of
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from remanent._typing import BoolArray, FloatArray, IntArray
-from remanent.analysis.regimes.agreement import RULES, Rules, agreed_regime
-from remanent.analysis.regimes.collection import (
-    INDICATORS,
-    Observables,
-    collect_evidence,
-    state_observables,
-)
+from remanent._typing import FloatArray, IntArray
 from remanent.analysis.regimes.evidence import EvidenceTable
 from remanent.analysis.regimes.labels import Regime, RegimeLabels
 from remanent.analysis.regimes.limit_orbits import IterateMap, settling_periods
 from remanent.analysis.regimes.long_runs import LongRun
-from remanent.analysis.regimes.orbit_batch import Indicator
-from remanent.analysis.regimes.thresholds import Thresholds
-from remanent.analysis.regimes.transients import LOOSEST, RunAtTolerance, chaos_lasts
+from remanent.analysis.regimes.problem import RegimeProblem
+from remanent.analysis.regimes.transients import LOOSEST, chaos_lasts
 
 #: An orbit that returns worse than this, relative to its extent, is not settling yet.
 _MAX_SETTLING_DEFECT = 0.5
 #: An orbit that returns better than this, relative to its extent, has settled.
 _MAX_SETTLED_DEFECT = 1e-10
-
-
-@dataclass(frozen=True)
-class RegimeProblem:
-    """The orbits whose regime is asked for, and how they are looked at.
-
-    Attributes
-    ----------
-    run : RunAtTolerance
-        Follows some of the orbits at one of three tolerances.
-    count : int
-        How many orbits there are.
-    damped : array (orbit,) of bool
-        Where motion contracts.
-    iterate : callable, optional
-        Images and Jacobians of the orbits' maps; without it nothing is said of motion that
-        has not settled.
-    seed : int
-        For the frequencies of the 0-1 test.
-    observables : callable
-        Bounded functions of the states.
-    indicators : mapping of name to callable
-        What is computed from the orbits.
-    rules : sequence of (Regime, callable)
-        What the evidence is judged by.
-    thresholds : Thresholds
-        What it is compared with.
-    """
-
-    run: RunAtTolerance
-    count: int
-    damped: BoolArray
-    iterate: IterateMap | None = None
-    seed: int = 0
-    observables: Observables = state_observables
-    indicators: Mapping[str, Indicator] = field(default_factory=lambda: INDICATORS)
-    rules: Rules = RULES
-    thresholds: Thresholds = field(default_factory=Thresholds)
-
-    def evidence(self, run: LongRun, orbits: IntArray) -> EvidenceTable:
-        """The evidence of a run of some orbits."""
-        return collect_evidence(
-            run,
-            damped=self.damped[orbits],
-            seed=self.seed,
-            observables=self.observables,
-            indicators=self.indicators,
-        )
-
-    def agreed(
-        self, runs: list[EvidenceTable], orbits: IntArray, periods: int
-    ) -> tuple[IntArray, FloatArray]:
-        """The regime that runs of some orbits agree on, and the margin."""
-        return agreed_regime(
-            runs,
-            damped=self.damped[orbits],
-            periods=periods,
-            thresholds=self.thresholds,
-            rules=self.rules,
-        )
 
 
 @dataclass(frozen=True)
@@ -199,8 +130,8 @@ def refine_disputed(
 ) -> Labelling:
     """Follow the disputed orbits at the finest tolerance, and judge them again.
 
-    The two finer runs have to agree.  Chaos needs all three: regular motion that is followed
-    too loosely can drift into a chaotic layer, but a label of chaos cannot be taken back.
+    The two finer runs have to agree.  Chaos needs all three: errors of integration can carry
+    regular motion into a chaotic layer, but hardly at three tolerances alike.
 
     Parameters
     ----------
@@ -230,8 +161,7 @@ def refine_disputed(
 def confirm_chaos(problem: RegimeProblem, labelling: Labelling) -> Labelling:
     """Take the label from damped chaos that ends within two more runs.
 
-    Without damping there is no transient to fear: an orbit that is chaotic once comes back to
-    where it was.
+    Motion without damping has no attractor on which it could settle.
     """
     chaotic = np.flatnonzero(problem.damped & (labelling.regime == Regime.CHAOTIC))
     lasts = chaos_lasts(

@@ -27,7 +27,7 @@ _MAX_RATE_DIFFERENCE = 0.15
 _MIN_APPROACH = 1.2
 
 #: ``iterate(orbits, states, periods)`` gives the images (orbit, state) and Jacobians (orbit,
-#: state, state) of the maps of some orbits, given by number, after so many periods.
+#: state, state) of the maps of some orbits, given by number, after a number of periods.
 IterateMap = Callable[[IntArray, FloatArray, int], tuple[FloatArray, FloatArray]]
 
 

@@ -61,7 +61,7 @@ class TangentMap(Protocol):
         *,
         every: bool,
     ) -> TangentImage:
-        """Advance points by so many periods.
+        """Advance points by a number of periods.
 
         Parameters
         ----------

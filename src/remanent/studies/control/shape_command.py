@@ -150,7 +150,7 @@ def shape_commands(
     remanent.sensitivity : how a switching time depends on a field.
     """
     target = require_real("target", target, _TARGET)
-    require_tolerance(tolerance)
+    require_tolerance(tolerance, "the error of the state at the last step")
     ens = lay_out(actuator, _NO_LOAD, over, initial, reserved=_RESERVED, system_argument="actuator")
     fields = [name for name in ens.field.parameters if name != "m"]
     names = _robust_to(robust_to, [*fields, *PHYSICAL])

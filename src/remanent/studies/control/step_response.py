@@ -110,7 +110,7 @@ def step_response(
     remanent.shape_command : steps that leave no vibration.
     remanent.simulate : the motion itself.
     """
-    require_tolerance(tolerance)
+    require_tolerance(tolerance, "the global error of the state")
     band = require_real("band", band, _BAND)
     _require_steps(drive)
     scaled = lay_out_physical(system, drive, over, initial)

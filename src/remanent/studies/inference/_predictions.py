@@ -17,13 +17,11 @@ from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.durations import durations
-from remanent.studies.ensemble.observables import observe
+from remanent.studies.ensemble.observables import blank_beyond_horizon, observe
 from remanent.studies.ensemble.physical_scales import PhysicalScales, lay_out_physical
 
 #: Variables of a table that say how good it is, and are not compared.
 _EVIDENCE = frozenset({"crossings", "balance", "status", "horizon", "error"})
-#: Relative distance beyond the horizon at which a state still counts as on it.
-_ROUNDING = 1e-12
 
 
 @dataclass(frozen=True)
@@ -169,9 +167,8 @@ class Predictions:
         problem = scaled.problem(np.full(scaled.ensemble.count, end))
         own_times = times * scaled.time[:, None]
         outcome = integrate(problem, Request(times=own_times), tolerance=self.tolerance)
-        states = outcome.states
-        assert states is not None
-        states[own_times > outcome.horizon[:, None] * (1 + _ROUNDING)] = np.nan
+        assert outcome.states is not None
+        states = blank_beyond_horizon(outcome.states, own_times, outcome)
         return {
             name: _column(problem, name, own_times, states) / scaled.factor(name)[:, None]
             for name in self.measurements.variables

@@ -130,7 +130,7 @@ def fit(
     remanent.logarithmic_decrement : damping from a ring-down, without a model.
     remanent.uncertainty : what errors of parameters make of a prediction.
     """
-    require_tolerance(tolerance)
+    require_tolerance(tolerance, "the error of the computed motion")
     confidence = require_real("confidence", confidence, _CONFIDENCE)
     discard = require_real("discard", discard, _DISCARD)
     profile = require_flag("profile", profile)

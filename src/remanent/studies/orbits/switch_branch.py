@@ -10,21 +10,19 @@ import numpy as np
 import xarray as xr
 
 from remanent._errors import InputError
-from remanent._typing import ArrayLike
+from remanent._typing import ArrayLike, FloatArray
 from remanent.analysis.orbits.periodic_orbits import Orbits
 from remanent.analysis.orbits.switching import crossing_branch_point
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.results import provenance
+from remanent.results.checks import require_dataset
+from remanent.studies.ensemble.checks import require_parameter, require_range
 from remanent.studies.ensemble.durations import require_count
+from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.layout import lay_out
-from remanent.studies.orbits._tracing import through
-from remanent.studies.orbits.continue_orbit import (
-    describe_branches,
-    label_branches,
-    parameter_bounds,
-    trace_with,
-)
+from remanent.studies.orbits._branch_tables import describe_branches, label_branches
+from remanent.studies.orbits._tracing import Branch, Tracing, TracingOptions, trace_through
 
 #: Where other branches start, and how many times longer the period of their orbits is.
 _PERIOD_FACTORS: Final[Mapping[str, int]] = MappingProxyType(
@@ -66,17 +64,19 @@ def switch_branch(
     orbit_period : int, optional
         Of the orbits on `branch`, in drive periods; by default read from its attributes.
     state_box : mapping of str to (float, float), optional
-        Intervals of state variables by name; the new branch ends where the state at phase 0
-        leaves them.
+        Range of each state variable at phase 0, such as ``{"stretch": (0.3, 4.0)}``; the new
+        branch ends where it leaves the box.
     max_points : int
-        The largest number of points in each direction from the start.
+        The largest number of points in each direction from the special point.
     tolerance : float
-        Of the residual.
+        Of the residual: the distance of the orbit's point from its image.
 
     Returns
     -------
     xarray.Dataset
-        The new branch, labelled like that of :func:`remanent.continue_orbit`.
+        The same variables as of :func:`remanent.continue_orbit`: along ``point`` the parameter,
+        the state at phase 0, ``multipliers``, ``stability`` and extremes; along ``special`` its
+        special points; along ``end`` why it ended.
 
     Raises
     ------
@@ -87,7 +87,7 @@ def switch_branch(
     See Also
     --------
     remanent.continue_orbit : the branch to start from.
-    remanent.locate_bifurcation : one special point, to full accuracy.
+    remanent.periodic_orbits : orbits of any period, without a branch.
 
     Notes
     -----
@@ -108,46 +108,37 @@ def switch_branch(
     kind, number = _require_switch(branch, special_point)
     system, drive = _made_by(branch, system, drive)
     parameter = _given(branch, "parameter", parameter)
-    parameter_range = _given(branch, "parameter_range", parameter_range)
-    single = require_count(
+    single_period = require_count(
         "orbit_period",
         _given(branch, "orbit_period", orbit_period),
         "Orbits close after whole drive periods.",
     )
-    doubled = single * _PERIOD_FACTORS[kind]
     ens = lay_out(system, drive)
-    limits = parameter_bounds(parameter, parameter_range, ens)
-    tracing = trace_with(ens, parameter, limits, state_box, doubled, max_points, tolerance)
-    names = [f"special_{name}" for name in (*ens.field.state, parameter)]
-    crossing = np.array([float(branch[name].values.ravel()[number]) for name in names])
-    point = crossing_branch_point(
-        tracing.equations, crossing, scale=tracing.settings.scale, tolerance=0.1 * tolerance
+    require_parameter("parameter", parameter, ens)
+    limits = require_range(
+        "parameter_range",
+        _given(branch, "parameter_range", parameter_range),
+        parameter,
+        ens,
+        "The branch is followed between them.",
     )
-    if point is None:
-        raise InputError(
-            "special_point",
-            must="have another branch beside it",
-            got=kind,
-            why="No point of one was reached by short steps across the branch.",
-            fix="Look for its orbits with periodic_orbits, and start there.",
-        )
-    z = point.unknown
-    orbit = Orbits(z[:, :-1], point.extra["jacobian"], point.residual, point.error)
-    branches = [
-        describe_branches(ens.member(0), through(tracing, orbit, z[:, -1]), parameter, doubled)
-    ]
-    settings = {"parameter": parameter, "parameter_range": limits, "orbit_period": doubled}
-    return label_branches(ens, branches, parameter, tolerance, settings).isel(branch=0, drop=True)
+    period = single_period * _PERIOD_FACTORS[kind]
+    options = TracingOptions(parameter, limits, state_box, period, max_points, tolerance)
+    options.check(ens)
+    crossing = _crossing(branch, number, ens, parameter)
+    branches = _cross(options.tracing(ens), crossing, kind)
+    tables = [describe_branches(ens, branches, options)]
+    return label_branches(ens, tables, options, single=True, parameter=parameter)
 
 
 def _require_switch(branch: xr.Dataset, special_point: int) -> tuple[str, int]:
     """The kind and the number of a special point at which another branch starts."""
     number = require_count("special_point", special_point, "It is the number of one.", 0)
-    if not isinstance(branch, xr.Dataset) or "special_kind" not in branch:
+    if "special_kind" not in require_dataset("branch", branch):
         raise InputError(
             "branch",
             must="have special points",
-            got=type(branch).__name__,
+            got=f"variables {', '.join(map(str, branch.data_vars)) or 'none'}",
             why="Another branch starts at one of them.",
             fix="Pass the result of continue_orbit.",
         )
@@ -193,3 +184,27 @@ def _given(branch: xr.Dataset, name: str, value: Any) -> Any:
             fix=f"Pass {name}=... as it was for the branch.",
         )
     return branch.attrs[name] if value is None else value
+
+
+def _crossing(branch: xr.Dataset, number: int, ens: Ensemble, parameter: str) -> FloatArray:
+    """Where the branches cross, array (state + 1,)."""
+    names = [f"special_{name}" for name in (*ens.field.state, parameter)]
+    return np.array([float(branch[name].values.ravel()[number]) for name in names])
+
+
+def _cross(tracing: Tracing, crossing: FloatArray, kind: str) -> list[Branch]:
+    """The branch that crosses another one at a point."""
+    point = crossing_branch_point(
+        tracing.equations, crossing, scale=tracing.settings.scale, tolerance=0.1 * tracing.tolerance
+    )
+    if point is None:
+        raise InputError(
+            "special_point",
+            must="have another branch beside it",
+            got=kind,
+            why="No point of one was reached by short steps across the branch.",
+            fix="Look for its orbits with periodic_orbits, and start there.",
+        )
+    z = point.unknown
+    orbit = Orbits(z[:, :-1], point.extra["jacobian"], point.residual, point.error)
+    return trace_through(tracing, orbit, z[:, -1])

@@ -11,10 +11,11 @@ import numpy as np
 import xarray as xr
 
 from remanent._typing import BoolArray, FloatArray, IntArray
-from remanent.analysis.regimes.decision import RegimeProblem, decide_regimes
+from remanent.analysis.regimes.decision import decide_regimes
 from remanent.analysis.regimes.labels import Regime, RegimeLabels
 from remanent.analysis.regimes.limit_orbits import IterateMap
 from remanent.analysis.regimes.long_runs import LongRun
+from remanent.analysis.regimes.problem import RegimeProblem
 from remanent.studies.ensemble.dataset import to_dataset
 from remanent.studies.ensemble.durations import require_count, require_periods
 from remanent.studies.ensemble.ensemble import Ensemble

@@ -13,6 +13,7 @@ from remanent.studies.statics._static_ensemble import StaticEnsemble
 def folds(static: StaticEnsemble) -> dict[str, Labelled]:
     """Folds along the first field in ``over``, labelled; nothing where there is none."""
     ens = static.ens
+    # The first field that has a dimension of its own.
     name = next((k for k, (dims, _) in ens.coords.items() if dims == (k,)), None)
     if name is None or name not in ens.field.parameters or ens.sizes[name] < 2:
         return {}
@@ -22,12 +23,12 @@ def folds(static: StaticEnsemble) -> dict[str, Labelled]:
     ends = np.take(ens.values[name].reshape(shape), [0, -1], axis)
     low, high = np.moveaxis(ends, axis, 0).reshape(2, -1)
     stretch, value = fold_points(static, name, cases[valid], (low[valid], high[valid]))
-    rest = [size for k, size in ens.sizes.items() if k != name]
+    other_sizes = [size for k, size in ens.sizes.items() if k != name]
 
-    def shaped(found: FloatArray) -> FloatArray:
-        rows = np.full((valid.size, found.shape[1]), np.nan)
-        rows[valid] = found
-        return rows.reshape(*rest, found.shape[1])
+    def shaped(values: FloatArray) -> FloatArray:
+        rows = np.full((valid.size, values.shape[1]), np.nan)
+        rows[valid] = values
+        return rows.reshape(*other_sizes, values.shape[1])
 
     dims = (*(k for k in ens.dims if k != name), "fold")
     return {
@@ -49,8 +50,8 @@ def fold_points(
         steepness = force_slope(lambda i, y: force(cases[i], y, value), row, x)
         return np.where(np.isnan(value), np.nan, steepness)
 
-    found = find_zeros(stiffness, cases.size, grid_of(static, cases))
-    return found, on_curve(static, name, cases, bounds, found)
+    stretches = find_zeros(stiffness, cases.size, grid_of(static, cases))
+    return stretches, on_curve(static, name, cases, bounds, stretches)
 
 
 def on_curve(
@@ -58,13 +59,15 @@ def on_curve(
     name: str,
     cases: IntArray,
     bounds: tuple[FloatArray, FloatArray],
-    found: FloatArray,
+    stretches: FloatArray,
 ) -> FloatArray:
     """The parameter that balances the force at stretches (case, point)."""
     force = static.force_at(name)
-    row = np.repeat(np.arange(cases.size), found.shape[1])
-    value = balancing_parameter(lambda i, y, p: force(cases[i], y, p), bounds, row, found.ravel())
-    return value.reshape(found.shape)
+    row = np.repeat(np.arange(cases.size), stretches.shape[1])
+    value = balancing_parameter(
+        lambda i, y, p: force(cases[i], y, p), bounds, row, stretches.ravel()
+    )
+    return value.reshape(stretches.shape)
 
 
 def grid_of(static: StaticEnsemble, cases: IntArray) -> FloatArray:

@@ -14,7 +14,7 @@ from remanent._roots import find_root
 from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.studies.ensemble.ensemble import Ensemble
 
-#: Stretches between which equilibria are sought, and how finely.
+#: Stretches at which the force is computed, to find where it changes its sign.
 STRETCHES = np.geomspace(0.05, 20.0, 4001)
 
 #: Values of parameters that stand in place of the ensemble's own, by name.
@@ -58,11 +58,11 @@ class StaticEnsemble:
             )
         return last
 
-    def reachable(self, case: IntArray, one: FloatArray, two: FloatArray) -> BoolArray:
+    def reachable(self, case: IntArray, first: FloatArray, second: FloatArray) -> BoolArray:
         """Whether the material reaches in-plane stretches, arrays that broadcast with `case`."""
         columns = {name: value[case] for name, value in self.ens.values.items()}
-        inside = self.ens.system.admissible(columns, one, two)
-        return np.broadcast_to(inside, np.broadcast_shapes(case.shape, one.shape))
+        inside = self.ens.system.admissible(columns, first, second)
+        return np.broadcast_to(inside, np.broadcast_shapes(case.shape, first.shape))
 
     def force(
         self, case: IntArray, stretch: FloatArray, changed: Changed | None = None
@@ -83,16 +83,16 @@ class StaticEnsemble:
 
     def thickness(self, case: IntArray, *stretches: FloatArray) -> FloatArray:
         """The thickness stretch."""
-        (found,) = self.run(self.ens.field.observables["thickness_stretch"], case, *stretches)
-        return np.asarray(found)
+        (thickness,) = self.run(self.ens.field.observables["thickness_stretch"], case, *stretches)
+        return np.asarray(thickness)
 
     def potential(
         self, case: IntArray, *stretches: FloatArray, changed: Changed | None = None
     ) -> FloatArray:
         """The energy."""
         program = self.ens.field.observables["energy"]
-        (found,) = self.run(program, case, *stretches, changed=changed)
-        return np.asarray(found)
+        (energy,) = self.run(program, case, *stretches, changed=changed)
+        return np.asarray(energy)
 
     def run(
         self, program: Program, case: IntArray, *stretches: Any, changed: Changed | None = None
@@ -103,8 +103,8 @@ class StaticEnsemble:
         state = [self._value(v, stretches, values) for v in self.ens.field.variables]
         columns = [values[name] for name in self.ens.field.parameters]
         with np.errstate(all="ignore"):
-            found = program([0.0, *state, *columns], functions=np)
-        return [np.broadcast_to(value, np.shape(stretches[0])) for value in found]
+            outputs = program([0.0, *state, *columns], functions=np)
+        return [np.broadcast_to(value, np.shape(stretches[0])) for value in outputs]
 
     def _value(
         self, variable: StateVariable, stretches: Sequence[Any], values: Mapping[str, FloatArray]

@@ -122,7 +122,7 @@ def test_curves_followed_together_are_those_followed_alone() -> None:
 
 @pytest.mark.parametrize("number", [1, 1000])
 def test_a_curve_ends_after_as_many_points_as_were_asked_for(number: int) -> None:
-    """At least so many in each direction, at most one block more; why it ends is said."""
+    """At least that number in each direction, at most one block more, and the end says why."""
     curve = traced(
         plane("circle"),
         [1.0, 0.0],

@@ -53,7 +53,7 @@ class Iterated:
     def iterate(
         self, which: IntArray, states: FloatArray, periods: int
     ) -> tuple[FloatArray, FloatArray]:
-        """Image and Jacobian after so many steps."""
+        """Image and Jacobian after a number of steps."""
         unit = np.tile(np.eye(states.shape[1]), (len(states), 1, 1))
         image = self(which, states, unit, periods, every=False)
         return image.visited[:, -1], np.moveaxis(image.tangents, 1, 2)

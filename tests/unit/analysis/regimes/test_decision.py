@@ -14,11 +14,12 @@ from remanent.analysis.regimes.agreement import (
     regime_of_run,
 )
 from remanent.analysis.regimes.collection import INDICATORS, state_observables
-from remanent.analysis.regimes.decision import RegimeProblem, decide_regimes
+from remanent.analysis.regimes.decision import decide_regimes
 from remanent.analysis.regimes.evidence import EvidenceTable
 from remanent.analysis.regimes.labels import Regime, RegimeLabels
 from remanent.analysis.regimes.long_runs import LongRun, propagate_tangents
 from remanent.analysis.regimes.orbit_batch import OrbitBatch
+from remanent.analysis.regimes.problem import RegimeProblem
 from remanent.analysis.regimes.thresholds import Thresholds
 
 GOLDEN = (np.sqrt(5.0) - 1.0) / 2.0
