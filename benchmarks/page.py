@@ -41,8 +41,8 @@ and their errors are those of the end state; ours are those of the extremes. Hol
 settings at which some trajectories failed to meet the error bound.
 """
 _KERNEL = """\
-One double step of one group of lanes: two steps of the solution and, for a bound, one of its
-coarser companion and their comparison. Numbers are operations per trajectory that are always done,
+One double step of one group of lanes: two steps of the fine solution and, for a bound, one of the
+coarse solution and their comparison. Numbers are operations per trajectory that are always done,
 read from the assembly. The share of slots is that of the instructions through the multiply–add
 units in what a loop of nothing but independent multiply–adds issues in the same time on the same
 core; the share of operations counts a multiply–add as two. Divisions, comparisons

@@ -23,18 +23,19 @@ from benchmarks.multiply_add import lanes_per_second
 from benchmarks.rows.plan import Plan
 from benchmarks.tools import ours
 from remanent._typing import FloatArray
+from remanent.integrate.ensemble.attempt import attempt
 from remanent.integrate.ensemble.problem import Request
 from remanent.integrate.ensemble.resolution import method_for
-from remanent.integrate.ensemble.segments import attempt
+from remanent.integrate.ensemble.run import Chunk, Run
 from remanent.integrate.kernel.compile import Kernel, Kernels, compiled, host
-from remanent.integrate.kernel.kernel import Method, Options
-from remanent.integrate.kernel.tables import waveform_tables
+from remanent.integrate.kernel.options import Method, Options
+from remanent.integrate.kernel.tables import CycleTables
 from remanent.integrate.methods.runge_kutta import default_method
 
 _RESOLUTION, _GROUPS, _TOLERANCE, _NO_LIMIT = 64, 64, 1e-9, 1.0
 _CASES = {
     "extremes and bound": (Request(extremes=True), Options(extremes=True)),
-    "extremes alone": (Request(extremes=True), Options(extremes=True, companion=False)),
+    "extremes alone": (Request(extremes=True), Options(extremes=True, coarse_solution=False)),
     "states and bound": (Request(), Options()),
 }
 
@@ -97,11 +98,14 @@ def _seconds_per_pass(method: Method, options: Options, repeats: int) -> float:
     start = compiled(problem.field, default_method(), options)
     found = []
     for _ in range(repeats + 1):
-        run = _Timed(compiled(problem.field, method, options))
-        attempt(
-            problem, Request(extremes=options.extremes), Kernels(start, run),  # type: ignore[arg-type]
-            _NO_LIMIT, _RESOLUTION, np.arange(problem.duration.size),
-            lambda nodes, n: waveform_tables(problem.timeline.waveform, nodes, n), lambda: True,
-        )  # fmt: skip
-        found.append(run.seconds / run.passes)
+        timed = _Timed(compiled(problem.field, method, options))
+        run = Run(
+            problem,
+            Request(extremes=options.extremes),
+            Kernels(start, timed),  # type: ignore[arg-type]
+            _NO_LIMIT,
+            CycleTables(problem.timeline.waveform),
+        )
+        attempt(run, Chunk(_RESOLUTION, np.arange(problem.duration.size)))
+        found.append(timed.seconds / timed.passes)
     return statistics.median(found[1:])

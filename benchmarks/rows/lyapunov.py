@@ -98,7 +98,7 @@ def _ours(
 ) -> Callable[[float], tuple[FloatArray, FloatArray]]:
     over = {name: xr.DataArray(starts[name], dims="case") for name in ("omega", "b")}
     asked = initial_value_problem(lay_out(hot, drive, over), np.ones(_STARTS))
-    flow = PeriodMap(asked.field, asked.timeline.waveform, directions=1, judged="state")
+    flow = PeriodMap(asked.field, asked.timeline.waveform, directions=1, error_control="state")
     states, length = np.column_stack([starts["x"], starts["v"]]), np.pi / starts["omega"]
 
     def period(tolerance: float) -> tuple[FloatArray, FloatArray]:

@@ -37,7 +37,7 @@ def build_verb(job: Job) -> Run:
 
 
 def build_fixed(job: Job) -> Run:
-    """One resolution for all, without the companion solution that the bound needs."""
+    """One resolution for all, without the coarse solution that the bound needs."""
 
     def run(omegas: FloatArray, resolution: float) -> FloatArray:
         outcome = integrate_unbounded(

@@ -11,9 +11,9 @@ from tests.physics.independent import DRIVES, random_drive
 
 import remanent as rm
 from remanent._typing import FloatArray, IntArray
-from remanent.integrate.ensemble import pool, segments
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Outcome, Request
+from remanent.integrate.ensemble.work_sizes import DEFAULT_SIZES, WorkSizes
 from remanent.models.drives.base import Drive
 from remanent.studies.ensemble.layout import lay_out
 from remanent.studies.ensemble.problem import initial_value_problem
@@ -34,7 +34,13 @@ def fields(rng: np.random.Generator) -> dict[str, FloatArray]:
     }
 
 
-def run(drive: Drive, asked: str, which: IntArray, workers: int = 2) -> list[Any]:
+def run(
+    drive: Drive,
+    asked: str,
+    which: IntArray,
+    workers: int = 2,
+    sizes: WorkSizes = DEFAULT_SIZES,
+) -> list[Any]:
     """Everything that is answered of some of the trajectories, each as long as its own."""
     rng = np.random.default_rng(12)
     values, duration = fields(rng), rng.uniform(1.0, LONGEST, COUNT)
@@ -47,7 +53,8 @@ def run(drive: Drive, asked: str, which: IntArray, workers: int = 2) -> list[Any
         "extremes": Request(extremes=True, begin=0.3 * end),
     }[asked]
     whole = initial_value_problem(lay_out(body, drive, over), end)
-    found = columns(integrate(whole, request, tolerance=1e-8, workers=workers))
+    outcome = integrate(whole, request, tolerance=1e-8, workers=workers, sizes=sizes)
+    found = columns(outcome)
     if asked == "strobe":
         # after its end a trajectory goes on for the sake of longer ones only
         own = np.floor(end / (2.0 * (drive.period or np.inf))).astype(int) + 1
@@ -75,9 +82,7 @@ def kinds() -> list[Any]:
 
 
 @pytest.mark.parametrize(("kind", "asked"), kinds())
-def test_bits_depend_on_nothing_but_the_trajectory(
-    kind: type[Drive], asked: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_bits_depend_on_nothing_but_the_trajectory(kind: type[Drive], asked: str) -> None:
     """Reordered, alone, in parts, by one thread, in small chunks: every bit the same.
 
     Law: Determinism.
@@ -89,22 +94,19 @@ def test_bits_depend_on_nothing_but_the_trajectory(
     for which in (mixed, mixed[:9], mixed[9:], mixed[:1]):
         assert_same(run(drive, asked, which), reference, which)
     assert_same(run(drive, asked, everybody, workers=1), reference, everybody)
-    monkeypatch.setattr(pool, "_CHUNK_STEPS", 1)
-    monkeypatch.setattr(segments, "_SAMPLES_AT_ONCE", 7)
-    assert_same(run(drive, asked, everybody, workers=3), reference, everybody)
+    sizes = WorkSizes(chunk_steps=1, samples=7)
+    assert_same(run(drive, asked, everybody, workers=3, sizes=sizes), reference, everybody)
 
 
 @pytest.mark.parametrize("asked", ["strobe", "extremes"])
-def test_bits_do_not_depend_on_the_length_of_calls(
-    asked: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_bits_do_not_depend_on_the_length_of_segments(asked: str) -> None:
     """Determinism: a run cut into kernel calls of any length."""
     drive = rm.Sine(0.5, 3.0, 0.1)
     everybody = np.arange(COUNT)
     reference = run(drive, asked, everybody)
     for steps in (64, 300):
-        monkeypatch.setattr(segments, "_STEPS_PER_CALL", (steps, steps))
-        assert_same(run(drive, asked, everybody), reference, everybody)
+        sizes = WorkSizes(fewest_steps=steps, most_steps=steps)
+        assert_same(run(drive, asked, everybody, sizes=sizes), reference, everybody)
 
 
 def test_verbs_are_deterministic_in_any_order() -> None:

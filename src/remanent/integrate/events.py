@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -23,7 +23,8 @@ from remanent.integrate.ensemble.problem import (
 from remanent.integrate.methods.runge_kutta import default_method
 from remanent.integrate.variations import derivatives
 
-_ROOT = {"xatol": 0.0, "xrtol": 4.0 * np.finfo(float).eps, "fatol": 0.0, "frtol": 0.0}
+#: A root is located to the last digits of the fraction of a step.
+_ROOT_TOLERANCES = {"xatol": 0.0, "xrtol": 4.0 * np.finfo(float).eps, "fatol": 0.0, "frtol": 0.0}
 
 
 @dataclass(frozen=True)
@@ -45,8 +46,33 @@ class Crossings:
     states: FloatArray
     direction: IntArray
 
+    @classmethod
+    def joined(cls, parts: Sequence[Crossings], dimension: int) -> Self:
+        """Several lists as one, in the order of the parts.
 
-def crossings(
+        Parameters
+        ----------
+        parts : sequence of Crossings
+            May be empty.
+        dimension : int
+            Of the state.
+        """
+        numbers = np.empty(0, dtype=np.int64)
+        empty = Crossings(numbers, np.empty(0), np.empty((0, dimension)), numbers)
+        names = ("trajectory", "time", "states", "direction")
+        lists = ([getattr(part, name) for part in (empty, *parts)] for name in names)
+        return cls(*(np.concatenate(columns) for columns in lists))
+
+    def sorted_up_to(self, ends: FloatArray) -> Crossings:
+        """Those that come before the `ends` of their trajectories, sorted."""
+        kept = np.flatnonzero(self.time <= latest_trusted_time(ends[self.trajectory]))
+        order = kept[np.lexsort((self.time[kept], self.trajectory[kept]))]
+        return Crossings(
+            self.trajectory[order], self.time[order], self.states[order], self.direction[order]
+        )
+
+
+def find_crossings(
     problem: Problem,
     name: str,
     value: float,
@@ -65,68 +91,86 @@ def crossings(
 
     Parameters
     ----------
-    problem
+    problem : Problem
         What to integrate.
-    name
+    name : str
         A state variable, or one of ``problem.field.observables`` that depends on state and
         parameters only.
-    value
+    value : float
         That it passes.
-    tolerance, workers, progress
-        As for :func:`~remanent.integrate.ensemble.ensemble.integrate`.
+    tolerance : float
+        Of the error of the states, absolute.
+    workers : int, optional
+        Threads; the number of processors by default.
+    progress : callable, optional
+        Called from this thread with the share of trajectories that are finished.
+
+    Returns
+    -------
+    Crossings
+    Outcome
+        Of the run, see :func:`~remanent.integrate.ensemble.ensemble.integrate`.
+
+    See Also
+    --------
+    remanent.integrate.ensemble.ensemble.integrate : States at given times, and extremes.
     """
-    finder = _Finder(problem, name, value, tolerance)
-    outcome = integrate(
-        problem, Request(inspect=finder.look), tolerance=tolerance, workers=workers,
-        progress=progress,
-    )  # fmt: skip
-    found = [f for f in outcome.findings if f is not None]
-    dimension = problem.initial.shape[1]
-    empty = Crossings(*(np.empty(0, dtype=np.int64), np.empty(0)),
-                      np.empty((0, dimension)), np.empty(0, dtype=np.int64))  # fmt: skip
-    parts = [empty, *found]
-    joined = [
-        np.concatenate([getattr(part, field) for part in parts])
-        for field in ("trajectory", "time", "states", "direction")
-    ]
-    ends = latest_trusted_time(np.minimum(outcome.horizon, problem.duration)[joined[0]])
-    kept = np.flatnonzero(joined[1] <= ends)
-    order = kept[np.lexsort((joined[1][kept], joined[0][kept]))]
-    return Crossings(*(column[order] for column in joined)), outcome
+    finder = _Finder.of(problem, name, value, tolerance)
+    request = Request(inspect=finder.look)
+    outcome = integrate(problem, request, tolerance=tolerance, workers=workers, progress=progress)
+    parts = [part for part in outcome.findings if part is not None]
+    ends = np.minimum(outcome.horizon, problem.duration)
+    joined = Crossings.joined(parts, problem.initial.shape[1])
+    return joined.sorted_up_to(ends), outcome
 
 
+@dataclass(frozen=True)
 class _Finder:
-    """Looks for crossings in windows of steps."""
+    """Looks for crossings in windows of steps.
 
-    def __init__(self, problem: Problem, name: str, value: float, tolerance: float) -> None:
-        self.field, self.waveform = problem.field, problem.timeline.waveform
-        self.program = derivatives(self.field, name, self.field.state)
-        if _depends_on_drive(self.program, self.field):
+    Attributes
+    ----------
+    program : Program
+        The observable and its derivatives by the state.
+    """
+
+    field: Field
+    waveform: Callable[[FloatArray], FloatArray]
+    program: Program
+    value: float
+    tolerance: float
+
+    @classmethod
+    def of(cls, problem: Problem, name: str, value: float, tolerance: float) -> Self:
+        """A finder for one observable."""
+        program = derivatives(problem.field, name, problem.field.state)
+        if _depends_on_drive(program, problem.field):
             raise ValueError(f"{name} depends on the drive itself, not only on the state")
-        self.value, self.tolerance = value, tolerance
+        return cls(problem.field, problem.timeline.waveform, program, value, tolerance)
 
     def look(self, window: Window) -> Crossings | None:
         """The crossings in a window."""
         nodes = window.states.shape[1]
-        level, rate = self._observed(
+        level, rate = self.observed(
             np.moveaxis(window.states, 2, 0), window.parameters[:, :, None], window.phase
         )
         inside = np.arange(nodes - 1) < window.steps[:, None]
         before, after = level[:, :-1], level[:, 1:]
         # A step that starts on the value goes to the side it moves to.
         side = np.where(before == 0.0, np.sign(rate[:, :-1]), np.sign(before))
-        through = inside & (side * after <= 0.0) & (side != 0.0)
-        turns = inside & ~through & (rate[:, :-1] * rate[:, 1:] < 0.0) & (side * rate[:, :-1] < 0.0)
-        found = [
-            self._passages(window, *np.nonzero(through)),
-            *self._turns(window, side, *np.nonzero(turns)),
-        ]
-        parts = [part for part in found if part is not None]
-        if not parts:
-            return None
-        return Crossings(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+        passed = inside & (side * after <= 0.0) & (side != 0.0)
+        # An extremum towards the value can hide two passages: the rate changes sign in the
+        # step, and points towards the value at its beginning.
+        turns = inside & ~passed & (rate[:, :-1] * rate[:, 1:] < 0.0) & (side * rate[:, :-1] < 0.0)
+        parts: list[Crossings] = []
+        if passed.any():
+            steps = _Steps(self, window, *np.nonzero(passed))
+            parts.append(steps.passages(np.zeros(steps.count), np.ones(steps.count)))
+        if turns.any():
+            parts += _Steps(self, window, *np.nonzero(turns)).turns(side)
+        return Crossings.joined(parts, window.states.shape[2]) if parts else None
 
-    def _observed(
+    def observed(
         self, states: Any, parameters: FloatArray, phase: Any
     ) -> tuple[FloatArray, FloatArray]:
         """The observable less the value, and its rate."""
@@ -138,69 +182,98 @@ class _Finder:
         shape = np.shape(states[0])
         return np.broadcast_to(level - self.value, shape), np.broadcast_to(rate, shape)
 
-    def _within(
-        self, window: Window, row: IntArray, step: IntArray
-    ) -> Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray, FloatArray]]:
-        """Observable, rate and state at fractions of some steps."""
 
-        def at(part: FloatArray, number: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-            k = number.astype(np.int64)
-            i, j = row[k], step[k]
-            parameters = window.parameters[:, i]
-            states = dense.between(
-                self.field, default_method(), self.waveform,
-                states=window.states[i, j], parameters=list(parameters),
-                phase=window.phase[j], span=part * window.span, time=part * window.step[i],
-            )  # fmt: skip
-            phase = window.phase[j] + part * window.span
-            return *self._observed(list(states.T), parameters, phase), states
+@dataclass(frozen=True)
+class _Steps:
+    """Some steps of a window, in which an observable is looked at more closely.
 
-        return at
+    Attributes
+    ----------
+    row, step : array (n,)
+        Trajectory and step in the window.
+    """
 
-    def _passages(self, window: Window, row: IntArray, step: IntArray) -> Any:
-        """One passage in each of some steps."""
-        if not row.size:
-            return None
-        at = self._within(window, row, step)
-        return self._located(window, row, step, at, np.zeros(row.size), np.ones(row.size))
+    finder: _Finder
+    window: Window
+    row: IntArray
+    step: IntArray
 
-    def _located(
-        self, window: Window, row: IntArray, step: IntArray, at: Any,
-        low: FloatArray, high: FloatArray,
-    ) -> Any:  # fmt: skip
-        number = np.arange(row.size, dtype=np.float64)
+    @property
+    def count(self) -> int:
+        """How many steps there are."""
+        return int(self.row.size)
+
+    @property
+    def number(self) -> FloatArray:
+        """Numbers of the steps, as a root finder hands them on."""
+        return np.arange(self.count, dtype=np.float64)
+
+    def subset(self, where: BoolArray) -> _Steps:
+        """Some of the steps."""
+        return _Steps(self.finder, self.window, self.row[where], self.step[where])
+
+    def at(self, part: FloatArray, number: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Observable, rate and state at fractions of steps with these numbers."""
+        k = number.astype(np.int64)
+        i, j = self.row[k], self.step[k]
+        window, finder = self.window, self.finder
+        parameters = window.parameters[:, i]
+        states = dense.partial_step(
+            finder.field, default_method(), finder.waveform,
+            states=window.states[i, j], parameters=list(parameters),
+            phase=window.phase[j], span=part * window.span, time=part * window.step[i],
+        )  # fmt: skip
+        phase = window.phase[j] + part * window.span
+        return *finder.observed(list(states.T), parameters, phase), states
+
+    def time(self, part: FloatArray) -> FloatArray:
+        """Time at a fraction of each step, tau."""
+        return self.window.start[self.row] + (self.step + part) * self.window.step[self.row]
+
+    def passages(self, low: FloatArray, high: FloatArray) -> Crossings:
+        """The passage in each of the steps, between two fractions of it."""
+        # The root at the beginning of a step that starts on the value is none.
         start = np.nextafter(low, 1.0, where=low == 0.0, out=low.copy())
-        part = find_root(lambda s, k: at(s, k)[0], (start, high), args=(number,), tolerances=_ROOT)
-        # Where rounding hides the change of sign, the crossing is at the end of the step.
-        s = np.where(part.success, part.x, high)
-        _, rate, states = at(s, number)
-        time = window.start[row] + (step + s) * window.step[row]
-        return window.which[row], time, states, np.sign(rate).astype(np.int64)
-
-    def _turns(self, window: Window, side: FloatArray, row: IntArray, step: IntArray) -> list[Any]:
-        """Two passages, or a touch, in steps in which the observable turns towards the value."""
-        if not row.size:
-            return []
-        at = self._within(window, row, step)
-        number = np.arange(row.size, dtype=np.float64)
-        turn = find_root(
-            lambda s, k: at(s, k)[1], (np.zeros(row.size), np.ones(row.size)), args=(number,)
+        root = find_root(
+            lambda s, k: self.at(s, k)[0],
+            (start, high),
+            args=(self.number,),
+            tolerances=_ROOT_TOLERANCES,
         )
-        level, _, states = at(turn.x, number)
-        side = side[row, step]
-        touch = turn.success & (np.abs(level) <= self.tolerance)
-        twice = turn.success & ~touch & (level * side < 0.0)
-        found: list[Any] = []
-        if touch.any():
-            time = window.start[row] + (step + turn.x) * window.step[row]
-            zeros = np.zeros(int(touch.sum()), dtype=np.int64)
-            found.append((window.which[row[touch]], time[touch], states[touch], zeros))
-        if twice.any():
-            i, j, s = row[twice], step[twice], turn.x[twice]
-            inner = self._within(window, i, j)
-            found.append(self._located(window, i, j, inner, np.zeros(s.size), s))
-            found.append(self._located(window, i, j, inner, s, np.ones(s.size)))
-        return found
+        # Where rounding hides the change of sign, the crossing is at the end of the step.
+        part = np.where(root.success, root.x, high)
+        _, rate, states = self.at(part, self.number)
+        direction = np.sign(rate).astype(np.int64)
+        return Crossings(self.window.indices[self.row], self.time(part), states, direction)
+
+    def turns(self, side: FloatArray) -> list[Crossings]:
+        """Two passages, or a touch, in steps in which the observable turns towards the value.
+
+        Parameters
+        ----------
+        side : array (trajectory, step)
+            Sign of the observable less the value at the beginning of each step.
+        """
+        turn = find_root(
+            lambda s, k: self.at(s, k)[1],
+            (np.zeros(self.count), np.ones(self.count)),
+            args=(self.number,),
+        )
+        level, _, states = self.at(turn.x, self.number)
+        touches = turn.success & (np.abs(level) <= self.finder.tolerance)
+        passes_twice = turn.success & ~touches & (level * side[self.row, self.step] < 0.0)
+        parts: list[Crossings] = []
+        if touches.any():
+            touched = self.subset(touches)
+            direction = np.zeros(touched.count, dtype=np.int64)
+            trajectory = self.window.indices[touched.row]
+            time = touched.time(turn.x[touches])
+            parts.append(Crossings(trajectory, time, states[touches], direction))
+        if passes_twice.any():
+            steps, part = self.subset(passes_twice), turn.x[passes_twice]
+            parts.append(steps.passages(np.zeros(part.size), part))
+            parts.append(steps.passages(part, np.ones(part.size)))
+        return parts
 
 
 def _depends_on_drive(program: Program, field: Field) -> BoolArray | bool:

@@ -28,11 +28,11 @@ def tangent(field: Field, *, directions: int, parameters: Sequence[str] = ()) ->
 
     Parameters
     ----------
-    field
+    field : Field
         With state variables y.
-    directions
+    directions : int
         How many derivatives along changes of the initial state.
-    parameters
+    parameters : sequence of str
         Names of parameters, or :data:`LOG_PERIOD`.
 
     Returns
@@ -67,43 +67,48 @@ def tangent(field: Field, *, directions: int, parameters: Sequence[str] = ()) ->
     return _widened(field, added, into.program(outputs))
 
 
-def parting(field: Field, pairs: Mapping[str, str]) -> Field:
+def transverse_field(field: Field, pairs: Mapping[str, str]) -> Field:
     """The motion of like variables that are equal, and how small differences of them grow.
 
     Equation, where x and y are columns of like variables and the motion keeps x = y:
     (x - y)' = (df_x/dx - df_x/dy) (x - y), differentiated along the motion with x = y.
-    Rounding cannot break the equality, since each pair is one variable here.
+    This is the variational equation transverse to the invariant set x = y; exponents and
+    multipliers of it are the transverse ones.  Rounding cannot break the equality, since each
+    pair is one variable here.
 
     Parameters
     ----------
-    pairs
+    field : Field
+        Whose equations are the same where x and y are exchanged.
+    pairs : mapping of str to str
         Second variable of each pair by the first.
 
     Returns
     -------
     Field
-        State: the variables but the second ones, then ``"parting.NAME"`` for each pair.
+        State: the variables but the second ones, then ``"transverse.NAME"`` for each pair.
     """
     kept = tuple(v for v in field.variables if v.name not in pairs.values())
     added = tuple(
-        StateVariable(f"parting.{name}", Role.VARIATION, belongs_to=name) for name in pairs
+        StateVariable(f"transverse.{name}", Role.VARIATION, belongs_to=name) for name in pairs
     )
     variables = (*kept, *added)
     state = tuple(variable.name for variable in variables)
     inputs = ("drive_phase", *state, *field.parameters, *field.waveforms)
     into = Instructions(inputs)
-    first = {second: name for name, second in pairs.items()}
+    first_of = {second: name for name, second in pairs.items()}
     values = []
     for name in field.inputs:
-        like = first.get(name, name)
-        slope = into.input(f"parting.{like}") if like in pairs else None
-        turned = slope and (_minus(slope) if name in first else slope)
-        values.append(_Dual(into, into.input(like), (turned,)))
+        representative = first_of.get(name, name)
+        # Along (1, -1): a change of the first by the difference, of the second by its negative.
+        difference = into.input(f"transverse.{representative}") if representative in pairs else None
+        slope = difference and (_minus(difference) if name in first_of else difference)
+        values.append(_Dual(into, into.input(representative), (slope,)))
     rates = dict(zip(field.state, _run(field.rates, values, into, 1), strict=True))
     zero = into.constant(0.0)
     outputs = [rates[variable.name].value for variable in kept]
     outputs += [rates[name].slopes[0] or zero for name in pairs]
-    plain = {name: first.get(name, name) for name in field.inputs}
+    names = {name: first_of.get(name, name) for name in field.inputs}
     return Field(
         variables=variables,
         loads=field.loads,
@@ -111,13 +116,20 @@ def parting(field: Field, pairs: Mapping[str, str]) -> Field:
         waveforms=field.waveforms,
         rates=into.program(outputs),
         observable=field.observable,
-        watched=_with_inputs(field.watched, inputs, plain),
-        observables={k: _with_inputs(p, inputs, plain) for k, p in field.observables.items()},
+        watched=_with_inputs(field.watched, inputs, names),
+        observables={k: _with_inputs(p, inputs, names) for k, p in field.observables.items()},
     )
 
 
 def with_integrals(field: Field, names: Sequence[str]) -> Field:
     """A field whose state also holds integrals over time of some of its observables.
+
+    Parameters
+    ----------
+    field : Field
+        With state variables y.
+    names : sequence of str
+        Of observables.
 
     Returns
     -------
@@ -137,7 +149,10 @@ def derivatives(field: Field, name: str, variables: Sequence[str]) -> Program:
 
     Parameters
     ----------
-    variables
+    field : Field
+    name : str
+        Of the observable or state variable.
+    variables : sequence of str
         State variables or parameters to differentiate with respect to.
 
     Returns

@@ -13,7 +13,7 @@ from remanent._field import Field, Role, StateVariable
 from remanent.codegen import reference
 from remanent.codegen.field import field_for
 from remanent.derivation.derive import derive
-from remanent.integrate.variations import parting, tangent, with_integrals
+from remanent.integrate.variations import tangent, transverse_field, with_integrals
 from remanent.models.system import System
 
 DRIVE = rm.Constant(0.0)
@@ -104,7 +104,9 @@ def test_variations_are_marked() -> None:
     both = field_for(ACTUATORS["two coordinates"], DRIVE)
     tangents = tangent(both, directions=2).variables[len(both.state) :]
     assert [v.belongs_to for v in tangents] == 2 * [*both.state]
-    difference = parting(both, {"stretch_1": "stretch_2", "stretch_1_rate": "stretch_2_rate"})
+    difference = transverse_field(
+        both, {"stretch_1": "stretch_2", "stretch_1_rate": "stretch_2_rate"}
+    )
     assert [v.belongs_to for v in difference.variables[2:]] == ["stretch_1", "stretch_1_rate"]
     assert {v.role for v in (*tangents, *difference.variables[2:])} == {Role.VARIATION}
     assert with_integrals(both, ["drive_power"]).variables[-1].role is Role.INTEGRAL

@@ -13,7 +13,7 @@ from remanent.analysis.regimes.long_runs import LongRun, propagate_tangents
 from remanent.analysis.regimes.lyapunov import LyapunovExponents, lyapunov_exponents
 from remanent.codegen.lower import Level, lower
 from remanent.integrate.maps.advance import Advancer
-from remanent.integrate.maps.period_map import Image, Judged, PeriodMap
+from remanent.integrate.maps.period_map import ErrorControl, Image, PeriodMap
 
 X, Y, Z = sp.symbols("x y z", real=True)
 
@@ -140,9 +140,11 @@ def test_what_escapes_is_told_from_what_cannot_be_resolved() -> None:
     """x'' = 6 x^2 from (1, 2) is infinite at 1; 16 rad per period need more than 8 steps."""
     start = np.array([[1.0, 2.0]])
 
-    def run(acceleration: sp.Expr, finest: int) -> LongRun:
+    def run(acceleration: sp.Expr, max_resolution: int) -> LongRun:
         flow = PeriodMap(Oscillator(acceleration, {}).field(), turning, directions=1)
-        advance = Advancer(flow, np.zeros((1, 0)), np.full(1, 0.9), 1e-11, finest=finest)
+        advance = Advancer(
+            flow, np.zeros((1, 0)), np.full(1, 0.9), 1e-11, max_resolution=max_resolution
+        )
         return propagate_tangents(advance, start, 20, directions=1)
 
     lost = run(6 * Q**2, 2**12)
@@ -156,18 +158,18 @@ def test_what_escapes_is_told_from_what_cannot_be_resolved() -> None:
 
 
 @pytest.mark.parametrize("directions", [1, 2])
-def test_what_is_judged_changes_nothing_but_the_error(directions: int) -> None:
+def test_error_control_changes_nothing_but_the_error(directions: int) -> None:
     """The finer solution stays the same, and the error of the state is that without tangents."""
     field = Oscillator(COSINE - 0.1 * V - Q**3, {}).field()
     start, length = np.array([[0.3, 0.0], [1.5, 0.4]]), np.array([5.0, 6.0])
 
-    def image(columns: int, judged: Judged) -> Image:
-        flow = PeriodMap(field, turning, directions=columns, judged=judged)
+    def image(columns: int, error_control: ErrorControl) -> Image:
+        flow = PeriodMap(field, turning, directions=columns, error_control=error_control)
         empty = np.zeros((2, 0))
         return flow(start, empty, length, tolerance=np.inf, cycles=3, resolution=16)
 
     everything = image(directions, "all")
-    for other in (image(directions, "state"), image(directions, "nothing")):
+    for other in (image(directions, "state"), image(directions, "none")):
         np.testing.assert_array_equal(other.state, everything.state)
         np.testing.assert_array_equal(other.tangent, everything.tangent)
     alone = image(0, "all").error

@@ -13,8 +13,9 @@ from tests.unit.integrate.handmade import Oscillator, Q, problem
 from remanent.integrate.ensemble import segments
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Request
+from remanent.integrate.ensemble.work_sizes import DEFAULT_SIZES
 from remanent.integrate.kernel.compile import Kernel, compiled
-from remanent.integrate.kernel.kernel import Options
+from remanent.integrate.kernel.options import Options
 from remanent.integrate.methods.adams import adams
 from remanent.integrate.methods.runge_kutta import default_method
 
@@ -48,26 +49,28 @@ def test_nothing_is_computed_after_an_interruption(monkeypatch: pytest.MonkeyPat
 
 
 @pytest.mark.parametrize("longest", [64, 2048, 2**15])
-@pytest.mark.parametrize("doubles", [6, 100, 5000])
-def test_calls_are_short(longest: int, doubles: int) -> None:
-    """No call takes more steps of a trajectory than it may, but for whole cycles."""
+@pytest.mark.parametrize("double_steps", [6, 100, 5000])
+def test_segments_are_short(longest: int, double_steps: int) -> None:
+    """No segment takes more steps of a trajectory than it may, but for whole cycles."""
     for cycles, strobe in ((1, 0), (100, 0), (100, 1)):
-        calls = list(segments._calls(cycles, doubles, strobe, longest, single=False))
-        assert sum(n * (part.stop - part.start) for _, n, part, _ in calls) == cycles * doubles
-        for _, n, part, past in calls:
+        calls = list(segments._cuts(cycles, double_steps, strobe, longest, single=False))
+        assert sum(n * (part.stop - part.start) for _, n, part, _ in calls) == cycles * double_steps
+        for _, n, part, has_past in calls:
             taken = 2 * n * (part.stop - part.start)
-            assert taken <= max(longest, 2 * doubles if strobe or not past else 0) or n == 1
+            assert (
+                taken <= max(longest, 2 * double_steps if strobe or not has_past else 0) or n == 1
+            )
 
 
 @pytest.mark.parametrize("trajectories", [1, 16, 1000, 4096])
-def test_calls_are_shorter_the_more_they_do(trajectories: int) -> None:
+def test_segments_are_shorter_the_more_they_do(trajectories: int) -> None:
     """Fewer steps for more trajectories, for dearer rates and methods, and where all is kept."""
 
     def steps(rate: Any, method: Any, count: int = trajectories, **given: Any) -> int:
         kernel = compiled(
             problem(Oscillator(rate, {}), np.ones((1, 2)), 1.0).field, method, Options()
         )
-        return segments.steps_per_call(kernel, count, **{"recorded": False, **given})
+        return DEFAULT_SIZES.steps_per_segment(kernel, count, **{"recorded": False, **given})
 
     cheap = steps(-Q, adams(8))
     assert steps(-Q, adams(8), 4 * trajectories) <= cheap

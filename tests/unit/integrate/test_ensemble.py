@@ -11,10 +11,10 @@ from tests.unit.integrate.handmade import SINE, Oscillator, Q, V, problem
 
 from remanent._status import Status
 from remanent._timeline import Timeline
-from remanent.integrate.ensemble import pool, segments
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Outcome, Problem, Request
-from remanent.integrate.ensemble.resolution import ladder
+from remanent.integrate.ensemble.resolution import round_up_resolution
+from remanent.integrate.ensemble.work_sizes import WorkSizes
 
 DRIVEN = Oscillator(-sp.sin(Q) + sp.Symbol("a") * SINE, {"a": 0.0})
 RUNAWAY = Oscillator(Q**3, {})
@@ -98,21 +98,26 @@ def test_bits_do_not_depend_on_the_threads(workers: int) -> None:
 
 
 @pytest.mark.parametrize(
-    ("module", "name", "value"),
+    "sizes",
     [
-        (pool, "_CHUNK_STEPS", 1),
-        (segments, "_SAMPLES_AT_ONCE", 13),
+        pytest.param(WorkSizes(chunk_steps=1), id="chunks"),
+        pytest.param(WorkSizes(samples=13), id="samples"),
+        pytest.param(
+            WorkSizes(fewest_steps=64, most_steps=64),
+            id="segments",
+            marks=pytest.mark.xfail(
+                reason="the place of a sample in its step is counted from the start of its segment,"
+                " so that the last digits of states at given times depend on the cuts",
+            ),
+        ),
     ],
 )
-def test_bits_do_not_depend_on_the_size_of_pieces_of_work(
-    module: object, name: str, value: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Chunks and blocks of any size: the same bits."""
+def test_bits_do_not_depend_on_work_sizes(sizes: WorkSizes) -> None:
+    """Chunks, segments and blocks of samples of any size: the same bits."""
     whole = driven(12)
     request = requests(whole)[0]
     reference = integrate(whole, request, tolerance=1e-9)
-    monkeypatch.setattr(module, name, value)
-    found = integrate(whole, request, tolerance=1e-9)
+    found = integrate(whole, request, tolerance=1e-9, sizes=sizes)
     assert_same(columns(found), columns(reference))
     assert request.times is not None
     np.testing.assert_array_equal(seen(found, request.times), seen(reference, request.times))
@@ -214,13 +219,13 @@ def test_an_interrupted_run_stops() -> None:
         integrate(driven(10), Request(strobe=1), tolerance=1e-9, progress=interrupt)
 
 
-def test_ladder_of_resolutions() -> None:
+def test_resolutions_are_rounded_up() -> None:
     """Never below what is wanted, at most half as much again, and each its own rung."""
     wanted = np.geomspace(4.0, 1e4, 1001)
-    rungs = ladder(wanted)
+    rungs = round_up_resolution(wanted)
     assert (rungs >= wanted).all()
     assert (rungs <= 1.5 * wanted).all()
-    assert np.array_equal(ladder(rungs), rungs)
+    assert np.array_equal(round_up_resolution(rungs), rungs)
 
 
 @pytest.mark.parametrize("status", Status)

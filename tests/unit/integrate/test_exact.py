@@ -14,12 +14,13 @@ from tests.unit.integrate.handmade import SINE, Oscillator, Q, V, problem, sampl
 
 from remanent._status import Status
 from remanent._typing import FloatArray
+from remanent.integrate.ensemble.attempt import attempt
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Request
-from remanent.integrate.ensemble.segments import attempt
+from remanent.integrate.ensemble.run import Chunk, Run
 from remanent.integrate.kernel.compile import Kernels, compiled
-from remanent.integrate.kernel.kernel import Method, Options
-from remanent.integrate.kernel.tables import waveform_tables
+from remanent.integrate.kernel.options import Method, Options
+from remanent.integrate.kernel.tables import CycleTables
 from remanent.integrate.methods.adams import adams
 from remanent.integrate.methods.runge_kutta import default_method
 
@@ -110,14 +111,11 @@ def test_error_falls_with_the_order_of_the_method(method: Method) -> None:
         compiled(asked.field, default_method(), Options()),
         compiled(asked.field, method, Options()),
     )
+    run = Run(asked, Request(times=TIMES[None]), kernels, 1.0, CycleTables(asked.timeline.waveform))
     levels = np.array([16, 20, 24, 28, 32])
     errors = []
     for level in levels:
-        found = attempt(
-            asked, Request(times=TIMES[None]), kernels, 1.0, int(level), np.array([0]),
-            lambda nodes, resolution: waveform_tables(asked.timeline.waveform, nodes, resolution),
-            lambda: True,
-        )  # fmt: skip
+        found = attempt(run, Chunk(int(level), np.array([0])))
         assert found.states is not None
         errors.append(np.abs(found.states[0] - exact).max())
     slope = np.polyfit(np.log(levels), np.log(errors), 1)[0]

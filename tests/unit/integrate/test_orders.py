@@ -15,12 +15,13 @@ import pytest
 from tests.unit.integrate.handmade import Oscillator, Q, V, problem
 
 from remanent._typing import FloatArray
+from remanent.integrate.ensemble.attempt import attempt
 from remanent.integrate.ensemble.problem import Problem, Request
-from remanent.integrate.ensemble.segments import attempt
+from remanent.integrate.ensemble.run import Attempt, Chunk, Run
 from remanent.integrate.kernel.compile import Kernels, compiled
-from remanent.integrate.kernel.extrema import hermite_coefficients, horner
-from remanent.integrate.kernel.kernel import Method, Options
-from remanent.integrate.kernel.tables import waveform_tables
+from remanent.integrate.kernel.extrema import TimeDerivatives, hermite_coefficients, horner
+from remanent.integrate.kernel.options import Method, Options
+from remanent.integrate.kernel.tables import CycleTables
 from remanent.integrate.methods.adams import adams
 from remanent.integrate.methods.runge_kutta import cooper_verner_8, default_method
 
@@ -33,17 +34,14 @@ def order(levels: Any, errors: Any) -> float:
     return float(-np.polyfit(np.log(levels), np.log(np.array(errors, dtype=float)), 1)[0])
 
 
-def attempted(asked: Problem, request: Request, method: Method, level: int) -> Any:
+def attempted(asked: Problem, request: Request, method: Method, level: int) -> Attempt:
     """One attempt at a resolution, whatever its error."""
     options = Options(extremes=request.extremes)
     kernels = Kernels(
         compiled(asked.field, default_method(), options), compiled(asked.field, method, options)
     )
-    return attempt(
-        asked, request, kernels, 1.0, level, np.arange(asked.duration.size),
-        lambda nodes, resolution: waveform_tables(asked.timeline.waveform, nodes, resolution),
-        lambda: True,
-    )  # fmt: skip
+    run = Run(asked, request, kernels, 1.0, CycleTables(asked.timeline.waveform))
+    return attempt(run, Chunk(level, np.arange(asked.duration.size)))
 
 
 #: A round limit cycle of radius 1: nonlinear, attracting, and as smooth as its solution,
@@ -73,7 +71,7 @@ def test_order_of_the_kernels(method: Method) -> None:
 def test_order_of_the_error_estimate(method: Method) -> None:
     """Order of the methods: the difference of the two solutions shrinks with the order too."""
     asked = problem(CYCLE, (1.0, 0.0), TIMES[-1])
-    bounds = [attempted(asked, Request(), method, int(n)).values["total"][0] for n in LEVELS]
+    bounds = [attempted(asked, Request(), method, int(n)).largest_error[0] for n in LEVELS]
     assert order(LEVELS, bounds) == pytest.approx(method.order, abs=WITHIN)
 
 
@@ -87,15 +85,15 @@ def test_order_of_extremes(method: Method) -> None:
     asked = problem(CYCLE, np.column_stack([np.cos(angles), -np.sin(angles)]), 10.0)
     errors = []
     for level in LEVELS:
-        found = attempted(asked, Request(extremes=True), method, int(level)).values
-        errors.append(np.abs([found["maximum"] - 1.0, found["minimum"] + 1.0]).max())
+        found = attempted(asked, Request(extremes=True), method, int(level))
+        errors.append(np.abs([found.maximum - 1.0, found.minimum + 1.0]).max())
     assert order(LEVELS, errors) == pytest.approx(method.order, abs=WITHIN)
 
 
 def hermite_error(function: Callable[[Any], Any], centre: float, h: Any) -> Any:
-    """Largest error between the nodes of the polynomial through three jets."""
+    """Largest error between the nodes of the polynomial through three instants."""
     left, middle, right = [
-        (function(t), mpmath.diff(function, t), mpmath.diff(function, t, 2))
+        TimeDerivatives(function(t), mpmath.diff(function, t), mpmath.diff(function, t, 2))
         for t in (centre - h, mpmath.mpf(centre), centre + h)
     ]
     polynomial = hermite_coefficients(left, middle, right, h)
@@ -212,7 +210,11 @@ def test_the_polynomial_is_exact_for_its_degree() -> None:
     h = 0.5
     for power in range(10):
         left, middle, right = [
-            (s**power, power * s ** max(power - 1, 0), power * (power - 1) * s ** max(power - 2, 0))
+            TimeDerivatives(
+                s**power,
+                power * s ** max(power - 1, 0),
+                power * (power - 1) * s ** max(power - 2, 0),
+            )
             for s in (-h, 0.0, h)
         ]
         found: FloatArray = np.array(hermite_coefficients(left, middle, right, h))

@@ -4,66 +4,66 @@ from __future__ import annotations
 
 import os
 import threading
-from collections.abc import Iterator
-from concurrent.futures import Future, ThreadPoolExecutor
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
-from functools import lru_cache
 from types import TracebackType
 from typing import Self
 
 import numpy as np
 
-from remanent._typing import FloatArray, IntArray
+from remanent._typing import IntArray
+from remanent.integrate.ensemble.attempt import attempt
+from remanent.integrate.ensemble.counts import cycle_counts, double_steps, step_counts
 from remanent.integrate.ensemble.problem import Problem, Request
-from remanent.integrate.ensemble.segments import (
-    Attempt,
-    attempt,
-    cycle_counts,
-    double_steps,
-    step_counts,
-)
+from remanent.integrate.ensemble.run import Attempt, Chunk, Run
+from remanent.integrate.ensemble.work_sizes import DEFAULT_SIZES, WorkSizes
 from remanent.integrate.kernel.compile import Kernels, compiled
-from remanent.integrate.kernel.kernel import Method, Options
-from remanent.integrate.kernel.tables import waveform_tables
+from remanent.integrate.kernel.options import Method, Options
+from remanent.integrate.kernel.tables import CycleTables
 from remanent.integrate.methods.runge_kutta import default_method
-
-#: Fine steps in a chunk: about a tenth of a second.
-_CHUNK_STEPS = 2.0**23
 
 
 @dataclass(frozen=True)
 class Pending:
-    """Trajectories to try, and how finely."""
+    """Trajectories to try, and how finely.
 
-    index: IntArray
+    Attributes
+    ----------
+    indices, resolution : array (trajectory,)
+        Numbers of the trajectories, and double steps per cycle for each.
+    """
+
+    indices: IntArray
     resolution: IntArray
 
-
-def joined(some: list[Pending]) -> Pending:
-    """Several lists as one."""
-    return Pending(
-        np.concatenate([one.index for one in some]),
-        np.concatenate([one.resolution for one in some]),
-    )
-
-
-#: Attempts under way, and the resolution and the trajectories of each.
-Futures = dict[Future[Attempt], tuple[int, IntArray]]
+    @classmethod
+    def joined(cls, lists: Sequence[Pending]) -> Pending:
+        """Several lists as one."""
+        nothing = np.empty(0, dtype=np.int64)
+        return cls(
+            np.concatenate([nothing, *(pending.indices for pending in lists)]),
+            np.concatenate([nothing, *(pending.resolution for pending in lists)]),
+        )
 
 
-class Crew:
+class KernelPool:
     """A pool of threads with the kernels of one field; leaving it by an exception stops it.
+
+    What changes: threads are started and stopped, and tables of the load are remembered.
 
     Parameters
     ----------
-    problem
+    problem : Problem
         Whose field and waveforms the kernels are for.
-    method, options
+    method, options : Method, Options
         Of the kernels.
-    tolerance
-        Of the controlled error.
-    workers
+    tolerance : float
+        Of the controlled error, absolute.
+    workers : int, optional
         Threads; the number of processors by default.
+    sizes : WorkSizes
+        Of chunks and segments.
     """
 
     def __init__(
@@ -72,22 +72,20 @@ class Crew:
         method: Method,
         options: Options,
         tolerance: float,
+        *,
         workers: int | None = None,
+        sizes: WorkSizes = DEFAULT_SIZES,
     ) -> None:
         self.kernels = Kernels(
             compiled(problem.field, default_method(), options),
             compiled(problem.field, method, options),
         )
         self.tolerance = tolerance
+        self.sizes = sizes
         self.threads = workers or os.cpu_count() or 1
         self._pool = ThreadPoolExecutor(max_workers=self.threads)
         self._stop = threading.Event()
-
-        @lru_cache(maxsize=256)
-        def tables(nodes: tuple[float, ...], resolution: int) -> tuple[FloatArray, FloatArray]:
-            return waveform_tables(problem.timeline.waveform, nodes, resolution)
-
-        self._tables = tables
+        self._tables = CycleTables(problem.timeline.waveform)
 
     def __enter__(self) -> Self:
         return self
@@ -102,41 +100,47 @@ class Crew:
             self._stop.set()
         self._pool.shutdown(wait=kind is None, cancel_futures=kind is not None)
 
-    def attempts(self, problem: Problem, request: Request, pending: Pending) -> Futures:
-        """Begin to integrate the trajectories, each at its resolution."""
-
-        def run(resolution: int, which: IntArray) -> Attempt:
-            return attempt(
-                problem, request, self.kernels, self.tolerance, resolution, which, self._tables,
-                lambda: not self._stop.is_set(),
-            )  # fmt: skip
-
-        return {
-            self._pool.submit(run, *chunk): chunk
-            for chunk in chunks(problem, pending, self.kernels.width, self.threads)
+    def attempts(
+        self, problem: Problem, request: Request, pending: Pending
+    ) -> Iterator[tuple[Chunk, Attempt]]:
+        """Integrate trajectories, each at its resolution; chunks come as they are finished."""
+        run = Run(
+            problem,
+            request,
+            self.kernels,
+            self.tolerance,
+            self._tables,
+            self.sizes,
+            self._stop.is_set,
+        )
+        width = self.kernels.width
+        futures = {
+            self._pool.submit(attempt, run, chunk): chunk
+            for chunk in chunks(problem, pending, width, self.threads, self.sizes)
         }
+        for future in as_completed(futures):
+            yield futures[future], future.result()
 
 
 def chunks(
-    problem: Problem, pending: Pending, width: int, threads: int
-) -> Iterator[tuple[int, IntArray]]:
-    """Group trajectories that share a resolution, step counts, and about a length."""
-    cycles = cycle_counts(problem, pending.index)
+    problem: Problem, pending: Pending, width: int, threads: int, sizes: WorkSizes
+) -> Iterator[Chunk]:
+    """Group trajectories that share a resolution, step counts, and about a length.
+
+    All lanes of a group take as many steps as the longest of them, so that trajectories are
+    sorted by their length.
+    """
+    cycles = cycle_counts(problem, pending.indices)
     for level in np.unique(pending.resolution):
-        members = pending.index[pending.resolution == level]
-        steps = double_steps(problem.timeline, int(level), members)
+        resolution = int(level)
+        members = pending.indices[pending.resolution == level]
+        steps = double_steps(problem.timeline, resolution, members)
         order = np.lexsort((members, cycles[pending.resolution == level], *steps[::-1]))
         members, steps = members[order], steps[:, order]
         cuts = np.flatnonzero((steps[:, 1:] != steps[:, :-1]).any(axis=0)) + 1
-        for same in np.split(members, cuts):
-            share = -(-same.size // (threads * width)) * width
-            size = min(share, _fitting(problem, same, int(level), width))
-            for first in range(0, same.size, size):
-                yield int(level), same[first : first + size]
-
-
-def _fitting(problem: Problem, which: IntArray, resolution: int, width: int) -> int:
-    """How many trajectories make a chunk that is over soon, and is worth its overhead."""
-    each = float(step_counts(problem, resolution, which[:1])[0])
-    groups = np.clip(_CHUNK_STEPS / (each * width), 4, 256)
-    return int(groups) * width
+        for alike in np.split(members, cuts):
+            steps_each = float(step_counts(problem, resolution, alike[:1])[0])
+            share = -(-alike.size // (threads * width)) * width
+            size = min(share, sizes.trajectories_per_chunk(steps_each, width))
+            for first in range(0, alike.size, size):
+                yield Chunk(resolution, alike[first : first + size])

@@ -23,9 +23,9 @@ class Problem:
 
     Attributes
     ----------
-    field
+    field : Field
         Of the equations of motion.
-    timeline
+    timeline : Timeline
         How the load runs.
     parameters : array (trajectory, parameter)
         In the order of ``field.parameters``.
@@ -51,7 +51,7 @@ class Window:
 
     Attributes
     ----------
-    which : array (trajectory,)
+    indices : array (trajectory,)
         Numbers of the trajectories.
     states : array (trajectory, node, state)
         At the ends of the steps, the first at the beginning.
@@ -67,7 +67,7 @@ class Window:
         How many of the steps belong to the run of each trajectory.
     """
 
-    which: IntArray
+    indices: IntArray
     states: FloatArray
     start: FloatArray
     step: FloatArray
@@ -145,22 +145,30 @@ def latest_trusted_time(horizon: FloatArray) -> FloatArray:
     return horizon * (1.0 + _HORIZON_ROUNDING)
 
 
-def gathered(count: int, parts: Iterable[tuple[slice, Outcome]]) -> Outcome:
+def merge_outcomes(count: int, parts: Iterable[tuple[slice, Outcome]]) -> Outcome:
     """The outcome of `count` trajectories from those of their parts.
 
-    Each is put in its place and forgotten, so that memory is needed for the whole and one part.
-    What has one number for each trajectory is allocated before the parts are worked on: later,
-    it would lie between what they leave.
+    Each part is put in its place and forgotten, so that memory is needed for all parts once and
+    for one of them twice.  Arrays with one number for each trajectory are allocated before the
+    parts are worked on.  Allocated later, they would lie between what the parts leave, and the
+    memory of these could not be given back.
+
+    Parameters
+    ----------
+    count : int
+        Of trajectories.
+    parts : iterable of (slice, Outcome)
+        Which trajectories, and their outcome.
     """
     numbers = ("maximum", "minimum", "error", "horizon")
-    whole: dict[str, Any] = {name: np.empty(count) for name in numbers}
-    whole |= {"status": np.empty(count, np.int8), "resolution": np.empty(count, np.int64)}
+    columns: dict[str, Any] = {name: np.empty(count) for name in numbers}
+    columns |= {"status": np.empty(count, np.int8), "resolution": np.empty(count, np.int64)}
     findings: list[Any] = []
     for part, outcome in parts:
         findings += outcome.findings
         if outcome.states is not None:
             shape = (count, *outcome.states.shape[1:])
-            whole.setdefault("states", np.empty(shape))[part] = outcome.states
+            columns.setdefault("states", np.empty(shape))[part] = outcome.states
         for name in (*numbers, "status", "resolution"):
-            whole[name][part] = getattr(outcome, name)
-    return Outcome(**{"states": None, **whole, "findings": tuple(findings)})
+            columns[name][part] = getattr(outcome, name)
+    return Outcome(**{"states": None, **columns, "findings": tuple(findings)})

@@ -1,35 +1,48 @@
-"""How finely trajectories must be resolved: where to begin, and what a beginning tells."""
+"""How finely trajectories must be resolved: where to begin, and what errors say about it."""
 
 from __future__ import annotations
 
-from concurrent.futures import as_completed
 from dataclasses import replace
 
 import numpy as np
 
 from remanent._typing import FloatArray, IntArray
-from remanent.integrate.ensemble.pool import Crew, Pending
+from remanent.integrate.ensemble.counts import cycle_counts
+from remanent.integrate.ensemble.pool import KernelPool, Pending
 from remanent.integrate.ensemble.problem import Problem, Request
-from remanent.integrate.ensemble.segments import cycle_counts
-from remanent.integrate.kernel.kernel import Method
 from remanent.integrate.kernel.layout import PAST
+from remanent.integrate.kernel.options import Method
 from remanent.integrate.methods.adams import Adams, adams
 from remanent.integrate.methods.runge_kutta import default_method
 
+#: Largest resolution tried, double steps per cycle.
+MAX_RESOLUTION = 2**14
 #: Refinement aims this factor below the tolerance.
 MARGIN = 0.5
-#: Below this tolerance rounding of past rates would show.
-_FINE = 1e-10
-#: Runs of so many cycles are begun for this part of them, to foresee the resolution from
-#: the error there, which grows with this power of the time.
-_LONG, _PART, _GROWTH = 24, 8, 1.5
+#: Least factor by which a resolution is refined.
+_LEAST_REFINEMENT = 1.05
+#: Largest factor by which a resolution is refined at once.
+_MOST_REFINEMENT = 4.0
+#: Factor of refinement where the error tells nothing about the resolution.
+_BLIND_REFINEMENT = 2.0
+#: Below this tolerance rounding of past rates would show in Adams steps.
+_LEAST_ADAMS_TOLERANCE = 1e-10
+#: Tolerance for which the resolutions of :func:`initial_resolution` are given.
+_REFERENCE_TOLERANCE = 1e-9
+#: Runs of at least so many cycles are begun to estimate their resolution.
+_LONG_RUN = 24
+#: The beginning is one part in so many of the run.
+_BEGINNING = 8
+#: The error of an extreme or a state grows with the time, or with its square: it is taken to
+#: grow with this power.
+_ERROR_GROWTH = 1.5
 #: The resolutions tried: 4, 5, 6, 7, 8, 10, 12, 14, 16 ...
-_LADDER = np.array([base << k for k in range(40) for base in (4, 5, 6, 7)], dtype=np.int64)
+_RESOLUTIONS = np.array([base << k for k in range(40) for base in (4, 5, 6, 7)], dtype=np.int64)
 
 
-def ladder(wanted: FloatArray | IntArray | float) -> IntArray:
-    """The smallest of 4, 5, 6, 7, 8, 10, 12 ... that is not below `wanted`."""
-    return np.asarray(_LADDER[np.searchsorted(_LADDER, wanted)])
+def round_up_resolution(resolution: FloatArray | IntArray | float) -> IntArray:
+    """The smallest of 4, 5, 6, 7, 8, 10, 12 ... that is not below `resolution`."""
+    return np.asarray(_RESOLUTIONS[np.searchsorted(_RESOLUTIONS, resolution)])
 
 
 def method_for(request: Request, tolerance: float) -> Method:
@@ -38,38 +51,57 @@ def method_for(request: Request, tolerance: float) -> Method:
     Adams is faster by evaluations, but needs a start, more memory, and loses digits to
     rounding sooner, which long runs show.
     """
-    return adams(PAST) if request.extremes and tolerance >= _FINE else default_method()
+    if request.extremes and tolerance >= _LEAST_ADAMS_TOLERANCE:
+        return adams(PAST)
+    return default_method()
 
 
-def first_resolution(tolerance: float, method: Method) -> int:
+def initial_resolution(tolerance: float, method: Method) -> int:
     """Double steps per cycle to begin with: enough for a gentle trajectory.
 
     With fewer than the least, differences of solutions say little about their errors.
     """
-    nine_digits, least = (28.0, 12.0) if isinstance(method, Adams) else (12.0, 6.0)
-    return int(ladder(max(least, nine_digits * (1e-9 / tolerance) ** (1.0 / method.order))))
+    reference, least = (28.0, 12.0) if isinstance(method, Adams) else (12.0, 6.0)
+    growth = (_REFERENCE_TOLERANCE / tolerance) ** (1.0 / method.order)
+    return int(round_up_resolution(max(least, reference * growth)))
 
 
-def finer(
+def refine_resolution(
     resolution: IntArray | int,
     error: FloatArray,
     tolerance: FloatArray | float,
     order: int,
     *,
-    meaningless: float,
+    asymptotic_limit: float,
 ) -> IntArray:
-    """What the order of the method predicts, between the next step up and fourfold.
+    """The resolution that the order of the method predicts to meet a tolerance.
 
-    Errors from `meaningless` on no longer follow the order: twice as fine, then.
+    It is between the next one and four times as fine.
+
+    Parameters
+    ----------
+    resolution : array (trajectory,) or int
+        That was tried.
+    error : array (trajectory,)
+        Its error.
+    tolerance : array (trajectory,) or float
+        That was missed.
+    order : int
+        Of the global error.
+    asymptotic_limit : float
+        Errors from here on no longer follow the order: twice as fine, then.
     """
     with np.errstate(all="ignore"):
         factor = (error / (MARGIN * tolerance)) ** (1.0 / order)
-    factor = np.where(np.isfinite(factor) & (error < meaningless), factor, 2.0).clip(1.05, 4.0)
-    return np.maximum(ladder(factor * resolution), ladder(np.asarray(resolution) + 1))
+    meaningful = np.isfinite(factor) & (error < asymptotic_limit)
+    factor = np.where(meaningful, factor, _BLIND_REFINEMENT)
+    factor = factor.clip(_LEAST_REFINEMENT, _MOST_REFINEMENT)
+    following = round_up_resolution(np.asarray(resolution) + 1)
+    return np.maximum(round_up_resolution(factor * resolution), following)
 
 
-def foreseen(
-    crew: Crew,
+def estimate_resolution(
+    pool: KernelPool,
     problem: Problem,
     request: Request,
     pending: Pending,
@@ -79,31 +111,33 @@ def foreseen(
 ) -> Pending:
     """Trajectories with the resolution that the beginnings of long runs ask for.
 
-    The error of an extreme or a state grows with the time, or with its square; what is
-    foreseen too coarse is refined later, and what too fine costs little.
+    An estimate that is too coarse is refined later; one that is too fine costs little.
     """
-    short = _shortened(problem, pending.index)
-    has = short.duration[pending.index] > 0.0
-    begun = Pending(pending.index[has], pending.resolution[has])
+    beginnings = _beginnings(problem, pending.indices)
+    long = beginnings.duration[pending.indices] > 0.0
+    tried = Pending(pending.indices[long], pending.resolution[long])
     resolution = np.zeros(problem.duration.shape, dtype=np.int64)
-    resolution[pending.index] = pending.resolution
-    least = first_resolution(np.inf, method)
-    futures = crew.attempts(short, replace(request, begin=None), begun)
-    for future in as_completed(futures):
-        level, which = futures[future]
-        growth = (problem.duration[which] / short.duration[which]) ** _GROWTH
-        total = future.result().values["total"] * growth
+    resolution[pending.indices] = pending.resolution
+    least = initial_resolution(np.inf, method)
+    request = replace(request, begin=None)  # extremes may be asked for after the beginning only
+    for chunk, attempt in pool.attempts(beginnings, request, tried):
+        indices = chunk.indices
+        growth = (problem.duration[indices] / beginnings.duration[indices]) ** _ERROR_GROWTH
+        error = attempt.largest_error * growth
         with np.errstate(all="ignore"):
-            factor = (total / (MARGIN * crew.tolerance)) ** (1.0 / method.order)
-        factor = np.where(np.isfinite(factor), factor, 2.0).clip(0.0, 2.0)
-        resolution[which] = ladder(np.maximum(least, factor * level))
-    return Pending(pending.index, np.minimum(resolution[pending.index], most))
+            factor = (error / (MARGIN * pool.tolerance)) ** (1.0 / method.order)
+        # Where the beginning says nothing, or asks for more than twice as fine, the run itself
+        # is tried at twice the resolution: it says more.
+        factor = np.where(np.isfinite(factor), factor, _BLIND_REFINEMENT)
+        factor = factor.clip(0.0, _BLIND_REFINEMENT)
+        resolution[indices] = round_up_resolution(np.maximum(least, factor * chunk.resolution))
+    return Pending(pending.indices, np.minimum(resolution[pending.indices], most))
 
 
-def _shortened(problem: Problem, which: IntArray) -> Problem:
+def _beginnings(problem: Problem, indices: IntArray) -> Problem:
     """The beginnings of long runs; nothing of others."""
     cycles = np.zeros(problem.duration.shape, dtype=np.int64)
     if problem.timeline.periodic:
-        cycles[which] = cycle_counts(problem, which)
-    begun = np.where(cycles >= _LONG, cycles // _PART, 0)
-    return replace(problem, duration=begun * problem.timeline.lengths[0])
+        cycles[indices] = cycle_counts(problem, indices)
+    beginning = np.where(cycles >= _LONG_RUN, cycles // _BEGINNING, 0)
+    return replace(problem, duration=beginning * problem.timeline.lengths[0])

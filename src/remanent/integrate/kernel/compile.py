@@ -16,8 +16,9 @@ from llvmlite import binding
 from remanent import _cache
 from remanent._field import Field
 from remanent._typing import FloatArray
-from remanent.integrate.kernel.kernel import NAME, Method, Options, kernel_source, layout_of
+from remanent.integrate.kernel.kernel import NAME, kernel_source
 from remanent.integrate.kernel.layout import Layout
+from remanent.integrate.kernel.options import Method, Options, layout_of
 
 _SIGNATURE = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 4, *[ctypes.c_int64] * 4)
 _LOCK = threading.Lock()
@@ -57,26 +58,32 @@ class Kernel:
         Parameters
         ----------
         lanes : array (group, slot, lane)
-        tables
-            From :func:`~remanent.integrate.kernel.tables.waveform_tables`.
+        tables : pair of arrays (step, node, 1 + waveform)
+            The load at the nodes of the fine and of the coarse steps of a cycle, from
+            :func:`~remanent.integrate.kernel.tables.waveform_tables`.
+        cycles : int
+            Most cycles; a group stops when all its trajectories have ended.
+        every : int
+            Fine steps between records; 0 for none.
         record : array (record, group, state, lane), optional
-            Filled with the state after every `every` fine steps of this call.
+            Filled with the state of the fine solution after every `every` fine steps of this
+            call.
         """
         fine, coarse = tables
-        groups, doubles = lanes.shape[0], coarse.shape[0]
+        groups, double_steps = lanes.shape[0], coarse.shape[0]
         if lanes.shape[1:] != (self.layout.size, self.width) or not lanes.flags.c_contiguous:
             raise ValueError(f"wrong shape of lanes: {lanes.shape}")
-        if fine.shape[0] != 2 * doubles:
+        if fine.shape[0] != 2 * double_steps:
             raise ValueError("fine and coarse tables do not belong together")
         if every:
-            needed = 2 * doubles * cycles // every
+            needed = 2 * double_steps * cycles // every
             if record is None or record.shape[1:] != (groups, self.layout.states, self.width):
                 raise ValueError("wrong shape of record")
             if record.shape[0] < needed or not record.flags.c_contiguous:
                 raise ValueError(f"record holds {record.shape[0]} states; {needed} are needed")
         pointers = (lanes, fine, coarse, lanes if record is None else record)
         addresses = (array.__array_interface__["data"][0] for array in pointers)
-        self._call(*addresses, groups, cycles, doubles, every)
+        self._call(*addresses, groups, cycles, double_steps, every)
 
 
 @dataclass(frozen=True)

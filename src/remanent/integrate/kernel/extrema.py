@@ -1,21 +1,28 @@
-"""Extremes between steps, from the Hermite polynomial through three steps' ends."""
+"""Extremes between steps, from the Hermite polynomial through the ends of two steps."""
 
 from __future__ import annotations
 
-from typing import Any
-
-#: Value, first and second derivative with respect to time.
-Jet = tuple[Any, Any, Any]
+from typing import Any, NamedTuple
 
 
-def hermite_coefficients(left: Jet, middle: Jet, right: Jet, h: Any) -> list[Any]:
-    """Coefficients of the polynomial of degree 8 through three jets, h apart.
+class TimeDerivatives(NamedTuple):
+    """An observable at an instant: its value, and its first two derivatives by time."""
+
+    value: Any
+    rate: Any
+    acceleration: Any
+
+
+def hermite_coefficients(
+    left: TimeDerivatives, middle: TimeDerivatives, right: TimeDerivatives, h: Any
+) -> list[Any]:
+    """Coefficients of the polynomial of degree 8 through three instants, h apart.
 
     Parameters
     ----------
-    left, middle, right
+    left, middle, right : TimeDerivatives
         Value and two time derivatives at t - h, t and t + h.
-    h
+    h : number of any kind
         Distance of the nodes.
 
     Returns
@@ -23,9 +30,11 @@ def hermite_coefficients(left: Jet, middle: Jet, right: Jet, h: Any) -> list[Any
     list of 9
         p(s) = sum of ``c[k] s**k`` with s = (time - t) / h.
     """
+    # In units of h the derivatives are y, h y', h^2 y''.  Sums and differences of the outer
+    # nodes split the 9 conditions into those for even and those for odd powers of s.
     scale = (1.0, h, h * h)
     (a, b, c), (d, e, f), (g, i, j) = (
-        [x * w for x, w in zip(jet, scale, strict=True)] for jet in (left, middle, right)
+        [x * w for x, w in zip(node, scale, strict=True)] for node in (left, middle, right)
     )
     c0, c1, c2 = d, e, 0.5 * f
     even = (0.5 * (g + a) - c0 - c2, 0.5 * (i - b) - 2.0 * c2, 0.5 * (j + c) - 2.0 * c2)

@@ -19,8 +19,10 @@ from llvmlite import ir
 DOUBLE = ir.DoubleType()
 INTEGER = ir.IntType(64)
 _INDEX = ir.IntType(32)
-#: Lanes of the instruction that estimates reciprocals, and its name in LLVM.
-_ESTIMATED, _ESTIMATE = 8, "llvm.x86.avx512.rcp14.pd.512"
+#: Name in LLVM of the instruction that estimates reciprocals.
+_RECIPROCAL_ESTIMATE = "llvm.x86.avx512.rcp14.pd.512"
+#: Lanes of that instruction.
+_ESTIMATE_LANES = 8
 #: Fused multiply-add is allowed; nothing else that would change a result or a NaN.
 _FLAGS = ("contract",)
 
@@ -80,12 +82,12 @@ class Writer:
     def load_scalar(self, pointer: ir.Value, index: ir.Value) -> ir.Value:
         return self.builder.load(self.builder.gep(pointer, [index]))
 
-    def cell(self) -> Variable:
+    def cell(self) -> Cell:
         """A mutable cell without a value; the optimiser turns it into registers."""
         with self.builder.goto_entry_block():
-            return Variable(self, self.builder.alloca(self.vector))
+            return Cell(self, self.builder.alloca(self.vector))
 
-    def variable(self, initial: Lanes) -> Variable:
+    def variable(self, initial: Lanes) -> Cell:
         """A mutable cell."""
         cell = self.cell()
         cell.set(initial)
@@ -130,14 +132,14 @@ class Writer:
 
     def _estimate(self, b: Lanes) -> Lanes:
         builder, parts = self.builder, []
-        native, mask = ir.VectorType(DOUBLE, _ESTIMATED), ir.IntType(8)
+        native, mask = ir.VectorType(DOUBLE, _ESTIMATE_LANES), ir.IntType(8)
         signature = ir.FunctionType(native, [native, native, mask])
-        estimate = builder.module.globals.get(_ESTIMATE)
+        estimate = builder.module.globals.get(_RECIPROCAL_ESTIMATE)
         if estimate is None:
-            estimate = ir.Function(builder.module, signature, _ESTIMATE)
+            estimate = ir.Function(builder.module, signature, _RECIPROCAL_ESTIMATE)
         nothing, every = ir.Constant(native, ir.Undefined), ir.Constant(mask, -1)
-        for first in range(0, self.width, _ESTIMATED):
-            part = builder.shuffle_vector(b.value, b.value, _lanes(first, _ESTIMATED))
+        for first in range(0, self.width, _ESTIMATE_LANES):
+            part = builder.shuffle_vector(b.value, b.value, _lanes(first, _ESTIMATE_LANES))
             parts.append(builder.call(estimate, [part, nothing, every]))
         while len(parts) > 1:  # halves, quarters ... of a power of 2
             both = _lanes(0, 2 * parts[0].type.count)
@@ -156,17 +158,21 @@ class Writer:
 
 
 @dataclass(frozen=True)
-class Variable:
+class Cell:
     """A mutable cell of lanes."""
 
     writer: Writer
-    cell: ir.Value
+    address: ir.Value
 
     def get(self) -> Lanes:
-        return Lanes(self.writer, self.writer.builder.load(self.cell))
+        return Lanes(self.writer, self.writer.builder.load(self.address))
 
     def set(self, value: Lanes) -> None:
-        self.writer.builder.store(value.value, self.cell)
+        self.writer.builder.store(value.value, self.address)
+
+    def set_where(self, where: Mask, value: Lanes) -> None:
+        """Replace the numbers of some lanes."""
+        self.set(where.choose(value, self.get()))
 
 
 @dataclass(frozen=True)
@@ -176,33 +182,33 @@ class Lanes:
     writer: Writer
     value: ir.Value
 
-    def _other(self, other: Lanes | float) -> ir.Value:
+    def _operand(self, other: Lanes | float) -> ir.Value:
         return other.value if isinstance(other, Lanes) else self.writer.constant(other).value
 
     def _apply(self, name: str, left: ir.Value, right: ir.Value) -> Lanes:
         return Lanes(self.writer, getattr(self.writer.builder, name)(left, right, flags=_FLAGS))
 
     def __add__(self, other: Lanes | float) -> Lanes:
-        return self._apply("fadd", self.value, self._other(other))
+        return self._apply("fadd", self.value, self._operand(other))
 
     __radd__ = __add__
 
     def __sub__(self, other: Lanes | float) -> Lanes:
-        return self._apply("fsub", self.value, self._other(other))
+        return self._apply("fsub", self.value, self._operand(other))
 
     def __rsub__(self, other: float) -> Lanes:
-        return self._apply("fsub", self._other(other), self.value)
+        return self._apply("fsub", self._operand(other), self.value)
 
     def __mul__(self, other: Lanes | float) -> Lanes:
-        return self._apply("fmul", self.value, self._other(other))
+        return self._apply("fmul", self.value, self._operand(other))
 
     __rmul__ = __mul__
 
     def __truediv__(self, other: Lanes | float) -> Lanes:
-        return self._apply("fdiv", self.value, self._other(other))
+        return self._apply("fdiv", self.value, self._operand(other))
 
     def __rtruediv__(self, other: float) -> Lanes:
-        return self._apply("fdiv", self._other(other), self.value)
+        return self._apply("fdiv", self._operand(other), self.value)
 
     def __neg__(self) -> Lanes:
         return Lanes(self.writer, self.writer.builder.fneg(self.value))
@@ -212,7 +218,7 @@ class Lanes:
 
     def _compare(self, sign: str, other: Lanes | float) -> Mask:
         compare = self.writer.builder.fcmp_ordered
-        return Mask(self.writer, compare(sign, self.value, self._other(other)))
+        return Mask(self.writer, compare(sign, self.value, self._operand(other)))
 
     def is_nan(self) -> Mask:
         return Mask(self.writer, self.writer.builder.fcmp_unordered("uno", self.value, self.value))
@@ -265,7 +271,7 @@ def _lanes(first: int, count: int) -> ir.Constant:
     return ir.Constant(ir.VectorType(_INDEX, count), list(range(first, first + count)))
 
 
-def quotient(a: Lanes, b: Lanes) -> Lanes:
+def reciprocal_quotient(a: Lanes, b: Lanes) -> Lanes:
     """a/b by the reciprocal of b."""
     return a * b.writer.reciprocal(b)
 
@@ -278,6 +284,11 @@ def larger(a: Lanes, b: Lanes) -> Lanes:
 def smaller(a: Lanes, b: Lanes) -> Lanes:
     """The smaller of two values, `b` where `a` is NaN."""
     return (a < b).choose(a, b)
+
+
+def larger_or_nan(a: Lanes, b: Lanes) -> Lanes:
+    """The larger of two values, NaN where either is: an error that is NaN must not be lost."""
+    return ((b <= a) | a.is_nan()).choose(a, b)
 
 
 @dataclass(frozen=True)

@@ -5,33 +5,39 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-#: States that a kernel keeps for every trajectory: the finer solution, what rounding
-#: cut off from it, the coarser solution, and the finer one at the horizon.
-STATES = ("fine", "fine_rest", "coarse", "last")
-#: The two solutions, and how many past rates are kept of each.
+#: States that a kernel keeps for every trajectory: the fine solution, the compensation of its
+#: rounding (Kahan), the coarse solution, and the fine one at the horizon.
+STATES = ("fine", "compensation", "coarse", "at_horizon")
+#: The two solutions: with steps of length h and of length 2h.
 SOLUTIONS = ("fine", "coarse")
+#: Past rates that are kept of each solution.
 PAST = 8
-#: Scalars that a kernel keeps for every trajectory, beside states and parameters.
-SCALARS = (
+#: Scalars of a trajectory that a kernel reads and leaves as they are.
+CONSTANTS = (
     "step",  # length of a fine step, tau
     "cycle",  # length of a cycle (a drive period or a piece), tau
     "start",  # tau at the beginning of the call
     "begin",  # extremes are followed from here
     "end",  # to here
     "tolerance",  # of the controlled error
-    "hopeless",  # a trajectory is not followed once its error has been larger
-    "alive",  # 1 while the controlled error has met the tolerance
-    "horizon",  # tau up to which it did, where not alive
-    "error",  # its largest value up to the horizon, where not alive
-    "total",  # its largest value so far
+    "error_ceiling",  # a trajectory is not followed once its error has been larger
+)
+#: Scalars of a trajectory that a kernel changes.
+RESULTS = (
+    "within_tolerance",  # 1 while the controlled error has met the tolerance
+    "horizon",  # tau up to which it did, where it no longer does
+    "error_to_horizon",  # its largest value up to the horizon, where it no longer does
+    "largest_error",  # its largest value so far
     "maximum",  # extremes of the watched observable from begin to the horizon
     "minimum",
 )
+#: Scalars that a kernel keeps for every trajectory, beside states and parameters.
+SCALARS = (*CONSTANTS, *RESULTS)
 
 
-def past(kind: str, age: int, variable: int) -> str:
+def past_rate(solution: str, age: int, variable: int) -> str:
     """Name of the slot of a past rate; age 0 is the newest."""
-    return f"{kind}_past.{age}.{variable}"
+    return f"{solution}_past.{age}.{variable}"
 
 
 @dataclass(frozen=True)
@@ -40,34 +46,32 @@ class Layout:
 
     Attributes
     ----------
-    states, parameters
+    states, parameters : int
         How many there are.
-    pasts
+    histories : tuple of int
         Indices of the state variables whose past rates are kept.
     """
 
     states: int
     parameters: int
-    pasts: tuple[int, ...] = ()
+    histories: tuple[int, ...] = ()
 
     @cached_property
     def slots(self) -> dict[str, int]:
+        """The slot of every number, by its name."""
         names = [f"{kind}.{i}" for kind in STATES for i in range(self.states)]
         names += [
-            past(kind, age, i) for kind in SOLUTIONS for age in range(PAST) for i in self.pasts
+            past_rate(solution, age, i)
+            for solution in SOLUTIONS
+            for age in range(PAST)
+            for i in self.histories
         ]
         names += [f"parameter.{i}" for i in range(self.parameters)]
         return {name: k for k, name in enumerate((*names, *SCALARS))}
 
-    @cached_property
-    def past(self) -> frozenset[str]:
-        """Names of the slots of past rates."""
-        return frozenset(
-            past(kind, age, i) for kind in SOLUTIONS for age in range(PAST) for i in self.pasts
-        )
-
     @property
     def size(self) -> int:
+        """How many slots there are."""
         return len(self.slots)
 
     def group(self, kind: str) -> slice:

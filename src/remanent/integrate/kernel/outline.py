@@ -13,7 +13,13 @@ from dataclasses import replace
 from llvmlite import ir
 
 from remanent._field import Field, Program
-from remanent.integrate.kernel.lanes import DOUBLE, LaneFunctions, Lanes, Writer, quotient
+from remanent.integrate.kernel.lanes import (
+    DOUBLE,
+    LaneFunctions,
+    Lanes,
+    Writer,
+    reciprocal_quotient,
+)
 
 #: Rates with more instructions than this are called.
 LONG = 200
@@ -28,8 +34,8 @@ class Outlined:
     def __init__(self, field: Field, writer: Writer, count: int) -> None:
         self._writer = writer
         self._absent = [writer.constant(0.0)] * (len(field.state) - count)
-        wanted = replace(field.rates, outputs=field.rates.outputs[:count])
-        self._fixed, self._moving = split(wanted, field.parameters)
+        rates = replace(field.rates, outputs=field.rates.outputs[:count])
+        self._fixed, self._moving = split(rates, field.parameters)
         with writer.builder.goto_entry_block():
             self._inputs = self._array(len(self._moving.inputs))
             self._outputs = self._array(count)
@@ -41,9 +47,9 @@ class Outlined:
     def prepare(self, parameters: Sequence[Lanes]) -> None:
         """Take over the parameters of a group."""
         w = self._writer
-        found = self._fixed(list(parameters), functions=LaneFunctions(w), constant=w.constant)
-        first = len(self._moving.inputs) - len(found)
-        _store(w, found, self._inputs, first)
+        values = self._fixed(list(parameters), functions=LaneFunctions(w), constant=w.constant)
+        first = len(self._moving.inputs) - len(values)
+        _store(w, values, self._inputs, first)
 
     def __call__(self, phase: Lanes, y: Sequence[Lanes], waves: Sequence[Lanes]) -> list[Lanes]:
         """The rates."""
@@ -65,22 +71,23 @@ def split(program: Program, fixed: Iterable[str]) -> tuple[Program, Program]:
     """
     names = tuple(fixed)
     count, base = len(program.inputs), len(program.inputs) + len(program.constants)
-    still = {i for i, name in enumerate(program.inputs) if name in names}
-    known = still | set(range(count, base))
+    fixed_slots = {i for i, name in enumerate(program.inputs) if name in names}
+    available = fixed_slots | set(range(count, base))
     early, late = [], []
     for slot, (operation, *operands) in enumerate(program.code, start=base):
-        if still.intersection(operands) and known.issuperset(operands):
-            still.add(slot)
-            known.add(slot)
+        if fixed_slots.intersection(operands) and available.issuperset(operands):
+            fixed_slots.add(slot)
+            available.add(slot)
             early.append((slot, operation, operands))
         else:
             late.append((slot, operation, operands))
     used = [*(k for _, _, operands in late for k in operands), *program.outputs]
-    handed = tuple(dict.fromkeys(k for k in used if k in still))
-    others = tuple(i for i in range(count) if i not in still)
-    first = _renumbered(program, names, tuple(map(program.inputs.index, names)), early, handed)
-    inputs = (*(program.inputs[i] for i in others), *(f"fixed.{k}" for k in range(len(handed))))
-    return first, _renumbered(program, inputs, (*others, *handed), late, program.outputs)
+    passed_on = tuple(dict.fromkeys(k for k in used if k in fixed_slots))
+    moving_slots = tuple(i for i in range(count) if i not in fixed_slots)
+    first = _renumbered(program, names, tuple(map(program.inputs.index, names)), early, passed_on)
+    moving = (program.inputs[i] for i in moving_slots)
+    inputs = (*moving, *(f"fixed.{k}" for k in range(len(passed_on))))
+    return first, _renumbered(program, inputs, (*moving_slots, *passed_on), late, program.outputs)
 
 
 def _renumbered(
@@ -90,7 +97,7 @@ def _renumbered(
     code: Sequence[tuple[int, str, list[int]]],
     outputs: tuple[int, ...],
 ) -> Program:
-    """A part of a program, whose inputs have these slots in the whole."""
+    """A part of a program, whose inputs have these slots in the program itself."""
     constants = range(len(program.inputs), len(program.inputs) + len(program.constants))
     order = [*slots, *constants, *(slot for slot, _, _ in code)]
     at = {slot: k for k, slot in enumerate(order)}
@@ -113,8 +120,10 @@ def _function(program: Program, kernel: Writer, name: str) -> ir.Function:
         argument.add_attribute("noalias")
     w = replace(kernel, builder=ir.IRBuilder(function.append_basic_block("entry")))
     values = [w.load(function.args[0], w.integer(i * w.width)) for i in range(len(program.inputs))]
-    found = program(values, functions=LaneFunctions(w), constant=w.constant, divide=quotient)
-    _store(w, found, function.args[1], 0)
+    outputs = program(
+        values, functions=LaneFunctions(w), constant=w.constant, divide=reciprocal_quotient
+    )
+    _store(w, outputs, function.args[1], 0)
     w.builder.ret_void()
     return function
 

@@ -8,24 +8,41 @@ import numpy as np
 from numpy.typing import NDArray
 
 from remanent._typing import BoolArray, FloatArray, IntArray
-from remanent.integrate.ensemble.ensemble import MAX_RESOLUTION
-from remanent.integrate.ensemble.resolution import ladder
+from remanent.integrate.ensemble.resolution import MAX_RESOLUTION, round_up_resolution
 from remanent.integrate.maps.period_map import Image, PeriodMap
 
 #: Tangents enter with this size: their errors are controlled relative to the larger of their
 #: size and 1, and an exponent needs fewer of their digits than of the state's.
-_SIZE = 1e-3
-#: States up to this have their error counted as it is, larger ones relative to it.
-_NEAR = 10.0
-#: Resolution may fall again to what was wanted in so many periods.
-_MEMORY = 64
-#: It aims this factor below the tolerance.
+_TANGENT_SIZE = 1e-3
+#: States up to this have an absolute error, larger ones an error relative to them.
+_ABSOLUTE_RANGE = 10.0
+#: After so many periods a resolution may fall again to what the errors of these asked for.
+_MEMORY_PERIODS = 64
+#: Resolution aims this factor below the tolerance.
 _AIM = 0.3
+#: Double steps per period of the first block.
+_FIRST_RESOLUTION = 8
+#: Fewest double steps per period.
+_LEAST_RESOLUTION = 6
+#: Errors count as no smaller than this share of the aim: a smaller one is round-off.
+_LEAST_ERROR_SHARE = 1e-8
 
 
 @dataclass(frozen=True)
 class Step:
-    """What became of trajectories in one block; it is a `TangentImage` of `analysis`."""
+    """What became of trajectories in one block; see `remanent.analysis.following.Advanced`.
+
+    Attributes
+    ----------
+    visited : array (trajectory, period, state)
+        The state after each period, or after the last one.
+    tangents : array (trajectory, column, state)
+        After the last period.
+    error : array (trajectory,)
+        Estimated largest error that one period adds.
+    trusted : array (trajectory,) of bool
+        Whether it met the tolerance.
+    """
 
     visited: FloatArray
     tangents: FloatArray
@@ -41,14 +58,20 @@ class Advancer:
     tolerance, and lowered where a few blocks in a row could do with less.  What a trajectory
     undergoes depends on itself alone.
 
+    What changes: with each call `resolution_history` grows, and the resolution of the next
+    block is learnt.
+
     Attributes
     ----------
+    flow : PeriodMap
     parameters : array (trajectory, parameter)
     lengths : array (trajectory,)
-        Of a period.
-    tolerance
+        Of a period, tau.
+    tolerance : float
         Of the error of a period.
-    taken : list of array (trajectory,)
+    max_resolution : int
+        Most double steps per period.
+    resolution_history : list of array (trajectory,)
         Resolutions of each block so far.
     """
 
@@ -56,16 +79,17 @@ class Advancer:
     parameters: FloatArray
     lengths: FloatArray
     tolerance: float
-    finest: int = MAX_RESOLUTION
-    taken: list[NDArray[np.int16]] = field(default_factory=list, repr=False)
-    _level: IntArray = field(init=False, repr=False)
-    _wanted: FloatArray = field(init=False, repr=False)
-    _since: IntArray = field(init=False, repr=False)
+    max_resolution: int = MAX_RESOLUTION
+    resolution_history: list[NDArray[np.int16]] = field(default_factory=list, repr=False)
+    _resolution: IntArray = field(init=False, repr=False)
+    _needed: FloatArray = field(init=False, repr=False)
+    _periods: IntArray = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         count = self.lengths.size
-        self._level = np.full(count, 8, dtype=np.int64)
-        self._wanted, self._since = np.zeros(count), np.zeros(count, dtype=np.int64)
+        self._resolution = np.full(count, _FIRST_RESOLUTION, dtype=np.int64)
+        # Largest resolution needed, and periods advanced, since it was last lowered.
+        self._needed, self._periods = np.zeros(count), np.zeros(count, dtype=np.int64)
 
     def __call__(
         self,
@@ -76,65 +100,80 @@ class Advancer:
         *,
         every: bool,
     ) -> Step:
-        """Advance some of the trajectories by so many periods."""
+        """Advance some of the trajectories by so many periods.
+
+        Parameters
+        ----------
+        which : array (trajectory,)
+            Their numbers.
+        states : array (trajectory, state)
+        tangents : array (trajectory, column, state)
+        periods : int
+        every : bool
+            Keep the state after each period.
+        """
         # Far away a digit is worth more: what escapes must be followed until it has.
-        asked = self.tolerance * np.maximum(np.abs(states).max(axis=1) / _NEAR, 1.0)
+        size = np.abs(states).max(axis=1)
+        tolerance = self.tolerance * np.maximum(size / _ABSOLUTE_RANGE, 1.0)
         image = self.flow(
             states,
             self.parameters[which],
             self.lengths[which],
-            tolerance=asked,
+            tolerance=tolerance,
             cycles=periods,
-            tangent=_SIZE * tangents,
-            resolution=self._level[which],
-            finest=self.finest,
+            tangent=_TANGENT_SIZE * tangents,
+            resolution=self._resolution[which],
+            max_resolution=self.max_resolution,
             visited=every,
         )
-        self.taken.append(self._taken(which, image.resolution))
-        self._learn(which, image, asked, periods)
-        visited = image.state[:, None] if image.visited is None else image.visited
-        trusted = image.error <= asked
-        return Step(visited, image.tangent / _SIZE, image.error, np.asarray(trusted))
+        self.resolution_history.append(self._block_resolution(which, image.resolution))
+        self._learn(which, image, tolerance, periods)
+        trusted = np.asarray(image.error <= tolerance)
+        return Step(_visited(image), image.tangent / _TANGENT_SIZE, image.error, trusted)
 
-    def _taken(self, which: IntArray, resolution: IntArray) -> NDArray[np.int16]:
+    def _block_resolution(self, which: IntArray, resolution: IntArray) -> NDArray[np.int16]:
         """Resolutions of this block, those of trajectories that are not in it as they were."""
-        taken = self._level.astype(np.int16)
-        taken[which] = resolution
-        return taken
+        block = self._resolution.astype(np.int16)
+        block[which] = resolution
+        return block
 
-    def _learn(self, which: IntArray, image: Image, asked: FloatArray, periods: int) -> None:
+    def _learn(self, which: IntArray, image: Image, tolerance: FloatArray, periods: int) -> None:
+        """Keep the resolution, and lower it where the last periods needed less."""
         with np.errstate(all="ignore"):
-            share = image.error / (_AIM * asked)
-            wanted = image.resolution * np.maximum(share, 1e-8) ** (1.0 / self.flow.order)
-        self._wanted[which] = np.fmax(self._wanted[which], wanted)
-        self._level[which] = image.resolution
-        self._since[which] += periods
-        due = which[self._since[which] >= _MEMORY]
-        lower = ladder(np.clip(self._wanted[due], 6, self.finest))
-        self._level[due] = np.minimum(self._level[due], lower)
-        self._wanted[due], self._since[due] = 0.0, 0
+            share = np.maximum(image.error / (_AIM * tolerance), _LEAST_ERROR_SHARE)
+            needed = image.resolution * share ** (1.0 / self.flow.order)
+        self._needed[which] = np.fmax(self._needed[which], needed)
+        self._resolution[which] = image.resolution
+        self._periods[which] += periods
+        due = which[self._periods[which] >= _MEMORY_PERIODS]
+        needed = np.clip(self._needed[due], _LEAST_RESOLUTION, self.max_resolution)
+        self._resolution[due] = np.minimum(self._resolution[due], round_up_resolution(needed))
+        self._needed[due], self._periods[due] = 0.0, 0
 
 
 @dataclass
-class Retrace:
+class CoarseReplay:
     """Advances trajectories once more, with steps twice as long as in an earlier run.
 
-    What the two runs have in common does not come from the steps.  No error is known.
+    What the two runs have in common does not come from the steps.  No error is estimated.
+
+    What changes: calls are counted, since each replays one block of the earlier run.
 
     Attributes
     ----------
-    flow
-        A map that judges nothing.
-    parameters, lengths
-        As of :class:`Advancer`.
-    taken
+    flow : PeriodMap
+        A map that controls no error.
+    parameters : array (trajectory, parameter)
+    lengths : array (trajectory,)
+        Of a period, tau.
+    resolution_history : list of array (trajectory,)
         Resolutions of each block of the earlier run, in the same order.
     """
 
     flow: PeriodMap
     parameters: FloatArray
     lengths: FloatArray
-    taken: list[NDArray[np.int16]]
+    resolution_history: list[NDArray[np.int16]]
     _block: int = field(init=False, default=0, repr=False)
 
     def __call__(
@@ -147,7 +186,8 @@ class Retrace:
         every: bool,
     ) -> Step:
         """Advance some of the trajectories by so many periods."""
-        levels = self.taken[min(self._block, len(self.taken) - 1)][which]
+        last = len(self.resolution_history) - 1
+        resolution = self.resolution_history[min(self._block, last)][which]
         self._block += 1
         image = self.flow(
             states,
@@ -155,10 +195,15 @@ class Retrace:
             self.lengths[which],
             tolerance=np.inf,
             cycles=periods,
-            tangent=_SIZE * tangents,
-            resolution=ladder(0.5 * levels.astype(np.float64)),
+            tangent=_TANGENT_SIZE * tangents,
+            resolution=round_up_resolution(0.5 * resolution.astype(np.float64)),
             visited=every,
         )
-        visited = image.state[:, None] if image.visited is None else image.visited
         finite = np.asarray(np.isfinite(image.state).all(axis=1))
-        return Step(visited, image.tangent / _SIZE, np.zeros(which.size), finite)
+        unknown = np.zeros(which.size)
+        return Step(_visited(image), image.tangent / _TANGENT_SIZE, unknown, finite)
+
+
+def _visited(image: Image) -> FloatArray:
+    """The states after each period, or after the last one."""
+    return image.state[:, None] if image.visited is None else image.visited

@@ -10,26 +10,33 @@ import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Literal
 
 import numpy as np
 
 from remanent._field import Field
 from remanent._typing import FloatArray, IntArray
-from remanent.integrate.ensemble.ensemble import MAX_RESOLUTION
-from remanent.integrate.ensemble.resolution import finer, ladder
+from remanent.integrate.ensemble.resolution import (
+    MAX_RESOLUTION,
+    refine_resolution,
+    round_up_resolution,
+)
 from remanent.integrate.kernel.compile import Kernel, compiled
-from remanent.integrate.kernel.kernel import Options
-from remanent.integrate.kernel.tables import waveform_tables
+from remanent.integrate.kernel.memory import LaneMemory
+from remanent.integrate.kernel.options import Options
+from remanent.integrate.kernel.tables import CycleTables
 from remanent.integrate.methods.runge_kutta import default_method
 from remanent.integrate.variations import tangent
 
-Judged = Literal["all", "state", "nothing"]
-#: Groups of trajectories in one task of a thread.
-_GROUPS = 32
+#: Whose errors are controlled: those of the state and of the derivatives, of the state alone,
+#: or none.
+ErrorControl = Literal["all", "state", "none"]
+#: Groups of trajectories in one chunk, the task of a thread.
+_GROUPS_PER_CHUNK = 32
 #: Double steps per period to begin with.
-_FIRST = 8
+_FIRST_RESOLUTION = 8
+#: Errors from here on no longer follow the order of the method.
+_ASYMPTOTIC_LIMIT = 1.0
 
 
 @dataclass(frozen=True)
@@ -44,7 +51,7 @@ class Image:
         Derivatives, those along directions first, then those by parameters.
     error : array (point,)
         Estimated largest error that one period adds: of the state absolute, of the
-        tangents, where they are judged, relative to the largest of them.
+        tangents, where theirs is controlled, relative to the largest of them.
     resolution : array (point,)
         Double steps per period.
     visited : array (point, period, state), optional
@@ -58,25 +65,68 @@ class Image:
     visited: FloatArray | None
 
 
+@dataclass(frozen=True)
+class _Course:
+    """How far a map is applied.
+
+    Attributes
+    ----------
+    cycles : int
+        Periods.
+    half : bool
+        Half a period more.
+    visited : bool
+        Keep the state after each period.
+    """
+
+    cycles: int
+    half: bool
+    visited: bool
+
+
+@dataclass(frozen=True)
+class _Points:
+    """Where a map is applied.
+
+    Attributes
+    ----------
+    start : array (point, component)
+        State and tangents.
+    parameters : array (point, parameter)
+    length : array (point,)
+        Of a period, tau.
+    """
+
+    start: FloatArray
+    parameters: FloatArray
+    length: FloatArray
+
+    def subset(self, indices: IntArray) -> _Points:
+        """Some of the points."""
+        return _Points(self.start[indices], self.parameters[indices], self.length[indices])
+
+
 class PeriodMap:
     """A field over whole periods of its load.
 
+    What changes: tables of the load are remembered.  No result depends on earlier calls.
+
     Parameters
     ----------
-    field
+    field : Field
         Of the motion.
-    waveform
+    waveform : callable
         ``waveform(phase)``: the field's waveforms, array (waveform, *phase.shape).
-    directions
+    directions : int
         How many directions of the initial state are carried along.
-    parameters
+    parameters : sequence of str
         Parameters with respect to which derivatives are carried along, or
         :data:`~remanent.integrate.variations.LOG_PERIOD`.
-    phase
+    phase : float
         Of the load where a period begins, in [0, 1).
-    judged
-        Whose error counts: "all", that of the derivatives too; "state", of the state alone,
-        which takes less time; or "nothing", so that the map takes the steps it is told.
+    error_control : {"all", "state", "none"}
+        Whose errors are controlled: "all", that of the derivatives too; "state", of the state
+        alone, which takes less time; or "none", so that the map takes the steps it is told.
     """
 
     def __init__(
@@ -87,26 +137,24 @@ class PeriodMap:
         directions: int = 0,
         parameters: Sequence[str] = (),
         phase: float = 0.0,
-        judged: Judged = "all",
+        error_control: ErrorControl = "all",
     ) -> None:
         self.field, self.dimension = field, len(field.state)
         self.directions, self.columns = directions, directions + len(parameters)
-        carried = tangent(field, directions=directions, parameters=parameters)
+        with_tangents = tangent(field, directions=directions, parameters=parameters)
         method = default_method()
+        # The state does not depend on its tangents, so that the coarse solution may do
+        # without them where only the state's error is controlled.
+        state_only = error_control == "state" and self.columns > 0
         options = Options(
-            local=True,
-            companion=judged != "nothing",
-            absolute=self.dimension,
-            followed=self.dimension if judged == "state" and self.columns else None,
+            error_per_cycle=True,
+            coarse_solution=error_control != "none",
+            absolute_errors=self.dimension,
+            coarse_variables=self.dimension if state_only else None,
         )
-        self.kernel: Kernel = compiled(carried if self.columns else field, method, options)
+        self.kernel: Kernel = compiled(with_tangents if self.columns else field, method, options)
         self.order = method.order
-
-        @lru_cache(maxsize=64)
-        def tables(doubles: int) -> tuple[FloatArray, FloatArray]:
-            return waveform_tables(waveform, method.nodes, doubles, phase)
-
-        self._tables = tables
+        self._tables = CycleTables(waveform, phase)
 
     def __call__(
         self,
@@ -118,8 +166,8 @@ class PeriodMap:
         cycles: int = 1,
         half: bool = False,
         tangent: FloatArray | None = None,
-        resolution: IntArray | int = _FIRST,
-        finest: int = MAX_RESOLUTION,
+        resolution: IntArray | int = _FIRST_RESOLUTION,
+        max_resolution: int = MAX_RESOLUTION,
         visited: bool = False,
     ) -> Image:
         """Apply the map to many states.
@@ -127,50 +175,57 @@ class PeriodMap:
         Parameters
         ----------
         states : array (point, state)
+            To start from.
         parameters : array (point, parameter)
             In the order of ``field.parameters``.
         length : array (point,)
             Of a period, tau.
         tolerance : array (point,) or float
             Of the error that one period adds.
-        cycles
+        cycles : int
             Periods.
-        half
+        half : bool
             Half a period more.
         tangent : array (point, column, state), optional
             To start from; by default unit directions, and nothing along parameters.
         resolution : array (point,) or int
             Double steps per period to begin with; an :class:`Image` says which were enough.
-        finest
+        max_resolution : int
             Most double steps per period; points that need more keep the error they have.
-        visited
+        visited : bool
             Keep the state after each period.
+
+        Returns
+        -------
+        Image
         """
-        count = states.shape[0]
-        start = self._start(states, tangent)
-        levels = np.broadcast_to(ladder(np.asarray(resolution)), (count,)).copy()
-        levels += levels % 2 if half else 0
-        asked = np.broadcast_to(np.asarray(tolerance, dtype=np.float64), (count,))
-        ends, error = np.full(start.shape, np.nan), np.full(count, np.inf)
-        path = np.full((count, cycles, self.dimension), np.nan) if visited else None
+        count, d = states.shape[0], self.dimension
+        points = _Points(self._start(states, tangent), parameters, length)
+        course = _Course(cycles, half, visited)
+        levels = np.broadcast_to(round_up_resolution(np.asarray(resolution)), (count,)).copy()
+        levels += levels % 2 if half else 0  # half a period needs whole double steps
+        tolerances = np.broadcast_to(np.asarray(tolerance, dtype=np.float64), (count,))
+        ends, error = np.full(points.start.shape, np.nan), np.full(count, np.inf)
+        path = np.full((count, cycles, d), np.nan) if visited else None
         pending = np.arange(count)
         while pending.size:
             for level in np.unique(levels[pending]):
-                some = pending[levels[pending] == level]
-                ends[some], error[some], seen = self._run(
-                    start[some], parameters[some], length[some], int(level), cycles, half, visited
-                )
-                if path is not None and seen is not None:
-                    path[some] = seen
-            missed = pending[~(error[pending] <= asked[pending])]
-            wanted = self._finer(error[missed], asked[missed], levels[missed], half)
-            pending = missed[wanted <= finest]
-            levels[pending] = wanted[wanted <= finest]
-        d = self.dimension
+                members = pending[levels[pending] == level]
+                memory = self._memory(points.subset(members), int(level), course)
+                states_after = self._advance(memory, int(level), course)
+                ends[members] = memory.vectors("fine")
+                error[members] = memory.column("largest_error")
+                if path is not None and states_after is not None:
+                    path[members] = states_after
+            missed = pending[~(error[pending] <= tolerances[pending])]
+            finer = self._refined(error[missed], tolerances[missed], levels[missed], half)
+            pending = missed[finer <= max_resolution]
+            levels[pending] = finer[finer <= max_resolution]
         columns = ends[:, d:].reshape(count, self.columns, d)
         return Image(ends[:, :d], columns, error, levels, path)
 
     def _start(self, states: FloatArray, tangent: FloatArray | None) -> FloatArray:
+        """States followed by their tangents, array (point, component)."""
         count = states.shape[0]
         if tangent is None:
             tangent = np.zeros((count, self.columns, self.dimension))
@@ -178,79 +233,60 @@ class PeriodMap:
                 tangent[:, k, k] = 1.0
         return np.concatenate([states, tangent.reshape(count, -1)], axis=1)
 
-    def _finer(
+    def _refined(
         self, error: FloatArray, tolerance: FloatArray, levels: IntArray, half: bool
     ) -> IntArray:
-        wanted = finer(levels, error, tolerance, self.order, meaningless=1.0)
-        return np.asarray(wanted + (wanted % 2 if half else 0))
+        """The resolutions to try next."""
+        finer = refine_resolution(
+            levels, error, tolerance, self.order, asymptotic_limit=_ASYMPTOTIC_LIMIT
+        )
+        return np.asarray(finer + (finer % 2 if half else 0))
 
-    def _run(
-        self,
-        start: FloatArray,
-        parameters: FloatArray,
-        length: FloatArray,
-        level: int,
-        cycles: int,
-        half: bool,
-        visited: bool,
-    ) -> tuple[FloatArray, FloatArray, FloatArray | None]:
-        lanes = self._lanes(start, parameters, length, level, cycles + 1)
-        pieces = [lanes[i : i + _GROUPS] for i in range(0, lanes.shape[0], _GROUPS)]
+    def _advance(self, memory: LaneMemory, level: int, course: _Course) -> FloatArray | None:
+        """Advance some points in place; the states after each period where asked."""
+        chunks = list(memory.parts(_GROUPS_PER_CHUNK))
 
-        def advance(piece: FloatArray) -> FloatArray | None:
-            return self._advance(piece, level, cycles, half, visited)
+        def advance(chunk: FloatArray) -> FloatArray | None:
+            return self._advance_chunk(chunk, level, course)
 
-        if len(pieces) == 1:
-            records = [advance(pieces[0])]
+        if len(chunks) == 1:
+            records = [advance(chunks[0])]
         else:
             with ThreadPoolExecutor(os.cpu_count()) as pool:
-                records = list(pool.map(advance, pieces))
-        flat = lanes.transpose(0, 2, 1).reshape(-1, lanes.shape[1])[: start.shape[0]]
-        layout = self.kernel.layout
-        seen = None
-        if visited:
-            whole = np.concatenate([r for r in records if r is not None], axis=1)
-            seen = whole.transpose(1, 3, 0, 2).reshape(-1, cycles, whole.shape[2])
-            seen = seen[: start.shape[0], :, : self.dimension]
-        return flat[:, layout.group("fine")], flat[:, layout.slots["total"]], seen
+                records = list(pool.map(advance, chunks))
+        if not course.visited:
+            return None
+        joined = np.concatenate([r for r in records if r is not None], axis=1)
+        return memory.by_trajectory(joined)[:, :, : self.dimension]
 
-    def _advance(
-        self, lanes: FloatArray, level: int, cycles: int, half: bool, visited: bool
-    ) -> FloatArray | None:
+    def _advance_chunk(self, lanes: FloatArray, level: int, course: _Course) -> FloatArray | None:
         """Advance some groups in place; the states after each period where asked."""
-        fine, coarse = self._tables(level)
+        fine, coarse = self._tables(self.kernel.method.nodes, level)
         record = None
-        if cycles:
-            if visited:
-                shape = (cycles, lanes.shape[0], self.kernel.layout.states, lanes.shape[2])
-                record = np.empty(shape)
-            every = 2 * level if visited else 0
-            self.kernel(lanes, (fine, coarse), record, cycles=cycles, every=every)
-        if half:
+        if course.cycles:
+            if course.visited:
+                states = self.kernel.layout.states
+                record = np.empty((course.cycles, lanes.shape[0], states, lanes.shape[2]))
+            every = 2 * level if course.visited else 0
+            self.kernel(lanes, (fine, coarse), record, cycles=course.cycles, every=every)
+        if course.half:
             self.kernel(lanes, (fine[:level], coarse[: level // 2]), None, cycles=1)
         return record
 
-    def _lanes(
-        self,
-        start: FloatArray,
-        parameters: FloatArray,
-        length: FloatArray,
-        level: int,
-        cycles: int,
-    ) -> FloatArray:
-        """The array (group, slot, lane), padded with copies of the last point."""
-        layout, width = self.kernel.layout, self.kernel.width
-        count = start.shape[0]
-        groups = -(-count // width)
-        flat = np.zeros((groups * width, layout.size))
-        slots = layout.slots
-        flat[:count, layout.group("fine")] = start
-        flat[:count, layout.group("coarse")] = start
-        flat[:count, layout.group("parameter")] = parameters
-        flat[:count, slots["cycle"]] = length
-        flat[:count, slots["step"]] = length / (2 * level)
-        flat[:count, slots["end"]] = 2.0 * cycles * length
-        flat[count:] = flat[count - 1]
-        flat[:, slots["tolerance"]] = flat[:, slots["hopeless"]] = np.inf
-        flat[:, slots["alive"]] = 1.0
-        return np.ascontiguousarray(flat.reshape(groups, width, -1).transpose(0, 2, 1))
+    def _memory(self, points: _Points, level: int, course: _Course) -> LaneMemory:
+        """The numbers of some points before the first period."""
+        vectors = {
+            "fine": points.start,
+            "coarse": points.start,
+            "parameter": points.parameters,
+        }
+        scalars: dict[str, FloatArray | float] = {
+            "cycle": points.length,
+            "step": points.length / (2 * level),
+            # Later than the end of the run, so that no cycle is left out.
+            "end": 2.0 * (course.cycles + 1) * points.length,
+            "tolerance": np.inf,
+            "error_ceiling": np.inf,
+            "within_tolerance": 1.0,
+        }
+        return LaneMemory.filled(self.kernel.layout, self.kernel.width, vectors, scalars)

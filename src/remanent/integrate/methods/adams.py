@@ -131,14 +131,14 @@ def partners(field: Field) -> tuple[int | None, ...]:
     Only rates that are not coordinates themselves count, so that every partner has a
     history of its own.
     """
-    named = [slot - 1 if 1 <= slot <= len(field.state) else None for slot in field.rates.outputs]
-    return tuple(None if j is None or named[j] is not None else j for j in named)
+    rate_of = [slot - 1 if 1 <= slot <= len(field.state) else None for slot in field.rates.outputs]
+    return tuple(None if j is None or rate_of[j] is not None else j for j in rate_of)
 
 
 def _lagrange(j: int, count: int) -> _Polynomial:
     """The polynomial in s that is 1 at s = -j and 0 at the other -i, i < count."""
-    others = [i for i in range(count) if i != j]
-    return _product([(Fraction(i, i - j), Fraction(1, i - j)) for i in others])
+    distances = [i for i in range(count) if i != j]
+    return _product([(Fraction(i, i - j), Fraction(1, i - j)) for i in distances])
 
 
 def _product(factors: Sequence[Sequence[Fraction]]) -> _Polynomial:

@@ -75,7 +75,7 @@ class RungeKutta:
 
     @property
     def compensated(self) -> bool:
-        """Whether what rounding cuts off from the state is carried on."""
+        """Whether what rounding cuts off from the state is compensated_sum on."""
         return True
 
     @property
@@ -93,26 +93,34 @@ class RungeKutta:
 
     def increment(self, rates: Rates, y: Sequence[Any], h: Any) -> list[Any]:
         """What one step of length `h` adds to the state `y`."""
+        return self.weighted_sum(self.slopes(rates, y, h), h)
+
+    def slopes(self, rates: Rates, y: Sequence[Any], h: Any) -> list[list[Any]]:
+        """The rates at every stage of a step of length `h` from the state `y`."""
         slopes: list[list[Any]] = []
         for node, row in zip(self.stage_nodes, self.weights, strict=True):
             slopes.append(rates(node, _moved(y, h, row, slopes)))
-        return [h * _combination(self.final, slopes, i) for i in range(len(y))]
+        return slopes
+
+    def weighted_sum(self, slopes: list[list[Any]], h: Any) -> list[Any]:
+        """What a step of length `h` with these slopes adds to the state."""
+        return [h * _combination(self.final, slopes, i) for i in range(len(slopes[0]))]
 
 
-def carried(
-    y: Sequence[Any], change: Sequence[Any], rest: Sequence[Any]
+def compensated_sum(
+    y: Sequence[Any], change: Sequence[Any], compensation: Sequence[Any]
 ) -> tuple[list[Any], list[Any]]:
-    """Add `change` and what earlier roundings cut off, `rest`; return sum and new rest.
+    """Add `change` to `y` with what earlier roundings cut off; return the sum and what it cuts off.
 
     References
     ----------
     W. Kahan, Comm. ACM 8 (1965) 40.
     """
     moved, cut = [], []
-    for a, b, r in zip(y, change, rest, strict=True):
-        whole = b + r
-        moved.append(a + whole)
-        cut.append(whole - (moved[-1] - a))
+    for a, b, r in zip(y, change, compensation, strict=True):
+        increment = b + r
+        moved.append(a + increment)
+        cut.append(increment - (moved[-1] - a))
     return moved, cut
 
 

@@ -10,8 +10,8 @@ import numpy as np
 
 from remanent._typing import FloatArray, IntArray
 from remanent.analysis.orbits.maps import MapImage
-from remanent.integrate.ensemble.ensemble import MAX_RESOLUTION
 from remanent.integrate.ensemble.problem import Problem
+from remanent.integrate.ensemble.resolution import MAX_RESOLUTION
 from remanent.integrate.maps.period_map import Image, PeriodMap
 from remanent.integrate.variations import LOG_PERIOD
 from remanent.studies.ensemble.durations import require_periods
@@ -96,13 +96,14 @@ class StroboscopicMap:
             # Any error will do, so each point is run once, at the resolution it is told.
             return self._flow(
                 x, self._parameters(columns, len(x)), self._lengths(columns, len(x)),
-                tolerance=np.inf, cycles=iterate, half=half, resolution=resolution, finest=0,
+                tolerance=np.inf, cycles=iterate, half=half, resolution=resolution,
+                max_resolution=0,
             )  # fmt: skip
 
         image = self._flow(
             states, own, lengths, tolerance=self.tolerance, cycles=iterate, half=half,
             resolution=self._resolution(pilot, states, parameters, iterate=iterate, half=half),
-            finest=self.finest,
+            max_resolution=self.finest,
         )  # fmt: skip
         jacobian = np.moveaxis(image.tangent[:, : self.dimension], 1, 2)
         slope = self._slope(image, values)

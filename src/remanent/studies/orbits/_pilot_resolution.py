@@ -17,7 +17,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from remanent._typing import FloatArray, IntArray
-from remanent.integrate.ensemble.resolution import ladder
+from remanent.integrate.ensemble.resolution import round_up_resolution
 from remanent.integrate.maps.period_map import Image
 
 #: Double steps per period of the first pilot run, and the fewest that are foreseen.
@@ -114,13 +114,15 @@ class PilotResolution:
             with np.errstate(all="ignore"):
                 factor = (image.error / (_TARGET_ERROR * self.tolerance)) ** (1.0 / self.order)
             reliable = np.isfinite(factor) & (factor <= _MAX_EXTRAPOLATION)
-            foreseen = ladder(
+            foreseen = round_up_resolution(
                 np.maximum(np.where(reliable, factor, 1.0) * image.resolution, FIRST_RESOLUTION)
             )
             coarse = np.minimum(image.resolution, _UNRELIABLE_RESOLUTION)
             wanted[pending] = np.where(reliable, foreseen, coarse)
             growth = np.where(np.isfinite(factor), factor, _MIN_REFINEMENT)
-            finer = ladder(image.resolution * growth.clip(_MIN_REFINEMENT, _MAX_REFINEMENT))
+            finer = round_up_resolution(
+                image.resolution * growth.clip(_MIN_REFINEMENT, _MAX_REFINEMENT)
+            )
             again = ~reliable & (image.resolution < self.finest)
             pending = pending[again]
             resolution[pending] = np.minimum(finer[again], self.finest)

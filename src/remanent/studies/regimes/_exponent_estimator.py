@@ -10,7 +10,7 @@ import numpy as np
 
 from remanent._typing import IntArray
 from remanent.analysis.regimes.lyapunov import lyapunov_exponents
-from remanent.integrate.maps.period_map import Judged
+from remanent.integrate.maps.period_map import ErrorControl
 from remanent.studies.regimes._follower import Follower, status_of
 
 #: Points of the history, at most.
@@ -89,11 +89,15 @@ class ExponentEstimator:
         return _with_total_error(estimate)
 
     def _estimate(
-        self, indices: IntArray, judged: Judged, cancelled: Callable[[], bool]
+        self, indices: IntArray, error_control: ErrorControl, cancelled: Callable[[], bool]
     ) -> dict[str, np.ndarray]:
         """Means of a run, their scatter, and their difference from a run of coarser steps."""
         path, coarse_path = self.follower.follow_with_doubled_steps(
-            indices, self.tolerance, judged=judged, block=self.block, cancelled=cancelled
+            indices,
+            self.tolerance,
+            error_control=error_control,
+            block=self.block,
+            cancelled=cancelled,
         )
         fine, coarse = (lyapunov_exponents(p.growth, p.block_lengths) for p in (path, coarse_path))
         tau = self.follower.period_lengths[indices]

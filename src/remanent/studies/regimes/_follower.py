@@ -20,8 +20,8 @@ from remanent.analysis.regimes.long_runs import (
     propagate_tangents,
 )
 from remanent.integrate.ensemble.problem import Problem
-from remanent.integrate.maps.advance import Advancer, Retrace
-from remanent.integrate.maps.period_map import Judged, PeriodMap
+from remanent.integrate.maps.advance import Advancer, CoarseReplay
+from remanent.integrate.maps.period_map import ErrorControl, PeriodMap
 from remanent.studies.ensemble.durations import require_periods
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.problem import initial_value_problem
@@ -71,12 +71,12 @@ class Follower:
 
     @cached_property
     def period_map(self) -> Callable[..., PeriodMap]:
-        """``period_map(directions, judged)``: the map, made once for each pair of these."""
+        """``period_map(directions, error_control)``: the map, made once for each pair of these."""
         field, waveform = self.problem.field, self.problem.timeline.waveform
 
         @lru_cache
-        def period_map(directions: int, judged: Judged = "all") -> PeriodMap:
-            return PeriodMap(field, waveform, directions=directions, judged=judged)
+        def period_map(directions: int, error_control: ErrorControl = "all") -> PeriodMap:
+            return PeriodMap(field, waveform, directions=directions, error_control=error_control)
 
         return period_map
 
@@ -86,10 +86,10 @@ class Follower:
         tolerance: float,
         *,
         directions: int | None = None,
-        judged: Judged = "all",
+        error_control: ErrorControl = "all",
     ) -> Advancer:
         """What advances a subset of the trajectories, which it numbers from 0."""
-        flow = self.period_map(self.directions if directions is None else directions, judged)
+        flow = self.period_map(self.directions if directions is None else directions, error_control)
         return Advancer(
             flow, self.problem.parameters[indices], self.period_lengths[indices], tolerance
         )
@@ -122,7 +122,7 @@ class Follower:
         """
         directions = self.directions if directions is None else directions
         return propagate_tangents(
-            self.advancer(indices, tolerance, directions=directions, judged="state"),
+            self.advancer(indices, tolerance, directions=directions, error_control="state"),
             self.problem.initial[indices] if states is None else states,
             self.periods,
             directions=directions,
@@ -135,7 +135,7 @@ class Follower:
         indices: IntArray,
         tolerance: float,
         *,
-        judged: Judged,
+        error_control: ErrorControl,
         block: int | None,
         cancelled: Callable[[], bool],
     ) -> tuple[LongRun, LongRun]:
@@ -144,9 +144,9 @@ class Follower:
         The difference of the two runs is the error of discretisation: the second repeats the
         resolutions that the first chose, halved, and so has nothing of its own to choose.
         """
-        fine = self.advancer(indices, tolerance, judged=judged)
-        flow = self.period_map(self.directions, "nothing")
-        coarse = Retrace(flow, fine.parameters, fine.lengths, fine.taken)
+        fine = self.advancer(indices, tolerance, error_control=error_control)
+        flow = self.period_map(self.directions, "none")
+        coarse = CoarseReplay(flow, fine.parameters, fine.lengths, fine.resolution_history)
 
         def path(advance: TangentMap) -> LongRun:
             return propagate_tangents(

@@ -13,7 +13,7 @@ from remanent.analysis.orbits.stability import floquet_multipliers
 from remanent.analysis.regimes.long_runs import LongRun, propagate_tangents
 from remanent.integrate.maps.advance import Step
 from remanent.integrate.maps.period_map import PeriodMap
-from remanent.integrate.variations import parting
+from remanent.integrate.variations import transverse_field
 from remanent.studies.ensemble.checks import require_actuator
 from remanent.studies.ensemble.durations import require_periods
 from remanent.studies.ensemble.ensemble import Ensemble
@@ -72,7 +72,7 @@ class TransverseFlow:
             )
         two, pairs = two_coordinates(ens)
         arrays = initial_value_problem(two, np.ones(ens.count))
-        flow = PeriodMap(parting(two.field, pairs), arrays.timeline.waveform)
+        flow = PeriodMap(transverse_field(two.field, pairs), arrays.timeline.waveform)
         lengths = np.where(ens.invalid, 1.0, require_periods(ens))
         return cls(
             initial=ens.initial,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 
 import numpy as np
 import xarray as xr
@@ -12,7 +13,7 @@ from remanent._errors import InputError
 from remanent._typing import ArrayLike, FloatArray, IntArray
 from remanent.analysis.response.subdivision import Maximum, refine_maximum
 from remanent.integrate.ensemble.ensemble import integrate
-from remanent.integrate.ensemble.problem import Outcome, Request, gathered
+from remanent.integrate.ensemble.problem import Outcome, Request, merge_outcomes
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.results.build import Labelled
@@ -46,18 +47,28 @@ def frequency_response(
 
     Parameters
     ----------
-    system, drive
-        What moves, and a drive with a field ``omega``, whose value is not used.
+    system : System
+        What moves.
+    drive : Drive
+        A load with a field ``omega``, whose value is not used.
     omega : array (omega,)
         Drive frequencies, radians per unit of tau, increasing, positive.
-    duration, periods
-        Length of each run, in tau (100 by default) or in drive periods; at most one.
-    discard
+    duration : float, optional
+        Length of each run in tau, 100 by default.
+    periods : int, optional
+        Length of each run in drive periods, in place of `duration`.
+    discard : float
         Time at the beginning, tau, that does not count.
-    initial, over, tolerance, progress
-        As for :func:`remanent.simulate`; `tolerance` is asked of the extremes.
-    resonance_width
+    initial : array_like (state,), optional
+        State at the start; rest by default.
+    over : mapping of name to values, optional
+        Values of other numeric fields; they become dimensions of the result.
+    tolerance : float
+        Of the error of the extremes.
+    resonance_width : float
         Width of the last bracket of ``resonance``.
+    progress : bool or callable, optional
+        True draws a bar; a callable is called with the share of the runs that are finished.
 
     Returns
     -------
@@ -74,6 +85,11 @@ def frequency_response(
     ------
     InputError
         A bad argument, or a drive without ``omega``.
+
+    See Also
+    --------
+    response_diagram : The periodic orbits behind the response, stable and unstable.
+    manifold_crossing : Where it jumps.
 
     Notes
     -----
@@ -96,11 +112,10 @@ def frequency_response(
     resonance_width = require_real("resonance_width", resonance_width, _WIDTH)
     require_over(over)
     grid = _frequencies(require_drive(drive), omega, over)
-    whole = {**(over or {}), "omega": grid}
-    ens = lay_out(system, drive, whole, initial)
+    ens = lay_out(system, drive, {**(over or {}), "omega": grid}, initial)
 
-    def respond(some: Ensemble, report: Report | None = None) -> Outcome:
-        return response_extremes(some, duration, periods, discard, tolerance, report)
+    def respond(runs: Ensemble, report: Report | None = None) -> Outcome:
+        return response_extremes(runs, duration, periods, discard, tolerance, report)
 
     outcome = respond(ens, as_progress(progress))
     amplitude = _amplitude(outcome)
@@ -167,7 +182,7 @@ def response_extremes(
             problem = initial_value_problem(batch, durations(batch, duration, periods))
             yield part, integrate(problem, request, tolerance=tolerance, progress=report)
 
-    return gathered(ens.count, parts())
+    return merge_outcomes(ens.count, parts())
 
 
 def _amplitude(outcome: Outcome) -> FloatArray:
@@ -195,18 +210,16 @@ def _resonance(
     return refine_maximum(grid, rows, measure, width=width)
 
 
-def _at(ens: Ensemble, which: IntArray, omega: FloatArray) -> Ensemble:
-    """Trajectories like some of an ensemble, at other frequencies."""
-    values = {name: v[which] for name, v in ens.values.items()} | {"omega": omega}
-    return Ensemble(
-        ens.system,
-        ens.drive,
-        ens.field,
-        {"point": which.size},
-        {},
-        values,
-        ens.initial[which],
-        ens.invalid[which],
+def _at(ens: Ensemble, indices: IntArray, omega: FloatArray) -> Ensemble:
+    """Trajectories like those of an ensemble with some indices, at other frequencies."""
+    values = {name: column[indices] for name, column in ens.values.items()} | {"omega": omega}
+    return replace(
+        ens,
+        sizes={"point": indices.size},
+        coords={},
+        values=values,
+        initial=ens.initial[indices],
+        invalid=ens.invalid[indices],
     )
 
 

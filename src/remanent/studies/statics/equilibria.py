@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from remanent._field import Role
 from remanent._typing import FloatArray, IntArray
 from remanent.analysis.statics.equilibria import find_zeros, force_slope
-from remanent.integrate.variations import parting
+from remanent.integrate.variations import transverse_field
 from remanent.models.actuator import Actuator
 from remanent.models.drives.waves import Constant
 from remanent.results.build import Labelled
@@ -137,7 +137,7 @@ def _properties(static: StaticEnsemble, stretch: FloatArray) -> dict[str, NDArra
 def _transverse_stiffness(ens: Ensemble, case: IntArray, stretch: FloatArray) -> FloatArray:
     """omega_a^2 of a small difference of the in-plane stretches at rest."""
     both, pairs = two_coordinates(ens)
-    field = parting(both.field, pairs)
+    field = transverse_field(both.field, pairs)
     static = StaticEnsemble(replace(both, field=field))
     rates = static.run(field.rates, case, stretch)
     (rate,) = field.names(Role.RATE)

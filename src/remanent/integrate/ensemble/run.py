@@ -1,0 +1,117 @@
+"""What all chunks of a run have in common, and what becomes of one of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from remanent._typing import BoolArray, FloatArray, IntArray
+from remanent.integrate.ensemble.problem import Problem, Request
+from remanent.integrate.ensemble.work_sizes import DEFAULT_SIZES, WorkSizes
+from remanent.integrate.kernel.compile import Kernels
+from remanent.integrate.kernel.tables import CycleTables
+
+#: Errors from this on are outside the asymptotic range: they no longer follow the order of the
+#: method.
+ASYMPTOTIC_LIMIT = 1e-2
+
+
+def never_cancelled() -> bool:
+    """A run that nobody cancels."""
+    return False
+
+
+@dataclass(frozen=True)
+class Run:
+    """What every chunk of a run is integrated with.
+
+    Attributes
+    ----------
+    problem : Problem
+    request : Request
+    kernels : Kernels
+        For the start of a piece and for the rest.
+    tolerance : float
+        Of the controlled error, absolute.
+    tables : CycleTables
+        Of the load.
+    sizes : WorkSizes
+        Of chunks and segments.
+    cancelled : callable
+        Asked before every segment.
+    """
+
+    problem: Problem
+    request: Request
+    kernels: Kernels
+    tolerance: float
+    tables: CycleTables
+    sizes: WorkSizes = DEFAULT_SIZES
+    cancelled: Callable[[], bool] = never_cancelled
+
+    @property
+    def error_ceiling(self) -> float:
+        """An error from which on a trajectory tells nothing more about its resolution."""
+        return max(self.tolerance, ASYMPTOTIC_LIMIT)
+
+    @property
+    def recorded(self) -> bool:
+        """Whether the state after every step is looked at."""
+        return self.request.times is not None or self.request.inspect is not None
+
+
+@dataclass(frozen=True)
+class Chunk:
+    """Trajectories that one thread integrates together.
+
+    Attributes
+    ----------
+    resolution : int
+        Double steps per cycle, or per nominal time where the load has no period.
+    indices : array (trajectory,)
+        Numbers of the trajectories; all have equally many double steps in every piece.
+    """
+
+    resolution: int
+    indices: IntArray
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """What became of the trajectories of a chunk at its resolution.
+
+    Attributes
+    ----------
+    within_tolerance : array (trajectory,) of bool
+        Whether the controlled error met the tolerance up to the end.
+    horizon, error_to_horizon : array (trajectory,)
+        Where it did not: time up to which it did, and its largest value until then.
+    largest_error : array (trajectory,)
+        Largest value of the controlled error.
+    maximum, minimum : array (trajectory,)
+        Extremes of the watched observable, up to the horizon.
+    last : array (trajectory, state)
+        State at the end, or at the horizon.
+    states : array (trajectory, sample, state), optional
+        At the times of the request.
+    findings : list
+        What ``Request.inspect`` returned.
+    """
+
+    within_tolerance: BoolArray
+    horizon: FloatArray
+    error_to_horizon: FloatArray
+    largest_error: FloatArray
+    maximum: FloatArray
+    minimum: FloatArray
+    last: FloatArray
+    states: FloatArray | None
+    findings: list[Any]
+
+    @property
+    def size(self) -> FloatArray:
+        """Largest component of the last state, array (trajectory,)."""
+        return np.asarray(np.abs(self.last).max(axis=1))

@@ -1,0 +1,121 @@
+"""Error control inside a kernel: what the difference of two solutions says about their error.
+
+Two solutions advance in lockstep, one with steps of length h and one with steps of length 2h.
+If the error is proportional to h**p, the solutions differ by 2**p - 1 times the error of the
+fine one.  That difference, compared after every double step, estimates the error of the fine
+solution at that instant, so that a kernel knows the time up to which a tolerance was met.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import reduce
+
+from remanent.integrate.kernel.group import Cycle, RunConstants, TrajectoryCells
+from remanent.integrate.kernel.lanes import Lanes, Mask, Writer, larger, larger_or_nan
+from remanent.integrate.kernel.options import Method, Options
+
+#: Estimated error of the state, relative to one plus its size, from which on two solutions
+#: have diverged, so that their extremes are no measure of each other.
+_DIVERGED = 1e-2
+
+
+@dataclass(frozen=True)
+class ErrorMonitor:
+    """Compares the two solutions of a group and keeps the largest error.
+
+    Attributes
+    ----------
+    scale : float
+        Error of the fine solution over its difference from the coarse one.
+    absolute_errors : int
+        How many of the first state variables have an absolute error.
+    error_per_cycle : bool
+        Whether the largest error of a cycle is all that is asked; no horizon is kept then.
+    """
+
+    writer: Writer
+    run: RunConstants
+    cells: TrajectoryCells
+    scale: float
+    absolute_errors: int | None
+    error_per_cycle: bool
+
+    @classmethod
+    def of(
+        cls,
+        method: Method,
+        options: Options,
+        writer: Writer,
+        run: RunConstants,
+        cells: TrajectoryCells,
+    ) -> ErrorMonitor:
+        """The monitor of a kernel with this method and these options."""
+        scale = options.safety / float(2**method.counted_order - 1)
+        return cls(writer, run, cells, scale, options.absolute_errors, options.error_per_cycle)
+
+    def below_ceiling(self) -> Mask:
+        """Where following a trajectory further still tells something about its error."""
+        return self.cells.largest_error.get() <= self.run.error_ceiling
+
+    def active(self, cycle: Cycle) -> Mask:
+        """Which trajectories take part in a cycle."""
+        return self.below_ceiling() & (cycle.start < self.run.end)
+
+    def compare_states(
+        self, left: Sequence[Lanes], fine: Sequence[Lanes], coarse: Sequence[Lanes], t0: Lanes
+    ) -> None:
+        """Compare the solutions at the end of a double step, which begins at `t0` in `left`."""
+        differences = [abs(a - c) for a, c in zip(fine[: len(coarse)], coarse, strict=True)]
+        count = self.absolute_errors or len(differences)
+        error = reduce(larger_or_nan, differences[:count])
+        if differences[count:]:
+            size = reduce(larger, map(abs, fine[count:]), self.writer.constant(1.0))
+            error = larger_or_nan(error, reduce(larger_or_nan, differences[count:]) / size)
+        self.record_error(t0 < self.run.end, error * self.scale, t0, left)
+
+    def record_error(
+        self, where: Mask, error: Lanes, horizon: Lanes, state: Sequence[Lanes]
+    ) -> None:
+        """Take an error into account; where it exceeds the tolerance, keep the horizon.
+
+        Parameters
+        ----------
+        where : Mask
+            Trajectories that the error concerns.
+        error : Lanes
+            Estimated error.
+        horizon, state
+            Time up to which the tolerance has been met before, and the state then.
+        """
+        zero = self.writer.constant(0.0)
+        cells = self.cells
+        error = where.choose(error, zero)
+        before = cells.largest_error.get()
+        if self.error_per_cycle:
+            cells.largest_error.set(larger_or_nan(before, error))
+            return
+        # An error that is NaN fails the comparison, and so the tolerance.
+        met = error <= self.run.tolerance
+        failing = (cells.within_tolerance.get() > 0.5).without(met)
+        cells.largest_error.set(larger_or_nan(before, error))
+        # A trajectory fails once, so that the branch is rare; what was known before the
+        # failing step is kept, since the error of that step already is too large.
+        with self.writer.builder.if_then(failing.any(), likely=False):
+            cells.within_tolerance.set_where(failing, zero)
+            cells.horizon.set_where(failing, horizon)
+            cells.error_to_horizon.set_where(failing, before)
+            cells.at_horizon.set_where(failing, state)
+
+    def diverged(self, fine: Sequence[Lanes], coarse: Sequence[Lanes]) -> Mask:
+        """Where the two solutions differ too much to tell anything about each other.
+
+        Extremes are compared at turning points only, and two solutions that have both left
+        the motion, to a thickness stretch of nearly nothing, agree on that.
+        """
+        always = self.writer.constant(0.0) <= 0.0
+        together = always
+        for a, c in zip(fine, coarse, strict=True):
+            together = together & (abs(a - c) * self.scale <= (abs(a) + 1.0) * _DIVERGED)
+        return always.without(together)

@@ -1,0 +1,102 @@
+"""The two solutions of a group, which advance in lockstep."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from llvmlite import ir
+
+from remanent.integrate.kernel.field_code import LoadTable
+from remanent.integrate.kernel.group import GroupSlots, TrajectoryCells
+from remanent.integrate.kernel.lanes import Lanes
+from remanent.integrate.kernel.options import Method
+from remanent.integrate.kernel.stepping import StepEnd, Stepper
+from remanent.integrate.methods.runge_kutta import compensated_sum
+
+
+@dataclass(frozen=True)
+class Lockstep:
+    """The fine solution, with steps of length h, and the coarse one, with steps of 2h.
+
+    Attributes
+    ----------
+    h : Lanes
+        Length of a fine step, tau.
+    fine_loads, coarse_loads : LoadTable
+        The load at the nodes of the steps of either solution.
+    coarse_variables : int
+        How many of the first state variables the coarse solution has.
+    """
+
+    method: Method
+    stepper: Stepper
+    cells: TrajectoryCells
+    h: Lanes
+    fine_loads: LoadTable
+    coarse_loads: LoadTable
+    coarse_variables: int
+
+    def fine_state(self) -> list[Lanes]:
+        """State of the fine solution."""
+        return self.cells.fine.get()
+
+    def coarse_state(self) -> list[Lanes]:
+        """State of the coarse solution."""
+        return self.cells.coarse.get(self.coarse_variables)
+
+    def restart_coarse(self) -> None:
+        """Start the coarse solution anew from the fine one."""
+        self.cells.coarse.set(self.fine_state()[: self.coarse_variables])
+
+    def fine_step(self, step: ir.Value) -> list[Lanes]:
+        """A step of h; rounding is compensated where the method says so."""
+        y, loads = self.fine_state(), self.fine_loads.row(step)
+
+        def update(change: list[Lanes]) -> list[Lanes]:
+            if self.method.compensated:
+                moved, compensation = compensated_sum(y, change, self.cells.compensation.get())
+                self.cells.compensation.set(compensation)
+            else:
+                moved = [a + b for a, b in zip(y, change, strict=True)]
+            self.cells.fine.set(moved)
+            return moved
+
+        return self.stepper.advance("fine", y, self.h, loads, update)
+
+    def coarse_step(self, step: ir.Value) -> list[Lanes]:
+        """A step of 2h, rounded to fewer digits.
+
+        Errors of rounding grow along the motion like any other.  Those of the coarse
+        solution are made as much larger as its truncation error is, so that their
+        share in the difference of the solutions is what the fine one makes.
+        """
+        y, loads = self.coarse_state(), self.coarse_loads.row(step)
+
+        def update(change: list[Lanes]) -> list[Lanes]:
+            bits = self.method.lost_bits
+            moved = [_rounded(a + b, bits) for a, b in zip(y, change, strict=True)]
+            self.cells.coarse.set(moved)
+            return moved
+
+        return self.stepper.advance("coarse", y, self.h + self.h, loads, update)
+
+    def save(self, slots: GroupSlots, double_steps: ir.Value) -> None:
+        """Write back both solutions, and the past rates at their ends."""
+        b, w = slots.writer.builder, slots.writer
+        self.cells.save(slots)
+        last = b.sub(double_steps, w.integer(1))
+        last_fine = b.add(last, double_steps)
+        ends = {
+            "fine": StepEnd(self.fine_state, self.fine_loads.row(last_fine)),
+            "coarse": StepEnd(self.coarse_state, self.coarse_loads.row(last)),
+        }
+        self.stepper.save(slots, ends)
+
+
+def _rounded(x: Lanes, bits: int) -> Lanes:
+    """`x` without its last `bits` bits, to the nearest.
+
+    Adding a number 2**bits times as large pushes the last bits out of the mantissa.
+    """
+    large = x * 2.0**bits
+    return (x + large) - large
