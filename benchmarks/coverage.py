@@ -28,7 +28,8 @@ from remanent._typing import FloatArray
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Outcome, Request
 from remanent.models.drives.base import Drive
-from remanent.studies.ensemble.ensemble import ensemble, problem
+from remanent.studies.ensemble.layout import lay_out
+from remanent.studies.ensemble.problem import initial_value_problem
 
 ROOT = Path(__file__).parent.parent
 #: Trajectories that go through the engine together, and samples of each.
@@ -134,7 +135,7 @@ class Group:
     def computed(self) -> Outcome:
         """What the package answers."""
         over = {name: xr.DataArray(v, dims="case") for name, v in self.values.items()}
-        asked = problem(ensemble(self.actuator, self.drive, over), self.duration)
+        asked = initial_value_problem(lay_out(self.actuator, self.drive, over), self.duration)
         request = Request(times=self.times())
         if self.kind.extremes:
             request = Request(extremes=True, begin=self.begin())

@@ -15,10 +15,12 @@ from benchmarks import auto07p
 from benchmarks.machine import one_core
 from benchmarks.rows.plan import Plan
 from remanent._typing import FloatArray
-from remanent.analysis.bifurcations import orbit_equations
-from remanent.analysis.continuation import Curve, Settings, corrected, follow
-from remanent.analysis.orbits import multipliers
-from remanent.studies.ensemble.ensemble import ensemble
+from remanent.analysis.orbits.continuation import ContinuationSettings, continue_curves
+from remanent.analysis.orbits.correction import correct_points
+from remanent.analysis.orbits.curves import Curve
+from remanent.analysis.orbits.orbit_equations import orbit_equations
+from remanent.analysis.orbits.stability import floquet_multipliers
+from remanent.studies.ensemble.layout import lay_out
 from remanent.studies.orbits._period_map import StroboscopicMap
 
 #: As many points as AUTO's, on the same stretch of the branch.
@@ -50,7 +52,7 @@ def measure(plan: Plan) -> dict[str, Any]:
 
 def _defect(states: FloatArray, omega: FloatArray) -> float:
     """How far orbits of the actuator of one branch are from closing, at the most."""
-    ens = ensemble(rm.Actuator(temperature=auto07p.TEMPERATURE), rm.SineSquared(auto07p.B, _HIGH))
+    ens = lay_out(rm.Actuator(temperature=auto07p.TEMPERATURE), rm.SineSquared(auto07p.B, _HIGH))
     image = StroboscopicMap(ens, ("omega",), 1e-13).run(states, omega[:, None], 1)
     return float(np.abs(image.state - states).max())
 
@@ -72,7 +74,7 @@ def _timed(work: Callable[[], list[Curve]], repeats: int) -> dict[str, Any]:
         begin = time.process_time()
         curves = work()
         for curve in curves:
-            multipliers(curve.points.extra["jacobian"], curve.points.error)
+            floquet_multipliers(curve.points.extra["jacobian"], curve.points.error)
         times.append(time.process_time() - begin)
         points = sum(len(curve.points) for curve in curves)
         worst = max(float((c.points.residual + c.points.error).max()) for c in curves)
@@ -82,7 +84,7 @@ def _timed(work: Callable[[], list[Curve]], repeats: int) -> dict[str, Any]:
 
 def _traced(cases: FloatArray, block: int, tolerance: float) -> list[Curve]:
     """The branch of the smallest orbit of every actuator, down from the highest frequency."""
-    ens = ensemble(rm.Actuator(), rm.SineSquared(0.4, _HIGH))
+    ens = lay_out(rm.Actuator(), rm.SineSquared(0.4, _HIGH))
     held = ("temperature", "prestress")
     map_ = StroboscopicMap(ens, (*held, "omega"), 0.5 * tolerance, held=held)
     equations = orbit_equations(map_, 1)
@@ -91,13 +93,13 @@ def _traced(cases: FloatArray, block: int, tolerance: float) -> list[Curve]:
     guess = np.column_stack([rest, np.zeros(len(cases)), cases, np.full(len(cases), _HIGH)])
     down = np.zeros(guess.shape)
     down[:, -1] = -1.0
-    starts, reached = corrected(equations, guess, down, scale=scale, tolerance=tolerance)
-    settings = Settings(
+    starts, reached = correct_points(equations, guess, down, scale=scale, tolerance=tolerance)
+    settings = ContinuationSettings(
         np.array([0.3, -8.0, 0.0, -9.0, _LOW]), np.array([4.0, 8.0, 999.0, 9.0, _HIGH + 1e-9]),
-        scale, step=_STEP, longest=_STEP, tolerance=tolerance, block=block, most=_POINTS,
-        held=(2, 3),
+        scale, first_step=_STEP, max_step=_STEP, tolerance=tolerance, block=block,
+        max_points=_POINTS, held=(2, 3),
     )  # fmt: skip
-    return follow(equations, starts.taken(reached), settings)
+    return continue_curves(equations, starts.subset(reached), settings)
 
 
 def _equilibrium(theta: float, prestress: float) -> float:

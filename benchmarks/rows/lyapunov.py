@@ -15,7 +15,8 @@ from benchmarks.machine import one_core
 from benchmarks.rows.plan import Plan
 from remanent._typing import FloatArray
 from remanent.integrate.maps.period_map import PeriodMap
-from remanent.studies.ensemble.ensemble import ensemble, problem
+from remanent.studies.ensemble.layout import lay_out
+from remanent.studies.ensemble.problem import initial_value_problem
 
 _PERIODS, _SIDE, _SAMPLE = 500, 256, 6
 _THETA = 350.0 / 293.0
@@ -96,7 +97,7 @@ def _ours(
     hot: rm.Actuator, drive: rm.SineSquared, starts: dict[str, FloatArray]
 ) -> Callable[[float], tuple[FloatArray, FloatArray]]:
     over = {name: xr.DataArray(starts[name], dims="case") for name in ("omega", "b")}
-    asked = problem(ensemble(hot, drive, over), np.ones(_STARTS))
+    asked = initial_value_problem(lay_out(hot, drive, over), np.ones(_STARTS))
     flow = PeriodMap(asked.field, asked.timeline.waveform, directions=1, error_control="state")
     states, length = np.column_stack([starts["x"], starts["v"]]), np.pi / starts["omega"]
 

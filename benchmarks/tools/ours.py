@@ -10,7 +10,8 @@ from benchmarks.tools.tool import TOLERANCES, Package, Run, Tool, clocked
 from remanent._typing import FloatArray
 from remanent.integrate.ensemble.ensemble import integrate_unbounded
 from remanent.integrate.ensemble.problem import Problem, Request
-from remanent.studies.ensemble.ensemble import ensemble, problem
+from remanent.studies.ensemble.layout import lay_out
+from remanent.studies.ensemble.problem import initial_value_problem
 
 
 def actuator(job: Job) -> rm.Actuator:
@@ -19,8 +20,8 @@ def actuator(job: Job) -> rm.Actuator:
 
 def asked(job: Job, omegas: FloatArray) -> Problem:
     """The work in plain arrays."""
-    ens = ensemble(actuator(job), rm.SineSquared(job.b, 1.0), {"omega": omegas})
-    return problem(ens, np.full(omegas.size, job.window))
+    ens = lay_out(actuator(job), rm.SineSquared(job.b, 1.0), {"omega": omegas})
+    return initial_value_problem(ens, np.full(omegas.size, job.window))
 
 
 def build_verb(job: Job) -> Run:

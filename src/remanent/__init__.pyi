@@ -50,7 +50,7 @@ from .studies.response.backbone import backbone as backbone
 # Family: Periodic orbits and bifurcations
 from .studies.orbits.periodic_orbits import periodic_orbits as periodic_orbits
 from .studies.orbits.continue_orbit import continue_orbit as continue_orbit
-from .studies.orbits.continue_orbit import response_diagram as response_diagram
+from .studies.orbits.response_diagram import response_diagram as response_diagram
 from .studies.orbits.switch_branch import switch_branch as switch_branch
 from .studies.orbits.locate_bifurcation import locate_bifurcation as locate_bifurcation
 from .studies.orbits.continue_bifurcation import continue_bifurcation as continue_bifurcation

@@ -4,13 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from numbers import Real
+from typing import Any
 
 import numpy as np
 
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, BoolArray, FloatArray
+
+#: Kinds of NumPy data that are real numbers: truth values, integers, floats.
+_REAL_KINDS = "biuf"
+#: How the least number of entries is said in a message.
+_NUMERALS = {1: "one", 2: "two"}
 
 
 @dataclass(frozen=True)
@@ -19,17 +24,17 @@ class Rule:
 
     Attributes
     ----------
-    rule, reason, remedy
+    must, why, fix
         Parts of the message of :class:`~remanent._errors.InputError`.
     holds
         Elementwise on an array of floats: whether each satisfies the rule.  It may
         assume that the numbers are finite, which every rule demands.
     """
 
-    rule: str
+    must: str
     holds: Callable[[FloatArray], BoolArray]
-    reason: str
-    remedy: str
+    why: str
+    fix: str
 
     def satisfied(self, values: ArrayLike) -> BoolArray:
         """Elementwise: whether each of `values` is finite and satisfies the rule."""
@@ -66,14 +71,14 @@ def require_real(name: str, value: object, rule: Rule) -> float:
     if isinstance(value, bool | np.bool_) or not isinstance(value, Real):
         raise InputError(
             name,
-            "be one real number",
-            repr(value),
-            "A model holds a single value of each field.",
-            "For many values pass over={...} to the verb; for units use from_si.",
+            must="be one real number",
+            got=repr(value),
+            why="A model holds a single value of each field.",
+            fix="For many values pass over={...} to the verb; for units use from_si.",
         )
     number = _to_float(value)
     if not rule.satisfied(number):
-        raise InputError(name, rule.rule, value, rule.reason, rule.remedy)
+        raise InputError(name, must=rule.must, got=value, why=rule.why, fix=rule.fix)
     return number
 
 
@@ -89,10 +94,10 @@ def require_instance(name: str, value: object, kind: type, example: str) -> None
     if not isinstance(value, kind):
         raise InputError(
             name,
-            f"be a {kind.__name__}",
-            repr(value),
-            "The equations of motion are built from this part.",
-            f"Pass for example {example}.",
+            must=f"be a {kind.__name__}",
+            got=repr(value),
+            why="The equations of motion are built from this part.",
+            fix=f"Pass for example {example}.",
         )
 
 
@@ -101,10 +106,10 @@ def require_choice(name: str, value: object, choices: Sequence[str]) -> str:
     if not isinstance(value, str) or value not in choices:
         raise InputError(
             name,
-            f"be one of {', '.join(map(repr, choices))}",
-            repr(value),
-            "Nothing else is defined.",
-            f"Pass {choices[0]!r} if in doubt.",
+            must=f"be one of {', '.join(map(repr, choices))}",
+            got=repr(value),
+            why="Nothing else is defined.",
+            fix=f"Pass {choices[0]!r} if in doubt.",
         )
     return value
 
@@ -115,29 +120,156 @@ def require_known(names: Iterable[str], known: Iterable[str], owner: str) -> Non
     for name in names:
         if name not in fields:
             raise InputError(
-                name,
-                f"be a field of {owner}",
-                repr(name),
-                "Unknown fields are refused so that a misspelling does not go unnoticed.",
-                f"Its fields are: {', '.join(fields) or 'none'}.",
+                str(name),
+                must=f"be a field of {owner}",
+                got=repr(name),
+                why="Unknown fields are refused so that a misspelling does not go unnoticed.",
+                fix=f"Its fields are: {', '.join(fields) or 'none'}.",
             )
 
 
-def require_numbers(name: str, values: object) -> tuple[float, ...]:
-    """`values` as a tuple of at least one finite float."""
-    try:
-        array = np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError, OverflowError):
-        array = np.empty((0, 0))
-    if array.ndim != 1 or array.size == 0 or not np.all(np.isfinite(array)):
+def require_names(name: str, value: object, known: Iterable[str], owner: str) -> list[str]:
+    """Names of numeric fields, at least one, of which a single one may stand by itself.
+
+    Parameters
+    ----------
+    name : str
+        Name of the argument.
+    value : str, or iterable of str
+        What was passed for it.
+    known : iterable of str
+        Names that there are.
+    owner : str
+        What has these names, as in "the actuator".
+    """
+    names = [value] if isinstance(value, str) else value
+    fields = list(known)
+    message = {
+        "why": "Only fields that enter the equations can be chosen.",
+        "fix": f"Its fields are: {', '.join(fields)}.",
+    }
+    if not isinstance(names, Iterable) or not (entries := list(names)):
+        raise InputError(
+            name, must=f"name fields of {owner}, at least one", got=shortened(value), **message
+        )
+    for entry in entries:
+        if not isinstance(entry, str) or entry not in fields:
+            raise InputError(name, must=f"name fields of {owner}", got=shortened(entry), **message)
+    return entries
+
+
+def require_mapping(name: str, value: object, *, what: str, fix: str) -> Mapping[Any, Any]:
+    """`value` if it is a mapping, whose keys and values are `what`."""
+    if not isinstance(value, Mapping):
         raise InputError(
             name,
-            "be a sequence of finite numbers, at least one",
-            _shortened(values),
-            "It is a table with one entry for each instant.",
-            "Pass a list or a one-dimensional array without NaN.",
+            must=f"be a mapping of {what}",
+            got=shortened(value),
+            why="What is not named keeps its usual value.",
+            fix=fix,
         )
-    return tuple(array.tolist())
+    return value
+
+
+def require_flag(name: str, value: object) -> bool:
+    """`value` if it is True or False."""
+    if not isinstance(value, bool | np.bool_):
+        raise InputError(
+            name,
+            must="be True or False",
+            got=shortened(value),
+            why="It switches a part of the work on.",
+            fix="Pass True or False.",
+        )
+    return bool(value)
+
+
+def as_float_array(
+    name: str,
+    value: object,
+    *,
+    what: str,
+    why: str,
+    fix: str,
+    ndim: int | None = None,
+    least: int = 0,
+    finite: bool = False,
+) -> FloatArray:
+    """`value` as a new array of floats: the one gate through which arrays come in.
+
+    Text, dates, complex numbers and objects are refused.  NumPy would turn some of them
+    into floats without a word: ``"1"`` into 1, None into NaN, a date into its days.
+
+    Parameters
+    ----------
+    name : str
+        Name of the argument.
+    value : array_like
+        What was passed for it.
+    what : str
+        What it must be, in the plural: ``"frequencies"``.
+    why, fix : str
+        Reason and remedy, a sentence each; see :class:`~remanent._errors.InputError`.
+    ndim : int, optional
+        Number of dimensions; by default any.
+    least : int
+        Least number of entries.
+    finite : bool
+        Whether NaN and infinity are refused.
+
+    Returns
+    -------
+    array of float
+        The caller may keep and change it.
+
+    Raises
+    ------
+    InputError
+        If it is not such an array.
+    """
+    try:
+        array = np.asarray(value)
+    except (TypeError, ValueError, OverflowError):  # rows of different lengths, among others
+        array = np.empty(0, dtype=np.object_)
+    sound = array.dtype.kind in _REAL_KINDS and array.size >= least
+    sound = sound and (ndim is None or array.ndim == ndim)
+    if sound:
+        floats = np.array(array, dtype=np.float64)
+        if not finite or np.isfinite(floats).all():
+            return floats
+    shape = {None: "", 0: "one of ", 1: "a sequence of "}.get(ndim, f"{ndim}-dimensional: ")
+    raise InputError(
+        name,
+        must=f"be {shape}{'finite' if finite else 'real'} numbers ({what})"
+        + (f", at least {_NUMERALS.get(least, str(least))}" if least else ""),
+        got=shortened(value),
+        why=why,
+        fix=fix,
+    )
+
+
+def require_numbers(name: str, values: object, *, what: str, why: str) -> FloatArray:
+    """`values` as an array (entry,) of at least one finite float.
+
+    Parameters
+    ----------
+    name : str
+        Name of the argument.
+    values : array_like
+        What was passed for it.
+    what, why : str
+        What they are, in the plural, and a sentence on why they are needed.
+    """
+    return as_float_array(
+        name,
+        values,
+        what=what,
+        why=why,
+        fix="Pass a list or a one-dimensional array without NaN.",
+        ndim=1,
+        least=1,
+        finite=True,
+    )
 
 
 def require_named_numbers(name: str, values: object, rule: Rule) -> tuple[tuple[str, float], ...]:
@@ -150,24 +282,34 @@ def require_named_numbers(name: str, values: object, rule: Rule) -> tuple[tuple[
         if not (isinstance(key, str) and key.isascii() and key.isidentifier()):
             raise InputError(
                 name,
-                "be a mapping of names to numbers",
-                _shortened(values),
-                "Each number is a field of the model, under its name.",
-                'Pass for example {"a": 0.5}.',
+                must="be a mapping of names to numbers",
+                got=shortened(values),
+                why="Each number is a field of the model, under its name.",
+                fix='Pass for example {"a": 0.5}.',
             )
     return tuple((key, require_real(key, value, rule)) for key, value in pairs.items())
 
 
-def require_increasing(name: str, values: object) -> tuple[float, ...]:
-    """`values` as a tuple of finite floats, each greater than the one before."""
-    numbers = require_numbers(name, values)
-    if any(a >= b for a, b in pairwise(numbers)):
+def require_increasing(name: str, values: object, *, what: str, why: str) -> FloatArray:
+    """`values` as an array (entry,) of finite floats, each greater than the one before.
+
+    Parameters
+    ----------
+    name : str
+        Name of the argument.
+    values : array_like
+        What was passed for it.
+    what, why : str
+        What they are, in the plural, and a sentence on why they are needed.
+    """
+    numbers = require_numbers(name, values, what=what, why=why)
+    if not increases(numbers):
         raise InputError(
             name,
-            "increase from each entry to the next",
-            _shortened(numbers),
-            "Unsorted or repeated entries have no unique meaning.",
-            "Sort them and remove duplicates.",
+            must="increase from each entry to the next",
+            got=shortened(numbers.tolist()),
+            why="Unsorted or repeated entries have no unique meaning.",
+            fix="Sort them and remove duplicates.",
         )
     return numbers
 
@@ -200,6 +342,7 @@ def broken(rules: Mapping[str, Rule], values: Mapping[str, ArrayLike]) -> BoolAr
     return np.asarray(invalid)
 
 
-def _shortened(values: object) -> str:
-    text = repr(values)
+def shortened(values: object) -> str:
+    """`values` as they are written, on one line of at most 80 characters."""
+    text = " ".join(repr(values).split())
     return text if len(text) <= 80 else f"{text[:77]}..."

@@ -11,7 +11,8 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from enum import StrEnum
 from functools import cached_property
 from operator import add, mul, sub, truediv
 from types import MappingProxyType
@@ -96,6 +97,55 @@ class Program:
         return [slots[k] for k in self.outputs]
 
 
+class Role(StrEnum):
+    """What a state variable is, so that nobody has to guess it from its name."""
+
+    #: A generalised coordinate: a stretch.
+    COORDINATE = "coordinate"
+    #: The rate of a coordinate.
+    RATE = "rate"
+    #: An internal variable of a dissipative element, of first order in time.
+    INTERNAL = "internal"
+    #: The temperature of the body, in kelvin.
+    TEMPERATURE = "temperature"
+    #: A derivative of a state variable along a direction, or a small difference of two.
+    VARIATION = "variation"
+    #: The integral over time of an observable.
+    INTEGRAL = "integral"
+
+
+@dataclass(frozen=True)
+class StateVariable:
+    """One component of the state.
+
+    Attributes
+    ----------
+    name
+        Its name in results.
+    role
+        What it is.
+    rest : float or str
+        Its value at rest: a number, or the name of the parameter that holds it (of a
+        temperature, the temperature of the surroundings).
+    belongs_to : str or None
+        Name of another variable of the same state: of a rate, its coordinate; of an
+        internal variable, the coordinate that it relaxes to; of a variation, what varies.
+        None where there is none or it is not known.
+    positive
+        Whether only positive values have a meaning (stretches, absolute temperatures).
+    """
+
+    name: str
+    role: Role
+    rest: float | str = 0.0
+    belongs_to: str | None = None
+    positive: bool = False
+
+    def value_at_rest(self, parameters: Mapping[str, Any]) -> Any:
+        """The value at rest, given values of parameters by name, single or in arrays."""
+        return parameters[self.rest] if isinstance(self.rest, str) else self.rest
+
+
 @dataclass(frozen=True)
 class Field:
     """A vector field ``dy/dtau = f(phase, y, p, u)`` with what is observed of it.
@@ -107,25 +157,70 @@ class Field:
 
     Attributes
     ----------
-    state, parameters, waveforms
+    variables
+        The state variables in order, with their roles and values at rest.
+    loads
+        Names of the loads, each of which is an observable too; an actuator has one,
+        ``load``.
+    parameters, waveforms
         Names.  Parameters are the user's own numeric fields under their own names.
     rates
         One output per state variable.
+    observable
+        Name of the quantity whose extremes are followed between steps, ``thickness_stretch``
+        of an actuator; its rate is observed under this name and ``_rate``.
     watched
-        Four outputs: an observable whose extremes are followed between steps (the
-        thickness stretch), its first and second time derivative, and a cheaper quantity
-        with the sign of the first.
+        Four outputs: that quantity, its first and second time derivative, and a cheaper
+        quantity with the sign of the first.
     observables
         Further quantities by name, one output each (``thickness_stretch``,
         ``thickness_stretch_rate``, ``energy``, ``load`` ...).
     """
 
-    state: tuple[str, ...]
+    variables: tuple[StateVariable, ...]
+    loads: tuple[str, ...]
     parameters: tuple[str, ...]
     waveforms: tuple[str, ...]
     rates: Program
+    observable: str
     watched: Program
     observables: Mapping[str, Program]
+
+    @cached_property
+    def state(self) -> tuple[str, ...]:
+        """Names of the state variables, in order."""
+        return tuple(variable.name for variable in self.variables)
+
+    @cached_property
+    def roles(self) -> tuple[Role, ...]:
+        """Role of each state variable."""
+        return tuple(variable.role for variable in self.variables)
+
+    @cached_property
+    def rest(self) -> tuple[float | str, ...]:
+        """Value at rest of each state variable, a number or the name of a parameter."""
+        return tuple(variable.rest for variable in self.variables)
+
+    @property
+    def watched_names(self) -> tuple[str, str]:
+        """Names of the quantity whose extremes are followed, and of its rate."""
+        return self.observable, f"{self.observable}_rate"
+
+    def indices(self, *roles: Role) -> list[int]:
+        """Positions in the state of the variables that have one of these roles."""
+        return [k for k, role in enumerate(self.roles) if role in roles]
+
+    def names(self, *roles: Role) -> list[str]:
+        """Names of the state variables that have one of these roles."""
+        return [self.state[k] for k in self.indices(*roles)]
+
+    def variable(self, name: str) -> StateVariable:
+        """The state variable of this name."""
+        return self.variables[self.state.index(name)]
+
+    def belonging_to(self, name: str) -> list[str]:
+        """Names of the state variables that belong to the variable `name`, in order."""
+        return [variable.name for variable in self.variables if variable.belongs_to == name]
 
     @property
     def inputs(self) -> tuple[str, ...]:
@@ -134,6 +229,12 @@ class Field:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "observables", MappingProxyType(dict(self.observables)))
+        if any(v.belongs_to not in {None, *self.state} for v in self.variables):
+            raise ValueError("a state variable belongs to one that does not exist")
+        if not {*self.loads} <= {*self.observables}:
+            raise ValueError("a load is not observed")
+        if not {v.rest for v in self.variables if isinstance(v.rest, str)} <= {*self.parameters}:
+            raise ValueError("a value at rest is a parameter that does not exist")
         for program in (self.rates, self.watched, *self.observables.values()):
             if program.inputs != self.inputs:
                 raise ValueError(f"program inputs {program.inputs} differ from {self.inputs}")
@@ -149,10 +250,12 @@ class Field:
         """The field as JSON text; floats survive the round trip bit for bit."""
         return json.dumps(
             {
-                "state": self.state,
+                "variables": [asdict(variable) for variable in self.variables],
+                "loads": self.loads,
                 "parameters": self.parameters,
                 "waveforms": self.waveforms,
                 "rates": _program_to_plain(self.rates),
+                "observable": self.observable,
                 "watched": _program_to_plain(self.watched),
                 "observables": {k: _program_to_plain(v) for k, v in self.observables.items()},
             },
@@ -164,15 +267,19 @@ class Field:
         """Read what :meth:`to_json` wrote; malformed text raises ``ValueError``."""
         try:
             plain = json.loads(text)
-            state, parameters, waveforms = (
-                tuple(map(str, plain[k])) for k in ("state", "parameters", "waveforms")
+            variables = tuple(map(_variable_from_plain, plain["variables"]))
+            loads, parameters, waveforms = (
+                tuple(map(str, plain[k])) for k in ("loads", "parameters", "waveforms")
             )
+            state = (variable.name for variable in variables)
             inputs = ("drive_phase", *state, *parameters, *waveforms)
             return cls(
-                state=state,
+                variables=variables,
+                loads=loads,
                 parameters=parameters,
                 waveforms=waveforms,
                 rates=_program_from_plain(inputs, plain["rates"]),
+                observable=str(plain["observable"]),
                 watched=_program_from_plain(inputs, plain["watched"]),
                 observables={
                     k: _program_from_plain(inputs, v) for k, v in plain["observables"].items()
@@ -180,6 +287,17 @@ class Field:
             )
         except (KeyError, TypeError) as error:
             raise ValueError(f"not a stored field: {error!r}") from error
+
+
+def _variable_from_plain(plain: Mapping[str, Any]) -> StateVariable:
+    rest, belongs_to = plain["rest"], plain["belongs_to"]
+    return StateVariable(
+        name=str(plain["name"]),
+        role=Role(plain["role"]),
+        rest=rest if isinstance(rest, str) else float(rest),
+        belongs_to=None if belongs_to is None else str(belongs_to),
+        positive=bool(plain["positive"]),
+    )
 
 
 def _program_to_plain(program: Program) -> dict[str, Any]:

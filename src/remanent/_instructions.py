@@ -12,10 +12,11 @@ from typing import Any
 
 from remanent._field import Program
 
-#: A sign, +1 or -1, and the value it multiplies.  Signs are carried along and merged
+#: A sign, +1 or -1, and the value it multiplies.  Signs are kept with values and merged
 #: into additions, so that almost no negation is ever executed.
 Signed = tuple[int, int]
 
+#: Operations that cost about as much as an addition.
 _CHEAP = frozenset({"add", "sub", "mul", "neg"})
 
 
@@ -33,8 +34,8 @@ class Instructions:
     """Instructions collected so far, numbered by value.
 
     Asking twice for the same operation on the same operands gives the same value:
-    common subexpressions appear once.  (A mutable object, which lives
-    as long as the call that writes one program.)
+    common subexpressions appear once.  This is a builder: values are added to it by each
+    call, and it lives as long as the call that writes one program.
     """
 
     def __init__(self, inputs: Sequence[str]) -> None:
@@ -72,9 +73,9 @@ class Instructions:
     def mul(self, a: Signed, b: Signed) -> Signed:
         """a b."""
         sign = a[0] * b[0]
-        for one, other in ((a, b), (b, a)):
-            if self._is_constant(one[1], 1.0):
-                return sign, other[1]
+        for factor, cofactor in ((a, b), (b, a)):
+            if self._is_constant(factor[1], 1.0):
+                return sign, cofactor[1]
         return sign, self._value("mul", *sorted((a[1], b[1])))
 
     def div(self, a: Signed, b: Signed) -> Signed:
@@ -90,17 +91,18 @@ class Instructions:
 
     def power(self, a: Signed, exponent: int) -> Signed:
         """a to a positive integer power, through powers that exist already."""
-        known = self._powers.setdefault(a[1], {1: a[1]})
-        if exponent not in known:
-            low = self._split(known, exponent)
-            left, right = self.power((1, a[1]), low), self.power((1, a[1]), exponent - low)
-            known[exponent] = self.mul(left, right)[1]
-        return a[0] ** exponent, known[exponent]
+        powers = self._powers.setdefault(a[1], {1: a[1]})
+        if exponent not in powers:
+            low = self._split(powers, exponent)
+            factors = self.power((1, a[1]), low), self.power((1, a[1]), exponent - low)
+            powers[exponent] = self.mul(*factors)[1]
+        return a[0] ** exponent, powers[exponent]
 
     @staticmethod
-    def _split(known: Mapping[int, int], exponent: int) -> int:
-        for low in sorted(known, reverse=True):
-            if exponent - low in known:
+    def _split(powers: Mapping[int, int], exponent: int) -> int:
+        """The lower of two exponents whose sum it is, of powers that exist where possible."""
+        for low in sorted(powers, reverse=True):
+            if exponent - low in powers:
                 return low
         return exponent // 2 if exponent % 2 == 0 else exponent - 1
 
@@ -113,6 +115,7 @@ class Instructions:
         return a[1] if a[0] > 0 else (self._negated(a[1]) or self._value("neg", a[1]))
 
     def _negated(self, value: int) -> int | None:
+        """Minus a value without an instruction ``neg``, where there is a way; else None."""
         operation, *operands = self._keys[value]
         if operation == "constant":
             return self._value("constant", -operands[0])
@@ -120,19 +123,20 @@ class Instructions:
             return self._value("sub", *reversed(operands))
         if operation not in ("mul", "div"):
             return None
+        # A numerator is tried before a denominator, which other values may share.
         for position in sorted((0, 1), key=lambda k: self._keys[operands[k]][0] == "div"):
-            other = self._negated(operands[position])
-            if other is not None:
-                operands[position] = other
+            negated = self._negated(operands[position])
+            if negated is not None:
+                operands[position] = negated
                 return self._value(operation, *operands)
         return None
 
     def program(self, outputs: Sequence[Signed]) -> Program:
         """The finished program, without values that no output needs."""
         choices = [[sign(output) for output in outputs] for sign in (self._absorbed, self.plain)]
-        wanted = min(choices, key=lambda values: self._cost(self._steps(values)))
-        steps = self._steps(wanted)
-        used = {operand for k in steps for operand in self._keys[k][1:]} | set(wanted)
+        cheapest = min(choices, key=lambda values: self._cost(self._steps(values)))
+        steps = self._steps(cheapest)
+        used = {operand for k in steps for operand in self._keys[k][1:]} | set(cheapest)
         constants = sorted(k for k in used if self._keys[k][0] == "constant")
         order = [*range(len(self._inputs)), *constants, *steps]
         slot = dict(zip(order, count()))
@@ -142,7 +146,7 @@ class Instructions:
             code=tuple(
                 (self._keys[k][0], *(slot[operand] for operand in self._keys[k][1:])) for k in steps
             ),
-            outputs=tuple(slot[k] for k in wanted),
+            outputs=tuple(slot[k] for k in cheapest),
         )
 
     def _cost(self, steps: Sequence[int]) -> int:

@@ -58,10 +58,10 @@ def positive(name: str, quantity: Quantity, unit: str) -> float:
     if not 0.0 < number < float("inf"):
         raise InputError(
             name,
-            "be greater than 0 and finite",
-            quantity,
-            "It is a physical size.",
-            "Check its sign and its exponent.",
+            must="be greater than 0 and finite",
+            got=quantity,
+            why="It is a physical size.",
+            fix="Check its sign and its exponent.",
         )
     return number
 
@@ -72,10 +72,10 @@ def single(name: str, quantity: Quantity, unit: str) -> float:
     if not isinstance(number, float):
         raise InputError(
             name,
-            "be a single quantity",
-            repr(quantity),
-            "A model holds a single value of each field.",
-            "Pass one quantity; for many values use over={...}.",
+            must="be a single quantity",
+            got=repr(quantity),
+            why="A model holds a single value of each field.",
+            fix="Pass one quantity; for many values use over={...}.",
         )
     return number
 
@@ -91,10 +91,10 @@ def angular_frequency(name: str, quantity: Quantity) -> float | FloatArray:
         return magnitude(name, value, "rad/s")
     raise InputError(
         name,
-        "be a frequency in Hz or an angular frequency in rad/s",
-        quantity,
-        "Plain 1/s does not say whether it counts cycles or radians.",
-        'Write for example "50 Hz" or "314 rad/s".',
+        must="be a frequency in Hz or an angular frequency in rad/s",
+        got=quantity,
+        why="Plain 1/s does not say whether it counts cycles or radians.",
+        fix='Write for example "50 Hz" or "314 rad/s".',
     )
 
 
@@ -106,10 +106,10 @@ def _parsed(name: str, quantity: Quantity, unit: str) -> Any:
     if match is None:
         raise InputError(
             name,
-            f"be a quantity with a unit of the dimension of {unit}",
-            repr(quantity),
-            "A number alone does not say what it counts.",
-            f'Write for example "1.5 {unit}", or pass a pint quantity.',
+            must=f"be a quantity with a unit of the dimension of {unit}",
+            got=repr(quantity),
+            why="A number alone does not say what it counts.",
+            fix=f'Write for example "1.5 {unit}", or pass a pint quantity.',
         )
     try:
         return _registry().Quantity(float(match[1]), match[2])
@@ -125,10 +125,10 @@ def _number(value: Any) -> float | FloatArray:
 def _wrong_unit(name: str, quantity: Quantity, unit: str) -> InputError:
     return InputError(
         name,
-        f"have a unit of the dimension of {unit}",
-        repr(quantity),
-        "Any other unit is unknown or measures something else.",
-        f'Write for example "1.5 {unit}".',
+        must=f"have a unit of the dimension of {unit}",
+        got=repr(quantity),
+        why="Any other unit is unknown or measures something else.",
+        fix=f'Write for example "1.5 {unit}".',
     )
 
 

@@ -1,4 +1,4 @@
-"""What every drive must satisfy; a new one joins `DRIVES`."""
+"""What every drive must satisfy; a new one joins by its example."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tests.contracts.public import examples
 
 from remanent._errors import InputError
 from remanent._typing import FloatArray
@@ -14,23 +15,15 @@ from remanent.codegen.field import field_for
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.models.drives.chirp import Chirp
-from remanent.models.drives.piecewise import Ramp, Sampled, Steps
+from remanent.models.drives.piecewise import Sampled, Steps
 from remanent.models.drives.sines import Sines
-from remanent.models.drives.waves import Constant, Sine, SineSquared
 
 DRIVES: dict[str, Drive] = {
-    "constant": Constant(0.16),
-    "sine squared": SineSquared(0.4, 1.25, phase=0.3),
-    "sine": Sine(0.2, 0.7, mean=-0.1, phase=2.0),
-    "two harmonics": Sines([0.2, -0.1], [1, 2], 0.7, phases=[0.3, 1.0], mean=0.05),
+    **examples(Drive),  # type: ignore[type-abstract]
     "even harmonics": Sines([0.2, -0.1], [2, 4], 0.7),
     "two frequencies": Sines([0.2, 0.1], [1.0, 2.0**0.5], 0.9, phases=[0.0, 0.4], mean=-0.1),
-    "steps": Steps([0.0, 1.5, 4.0], [0.1, -0.2, 0.3]),
     "one step": Steps((0.0,), (0.1,)),
-    "ramp": Ramp([0.0, 2.0, 3.0], [0.1, 0.4, -0.3]),
-    "chirp": Chirp(0.2, 1.0, 3.0, 5.0, mean=0.1, phase=0.4),
     "falling chirp": Chirp(0.2, 3.0, 0.0, 20.0),
-    "sampled": Sampled(np.linspace(0.0, 10.0, 9), np.sin(np.arange(9.0))),
     "two samples": Sampled([0.0, 10.0], [1.0, 2.0]),
 }
 PERIODIC = {name: drive for name, drive in DRIVES.items() if drive.period is not None}

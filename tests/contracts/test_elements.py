@@ -1,4 +1,4 @@
-"""What every dissipative element must satisfy; a new one joins `ELEMENTS`."""
+"""What every dissipative element must satisfy; a new one joins by its example."""
 
 from __future__ import annotations
 
@@ -6,14 +6,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tests.contracts.public import examples
 
 import remanent as rm
 from remanent.models.dissipation import Dissipation
 
 ELEMENTS: dict[str, Dissipation] = {
-    "dashpot": rm.Rayleigh(0.2),
-    "fluid": rm.KelvinVoigt(0.1),
-    "zener": rm.Zener(0.5, 0.7),
+    **examples(Dissipation),
     "zener, WLF": rm.Zener(0.5, 0.7, rm.WLF(8.0, 200.0)),
     "zener, Arrhenius": rm.Zener(0.5, 0.7, rm.Arrhenius(6000.0)),
     "fluid, Arrhenius": rm.KelvinVoigt(0.1, rm.Arrhenius(6000.0)),

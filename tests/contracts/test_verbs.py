@@ -5,7 +5,7 @@ Each law joins two verbs, or a verb and the equations, so that neither can be wr
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cache
 from typing import Any
 
@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from matplotlib import pyplot as plt
+from matplotlib.lines import Line2D
 
 import remanent as rm
 from remanent._errors import InputError
@@ -82,8 +83,15 @@ def mean_trace(name: str) -> float:
     return total
 
 
+@cache
+def at_rest(name: str) -> xr.Dataset:
+    """The equilibria of a body under a small constant load."""
+    return rm.equilibria(BODIES[name], 0.16)
+
+
 @every
 def test_orbits_close_when_they_are_simulated(name: str) -> None:
+    """The fixed point of the map over a period is where three periods of the motion end."""
     start = orbit(name).initial.values
     path = rm.poincare_section(BODIES[name], DRIVE, periods=3, initial=start)
     points = np.column_stack([path[str(n)].values for n in orbit(name).state.values])
@@ -141,6 +149,7 @@ def test_motion_ends_on_the_orbit(name: str) -> None:
 
 @every
 def test_small_loads_are_followed_with_their_own_period(name: str) -> None:
+    """Damped motion under a weak load is periodic with the load's period."""
     over = {"b": [0.05, 0.1], "omega": [1.5, 2.0]}
     ds = rm.regime_chart(BODIES[name], DRIVE, over, periods=200)
     assert set(ds.regime.values.ravel().tolist()) == {"periodic"}
@@ -162,13 +171,26 @@ def test_what_a_cycle_takes_in_is_lost_in_it(name: str) -> None:
 
 @every
 def test_motion_under_a_constant_load_comes_to_rest_at_an_equilibrium(name: str) -> None:
-    at = rm.equilibria(BODIES[name], 0.16)
+    """The zero of the forces is where the motion is after 400 units of tau."""
+    at = at_rest(name)
     path = rm.simulate(BODIES[name], rm.Constant(0.16), times=[0.0, 400.0], tolerance=1e-8)
     assert at.stability.values.tolist() == ["stable"]
     end = float(path.thickness_stretch[-1])
     assert end == pytest.approx(float(at.equilibrium_stretch[0]), abs=1e-6)
-    cross = rm.crossings(BODIES[name], rm.Constant(0.16), "thickness_stretch", end, duration=20.0)
-    assert abs(float(cross.crossing_time[0]) - 1.0) < 1.0
+
+
+@every
+def test_a_crossing_is_where_the_simulated_motion_first_passes_the_level(name: str) -> None:
+    """Halfway to rest: before it the motion is on the side of the start, at it on the level,
+    and it moves in the direction that is told."""
+    load, level = rm.Constant(0.16), 0.5 * (1.0 + float(at_rest(name).equilibrium_stretch[0]))
+    ds = rm.crossings(BODIES[name], load, "thickness_stretch", level, duration=20.0)
+    first = float(ds.crossing_time[0])
+    path = rm.simulate(BODIES[name], load, times=np.linspace(0.0, first, 201))
+    distance = path.thickness_stretch.values - level
+    assert abs(distance[-1]) <= 1e-8
+    assert (np.sign(distance[:-1]) == np.sign(1.0 - level)).all()
+    assert np.sign(path.thickness_stretch_rate.values[-1]) == int(ds.direction[0])
 
 
 @pytest.mark.parametrize(
@@ -176,6 +198,7 @@ def test_motion_under_a_constant_load_comes_to_rest_at_an_equilibrium(name: str)
     ["relaxing", "Gent", *(pytest.param(n, marks=pytest.mark.slow) for n in ("warm", "own field"))],
 )
 def test_equal_directions_are_one(name: str) -> None:
+    """Two coordinates with equal loads respond, rest and vibrate as one coordinate does."""
     one, omega = BODIES[name].replace(prestress=0.1), [1.0, 1.25, 1.5]
     two = one.replace(prestress=(0.1, 0.1))
     responses = [
@@ -244,28 +267,72 @@ def test_a_block_twice_as_large_moves_at_half_the_speed(
             )
 
 
-@pytest.mark.parametrize("name", ["two directions", "warm"])
-def test_every_kind_of_result_can_be_drawn(name: str) -> None:
-    body, first = BODIES[name], str(orbit(name).state.values[0])
-    grid = {first: [0.9, 1.1], f"{first}_rate": [0.0, 0.2]}
-    branch = rm.continue_orbit(body, DRIVE, "omega", (1.24, 1.26), initial=orbit(name).initial)
-    pictures: list[Any] = [
-        rm.plot.history(rm.simulate(body, DRIVE, duration=3.0), first),
-        rm.plot.phase(rm.simulate(body, DRIVE, duration=3.0), first, f"{first}_rate"),
-        rm.plot.section(rm.poincare_section(body, DRIVE, periods=4)),
-        rm.plot.response(rm.frequency_response(body, DRIVE, OMEGA, duration=20.0)),
-        rm.plot.branch(branch),
-        rm.plot.multipliers(branch),
-        [rm.plot.map(rm.regime_chart(body, DRIVE, {"b": [0.1, 0.2], "omega": [1.5, 2.0]}))],
-        [rm.plot.basins(rm.basins(body, DRIVE, grid, periods=100))],
+#: What a section is drawn in.
+OBSERVED = ("thickness_stretch", "thickness_stretch_rate")
+
+
+def points(artists: Sequence[Any]) -> FloatArray:
+    """The points that lines and marks are drawn at, array (point, 2)."""
+    rows = [
+        a.get_xydata() if isinstance(a, Line2D) else np.asarray(a.get_offsets()) for a in artists
     ]
-    for artists in pictures:
-        assert artists
-        for artist in artists:
-            box = artist.axes.dataLim
-            assert np.isfinite(box.get_points()).all()
-            assert box.width > 0.0
-            assert box.height > 0.0
+    plt.close("all")
+    return np.concatenate(rows)
+
+
+def pairs(*columns: Any) -> FloatArray:
+    """Values of two variables, array (point, 2)."""
+    return np.column_stack([np.ravel(column) for column in columns]).astype(float)
+
+
+@pytest.mark.parametrize("name", ["two directions", "warm"])
+def test_pictures_of_motions_are_drawn_at_the_values_of_the_result(name: str) -> None:
+    """Histories, phase portraits and sections: nothing is left out, added or moved."""
+    body, first = BODIES[name], str(orbit(name).state.values[0])
+    run = rm.simulate(body, DRIVE, duration=3.0)
+    section = rm.poincare_section(body, DRIVE, periods=4)
+    rate = f"{first}_rate"
+    for drawn, expected in (
+        (points(rm.plot.history(run, first)), pairs(run.time, run[first])),
+        (points(rm.plot.phase(run, first, rate)), pairs(run[first], run[rate])),
+        (points(rm.plot.section(section)), pairs(*(section[n] for n in OBSERVED))),
+    ):
+        np.testing.assert_array_equal(drawn, expected)
+
+
+@pytest.mark.parametrize("name", ["two directions", "warm"])
+def test_pictures_of_branches_are_drawn_at_the_values_of_the_result(name: str) -> None:
+    """Every point of a response and of a branch is there, and every multiplier by its size."""
+    body = BODIES[name]
+    response = rm.frequency_response(body, DRIVE, OMEGA, duration=20.0)
+    branch = rm.continue_orbit(body, DRIVE, "omega", (1.24, 1.26), initial=orbit(name).initial)
+    curve = points(rm.plot.response(response))
+    peak = pairs(response.resonance, response.resonance_amplitude)
+    missing = {*map(tuple, pairs(OMEGA, response.amplitude)), *map(tuple, peak)}
+    assert missing <= set(map(tuple, curve))
+    along = pairs(branch.omega, branch.amplitude)
+    np.testing.assert_array_equal(points(rm.plot.branch(branch)), along)
+    sizes = abs(branch.multipliers)
+    drawn = points(rm.plot.multipliers(branch))
+    for k in range(branch.sizes["multiplier"]):
+        column = pairs(branch.omega, sizes.isel(multiplier=k))
+        assert set(map(tuple, column)) <= set(map(tuple, drawn))
+
+
+@pytest.mark.parametrize("name", ["two directions", "warm"])
+def test_pictures_of_grids_give_each_label_a_colour(name: str) -> None:
+    """A cell for every point, and equal colours where, and only where, labels are equal."""
+    body, first = BODIES[name], str(orbit(name).state.values[0])
+    over = {"b": [0.1, 0.2], "omega": [1.5, 2.0]}
+    grid = {first: [0.9, 1.1], f"{first}_rate": [0.0, 0.2]}
+    chart = rm.regime_chart(body, DRIVE, over, periods=100)
+    chart["regime"][0, 0], chart["period"][0, 0] = "escaped", 0
+    ends = rm.basins(body, DRIVE, grid, periods=100)
+    ends["basin"][0, 0] = -1
+    for mesh in (rm.plot.map(chart), rm.plot.basins(ends)):
+        colours = np.asarray(mesh.get_array()).reshape(4, -1)
+        different = np.unique(colours, axis=0, return_inverse=True)[1].ravel()
+        assert sorted(np.bincount(different).tolist()) == [1, 3]
     plt.close("all")
 
 
@@ -292,7 +359,8 @@ REFUSED: dict[str, tuple[Callable[[rm.Actuator], object], rm.Actuator, str]] = {
 def test_what_has_no_meaning_is_refused_with_a_way_out(
     verb: Callable[[rm.Actuator], object], body: rm.Actuator, remedy: str
 ) -> None:
-    with pytest.raises(InputError, match=r"^`actuator` must .*; got .*\. ") as caught:
+    """The message is about the system, and names a change with which the verb has a meaning."""
+    with pytest.raises(InputError, match=r"^`(actuator|system)` must .*; got .*\. ") as caught:
         verb(body)
     assert remedy in str(caught.value)
 

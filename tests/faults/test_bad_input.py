@@ -90,7 +90,7 @@ CASES: dict[str, tuple[Callable[[], Any], tuple[str, ...]]] = {
     ),
     "chirp": (lambda: rm.Chirp(1.0, 1.0, 2.0, 0.0), ("`duration`", "greater than 0", "Sine")),
     "drive": (lambda: simulate(drive=0.4, duration=5), ("`drive`", "SineSquared", "0.4")),
-    "actuator": (lambda: simulate(body=1.0, duration=5), ("`actuator`", "rm.Actuator()")),
+    "system": (lambda: simulate(body=1.0, duration=5), ("`system`", "rm.Actuator()")),
     # how long
     "no length": (simulate, ("`duration`", "`periods`", "`times`", "exactly one")),
     "two lengths": (
@@ -159,7 +159,7 @@ CASES: dict[str, tuple[Callable[[], Any], tuple[str, ...]]] = {
     ),
     "section": (
         lambda: rm.poincare_section(BODY, rm.Steps([0], [1]), periods=5),
-        ("`periods`", "Steps", "rm.Sine"),
+        ("`drive`", "Steps", "rm.Sine"),
     ),
     "response drive": (
         lambda: rm.frequency_response(BODY, rm.Constant(0.1), [1.0]),

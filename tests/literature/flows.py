@@ -11,7 +11,7 @@ import sympy as sp
 from tests.unit.integrate.handmade import COSINE, Oscillator, Q, V, turning
 
 from remanent._typing import FloatArray
-from remanent.analysis.maps import Mapped
+from remanent.analysis.orbits.maps import MapImage
 from remanent.integrate.maps.period_map import PeriodMap
 from remanent.integrate.variations import LOG_PERIOD
 
@@ -39,7 +39,7 @@ class ForcedOscillator:
         oscillator = Oscillator(acceleration(), dict.fromkeys(NAMES, 0.0))
         return PeriodMap(oscillator.field(), turning, directions=2, parameters=(*own, LOG_PERIOD))
 
-    def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> Mapped:
+    def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> MapImage:
         count = len(states)
         columns = np.tile([self.parameters.get(name, 0.0) for name in NAMES], (count, 1))
         columns[:, NAMES.index(self.free)] = parameters[:, 0]
@@ -51,4 +51,4 @@ class ForcedOscillator:
         if self.free == "omega":
             by_free = image.tangent[:, -1] / -omega[:, None]
         jacobian = np.moveaxis(image.tangent[:, :2], 1, 2)
-        return Mapped(image.state, jacobian, by_free[:, :, None], image.error * iterate)
+        return MapImage(image.state, jacobian, by_free[:, :, None], image.error * iterate)

@@ -12,6 +12,7 @@ import sympy as sp
 import remanent as rm
 from remanent.codegen import build as codegen_build
 from remanent.derivation import lagrange
+from remanent.derivation.motion import Motion
 from remanent.report.settings import AGREEMENT, PRESTRESSES, PUBLISHED, TEMPERATURES
 from remanent.studies.ensemble import ensemble
 
@@ -64,15 +65,17 @@ def test_a_mutated_equation_moves_a_resonance(
 ) -> None:
     original = lagrange.accelerations
 
-    def mutated(motion: lagrange.Motion) -> tuple[dict[Any, Any], list[Any], Any]:
-        named, (a,), _ = original(motion)
-        for symbol, meaning in reversed(list(named.items())):
+    def mutated(motion: Motion) -> lagrange.Accelerations:
+        solution = original(motion)
+        (a,) = solution.coordinates
+        for symbol, meaning in reversed(list(solution.definitions.items())):
             a = a.subs(symbol, meaning)
-        a = motion.explicit(a)
+        a = motion.eliminate_thickness(a)
         x, v = motion.coordinates[0], motion.rates[0]
         changed = mutate(a, x, v)
         assert sp.simplify(changed - a) != 0
-        return {}, [changed], sp.diff(x**-2, x) * changed + sp.diff(x**-2, x, 2) * v**2
+        thickness = sp.diff(x**-2, x) * changed + sp.diff(x**-2, x, 2) * v**2
+        return lagrange.Accelerations({}, (changed,), thickness)
 
     monkeypatch.setattr(lagrange, "accelerations", mutated)
     field = codegen_build.build(rm.Actuator(), rm.SineSquared(0.4, 1.0))

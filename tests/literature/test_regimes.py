@@ -18,19 +18,22 @@ import numpy as np
 import pytest
 import sympy as sp
 import xarray as xr
-from tests.unit.analysis.iterated import Iterated, henon, logistic, rolled, standard
+from tests.unit.analysis.regimes.iterated import Iterated, henon, logistic, rolled, standard
 from tests.unit.integrate.handmade import COSINE, Oscillator, Q, V, turning
 
 from remanent._typing import FloatArray, IntArray
-from remanent.analysis import regimes
-from remanent.analysis.following import Advance, Path, follow
-from remanent.analysis.regimes import Regime
+from remanent.analysis.regimes.collection import state_observables
+from remanent.analysis.regimes.decision import decide_regimes
+from remanent.analysis.regimes.labels import Regime
+from remanent.analysis.regimes.long_runs import LongRun, TangentMap, propagate_tangents
+from remanent.analysis.regimes.problem import RegimeProblem
 from remanent.integrate.maps.advance import Advancer, Step
 from remanent.integrate.maps.period_map import PeriodMap
 from remanent.models.actuator import Actuator
 from remanent.models.dissipation import Rayleigh
 from remanent.models.drives.waves import SineSquared
-from remanent.studies.ensemble.ensemble import ensemble, problem
+from remanent.studies.ensemble.layout import lay_out
+from remanent.studies.ensemble.problem import initial_value_problem
 
 CASES: list[dict[str, Any]] = json.loads(
     (File(__file__).parent / "regimes" / "cases.json").read_text("utf-8")
@@ -69,32 +72,32 @@ def forced(
     return Advancer(flow, np.ascontiguousarray(par[:, 1:]), 2.0 * np.pi / par[:, 0], tolerance)
 
 
-def oscillator(par: FloatArray, tolerance: float, count: int) -> Advance:
+def oscillator(par: FloatArray, tolerance: float, count: int) -> TangentMap:
     d, g, a, e, k, F = sp.symbols("d g a e k F", real=True)
     law = F * COSINE - (d + g * Q**2) * V - (a + e * COSINE) * Q - k * Q**3
     return forced(law, "omega d g a e k F", par, tolerance, count)
 
 
-def pendulum(par: FloatArray, tolerance: float, count: int) -> Advance:
+def pendulum(par: FloatArray, tolerance: float, count: int) -> TangentMap:
     d, F = sp.symbols("d F", real=True)
     return Rolling(forced(F * COSINE - d * V - sp.sin(Q), "omega d F", par, tolerance, count))
 
 
-def actuator(par: FloatArray, tolerance: float, count: int) -> Advance:
+def actuator(par: FloatArray, tolerance: float, count: int) -> TangentMap:
     names = ("omega", "temperature", "prestress", "b", "c", "dissipation.0.eta")
     values = par * [1.0, 293.0, 1.0, 1.0, 1.0, 1.0]
     over = {n: xr.DataArray(v, dims="case") for n, v in zip(names, values.T, strict=True)}
-    ens = ensemble(Actuator(dissipation=Rayleigh(0.1)), SineSquared(0.4, 1.0), over)
-    asked, length = problem(ens, np.ones(ens.count)), ens.periods()
+    ens = lay_out(Actuator(dissipation=Rayleigh(0.1)), SineSquared(0.4, 1.0), over)
+    asked, length = initial_value_problem(ens, np.ones(ens.count)), ens.periods()
     assert length is not None
     flow = PeriodMap(asked.field, asked.timeline.waveform, directions=count)
     return Advancer(flow, asked.parameters, length, tolerance)
 
 
-def plain_map(step: Any) -> Callable[..., Advance]:
+def plain_map(step: Any) -> Callable[..., TangentMap]:
     """A map is exact: nothing depends on the tolerance."""
 
-    def make(par: FloatArray, _: float, _count: int) -> Advance:
+    def make(par: FloatArray, _: float, _count: int) -> TangentMap:
         return Iterated(step, par)
 
     return make
@@ -105,13 +108,13 @@ def winding(y: FloatArray) -> FloatArray:
     return np.stack([np.cos(y[..., 0]), np.sin(y[..., 0]), y[..., 1]], axis=-1)
 
 
-FAMILIES: dict[str, tuple[Callable[..., Advance], Any]] = {
-    "actuator": (actuator, regimes.plain),
-    "oscillator": (oscillator, regimes.plain),
+FAMILIES: dict[str, tuple[Callable[..., TangentMap], Any]] = {
+    "actuator": (actuator, state_observables),
+    "oscillator": (oscillator, state_observables),
     "pendulum": (pendulum, winding),
     "standard": (plain_map(standard), rolled),
-    "logistic": (plain_map(logistic), regimes.plain),
-    "henon": (plain_map(henon), regimes.plain),
+    "logistic": (plain_map(logistic), state_observables),
+    "henon": (plain_map(henon), state_observables),
 }
 
 
@@ -124,11 +127,11 @@ def label(cases: list[dict[str, Any]], periods: int) -> list[tuple[str, int]]:
     start = start[:, :1] if family == "logistic" else start
     dimension = start.shape[1]
 
-    def run(which: IntArray, n: int, states: FloatArray | None = None, /) -> Path:
+    def run(which: IntArray, n: int, states: FloatArray | None = None, /) -> LongRun:
         count = dimension if n == 0 else 1
         advance = make(parameters[which], TOLERANCES[n], count)
         begin = start[which] if states is None else states
-        return follow(advance, begin, periods, directions=count, every=True)
+        return propagate_tangents(advance, begin, periods, directions=count, every=True)
 
     finest = make(parameters, TOLERANCES[0], dimension)
 
@@ -137,13 +140,14 @@ def label(cases: list[dict[str, Any]], periods: int) -> list[tuple[str, int]]:
         image = finest(which, states, unit, period, every=False)
         return image.visited[:, -1], np.moveaxis(image.tangents, 1, 2)
 
-    verdict, _ = regimes.classify(
+    problem = RegimeProblem(
         run,
         len(cases),
         damped=np.array([case["dissipative"] for case in cases]),
         iterate=iterate,
         observables=observables,
     )
+    verdict, _ = decide_regimes(problem)
     names = [Regime(code).meaning for code in verdict.regime]
     return list(zip(names, verdict.period.tolist(), strict=True))
 

@@ -13,8 +13,9 @@ import pytest
 
 import remanent as rm
 from remanent.report import reconstruction
+from remanent.report.contents import Paper
 from remanent.report.drawings import DRAWINGS
-from remanent.report.paper import Paper, reproduce, write
+from remanent.report.paper import reproduce, write
 
 VERDICTS = {"supported", "contradicted", "depends"}
 SPLIT = {"3", "6", "8", "12", "14", "16", "17"}

@@ -15,8 +15,9 @@ from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Outcome, Request
 from remanent.integrate.ensemble.work_sizes import DEFAULT_SIZES, WorkSizes
 from remanent.models.drives.base import Drive
-from remanent.studies.ensemble.ensemble import ensemble as laid_out
-from remanent.studies.ensemble.ensemble import problem
+from remanent.studies.ensemble.layout import lay_out
+from remanent.studies.ensemble.problem import initial_value_problem
+from remanent.studies.response.frequency_response import response_extremes
 
 COUNT, LONGEST = 20, 18.0
 #: What is asked: states between steps, states after cycles, extremes.
@@ -51,7 +52,7 @@ def run(
         "strobe": Request(strobe=2),
         "extremes": Request(extremes=True, begin=0.3 * end),
     }[asked]
-    whole = problem(laid_out(body, drive, over), end)
+    whole = initial_value_problem(lay_out(body, drive, over), end)
     outcome = integrate(whole, request, tolerance=1e-8, workers=workers, sizes=sizes)
     found = columns(outcome)
     if asked == "strobe":
@@ -124,10 +125,14 @@ def test_verbs_are_deterministic_in_any_order() -> None:
         np.testing.assert_array_equal(there_values[::-1], back[name].transpose("case", "omega"))
 
 
-def test_bits_do_not_depend_on_the_parts_of_a_response(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Determinism: a response that is worked out in parts is the whole one."""
+def test_bits_do_not_depend_on_the_batches_of_a_response() -> None:
+    """Determinism: a response worked out in batches is the one worked out at once."""
+    over = {"omega": np.linspace(0.5, 2.0, 100)}
     actuator, drive = rm.Actuator(temperature=350), rm.SineSquared(0.4, 1.0)
-    omega = np.linspace(0.5, 2.0, 100)
-    whole = rm.frequency_response(actuator, drive, omega, tolerance=1e-7)
-    monkeypatch.setattr("remanent.studies.ensemble.ensemble._SLAB", 37)
-    assert rm.frequency_response(actuator, drive, omega, tolerance=1e-7).identical(whole)
+    columns = []
+    for size in (100, 37):
+        ens = lay_out(actuator, drive, over, batch_size=size)
+        outcome = response_extremes(ens, 100.0, None, 0.0, 1e-7, batch_size=size)
+        columns.append([outcome.maximum, outcome.minimum, outcome.error, outcome.status])
+    for at_once, batched in zip(*columns, strict=True):
+        np.testing.assert_array_equal(at_once, batched)

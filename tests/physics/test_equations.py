@@ -7,9 +7,10 @@ from typing import Any
 import pytest
 import sympy as sp
 
-from remanent.derivation import lagrange
-from remanent.derivation.energy_balance import along
+from remanent.derivation import block, lagrange
+from remanent.derivation.derive import derive
 from remanent.derivation.readable import equations, second_order
+from remanent.derivation.symbols import parameter, time_derivative
 from remanent.models import heat
 from remanent.models.actuator import Actuator
 from remanent.models.dissipation import Dissipation, KelvinVoigt, Rayleigh, Zener
@@ -20,12 +21,11 @@ from remanent.models.materials.strain_energy import StrainEnergy
 from remanent.models.temperature_shift import WLF
 
 STRETCH, RATE = sp.Symbol("stretch", positive=True), sp.Symbol("stretch_rate", real=True)
-C, T, T0 = (lagrange.parameter(n) for n in ("c", "temperature", "reference_temperature"))
+C, T, T0 = (parameter(n) for n in ("c", "temperature", "reference_temperature"))
 S, M, ETA, F = (
-    lagrange.parameter(n)
-    for n in ("prestress", "m", "dissipation.0.eta", "material.entropic_fraction")
+    parameter(n) for n in ("prestress", "m", "dissipation.0.eta", "material.entropic_fraction")
 )
-ALPHA = lagrange.parameter("magnet.temperature_coefficient")
+ALPHA = parameter("magnet.temperature_coefficient")
 PLAIN = {F: 1, ALPHA: 0}
 
 
@@ -48,7 +48,7 @@ def equation_16(stretch: Any, rate: Any, acceleration: Any, theta: Any, load: An
 
 
 def test_acceleration_is_equation_16() -> None:
-    system = lagrange.derive(Actuator(), Constant(0.1))
+    system = derive(Actuator(), Constant(0.1))
     acceleration = written_out(system.rates[1], system).subs(PLAIN)
     assert sp.simplify(equation_16(STRETCH, RATE, acceleration, T / T0, M)) == 0
     assert system.rates[0] == RATE
@@ -90,9 +90,9 @@ def test_long_formulas_are_shown_as_they_are_written() -> None:
 
 def test_kinetic_and_potential_energy_are_those_of_the_lagrangian() -> None:
     """L = M v^2/2 - V is 3/2 of the energies per 8 H L^2 mu, up to a constant."""
-    motion = lagrange.motion(Actuator(), Constant(0.1))
+    motion = block.motion(Actuator(), Constant(0.1))
     potential = written_out(motion.potential, motion).subs(PLAIN)
-    kinetic = motion.explicit(motion.kinetic)
+    kinetic = motion.eliminate_thickness(motion.kinetic)
     bracket = T / T0 * (STRETCH**2 / 2 + STRETCH**-4 / 4) - S * STRETCH - M * STRETCH**-2 / 2
     difference = sp.Rational(3, 2) * potential - 3 * bracket
     assert sp.simplify(sp.diff(difference, STRETCH)) == 0
@@ -100,7 +100,7 @@ def test_kinetic_and_potential_energy_are_those_of_the_lagrangian() -> None:
 
 
 def test_energy_is_the_one_promised() -> None:
-    system = lagrange.derive(Actuator(), Constant(0.1))
+    system = derive(Actuator(), Constant(0.1))
     energy = written_out(system.observables["energy"], system).subs(PLAIN)
     theta = T / T0
     promised = (
@@ -114,7 +114,7 @@ def test_energy_is_the_one_promised() -> None:
 
 def test_rayleigh_damping_joins_the_bracket() -> None:
     """eta l' stands inside 3 [...] of equation 16, and takes 2 D from the energy."""
-    system = lagrange.derive(Actuator(dissipation=Rayleigh(0.1)), Constant(0.1))
+    system = derive(Actuator(dissipation=Rayleigh(0.1)), Constant(0.1))
     acceleration = written_out(system.rates[1], system).subs(PLAIN)
     left = equation_16(STRETCH, RATE, acceleration, T / T0, M) + 3 * ETA * RATE
     assert sp.simplify(left) == 0
@@ -125,7 +125,7 @@ def power(system: Any) -> Any:
     """Rate of the energy along the motion."""
     rates = dict(zip(system.state, system.rates, strict=True))
     energy = written_out(system.observables["energy"], system)
-    return written_out(along(energy, rates), system)
+    return written_out(time_derivative(energy, rates), system)
 
 
 def blocks(coordinates: int) -> Actuator:
@@ -135,12 +135,12 @@ def blocks(coordinates: int) -> Actuator:
 
 @pytest.mark.parametrize("coordinates", [1, 2])
 def test_energy_is_conserved_without_dissipation(coordinates: int) -> None:
-    system = lagrange.derive(blocks(coordinates), Constant(0.1))
+    system = derive(blocks(coordinates), Constant(0.1))
     assert sp.simplify(power(system)) == 0
 
 
 def test_watched_are_time_derivatives_of_the_thickness_stretch() -> None:
-    system = lagrange.derive(Actuator(), Constant(0.1))
+    system = derive(Actuator(), Constant(0.1))
     watched = [written_out(e, system) for e in system.watched]
     acceleration = written_out(system.rates[1], system)
     assert sp.simplify(watched[0] - STRETCH**-2) == 0
@@ -152,14 +152,14 @@ def test_watched_are_time_derivatives_of_the_thickness_stretch() -> None:
 @pytest.mark.parametrize("coordinates", [1, 2])
 def test_last_watched_quantity_has_the_sign_of_the_rate(coordinates: int) -> None:
     """It is the rate times a function that is positive for positive stretches."""
-    system = lagrange.derive(blocks(coordinates), Constant(0.1))
+    system = derive(blocks(coordinates), Constant(0.1))
     rate, sign = (written_out(system.watched[k], system) for k in (1, 3))
     assert sp.simplify(rate / sign).is_positive
 
 
 def test_temperature_scales_out_exactly() -> None:
     """(T; m, S, eta, tau) and (T0; m/th, S/th, eta/sqrt th, tau sqrt th) move alike."""
-    system = lagrange.derive(Actuator(dissipation=Rayleigh(0.1)), Constant(0.1))
+    system = derive(Actuator(dissipation=Rayleigh(0.1)), Constant(0.1))
     warm = written_out(system.rates[1], system).subs(PLAIN)
     theta = T / T0
     scaled = {T: T0, M: M / theta, S: S / theta, ETA: ETA / sp.sqrt(theta)}
@@ -169,7 +169,7 @@ def test_temperature_scales_out_exactly() -> None:
 
 def test_small_oscillations() -> None:
     """omega^2 = 3 [th (1 + 5 l^-6) - 3 m l^-4]/(1 + 2 c l^-6) at an equilibrium."""
-    system = lagrange.derive(Actuator(), Constant(0.1))
+    system = derive(Actuator(), Constant(0.1))
     acceleration = written_out(system.rates[1], system).subs(PLAIN)
     theta = T / T0
     balance = theta * (STRETCH - STRETCH**-5) + M * STRETCH**-3
@@ -179,20 +179,20 @@ def test_small_oscillations() -> None:
 
 
 def test_rotation_law_exerts_no_load() -> None:
-    system = lagrange.derive(Actuator(magnet=Magnet(law="rotation")), SineSquared(0.4, 1.25))
+    system = derive(Actuator(magnet=Magnet(law="rotation")), SineSquared(0.4, 1.25))
     acceleration = written_out(system.rates[1], system)
     assert not {"b", "sin_pi_phase"} & {s.name for s in acceleration.free_symbols}
 
 
 def test_magnet_weakens_with_temperature() -> None:
-    system = lagrange.derive(Actuator(), Constant(0.1))
+    system = derive(Actuator(), Constant(0.1))
     acceleration = written_out(system.rates[1], system)
     weakened = acceleration.subs(ALPHA, 0).subs(M, M * (1 + ALPHA * (T - T0)))
     assert sp.simplify(acceleration - weakened) == 0
 
 
 def test_energetic_elasticity_does_not_depend_on_temperature() -> None:
-    system = lagrange.derive(Actuator(), Constant(0.1))
+    system = derive(Actuator(), Constant(0.1))
     acceleration = written_out(system.rates[1], system).subs({F: 0, ALPHA: 0})
     assert not {T, T0} & acceleration.free_symbols
 
@@ -211,9 +211,9 @@ def test_caloric_energy_is_that_of_a_constant_heat_capacity() -> None:
 
 
 def test_two_equal_stretches_move_as_one() -> None:
-    one = lagrange.derive(Actuator(), Constant(0.1))
-    two = lagrange.derive(blocks(2), Constant(0.1))
-    (q1, v1, q2, v2), loads = two.state, (lagrange.parameter(f"prestress_{i}") for i in (1, 2))
+    one = derive(Actuator(), Constant(0.1))
+    two = derive(blocks(2), Constant(0.1))
+    (q1, v1, q2, v2), loads = two.state, (parameter(f"prestress_{i}") for i in (1, 2))
     equal = {q1: STRETCH, q2: STRETCH, v1: RATE, v2: RATE, **dict.fromkeys(loads, S)}
     for rate in (two.rates[1], two.rates[3]):
         difference = written_out(rate, two).subs(equal) - written_out(one.rates[1], one)
@@ -225,8 +225,11 @@ def test_two_equal_stretches_move_as_one() -> None:
 
 def test_lagrange_equations_of_two_stretches() -> None:
     """M and f against the energies on the page of two directions, along a motion."""
-    motion = lagrange.motion(Actuator(edges=(1.0, 2.0)), Constant(0.1))
-    kinetic, potential = motion.explicit(motion.kinetic), motion.explicit(motion.potential)
+    motion = block.motion(Actuator(edges=(1.0, 2.0)), Constant(0.1))
+    kinetic, potential = (
+        motion.eliminate_thickness(motion.kinetic),
+        motion.eliminate_thickness(motion.potential),
+    )
     tau = sp.Symbol("tau")
     path = [sp.Function(f"q{i}", positive=True)(tau) for i in (1, 2)]
     on_path = dict(zip(motion.coordinates, path, strict=True))
@@ -241,11 +244,11 @@ def test_lagrange_equations_of_two_stretches() -> None:
 
 def test_loss_of_symmetry() -> None:
     """omega_a^2 = 3 [th (1 + l^-6) - m l^-4] for stretches that part from each other."""
-    system = lagrange.derive(blocks(2), Constant(0.1))
+    system = derive(blocks(2), Constant(0.1))
     q1, v1, q2, v2 = system.state
     theta = T / T0
     balance = theta * (STRETCH - STRETCH**-5) + M * STRETCH**-3
-    loads = {lagrange.parameter(f"prestress_{i}"): balance for i in (1, 2)}
+    loads = {parameter(f"prestress_{i}"): balance for i in (1, 2)}
     rest = {q1: STRETCH, q2: STRETCH, v1: 0, v2: 0, **loads}
     acceleration = written_out(system.rates[1], system).subs(PLAIN)
     apart = sp.diff(acceleration, q1) - sp.diff(acceleration, q2)
@@ -269,7 +272,7 @@ ELEMENTS: dict[str, Dissipation] = {
 def test_accelerations_solve_lagranges_equations(element: Dissipation, weighted: bool) -> None:
     """The short form that is computed is M^-1 f of the long one that is shown."""
     for actuator in (blocks(1), blocks(2).replace(edges=(1.0, 2.0) if weighted else None)):
-        motion = lagrange.motion(actuator.replace(dissipation=element), Constant(0.1))
+        motion = block.motion(actuator.replace(dissipation=element), Constant(0.1))
         system = lagrange.first_order(motion)
         mass, force = lagrange.lagrange(motion)
         n = len(motion.coordinates)
@@ -282,23 +285,21 @@ def test_accelerations_solve_lagranges_equations(element: Dissipation, weighted:
 def test_internal_variables_take_from_the_energy_what_they_dissipate(coordinates: int) -> None:
     """dE/dtau = -2 eta (e1^2 + e2^2 + (e1 + e2)^2), e = x'/x: -12 eta e^2 if equal."""
     actuator = blocks(coordinates).replace(dissipation=Zener(0.5, 2.0))
-    system = lagrange.derive(actuator, Constant(0.1))
+    system = derive(actuator, Constant(0.1))
     rates = dict(zip(system.state, system.rates, strict=True))
     internal = system.state[2 * coordinates :]
     assert len(internal) == coordinates
     e1, e2 = (rates[x] / x for x in (internal[0], internal[-1]))
-    eta = lagrange.parameter("dissipation.0.modulus") * lagrange.parameter(
-        "dissipation.0.relaxation_time"
-    )
+    eta = parameter("dissipation.0.modulus") * parameter("dissipation.0.relaxation_time")
     lost = 2 * eta * (e1**2 + e2**2 + (e1 + e2) ** 2)
     assert sp.simplify(power(system) + written_out(lost, system)) == 0
 
 
 def test_internal_variable_of_equal_stretches() -> None:
     """x'/x = (th/6 t_r) (l^2 x^-2 - l^-4 x^4)."""
-    system = lagrange.derive(Actuator(dissipation=Zener(0.5, 2.0)), Constant(0.1))
+    system = derive(Actuator(dissipation=Zener(0.5, 2.0)), Constant(0.1))
     x = system.state[2]
-    time = lagrange.parameter("dissipation.0.relaxation_time")
+    time = parameter("dissipation.0.relaxation_time")
     expected = T / T0 / (6 * time) * (STRETCH**2 / x**2 - x**4 / STRETCH**4)
     assert x.name == "dissipation.0.viscous_stretch"
     assert sp.simplify(written_out(system.rates[2], system) / x - expected) == 0

@@ -8,18 +8,23 @@ import pytest
 import remanent as rm
 from remanent._errors import InputError
 from remanent._typing import ComplexArray, FloatArray
-from remanent.analysis.harmonics import Resonant, harmonics, kind, resonant
+from remanent.analysis.response.harmonics import (
+    ResonantHarmonic,
+    fourier_amplitudes,
+    resonance_kind,
+    resonant_harmonic,
+)
 
 
 def test_harmonics_of_a_sum_of_cosines_are_its_coefficients() -> None:
     t = 2.0 * np.pi * np.arange(64) / 64
-    c = harmonics((0.7 + 2.0 * np.cos(t - 0.3) + 0.5 * np.cos(3.0 * t + 1.0))[None], 5)[0]
+    c = fourier_amplitudes((0.7 + 2.0 * np.cos(t - 0.3) + 0.5 * np.cos(3.0 * t + 1.0))[None], 5)[0]
     expected = [0.7, 2.0 * np.exp(-0.3j), 0.0, 0.5 * np.exp(1j), 0.0, 0.0]
     np.testing.assert_allclose(c, expected, atol=1e-14)
 
 
 def test_the_harmonic_that_resonates_is_the_one_nearest_to_the_free_oscillation() -> None:
-    found = resonant(np.array([[1.0, 3.0, 4.0j, 0.0]]), np.array([1.0]), np.array([2.05]))
+    found = resonant_harmonic(np.array([[1.0, 3.0, 4.0j, 0.0]]), np.array([1.0]), np.array([2.05]))
     assert found.harmonic.tolist() == [2]
     assert found.share[0] == pytest.approx(16.0 / 25.0)
     assert found.detuning[0] == pytest.approx(2.0 / 2.05 - 1.0)
@@ -40,14 +45,14 @@ def test_the_harmonic_that_resonates_is_the_one_nearest_to_the_free_oscillation(
 def test_orders_have_their_names(
     harmonic: int, period: int, doubled: bool, expected: tuple[str, int, int]
 ) -> None:
-    found = Resonant(np.array([harmonic]), np.array([0.01]), np.array([0.9]))
-    assert kind(found, 0, period, doubled=doubled) == expected
+    found = ResonantHarmonic(np.array([harmonic]), np.array([0.01]), np.array([0.9]))
+    assert resonance_kind(found, 0, period, doubled=doubled) == expected
 
 
 @pytest.mark.parametrize(("detuning", "share"), [(0.2, 0.9), (-0.2, 0.9), (0.0, 0.01), (np.nan, 1)])
 def test_what_the_evidence_does_not_carry_is_undecided(detuning: float, share: float) -> None:
-    found = Resonant(np.array([1]), np.array([detuning]), np.array([share]))
-    assert kind(found, 0, 1, doubled=False) == ("undecided", 0, 0)
+    found = ResonantHarmonic(np.array([1]), np.array([detuning]), np.array([share]))
+    assert resonance_kind(found, 0, 1, doubled=False) == ("undecided", 0, 0)
 
 
 def test_a_small_load_finds_the_linear_resonance() -> None:

@@ -1,57 +1,59 @@
-"""From an actuator and a drive to a Field, by derivation."""
+"""From a system and a drive to a Field, by derivation."""
 
 from __future__ import annotations
 
 from typing import Any
 
 from remanent._field import Field, Program
-from remanent.codegen.lower import DRIVE, PARAMETER, STATE, lower
-from remanent.derivation import lagrange
-from remanent.models.actuator import Actuator
+from remanent.codegen.lower import Level, lower
+from remanent.derivation.derive import derive
+from remanent.derivation.motion import FirstOrderForm
+from remanent.derivation.symbols import PHASE, Symbol, parameter, waveform
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 
 
-def build(actuator: Actuator, drive: Drive) -> Field:
+def build(system: System, drive: Drive) -> Field:
     """Derive the equations of motion and translate them to straight-line code.
 
     Only the structure of both arguments is used, never a numeric value.
     """
-    system = lagrange.derive(actuator, drive)
-    state = tuple(symbol.name for symbol in system.state)
+    form = derive(system, drive)
+    state = tuple(symbol.name for symbol in form.state)
     parameters = (
-        *actuator.parameters(),
+        *system.parameters(),
         *drive.parameters(),
         *drive.piece_parameters,
     )
     inputs = ("drive_phase", *state, *parameters, *drive.waveforms)
-    levels = _levels(system, parameters, drive)
+    levels = _levels(form, parameters, drive)
 
     def program(*outputs: Any, **options: Any) -> Program:
         return lower(
             outputs,
             inputs=inputs,
             levels=levels,
-            definitions=system.definitions,
+            definitions=form.definitions,
             **options,
         )
 
     return Field(
-        state=state,
+        variables=form.variables,
+        loads=form.loads,
         parameters=parameters,
         waveforms=drive.waveforms,
-        rates=program(*system.rates, room=system.room),
-        watched=program(*system.watched),
-        observables={name: program(e, as_written=True) for name, e in system.observables.items()},
+        rates=program(*form.rates, admissibility=form.admissibility),
+        observable=form.observable,
+        watched=program(*form.watched),
+        observables={name: program(e, as_written=True) for name, e in form.observables.items()},
     )
 
 
-def _levels(
-    system: lagrange.System, parameters: tuple[str, ...], drive: Drive
-) -> dict[lagrange.Symbol, int]:
+def _levels(form: FirstOrderForm, parameters: tuple[str, ...], drive: Drive) -> dict[Symbol, Level]:
     """What each input varies with."""
     return (
-        dict.fromkeys(system.state, STATE)
-        | {lagrange.parameter(name): PARAMETER for name in parameters}
-        | {lagrange.waveform(name): DRIVE for name in drive.waveforms}
-        | {lagrange.PHASE: DRIVE}
+        dict.fromkeys(form.state, Level.STATE)
+        | {parameter(name): Level.PARAMETER for name in parameters}
+        | {waveform(name): Level.DRIVE for name in drive.waveforms}
+        | {PHASE: Level.DRIVE}
     )

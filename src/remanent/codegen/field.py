@@ -1,4 +1,4 @@
-"""The Field of an actuator and a drive: from the cache, or else derived."""
+"""The Field of a system and a drive: from the cache, or else derived."""
 
 from __future__ import annotations
 
@@ -12,29 +12,45 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import Final
 
 from remanent import _cache
+from remanent._errors import InputError
 from remanent._field import Field
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.models.parts import Structure
+from remanent.models.system import System
 
+#: The family of entries in the cache.
 _KIND: Final = "fields"
+#: Fields by the fingerprint of their structure.
 _memory: Final[dict[str, Field]] = {}
 
 
-def field_for(actuator: Actuator, drive: Drive) -> Field:
-    """The vector field of an actuator under a drive, with what is observed of it.
+def field_for(system: System, drive: Drive) -> Field:
+    """The vector field of a system under a drive, with what is observed of it.
 
     Only the form of the equations matters, never a number: the numeric fields of both
-    are the parameters of the field, in the order of ``actuator.parameters()``,
+    are the parameters of the field, in the order of ``system.parameters()``,
     ``drive.parameters()`` and ``drive.piece_parameters``.  SymPy is imported only if
     the field is neither in memory nor in the cache.
+
+    Raises
+    ------
+    InputError
+        Where the drive does not give the loads that the system has.
     """
-    structure = (actuator.structure(), drive.structure())
+    if system.loads != drive.load_names:
+        raise InputError(
+            "drive",
+            must=f"give the loads of the system: {', '.join(system.loads)}",
+            got=", ".join(drive.load_names),
+            why="Every load in the equations of motion needs a law in time.",
+            fix="Pass a drive for each load.",
+        )
+    structure = (system.structure(), drive.structure())
     if not _reproducible(structure):
-        return _derived(actuator, drive)
+        return _derived(system, drive)
     key = fingerprint(structure)
     if key not in _memory:
-        _memory[key] = _stored(key) or _stored_now(key, _derived(actuator, drive))
+        _memory[key] = _load(key) or _store(key, _derived(system, drive))
     return _memory[key]
 
 
@@ -44,12 +60,14 @@ def fingerprint(structure: Structure) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def _derived(actuator: Actuator, drive: Drive) -> Field:
-    field: Field = import_module("remanent.codegen.build").build(actuator, drive)
+def _derived(system: System, drive: Drive) -> Field:
+    """The field by derivation, which imports SymPy."""
+    field: Field = import_module("remanent.codegen.build").build(system, drive)
     return field
 
 
-def _stored(key: str) -> Field | None:
+def _load(key: str) -> Field | None:
+    """The field from the cache on disk, or None where there is none that can be read."""
     text = _cache.load_text(_KIND, key)
     if text is not None:
         with suppress(ValueError):
@@ -57,7 +75,8 @@ def _stored(key: str) -> Field | None:
     return None
 
 
-def _stored_now(key: str, field: Field) -> Field:
+def _store(key: str, field: Field) -> Field:
+    """The field itself, after writing it to the cache on disk."""
     _cache.store_text(_KIND, key, field.to_json())
     return field
 

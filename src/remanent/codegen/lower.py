@@ -11,35 +11,50 @@ is written, so that a formula that avoids cancellation keeps doing so.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from enum import IntEnum
 from functools import reduce
 from itertools import accumulate
-from typing import Any
+from typing import Any, Final
 
 import sympy as sp
 
 from remanent._field import Program
 from remanent._instructions import Instructions, Signed, cost
 from remanent.codegen.rational import Quotient, common, quotient, rationalised
-from remanent.derivation.unexpanded import Kept
+from remanent.derivation.symbols import Expression, Symbol
+from remanent.derivation.unexpanded import Unexpanded
 
-Expression = Any  # SymPy is not typed
-Symbol = Any
+#: Exponents of a product of powers of state variables.
 Monomial = tuple[int, ...]
 
-#: What a value varies with: nothing within a piece of time, the time, or the state.
-PARAMETER, DRIVE, STATE = 0, 1, 2
 
-_FUNCTIONS = {sp.exp: "exp", sp.log: "log", sp.sin: "sin", sp.cos: "cos", sp.atan: "atan"}
+class Level(IntEnum):
+    """What a value varies with; the highest level in an expression is that of its value."""
+
+    #: Nothing within a piece of time: numeric fields.
+    PARAMETER = 0
+    #: Time: phase and waveforms of the drive.
+    DRIVE = 1
+    #: The state.
+    STATE = 2
+
+
+#: Up to so many state variables, normal forms of all rates may be shorter than their
+#: structure, and both are tried.
+_MAX_STATES_FOR_NORMAL_FORM: Final = 2
+
+#: The instruction for each function of SymPy.
+_FUNCTIONS: Final = {sp.exp: "exp", sp.log: "log", sp.sin: "sin", sp.cos: "cos", sp.atan: "atan"}
 
 
 def lower(
     outputs: Sequence[Expression],
     *,
     inputs: Sequence[str],
-    levels: Mapping[Symbol, int],
+    levels: Mapping[Symbol, Level],
     definitions: Mapping[Symbol, Expression],
     as_written: bool = False,
-    room: Sequence[Expression] = (),
+    admissibility: Sequence[Expression] = (),
 ) -> Program:
     """The program that computes `outputs`.
 
@@ -50,37 +65,35 @@ def lower(
     inputs
         Names of the program's inputs, in order.
     levels
-        For each input symbol what it varies with: `PARAMETER`, `DRIVE` or `STATE`.
+        For each input symbol what it varies with.
     definitions
         Symbols that stand for expressions in input symbols and earlier definitions.
     as_written
         Compute the expressions as they are written instead of bringing what depends
         on the state to quotients of expanded polynomials.
-    room
+    admissibility
         Where one of these is negative, every output that is not just an input is NaN.
     """
     translator = _Translator(Instructions(inputs), levels, definitions)
     plain = [sp.sympify(output) for output in outputs]
     if as_written:
         return translator.instructions.program([translator.written(e) for e in plain])
-    limits = [sp.sympify(e) for e in room]
-    values = translator.together([*plain, *limits])[: len(plain)]
-    structured = translator.instructions.program(translator.within(limits, plain, values))
-    if sum(level == STATE for level in levels.values()) > _FEW:
+    limits = [sp.sympify(e) for e in admissibility]
+    values = translator.with_shared_divisions([*plain, *limits])[: len(plain)]
+    structured = translator.instructions.program(translator.guarded(limits, plain, values))
+    # Of few state variables the normal form may be cheaper: everything is written out as
+    # quotients of polynomials.  Of more it is not, and cancelling takes SymPy very long.
+    if sum(level == Level.STATE for level in levels.values()) > _MAX_STATES_FOR_NORMAL_FORM:
         return structured
-    inner = {s: e for s, e in definitions.items() if translator.level(s) == STATE}
+    inner = {s: e for s, e in definitions.items() if translator.level(s) == Level.STATE}
     generators: dict[Expression, Symbol] = {}
     rational = [rationalised(_written_out(e, inner), generators) for e in plain]
     meanings = {s: e for s, e in definitions.items() if s not in inner}
     meanings |= {symbol: e for e, symbol in generators.items()}
     translator = _Translator(Instructions(inputs), levels, meanings)
     limits = [_written_out(e, inner) for e in limits]
-    values = translator.within(limits, plain, translator.quotients(rational))
+    values = translator.guarded(limits, plain, translator.quotients(rational))
     return min(translator.instructions.program(values), structured, key=cost)
-
-
-#: Up to so many state variables, normal forms of all rates may be shorter than their structure.
-_FEW = 2
 
 
 def _written_out(expression: Expression, definitions: Mapping[Symbol, Expression]) -> Expression:
@@ -91,12 +104,16 @@ def _written_out(expression: Expression, definitions: Mapping[Symbol, Expression
 
 
 class _Translator:
-    """Expressions in, values of one set of instructions out."""
+    """Expressions in, values of one set of instructions out.
+
+    A builder: `instructions` grows with every value that is asked for, and reciprocals that
+    exist already are remembered, so that each division is made once.
+    """
 
     def __init__(
         self,
         instructions: Instructions,
-        levels: Mapping[Symbol, int],
+        levels: Mapping[Symbol, Level],
         definitions: Mapping[Symbol, Expression],
     ) -> None:
         self.instructions = instructions
@@ -106,37 +123,38 @@ class _Translator:
         for symbol, meaning in definitions.items():
             self._levels[symbol] = self.level(meaning)
 
-    def level(self, expression: Expression) -> int:
+    def level(self, expression: Expression) -> Level:
         """The highest level of any symbol in `expression`."""
-        return max((self._levels[s] for s in expression.free_symbols), default=0)
+        levels = (self._levels[s] for s in expression.free_symbols)
+        return max(levels, default=Level.PARAMETER)
 
     def _dynamic(self, expression: Expression) -> list[Symbol]:
         """Symbols in `expression` that vary with the state, in a definite order."""
-        found = [s for s in expression.free_symbols if self._levels[s] == STATE]
-        return sorted(found, key=list(self._levels).index)
+        symbols = [s for s in expression.free_symbols if self._levels[s] == Level.STATE]
+        return sorted(symbols, key=list(self._levels).index)
 
-    def within(
+    def guarded(
         self,
-        room: Sequence[Expression],
+        admissibility: Sequence[Expression],
         expressions: Sequence[Expression],
         values: Sequence[Signed],
     ) -> list[Signed]:
-        """Values of expressions, NaN where not all of `room` is positive.
+        """Values of expressions, NaN where not all of `admissibility` is positive.
 
         The root of a negative number is NaN, and so is its difference from itself.
         """
-        roots = [self.instructions.call("sqrt", self.written(e)) for e in room]
+        roots = [self.instructions.call("sqrt", self.written(e)) for e in admissibility]
         if not roots:
             return list(values)
-        nothing = self._sum(self.instructions.add(r, (-r[0], r[1])) for r in roots)
+        zero_or_nan = self._sum(self.instructions.add(r, (-r[0], r[1])) for r in roots)
         return [
-            value if e.is_Symbol else self.instructions.add(value, nothing)
+            value if e.is_Symbol else self.instructions.add(value, zero_or_nan)
             for e, value in zip(expressions, values, strict=True)
         ]
 
     # As it is structured --------------------------------------------------------------
 
-    def together(self, expressions: Sequence[Expression]) -> list[Signed]:
+    def with_shared_divisions(self, expressions: Sequence[Expression]) -> list[Signed]:
         """Values as they are written, with one division for all that are divided by.
 
         Of n values the reciprocals cost one division and 3 (n - 1) multiplications; those
@@ -152,7 +170,7 @@ class _Translator:
 
     def _rank(self, expression: Expression, ranks: dict[int, list[Expression]]) -> int:
         """How many divisions by the state in a row it takes; divisors go into `ranks`."""
-        if self.level(expression) < STATE or expression.is_Atom:
+        if self.level(expression) < Level.STATE or expression.is_Atom:
             meaning = self._definitions.get(expression)
             return 0 if meaning is None else self._rank(meaning, ranks)
         rank = max(self._rank(argument, ranks) for argument in expression.args)
@@ -204,8 +222,8 @@ class _Translator:
             return self.instructions.div(numerator, self.instructions.mul(static, shared))
         missing = {base: k - item.factors.get(base, 0) for base, k in multiple.items()}
         scale = self.instructions.div(self.instructions.constant(1.0), static)
-        whole = self.instructions.mul(numerator, self._product(missing))
-        return self.instructions.mul(self.instructions.mul(scale, whole), shared)
+        extended = self.instructions.mul(numerator, self._product(missing))
+        return self.instructions.mul(self.instructions.mul(scale, extended), shared)
 
     def _product(self, powers: Mapping[Expression, int]) -> Signed:
         values = [
@@ -267,7 +285,7 @@ class _Translator:
             quarter = self.instructions.call("atan", self.instructions.constant(1.0))
             return self.instructions.mul(self.instructions.constant(4.0), quarter)
         inside = expression.args[-1]
-        if isinstance(expression, Kept):
+        if isinstance(expression, Unexpanded):
             return self.written(inside)
         if expression.func is sp.log and inside.as_coeff_Add()[0] == 1:
             return self._log_near_one(inside - 1)
@@ -278,11 +296,11 @@ class _Translator:
 
         The second term is what rounding takes from u: to first order, all of it.
         """
-        one, y = self.instructions.constant(1.0), self.written(excess)
-        u = self.instructions.add(one, y)
-        seen = self.instructions.add(u, (-1, one[1]))
-        lost = self.instructions.add(y, (-seen[0], seen[1]))
-        correction = self.instructions.div(lost, u)
+        unity, y = self.instructions.constant(1.0), self.written(excess)
+        u = self.instructions.add(unity, y)
+        rounded_y = self.instructions.add(u, (-1, unity[1]))
+        rounding = self.instructions.add(y, (-rounded_y[0], rounded_y[1]))
+        correction = self.instructions.div(rounding, u)
         return self.instructions.add(self.instructions.call("log", u), correction)
 
     def _symbol(self, symbol: Symbol) -> Signed:
@@ -298,21 +316,21 @@ class _Translator:
 
     def _by_level(self, expressions: Iterable[Expression], join: Any) -> list[Signed]:
         """Values joined within each level, lowest level first."""
-        groups: dict[int, list[Signed]] = {}
+        groups: dict[Level, list[Signed]] = {}
         for e in expressions:
             groups.setdefault(self.level(e), []).append(self.written(e))
         return [reduce(join, groups[level]) for level in sorted(groups)]
 
     def _fraction(self, product: Expression) -> Signed:
         """A product; negative powers are divided by, at most once on each level."""
-        factors = list(self._flattened(product))
+        factors = list(self._factors(product))
         levels = sorted({self.level(f) for f in factors})
         return reduce(
             self.instructions.mul,
             (self._ratio([f for f in factors if self.level(f) == level]) for level in levels),
         )
 
-    def _flattened(self, product: Expression) -> Iterator[Expression]:
+    def _factors(self, product: Expression) -> Iterator[Expression]:
         """Factors of a product, also of products that stand for symbols in it.
 
         Only what changes within a run is looked into: its constant factors then join
@@ -320,8 +338,8 @@ class _Translator:
         """
         for factor in product.as_ordered_factors():
             meaning = self._definitions.get(factor)
-            if meaning is not None and meaning.is_Mul and self.level(factor) == DRIVE:
-                yield from self._flattened(meaning)
+            if meaning is not None and meaning.is_Mul and self.level(factor) == Level.DRIVE:
+                yield from self._factors(meaning)
             else:
                 yield factor
 
@@ -329,11 +347,11 @@ class _Translator:
         """A product of one level; reciprocals of state variables are shared by all terms."""
         below = [1 / f for f in factors if _is_reciprocal(f)]
         above = [self.written(f) for f in factors if not _is_reciprocal(f)]
-        one = self.instructions.constant(1.0)
-        top = reduce(self.instructions.mul, above, one)
-        if below and self.level(factors[0]) == STATE:
+        unity = self.instructions.constant(1.0)
+        top = reduce(self.instructions.mul, above, unity)
+        if below and self.level(factors[0]) == Level.STATE:
             return reduce(self.instructions.mul, map(self._reciprocal, below), top)
-        bottom = reduce(self.instructions.mul, map(self.written, below), one)
+        bottom = reduce(self.instructions.mul, map(self.written, below), unity)
         return self.instructions.div(top, bottom)
 
     def _reciprocal(self, expression: Expression) -> Signed:

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import sympy as sp
 
-Expression = Any  # SymPy is not typed
-Symbol = Any
+from remanent.derivation.symbols import Expression, Symbol
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,7 @@
-"""A Field evaluated with NumPy, one trajectory a row: slow and obviously right."""
+"""A Field evaluated with NumPy, one trajectory a row: slow and obviously right.
+
+Only tests use it, as the reference for compiled kernels.
+"""
 
 from __future__ import annotations
 
@@ -41,7 +44,14 @@ def watched(
 def observables(
     field: Field, phase: ArrayLike, y: FloatArray, p: FloatArray, u: ArrayLike
 ) -> dict[str, FloatArray]:
-    """Every observable by name, arrays (trajectory,).  Arguments as for :func:`rates`."""
+    """Every observable by name, arrays (trajectory,).
+
+    Parameters
+    ----------
+    field, phase, y, p, u
+        The vector field, and phase, states, parameters and waveforms, as :func:`rates` takes
+        them.
+    """
     return {
         name: _evaluate(field, program, phase, y, p, u)[:, 0]
         for name, program in field.observables.items()

@@ -10,157 +10,56 @@ Psi is a sum of products f(theta) e(state), whose entropy is -f' e and whose int
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
+from remanent.derivation.motion import Energies, HeatBalance, Motion, Term
+from remanent.derivation.symbols import (
+    BODY_TEMPERATURE,
+    TEMPERATURE_RATIO,
+    THICKNESS,
+    THICKNESS_RATE,
+    Expression,
+    Symbol,
+    time_derivative,
+)
 from remanent.models import heat
 
-if TYPE_CHECKING:
-    from remanent.derivation.lagrange import Motion
 
-Expression = Any  # SymPy is not typed
-Symbol = Any
-#: A factor that depends on theta alone, and the energy that it multiplies.
-Term = tuple[Expression, Expression]
-
-
-@dataclass(frozen=True)
-class Warming:
-    """The heat balance of a body, in symbols.
-
-    Attributes
-    ----------
-    temperature
-        Symbol of T, a state.
-    reference
-        Symbol of T0.
-    free, free_in_field
-        Terms of the free energy without the part that the field makes, and that part, which
-        is proportional to the load.
-    surroundings
-        Temperature of the surroundings over T0.
-    conductance
-        h, exchanged power per unit of theta.
-    load_rate
-        Rate of the load; None where it is not known in closed form.
-    """
-
-    temperature: Symbol
-    reference: Symbol
-    free: tuple[Term, ...]
-    free_in_field: Term
-    surroundings: Expression
-    conductance: Expression
-    load_rate: Expression | None
-
-    def entropy(self, motion: Motion) -> Expression:
-        """s = -dPsi/dtheta."""
-        return self._entropy(motion.theta)
-
-    def outflow(self, motion: Motion) -> Expression:
-        """Power given to the surroundings, h (theta - theta_env)."""
-        return self.conductance * (motion.theta - self.surroundings)
-
-    def rate(
-        self, rates: Mapping[Symbol, Expression], damped: Expression, motion: Motion
-    ) -> dict[Symbol, Expression]:
-        """T' from theta s' = D - h (theta - theta_env).
-
-        Of D, `damped` comes from dashpots in parallel, and -f de/dxi xi' from each term
-        with internal variables; theta s' holds -theta f' de/dxi xi' of the same.  Their
-        difference is taken here: where f is theta, as of entropic springs, nothing is left.
-        """
-        theta = motion.theta
-        moving = self._moving(rates, motion)
-        inner = {k: moving.pop(k) for k in motion.internal}
-        elsewhere = along(self._entropy(theta, motion.natural), moving)
-        capacity = sum(-theta * sp.diff(factor, theta, 2) * e for factor, e in self._terms())
-        relaxed = -sum(
-            factor * along(motion.natural(e), inner)
-            for factor, e in _internal_terms(self._terms(), theta)
-        )
-        power = damped + relaxed - self.outflow(motion) - theta * elsewhere
-        return {self.temperature: self.reference * power / capacity}
-
-    def observed(
-        self, rates: Mapping[Symbol, Expression], lost: Expression, motion: Motion
-    ) -> dict[str, Expression]:
-        """Internal energy without that in the field, and what changes it and the entropy.
-
-        Equations: stored' = drive power - heat flow; with e = Psi + theta s the energy in
-        the field is e_m = Psi_m + theta s_m, and the drive's power dPsi_m/dm m' - e_m', in which
-        dPsi_m/dm m' cancels.
-        entropy' = entropy production - entropy flow, the flow being what the surroundings
-        gain, and the production D/theta + h (theta - theta_env)^2/(theta theta_env).
-        """
-        theta, around = motion.theta, self.surroundings
-        in_field = _internal([self.free_in_field], theta)
-        factor, energy = self.free_in_field
-        moving = self._moving(rates, motion)
-        moving[theta] = rates[self.temperature] / self.reference
-        load_rate = moving.pop(motion.load, sp.Integer(0))
-        outflow = self.outflow(motion)
-        dead = motion.terms[2][1]
-        return {
-            "stored_energy": motion.kinetic + dead + _internal(self.free, theta),
-            "drive_power": theta * sp.diff(factor, theta) * sp.diff(energy, motion.load) * load_rate
-            - along(in_field, moving),
-            "dissipated_power": lost,
-            "heat_flow": outflow,
-            "entropy": self.entropy(motion),
-            "entropy_flow": outflow / around,
-            "entropy_production": lost / theta
-            + self.conductance * (theta - around) ** 2 / (theta * around),
-        }
-
-    def _terms(self) -> tuple[Term, ...]:
-        return (*self.free, self.free_in_field)
-
-    def _entropy(
-        self, theta: Symbol, written: Callable[[Expression], Expression] = sp.sympify
-    ) -> Expression:
-        return sum(-sp.diff(factor, theta) * written(e) for factor, e in self._terms())
-
-    def _moving(
-        self, rates: Mapping[Symbol, Expression], motion: Motion
-    ) -> dict[Symbol, Expression]:
-        """Rates of everything but the temperature."""
-        moving = {k: v for k, v in rates.items() if k != self.temperature}
-        moving[motion.thickness] = motion.thickness_rate
-        if self.load_rate is not None:
-            moving[motion.load] = self.load_rate
-        return moving
-
-
-def warming(
+def heat_balance(
+    energies: Energies,
+    of_theta: Mapping[Symbol, Expression],
     *,
-    temperature: Symbol,
     p: Mapping[str, Symbol],
-    theta: Symbol,
-    mechanical: Sequence[Term],
     in_field: Term,
     load_rate: Expression | None,
-) -> Warming:
-    """The heat balance of a body whose free energy has these parts.
+) -> HeatBalance:
+    """The heat balance of a body with these energies.
+
+    Dead loads hold no entropy, so that their energy is no part of the free energy here.
 
     Parameters
     ----------
-    temperature
-        Symbol of T.
+    energies
+        The parts of the potential energy.
+    of_theta
+        What symbols in their factors stand for, in terms of theta.
     p
         Numeric fields of the actuator, with ``heat.coupling`` k = mu/(rho c_p T0) and
         ``heat.exchange``, the rate at which the temperature would decay, so that h is
         the latter over the former.
-    theta
-        Symbol of T/T0, on which the factors of `mechanical` and `in_field` depend.
+    in_field
+        The energy in the applied field, its factor in terms of theta.
+    load_rate
+        Rate of the load; None where it is not known in closed form.
     """
     coupling, exchange = p["heat.coupling"], p["heat.exchange"]
-    return Warming(
-        temperature=temperature,
+    mechanical = (energies.strain, energies.self_field, *energies.viscous)
+    caloric = Term(heat.caloric_energy(TEMPERATURE_RATIO, coupling, sp), sp.Integer(1))
+    return HeatBalance(
+        temperature=BODY_TEMPERATURE,
         reference=p["reference_temperature"],
-        free=(*mechanical, (heat.caloric_energy(theta, coupling, sp), sp.Integer(1))),
+        free=(*(Term(t.factor.subs(of_theta), t.energy) for t in mechanical), caloric),
         free_in_field=in_field,
         surroundings=p["temperature"] / p["reference_temperature"],
         conductance=exchange / coupling,
@@ -168,36 +67,143 @@ def warming(
     )
 
 
-def _internal(terms: Sequence[Term], theta: Symbol) -> Expression:
-    """e = Psi - theta dPsi/dtheta, with the logarithms cancelled."""
-    return sum(factor * energy for factor, energy in _internal_terms(terms, theta))
+# Dissipation and heat -----------------------------------------------------------------
 
 
-def _internal_terms(terms: Sequence[Term], theta: Symbol) -> list[Term]:
-    return [(sp.expand(f - theta * sp.diff(f, theta)), energy) for f, energy in terms]
+def dissipated_power(motion: Motion) -> Expression:
+    """The power that becomes heat: sum of q' dD/dq' - dU_v/dxi xi'."""
+    stored = motion.in_principal_stretches(motion.viscous_energy)
+    return dashpot_power(motion) - time_derivative(stored, motion.internal)
 
 
-def balances(
-    motion: Motion, rates: Mapping[Symbol, Expression], lost: Expression
-) -> dict[str, Expression]:
+def dashpot_power(motion: Motion) -> Expression:
+    """The part of it from dashpots that lie in parallel: sum of q' dD/dq'."""
+    return sum((v * sp.diff(motion.rayleigh, v) for v in motion.rates), start=sp.Integer(0))
+
+
+def temperature_rate(
+    motion: Motion, balance: HeatBalance, rates: Mapping[Symbol, Expression]
+) -> dict[Symbol, Expression]:
+    """T' from theta s' = D - h (theta - theta_env).
+
+    D is the power of dashpots in parallel, and -f de/dxi xi' of each term with internal
+    variables; theta s' holds -theta f' de/dxi xi' of the same.  Their difference is taken
+    here: where f is theta, as of entropic springs, nothing remains.
+
+    Parameters
+    ----------
+    balance
+        The heat balance of `motion`.
+    rates
+        Rates of coordinates, their rates, and internal variables.
+    """
+    theta = motion.theta
+    outer_rates = _rates_but_temperature(rates, motion, balance)
+    internal_rates = {xi: outer_rates.pop(xi) for xi in motion.internal}
+    entropy = _entropy(balance, theta, motion.in_principal_stretches)
+    capacity = sum(-theta * sp.diff(t.factor, theta, 2) * t.energy for t in balance.terms)
+    relaxation_power = -sum(
+        t.factor * time_derivative(motion.in_principal_stretches(t.energy), internal_rates)
+        for t in _internal_energy_terms(balance.terms, theta)
+    )
+    power = (
+        dashpot_power(motion)
+        + relaxation_power
+        - _heat_flow(motion, balance)
+        - theta * time_derivative(entropy, outer_rates)
+    )
+    return {balance.temperature: balance.reference * power / capacity}
+
+
+def _rates_but_temperature(
+    rates: Mapping[Symbol, Expression], motion: Motion, balance: HeatBalance
+) -> dict[Symbol, Expression]:
+    """Rates of everything on which the free energy depends beside the temperature."""
+    remaining = {k: v for k, v in rates.items() if k != balance.temperature}
+    remaining[THICKNESS] = THICKNESS_RATE
+    if balance.load_rate is not None:
+        remaining[motion.load] = balance.load_rate
+    return remaining
+
+
+def _entropy(
+    balance: HeatBalance,
+    theta: Symbol,
+    rewrite: Callable[[Expression], Expression] = sp.sympify,
+) -> Expression:
+    """s = -dPsi/dtheta, the energies rewritten by a function."""
+    return sum(-sp.diff(t.factor, theta) * rewrite(t.energy) for t in balance.terms)
+
+
+def _heat_flow(motion: Motion, balance: HeatBalance) -> Expression:
+    """Power given to the surroundings, h (theta - theta_env)."""
+    return balance.conductance * (motion.theta - balance.surroundings)
+
+
+# Balances -----------------------------------------------------------------------------
+
+
+def balances(motion: Motion, rates: Mapping[Symbol, Expression]) -> dict[str, Expression]:
     """The energy without that in the field, and the powers that change it.
 
     Equations, where temperature is held: stored = T + U - U_m; stored' = drive power -
     dissipated power, where the drive's power is -dU_m/dq q' and the dissipated one q'
-    dD/dq' - dU_v/dxi xi'.  Else see :meth:`Warming.observed`.
+    dD/dq' - dU_v/dxi xi'.  Where it is a state, see :func:`_thermal_balances`.
+
+    Parameters
+    ----------
+    rates
+        Rate of each state variable.
     """
     if motion.heat is not None:
-        return motion.heat.observed(rates, lost, motion)
+        return _thermal_balances(motion, motion.heat, rates)
+    in_field = motion.energies.field.energy
     return {
-        "stored_energy": motion.kinetic + motion.potential - motion.magnetic,
-        "drive_power": -along(motion.magnetic, {motion.thickness: motion.thickness_rate}),
-        "dissipated_power": lost,
+        "stored_energy": motion.kinetic + motion.potential - in_field,
+        "drive_power": -time_derivative(in_field, {THICKNESS: THICKNESS_RATE}),
+        "dissipated_power": dissipated_power(motion),
     }
 
 
-def along(expression: Expression, rates: Mapping[Symbol, Expression]) -> Expression:
-    """Time derivative of a function of the state along the motion."""
-    return sum(
-        (sp.diff(expression, symbol) * rate for symbol, rate in rates.items()),
-        start=sp.Integer(0),
-    )
+def _thermal_balances(
+    motion: Motion, balance: HeatBalance, rates: Mapping[Symbol, Expression]
+) -> dict[str, Expression]:
+    """Internal energy without that in the field, and what changes it and the entropy.
+
+    Equations: stored' = drive power - heat flow; with e = Psi + theta s the energy in
+    the field is e_m = Psi_m + theta s_m, and the drive's power dPsi_m/dm m' - e_m', in which
+    dPsi_m/dm m' cancels.
+    entropy' = entropy production - entropy flow, the flow being what the surroundings
+    gain, and the production D/theta + h (theta - theta_env)^2/(theta theta_env).
+    """
+    theta, surroundings = motion.theta, balance.surroundings
+    dissipated, heat_flow = dissipated_power(motion), _heat_flow(motion, balance)
+    in_field, load = balance.free_in_field, motion.load
+    all_rates = _rates_but_temperature(rates, motion, balance)
+    all_rates[theta] = rates[balance.temperature] / balance.reference
+    # The load is held here, since its part cancels.
+    load_rate = all_rates.pop(load, sp.Integer(0))
+    dead_loads = motion.energies.dead_loads.energy
+    return {
+        "stored_energy": motion.kinetic + dead_loads + _internal_energy(balance.free, theta),
+        "drive_power": theta
+        * sp.diff(in_field.factor, theta)
+        * sp.diff(in_field.energy, load)
+        * load_rate
+        - time_derivative(_internal_energy([in_field], theta), all_rates),
+        "dissipated_power": dissipated,
+        "heat_flow": heat_flow,
+        "entropy": _entropy(balance, theta),
+        "entropy_flow": heat_flow / surroundings,
+        "entropy_production": dissipated / theta
+        + balance.conductance * (theta - surroundings) ** 2 / (theta * surroundings),
+    }
+
+
+def _internal_energy(terms: Sequence[Term], theta: Symbol) -> Expression:
+    """e = Psi - theta dPsi/dtheta, with the logarithms cancelled."""
+    return sum(term.product for term in _internal_energy_terms(terms, theta))
+
+
+def _internal_energy_terms(terms: Sequence[Term], theta: Symbol) -> list[Term]:
+    return [Term(sp.expand(t.factor - theta * sp.diff(t.factor, theta)), t.energy) for t in terms]

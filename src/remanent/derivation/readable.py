@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import sympy as sp
 
-from remanent.derivation import lagrange
-from remanent.derivation.unexpanded import Kept
+from remanent._errors import InputError
+from remanent.derivation import block
+from remanent.derivation.energy_balance import temperature_rate
+from remanent.derivation.lagrange import lagrange
+from remanent.derivation.motion import Motion
+from remanent.derivation.symbols import Expression, Symbol
+from remanent.derivation.unexpanded import Unexpanded
 from remanent.models.actuator import Actuator
-
-Expression = Any  # SymPy is not typed
+from remanent.models.system import System
 
 
 @dataclass(frozen=True)
@@ -22,7 +25,7 @@ class Equations:
     ----------
     second_order
         SymPy equations, one for each coordinate: M q'' + ... = 0, scaled so that for
-        one coordinate it is equation 16 of [Thermal].
+        one coordinate it is [Thermal, eq. 16].
     internal
         SymPy equations for the rates of internal variables, and of the temperature where
         that is a state.
@@ -41,46 +44,79 @@ class Equations:
         return f"$\\displaystyle {self.latex}$"
 
 
-def equations(actuator: Actuator) -> Equations:
-    """The equations of motion of an actuator under a load that is left as a symbol."""
-    motion = lagrange.motion(actuator, None)
+def equations(system: System) -> Equations:
+    """The equations of motion of an actuator under a load that is left as a symbol.
+
+    Parameters
+    ----------
+    system : Actuator
+        Its numbers play no part; its classes and choices do.
+
+    Returns
+    -------
+    Equations
+        SymPy equations, which a notebook shows typeset.
+
+    Raises
+    ------
+    InputError
+        For a system that is no actuator.
+
+    See Also
+    --------
+    remanent.simulate : Solve them.
+
+    Examples
+    --------
+    >>> equations(Actuator()).second_order[0].rhs
+    0
+    """
+    if not isinstance(system, Actuator):
+        raise InputError(
+            "system",
+            "be an actuator",
+            repr(system)[:80],
+            "Only its equations can be typeset.",
+            "Pass for example rm.Actuator().",
+        )
+    motion = block.motion(system, None)
     rows = second_order(motion)
-    inner = {**motion.internal, **_warming(motion)}
-    internal = tuple(sp.Eq(dotted(k), e, evaluate=False) for k, e in inner.items())
+    rates = {**motion.internal, **_temperature_rate(motion)}
+    internal = tuple(sp.Eq(dotted(k), e, evaluate=False) for k, e in rates.items())
     definitions = tuple(sp.Eq(k, e, evaluate=False) for k, e in motion.definitions.items())
     lines = [_latex(e, motion) for e in (*rows, *internal, *definitions)]
     return Equations(rows, internal, definitions, _gathered(lines))
 
 
-def _warming(motion: lagrange.Motion) -> dict[Expression, Expression]:
+def _temperature_rate(motion: Motion) -> dict[Expression, Expression]:
     """Rate of the temperature, where that is a state."""
     if motion.heat is None:
         return {}
     rates = dict(zip(motion.coordinates, motion.rates, strict=True)) | dict(motion.internal)
-    return motion.heat.rate(rates, lagrange.damped(motion), motion)
+    return temperature_rate(motion, motion.heat, rates)
 
 
-def second_order(motion: lagrange.Motion) -> tuple[Expression, ...]:
+def second_order(motion: Motion) -> tuple[Expression, ...]:
     """Lagrange's equations M q'' - f = 0, times 3/2 for equal stretches, 3 otherwise.
 
-    Equation 16 of [Thermal] is Lagrange's equation of the energies per 8 H L^2 mu,
-    where the stretch has mass 2/3, times 3/2.
+    [Thermal, eq. 16] is Lagrange's equation of the energies per 8 H L^2 mu, where the
+    stretch has mass 2/3, times 3/2.
     """
-    mass, force = lagrange.lagrange(motion)
+    mass, force = lagrange(motion)
     scale = sp.Rational(3, 2) if len(motion.coordinates) == 1 else sp.Integer(3)
     accelerations = sp.Matrix([dotted(rate) for rate in motion.rates])
-    left = mass * accelerations - force
-    return tuple(sp.Eq(_expanded(scale * row), 0, evaluate=False) for row in left)
+    residuals = mass * accelerations - force
+    return tuple(sp.Eq(_expanded(scale * row), 0, evaluate=False) for row in residuals)
 
 
 def _expanded(expression: Expression) -> Expression:
-    """`expression` as a sum, its kept parts as they are written."""
-    marks = {kept: sp.Dummy(real=True) for kept in expression.atoms(Kept)}
-    found = sp.expand(expression.xreplace(marks))
-    return found.xreplace({mark: kept for kept, mark in marks.items()})
+    """`expression` as a sum, its unexpanded parts as they are written."""
+    placeholders = {part: sp.Dummy(real=True) for part in expression.atoms(Unexpanded)}
+    expanded = sp.expand(expression.xreplace(placeholders))
+    return expanded.xreplace({dummy: part for part, dummy in placeholders.items()})
 
 
-#: Of the numbers and variables of branches.
+#: Letters of the numbers and internal variables of dissipative elements.
 _LETTERS = {
     "modulus": r"\mu_v",
     "relaxation_time": "t_r",
@@ -90,12 +126,12 @@ _LETTERS = {
 }
 
 
-def dotted(symbol: Expression) -> Expression:
+def dotted(symbol: Symbol) -> Symbol:
     """The symbol of a time derivative."""
     return sp.Symbol(f"{symbol.name}'", real=True)
 
 
-def _latex(equation: Expression, motion: lagrange.Motion) -> str:
+def _latex(equation: Expression, motion: Motion) -> str:
     names = {
         "c": "c",
         "temperature": "T",
@@ -122,7 +158,7 @@ def _latex(equation: Expression, motion: lagrange.Motion) -> str:
     return str(sp.latex(equation, symbol_names=_named(equation, names | _letters(motion))))
 
 
-def _letters(motion: lagrange.Motion) -> dict[str, str]:
+def _letters(motion: Motion) -> dict[str, str]:
     """Letters of stretches, their rates and the dead loads."""
     letters = {}
     for i, (stretch, rate) in enumerate(zip(motion.coordinates, motion.rates, strict=True), 1):

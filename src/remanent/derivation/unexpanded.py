@@ -1,4 +1,4 @@
-"""A mark in an expression: what is inside is computed as it is written."""
+"""A SymPy function that stops the expansion of its argument."""
 
 from __future__ import annotations
 
@@ -7,18 +7,18 @@ from typing import Any
 import sympy as sp
 
 
-class Kept(sp.Function):  # type: ignore[misc]
+class Unexpanded(sp.Function):  # type: ignore[misc]
     """An expression that is not expanded with what surrounds it.
 
-    Rates are brought to quotients of polynomials.  That is not wanted of long formulas with
-    roots and logarithms, nor of a user's, whose expansion may have no end.  The derivative
-    of a kept expression is the kept derivative.
+    Rates are brought to quotients of polynomials.  Long formulas with roots and logarithms
+    are left out of that, and so are a user's, whose expansion may have no end.  The
+    derivative of an unexpanded expression is the derivative, unexpanded.
 
     Examples
     --------
     >>> x = sp.Symbol("x", real=True)
-    >>> Kept(sp.sin(x)).diff(x)
-    Kept(cos(x))
+    >>> Unexpanded(sp.sin(x)).diff(x)
+    Unexpanded(cos(x))
     """
 
     nargs = 1
@@ -31,10 +31,10 @@ class Kept(sp.Function):  # type: ignore[misc]
         return inside if inside.is_Number or inside.is_Symbol else None
 
     def _eval_derivative(self, symbol: Any) -> Any:
-        return Kept(self.args[0].diff(symbol))
+        return Unexpanded(self.args[0].diff(symbol))
 
     def doit(self, **_hints: Any) -> Any:
-        """What is inside."""
+        """The argument itself."""
         return self.args[0]
 
     def _latex(self, printer: Any, **_options: Any) -> str:

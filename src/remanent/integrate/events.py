@@ -7,22 +7,24 @@ from dataclasses import dataclass
 from typing import Any, Self
 
 import numpy as np
-from scipy.optimize import elementwise
 
 from remanent._field import Field, Program
+from remanent._roots import find_root
 from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.integrate.ensemble import dense
 from remanent.integrate.ensemble.ensemble import Progress, integrate
-from remanent.integrate.ensemble.problem import Outcome, Problem, Request, Window
+from remanent.integrate.ensemble.problem import (
+    Outcome,
+    Problem,
+    Request,
+    Window,
+    latest_trusted_time,
+)
 from remanent.integrate.methods.runge_kutta import default_method
 from remanent.integrate.variations import derivatives
 
-#: Its annotations know nothing of `args`.
-_find_root: Any = elementwise.find_root
 #: A root is located to the last digits of the fraction of a step.
 _ROOT_TOLERANCES = {"xatol": 0.0, "xrtol": 4.0 * np.finfo(float).eps, "fatol": 0.0, "frtol": 0.0}
-#: A crossing beyond the horizon by this relative distance still lies on it.
-_HORIZON_SLACK = 1e-12
 
 
 @dataclass(frozen=True)
@@ -63,7 +65,7 @@ class Crossings:
 
     def sorted_up_to(self, ends: FloatArray) -> Crossings:
         """Those that come before the `ends` of their trajectories, sorted."""
-        kept = np.flatnonzero(self.time <= ends[self.trajectory] * (1.0 + _HORIZON_SLACK))
+        kept = np.flatnonzero(self.time <= latest_trusted_time(ends[self.trajectory]))
         order = kept[np.lexsort((self.time[kept], self.trajectory[kept]))]
         return Crossings(
             self.trajectory[order], self.time[order], self.states[order], self.direction[order]
@@ -232,7 +234,7 @@ class _Steps:
         """The passage in each of the steps, between two fractions of it."""
         # The root at the beginning of a step that starts on the value is none.
         start = np.nextafter(low, 1.0, where=low == 0.0, out=low.copy())
-        root = _find_root(
+        root = find_root(
             lambda s, k: self.at(s, k)[0],
             (start, high),
             args=(self.number,),
@@ -252,7 +254,7 @@ class _Steps:
         side : array (trajectory, step)
             Sign of the observable less the value at the beginning of each step.
         """
-        turn = _find_root(
+        turn = find_root(
             lambda s, k: self.at(s, k)[1],
             (np.zeros(self.count), np.ones(self.count)),
             args=(self.number,),

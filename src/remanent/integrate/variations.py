@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any
 
-from remanent._field import Field, Program
+from remanent._field import Field, Program, Role, StateVariable
 from remanent._instructions import Instructions, Signed
 
 #: Stands among `parameters` of :func:`tangent` for the logarithm of the length of a cycle.
@@ -41,7 +41,11 @@ def tangent(field: Field, *, directions: int, parameters: Sequence[str] = ()) ->
         State ``(*y, *w[0], *w[1], ...)``: first the directions, then the parameters.
     """
     columns = directions + len(parameters)
-    added = tuple(f"tangent.{k}.{name}" for k in range(columns) for name in field.state)
+    added = tuple(
+        StateVariable(f"tangent.{k}.{name}", Role.VARIATION, belongs_to=name)
+        for k in range(columns)
+        for name in field.state
+    )
     inputs = _inputs(field, added)
     into = Instructions(inputs)
     values = [_Dual(into, into.input(name), (None,) * columns) for name in field.inputs]
@@ -84,9 +88,12 @@ def transverse_field(field: Field, pairs: Mapping[str, str]) -> Field:
     Field
         State: the variables but the second ones, then ``"transverse.NAME"`` for each pair.
     """
-    kept = tuple(name for name in field.state if name not in pairs.values())
-    added = tuple(f"transverse.{name}" for name in pairs)
-    state = (*kept, *added)
+    kept = tuple(v for v in field.variables if v.name not in pairs.values())
+    added = tuple(
+        StateVariable(f"transverse.{name}", Role.VARIATION, belongs_to=name) for name in pairs
+    )
+    variables = (*kept, *added)
+    state = tuple(variable.name for variable in variables)
     inputs = ("drive_phase", *state, *field.parameters, *field.waveforms)
     into = Instructions(inputs)
     first_of = {second: name for name, second in pairs.items()}
@@ -99,14 +106,16 @@ def transverse_field(field: Field, pairs: Mapping[str, str]) -> Field:
         values.append(_Dual(into, into.input(representative), (slope,)))
     rates = dict(zip(field.state, _run(field.rates, values, into, 1), strict=True))
     zero = into.constant(0.0)
-    outputs = [rates[name].value for name in kept]
+    outputs = [rates[variable.name].value for variable in kept]
     outputs += [rates[name].slopes[0] or zero for name in pairs]
     names = {name: first_of.get(name, name) for name in field.inputs}
     return Field(
-        state=state,
+        variables=variables,
+        loads=field.loads,
         parameters=field.parameters,
         waveforms=field.waveforms,
         rates=into.program(outputs),
+        observable=field.observable,
         watched=_with_inputs(field.watched, inputs, names),
         observables={k: _with_inputs(p, inputs, names) for k, p in field.observables.items()},
     )
@@ -127,7 +136,7 @@ def with_integrals(field: Field, names: Sequence[str]) -> Field:
     Field
         State ``(*y, "integral.NAME", ...)``.
     """
-    added = tuple(f"integral.{name}" for name in names)
+    added = tuple(StateVariable(f"integral.{name}", Role.INTEGRAL) for name in names)
     into = Instructions(_inputs(field, added))
     values = [_Dual(into, into.input(name), ()) for name in field.inputs]
     programs = (field.rates, *(field.observables[name] for name in names))
@@ -164,8 +173,9 @@ def derivatives(field: Field, name: str, variables: Sequence[str]) -> Program:
     return into.program([value.value, *(s or into.constant(0.0) for s in value.slopes)])
 
 
-def _inputs(field: Field, added: tuple[str, ...]) -> tuple[str, ...]:
-    return ("drive_phase", *field.state, *added, *field.parameters, *field.waveforms)
+def _inputs(field: Field, added: Sequence[StateVariable]) -> tuple[str, ...]:
+    names = (variable.name for variable in added)
+    return ("drive_phase", *field.state, *names, *field.parameters, *field.waveforms)
 
 
 def _run(
@@ -178,13 +188,15 @@ def _run(
     )
 
 
-def _widened(field: Field, added: tuple[str, ...], rates: Program) -> Field:
-    state, inputs = (*field.state, *added), _inputs(field, added)
+def _widened(field: Field, added: tuple[StateVariable, ...], rates: Program) -> Field:
+    inputs = _inputs(field, added)
     return Field(
-        state=state,
+        variables=(*field.variables, *added),
+        loads=field.loads,
         parameters=field.parameters,
         waveforms=field.waveforms,
         rates=rates,
+        observable=field.observable,
         watched=_with_inputs(field.watched, inputs),
         observables={name: _with_inputs(p, inputs) for name, p in field.observables.items()},
     )

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from dataclasses import replace as replace_fields
 from functools import reduce
@@ -14,28 +13,27 @@ import numpy as np
 
 from remanent import _checks, _units
 from remanent._checks import Rule
-from remanent._errors import InputError, InputWarning
+from remanent._errors import InputError
 from remanent._typing import ArrayLike, BoolArray, FloatArray
 from remanent._units import Quantity
-from remanent.models.dissipation import Dissipation, own
+from remanent.models.dissipation import Dissipation
 from remanent.models.heat import Heat
 from remanent.models.magnet import Magnet
 from remanent.models.materials.base import Material
 from remanent.models.materials.named import NeoHookean
-from remanent.models.parts import Part, Structure
+from remanent.models.pairs import is_pair, numbered
+from remanent.models.parts import Part, Structure, parameters_of
+from remanent.models.plausibility import warn_if_implausible
 from remanent.models.scaling import Scales
 from remanent.models.temperature_shift import Shift
 
-#: Below this temperature, in kelvin, a value is probably meant in degrees Celsius.
-COLD: Final = 100.0
-
-#: The rating of plain NdFeB magnets, in kelvin.
-WARM: Final = 353.15
+#: Fields that hold one part of the model each.
+_SINGLE_PARTS: Final = ("material", "heat", "magnet")
 
 #: Fields that are parts of the model.
-PARTS: Final = ("material", "dissipation", "heat", "magnet")
-_SINGLE: Final = ("material", "heat", "magnet")
+_PARTS: Final = (*_SINGLE_PARTS, "dissipation")
 
+#: The rule of both temperatures.
 _TEMPERATURE: Final = _checks.positive(
     "It is an absolute temperature in kelvin.", "For t degrees Celsius pass t + 273.15."
 )
@@ -108,7 +106,7 @@ class Actuator:
     paired: ClassVar[tuple[str, ...]] = ("prestress", "edges")
 
     def __post_init__(self) -> None:
-        for name, values in self._own().items():
+        for name, values in self._numbers().items():
             numbers = [
                 _checks.require_real(full, value, self.rules[name])
                 for full, value in values.items()
@@ -125,7 +123,12 @@ class Actuator:
     @property
     def coordinates(self) -> int:
         """1 where both in-plane stretches are equal, else 2."""
-        return 2 if self.edges is not None or _is_pair(self.prestress) else 1
+        return 2 if self.edges is not None or is_pair(self.prestress) else 1
+
+    @property
+    def loads(self) -> tuple[str, ...]:
+        """Names of the loads that a drive has to give: the magnetic load."""
+        return ("load",)
 
     @property
     def conservative(self) -> bool:
@@ -134,25 +137,37 @@ class Actuator:
 
     def dissipative(self, values: Mapping[str, ArrayLike] | None = None) -> BoolArray:
         """Whether motion loses energy, for a batch of values of numeric fields or its own."""
-        whole: dict[str, Any] = {**self.parameters(), **(values or {})}
-        names = [f"dissipation.{i}.{e.strength}" for i, e in enumerate(self.elements())]
+        p: dict[str, Any] = {**self.parameters(), **(values or {})}
+        strengths = [f"dissipation.{i}.{e.strength}" for i, e in enumerate(self.elements())]
         if self.heat is not None:
-            names.append("heat.exchange")
-        found = np.zeros((), dtype=np.bool_)
-        for name in names:
-            found = found | (np.asarray(whole[name]) > 0.0)
-        return np.asarray(found)
+            strengths.append("heat.exchange")
+        loses = np.zeros((), dtype=np.bool_)
+        for name in strengths:
+            loses = loses | (np.asarray(p[name]) > 0.0)
+        return np.asarray(loses)
 
-    def _own(self) -> dict[str, dict[str, Any]]:
-        """Values of the actuator's own fields, under the name of each number."""
-        own = {name: getattr(self, name) for name in self.rules}
+    def needs_load_rate(
+        self, values: Mapping[str, ArrayLike], varied: Collection[str] = ()
+    ) -> bool:
+        """Whether the rate of the load enters the equations: it warms or cools the magnet.
+
+        That is so where the temperature is a state and the remanence depends on it.
+        """
+        name = "magnet.temperature_coefficient"
+        coefficient = values.get(name, self.magnet.temperature_coefficient)
+        depends = name in varied or bool(np.any(np.asarray(coefficient) != 0.0))
+        return self.heat is not None and depends
+
+    def _numbers(self) -> dict[str, dict[str, Any]]:
+        """For each field that is no part of the model, its numbers under their names."""
+        values = {name: getattr(self, name) for name in self.rules}
         if self.edges is None:
-            del own["edges"]
+            del values["edges"]
         if self.coordinates == 1:
-            return {name: {name: value} for name, value in own.items()}
+            return {name: {name: value} for name, value in values.items()}
         return {
-            name: _numbered(name, value) if name in self.paired else {name: value}
-            for name, value in own.items()
+            name: numbered(name, value) if name in self.paired else {name: value}
+            for name, value in values.items()
         }
 
     def elements(self) -> tuple[Dissipation, ...]:
@@ -167,18 +182,20 @@ class Actuator:
 
     def parameters(self) -> dict[str, float]:
         """Value of every numeric field under its dotted name."""
-        own = {k: float(value) for values in self._own().values() for k, value in values.items()}
+        single = {k: float(x) for values in self._numbers().values() for k, x in values.items()}
         nested = {
             f"{prefix}.{name}": value
             for prefix, part in self.parts().items()
             for name, value in part.parameters().items()
         }
-        return own | nested
+        return single | nested
 
     def structure(self) -> Structure:
         """What identifies the equations of motion: classes and choices, no numbers."""
+        kind = type(self)
         shape = ("coordinates", self.coordinates, "edges", self.edges is not None)
-        return (shape, *((name, part.structure()) for name, part in self.parts().items()))
+        name = f"{kind.__module__}:{kind.__qualname__}"
+        return (name, shape, *((name, part.structure()) for name, part in self.parts().items()))
 
     def parameter_rules(self) -> dict[str, Rule]:
         """Rule of every numeric field under its dotted name."""
@@ -187,10 +204,11 @@ class Actuator:
             for prefix, part in self.parts().items()
             for name, rule in part.numeric_rules().items()
         }
-        return {**self._own_rules(), **nested}
+        return {**self._field_rules(), **nested}
 
-    def _own_rules(self) -> dict[str, Rule]:
-        return {k: self.rules[name] for name, values in self._own().items() for k in values}
+    def _field_rules(self) -> dict[str, Rule]:
+        """Rules of the numbers that are no part of the model."""
+        return {k: self.rules[name] for name, values in self._numbers().items() for k in values}
 
     def invalid(self, values: Mapping[str, ArrayLike]) -> BoolArray:
         """Where a batch of values of numeric fields breaks a rule.
@@ -201,14 +219,17 @@ class Actuator:
             Arrays by dotted name that broadcast against each other; other names are
             ignored.
         """
-        wrong = _checks.broken(self._own_rules(), values)
+        broken = _checks.broken(self._field_rules(), values)
         for prefix, part in self.parts().items():
-            wrong = wrong | part.invalid(own(values, prefix))
-        whole = {**self.parameters(), **values}
+            broken = broken | part.invalid(parameters_of(prefix, values))
+        p = {**self.parameters(), **values}
+        temperature, reference = (
+            np.asarray(p[name]) for name in ("temperature", "reference_temperature")
+        )
         for prefix, shift in self._shifts().items():
-            kelvin = [np.asarray(whole[f"{kind}temperature"]) for kind in ("", "reference_")]
-            wrong = wrong | ~np.asarray(shift.holds(kelvin[0], kelvin[1], own(whole, prefix)))
-        return np.asarray(wrong)
+            holds = shift.holds(temperature, reference, parameters_of(prefix, p))
+            broken = broken | ~np.asarray(holds)
+        return np.asarray(broken)
 
     def _shifts(self) -> dict[str, Shift]:
         """Every dependence of a viscosity on temperature by its dotted name."""
@@ -219,43 +240,33 @@ class Actuator:
             if isinstance(inner, Shift)
         }
 
-    def reachable(self, values: Mapping[str, ArrayLike], l1: ArrayLike, l2: ArrayLike) -> BoolArray:
+    def admissible(self, values: Mapping[str, ArrayLike], *coordinates: ArrayLike) -> BoolArray:
         """Where stretches lie within the limits of the material.
 
         Parameters
         ----------
-        values
-            Arrays by dotted name; fields that are missing have the actuator's own value.
-        l1, l2
-            Positive in-plane stretches, arrays that broadcast with those.
+        values : mapping of name to array
+            Numeric fields; those that are missing have the actuator's own value.
+        *coordinates : array
+            Positive in-plane stretches, one that stands for both or two, which broadcast
+            with the values.
         """
-        first, second = np.asarray(l1, dtype=np.float64), np.asarray(l2, dtype=np.float64)
-        given = {k: np.asarray(v) for k, v in own(values, "material").items()}
+        l1, l2 = (np.asarray(coordinates[k], dtype=np.float64) for k in (0, -1))
+        given = {k: np.asarray(v) for k, v in parameters_of("material", values).items()}
         p = self.material.parameters() | given
         with np.errstate(all="ignore"):
-            room = self.material.room(first, second, 1.0 / (first * second), p, np)
-            inside = [np.asarray(part > 0.0) for part in room]
-        everywhere = np.ones(np.broadcast_shapes(first.shape, second.shape), dtype=np.bool_)
-        return np.asarray(reduce(np.logical_and, inside, everywhere))
+            conditions = self.material.admissibility(l1, l2, 1.0 / (l1 * l2), p, np)
+            met = [np.asarray(condition > 0.0) for condition in conditions]
+        everywhere = np.ones(np.broadcast_shapes(l1.shape, l2.shape), dtype=np.bool_)
+        return np.asarray(reduce(np.logical_and, met, everywhere))
+
+    def describe_limits(self) -> str:
+        """What limits the stretches, as a noun in a message."""
+        return f"the limiting chain extension of {self.material!r}"
 
     def warn_if_implausible(self, values: Mapping[str, ArrayLike], *, stacklevel: int = 2) -> None:
         """Warn of allowed values, single or in a batch, that look like a mistake."""
-        for name in ("temperature", "reference_temperature"):
-            if np.any(np.asarray(values.get(name, COLD)) < COLD):
-                warnings.warn(
-                    f"`{name}` is below {COLD:g} K somewhere. Temperatures are in kelvin; "
-                    "for t degrees Celsius pass t + 273.15.",
-                    InputWarning,
-                    stacklevel=stacklevel,
-                )
-        rated = np.asarray(values.get("magnet.temperature_coefficient", 0.0)) == 0.0
-        if np.any(~rated & (np.asarray(values.get("temperature", 0.0)) > WARM)):
-            warnings.warn(
-                f"`temperature` is above {WARM:g} K (80 degrees Celsius) somewhere, the rating "
-                "of plain NdFeB magnets: a constant temperature coefficient is a guess there.",
-                InputWarning,
-                stacklevel=stacklevel,
-            )
+        warn_if_implausible(values, stacklevel=stacklevel)
 
     def replace(self, **changes: Any) -> Self:
         """A copy with some fields changed; unknown fields raise `InputError`."""
@@ -265,10 +276,10 @@ class Actuator:
     def with_parameter(self, name: str, value: float) -> Self:
         """A copy with one numeric field, given by its dotted name, changed."""
         _checks.require_known([name], self.parameters(), "the actuator and its parts")
-        for whole, values in self._own().items():
+        for field_name, values in self._numbers().items():
             if name in values:
                 numbers = tuple({**values, name: value}.values())
-                return self.replace(**{whole: numbers[0] if whole == name else numbers})
+                return self.replace(**{field_name: numbers[0] if field_name == name else numbers})
         parts = {
             prefix: part.replace(**{name.removeprefix(f"{prefix}."): value})
             if name.startswith(f"{prefix}.")
@@ -276,8 +287,8 @@ class Actuator:
             for prefix, part in self.parts().items()
         }
         elements = tuple(part for part in parts.values() if isinstance(part, Dissipation))
-        others = {name: part for name, part in parts.items() if name in _SINGLE}
-        return self.replace(dissipation=elements, **others)
+        single = {name: part for name, part in parts.items() if name in _SINGLE_PARTS}
+        return self.replace(dissipation=elements, **single)
 
     @classmethod
     def from_si(
@@ -328,7 +339,7 @@ class Actuator:
         >>> round(film.c, 12), round(film.load("140 mT"), 4)
         (0.01, 0.1593)
         """
-        _checks.require_known(parts, PARTS, "Actuator.from_si")
+        _checks.require_known(parts, _PARTS, "Actuator.from_si")
         scales = Scales.of(
             shear_modulus=shear_modulus,
             density=density,
@@ -349,49 +360,47 @@ class Actuator:
             reference_temperature=_units.single(
                 "reference_temperature", reference_temperature, "K"
             ),
-            prestress=_nominal(force, scales, thickness, edges),
+            prestress=scales.nominal_stress(force, thickness, edges),
             edges=edges,
             scales=scales,
             **parts,
         )
 
+    # From SI, by the scales that `from_si` remembered ------------------------------------
+
     def stress(self, stress: Quantity) -> float | FloatArray:
         """Stress or modulus over mu, ``"50 kPa"``."""
-        return _units.magnitude("stress", stress, "Pa") / self._known_scales().shear_modulus
+        return self._require_scales().dimensionless_stress(stress)
 
     def viscosity(self, viscosity: Quantity) -> float | FloatArray:
         """Dimensionless eta of a viscosity, ``"20 Pa s"``."""
-        scales = self._known_scales()
-        unit = scales.shear_modulus * scales.time
-        return _units.magnitude("viscosity", viscosity, "Pa s") / unit
+        return self._require_scales().dimensionless_viscosity(viscosity)
 
     def coupling(self, heat_capacity: Quantity) -> float | FloatArray:
         """The coupling number mu/(rho c_p T0) of a heat capacity, ``"1.9 kJ/(kg K)"``."""
-        scales = self._known_scales()
-        capacity = _units.magnitude("heat_capacity", heat_capacity, "J/(kg K)")
-        return scales.shear_modulus / (scales.density * self.reference_temperature * capacity)
+        scales = self._require_scales()
+        return scales.thermal_coupling(heat_capacity, self.reference_temperature)
 
     def load(self, flux_density: Quantity) -> float | FloatArray:
         """Magnetic load m = B_r B/(mu mu0) of a flux density, ``"140 mT"``."""
-        scales = self._known_scales()
-        return _units.magnitude("flux_density", flux_density, "T") / scales.flux_density
+        return self._require_scales().dimensionless_load(flux_density)
 
     def frequency(self, frequency: Quantity) -> float | FloatArray:
         """Dimensionless omega of a frequency, ``"50 Hz"`` or ``"314 rad/s"``."""
-        return _units.angular_frequency("frequency", frequency) * self._known_scales().time
+        return self._require_scales().dimensionless_frequency(frequency)
 
     def time(self, time: Quantity) -> float | FloatArray:
         """Dimensionless tau of a time, ``"1 s"``."""
-        return _units.magnitude("time", time, "s") / self._known_scales().time
+        return self._require_scales().dimensionless_time(time)
 
-    def _known_scales(self) -> Scales:
+    def _require_scales(self) -> Scales:
         if self.scales is None:
             raise InputError(
                 "actuator",
-                "be made by Actuator.from_si to convert units",
-                "a dimensionless actuator",
-                "Dimensionless numbers alone do not fix a length or a stress.",
-                "Build it with Actuator.from_si.",
+                must="be made by Actuator.from_si to convert units",
+                got="a dimensionless actuator",
+                why="Dimensionless numbers alone do not fix a length or a stress.",
+                fix="Build it with Actuator.from_si.",
             )
         return self.scales
 
@@ -401,48 +410,11 @@ def _require_shifts(actuator: Actuator) -> None:
     if actuator.invalid({}):
         raise InputError(
             "temperature",
-            "be above T0 - c2 of every WLF shift",
-            actuator.temperature,
-            "The law has a pole there: the element is frozen.",
-            "Raise the temperature, pass a larger c2, or use Arrhenius.",
+            must="be above T0 - c2 of every WLF shift",
+            got=actuator.temperature,
+            why="The law has a pole there: the element is frozen.",
+            fix="Raise the temperature, pass a larger c2, or use Arrhenius.",
         )
-
-
-def _nominal(
-    force: Quantity | Sequence[Quantity],
-    scales: Scales,
-    thickness: float,
-    edges: tuple[float, float] | None,
-) -> float | tuple[float, float]:
-    """Nominal stress over mu of forces on the faces 2 L x 2 H, or of each on its own face."""
-    unit = 4.0 * scales.half_length * thickness * scales.shear_modulus
-    if edges is None and not _is_pair(force):
-        return _units.single("force", force, "N") / unit
-    one, two = _numbered("force", force).values()
-    across, along = edges or (1.0, 1.0)
-    return (
-        _units.single("force", one, "N") / (unit * along),
-        _units.single("force", two, "N") / (unit * across),
-    )
-
-
-def _is_pair(value: object) -> bool:
-    """Whether a field was given as several numbers; text is refused as a number."""
-    return isinstance(value, Sequence | np.ndarray) and not isinstance(value, str)
-
-
-def _numbered(name: str, value: Any) -> dict[str, Any]:
-    """The two numbers of a pair under their own names; a single one stands for both."""
-    pair = tuple(value) if _is_pair(value) and np.ndim(value) == 1 else (value, value)
-    if len(pair) != 2:
-        raise InputError(
-            name,
-            "be one number or a pair of them",
-            repr(value)[:80],
-            "There are two in-plane directions.",
-            f"Pass {name}=(1.0, 0.5).",
-        )
-    return {f"{name}_{i}": number for i, number in enumerate(pair, start=1)}
 
 
 def _elements(dissipation: object) -> tuple[Dissipation, ...]:

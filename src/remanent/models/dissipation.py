@@ -5,14 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 from remanent import _checks
 from remanent._checks import Rule
 from remanent.models.materials.base import first_invariant
-from remanent.models.parts import Part
+from remanent.models.parts import Part, parameters_of
 from remanent.models.temperature_shift import Shift
 
+#: The rule of a viscosity.
 _ETA = _checks.not_negative("A dashpot takes energy out of the motion.", "Pass 0 for no damping.")
 
 
@@ -26,7 +27,8 @@ class Dissipation(Part):
     All energies are per reference volume, divided by mu at T0; time is tau.
     """
 
-    #: Kinds of internal variables; each starts from 1.
+    #: Kinds of internal variables.  There is one of each kind for each in-plane direction; it
+    #: is 1 at rest in the undeformed state and relaxes to the stretch in its direction.
     internal: ClassVar[tuple[str, ...]] = ()
     #: The numeric field that is 0 where the element does nothing.
     strength: ClassVar[str] = "eta"
@@ -57,14 +59,31 @@ class Dissipation(Part):
         internal
             Internal variables, kind by kind, two directions each.
         p
-            As for :meth:`rayleigh`.
+            Values of the element's numeric fields, by name.
         """
         return 0
 
     def internal_rates(
         self, stretches: Sequence[Any], internal: Sequence[Any], theta: Any, p: Mapping[str, Any]
     ) -> Sequence[Any]:
-        """Rates of the internal variables, in the order of `internal`."""
+        """Rates of the internal variables.
+
+        Parameters
+        ----------
+        stretches
+            All three principal stretches, whose product is 1.
+        internal
+            Internal variables, kind by kind, two directions each.
+        theta
+            T/T0.
+        p
+            Values of the element's numeric fields, by name.
+
+        Returns
+        -------
+        sequence
+            One rate for each entry of `internal`, in that order.
+        """
         return ()
 
     def at(
@@ -74,14 +93,8 @@ class Dissipation(Part):
         shift: Shift | None = getattr(self, "shift", None)
         if shift is None:
             return p
-        factor = shift.factor(temperature, reference, own(p, "shift"), fn)
+        factor = shift.factor(temperature, reference, parameters_of("shift", p), fn)
         return {**p, self.shifted: p[self.shifted] * factor}
-
-
-def own(p: Mapping[str, Any], prefix: str) -> dict[str, Any]:
-    """Numeric fields of the part `prefix` under their own names."""
-    start = f"{prefix}."
-    return {name.removeprefix(start): s for name, s in p.items() if name.startswith(start)}
 
 
 @dataclass(frozen=True)
@@ -103,6 +116,11 @@ class Rayleigh(Dissipation):
 
     rules: ClassVar[Mapping[str, Rule]] = MappingProxyType({"eta": _ETA})
     nested: ClassVar[Mapping[str, type[Part]]] = MappingProxyType({"shift": Shift})
+
+    @classmethod
+    def example(cls) -> Self:
+        """An instance with usual numbers, on which contract tests try every public part."""
+        return cls(0.2)
 
     def rayleigh(self, stretches: Sequence[Any], rates: Sequence[Any], p: Mapping[str, Any]) -> Any:
         """D = eta (l1'^2 + l2'^2)/2."""
@@ -135,6 +153,11 @@ class KelvinVoigt(Dissipation):
 
     rules: ClassVar[Mapping[str, Rule]] = MappingProxyType({"eta": _ETA})
     nested: ClassVar[Mapping[str, type[Part]]] = MappingProxyType({"shift": Shift})
+
+    @classmethod
+    def example(cls) -> Self:
+        """An instance with usual numbers, on which contract tests try every public part."""
+        return cls(0.1)
 
     def rayleigh(self, stretches: Sequence[Any], rates: Sequence[Any], p: Mapping[str, Any]) -> Any:
         """D = eta (e1^2 + e2^2 + (e1 + e2)^2)."""
@@ -191,11 +214,16 @@ class Zener(Dissipation):
     strength: ClassVar[str] = "modulus"
     shifted: ClassVar[str] = "relaxation_time"
 
+    @classmethod
+    def example(cls) -> Self:
+        """An instance with usual numbers, on which contract tests try every public part."""
+        return cls(0.5, 0.7)
+
     def stored(
         self, stretches: Sequence[Any], internal: Sequence[Any], p: Mapping[str, Any]
     ) -> Any:
         """(mu_v/mu) (q1 + q2 + q3 - 3)/2, without cancellation near rest."""
-        return p["modulus"] * first_invariant(*_own_stretches(stretches, internal)) / 2
+        return p["modulus"] * first_invariant(*_spring_stretches(stretches, internal)) / 2
 
     def internal_rates(
         self, stretches: Sequence[Any], internal: Sequence[Any], theta: Any, p: Mapping[str, Any]
@@ -211,11 +239,11 @@ class Zener(Dissipation):
 
 def _squares(stretches: Sequence[Any], internal: Sequence[Any]) -> tuple[Any, Any, Any]:
     """Squares of the spring's own stretches."""
-    e1, e2, e3 = _own_stretches(stretches, internal)
+    e1, e2, e3 = _spring_stretches(stretches, internal)
     return e1**2, e2**2, e3**2
 
 
-def _own_stretches(stretches: Sequence[Any], internal: Sequence[Any]) -> tuple[Any, Any, Any]:
+def _spring_stretches(stretches: Sequence[Any], internal: Sequence[Any]) -> tuple[Any, Any, Any]:
     """The spring's own stretches, l_i/xi_i, whose product is 1."""
     (l1, l2, l3), (x1, x2) = stretches, internal
     return l1 / x1, l2 / x2, l3 * x1 * x2

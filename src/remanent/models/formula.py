@@ -25,11 +25,18 @@ from remanent._errors import InputError
 FUNCTIONS: Final = ("sqrt", "exp", "log", "sin", "cos")
 #: A name with a value of its own.
 PI: Final = "pi"
-#: Largest formula: characters, nodes of the tree, its depth, and the product of whole
-#: exponents that stand upon each other.
-CHARACTERS, NODES, DEPTH, DEGREE = 2000, 500, 60, 64
+#: Largest number of characters of a formula.
+MAX_CHARACTERS: Final = 2000
+#: Largest number of nodes of its tree.
+MAX_NODES: Final = 500
+#: Largest depth of its tree.
+MAX_DEPTH: Final = 60
+#: Largest product of integer exponents that stand upon each other.
+MAX_DEGREE: Final = 64
 
+#: What a formula is written with.
 _ALLOWED: Final = re.compile(r"[A-Za-z0-9_+*/(). \t\n-]*")
+#: What each node of arithmetic does.
 _OPERATORS: Final[Mapping[type, Callable[[Any, Any], Any]]] = MappingProxyType(
     {
         ast.Add: operator.add,
@@ -38,6 +45,7 @@ _OPERATORS: Final[Mapping[type, Callable[[Any, Any], Any]]] = MappingProxyType(
         ast.Div: operator.truediv,
     }
 )
+#: The remedy in every message about a formula.
 _REMEDY: Final = (
     "Write for example 'a*(I1 - 3) + b*log(I1/3)', with ** for powers and "
     f"{', '.join(FUNCTIONS)} for functions."
@@ -78,10 +86,10 @@ class Formula:
         Only those in which one of `variables` occurs, and which are not sums and products of
         `positive` names and numbers, positive by themselves.
         """
-        found = {ast.unparse(node): node for node in _sensitive(self._tree)}
+        nodes = {ast.unparse(node): node for node in _sensitive(self._tree)}
         return [
             Formula(text, _names(node), node)
-            for text, node in found.items()
+            for text, node in nodes.items()
             if _names(node) & variables and not _is_positive(node, positive)
         ]
 
@@ -109,8 +117,8 @@ def parse(text: str, name: str = "expression") -> Formula:
     >>> float(parse("a*x**2 + sqrt(x)")({"a": 0.5, "x": 4.0}, math))
     10.0
     """
-    if len(text) > CHARACTERS:
-        raise _refusal(name, f"have at most {CHARACTERS} characters", f"{len(text)} of them")
+    if len(text) > MAX_CHARACTERS:
+        raise _refusal(name, f"have at most {MAX_CHARACTERS} characters", f"{len(text)} of them")
     if not _ALLOWED.fullmatch(text):
         raise _refusal(name, "hold letters, digits and + - * / ( ) . only", _short(text))
     try:
@@ -120,8 +128,8 @@ def parse(text: str, name: str = "expression") -> Formula:
     _require_size(name, tree)
     for node, _ in _walk(tree):
         _require_allowed(name, node)
-    if _degree(tree) > DEGREE:
-        raise _refusal(name, f"have powers up to {DEGREE}, also of powers", _short(text))
+    if _degree(tree) > MAX_DEGREE:
+        raise _refusal(name, f"have powers up to {MAX_DEGREE}, also of powers", _short(text))
     return Formula(ast.unparse(tree), _names(tree), tree)
 
 
@@ -138,8 +146,9 @@ def from_sympy(expression: Any) -> str:
 
 def _require_size(name: str, tree: ast.expr) -> None:
     for count, (_, depth) in enumerate(_walk(tree), start=1):
-        if count > NODES or depth > DEPTH:
-            raise _refusal(name, f"have at most {NODES} parts, nested {DEPTH} deep", "a larger one")
+        if count > MAX_NODES or depth > MAX_DEPTH:
+            rule = f"have at most {MAX_NODES} parts, nested {MAX_DEPTH} deep"
+            raise _refusal(name, rule, f"part {count} at depth {depth}")
 
 
 def _require_allowed(name: str, node: ast.expr) -> None:
@@ -165,7 +174,7 @@ def _require_allowed(name: str, node: ast.expr) -> None:
 
 
 def _refusal(name: str, rule: str, value: str) -> InputError:
-    return InputError(name, rule, value, "A formula is read, never run.", _REMEDY)
+    return InputError(name, must=rule, got=value, why="A formula is read, never run.", fix=_REMEDY)
 
 
 def _short(text: str) -> str:
@@ -203,12 +212,12 @@ def _names(tree: ast.expr) -> frozenset[str]:
 
 
 def _degree(node: ast.expr) -> int:
-    """The largest product of whole exponents that stand upon each other."""
+    """The largest product of integer exponents that stand upon each other."""
     below = max((_degree(child) for child in _children(node)), default=1)
     if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow):
         exponent = _literal(node.right)
         if exponent is not None and exponent.denominator == 1:
-            return below * min(max(1, abs(exponent.numerator)), DEGREE + 1)
+            return below * min(max(1, abs(exponent.numerator)), MAX_DEGREE + 1)
     return below
 
 
@@ -250,8 +259,9 @@ def _value(node: ast.expr, values: Mapping[str, Any], fn: Any) -> Any:
 
 def _exponent(node: ast.expr, values: Mapping[str, Any], fn: Any) -> Any:
     number = _literal(node)
-    whole = number is not None and number.denominator == 1
-    return number.numerator if number is not None and whole else _value(node, values, fn)
+    if number is not None and number.denominator == 1:
+        return number.numerator
+    return _value(node, values, fn)
 
 
 def exact(number: Fraction, fn: Any) -> Any:

@@ -48,10 +48,12 @@ class Part:
             number = _checks.require_real(name, getattr(self, name), rule)
             object.__setattr__(self, name, number)
         for name, rule in self.tables.items():
-            numbers = _checks.require_numbers(name, getattr(self, name))
+            numbers = _checks.require_numbers(
+                name, getattr(self, name), what="one for each term", why="They enter the equations."
+            ).tolist()
             for i, number in enumerate(numbers):
                 _checks.require_real(f"{name}.{i}", number, rule)
-            object.__setattr__(self, name, numbers)
+            object.__setattr__(self, name, tuple(numbers))
         for name, rule in self.mappings.items():
             pairs = _checks.require_named_numbers(name, getattr(self, name), rule)
             object.__setattr__(self, name, pairs)
@@ -63,14 +65,22 @@ class Part:
         for name, (value, rule) in self._derived({}).items():
             _checks.require_real(name, float(value), rule)
 
+    @classmethod
+    def example(cls) -> Self:
+        """An instance with usual numbers, on which contract tests try every public part.
+
+        A class whose fields have no defaults gives them here; see ``tests/contracts``.
+        """
+        return cls()
+
     def checked_options(self) -> Mapping[str, Any]:
         """Normalised values of fields that are not plain numbers; raises `InputError`."""
         return {}
 
     def parts(self) -> dict[str, Part]:
         """The parts within this one, by the names of their fields."""
-        found = {name: getattr(self, name) for name in self.nested}
-        return {name: part for name, part in found.items() if part is not None}
+        values = {name: getattr(self, name) for name in self.nested}
+        return {name: part for name, part in values.items() if part is not None}
 
     def derived(self, p: Mapping[str, Any]) -> Mapping[str, tuple[Any, Rule]]:
         """Numbers that follow from several numeric fields, by name, each with its rule.
@@ -127,21 +137,22 @@ class Part:
     def replace(self, **changes: Any) -> Self:
         """A copy with some fields changed; unknown fields raise `InputError`."""
         entries = [name for name in self.numeric_rules() if name not in self.rules]
-        known = [f.name for f in fields(self) if f.init]
-        _checks.require_known(changes, [*known, *entries], type(self).__name__)
-        whole = {name: value for name, value in changes.items() if name not in entries}
-        for name in changes.keys() - whole.keys():
+        field_names = [f.name for f in fields(self) if f.init]
+        _checks.require_known(changes, [*field_names, *entries], type(self).__name__)
+        values = {name: value for name, value in changes.items() if name not in entries}
+        # Several entries of one table change together, so each starts from what is in `values`.
+        for name in changes.keys() - values.keys():
             number = _checks.require_real(name, changes[name], self.numeric_rules()[name])
-            owner, new = self._with_entry(name, number, whole)
-            whole[owner] = new
-        return replace_fields(self, **whole)
+            owner, new = self._with_entry(name, number, values)
+            values[owner] = new
+        return replace_fields(self, **values)
 
     def invalid(self, values: Mapping[str, ArrayLike]) -> BoolArray:
         """Where a batch of values of the numeric fields breaks a rule."""
-        wrong = _checks.broken(self.numeric_rules(), values)
+        broken = _checks.broken(self.numeric_rules(), values)
         for value, rule in self._derived(values).values():
-            wrong = wrong | ~rule.satisfied(value)
-        return np.asarray(wrong)
+            broken = broken | ~rule.satisfied(value)
+        return np.asarray(broken)
 
     def _derived(self, values: Mapping[str, ArrayLike]) -> Mapping[str, tuple[Any, Rule]]:
         """The derived numbers, of `values` where these have a field, else of its own value."""
@@ -160,15 +171,27 @@ class Part:
     def _pairs(self) -> dict[str, tuple[tuple[str, float], ...]]:
         return {name: getattr(self, name) for name in self.mappings}
 
-    def _with_entry(self, name: str, number: float, whole: Mapping[str, Any]) -> tuple[str, Any]:
+    def _with_entry(self, name: str, number: float, values: Mapping[str, Any]) -> tuple[str, Any]:
         """The table, mapping or part that holds an entry, and its value with it changed."""
         for owner, pairs in self._pairs().items():
             if name in dict(pairs):
-                changed = {**dict(whole.get(owner, pairs)), name: number}
+                changed = {**dict(values.get(owner, pairs)), name: number}
                 return owner, tuple(changed.items())
         table, _, i = name.partition(".")
-        held = whole.get(table, getattr(self, table))
+        value = values.get(table, getattr(self, table))
         if table in self.nested:
-            return table, held.replace(**{i: number})
-        row = list(held)
+            return table, value.replace(**{i: number})
+        row = list(value)
         return table, (*row[: int(i)], number, *row[int(i) + 1 :])
+
+
+def parameters_of(prefix: str, p: Mapping[str, Any]) -> dict[str, Any]:
+    """Numeric fields of the part called `prefix`, under the names that they have there.
+
+    Examples
+    --------
+    >>> parameters_of("material", {"c": 1.0, "material.jm": 50.0})
+    {'jm': 50.0}
+    """
+    start = f"{prefix}."
+    return {name.removeprefix(start): v for name, v in p.items() if name.startswith(start)}

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, Self
 
 from remanent import _units
 from remanent._errors import InputError
+from remanent._typing import FloatArray
 from remanent._units import Quantity
+from remanent.models.pairs import is_pair, numbered
 
 #: Permeability of free space, N/A^2 (CODATA 2022).
 MU0: Final = 1.25663706127e-6
@@ -63,10 +66,10 @@ class Scales:
         if self.remanence is None:
             raise InputError(
                 "remanence",
-                "be given to convert magnetic loads",
-                None,
-                "The magnetic load is B_r B/(mu mu0).",
-                'Pass remanence="143 mT" to Actuator.from_si.',
+                must="be given to convert magnetic loads",
+                got=None,
+                why="The magnetic load is B_r B/(mu mu0).",
+                fix='Pass remanence="143 mT" to Actuator.from_si.',
             )
         return self.shear_modulus * MU0 / self.remanence
 
@@ -76,12 +79,77 @@ class Scales:
         if self.remanence is None:
             raise InputError(
                 "remanence",
-                "be given to know the magnet's own field",
-                None,
-                "Its strength is B_r^2/(mu mu0).",
-                'Pass remanence="143 mT" to Actuator.from_si.',
+                must="be given to know the magnet's own field",
+                got=None,
+                why="Its strength is B_r^2/(mu mu0).",
+                fix='Pass remanence="143 mT" to Actuator.from_si.',
             )
         return self.remanence**2 / (self.shear_modulus * MU0)
+
+    # From SI to dimensionless ---------------------------------------------------------
+
+    def dimensionless_stress(self, stress: Quantity) -> float | FloatArray:
+        """Stress or modulus over mu, of ``"50 kPa"``."""
+        return _units.magnitude("stress", stress, "Pa") / self.shear_modulus
+
+    def dimensionless_viscosity(self, viscosity: Quantity) -> float | FloatArray:
+        """eta over mu times the unit of time, of ``"20 Pa s"``."""
+        unit = self.shear_modulus * self.time
+        return _units.magnitude("viscosity", viscosity, "Pa s") / unit
+
+    def dimensionless_load(self, flux_density: Quantity) -> float | FloatArray:
+        """Magnetic load m = B_r B/(mu mu0) of a flux density, ``"140 mT"``."""
+        return _units.magnitude("flux_density", flux_density, "T") / self.flux_density
+
+    def dimensionless_frequency(self, frequency: Quantity) -> float | FloatArray:
+        """omega in radians per unit of tau, of ``"50 Hz"`` or ``"314 rad/s"``."""
+        return _units.angular_frequency("frequency", frequency) * self.time
+
+    def dimensionless_time(self, time: Quantity) -> float | FloatArray:
+        """tau of a time, ``"1 s"``."""
+        return _units.magnitude("time", time, "s") / self.time
+
+    def thermal_coupling(
+        self, heat_capacity: Quantity, reference_temperature: float
+    ) -> float | FloatArray:
+        """mu/(rho c_p T0) of a heat capacity c_p, ``"1.9 kJ/(kg K)"``, and T0 in kelvin."""
+        capacity = _units.magnitude("heat_capacity", heat_capacity, "J/(kg K)")
+        return self.shear_modulus / (self.density * reference_temperature * capacity)
+
+    def nominal_stress(
+        self,
+        force: Quantity | Sequence[Quantity],
+        half_thickness: float,
+        edges: tuple[float, float] | None,
+    ) -> float | tuple[float, float]:
+        """Nominal stress over mu of forces on the faces of a block.
+
+        Parameters
+        ----------
+        force
+            P on both pairs of faces 2 L x 2 H, or a pair, each on its own face.
+        half_thickness
+            H in metres.
+        edges
+            L1/L and L2/L; None for equal edges.
+
+        Returns
+        -------
+        float or pair of float
+            P/(4 L H mu); for a pair or edges, P_i over the face that it pulls at.
+        """
+        unit = 4.0 * self.half_length * half_thickness * self.shear_modulus
+        if edges is None and not is_pair(force):
+            return _units.single("force", force, "N") / unit
+        force_1, force_2 = numbered("force", force).values()
+        edge_1, edge_2 = edges or (1.0, 1.0)
+        # A force along one edge pulls at the faces that the other edge spans.
+        return (
+            _units.single("force", force_1, "N") / (unit * edge_2),
+            _units.single("force", force_2, "N") / (unit * edge_1),
+        )
+
+    # From dimensionless to SI ---------------------------------------------------------
 
     def factors(self) -> dict[str, float]:
         """SI units in one dimensionless unit, by the names that results carry.

@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 from remanent import _checks
 from remanent._checks import Rule
@@ -75,6 +75,11 @@ class WLF(Shift):
         }
     )
 
+    @classmethod
+    def example(cls) -> Self:
+        """An instance with usual numbers, on which contract tests try every public part."""
+        return cls(8.0, 200.0)
+
     def factor(self, temperature: Any, reference: Any, p: Mapping[str, Any], fn: Any) -> Any:
         """exp[-ln 10 c1 (T - T0)/(c2 + T - T0)]."""
         above = temperature - reference
@@ -112,6 +117,11 @@ class Arrhenius(Shift):
             )
         }
     )
+
+    @classmethod
+    def example(cls) -> Self:
+        """An instance with usual numbers, on which contract tests try every public part."""
+        return cls(6000.0)
 
     def factor(self, temperature: Any, reference: Any, p: Mapping[str, Any], fn: Any) -> Any:
         """exp[A (1/T - 1/T0)]."""

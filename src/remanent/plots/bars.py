@@ -53,9 +53,12 @@ def bars(
     for name in names:
         if name not in dataset or "field" not in dataset[name].dims or dataset[name].ndim > 2:
             raise InputError(
-                "variables", "be variables along `field` and at most one more dimension", name,
-                "There is a bar for each field.", "Select values first, or name others.",
-            )  # fmt: skip
+                "variables",
+                must="be variables along `field` and at most one more dimension",
+                got=name,
+                why="There is a bar for each field.",
+                fix="Select values first, or name others.",
+            )
     rows = [row for name in names for row in _rows(dataset, name)]
     place = np.arange(dataset.sizes["field"])
     thick = _FILLED / len(rows)

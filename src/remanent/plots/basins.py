@@ -70,10 +70,12 @@ def _plane(dataset: xr.Dataset) -> tuple[Hashable, Hashable]:
     """The two state variables of the grid."""
     if "regime" not in dataset or dataset["regime"].ndim != 2:
         raise InputError(
-            "dataset", "have regimes over two state variables", ", ".join(map(str, dataset.sizes)),
-            "Basins are drawn in a plane.",
-            "Pass rm.basins(...) of a grid with two variables, or select values of others.",
-        )  # fmt: skip
+            "dataset",
+            must="have regimes over two state variables",
+            got=", ".join(map(str, dataset.sizes)),
+            why="Basins are drawn in a plane.",
+            fix="Pass rm.basins(...) of a grid with two variables, or select values of others.",
+        )
     first, second = dataset["regime"].dims
     return first, second
 

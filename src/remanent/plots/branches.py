@@ -142,17 +142,17 @@ def _on_circle(data: xr.Dataset) -> xr.Dataset:
 
 
 def _followed(dataset: xr.Dataset) -> str:
-    """The parameter: the one with values along the branch that is marked at special points."""
-    for name in dataset.data_vars:
-        if f"special_{name}" in dataset and "stretch" not in str(name) and (
-            str(name) not in ("amplitude", "error")
-        ):  # fmt: skip
-            return str(name)
+    """The parameter: the attribute of that name, or omega, which a response diagram follows."""
+    name = str(dataset.attrs.get("parameter", "omega"))
+    if name in dataset and f"special_{name}" in dataset:
+        return name
     raise InputError(
-        "dataset", "be branches of orbits", ", ".join(map(str, dataset.data_vars)),
-        "It has no parameter with special points.",
-        "Pass the result of continue_orbit or response_diagram.",
-    )  # fmt: skip
+        "dataset",
+        must="be branches of orbits",
+        got=", ".join(map(str, dataset.data_vars)),
+        why="It has no parameter with special points.",
+        fix="Pass the result of continue_orbit or response_diagram.",
+    )
 
 
 def _drawn(

@@ -75,10 +75,10 @@ def members(dataset: xr.Dataset, names: Iterable[str], along: Iterable[str]) -> 
     if len(free) > 2:
         raise InputError(
             "dataset",
-            "have at most two dimensions beside those drawn along",
-            ", ".join(map(str, free)),
-            "Lines differ by colour and by line style, which are two.",
-            f"Select values first, for example dataset.isel({free[0]}=0).",
+            must="have at most two dimensions beside those drawn along",
+            got=", ".join(map(str, free)),
+            why="Lines differ by colour and by line style, which are two.",
+            fix=f"Select values first, for example dataset.isel({free[0]}=0).",
         )
     colour_dim = _colour_dim(chosen, free)
     colours = _colours(chosen, colour_dim)
@@ -141,10 +141,10 @@ def _chosen(dataset: xr.Dataset, names: tuple[str, ...]) -> xr.Dataset:
     if missing:
         raise InputError(
             "dataset",
-            f"have the variables {', '.join(names)}",
-            f"one without {', '.join(missing)}",
-            "They are what this plot draws.",
-            "Pass the result of a verb that returns them.",
+            must=f"have the variables {', '.join(names)}",
+            got=f"one without {', '.join(missing)}",
+            why="They are what this plot draws.",
+            fix="Pass the result of a verb that returns them.",
         )
     return dataset[[name for name in names if name not in dataset.dims]]
 

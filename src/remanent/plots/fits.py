@@ -50,9 +50,12 @@ def fit(
     x = next((name for name in ("time", "omega") if name in dataset.coords), None)
     if x is None or "predicted" not in dataset:
         raise InputError(
-            "dataset", "be a result of fit", list(dataset), "It holds both data and curve.",
-            "Pass the result of rm.fit.",
-        )  # fmt: skip
+            "dataset",
+            must="be a result of fit",
+            got=list(dataset),
+            why="It holds both data and curve.",
+            fix="Pass the result of rm.fit.",
+        )
     name = quantity or str(dataset["quantity"].values[0])
     data = dataset.isel(observation=np.flatnonzero(dataset["quantity"].values == name))
     level = data["predicted"] if residuals else 0.0 * data["predicted"]

@@ -63,9 +63,12 @@ def map(
     """
     if variable not in dataset or dataset[variable].ndim != 2:
         raise InputError(
-            "variable", "be a variable of the dataset with two dimensions", repr(variable),
-            "A chart has two axes.", "Select values first, for example dataset.isel(...).",
-        )  # fmt: skip
+            "variable",
+            must="be a variable of the dataset with two dimensions",
+            got=repr(variable),
+            why="A chart has two axes.",
+            fix="Select values first, for example dataset.isel(...).",
+        )
     array = dataset[variable]
     down, across = array.dims
     with style.context():

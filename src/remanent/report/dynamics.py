@@ -12,9 +12,9 @@ from remanent.report.evidence import CASES
 from remanent.report.settings import FREQUENCIES, REFERENCE, TEMPERATURES
 from remanent.results import build
 from remanent.studies.motion.poincare_section import poincare_section
-from remanent.studies.orbits.continue_orbit import response_diagram
 from remanent.studies.orbits.manifold_crossing import manifold_crossing
 from remanent.studies.orbits.periodic_orbits import periodic_orbits
+from remanent.studies.orbits.response_diagram import response_diagram
 from remanent.studies.regimes.regime_chart import regime_chart
 from remanent.studies.response.frequency_response import frequency_response
 

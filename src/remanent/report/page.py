@@ -7,14 +7,12 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
+from remanent.report.contents import Paper
 from remanent.report.settings import AGREEMENT, LAWS
-
-if TYPE_CHECKING:
-    from remanent.report.paper import Paper
 
 _WORDS = {"supported": "Supported", "contradicted": "Contradicted", "depends": "Depends"}
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,7 @@ import xarray as xr
 
 from remanent.report import dynamics, page, reconstruction, tolerance
 from remanent.report.audit import Verdict, audit
+from remanent.report.contents import Paper
 from remanent.report.drawings import DRAWINGS, draw
 from remanent.report.evidence import Evidence, gather, regimes
 from remanent.report.processes import pool
@@ -21,28 +22,6 @@ from remanent.results import store
 
 #: Called with the name of a stage and the share of the whole that is done.
 Report = Callable[[str, float], None]
-
-
-@dataclass(frozen=True)
-class Paper:
-    """All that was computed.
-
-    Attributes
-    ----------
-    evidence
-        For the reference setting.
-    verdicts
-        Of every claim.
-    datasets
-        By name.
-    pictures
-        Files by name of the picture and suffix.
-    """
-
-    evidence: Evidence
-    verdicts: list[Verdict]
-    datasets: Mapping[str, xr.Dataset]
-    pictures: Mapping[str, Mapping[str, bytes]]
 
 
 def _silent(_stage: str, _share: float) -> None:

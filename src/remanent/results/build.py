@@ -89,18 +89,18 @@ def _require_equal_lengths(labelled: Mapping[str, Labelled]) -> None:
         if len(dims) != len(shape):
             raise InputError(
                 name,
-                f"have {len(dims)} dimensions, {dims}",
-                f"shape {shape}",
-                "Every dimension of a result has a name.",
-                "Name each dimension of the array.",
+                must=f"have {len(dims)} dimensions, {dims}",
+                got=f"shape {shape}",
+                why="Every dimension of a result has a name.",
+                fix="Name each dimension of the array.",
             )
         for dim, length in zip(dims, shape, strict=True):
             first, owner = sizes.setdefault(dim, (length, name))
             if length != first:
                 raise InputError(
                     name,
-                    f"have length {first} along `{dim}`",
-                    length,
-                    f"`{owner}` has that length.",
-                    "Give both the same points.",
+                    must=f"have length {first} along `{dim}`",
+                    got=length,
+                    why=f"`{owner}` has that length.",
+                    fix="Give both the same points.",
                 )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from os import PathLike
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -13,9 +13,10 @@ import pandas as pd
 import xarray as xr
 
 from remanent import _units
+from remanent._checks import as_float_array, require_mapping, shortened
 from remanent._errors import InputError
 from remanent._typing import FloatArray
-from remanent.models.actuator import Actuator
+from remanent.models.system import System
 from remanent.results import build
 from remanent.results.build import Labelled
 from remanent.results.schema import Kind, describe
@@ -39,7 +40,7 @@ _ALONG = ("time", "omega")
 
 def read_measurements(
     data: Table,
-    actuator: Actuator | None = None,
+    actuator: System | None = None,
     *,
     names: Mapping[str, str] | None = None,
     units: Mapping[str, str] | None = None,
@@ -77,35 +78,107 @@ def read_measurements(
     >>> dict(ds.sizes), list(ds.data_vars)
     ({'time': 3}, ['thickness_stretch'])
     """
+    if actuator is not None and not isinstance(actuator, System):
+        raise InputError(
+            "actuator",
+            must="be a system, or left out",
+            got=shortened(actuator),
+            why="Its scales turn units into dimensionless numbers.",
+            fix="Pass one that Actuator.from_si made.",
+        )
     if isinstance(data, xr.Dataset):
         return data
-    columns: dict[str, FloatArray] = {}
-    for heading, values in _table(data).items():
-        match = _HEADING.fullmatch(str(heading))
-        said = match[1] if match else str(heading)
-        name = (names or {}).get(said, said).strip().replace(" ", "_").lower()
-        unit = (units or {}).get(name, match[2] if match else None)
-        key = "omega" if name == "frequency" else name
-        columns[key] = _dimensionless(key, np.ravel(np.asarray(values)), unit, actuator)
+    columns = _columns(_table(data), actuator, _texts("names", names), _texts("units", units))
     along = [name for name in _ALONG if name in columns]
     if len(along) != 1 or len({v.size for v in columns.values()}) != 1 or len(columns) < 2:
         raise InputError(
-            "data", "have a column `time` or `omega`, and others as long", list(columns),
-            "A measurement is a history or a response.", "Name the columns by names={...}.",
-        )  # fmt: skip
+            "data",
+            must="have a column `time` or `omega`, and others as long",
+            got=list(columns),
+            why="A measurement is a history or a response.",
+            fix="Name the columns by names={...}.",
+        )
     table = pd.DataFrame(columns).dropna().sort_values(along[0])
     if not len(table) or table[along[0]].duplicated().any():
         raise InputError(
-            "data", f"have rows, and one for each {along[0]}", f"{len(table)} rows",
-            "Repeated points would make a coordinate ambiguous.", "Average them first.",
-        )  # fmt: skip
+            "data",
+            must=f"have rows, and one for each {along[0]}",
+            got=f"{len(table)} rows",
+            why="Repeated points would make a coordinate ambiguous.",
+            fix="Average them first.",
+        )
     labelled: dict[str, Labelled] = {n: ((along[0],), table[n].to_numpy()) for n in table}
     coordinate = {along[0]: labelled.pop(along[0])}
     return build.dataset(labelled, coordinate, {})
 
 
+def _columns(
+    table: Mapping[str, Any],
+    actuator: System | None,
+    names: Mapping[str, str],
+    units: Mapping[str, str],
+) -> dict[str, FloatArray]:
+    """Dimensionless columns under the names that results have."""
+    headings = [_heading(heading) for heading in table]
+    _require_used("names", names, [text for text, _ in headings])
+    columns: dict[str, FloatArray] = {}
+    called = [names.get(text, text).strip().replace(" ", "_").lower() for text, _ in headings]
+    _require_used("units", units, called)
+    for name, (_, bracket), values in zip(called, headings, table.values(), strict=True):
+        key = "omega" if name == "frequency" else name
+        unit, source = (units[name], "units") if name in units else (bracket, "data")
+        argument = f"{source}[{name!r}]"
+        columns[key] = _dimensionless(key, np.ravel(np.asarray(values)), unit, actuator, argument)
+    return columns
+
+
+def _heading(heading: object) -> tuple[str, str | None]:
+    """The text of a heading, and the unit in its brackets."""
+    match = _HEADING.fullmatch(str(heading))
+    return (match[1], match[2]) if match else (str(heading), None)
+
+
+def _texts(name: str, value: object) -> Mapping[str, str]:
+    """A mapping of text to text; empty where nothing was passed."""
+    if value is None:
+        return {}
+    fix = "Pass for example {'time': 's'}."
+    table = require_mapping(name, value, what="text to text", fix=fix)
+    for key, text in table.items():
+        if not isinstance(text, str):
+            raise InputError(
+                f"{name}[{key!r}]",
+                must="be text",
+                got=shortened(text),
+                why="Names and units are written in words.",
+                fix=fix,
+            )
+    return table
+
+
+def _require_used(name: str, table: Mapping[str, str], headings: Sequence[str]) -> None:
+    """Refuse entries that belong to no column, which are misspelt."""
+    for key in table:
+        if key not in headings:
+            raise InputError(
+                name,
+                must=f"be of columns, which are {', '.join(headings)}",
+                got=repr(key),
+                why="An entry without a column would be passed over.",
+                fix="Write it as the heading of the column.",
+            )
+
+
 def _table(data: Any) -> Mapping[str, Any]:
     if not isinstance(data, str | PathLike):
+        if not isinstance(data, Mapping | pd.DataFrame):
+            raise InputError(
+                "data",
+                must="be a table: a path, a DataFrame, a mapping of names to arrays or a Dataset",
+                got=shortened(data),
+                why="Its columns are measurements.",
+                fix="Pass for example {'time': t, 'thickness_stretch': x}.",
+            )
         return dict(data.items())
     path = Path(data)
     try:
@@ -114,9 +187,12 @@ def _table(data: Any) -> Mapping[str, Any]:
         return dict(pd.read_csv(path, comment="#", skipinitialspace=True).items())
     except (OSError, ValueError, NotImplementedError, UnicodeDecodeError) as error:
         raise InputError(
-            "data", "be a readable CSV or MAT file", str(path), f"{error}.",
-            "Check the path; save MAT files with the option -v7.",
-        ) from error  # fmt: skip
+            "data",
+            must="be a readable CSV or MAT file",
+            got=str(path),
+            why=f"{error}.",
+            fix="Check the path; save MAT files with the option -v7.",
+        ) from error
 
 
 def _mat(path: Path) -> Mapping[str, Any]:
@@ -126,34 +202,42 @@ def _mat(path: Path) -> Mapping[str, Any]:
 
 
 def _dimensionless(
-    name: str, values: Any, unit: str | None, actuator: Actuator | None
+    name: str, values: Any, unit: str | None, actuator: System | None, argument: str
 ) -> FloatArray:
-    try:
-        numbers = np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise InputError(
-            name, "be a column of numbers", repr(values[:3]),
-            "Everything but its heading is measured.", "Leave other rows out of the file.",
-        ) from error  # fmt: skip
+    """Values of a variable without their unit, which came with `argument`."""
+    numbers = as_float_array(
+        f"data[{name!r}]",
+        values,
+        what="measured values",
+        why="Everything but its heading is measured.",
+        fix="Leave other rows out of the file.",
+    )
     kind = describe(name).kind
     if unit in {None, "", "1"} or (unit == "K" and kind is Kind.TEMPERATURE):
         return numbers
-    quantity = _units.quantity(name, numbers, unit)
+    quantity = _units.quantity(argument, numbers, unit)
     if kind in {Kind.NONE, Kind.TEMPERATURE}:
-        return np.asarray(_units.magnitude(name, quantity, "K" if kind is not Kind.NONE else ""))
+        unit = "K" if kind is not Kind.NONE else ""
+        return np.asarray(_units.magnitude(argument, quantity, unit))
     scales = None if actuator is None else actuator.scales
     if scales is None:
         raise InputError(
-            name, "be dimensionless for this actuator", f"values in {unit}",
-            "Dimensionless numbers alone do not fix a length or a stress.",
-            "Build it with Actuator.from_si.",
-        )  # fmt: skip
+            argument,
+            must="be dimensionless for this actuator",
+            got=f"values in {unit}",
+            why="Dimensionless numbers alone do not fix a length or a stress.",
+            fix="Build it with Actuator.from_si.",
+        )
     if kind is Kind.FREQUENCY:
-        return np.asarray(_units.angular_frequency(name, quantity) * scales.time)
+        return np.asarray(_units.angular_frequency(argument, quantity) * scales.time)
     if kind not in _SI:
         raise InputError(
-            name, "be of a kind that has a unit", unit, "It is not measured.", "Leave it out."
+            argument,
+            must="be of a kind that has a unit",
+            got=unit,
+            why="It is not measured.",
+            fix="Leave it out.",
         )
     base, scale, power = _SI[kind]
     one = scales.flux_density if kind is Kind.LOAD else scales.factors()[scale]
-    return np.asarray(_units.magnitude(name, quantity, base) * one**power)
+    return np.asarray(_units.magnitude(argument, quantity, base) * one**power)

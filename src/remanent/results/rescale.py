@@ -13,6 +13,7 @@ import xarray as xr
 
 from remanent._checks import positive, require_real
 from remanent._errors import InputError
+from remanent.results.checks import require_dataset
 from remanent.results.schema import TABLE, Kind, describe
 
 #: Powers of the ratio of temperatures by which each kind of quantity grows.
@@ -82,6 +83,7 @@ def rescale(dataset: xr.Dataset, *, temperature: float) -> xr.Dataset:
     >>> round(float(hot.natural_frequency[0] / cool.natural_frequency[0]), 4)
     1.4142
     """
+    require_dataset("dataset", dataset)
     wanted = require_real("temperature", temperature, _RULE)
     actuator = _parsed(dataset, "actuator")
     _require_entropic(dataset, actuator)
@@ -105,9 +107,12 @@ def _parsed(dataset: xr.Dataset, name: str) -> ast.Call:
         tree = None
     if not isinstance(tree, ast.Call):
         raise InputError(
-            "dataset", f"say which {name} made it", dataset.attrs.get(name),
-            "Its own values scale with the result.", "Pass the result of a verb.",
-        )  # fmt: skip
+            "dataset",
+            must=f"say which {name} made it",
+            got=dataset.attrs.get(name),
+            why="Its own values scale with the result.",
+            fix="Pass the result of a verb.",
+        )
     return tree
 
 
@@ -125,10 +130,12 @@ def _require_entropic(dataset: xr.Dataset, actuator: ast.Call) -> None:
     wrong += found + sorted(varied & set(map(str, dataset.coords)))
     if wrong:
         raise InputError(
-            "dataset", "be of an actuator that scales with temperature", ", ".join(wrong),
-            "Only entropic stress, a constant remanence and viscosity do, without a heat balance.",
-            "Compute it again at the other temperature.",
-        )  # fmt: skip
+            "dataset",
+            must="be of an actuator that scales with temperature",
+            got=", ".join(wrong),
+            why="Only entropic stress, a constant remanence and viscosity do, and no heat balance.",
+            fix="Compute it again at the other temperature.",
+        )
 
 
 def _calls(call: ast.Call) -> list[ast.Call]:
@@ -151,9 +158,12 @@ def _temperature(dataset: xr.Dataset, actuator: ast.Call) -> float:
     for name in ("temperature", "reference_temperature"):
         if name in dataset.coords and dataset[name].ndim:
             raise InputError(
-                "dataset", f"have one {name}", dataset[name].values,
-                "One ratio scales all of it.", f"Select one: dataset.sel({name}=...).",
-            )  # fmt: skip
+                "dataset",
+                must=f"have one {name}",
+                got=dataset[name].values,
+                why="One ratio scales all of it.",
+                fix=f"Select one: dataset.sel({name}=...).",
+            )
     if "temperature" in dataset.coords:
         return float(dataset["temperature"])
     return float(dict(_numbers(actuator))["temperature"])
@@ -229,9 +239,12 @@ def _own_power(name: str) -> float:
 
 def _unknown(what: str) -> InputError:
     return InputError(
-        "dataset", "have fields whose unit is known", what,
-        "It is not known how this one scales.", "Compute the result at the other temperature.",
-    )  # fmt: skip
+        "dataset",
+        must="have fields whose unit is known",
+        got=what,
+        why="It is not known how this one scales.",
+        fix="Compute the result at the other temperature.",
+    )
 
 
 def _attributes(attrs: Mapping[Any, Any], ratio: float) -> dict[Any, Any]:

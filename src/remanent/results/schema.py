@@ -309,6 +309,8 @@ _ROWS = (
     Variable("branch", "1", "number of the branch", r"k"),
     Variable("point", "1", "point of the branch", r"i"),
     Variable("special", "1", "special point", r"j"),
+    Variable("end", "1", "end of the branch", r"e"),
+    Variable("end_reason", "1", "why the branch ends", r"\mathrm{reason}", ("branch", "end")),
     Variable("special_kind", "1", "kind of the special point", r"\mathrm{kind}", ("special",)),
     Variable("multipliers", "1", "Floquet multipliers", r"\rho", ("orbit", "multiplier")),
     Variable("peak", "1", "number of the peak", r"k"),
@@ -447,10 +449,10 @@ def describe(name: str) -> Variable:
             return found
     raise InputError(
         "name",
-        "be a variable of the schema",
-        repr(name),
-        "Every variable of a Dataset has a unit, a meaning and a symbol.",
-        "Add a row to remanent/results/schema.py.",
+        must="be a variable of the schema",
+        got=repr(name),
+        why="Every variable of a Dataset has a unit, a meaning and a symbol.",
+        fix="Add a row to remanent/results/schema.py.",
     )
 
 

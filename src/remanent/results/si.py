@@ -13,6 +13,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from remanent._errors import InputError
+from remanent.results.checks import require_dataset
 from remanent.results.schema import Kind, Variable, describe
 
 __all__ = ["to_si"]
@@ -88,6 +89,7 @@ def to_si(dataset: xr.Dataset) -> xr.Dataset:
     InputError
         The Dataset has no scales.
     """
+    require_dataset("dataset", dataset)
     scales = _scales(dataset)
     converted = dataset.copy()
     for name in dataset.variables:
@@ -132,19 +134,19 @@ def _scales(dataset: xr.Dataset) -> _Scales:
     if text is None:
         raise InputError(
             "dataset",
-            "carry the scales of its actuator",
-            "a Dataset in SI already" if already else "one without",
-            "Dimensionless numbers turn to SI only by the modulus, density and lengths.",
-            "Use it as it is." if already else "Build the actuator with Actuator.from_si.",
+            must="carry the scales of its actuator",
+            got="a Dataset in SI already" if already else "one without",
+            why="Dimensionless numbers turn to SI only by the modulus, density and lengths.",
+            fix="Use it as it is." if already else "Build the actuator with Actuator.from_si.",
         )
     scales: dict[str, float] = json.loads(text)
     missing = [name for name in _NEEDED if name not in scales]
     if missing:
         raise InputError(
             "dataset",
-            f"carry the scales {', '.join(_NEEDED)}",
-            f"one without {', '.join(missing)}",
-            "Each kind of quantity needs its own.",
-            "Build the actuator with Actuator.from_si.",
+            must=f"carry the scales {', '.join(_NEEDED)}",
+            got=f"one without {', '.join(missing)}",
+            why="Each kind of quantity needs its own.",
+            fix="Build the actuator with Actuator.from_si.",
         )
     return scales

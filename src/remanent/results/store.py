@@ -144,10 +144,10 @@ def _reduce(name: str, variable: xr.Variable) -> xr.Variable:
     if values.dtype.kind not in "if":
         raise InputError(
             name,
-            "hold numbers, booleans or strings",
-            str(values.dtype),
-            "Files hold plain numbers that every program can read.",
-            "Convert it or leave it out.",
+            must="hold numbers, booleans or strings",
+            got=str(values.dtype),
+            why="Files hold plain numbers that every program can read.",
+            fix="Convert it or leave it out.",
         )
     return xr.Variable(variable.dims, values, attrs)
 
@@ -195,10 +195,10 @@ def _narrow(name: str, values: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
             return narrow
     raise InputError(
         name,
-        "hold integers below 2^53",
-        int(np.abs(values).max()),
-        "Larger ones do not fit the classic netCDF model.",
-        "Store them as two variables.",
+        must="hold integers below 2^53",
+        got=int(np.abs(values).max()),
+        why="Larger ones do not fit the classic netCDF model.",
+        fix="Store them as two variables.",
     )
 
 

@@ -47,7 +47,7 @@ def derivations(fresh: Path, monkeypatch: pytest.MonkeyPatch) -> list[Any]:
     return done
 
 
-def test_names_of_the_papers_field() -> None:
+def test_names_of_the_field_of_the_reproduced_article() -> None:
     field = field_for(Actuator(dissipation=Rayleigh(0.1)), SineSquared(0.4, 1.25))
     assert field.state == ("stretch", "stretch_rate")
     assert field.parameters == (

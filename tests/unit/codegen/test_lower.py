@@ -16,9 +16,10 @@ import sympy as sp
 
 from remanent._field import Field, Program
 from remanent.codegen.build import build
-from remanent.codegen.lower import DRIVE, PARAMETER, STATE, lower
-from remanent.derivation import lagrange
-from remanent.derivation.unexpanded import Kept
+from remanent.codegen.lower import Level, lower
+from remanent.derivation.derive import derive
+from remanent.derivation.motion import FirstOrderForm
+from remanent.derivation.unexpanded import Unexpanded
 from remanent.models.actuator import Actuator
 from remanent.models.dissipation import KelvinVoigt, Rayleigh, Zener
 from remanent.models.drives.base import Drive
@@ -32,32 +33,32 @@ from remanent.models.materials.strain_energy import StrainEnergy
 from remanent.models.temperature_shift import WLF
 
 X, Y, A, U = sp.symbols("x y a u", positive=True)
-LEVELS = {X: STATE, Y: STATE, A: PARAMETER, U: DRIVE}
+LEVELS = {X: Level.STATE, Y: Level.STATE, A: Level.PARAMETER, U: Level.DRIVE}
 
-PAPERS = SineSquared(0.4, 1.25)
+ARTICLE = SineSquared(0.4, 1.25)
 PAIR = (0.0, 1.0)
 ZENER = Zener(0.5, 2.0)
 MODELS = {
-    "paper": (Actuator(), PAPERS),
+    "article": (Actuator(), ARTICLE),
     "damped": (Actuator(dissipation=Rayleigh(0.1)), Sine(0.1, 1.0)),
     "rotation": (Actuator(magnet=Magnet(law="rotation")), Constant(0.1)),
     "steps": (Actuator(), Steps([0.0], [0.1])),
     "chirp": (Actuator(), Chirp(0.1, 1.0, 2.0, 9.0)),
-    "biaxial": (Actuator(prestress=PAIR, dissipation=Rayleigh(0.1)), PAPERS),
-    "unequal edges": (Actuator(edges=(1.0, 0.5)), PAPERS),
-    "fluid": (Actuator(dissipation=KelvinVoigt(0.1)), PAPERS),
-    "fluid in two directions": (Actuator(prestress=PAIR, dissipation=KelvinVoigt(0.1)), PAPERS),
-    "zener": (Actuator(dissipation=ZENER), PAPERS),
-    "shifted": (Actuator(dissipation=Zener(0.5, 2.0, WLF(8.0, 200.0))), PAPERS),
-    "prony": (Actuator(prestress=PAIR, dissipation=(ZENER, ZENER)), PAPERS),
-    "warm": (Actuator(heat=Heat(), dissipation=Rayleigh(0.1)), PAPERS),
-    "warm in two directions": (Actuator(prestress=PAIR, heat=Heat(), dissipation=ZENER), PAPERS),
+    "biaxial": (Actuator(prestress=PAIR, dissipation=Rayleigh(0.1)), ARTICLE),
+    "unequal edges": (Actuator(edges=(1.0, 0.5)), ARTICLE),
+    "fluid": (Actuator(dissipation=KelvinVoigt(0.1)), ARTICLE),
+    "fluid in two directions": (Actuator(prestress=PAIR, dissipation=KelvinVoigt(0.1)), ARTICLE),
+    "zener": (Actuator(dissipation=ZENER), ARTICLE),
+    "shifted": (Actuator(dissipation=Zener(0.5, 2.0, WLF(8.0, 200.0))), ARTICLE),
+    "prony": (Actuator(prestress=PAIR, dissipation=(ZENER, ZENER)), ARTICLE),
+    "warm": (Actuator(heat=Heat(), dissipation=Rayleigh(0.1)), ARTICLE),
+    "warm in two directions": (Actuator(prestress=PAIR, heat=Heat(), dissipation=ZENER), ARTICLE),
 }
 POLYNOMIAL = StrainEnergy("a*(I1 - 3) + b*log(I2/3)", {"a": 1.0, "b": 0.1})
 
 #: Models with functions, and with parts that are computed as they are written.
 OGDEN, OWN_FIELD = Ogden([1.0, 0.1], [2.0, 4.0]), Magnet(-0.001, demagnetisation=0.2)
-KEPT: dict[str, tuple[Actuator, Drive]] = {
+UNEXPANDED: dict[str, tuple[Actuator, Drive]] = {
     "ogden": (Actuator(material=OGDEN), Constant(0.1)),
     "formula": (Actuator(material=POLYNOMIAL), Constant(0.1)),
     "ogden in two directions": (Actuator(prestress=PAIR, material=OGDEN), Constant(0.1)),
@@ -116,7 +117,7 @@ def random_inputs(field: Field, rng: np.random.Generator, count: int) -> np.ndar
 class Exact:
     """Values and conditions of expressions at fifty digits."""
 
-    def __init__(self, field: Field, system: lagrange.System, expressions: list[Any]) -> None:
+    def __init__(self, field: Field, system: FirstOrderForm, expressions: list[Any]) -> None:
         written = [written_out(e, system) for e in expressions]
         symbols = {s.name: s for e in written for s in e.free_symbols}
         self._used = [i for i, name in enumerate(field.inputs) if name in symbols]
@@ -139,16 +140,16 @@ class Exact:
             ]
 
 
-def written_out(expression: Any, system: lagrange.System) -> Any:
+def written_out(expression: Any, system: FirstOrderForm) -> Any:
     for symbol, meaning in reversed(list(system.definitions.items())):
         expression = sp.sympify(expression).subs(symbol, meaning)
-    return sp.sympify(expression).replace(Kept, lambda inside: inside)
+    return sp.sympify(expression).replace(Unexpanded, lambda inside: inside)
 
 
 @cache
-def derived(name: str) -> tuple[Field, lagrange.System]:
-    actuator, drive = (MODELS | KEPT)[name]
-    return build(actuator, drive), lagrange.derive(actuator, drive)
+def derived(name: str) -> tuple[Field, FirstOrderForm]:
+    actuator, drive = (MODELS | UNEXPANDED)[name]
+    return build(actuator, drive), derive(actuator, drive)
 
 
 def check_against_sympy(name: str, count: int) -> None:
@@ -164,7 +165,7 @@ def check_against_sympy(name: str, count: int) -> None:
             assert abs(mpmath.mpf(float(value)) - truth) <= allowed
 
 
-@pytest.mark.parametrize("name", MODELS | KEPT)
+@pytest.mark.parametrize("name", MODELS | UNEXPANDED)
 def test_code_agrees_with_sympy(name: str) -> None:
     check_against_sympy(name, 50)
 
@@ -175,7 +176,7 @@ def test_code_agrees_with_sympy_at_many_points(name: str) -> None:
     check_against_sympy(name, 10_000)
 
 
-@pytest.mark.parametrize("name", MODELS | KEPT)
+@pytest.mark.parametrize("name", MODELS | UNEXPANDED)
 def test_rates_in_fifty_digits(name: str) -> None:
     """The program itself has no rounded constants: with mpmath numbers it is exact."""
     field, system = derived(name)
@@ -195,7 +196,7 @@ def test_rates_in_fifty_digits(name: str) -> None:
 
 def test_jacobian_by_complex_steps() -> None:
     """d(rates)/d(state) by a complex step of 1e-40 against SymPy."""
-    field, system = derived("paper")
+    field, system = derived("article")
     point = random_inputs(field, np.random.default_rng(3), 1)[0]
     rate = written_out(system.rates[1], system)
     at = {s: float(point[field.inputs.index(s.name)]) for s in rate.free_symbols}
@@ -218,7 +219,7 @@ def test_one_division_by_the_state(name: str) -> None:
 
 def test_equation_16_is_short() -> None:
     """Sixteen additions and multiplications and a division, and five for the load."""
-    field, _ = derived("paper")
+    field, _ = derived("article")
     counts = dynamic(field.rates, {*field.state, *field.waveforms})
     assert counts["div"] == 1
     assert set(counts) <= {"add", "sub", "mul", "div"}
@@ -259,13 +260,13 @@ def test_what_is_computed_as_written_does_not_cancel() -> None:
     assert value == 2.0**-80
 
 
-def test_what_is_kept_is_not_expanded() -> None:
-    """Expanded, (x - 1) (x + 1) is shorter, but x^2 is rounded; a kept power stays a power."""
+def test_what_is_marked_is_not_expanded() -> None:
+    """Expanded, (x - 1) (x + 1) is shorter, but x^2 is rounded; a marked power stays a power."""
     small = 2.0**-30
-    factors = (Kept(X - 1), X - 1)
-    kept, free = (program(e * (X + 1))([1 + small, 0, 0, 0], functions=np)[0] for e in factors)
-    assert (kept, free) == (2 * small + small**2, 2 * small)
-    (slope,) = program(sp.diff(Kept((X - 1) ** 8), X))([1 + 2.0**-10, 0, 0, 0], functions=np)
+    factors = (Unexpanded(X - 1), X - 1)
+    marked, free = (program(e * (X + 1))([1 + small, 0, 0, 0], functions=np)[0] for e in factors)
+    assert (marked, free) == (2 * small + small**2, 2 * small)
+    (slope,) = program(sp.diff(Unexpanded((X - 1) ** 8), X))([1 + 2.0**-10, 0, 0, 0], functions=np)
     assert slope == 8 * 2.0**-70
 
 
@@ -281,9 +282,9 @@ def test_half_powers_are_roots() -> None:
     assert (counts["sqrt"], counts["exp"], counts["log"]) == (1, 0, 0)
 
 
-def test_outside_its_room_a_rate_does_not_exist() -> None:
+def test_where_it_is_not_admissible_a_rate_does_not_exist() -> None:
     """NaN where a member is negative; inputs that are passed on stay, so do the values inside."""
-    code = program(Y, X + Y, room=(A - X, X))
+    code = program(Y, X + Y, admissibility=(A - X, X))
     found = [code([x, 0.5, 1.0, 0.0], functions=np) for x in (0.5, 1.0)]
     assert found == [[0.5, 1.0], [0.5, 1.5]]
     with np.errstate(invalid="ignore"):

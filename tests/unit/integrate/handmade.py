@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from remanent._field import Field
+from remanent._field import Field, Role, StateVariable
 from remanent._timeline import Timeline
 from remanent._typing import ArrayLike, FloatArray
-from remanent.codegen.lower import lower
+from remanent.codegen.lower import Level, lower
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Outcome, Problem, Request
 
@@ -32,17 +32,23 @@ class Oscillator:
         names = tuple(self.parameters)
         symbols = {name: sp.Symbol(name, real=True) for name in names}
         inputs = ("drive_phase", "q", "v", *names, "sine", "cosine")
-        levels = {Q: 2, V: 2, SINE: 1, COSINE: 1} | dict.fromkeys(symbols.values(), 0)
+        levels = dict.fromkeys((Q, V), Level.STATE) | dict.fromkeys((SINE, COSINE), Level.DRIVE)
+        levels |= dict.fromkeys(symbols.values(), Level.PARAMETER)
         acceleration = self.acceleration.subs({sp.Symbol(n): s for n, s in symbols.items()})
 
         def program(*outputs: Any) -> Any:
             return lower(outputs, inputs=inputs, levels=levels, definitions={})
 
         return Field(
-            state=("q", "v"),
+            variables=(
+                StateVariable("q", Role.COORDINATE),
+                StateVariable("v", Role.RATE, belongs_to="q"),
+            ),
+            loads=(),
             parameters=names,
             waveforms=("sine", "cosine"),
             rates=program(V, acceleration),
+            observable="position",
             watched=program(Q, V, acceleration, V),
             observables={"position": program(Q), "acceleration": program(acceleration)},
         )

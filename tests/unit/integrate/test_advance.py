@@ -7,11 +7,11 @@ import pytest
 import sympy as sp
 from tests.unit.integrate.handmade import COSINE, Oscillator, Q, V, turning
 
-from remanent._field import Field
+from remanent._field import Field, Role, StateVariable
 from remanent._typing import FloatArray
-from remanent.analysis.following import Path, follow
-from remanent.analysis.lyapunov import Exponents, exponents
-from remanent.codegen.lower import lower
+from remanent.analysis.regimes.long_runs import LongRun, propagate_tangents
+from remanent.analysis.regimes.lyapunov import LyapunovExponents, lyapunov_exponents
+from remanent.codegen.lower import Level, lower
 from remanent.integrate.maps.advance import Advancer
 from remanent.integrate.maps.period_map import ErrorControl, Image, PeriodMap
 
@@ -22,16 +22,19 @@ def autonomous(rates: list[sp.Expr]) -> Field:
     """A field of x, y, z without parameters; the phase is there but plays no part."""
     names = ("x", "y", "z")[: len(rates)]
     inputs = ("drive_phase", *names, "sine", "cosine")
-    levels = dict.fromkeys((X, Y, Z), 2) | dict.fromkeys(sp.symbols("sine cosine", real=True), 1)
+    waveforms = sp.symbols("sine cosine", real=True)
+    levels = dict.fromkeys((X, Y, Z), Level.STATE) | dict.fromkeys(waveforms, Level.DRIVE)
 
     def program(*outputs: sp.Expr) -> object:
         return lower(outputs, inputs=inputs, levels=levels, definitions={})
 
     return Field(
-        state=names,
+        variables=tuple(StateVariable(name, Role.COORDINATE) for name in names),
+        loads=(),
         parameters=(),
         waveforms=("sine", "cosine"),
         rates=program(*rates),  # type: ignore[arg-type]
+        observable="x",
         watched=program(X, rates[0], rates[0], rates[0]),  # type: ignore[arg-type]
         observables={},
     )
@@ -39,14 +42,16 @@ def autonomous(rates: list[sp.Expr]) -> Field:
 
 def spectrum(
     field: Field, start: list[float], length: float, periods: int, *, directions: int | None = None
-) -> tuple[Exponents, Path]:
+) -> tuple[LyapunovExponents, LongRun]:
     """Exponents per unit of time of an autonomous flow, strobed every `length`."""
     count = len(start) if directions is None else directions
     flow = PeriodMap(field, turning, directions=count)
     advance = Advancer(flow, np.zeros((1, 0)), np.array([length]), 1e-9)
-    path = follow(advance, np.array([start]), periods, directions=count)
-    found = exponents(path.growth, path.lengths)
-    return Exponents(found.mean / length, found.error / length, found.history / length), path
+    path = propagate_tangents(advance, np.array([start]), periods, directions=count)
+    found = lyapunov_exponents(path.growth, path.block_lengths)
+    return LyapunovExponents(
+        found.mean / length, found.error / length, found.history / length
+    ), path
 
 
 def test_decay_has_exponent_minus_one() -> None:
@@ -98,8 +103,8 @@ def duffing(par: FloatArray, tolerance: float, directions: int = 2) -> Advancer:
 def test_forced_duffing_is_chaotic_and_contracts_as_its_damping_says() -> None:
     """omega = 1, F = 0.3, d = 0.15: the sum of the exponents is -d, the largest positive."""
     par = np.array([[1.0, 0.15, 0.3]])
-    path = follow(duffing(par, 1e-9), np.array([[0.5, 0.0]]), 1500, directions=2)
-    found = exponents(path.growth, path.lengths)
+    path = propagate_tangents(duffing(par, 1e-9), np.array([[0.5, 0.0]]), 1500, directions=2)
+    found = lyapunov_exponents(path.growth, path.block_lengths)
     assert found.mean[0].sum() == pytest.approx(-0.15 * 2 * np.pi, abs=1e-6)
     assert found.mean[0, 0] > 5 * found.error[0, 0]
 
@@ -109,8 +114,8 @@ def test_company_and_blocks_do_not_change_a_run() -> None:
     forces = np.linspace(0.05, 0.5, 37)
     par = np.column_stack([np.linspace(0.5, 1.5, 37), np.full(37, 0.1), forces])
     start = np.tile([0.5, 0.0], (37, 1))
-    whole = follow(duffing(par, 1e-8), start, 60, directions=2, every=True)
-    alone = follow(duffing(par[9:10], 1e-8), start[9:10], 60, directions=2, every=True)
+    whole = propagate_tangents(duffing(par, 1e-8), start, 60, directions=2, every=True)
+    alone = propagate_tangents(duffing(par[9:10], 1e-8), start[9:10], 60, directions=2, every=True)
     assert whole.visited is not None
     assert alone.visited is not None
     np.testing.assert_array_equal(whole.visited[9], alone.visited[0])
@@ -121,7 +126,7 @@ def test_errors_of_periods_meet_the_tolerance() -> None:
     """Each period against the same map at 1e-13."""
     par = np.array([[0.7, 0.0, 0.4], [1.3, 0.0, 0.3]])
     start = np.array([[0.5, 0.0], [1.2, 0.4]])
-    path = follow(duffing(par, 1e-8, 1), start, 40, directions=1, every=True)
+    path = propagate_tangents(duffing(par, 1e-8, 1), start, 40, directions=1, every=True)
     assert path.visited is not None
     exact = duffing(par, 1e-13, 0)
     for n in range(39):
@@ -135,17 +140,17 @@ def test_what_escapes_is_told_from_what_cannot_be_resolved() -> None:
     """x'' = 6 x^2 from (1, 2) is infinite at 1; 16 rad per period need more than 8 steps."""
     start = np.array([[1.0, 2.0]])
 
-    def run(acceleration: sp.Expr, max_resolution: int) -> Path:
+    def run(acceleration: sp.Expr, max_resolution: int) -> LongRun:
         flow = PeriodMap(Oscillator(acceleration, {}).field(), turning, directions=1)
         advance = Advancer(
             flow, np.zeros((1, 0)), np.full(1, 0.9), 1e-11, max_resolution=max_resolution
         )
-        return follow(advance, start, 20, directions=1)
+        return propagate_tangents(advance, start, 20, directions=1)
 
     lost = run(6 * Q**2, 2**12)
     assert lost.escaped.all()
     assert lost.trusted.all()
-    assert lost.length[0] < 20
+    assert lost.completed_periods[0] < 20
     stuck = run(-256 * Q, 8)
     assert not stuck.trusted.any()
     assert not stuck.escaped.any()

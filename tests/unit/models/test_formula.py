@@ -17,8 +17,8 @@ from hypothesis import strategies as st
 
 import remanent as rm
 from remanent._errors import InputError
-from remanent.models.formula import CHARACTERS, from_sympy, parse
-from remanent.models.materials.second_order_ad import Jet, JetFunctions
+from remanent.models.formula import MAX_CHARACTERS, from_sympy, parse
+from remanent.models.materials.second_order_ad import DualFunctions, SecondOrderDual
 
 ATTACKS = {
     "attribute": "I1.__class__",
@@ -157,9 +157,9 @@ def test_parts_with_a_sign_are_known() -> None:
 
 
 def test_size_is_bounded() -> None:
-    assert parse("x" + " " * (CHARACTERS - 1)).text == "x"
+    assert parse("x" + " " * (MAX_CHARACTERS - 1)).text == "x"
     assert parse("(x**8)**8").text == "(x ** 8) ** 8"
-    for text in ("x" + " " * CHARACTERS, "(x**8)**9", "x**-65"):
+    for text in ("x" + " " * MAX_CHARACTERS, "(x**8)**9", "x**-65"):
         with pytest.raises(InputError):
             parse(text)
 
@@ -167,11 +167,11 @@ def test_size_is_bounded() -> None:
 @pytest.mark.parametrize(
     "text", ["x**3/(1 + x) - 2*x", "exp(-x)*sin(x) + cos(2*x)", "log(x)**2/sqrt(x)", "x**-1.5 + 4"]
 )
-def test_jets_carry_two_derivatives(text: str) -> None:
+def test_dual_numbers_carry_two_derivatives(text: str) -> None:
     x, at = sp.Symbol("x"), 1.3
-    jet = parse(text)({"x": Jet(np.float64(at), 1.0, 0.0)}, JetFunctions(np))
+    dual = parse(text)({"x": SecondOrderDual(np.float64(at), 1.0, 0.0)}, DualFunctions(np))
     exact = parse(text)({"x": x}, sp)
-    for k, value in enumerate((jet.value, jet.slope, jet.bend)):
+    for k, value in enumerate((dual.value, dual.first, dual.second)):
         assert value == pytest.approx(float(sp.diff(exact, x, k).subs(x, at)), rel=1e-13)
 
 

@@ -8,9 +8,9 @@ import xarray as xr
 from scipy.integrate import quad
 
 import remanent as rm
-from remanent.analysis.shaping import poles
+from remanent.analysis.control.shaping import controllable_poles
 from remanent.codegen.build import build
-from remanent.studies.statics._static_state import Body
+from remanent.studies.statics._static_state import StaticState
 
 
 @pytest.mark.parametrize("target", [0.6, 1.05, 1.5, 2.5])
@@ -164,6 +164,7 @@ def test_commands_over_a_field_are_the_single_ones() -> None:
     unstable = 1.1 - 1.1**-5 + 2.15 * 1.1**-3
     mixed = rm.shape_commands(rm.Actuator(), 1.1**-2, over={"prestress": [0.0, unstable]})
     np.testing.assert_array_equal(np.isfinite(mixed.switch_time), [True, False])
+    assert mixed.status.values.tolist() == [rm.Status.OK, rm.Status.DIVERGED]
 
 
 def test_what_cannot_be_held_is_refused() -> None:
@@ -186,16 +187,16 @@ def test_rest_and_poles_of_two_coordinates() -> None:
     field = build(pair, rm.Constant(0.1))
     own = {**pair.parameters(), "m": 0.0}
     row = np.array([own[name] for name in field.parameters])
-    body = Body(field, row, np.array([1.0, 0.0, 1.0, 0.0])).at_target(1.2)
+    body = StaticState(field, row, np.array([1.0, 0.0, 1.0, 0.0])).at_thickness(1.2)
     assert body is not None
     one = rm.equilibria(rm.Actuator(prestress=0.2), body.load)
     assert float(one.equilibrium_stretch[0]) == pytest.approx(1.2, abs=1e-12)
-    modes = poles(*body.linear())
+    modes = controllable_poles(*body.linearised())
     np.testing.assert_allclose(
         sorted(modes.imag), np.array([-1, 1]) * float(one.natural_frequency[0])
     )
     row[field.parameters.index("prestress_2")] = 0.3
-    bent = Body(field, row, body.state).at_target(1.2)
+    bent = StaticState(field, row, body.state).at_thickness(1.2)
     assert bent is not None
-    assert poles(*bent.linear()).size == 4
+    assert controllable_poles(*bent.linearised()).size == 4
     assert bent.thickness() == pytest.approx(1.2, abs=1e-12)

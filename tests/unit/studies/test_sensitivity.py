@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 import remanent as rm
-from remanent.studies.ensemble.ensemble import ensemble
+from remanent.studies.ensemble.layout import lay_out
 from remanent.studies.orbits._period_map import StroboscopicMap
 
 HOT = rm.Actuator(temperature=350.0)
@@ -32,10 +32,10 @@ def test_the_fold_moves_as_tangents_say() -> None:
     fields = ("temperature", "b", "c")
     place = rm.locate_bifurcation(HOT, FOLD, "fold", "omega", initial=START)
     omega, state = float(place.omega), np.array([float(place.stretch), float(place.stretch_rate)])
-    map_ = StroboscopicMap(ensemble(HOT, FOLD.replace(omega=omega)), ("omega", *fields), 1e-11)
+    map_ = StroboscopicMap(lay_out(HOT, FOLD.replace(omega=omega)), ("omega", *fields), 1e-11)
     image = map_(state[None], np.array([[omega, 350.0, 0.4, 1.0]]), 1)
     left = np.linalg.svd(image.jacobian[0] - np.eye(2))[0][:, -1]
-    push = left @ image.slope[0]
+    push = left @ image.parameter_jacobian[0]
     ds = rm.sensitivity(
         rm.locate_bifurcation,
         HOT,
@@ -149,7 +149,7 @@ def test_special_points_over_a_grid_are_those_of_branches() -> None:
 
 def test_what_cannot_be_measured_is_refused() -> None:
     """The message says what is missing."""
-    with pytest.raises(rm.InputError, match="numeric fields"):
+    with pytest.raises(rm.InputError, match="`parameters` must name fields"):
         rm.sensitivity(
             rm.shape_commands, rm.Actuator(), 1.5, of="switch_time", parameters="stiffness"
         )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -112,6 +114,7 @@ def test_two_attractors_and_who_goes_there() -> None:
 
 
 def test_undamped_starts_have_a_rotation_number() -> None:
+    """Motion without dissipation has no attractors; its islands are told by their turning."""
     ds = rm.basins(rm.Actuator(), DRIVE, {"stretch": [1.05, 1.1]}, periods=300)
     assert "basin" not in ds
     assert ds.rotation_number.notnull().all()
@@ -135,11 +138,12 @@ def test_a_sweep_shows_hysteresis() -> None:
 
 
 def test_bad_arguments_say_what_to_do() -> None:
+    """Bad input: the message names the argument that was passed."""
     with pytest.raises(rm.InputError, match="`periods`"):
         rm.lyapunov(DAMPED, DRIVE, periods=0)
     with pytest.raises(rm.InputError, match="at most 2"):
         rm.lyapunov(DAMPED, DRIVE, periods=10, count=3)
-    with pytest.raises(rm.InputError, match="drive without a period"):
+    with pytest.raises(rm.InputError, match="`drive` must have a period"):
         rm.classify(DAMPED, rm.Constant(0.1), periods=200)
     with pytest.raises(rm.InputError, match="at least 100"):
         rm.classify(DAMPED, DRIVE, periods=10)
@@ -149,11 +153,24 @@ def test_bad_arguments_say_what_to_do() -> None:
         rm.basins(DAMPED, DRIVE, {}, periods=200)
     with pytest.raises(rm.InputError, match="omgea"):
         rm.bifurcation_diagram(DAMPED, DRIVE, "omgea", [1.0, 2.0])
+    with pytest.raises(rm.InputError, match="`grid` must name state variables"):
+        rm.basins(DAMPED, DRIVE, {"strech": [1.0]}, periods=200)
+    with pytest.raises(rm.InputError, match=r"^`grid\['stretch'\]` must be sorted"):
+        rm.basins(DAMPED, DRIVE, {"stretch": [1.1, 1.0]}, periods=200)
+    with pytest.raises(rm.InputError, match="`over` must have dimensions that the grid"):
+        rm.basins(DAMPED, DRIVE, {"stretch": [1.0]}, over={"initial.stretch": [1.0]})
+    with pytest.raises(rm.InputError, match=r"^`values` must be sorted"):
+        rm.bifurcation_diagram(DAMPED, DRIVE, "omega", [2.0, 1.0])
+    with pytest.raises(rm.InputError, match="`over` must not vary omega"):
+        rm.bifurcation_diagram(DAMPED, DRIVE, "omega", [1.0, 2.0], over={"omega": [1.0]})
+    with pytest.raises(rm.InputError, match="`rng` must"):
+        rm.classify(DAMPED, DRIVE, periods=200, rng=-1)
     with pytest.raises(rm.InputError, match="direction"):
         rm.bifurcation_diagram(DAMPED, DRIVE, "omega", [1.0, 2.0], direction="left")
 
 
 def test_an_invalid_point_does_not_stop_the_rest() -> None:
+    """A failure is a status, then NaN, at its own point only."""
     over = {"omega": xr.DataArray([-1.0, 1.25], dims="case")}
     for verb in (rm.lyapunov, rm.classify):
         ds = verb(DAMPED, DRIVE, periods=120, over=over)
@@ -180,3 +197,82 @@ def test_slightly_damped_motion_is_sorted_by_the_orbits_it_is_on_the_way_to() ->
     assert (ds.basin.values >= 0).any(axis=1).all()
     for state in ds.attractor_state.values:
         assert np.abs(stable - state).max(axis=1).min() < 1e-7
+
+
+def test_basins_over_a_field_are_the_single_ones() -> None:
+    """Determinism: each set of parameters has the attractors that it has alone."""
+    body, drive = rm.Actuator(prestress=2.2, c=0.2), rm.Sine(0.02, 3.0, mean=2.3)
+    grid = {"stretch": np.linspace(0.6, 2.4, 10)}
+    etas, means = [0.0, 0.5], [0.2, 2.3]
+    over = {"dissipation.0.eta": etas, "mean": means}
+    damped = body.replace(dissipation=rm.Rayleigh(0.1))
+    ds = rm.basins(damped, drive, grid, periods=100, over=over)
+    assert ds.basin.dims == ("dissipation.0.eta", "mean", "stretch")
+    assert (ds.basin[0] == -1).all()  # without dissipation there are no attractors
+    assert ds.fraction[0].isnull().all()
+    for k, mean in enumerate(means):
+        alone = rm.basins(
+            body.replace(dissipation=rm.Rayleigh(0.5)), rm.Sine(0.02, 3.0, mean=mean), grid,
+            periods=100,
+        )  # fmt: skip
+        here, count = ds.isel({"dissipation.0.eta": 1, "mean": k}), alone.sizes["attractor"]
+        for name in alone.data_vars:
+            own = here[name]
+            if "attractor" in own.dims:
+                own = own.isel(attractor=slice(count))
+            np.testing.assert_array_equal(own, alone[name], err_msg=str(name))
+        assert here.fraction[count:].isnull().all()
+    assert {ds.fraction[1, k].count().item() for k in range(2)} == {1, 2}
+
+
+def test_sweeps_over_a_field_are_the_single_ones() -> None:
+    """Determinism: each set of parameters is swept as it is alone, both ways."""
+    values, temperatures = [0.2, 0.3, 0.4], [280.0, 320.0]
+    options: dict[str, Any] = {"direction": "both", "discard": 30, "keep": 3}
+    ds = rm.bifurcation_diagram(
+        DAMPED, DRIVE, "b", values, over={"temperature": temperatures}, **options
+    )
+    assert ds.stretch.dims == ("temperature", "sweep", "b", "period")
+    for temperature in temperatures:
+        body = DAMPED.replace(temperature=temperature)
+        alone = rm.bifurcation_diagram(body, DRIVE, "b", values, **options)
+        for name in alone.data_vars:
+            here = ds[name].sel(temperature=temperature)
+            np.testing.assert_array_equal(here, alone[name], err_msg=str(name))
+
+
+def test_random_frequencies_follow_from_the_seed_alone() -> None:
+    """Determinism: None is one seed, a generator is not advanced, and no other number moves."""
+    generator = np.random.default_rng(5)
+    before = generator.bit_generator.state
+    runs = [
+        rm.classify(rm.Actuator(), DRIVE, periods=150, rng=rng) for rng in (None, 0, generator, 1)
+    ]
+    assert generator.bit_generator.state == before
+    xr.testing.assert_identical(runs[0], runs[1])
+    xr.testing.assert_identical(
+        runs[2], rm.classify(rm.Actuator(), DRIVE, periods=150, rng=generator)
+    )
+    assert len({float(run.zero_one) for run in runs}) == 3
+    rest = [run.drop_vars("zero_one") for run in runs]
+    assert all(run.equals(rest[0]) for run in rest)
+
+
+def test_progress_is_told_up_to_the_end() -> None:
+    """Shares grow and the last of them is 1, for every verb of long runs."""
+    over = {"omega": [1.25, 1.3]}
+    calls: dict[str, Any] = {
+        "lyapunov": lambda f: rm.lyapunov(DAMPED, DRIVE, periods=100, over=over, progress=f),
+        "classify": lambda f: rm.classify(DAMPED, DRIVE, periods=100, over=over, progress=f),
+        "symmetry_check": lambda f: rm.symmetry_check(
+            DAMPED, DRIVE, periods=50, over=over, progress=f
+        ),
+        "bifurcation_diagram": lambda f: rm.bifurcation_diagram(
+            DAMPED, DRIVE, "b", [0.3, 0.4], discard=10, keep=1, progress=f
+        ),
+    }
+    for name, call in calls.items():
+        shares: list[float] = []
+        call(shares.append)
+        assert shares == sorted(shares), name
+        assert shares[-1] == 1.0, name

@@ -37,7 +37,7 @@ def test_quantiles_and_shares_of_a_closed_form() -> None:
 def test_a_history_has_a_band_and_repeats_itself() -> None:
     """Every instant has its quantiles; at rest there is no band; the same seed, the same."""
 
-    def band(rng: int) -> xr.Dataset:
+    def band(rng: int | None) -> xr.Dataset:
         return rm.uncertainty(
             rm.simulate, rm.Actuator(), rm.Constant(0.2), times=[0.0, 1.0, 5.0],
             of="thickness_stretch", parameter_ranges={"c": (0.9, 1.1)}, samples=256, rng=rng,
@@ -49,6 +49,7 @@ def test_a_history_has_a_band_and_repeats_itself() -> None:
     assert (ds.thickness_stretch.diff("quantile")[:, 1:] > 0.0).all()
     xr.testing.assert_identical(ds, band(3))
     assert not ds.equals(band(4))
+    xr.testing.assert_identical(band(None), band(0))
     ends = rm.simulate(rm.Actuator(), rm.Constant(0.2), times=[1.0], over={"c": [0.91, 1.09]})
     expected = np.sort(ends.thickness_stretch.values[:, 0])
     np.testing.assert_allclose(ds.thickness_stretch[[0, 2], 1], expected, atol=5e-4)

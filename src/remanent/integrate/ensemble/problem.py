@@ -13,6 +13,9 @@ from remanent._field import Field
 from remanent._timeline import Timeline
 from remanent._typing import BoolArray, FloatArray, IntArray
 
+#: Times that exceed the horizon by less than this, relative to it, are at it.
+_HORIZON_ROUNDING = 1e-12
+
 
 @dataclass(frozen=True)
 class Problem:
@@ -131,6 +134,15 @@ class Outcome:
     status: NDArray[np.int8]
     resolution: IntArray
     findings: tuple[Any, ...] = ()
+
+    def beyond_horizon(self, times: FloatArray) -> BoolArray:
+        """Where `times`, array (trajectory, time), are past the horizon of their trajectory."""
+        return np.asarray(times > latest_trusted_time(self.horizon)[:, None])
+
+
+def latest_trusted_time(horizon: FloatArray) -> FloatArray:
+    """The horizon with a margin for rounding: a time that was meant to be at it still counts."""
+    return horizon * (1.0 + _HORIZON_ROUNDING)
 
 
 def merge_outcomes(count: int, parts: Iterable[tuple[slice, Outcome]]) -> Outcome:

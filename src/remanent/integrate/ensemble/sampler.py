@@ -10,7 +10,7 @@ import numpy as np
 from remanent._typing import FloatArray, IntArray
 from remanent.integrate.ensemble import dense
 from remanent.integrate.ensemble.counts import cycle_counts
-from remanent.integrate.ensemble.problem import Window
+from remanent.integrate.ensemble.problem import Window, latest_trusted_time
 from remanent.integrate.ensemble.run import Run
 from remanent.integrate.ensemble.segments import Segment
 from remanent.integrate.kernel.compile import Kernel
@@ -19,8 +19,6 @@ from remanent.integrate.methods.runge_kutta import default_method
 
 #: A time this close to the end of a step, in steps, is that end: rounding in the time.
 _STEP_SLACK = 1e-9
-#: A time beyond the horizon by this relative distance still lies on it.
-_HORIZON_SLACK = 1e-12
 
 
 @dataclass(frozen=True)
@@ -161,7 +159,7 @@ class Sampler:
             near = np.rint(position)
             position = np.where(np.abs(position - near) < _STEP_SLACK, near, position)
             inside = (position >= 0.0) & (position <= steps[:, None])
-        trusted = times <= memory.column("horizon")[:, None] * (1.0 + _HORIZON_SLACK)
+        trusted = times <= latest_trusted_time(memory.column("horizon"))[:, None]
         trajectory, sample = np.nonzero(inside & trusted & (steps > 0)[:, None])
         parameters = memory.parameters()
         size = self.run.sizes.samples

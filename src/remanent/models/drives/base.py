@@ -30,6 +30,11 @@ class Drive(Part, ABC):
     has_rate: ClassVar[bool] = False
 
     @property
+    def load_names(self) -> tuple[str, ...]:
+        """Names of the loads that the drive gives, in the order of the system's ``loads``."""
+        return ("load",)
+
+    @property
     def waveforms(self) -> tuple[str, ...]:
         """Names of the waveforms that :meth:`load` uses."""
         return ()
@@ -59,11 +64,40 @@ class Drive(Part, ABC):
             Where ``sin`` and other functions are found: the module sympy or numpy.
         """
 
+    def load_laws(
+        self, p: Mapping[str, Any], u: Mapping[str, Any], phase: Any, fn: Any
+    ) -> dict[str, Any]:
+        """Every load by its name, for systems with one load or several.
+
+        Parameters
+        ----------
+        p, u, phase, fn
+            Numeric fields, waveforms, phase and functions, as :meth:`load` takes them.
+        """
+        return {name: self.load(p, u, phase, fn) for name in self.load_names}
+
+    def load_rates(
+        self, p: Mapping[str, Any], u: Mapping[str, Any], phase: Any, fn: Any
+    ) -> dict[str, Any]:
+        """The rate of every load by its name; None where it jumps or has no closed form.
+
+        Parameters
+        ----------
+        p, u, phase, fn
+            Numeric fields, waveforms, phase and functions, as :meth:`load` takes them.
+        """
+        return {name: self.rate(p, u, phase, fn) for name in self.load_names}
+
     def rate(self, p: Mapping[str, Any], u: Mapping[str, Any], phase: Any, fn: Any) -> Any:
         """Rate of the load, dm/dtau; None where it jumps or has no closed form.
 
-        Wanted where a remanence that depends on temperature takes part in a heat balance.
-        Arguments as for :meth:`load`.
+        It enters the equations where a remanence that depends on temperature takes part in
+        a heat balance.
+
+        Parameters
+        ----------
+        p, u, phase, fn
+            Numeric fields, waveforms, phase and functions, as :meth:`load` takes them.
         """
         return None
 
@@ -91,8 +125,8 @@ class Drive(Part, ABC):
 
     def value(self, values: Mapping[str, FloatArray], name: str) -> FloatArray:
         """The field `name` of a batch: from `values`, else the drive's own."""
-        own = values[name] if name in values else self.parameters()[name]
-        return np.asarray(own, dtype=np.float64)
+        numbers = values[name] if name in values else self.parameters()[name]
+        return np.asarray(numbers, dtype=np.float64)
 
 
 def repeated(

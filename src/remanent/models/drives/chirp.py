@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -14,9 +14,10 @@ from remanent._checks import Rule
 from remanent._timeline import Timeline
 from remanent._typing import ArrayLike, FloatArray
 from remanent.models.drives.base import Drive, no_waveform
-from remanent.models.drives.waves import LOAD, PHASE
+from remanent.models.drives.waves import LOAD_RULE, PHASE_RULE
 
-_END = _checks.not_negative(
+#: The rule of the frequencies at both ends of the sweep.
+_END_RULE = _checks.not_negative(
     "It is an angular frequency at one end of the sweep.", "Pass 0 or more."
 )
 
@@ -52,17 +53,22 @@ class Chirp(Drive):
 
     rules: ClassVar[Mapping[str, Rule]] = MappingProxyType(
         {
-            "m": LOAD,
-            "start": _END,
-            "stop": _END,
+            "m": LOAD_RULE,
+            "start": _END_RULE,
+            "stop": _END_RULE,
             "duration": _checks.positive(
                 "It is how long the sweep takes.", "For a single frequency use Sine."
             ),
-            "mean": LOAD,
-            "phase": PHASE,
+            "mean": LOAD_RULE,
+            "phase": PHASE_RULE,
         }
     )
     piece_parameters: ClassVar[tuple[str, ...]] = ("piece.0", "piece.1", "piece.2")
+
+    @classmethod
+    def example(cls) -> Self:
+        """An instance with usual numbers, on which contract tests try every public part."""
+        return cls(0.2, 1.0, 3.0, 5.0, mean=0.1, phase=0.4)
 
     def __call__(self, tau: ArrayLike) -> FloatArray:
         """m(tau) = mean + m sin(angle(tau))."""

@@ -6,7 +6,7 @@ from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib import import_module
-from typing import Any, ClassVar, TypeAlias
+from typing import Any, ClassVar, Self, TypeAlias
 
 import numpy as np
 
@@ -37,35 +37,43 @@ class Table(Drive):
 
     piece_parameters: ClassVar[tuple[str, ...]] = tuple(f"piece.{i}" for i in range(4))
     #: Least number of entries.
-    fewest: ClassVar[int] = 1
+    min_entries: ClassVar[int] = 1
     #: Whether the last load is held for ever; otherwise runs must end with the table.
-    held: ClassVar[bool] = True
+    holds_last_load: ClassVar[bool] = True
 
     def checked_options(self) -> Mapping[str, Any]:
         """Both tables as tuples of floats, if they fit together."""
-        times = _checks.require_increasing("times", self.times)
-        loads = _checks.require_numbers("loads", self.loads)
+        times = _checks.require_increasing(
+            "times", self.times, what="instants", why="They say from when each load acts."
+        )
+        loads = _checks.require_numbers(
+            "loads", self.loads, what="magnetic loads", why="There is one for each instant."
+        )
         if times[0] != 0.0:
             raise InputError(
-                "times", "start at 0", times[0], "Motion starts at tau = 0.", "Shift the times."
+                "times",
+                must="start at 0",
+                got=float(times[0]),
+                why="Motion starts at tau = 0.",
+                fix="Shift the times.",
             )
-        if len(times) < self.fewest:
+        if len(times) < self.min_entries:
             raise InputError(
                 "times",
-                f"have at least {self.fewest} entries",
-                len(times),
-                "A signal is interpolated between samples.",
-                "For a load that does not change use Constant.",
+                must=f"have at least {self.min_entries} entries",
+                got=len(times),
+                why="A signal is interpolated between samples.",
+                fix="For a load that does not change use Constant.",
             )
         if len(loads) != len(times):
             raise InputError(
                 "loads",
-                f"have as many entries as `times`, {len(times)}",
-                len(loads),
-                "Each instant has one load.",
-                "Pass one load per instant.",
+                must=f"have as many entries as `times`, {len(times)}",
+                got=len(loads),
+                why="Each instant has one load.",
+                fix="Pass one load per instant.",
             )
-        return {"times": times, "loads": loads}
+        return {"times": tuple(times.tolist()), "loads": tuple(loads.tolist())}
 
     @abstractmethod
     def coefficients(self) -> FloatArray:
@@ -93,11 +101,11 @@ class Table(Drive):
         starts = np.asarray(self.times)[:, np.newaxis]
         following = np.append(self.times[1:], np.inf)[:, np.newaxis]
         lengths = np.maximum(np.minimum(following, ends) - starts, 0.0)
-        kept = np.any(lengths > 0.0, axis=1)
-        kept[0] = True
-        lengths = lengths[kept]
+        begun = np.any(lengths > 0.0, axis=1)
+        begun[0] = True  # a run of no length still has a piece
+        lengths = lengths[begun]
         scaled = {
-            name: row[kept, np.newaxis] * lengths**k
+            name: row[begun, np.newaxis] * lengths**k
             for k, (name, row) in enumerate(
                 zip(self.piece_parameters, self.coefficients(), strict=True)
             )
@@ -106,13 +114,13 @@ class Table(Drive):
 
     def _covered(self, name: str, times: FloatArray) -> FloatArray:
         """`times` themselves, if the table defines the load up to the last of them."""
-        if not self.held and np.any(times > self.times[-1]):
+        if not self.holds_last_load and np.any(times > self.times[-1]):
             raise InputError(
                 name,
-                f"not go beyond the last entry of `times`, {self.times[-1]}",
-                float(np.max(times)),
-                "The load is unknown after it.",
-                "Shorten the run or add entries.",
+                must=f"not go beyond the last entry of `times`, {self.times[-1]}",
+                got=float(np.max(times)),
+                why="The load is unknown after it.",
+                fix="Shorten the run or add entries.",
             )
         return times
 
@@ -128,6 +136,11 @@ class Steps(Table):
     >>> Steps([0.0, 2.0], [0.16, 0.3])([1.0, 2.0]).tolist()
     [0.16, 0.3]
     """
+
+    @classmethod
+    def example(cls) -> Self:
+        """An instance with usual numbers, on which contract tests try every public part."""
+        return cls([0.0, 1.5, 4.0], [0.1, -0.2, 0.3])
 
     def coefficients(self) -> FloatArray:
         """The load itself, in each piece."""
@@ -145,6 +158,11 @@ class Ramp(Table):
     >>> Ramp([0.0, 2.0], [0.0, 0.3])([1.0, 5.0]).tolist()
     [0.15, 0.3]
     """
+
+    @classmethod
+    def example(cls) -> Self:
+        """An instance with usual numbers, on which contract tests try every public part."""
+        return cls([0.0, 2.0, 3.0], [0.1, 0.4, -0.3])
 
     def coefficients(self) -> FloatArray:
         """The load at the start of each piece and its slope."""
@@ -165,8 +183,13 @@ class Sampled(Table):
     3.375
     """
 
-    fewest: ClassVar[int] = 2
-    held: ClassVar[bool] = False
+    min_entries: ClassVar[int] = 2
+    holds_last_load: ClassVar[bool] = False
+
+    @classmethod
+    def example(cls) -> Self:
+        """An instance with usual numbers, on which contract tests try every public part."""
+        return cls(np.linspace(0.0, 10.0, 9), np.sin(np.arange(9.0)))
 
     def coefficients(self) -> FloatArray:
         """Coefficients of the spline; the last piece, never reached, is constant."""

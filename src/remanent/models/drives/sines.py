@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 from types import MappingProxyType
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -18,8 +18,9 @@ from remanent._timeline import Timeline
 from remanent._typing import ArrayLike, FloatArray
 from remanent.models.drives.base import Drive, no_waveform, repeated
 from remanent.models.drives.piecewise import Numbers
-from remanent.models.drives.waves import LOAD, OMEGA, PHASE
+from remanent.models.drives.waves import LOAD_RULE, OMEGA_RULE, PHASE_RULE
 
+#: Name of the angle omega tau at the end of the run, a parameter of the piece.
 _TURNS = "piece.turns"
 
 
@@ -61,9 +62,16 @@ class Sines(Drive):
     mean: float = 0.0
 
     has_rate: ClassVar[bool] = True
-    rules: ClassVar[Mapping[str, Rule]] = MappingProxyType({"omega": OMEGA, "mean": LOAD})
-    tables: ClassVar[Mapping[str, Rule]] = MappingProxyType({"loads": LOAD, "phases": PHASE})
+    rules: ClassVar[Mapping[str, Rule]] = MappingProxyType({"omega": OMEGA_RULE, "mean": LOAD_RULE})
+    tables: ClassVar[Mapping[str, Rule]] = MappingProxyType(
+        {"loads": LOAD_RULE, "phases": PHASE_RULE}
+    )
     choices: ClassVar[tuple[str, ...]] = ("multiples",)
+
+    @classmethod
+    def example(cls) -> Self:
+        """An instance with usual numbers, on which contract tests try every public part."""
+        return cls([0.2, -0.1], [1, 2], 0.7, phases=[0.3, 1.0], mean=0.05)
 
     def __post_init__(self) -> None:
         if self.phases is None:
@@ -72,34 +80,38 @@ class Sines(Drive):
 
     def checked_options(self) -> Mapping[str, Any]:
         """The multiples as a tuple of floats, if they fit the loads and phases."""
-        multiples = _checks.require_numbers("multiples", self.multiples)
+        multiples = _checks.require_numbers(
+            "multiples", self.multiples, what="multiples of omega", why="Each term has one."
+        ).tolist()
         if min(multiples) <= 0.0 or len(set(multiples)) < len(multiples):
             raise InputError(
                 "multiples",
-                "be positive and different from each other",
-                multiples,
-                "Each is the frequency of one term, over omega.",
-                "Join terms of one frequency; put a constant into `mean`.",
+                must="be positive and different from each other",
+                got=multiples,
+                why="Each is the frequency of one term, over omega.",
+                fix="Join terms of one frequency; put a constant into `mean`.",
             )
         for name in self.tables:
             if len(getattr(self, name)) != len(multiples):
                 raise InputError(
                     name,
-                    f"have as many entries as `multiples`, {len(multiples)}",
-                    len(getattr(self, name)),
-                    "Each term has one.",
-                    "Pass one entry per term.",
+                    must=f"have as many entries as `multiples`, {len(multiples)}",
+                    got=len(getattr(self, name)),
+                    why="Each term has one.",
+                    fix="Pass one entry per term.",
                 )
-        return {"multiples": multiples}
+        return {"multiples": tuple(multiples)}
 
     def _terms(self) -> tuple[float, ...]:
         assert isinstance(self.multiples, tuple)  # since it was checked
         return self.multiples
 
     def _base(self) -> int | None:
-        """The largest whole number of which all multiples are multiples."""
-        whole = all(k == round(k) for k in self._terms())
-        return math.gcd(*(round(k) for k in self._terms())) if whole else None
+        """The largest integer of which all multiples are multiples."""
+        multiples = self._terms()
+        if any(k != round(k) for k in multiples):
+            return None
+        return math.gcd(*map(round, multiples))
 
     @property
     def waveforms(self) -> tuple[str, ...]:

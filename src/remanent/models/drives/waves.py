@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -15,9 +15,12 @@ from remanent._timeline import Timeline
 from remanent._typing import ArrayLike, FloatArray
 from remanent.models.drives.base import Drive, no_waveform, repeated
 
-LOAD = _checks.finite("It is a magnetic load, B_r B/(mu mu0).")
-PHASE = _checks.finite("It is an angle in radians.")
-OMEGA = _checks.positive(
+#: The rule of a magnetic load.
+LOAD_RULE = _checks.finite("It is a magnetic load, B_r B/(mu mu0).")
+#: The rule of an angle.
+PHASE_RULE = _checks.finite("It is an angle in radians.")
+#: The rule of an angular frequency.
+OMEGA_RULE = _checks.positive(
     "It is an angular frequency per unit of tau.",
     "Pass a number above 0; for a load that does not change use Constant.",
 )
@@ -41,7 +44,12 @@ class Constant(Drive):
     m: float
 
     has_rate: ClassVar[bool] = True
-    rules: ClassVar[Mapping[str, Rule]] = MappingProxyType({"m": LOAD})
+    rules: ClassVar[Mapping[str, Rule]] = MappingProxyType({"m": LOAD_RULE})
+
+    @classmethod
+    def example(cls) -> Self:
+        """An instance with usual numbers, on which contract tests try every public part."""
+        return cls(0.16)
 
     def __call__(self, tau: ArrayLike) -> FloatArray:
         """m(tau) = m."""
@@ -91,11 +99,16 @@ class SineSquared(Drive):
     rules: ClassVar[Mapping[str, Rule]] = MappingProxyType(
         {
             "b": _checks.finite("Its square is the largest magnetic load."),
-            "omega": OMEGA,
-            "phase": PHASE,
+            "omega": OMEGA_RULE,
+            "phase": PHASE_RULE,
         }
     )
     waveforms: ClassVar[tuple[str, ...]] = ("sin_pi_phase", "cos_pi_phase")
+
+    @classmethod
+    def example(cls) -> Self:
+        """An instance with usual numbers, on which contract tests try every public part."""
+        return cls(0.4, 1.25, phase=0.3)
 
     def __call__(self, tau: ArrayLike) -> FloatArray:
         """m(tau) = [b sin(omega tau + phase)]^2."""
@@ -150,9 +163,14 @@ class Sine(Drive):
 
     has_rate: ClassVar[bool] = True
     rules: ClassVar[Mapping[str, Rule]] = MappingProxyType(
-        {"m": LOAD, "omega": OMEGA, "mean": LOAD, "phase": PHASE}
+        {"m": LOAD_RULE, "omega": OMEGA_RULE, "mean": LOAD_RULE, "phase": PHASE_RULE}
     )
     waveforms: ClassVar[tuple[str, ...]] = ("sin_2pi_phase", "cos_2pi_phase")
+
+    @classmethod
+    def example(cls) -> Self:
+        """An instance with usual numbers, on which contract tests try every public part."""
+        return cls(0.2, 0.7, mean=-0.1, phase=2.0)
 
     def __call__(self, tau: ArrayLike) -> FloatArray:
         """m(tau) = mean + m sin(omega tau + phase)."""

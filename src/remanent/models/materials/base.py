@@ -12,6 +12,7 @@ import numpy as np
 from remanent._checks import Rule
 from remanent.models.parts import Part
 
+#: The rule of the share of the modulus that is proportional to temperature.
 ENTROPIC_FRACTION = Rule(
     "be a finite number from 0 to 1",
     lambda x: np.asarray((x >= 0) & (x <= 1)),
@@ -28,9 +29,10 @@ class Material(Part, ABC):
     :func:`remanent.models.heat.stiffness`.
     """
 
-    #: Whether rates are computed from the energy's derivatives as they are written, instead
-    #: of quotients of expanded polynomials: for formulas whose expansion is long.
-    kept: ClassVar[bool] = False
+    #: Whether rates are brought to quotients of expanded polynomials.  False for formulas
+    #: whose expansion is long: rates are then computed from the energy's derivatives as they
+    #: are written.
+    expand: ClassVar[bool] = True
 
     @abstractmethod
     def energy(self, l1: Any, l2: Any, l3: Any, p: Mapping[str, Any], fn: Any) -> Any:
@@ -48,9 +50,23 @@ class Material(Part, ABC):
             Where functions such as ``log`` are found: the module sympy or numpy.
         """
 
-    def room(self, l1: Any, l2: Any, l3: Any, p: Mapping[str, Any], fn: Any) -> Sequence[Any]:
-        """What must be positive for the energy to exist; arguments as for :meth:`energy`.
+    def admissibility(
+        self, l1: Any, l2: Any, l3: Any, p: Mapping[str, Any], fn: Any
+    ) -> Sequence[Any]:
+        """What must be positive for the energy to exist.
 
+        Parameters
+        ----------
+        l1, l2, l3, p, fn
+            Stretches, numeric fields and functions, as :meth:`energy` takes them.
+
+        Returns
+        -------
+        sequence
+            One value for each condition; none where every stretch is admissible.
+
+        Notes
+        -----
         A motion never leaves the states where all of it is positive: rates are NaN
         elsewhere, so that steps that would cross are made shorter or given up.
         """

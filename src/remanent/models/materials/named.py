@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 from remanent import _checks
 from remanent._checks import Rule
@@ -24,6 +24,7 @@ __all__ = [
     "ArrudaBoyce", "Gent", "Material", "MooneyRivlin", "NeoHookean", "Ogden", "StrainEnergy",
 ]  # fmt: skip
 
+#: The rule of the shear modulus that follows from the constants.
 _MODULUS = _checks.positive(
     "It is the shear modulus of the undeformed solid, by which the energy is divided.",
     "Without a positive one the undeformed state is not stable; check constants and signs.",
@@ -98,13 +99,20 @@ class Gent(Material):
         }
     )
 
+    @classmethod
+    def example(cls) -> Self:
+        """An instance with usual numbers, on which contract tests try every public part."""
+        return cls(12.0)
+
     def energy(self, l1: Any, l2: Any, l3: Any, p: Mapping[str, Any], fn: Any) -> Any:
         """W/mu = -(J_m/2) ln[1 - (I1 - 3)/J_m]."""
-        (left,) = self.room(l1, l2, l3, p, fn)
-        return -p["jm"] * fn.log(left) / 2
+        (remaining,) = self.admissibility(l1, l2, l3, p, fn)
+        return -p["jm"] * fn.log(remaining) / 2
 
-    def room(self, l1: Any, l2: Any, l3: Any, p: Mapping[str, Any], fn: Any) -> Sequence[Any]:
-        """1 - (I1 - 3)/J_m, what is left of the extension of the chains."""
+    def admissibility(
+        self, l1: Any, l2: Any, l3: Any, p: Mapping[str, Any], fn: Any
+    ) -> Sequence[Any]:
+        """1 - (I1 - 3)/J_m, what remains of the extension of the chains."""
         return (1 - first_invariant(l1, l2, l3) / p["jm"],)
 
 
@@ -143,6 +151,11 @@ class MooneyRivlin(Material):
     rules: ClassVar[Mapping[str, Rule]] = MappingProxyType(
         {"c1": _constant, "c2": _constant, "entropic_fraction": ENTROPIC_FRACTION}
     )
+
+    @classmethod
+    def example(cls) -> Self:
+        """An instance with usual numbers, on which contract tests try every public part."""
+        return cls(0.3, 0.1)
 
     def derived(self, p: Mapping[str, Any]) -> Mapping[str, tuple[Any, Rule]]:
         """The shear modulus 2 (c1 + c2)."""
@@ -199,15 +212,20 @@ class Ogden(Material):
         }
     )
 
+    @classmethod
+    def example(cls) -> Self:
+        """An instance with usual numbers, on which contract tests try every public part."""
+        return cls([0.63, 0.0012, -0.01], [1.3, 5.0, -2.0])
+
     def checked_options(self) -> Mapping[str, Any]:
         """Nothing new, if there is an exponent for each modulus."""
         if len(self.moduli) != len(self.exponents):
             raise InputError(
                 "exponents",
-                f"have as many entries as `moduli`, {len(self.moduli)}",
-                len(self.exponents),
-                "Each term has a modulus and an exponent.",
-                "Pass one entry per term.",
+                must=f"have as many entries as `moduli`, {len(self.moduli)}",
+                got=len(self.exponents),
+                why="Each term has a modulus and an exponent.",
+                fix="Pass one entry per term.",
             )
         return {}
 
@@ -270,7 +288,7 @@ class ArrudaBoyce(Material):
     locking_stretch: float
     entropic_fraction: float = 1.0
 
-    kept: ClassVar[bool] = True
+    expand: ClassVar[bool] = False
 
     rules: ClassVar[Mapping[str, Rule]] = MappingProxyType(
         {
@@ -284,17 +302,22 @@ class ArrudaBoyce(Material):
         }
     )
 
+    @classmethod
+    def example(cls) -> Self:
+        """An instance with usual numbers, on which contract tests try every public part."""
+        return cls(2.5)
+
     def energy(self, l1: Any, l2: Any, l3: Any, p: Mapping[str, Any], fn: Any) -> Any:
         """W/mu = (I1 - 3) sum_i C_i y^(i - 1) [sum_k I1^k 3^(i - 1 - k)]/mu, y = 1/L^2.
 
         I1^i - 3^i with its factor I1 - 3 taken out, which is small near rest;
         mu = 2 sum_i i C_i (3 y)^(i - 1), twice the slope of W in I1 at I1 = 3.
         """
-        small = first_invariant(l1, l2, l3)
+        invariant = first_invariant(l1, l2, l3)  # I1 - 3, small near rest
         y = 1 / p["locking_stretch"] ** 2
         total, modulus = 0, 0
         for i, (above, below) in enumerate(_SERIES):
-            powers = sum((3 + small) ** k * 3 ** (i - k) for k in range(i + 1))
+            powers = sum((3 + invariant) ** k * 3 ** (i - k) for k in range(i + 1))
             total = total + above * y**i / below * powers
             modulus = modulus + 2 * (i + 1) * above * (3 * y) ** i / below
-        return small * total / modulus
+        return invariant * total / modulus

@@ -1,4 +1,4 @@
-"""Numbers that carry two derivatives: how a formula bends at a point."""
+"""Second-order automatic differentiation along one direction."""
 
 from __future__ import annotations
 
@@ -7,98 +7,100 @@ from typing import Any, ClassVar
 
 
 @dataclass(frozen=True)
-class Jet:
+class SecondOrderDual:
     """A value with its first and second derivative along one direction.
 
     The three are numbers of any kind: floats, arrays, symbols.
 
     Examples
     --------
-    >>> x = Jet(2.0, 1.0, 0.0)
+    >>> x = SecondOrderDual(2.0, 1.0, 0.0)
     >>> 1 / x
-    Jet(value=0.5, slope=-0.25, bend=0.25)
+    SecondOrderDual(value=0.5, first=-0.25, second=0.25)
     """
 
     value: Any
-    slope: Any
-    bend: Any
+    first: Any
+    second: Any
 
-    #: Arrays leave arithmetic with jets to the jets.
+    #: Arrays leave arithmetic with these numbers to the numbers' own methods.
     __array_ufunc__: ClassVar[None] = None
 
-    def __add__(self, other: Any) -> Jet:
-        b = _jet(other)
-        return Jet(self.value + b.value, self.slope + b.slope, self.bend + b.bend)
+    def __add__(self, other: Any) -> SecondOrderDual:
+        b = _dual(other)
+        return SecondOrderDual(self.value + b.value, self.first + b.first, self.second + b.second)
 
     __radd__ = __add__
 
-    def __neg__(self) -> Jet:
-        return Jet(-self.value, -self.slope, -self.bend)
+    def __neg__(self) -> SecondOrderDual:
+        return SecondOrderDual(-self.value, -self.first, -self.second)
 
-    def __sub__(self, other: Any) -> Jet:
-        return self + (-_jet(other))
+    def __sub__(self, other: Any) -> SecondOrderDual:
+        return self + (-_dual(other))
 
-    def __rsub__(self, other: Any) -> Jet:
+    def __rsub__(self, other: Any) -> SecondOrderDual:
         negative = -self
-        return negative + _jet(other)
+        return negative + _dual(other)
 
-    def __mul__(self, other: Any) -> Jet:
-        b = _jet(other)
-        bend = self.bend * b.value + 2 * self.slope * b.slope + self.value * b.bend
-        return Jet(self.value * b.value, self.slope * b.value + self.value * b.slope, bend)
+    def __mul__(self, other: Any) -> SecondOrderDual:
+        b = _dual(other)
+        second = self.second * b.value + 2 * self.first * b.first + self.value * b.second
+        return SecondOrderDual(
+            self.value * b.value, self.first * b.value + self.value * b.first, second
+        )
 
     __rmul__ = __mul__
 
-    def __truediv__(self, other: Any) -> Jet:
-        return self * _jet(other) ** -1
+    def __truediv__(self, other: Any) -> SecondOrderDual:
+        return self * _dual(other) ** -1
 
-    def __rtruediv__(self, other: Any) -> Jet:
-        return _jet(other) * self**-1
+    def __rtruediv__(self, other: Any) -> SecondOrderDual:
+        return _dual(other) * self**-1
 
-    def __pow__(self, n: Any) -> Jet:
+    def __pow__(self, n: Any) -> SecondOrderDual:
         """The power by an exponent without derivatives."""
         return self.mapped(lambda x: (x**n, n * x ** (n - 1), n * (n - 1) * x ** (n - 2)))
 
-    def mapped(self, derivatives: Any) -> Jet:
+    def mapped(self, derivatives: Any) -> SecondOrderDual:
         """f of this, where ``derivatives(value)`` gives f and its first two derivatives."""
         f, d, dd = derivatives(self.value)
-        return Jet(f, d * self.slope, dd * self.slope**2 + d * self.bend)
+        return SecondOrderDual(f, d * self.first, dd * self.first**2 + d * self.second)
 
 
-def _jet(x: Any) -> Jet:
-    return x if isinstance(x, Jet) else Jet(x, 0 * x, 0 * x)
+def _dual(x: Any) -> SecondOrderDual:
+    return x if isinstance(x, SecondOrderDual) else SecondOrderDual(x, 0 * x, 0 * x)
 
 
 @dataclass(frozen=True)
-class JetFunctions:
-    """The functions of formulas, of jets whose numbers have theirs in `fn`."""
+class DualFunctions:
+    """The functions of formulas, of such numbers, whose parts have their functions in `fn`."""
 
     fn: Any
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self.fn, name)
 
-    def sqrt(self, x: Any) -> Jet:
+    def sqrt(self, x: Any) -> SecondOrderDual:
         """Square root."""
 
         def derivatives(v: Any) -> tuple[Any, Any, Any]:
             root = self.fn.sqrt(v)
             return root, 1 / (2 * root), -1 / (4 * root * v)
 
-        return _jet(x).mapped(derivatives)
+        return _dual(x).mapped(derivatives)
 
-    def exp(self, x: Any) -> Jet:
+    def exp(self, x: Any) -> SecondOrderDual:
         """Exponential."""
-        return _jet(x).mapped(lambda v: (self.fn.exp(v),) * 3)
+        return _dual(x).mapped(lambda v: (self.fn.exp(v),) * 3)
 
-    def log(self, x: Any) -> Jet:
+    def log(self, x: Any) -> SecondOrderDual:
         """Natural logarithm."""
-        return _jet(x).mapped(lambda v: (self.fn.log(v), 1 / v, -1 / v**2))
+        return _dual(x).mapped(lambda v: (self.fn.log(v), 1 / v, -1 / v**2))
 
-    def sin(self, x: Any) -> Jet:
+    def sin(self, x: Any) -> SecondOrderDual:
         """Sine."""
-        return _jet(x).mapped(lambda v: (self.fn.sin(v), self.fn.cos(v), -self.fn.sin(v)))
+        return _dual(x).mapped(lambda v: (self.fn.sin(v), self.fn.cos(v), -self.fn.sin(v)))
 
-    def cos(self, x: Any) -> Jet:
+    def cos(self, x: Any) -> SecondOrderDual:
         """Cosine."""
-        return _jet(x).mapped(lambda v: (self.fn.cos(v), -self.fn.sin(v), -self.fn.cos(v)))
+        return _dual(x).mapped(lambda v: (self.fn.cos(v), -self.fn.sin(v), -self.fn.cos(v)))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from itertools import permutations
 from types import MappingProxyType
-from typing import Any, ClassVar, Final
+from typing import Any, ClassVar, Final, Self
 
 import numpy as np
 
@@ -17,16 +17,21 @@ from remanent._errors import InputError
 from remanent.models import formula
 from remanent.models.formula import Formula
 from remanent.models.materials.base import ENTROPIC_FRACTION, Material
-from remanent.models.materials.second_order_ad import Jet, JetFunctions
+from remanent.models.materials.second_order_ad import DualFunctions, SecondOrderDual
 
+#: Names of the principal stretches in a formula.
 _STRETCHES: Final = ("l1", "l2", "l3")
+#: What varies in a formula: stretches, and the invariants of Cauchy's tensor.
 _VARIABLES: Final = frozenset((*_STRETCHES, "I1", "I2"))
+#: Names that a constant may not have.
 _RESERVED: Final = _VARIABLES | {
     *formula.FUNCTIONS, formula.PI, "expression", "constants", "entropic_fraction",
 }  # fmt: skip
-#: Stretches at which permutations are compared; their product is 1.
+#: Triples of stretches, of product 1, at which all orders of them are compared.
 _SAMPLES: Final = ((1.05, 0.98, 1 / (1.05 * 0.98)), (0.97, 1.01, 1 / (0.97 * 1.01)))
-_TOLERANCE: Final = 1e-10
+#: Largest difference between these energies, relative to 1 plus the largest of them.
+_ISOTROPY_TOLERANCE: Final = 1e-10
+#: The rule of the shear modulus that follows from the formula.
 _MODULUS: Final = _checks.positive(
     "It is the curvature of the energy at rest, by which the energy is divided; the undeformed "
     "state must be stable.",
@@ -86,7 +91,12 @@ class StrainEnergy(Material):
         {"constants": _checks.finite("It is a constant of the strain energy.")}
     )
     choices: ClassVar[tuple[str, ...]] = ("expression",)
-    kept: ClassVar[bool] = True
+    expand: ClassVar[bool] = False
+
+    @classmethod
+    def example(cls) -> Self:
+        """An instance with usual numbers, on which contract tests try every public part."""
+        return cls("a*(I1 - 3) + b*(I1 - 3)**2", {"a": 50e3, "b": 2e3})
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -99,26 +109,35 @@ class StrainEnergy(Material):
             text = formula.from_sympy(text)
         if not isinstance(text, str):
             raise InputError(
-                "expression", "be text or a SymPy expression", repr(text),
-                "It is a formula for the strain energy.", "Pass for example 'I1 - 3'.",
-            )  # fmt: skip
-        found = formula.parse(text)
-        _require_names(found.names, [name for name, _ in self._pairs()["constants"]])
-        return {"expression": found.text}
+                "expression",
+                must="be text or a SymPy expression",
+                got=repr(text),
+                why="It is a formula for the strain energy.",
+                fix="Pass for example 'I1 - 3'.",
+            )
+        parsed = formula.parse(text)
+        _require_names(parsed.names, [name for name, _ in self._pairs()["constants"]])
+        return {"expression": parsed.text}
 
     def derived(self, p: Mapping[str, Any]) -> Mapping[str, tuple[Any, Rule]]:
         """The energy's own shear modulus at rest."""
-        return {"the shear modulus at rest": (self._at_rest(p, np).bend / 4, _MODULUS)}
+        return {
+            "the shear modulus at rest": (self._energy_in_pure_shear(p, np).second / 4, _MODULUS)
+        }
 
     def energy(self, l1: Any, l2: Any, l3: Any, p: Mapping[str, Any], fn: Any) -> Any:
         """W/mu = [W(l1, l2, l3) - W(1, 1, 1)]/mu_W."""
-        rest = self._at_rest(p, fn)
-        return (self._formula(_named(l1, l2, l3) | dict(p), fn) - rest.value) / (rest.bend / 4)
+        pure_shear = self._energy_in_pure_shear(p, fn)
+        return (self._formula(_named(l1, l2, l3) | dict(p), fn) - pure_shear.value) / (
+            pure_shear.second / 4
+        )
 
-    def room(self, l1: Any, l2: Any, l3: Any, p: Mapping[str, Any], fn: Any) -> Sequence[Any]:
+    def admissibility(
+        self, l1: Any, l2: Any, l3: Any, p: Mapping[str, Any], fn: Any
+    ) -> Sequence[Any]:
         """Arguments of logarithms and roots, and denominators, over their values at rest."""
-        one = formula.exact(Fraction(1), fn)
-        here, rest = _named(l1, l2, l3) | dict(p), _named(one, one, one) | dict(p)
+        unity = formula.exact(Fraction(1), fn)
+        here, rest = _named(l1, l2, l3) | dict(p), _named(unity, unity, unity) | dict(p)
         parts = self._formula.sensitive(_VARIABLES, _VARIABLES)
         return tuple(part(here, fn) / part(rest, fn) for part in parts)
 
@@ -126,12 +145,15 @@ class StrainEnergy(Material):
     def _formula(self) -> Formula:
         return formula.parse(self.expression)
 
-    def _at_rest(self, p: Mapping[str, Any], fn: Any) -> Jet:
-        """W along pure shear, l1 = exp(e) and l2 = exp(-e), at e = 0."""
-        one = formula.exact(Fraction(1), fn)
-        stretches = Jet(one, one, one), Jet(one, -one, one), one
-        found = self._formula(_named(*stretches) | dict(p), JetFunctions(fn))
-        return found if isinstance(found, Jet) else Jet(found, 0 * one, 0 * one)
+    def _energy_in_pure_shear(self, p: Mapping[str, Any], fn: Any) -> SecondOrderDual:
+        """W and its first two derivatives along pure shear, l1 = exp(e), l2 = exp(-e), at e = 0."""
+        unity = formula.exact(Fraction(1), fn)
+        l1 = SecondOrderDual(unity, unity, unity)
+        l2 = SecondOrderDual(unity, -unity, unity)
+        energy = self._formula(_named(l1, l2, unity) | dict(p), DualFunctions(fn))
+        if isinstance(energy, SecondOrderDual):
+            return energy
+        return SecondOrderDual(energy, 0 * unity, 0 * unity)
 
 
 def _named(l1: Any, l2: Any, l3: Any) -> dict[str, Any]:
@@ -147,21 +169,29 @@ def _require_names(used: frozenset[str], constants: Sequence[str]) -> None:
     taken = [name for name in constants if name in _RESERVED]
     if taken:
         raise InputError(
-            "constants", "have names of their own", ", ".join(taken),
-            "These mean something else in the formula.", "Rename them.",
-        )  # fmt: skip
+            "constants",
+            must="have names of their own",
+            got=", ".join(taken),
+            why="These mean something else in the formula.",
+            fix="Rename them.",
+        )
     unknown, unused = sorted(used - _VARIABLES - {*constants}), sorted({*constants} - used)
     if unknown:
         raise InputError(
-            "expression", f"hold {', '.join(sorted(_VARIABLES))} and names in `constants` only",
-            ", ".join(unknown), "Every other name is a number that must be given.",
-            f"Pass constants={{{unknown[0]!r}: ...}}.",
-        )  # fmt: skip
+            "expression",
+            must=f"hold {', '.join(sorted(_VARIABLES))} and names in `constants` only",
+            got=", ".join(unknown),
+            why="Every other name is a number that must be given.",
+            fix=f"Pass constants={{{unknown[0]!r}: ...}}.",
+        )
     if unused:
         raise InputError(
-            "constants", "occur in the expression", ", ".join(unused),
-            "A number that changes nothing is probably misspelt.", "Leave it out.",
-        )  # fmt: skip
+            "constants",
+            must="occur in the expression",
+            got=", ".join(unused),
+            why="A number that changes nothing is probably misspelt.",
+            fix="Leave it out.",
+        )
 
 
 def _require_isotropic(material: StrainEnergy) -> None:
@@ -173,12 +203,13 @@ def _require_isotropic(material: StrainEnergy) -> None:
                 float(material.energy(np.float64(l1), np.float64(l2), np.float64(l3), p, np))
                 for l1, l2, l3 in permutations(sample)
             ]
-        if np.isfinite(values).any() and not np.ptp(values) <= _TOLERANCE * (
+        if np.isfinite(values).any() and not np.ptp(values) <= _ISOTROPY_TOLERANCE * (
             1.0 + max(map(abs, values))
         ):
             raise InputError(
-                "expression", "be the same when stretches are exchanged",
-                repr(material.expression),
-                f"At {sample} in six orders it is between {min(values):g} and {max(values):g}.",
-                "Add the terms with the other stretches, or write it in I1 and I2.",
-            )  # fmt: skip
+                "expression",
+                must="be the same when stretches are exchanged",
+                got=repr(material.expression),
+                why=f"At {sample} in six orders it is between {min(values):g} and {max(values):g}.",
+                fix="Add the terms with the other stretches, or write it in I1 and I2.",
+            )

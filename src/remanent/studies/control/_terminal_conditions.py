@@ -17,113 +17,158 @@ from remanent.integrate.ensemble.problem import Request
 from remanent.integrate.variations import tangent
 from remanent.models.actuator import Actuator
 from remanent.models.drives.waves import Constant
-from remanent.studies.ensemble.physical_scales import PHYSICAL, Physical, physical
-from remanent.studies.statics._static_state import Body
+from remanent.studies.ensemble.physical_scales import PHYSICAL, PhysicalScales, lay_out_physical
+from remanent.studies.statics._static_state import StaticState
 
-#: Half the relative change of a size over which insensitivity is asked.
-HALF_WIDTH = 1e-3
+#: Half the relative change of a parameter in the difference by which insensitivity is judged.
+_HALF_WIDTH = 1e-3
 
 
 @dataclass(frozen=True)
-class Arrival:
-    """Conditions that the state after some steps is one of rest, for analysis to solve.
+class TerminalConditions:
+    """Conditions that the state after a sequence of steps is one of rest.
 
     Attributes
     ----------
-    actuator
+    actuator : Actuator
         What moves.
-    final
+    final : StaticState
         The body at rest at the target, under the last load.
-    initial
-        The state at tau = 0.
-    sizes
-        Names of fields and physical sizes; the derivative by each of the distance from rest
-        shall vanish too.
-    tolerance
+    initial : array (state,) or None
+        The state at τ = 0.
+    robust_to : sequence of str
+        Names of fields and physical sizes; the derivative by each of them of the distance
+        from rest shall vanish too.
+    tolerance : float
         Of the states.
     """
 
     actuator: Actuator
-    final: Body
+    final: StaticState
     initial: ArrayLike | None
-    sizes: Sequence[str]
+    robust_to: Sequence[str]
     tolerance: float
 
     def __call__(
         self, loads: FloatArray, durations: FloatArray
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """See :data:`remanent.analysis.shaping.Arrive`."""
-        state, by_load, by_time = self._carried(loads, durations)
-        rows = self.final.moving
-        distance = (state - self._rest)[:, rows]
+        """The conditions and their derivatives by loads and durations.
+
+        Parameters
+        ----------
+        loads, durations : array (step,)
+
+        Returns
+        -------
+        conditions : array (condition,)
+        by_load, by_duration : array (condition, step)
+        """
+        state, by_load, by_duration = self._final_states(loads, durations)
+        moving = self.final.moving
+        distance = (state - self._rest_states)[:, moving]
         return (
             self._conditions(distance),
-            self._conditions(by_load[:, rows]),
-            self._conditions(by_time[:, rows]),
+            self._conditions(by_load[:, moving]),
+            self._conditions(by_duration[:, moving]),
         )
 
     def _conditions(self, values: FloatArray) -> FloatArray:
-        """Values of the nominal actuator, and central differences by each size."""
+        """Values of the nominal actuator, then central differences by each parameter.
+
+        Parameters
+        ----------
+        values : array (variant, state, ...)
+        """
         pairs = values[1:].reshape(-1, 2, *values.shape[1:])
-        rows = [values[:1], (pairs[:, 1] - pairs[:, 0]) / (2.0 * HALF_WIDTH)]
-        joined = np.concatenate(rows)
-        return joined.reshape(joined.shape[0] * joined.shape[1], *joined.shape[2:])
+        slopes = (pairs[:, 1] - pairs[:, 0]) / (2.0 * _HALF_WIDTH)
+        rows = np.concatenate([values[:1], slopes])
+        return rows.reshape(rows.shape[0] * rows.shape[1], *rows.shape[2:])
 
     @cached_property
-    def variants(self) -> Physical:
-        """The actuator itself, then with each size a little less and a little more."""
-        own = {**self.actuator.parameters(), **dict.fromkeys(PHYSICAL, 1.0)}
-        count = 1 + 2 * len(self.sizes)
+    def variants(self) -> PhysicalScales:
+        """The actuator itself, then with each parameter a little less and a little more."""
+        nominal = {**self.actuator.parameters(), **dict.fromkeys(PHYSICAL, 1.0)}
+        count = 1 + 2 * len(self.robust_to)
         over = {}
-        for k, name in enumerate(self.sizes):
-            values = np.full(count, own[name])
-            values[1 + 2 * k : 3 + 2 * k] += np.array([-1.0, 1.0]) * HALF_WIDTH * (own[name] or 1.0)
+        for k, name in enumerate(self.robust_to):
+            values = np.full(count, nominal[name])
+            width = _HALF_WIDTH * (nominal[name] or 1.0)
+            values[1 + 2 * k : 3 + 2 * k] += np.array([-1.0, 1.0]) * width
             over[name] = xr.DataArray(values, dims="variant")
-        return physical(self.actuator, Constant(self.final.load), over, self.initial)
+        return lay_out_physical(self.actuator, Constant(self.final.load), over, self.initial)
 
     @cached_property
-    def _rest(self) -> FloatArray:
+    def _rest_states(self) -> FloatArray:
         """States of rest of all variants under the last load, array (variant, state)."""
         ens = self.variants.ensemble
         columns = np.column_stack([ens.values[name] for name in ens.field.parameters])
-        found = [replace(self.final, parameters=row).at_rest() for row in columns]
-        if any(body is None for body in found):
+        bodies = [replace(self.final, parameters=row).relax() for row in columns]
+        states = [body.state for body in bodies if body is not None]
+        if len(states) < len(bodies):
             raise InputError(
-                "robust", "name fields whose small changes leave a state of rest",
-                self.sizes, "The target is at the edge of where rest is possible.",
-                "Leave it out.",
-            )  # fmt: skip
-        return np.array([body.state for body in found if body is not None])
+                "robust_to",
+                must="name fields whose small changes leave a state of rest",
+                got=self.robust_to,
+                why="The target is at the edge of where rest is possible.",
+                fix="Leave it out.",
+            )
+        return np.array(states)
 
     @cached_property
-    def _field(self) -> Field:
+    def _variational_field(self) -> Field:
+        """The motion with its derivatives by the initial state and by the load."""
         field = self.variants.ensemble.field
         return tangent(field, directions=len(field.state), parameters=("m",))
 
-    def _carried(
+    def _final_states(
         self, loads: FloatArray, durations: FloatArray
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """States after the last step and their derivatives, of all variants.
+
+        The derivatives by earlier loads and durations are carried through each step by its
+        fundamental matrix; those by the step's own load and duration are added to them.
+
+        Returns
+        -------
+        states : array (variant, state)
+        by_load, by_duration : array (variant, state, step)
+        """
         ens, d = self.variants.ensemble, len(self.final.state)
-        m = ens.field.parameters.index("m")
         state = ens.initial
         by_load = np.zeros((ens.count, d, loads.size))
-        by_time = np.zeros_like(by_load)
+        by_duration = np.zeros_like(by_load)
         for k, (load, duration) in enumerate(zip(loads, durations, strict=True)):
-            plain = self.variants.problem(np.full(ens.count, duration))
-            plain.parameters[:, m] = load * self.variants.load
-            start = np.hstack([state, np.tile(np.eye(d).ravel(), (ens.count, 1)),
-                               np.zeros((ens.count, d))])  # fmt: skip
-            outcome = integrate(
-                replace(plain, field=self._field, initial=start),
-                Request(times=plain.duration[:, None]),
-                tolerance=self.tolerance,
-            )
-            assert outcome.states is not None
-            ends = outcome.states[:, 0]
-            state, carried = ends[:, :d], ends[:, d:].reshape(ens.count, d + 1, d)
-            turned = np.moveaxis(carried[:, :d], 1, 2)
-            by_load, by_time = turned @ by_load, turned @ by_time
-            by_load[:, :, k] = carried[:, d] * self.variants.load[:, None]
-            rates = ens.field.rates([0.0, *state.T, *plain.parameters.T], functions=np)
-            by_time[:, :, k] = np.column_stack(rates) * self.variants.time[:, None]
-        return state, by_load, by_time
+            state, fundamental, by_own_load, rate = self._step(state, load, duration)
+            by_load, by_duration = fundamental @ by_load, fundamental @ by_duration
+            by_load[:, :, k] = by_own_load * self.variants.load[:, None]
+            by_duration[:, :, k] = rate * self.variants.time[:, None]
+        return state, by_load, by_duration
+
+    def _step(
+        self, state: FloatArray, load: float, duration: float
+    ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """One step from `state` (variant, state).
+
+        Returns
+        -------
+        state : array (variant, state)
+        fundamental : array (variant, state, state)
+            Derivative by the state before the step.
+        by_load, rate : array (variant, state)
+            Derivatives by the load and by the time, in the units of each variant.
+        """
+        ens, d = self.variants.ensemble, len(self.final.state)
+        problem = self.variants.problem(np.full(ens.count, duration))
+        problem.parameters[:, ens.field.parameters.index("m")] = load * self.variants.load
+        unit = np.tile(np.eye(d).ravel(), (ens.count, 1))
+        start = np.hstack([state, unit, np.zeros((ens.count, d))])
+        outcome = integrate(
+            replace(problem, field=self._variational_field, initial=start),
+            Request(times=problem.duration[:, None]),
+            tolerance=self.tolerance,
+        )
+        assert outcome.states is not None
+        ends = outcome.states[:, 0]
+        state, columns = ends[:, :d], ends[:, d:].reshape(ens.count, d + 1, d)
+        rates = ens.field.rates([0.0, *state.T, *problem.parameters.T], functions=np)
+        return state, np.moveaxis(columns[:, :d], 1, 2), columns[:, d], np.column_stack(rates)

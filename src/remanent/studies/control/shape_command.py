@@ -3,37 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
 
-from remanent._checks import positive, require_known, require_real
+from remanent._checks import positive, require_names, require_real
 from remanent._errors import InputError
-from remanent._typing import ArrayLike
-from remanent.analysis import shaping
-from remanent.analysis.shaping import Design
+from remanent._status import Status
+from remanent._typing import ArrayLike, FloatArray
 from remanent.models.actuator import Actuator
 from remanent.models.drives.piecewise import Steps
 from remanent.models.drives.waves import Constant
-from remanent.results import build, provenance
-from remanent.results.build import Labelled
-from remanent.studies.control._terminal_conditions import Arrival
+from remanent.studies.control._shaped_steps import shaped_steps
 from remanent.studies.ensemble.checks import require_tolerance
-from remanent.studies.ensemble.ensemble import Ensemble, Over, ensemble
+from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
+from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.layout import Over, lay_out
 from remanent.studies.ensemble.physical_scales import PHYSICAL
-from remanent.studies.orbits._period_map import at
-from remanent.studies.statics._static_state import Body
 
 _TARGET = positive("It is a thickness stretch, a ratio of lengths.", "Pass for example 1.2.")
-#: Stages in which the target is moved out from the start, where one does not do.
-_STAGES = (1, 4, 16)
-#: Spacing of the steps over half a period where the start is not at rest.
-_UNEVEN = 0.8
-#: A state nearer to rest than this is at rest.
-_STILL = 1e-9
-#: A design is taken if its conditions are met to this many times the tolerance.
-_ACCEPTED = 100.0
+#: The load of the ensemble's own drive: each step has its load in place of it.
+_NO_LOAD = Constant(0.0)
+#: Names of dimensions that results have of their own.
+_RESERVED = frozenset({"step"})
 
 
 def shape_command(
@@ -48,20 +41,20 @@ def shape_command(
 
     Parameters
     ----------
-    actuator
+    actuator : Actuator
         Any: prestressed, damped, of any material, with internal variables.
-    target
+    target : float
         Thickness stretch λ₃ at which it is to stay.
-    initial : (stretch, rate)
-        From where; (1, 0) by default, as in every verb, also with prestress, where it is not
-        an equilibrium under no load.  For a move from there pass the ``stretch`` that
-        :func:`remanent.equilibria` gives, and 0.
-    robust_to
+    initial : array (state,), optional
+        State at τ = 0, (stretch, rate) of each coordinate; (1, 0) by default, as in every
+        verb, also with prestress, where it is not an equilibrium under no load.  For a move
+        from there pass the ``stretch`` that :func:`remanent.equilibria` gives, and 0.
+    robust_to : str or sequence of str
         Fields of the actuator (``"temperature"`` ...), or ``"shear_modulus"``, ``"density"``,
         ``"remanence"``: the residual vibration shall not change, to first order, with each of
         them.  The command is longer by about half a period for each.
-    tolerance
-        Of the state at the last step.
+    tolerance : float
+        Bound of the error of the state at the last step.
 
     Returns
     -------
@@ -81,7 +74,7 @@ def shape_command(
     m₂ = θ(x³ − 1)/x², under which x is an equilibrium.  In general the last load and state of
     rest solve the equations of equilibrium; loads and durations before it solve
     y(end) = y(rest), and dy(end)/dp = dy(rest)/dp for each p in `robust_to`, by least squares
-    from the answer for small moves (:func:`remanent.analysis.shaping.fractions`).
+    from the answer for small moves (:func:`remanent.analysis.control.shaping.impulse_amplitudes`).
 
     Examples
     --------
@@ -89,11 +82,16 @@ def shape_command(
     >>> command = rm.shape_command(rm.Actuator(), 1.5)
     >>> [round(m, 6) for m in command.loads]
     [0.583333, 1.055556]
+
+    See Also
+    --------
+    remanent.shape_commands : the same for many values of the actuator's fields.
+    remanent.step_response : what a command leaves of vibration.
     """
-    found = shape_commands(
+    command = shape_commands(
         actuator, target, initial=initial, robust_to=robust_to, tolerance=tolerance
     )
-    return Steps(found.step_time.values, found.step_load.values)
+    return Steps(command.step_time.values, command.step_load.values)
 
 
 def shape_commands(
@@ -105,21 +103,39 @@ def shape_commands(
     over: Over | None = None,
     tolerance: float = 1e-10,
 ) -> xr.Dataset:
-    """Commands of :func:`remanent.shape_command` for many values of the actuator's fields.
+    """Steps of the magnetic load that land on a target, for many actuators.
+
+    Each is the command of :func:`remanent.shape_command` for its actuator.
 
     Parameters
     ----------
-    actuator, target, initial, robust_to, tolerance
-        As there.
-    over
-        Values of fields of the actuator; they become dimensions.
+    actuator : Actuator
+        Any: prestressed, damped, of any material, with internal variables.
+    target : float
+        Thickness stretch λ₃ at which it is to stay.
+    initial : array (state,), optional
+        State at τ = 0, (stretch, rate) of each coordinate; (1, 0) by default.
+    robust_to : str or sequence of str
+        Fields of the actuator, or ``"shear_modulus"``, ``"density"``, ``"remanence"``: the
+        residual vibration shall not change, to first order, with each of them.
+    over : mapping of str to array_like or DataArray, optional
+        Values of fields of the actuator or the initial state; they become dimensions of the
+        result.
+    tolerance : float
+        Bound of the error of the state at the last step.
 
     Returns
     -------
     xarray.Dataset
-        Along ``step``: ``step_time`` and ``step_load``; ``switch_time``, that of the last
-        step, with ``switch_time_error``; ``residual``, the largest distance of the state from
-        rest then.  NaN where there is no command.
+        Along the dimensions of `over` and ``step``: ``step_time`` and ``step_load``;
+        ``switch_time``, that of the last step, with ``switch_time_error``; ``residual``, the
+        largest distance of the state from rest then; ``status``.  NaN where there is no
+        command, with the status ``invalid`` or ``diverged``.
+
+    Raises
+    ------
+    InputError
+        A bad argument; without `over` also a target for which there is no command.
 
     Examples
     --------
@@ -127,122 +143,89 @@ def shape_commands(
     >>> ds = rm.shape_commands(rm.Actuator(), 1.5, over={"temperature": [250.0, 350.0]})
     >>> ds.switch_time.values.round(4).tolist()
     [1.5415, 1.3028]
+
+    See Also
+    --------
+    remanent.shape_command : one command, as a drive.
+    remanent.sensitivity : how a switching time depends on a field.
     """
     target = require_real("target", target, _TARGET)
-    require_tolerance(tolerance)
-    sizes = (robust_to,) if isinstance(robust_to, str) else tuple(robust_to)
-    ens = ensemble(actuator, Constant(0.0), over, initial, reserved=frozenset({"step"}))
-    known = [name for name in ens.field.parameters if name != "m"]
-    require_known(sizes, [*known, *PHYSICAL], "the actuator, or a physical size")
-    found: list[Design | None] = []
-    last = []
-    for k in range(ens.count):
-        try:
-            design, load = _command(at(ens, k), target, sizes, tolerance)
-        except InputError:
-            if not ens.sizes:
-                raise
-            design, load = None, np.nan
-        found.append(design)
-        last.append(load)
-    return _labelled(ens, target, sizes, found, last, tolerance)
+    require_tolerance(tolerance, "the error of the state at the last step")
+    ens = lay_out(actuator, _NO_LOAD, over, initial, reserved=_RESERVED, system_argument="actuator")
+    fields = [name for name in ens.field.parameters if name != "m"]
+    names = _robust_to(robust_to, [*fields, *PHYSICAL])
+    commands = [_command(ens, k, target, names, tolerance) for k in range(ens.count)]
+    longest = max(command.times.size for command in commands) or 1
+    return to_dataset(
+        ens,
+        _variables(commands, longest, ens),
+        coords={"step": (("step",), np.arange(longest))},
+        tolerance=tolerance,
+        driven=False,
+        target=target,
+        robust_to=" ".join(names) or None,
+    )
+
+
+def _robust_to(robust_to: str | Sequence[str], known: Sequence[str]) -> tuple[str, ...]:
+    if isinstance(robust_to, Sequence) and not robust_to and not isinstance(robust_to, str):
+        return ()
+    return tuple(require_names("robust_to", robust_to, known, "the actuator, or physical sizes"))
+
+
+@dataclass(frozen=True)
+class _Command:
+    """The steps for one actuator.
+
+    Attributes
+    ----------
+    times, loads : array (step,)
+        Empty where there is no command.
+    residual : float
+        Largest distance of the state from rest at the last step.
+    error : float
+        Of the time of the last step.
+    """
+
+    times: FloatArray
+    loads: FloatArray
+    residual: float = np.nan
+    error: float = np.nan
 
 
 def _command(
-    single: Ensemble, target: float, sizes: Sequence[str], tolerance: float
-) -> tuple[Design, float]:
-    """The steps before the last, and the last load, for one actuator."""
-    if single.invalid[0]:
-        raise _impossible(target, "a field is invalid")
-    actuator = single.system
-    for name, value in actuator.parameters().items():
-        if single.values[name][0] != value:
-            actuator = actuator.with_parameter(name, float(single.values[name][0]))
-    row = np.array([float(single.values[name][0]) for name in single.field.parameters])
-    body = Body(single.field, row, single.initial[0])
-    here = body.thickness()
-    start = body.at_target(here) or body
-    away = np.where(np.abs(body.state - start.state) > _STILL, body.state - start.state, 0.0)
-    fine = 0.1 * tolerance * max(1.0, float(np.abs(body.state).max()))
-    accepted = _ACCEPTED * max(tolerance, fine)
-    for stages in _STAGES:
-        parts = np.linspace(0.0, 1.0, stages + 1)[1:]
-        ends = [body.at_target(here + part * (target - here)) for part in parts]
-        finals = [end for end in ends if end is not None]
-        if len(finals) < stages:
-            raise _impossible(target, "no load holds it there")
-        guess = _linear(finals[0], start.load, len(sizes), target, moving=bool(away.any()))
-        last = parts[0]
-        for part, final in zip(parts, finals, strict=True):
-            loads = start.load + part / last * (guess.loads - start.load)
-            arrival = Arrival(actuator, final, start.state + part * away, sizes, fine)
-            scale = max(abs(final.load - start.load), float(np.abs(away).max()), 1e-3)
-            guess = shaping.solve(
-                arrival, replace(guess, loads=loads), scale=scale, tolerance=tolerance
-            )
-            last = part
-            if guess.residual > accepted:
-                break  # shorter stages are next
-        if guess.residual <= accepted:
-            return guess, finals[-1].load
-    raise _impossible(target, f"the best command misses rest by {guess.residual:.1e}")
-
-
-def _linear(final: Body, before: float, extra: int, target: float, *, moving: bool) -> Design:
-    """The steps for a small move, by the linear motion about the target.
-
-    A start that is not at rest needs as many steps as there are poles; at another spacing
-    than half a period no two of their roots are one.
-    """
-    found = shaping.poles(*final.linear())
-    if (found.real > 1e-9 * np.abs(found).max()).any():
-        raise _impossible(target, "the equilibrium there is unstable")
-    spacing = shaping.interval(found) * (_UNEVEN if moving else 1.0)
-    parts = shaping.fractions(found, spacing, 1 + extra)
-    loads = before + (final.load - before) * np.cumsum(parts)[:-1]
-    return Design(loads, np.full(loads.size, spacing))
-
-
-def _impossible(target: float, why: str) -> InputError:
-    return InputError(
-        "target", "be a thickness stretch that steps can reach at rest", target,
-        f"For this actuator {why}.", "Pass one nearer to the start, or leave `robust` out.",
-    )  # fmt: skip
-
-
-def _labelled(
-    ens: Ensemble,
-    target: float,
-    sizes: Sequence[str],
-    found: Sequence[Design | None],
-    last: Sequence[float],
-    tolerance: float,
-) -> xr.Dataset:
-    most = max((d.loads.size for d in found if d is not None), default=0) + 1
-    times, loads = np.full((2, ens.count, most), np.nan)
-    residual, error = np.full((2, ens.count), np.nan)
-    for k, (design, load) in enumerate(zip(found, last, strict=True)):
-        if design is not None:
-            n = design.loads.size
-            times[k, : n + 1] = np.concatenate([[0.0], np.cumsum(design.durations)])
-            loads[k, : n + 1] = np.append(design.loads, load)
-            residual[k], error[k] = design.residual, design.error
-    dims = (*ens.dims, "step")
-    switch = np.fmax.reduce(times, axis=1)
-    variables: dict[str, Labelled] = {
-        "step_time": (dims, ens.shaped(times)),
-        "step_load": (dims, ens.shaped(loads)),
-        "switch_time": (ens.dims, ens.shaped(switch)),
-        "switch_time_error": (ens.dims, ens.shaped(error)),
-        "residual": (ens.dims, ens.shaped(residual)),
-    }
-    coords: dict[str, Labelled] = {**ens.coords, "step": (("step",), np.arange(most))}
-    attributes = provenance.attributes(
-        ens.system,
-        None,
-        tolerance,
-        over=ens.coords,
-        target=target,
-        robust=" ".join(sizes) or None,
+    ens: Ensemble, index: int, target: float, robust_to: Sequence[str], tolerance: float
+) -> _Command:
+    """The steps for one trajectory; an empty command where there is none on a grid."""
+    try:
+        sequence, last = shaped_steps(ens.member(index), target, robust_to, tolerance)
+    except InputError:
+        if not ens.sizes:
+            raise
+        return _Command(np.empty(0), np.empty(0))
+    return _Command(
+        np.concatenate([[0.0], np.cumsum(sequence.durations)]),
+        np.append(sequence.loads, last),
+        sequence.residual,
+        sequence.error,
     )
-    return build.dataset(variables, coords, attributes)
+
+
+def _variables(
+    commands: Sequence[_Command], longest: int, ens: Ensemble
+) -> dict[str, PerTrajectory]:
+    """Commands as arrays, filled up with NaN to the longest."""
+    times, loads = np.full((2, ens.count, longest), np.nan)
+    for k, command in enumerate(commands):
+        times[k, : command.times.size] = command.times
+        loads[k, : command.loads.size] = command.loads
+    missing = np.array([command.times.size == 0 for command in commands])
+    codes = np.where(missing, Status.DIVERGED, Status.OK)
+    return {
+        "step_time": (("step",), times),
+        "step_load": (("step",), loads),
+        "switch_time": np.fmax.reduce(times, axis=1),
+        "switch_time_error": np.array([command.error for command in commands]),
+        "residual": np.array([command.residual for command in commands]),
+        "status": np.where(ens.invalid, Status.INVALID, codes),
+    }

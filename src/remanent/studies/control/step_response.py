@@ -10,30 +10,29 @@ import xarray as xr
 from remanent._checks import positive, require_real
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, FloatArray
-from remanent.analysis import shaping, steps
+from remanent.analysis.control import shaping
 from remanent.codegen.field import field_for
-from remanent.integrate.ensemble.ensemble import integrate
-from remanent.integrate.ensemble.problem import Outcome, Problem, Request
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.models.drives.piecewise import Steps
 from remanent.models.drives.waves import Constant
+from remanent.models.system import System
+from remanent.studies.control._step_metrics import StepMotion, Transient, residual_vibration
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
-from remanent.studies.ensemble.ensemble import Over
-from remanent.studies.ensemble.observables import observe
-from remanent.studies.ensemble.physical_scales import Physical, physical
-from remanent.studies.statics._static_state import Body
+from remanent.studies.ensemble.layout import Over
+from remanent.studies.ensemble.physical_scales import PhysicalScales, lay_out_physical
+from remanent.studies.statics._static_state import StaticState
 
 _BAND = positive("It is a share of the change of thickness stretch.", "Pass 0.02.")
 _TIME = positive("A run takes a positive time.", "Pass a time in units of tau.")
-#: Half periods after the last step that are followed by default, and samples in each.
-_FOLLOWED, _SAMPLES = 20.0, 24
-_RISE = (0.1, 0.9)
+#: Half periods after the last step that are followed by default.
+_HALF_PERIODS = 20.0
+#: Samples in each half period.
+_SAMPLES = 24
 
 
 def step_response(
-    system: Actuator,
+    system: System,
     drive: Drive,
     *,
     duration: float | None = None,
@@ -46,32 +45,45 @@ def step_response(
 
     Parameters
     ----------
-    system
+    system : System
         What moves.
-    drive
+    drive : Steps or Constant
         :class:`remanent.Steps`, or :class:`remanent.Constant`, one step at τ = 0.
-    duration
-        Length of the run, tau; by default ten natural periods after the last step.
-    band
+    duration : float, optional
+        Length of the run, τ; by default ten natural periods after the last step.
+    band : float
         Share of the change within which the answer counts as settled.
-    initial, tolerance
-        As for :func:`remanent.simulate`.
-    over
+    initial : array_like (state,), optional
+        State at τ = 0: stretch and rate of each coordinate in turn, to which internal variables
+        and the temperature may be added; rest, (1, 0), by default.
+    over : mapping of str to array_like or DataArray, optional
         Values of numeric fields, and of ``shear_modulus``, ``density`` and ``remanence``
         over their nominal values, while the command, the dead loads and the viscosities stay
         as they are in SI; they become dimensions of the result.
+    tolerance : float
+        Bound of the absolute global error of the state.
 
     Returns
     -------
     xarray.Dataset
-        ``final``, the thickness stretch x∞ of rest under the last load;
-        ``residual_energy`` above that rest right after the last step, per reference volume
-        over μ, and ``residual_amplitude``, that of the vibration of thickness stretch it
-        makes; ``rise_time`` from 10 to 90 % of the change x∞ − x(0), ``settling_time``, the
-        last instant outside the band, NaN if it ends outside; ``farthest``, the farthest
-        thickness stretch in the direction of the change, and ``overshoot`` = (farthest −
-        x∞)/change, at least 0; NaN without a change.  All with errors; times
-        in the actuator's unit of time; ``error``, ``horizon``, ``status``.
+        Along the dimensions of `over`, times in the actuator's unit of time:
+
+        ``final``
+            The thickness stretch x∞ of rest under the last load.
+        ``residual_energy``, ``residual_amplitude``
+            The energy above that rest right after the last step, per reference volume over
+            μ, and the amplitude of the vibration of thickness stretch that it makes.
+        ``rise_time``
+            From 10 to 90 % of the change x∞ − x(0).
+        ``settling_time``
+            The last instant outside the band, NaN if the motion ends outside.
+        ``farthest``, ``overshoot``
+            The farthest thickness stretch in the direction of the change, and
+            (farthest − x∞)/change, at least 0; NaN without a change.
+        ``error``, ``horizon``, ``status``
+            Of the motion.
+
+        The other variables have errors of their own, ``rise_time_error`` and so on.
 
     Raises
     ------
@@ -92,138 +104,88 @@ def step_response(
     >>> plain = rm.step_response(rm.Actuator(), rm.Constant(command.loads[-1]))
     >>> bool(shaped.residual_amplitude < 1e-6 * plain.residual_amplitude)
     True
+
+    See Also
+    --------
+    remanent.shape_command : steps that leave no vibration.
+    remanent.simulate : the motion itself.
     """
-    require_tolerance(tolerance)
+    require_tolerance(tolerance, "the global error of the state")
     band = require_real("band", band, _BAND)
-    if not isinstance(drive, Steps | Constant):
-        raise InputError(
-            "drive", "be rm.Steps or rm.Constant", repr(drive),
-            "A response to steps ends under a load that stays.", "Pass rm.shape_command(...).",
-        )  # fmt: skip
-    many = physical(system, drive, over, initial)
-    ens = many.ensemble
-    rests = _rests(many)
-    half = _half_periods(rests)
-    last = _last(many)
+    _require_steps(drive)
+    scaled = lay_out_physical(system, drive, over, initial)
+    ens = scaled.ensemble
+    rests = _rests(scaled)
+    half_period = _half_periods(rests)
+    last_step = _last_step(scaled)
     if duration is None:
-        duration = float(np.nanmax((last + _FOLLOWED * half) / many.time))
-    length = require_real("duration", duration, _TIME)
-    asked = many.problem(np.full(ens.count, length))
-    answer = _Answer(asked, tolerance)
-    found = _residuals(rests, answer.states(last[:, None])[:, 0], answer.outcome.error)
-    start = answer(np.zeros((ens.count, 1)))[0][:, 0]
-    spacing = float(np.nanmin(half)) / _SAMPLES
-    found |= _metrics(answer, many, start, found["final"], spacing, band)
+        duration = float(np.nanmax((last_step + _HALF_PERIODS * half_period) / scaled.time))
+    duration = require_real("duration", duration, _TIME)
+    motion = StepMotion.of(scaled.problem(np.full(ens.count, duration)), tolerance)
+    after_last = motion.states(last_step[:, None])[:, 0]
+    values = residual_vibration(rests, after_last, motion.outcome.error)
+    start = motion(np.zeros((ens.count, 1)))[0][:, 0]
+    spacing = float(np.nanmin(half_period)) / _SAMPLES
+    values |= Transient(motion, start, values["final"], band, spacing, scaled.time).metrics()
     variables: dict[str, PerTrajectory] = {
-        name: np.where(ens.invalid, np.nan, values) for name, values in found.items()
+        name: np.where(ens.invalid, np.nan, column) for name, column in values.items()
     }
     return to_dataset(
-        ens, variables, outcome=answer.outcome, tolerance=tolerance, duration=length, band=band
+        ens,
+        variables,
+        outcome=motion.outcome,
+        tolerance=tolerance,
+        duration=duration,
+        band=band,
     )
 
 
-class _Answer:
-    """The motion of every trajectory: its extremes, and states at any instant."""
-
-    def __init__(self, asked: Problem, tolerance: float) -> None:
-        self.asked, self.tolerance = asked, tolerance
-        self.outcome: Outcome = integrate(asked, Request(extremes=True), tolerance=tolerance)
-
-    def states(self, times: FloatArray) -> FloatArray:
-        """States (trajectory, time, state) at ascending times (trajectory, time)."""
-        outcome = integrate(self.asked, Request(times=times), tolerance=self.tolerance)
-        assert outcome.states is not None
-        return outcome.states
-
-    def __call__(self, times: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Thickness stretch and its rate at times (trajectory, time) in any order."""
-        order = np.argsort(times, axis=1)
-        ascending = np.take_along_axis(times, order, axis=1)
-        states, back = self.states(ascending), np.argsort(order, axis=1)
-        names = ("thickness_stretch", "thickness_stretch_rate")
-        x, v = (observe(self.asked, name, ascending, states) for name in names)
-        return np.take_along_axis(x, back, axis=1), np.take_along_axis(v, back, axis=1)
+def _require_steps(drive: object) -> None:
+    if not isinstance(drive, Steps | Constant):
+        raise InputError(
+            "drive",
+            must="be rm.Steps or rm.Constant",
+            got=repr(drive),
+            why="A response to steps ends under a load that stays.",
+            fix="Pass rm.shape_command(...).",
+        )
 
 
-def _last(many: Physical) -> FloatArray:
-    """Own time of the last step of each trajectory."""
-    drive = many.ensemble.drive
-    return many.time * (float(drive.times[-1]) if isinstance(drive, Steps) else 0.0)
+def _last_step(scaled: PhysicalScales) -> FloatArray:
+    """Time of the last step of each trajectory, in its own unit."""
+    drive = scaled.ensemble.drive
+    return scaled.time * (float(drive.times[-1]) if isinstance(drive, Steps) else 0.0)
 
 
-def _rests(many: Physical) -> list[Body | None]:
+def _rests(scaled: PhysicalScales) -> list[StaticState | None]:
     """Every trajectory's state of rest under the last load."""
-    ens = many.ensemble
+    ens = scaled.ensemble
     drive = ens.drive
-    loads = many.load * float(drive.loads[-1]) if isinstance(drive, Steps) else ens.values["m"]
+    loads = scaled.load * float(drive.loads[-1]) if isinstance(drive, Steps) else ens.values["m"]
     field = field_for(ens.system, Constant(0.0))
-    found: list[Body | None] = []
+    rests: list[StaticState | None] = []
     for k in np.arange(ens.count):
         values = {name: v[k] for name, v in ens.values.items()} | {"m": loads[k]}
         row = np.array([float(values[name]) for name in field.parameters])
-        found.append(None if ens.invalid[k] else Body(field, row, ens.initial[k]).at_rest())
-    if all(body is None for body in found):
+        rests.append(None if ens.invalid[k] else StaticState(field, row, ens.initial[k]).relax())
+    if all(body is None for body in rests):
         raise InputError(
-            "drive", "end under a load with a state of rest near the start", loads.tolist(),
-            "What is left of a vibration is counted from there.", "Pass a smaller last load.",
-        )  # fmt: skip
-    return found
+            "drive",
+            must="end under a load with a state of rest near the start",
+            got=loads.tolist(),
+            why="What is left of a vibration is counted from there.",
+            fix="Pass a smaller last load.",
+        )
+    return rests
 
 
-def _half_periods(rests: Sequence[Body | None]) -> FloatArray:
-    """Half the longest natural period at every rest."""
+def _half_periods(rests: Sequence[StaticState | None]) -> FloatArray:
+    """Half the longest natural period at every rest, array (trajectory,)."""
     return np.array(
-        [np.nan if b is None else shaping.interval(shaping.poles(*b.linear())) for b in rests]
+        [
+            np.nan
+            if b is None
+            else shaping.impulse_spacing(shaping.controllable_poles(*b.linearised()))
+            for b in rests
+        ]
     )
-
-
-def _residuals(
-    rests: Sequence[Body | None], states: FloatArray, error: FloatArray
-) -> dict[str, FloatArray]:
-    """Rest after the last step, and what is left of motion right after it."""
-    names = ("final", "residual_energy", "residual_amplitude", "residual_amplitude_error")
-    table = np.full((len(rests), len(names)), np.nan)
-    for k, body in enumerate(rests):
-        if body is not None and np.isfinite(states[k]).all():
-            stiffness = body.stiffness()
-            energy = body.energy_above(states[k])
-            wrong = body.energy_above(body.state + error[k])
-            amplitudes = np.sqrt(2.0 * np.array([max(energy, 0.0), wrong]) / stiffness)
-            table[k] = [body.thickness(), energy, *amplitudes]
-    return dict(zip(names, table.T, strict=True))
-
-
-def _metrics(
-    answer: _Answer,
-    many: Physical,
-    start: FloatArray,
-    final: FloatArray,
-    spacing: float,
-    band: float,
-) -> dict[str, FloatArray]:
-    """Rise, settling, peak and overshoot, times in the actuator's unit."""
-    change, end = np.where(final == start, np.nan, final - start), answer.asked.duration
-    grid = np.linspace(0.0, 1.0, int(np.ceil(end.max() / spacing)) + 1) * end[:, None]
-    with np.errstate(all="ignore"):
-        share = (answer(grid)[0] - start[:, None]) / change[:, None]
-    outside = steps.last_outside(share, 1.0 - band, 1.0 + band)
-    before = np.stack([*(steps.first_above(share, s) - 1 for s in _RISE), outside], axis=1)
-    above = share[np.arange(len(share)), outside] > 1.0
-    levels = np.stack(
-        [*(np.full(len(share), s) for s in _RISE), 1.0 + np.where(above, band, -band)]
-    )
-    found = steps.passages(answer, grid, before, start[:, None] + levels.T * change[:, None])
-    wrong = answer.outcome.error[:, None] / np.abs(found.rate) / many.time[:, None]
-    t = found.time / many.time[:, None]
-    rising = change > 0.0
-    peak = np.where(rising, answer.outcome.maximum, answer.outcome.minimum)
-    return {
-        "rise_time": t[:, 1] - t[:, 0],
-        "rise_time_error": wrong[:, 0] + wrong[:, 1],
-        "settling_time": np.where(outside < 0, 0.0, t[:, 2]),
-        "settling_time_error": np.where(outside < 0, 0.0, wrong[:, 2]),
-        "farthest": peak,
-        "farthest_error": answer.outcome.error,
-        "overshoot": np.maximum((peak - final) / change, 0.0),
-        "overshoot_error": answer.outcome.error / np.abs(change),
-    }

@@ -1,22 +1,229 @@
-"""Rules for arguments that all verbs share."""
+"""Rules for arguments that many verbs share."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from copy import deepcopy
+from typing import TypeAlias
+
 import numpy as np
 
-from remanent._checks import Rule, require_real
+from remanent._checks import (
+    Rule,
+    as_float_array,
+    require_choice,
+    require_instance,
+    require_mapping,
+    require_names,
+    require_real,
+    shortened,
+)
+from remanent._errors import InputError
+from remanent._typing import ArrayLike, FloatArray
+from remanent.models.actuator import Actuator
+from remanent.models.drives.base import Drive
+from remanent.models.system import System
+from remanent.studies.ensemble.ensemble import Ensemble
 
 #: Below this, round-off in double precision is all that is left.
 FINEST = 1e-13
+#: Above this, an error bound says nothing.
+COARSEST = 0.1
+#: What ``rng`` accepts.
+Rng: TypeAlias = int | np.random.Generator | None
+#: The seed of all random choices where none is given.
+_SEED = 0
+#: Seeds that are drawn from a generator are smaller than this.
+_SEED_LIMIT = 2**31
 
-_TOLERANCE = Rule(
-    f"lie between {FINEST:g} and 0.1",
-    lambda x: np.asarray((x >= FINEST) & (x <= 0.1)),
-    "It is asked of the absolute global error, in double precision.",
-    "Pass for example 1e-9.",
-)
+
+def require_tolerance(value: object, of: str = "the absolute global error") -> float:
+    """A tolerance that double precision can meet.
+
+    Parameters
+    ----------
+    value : object
+        What was passed for ``tolerance``.
+    of : str
+        What it is asked of, as in ``"the residual"``.
+    """
+    rule = Rule(
+        f"lie between {FINEST:g} and {COARSEST:g}",
+        lambda x: np.asarray((x >= FINEST) & (x <= COARSEST)),
+        f"It is asked of {of}, in double precision.",
+        "Pass for example 1e-9.",
+    )
+    return require_real("tolerance", value, rule)
 
 
-def require_tolerance(value: object) -> float:
-    """A tolerance that double precision can meet."""
-    return require_real("tolerance", value, _TOLERANCE)
+def require_system(name: str, system: object) -> System:
+    """Whatever has the members of a system; its equations are found by its kind."""
+    if isinstance(system, type) or not isinstance(system, System):
+        raise InputError(
+            name,
+            must="be a system that can move",
+            got=shortened(system),
+            why="The equations of motion are derived from it.",
+            fix="Pass for example rm.Actuator().",
+        )
+    return system
+
+
+def require_actuator(name: str, system: object) -> Actuator:
+    """An actuator, for what only that has: stretches, scales, shaping."""
+    if not isinstance(system, Actuator):
+        raise InputError(
+            name,
+            must="be an actuator",
+            got=shortened(system),
+            why="Only an actuator has in-plane stretches, dead loads and a magnetic load.",
+            fix="Pass for example rm.Actuator().",
+        )
+    return system
+
+
+def require_drive(drive: object) -> Drive:
+    """A drive, for what is asked of it before the trajectories are laid out."""
+    require_instance("drive", drive, Drive, "rm.SineSquared(0.4, 1.25)")
+    assert isinstance(drive, Drive)
+    return drive
+
+
+def require_interval(
+    name: str, value: object, *, what: str, why: str, finite: bool = True
+) -> tuple[float, float]:
+    """Two increasing numbers.
+
+    Parameters
+    ----------
+    name : str
+        Name of the argument.
+    value : object
+        What was passed for it.
+    what, why : str
+        What the two numbers are, and a sentence on why they are needed.
+    finite : bool
+        Whether infinite ends are refused.
+    """
+    fix = "Pass two increasing numbers."
+    pair = as_float_array(name, value, what=what, why=why, fix=fix, ndim=1, finite=finite)
+    if pair.size != 2 or not pair[0] < pair[1]:
+        raise InputError(name, must=f"be {what}", got=shortened(value), why=why, fix=fix)
+    return float(pair[0]), float(pair[1])
+
+
+def require_intervals(
+    name: str, value: object, known: Iterable[str], owner: str, why: str
+) -> dict[str, tuple[float, float]]:
+    """Intervals of some fields by name; none where nothing was passed.
+
+    Parameters
+    ----------
+    name : str
+        Name of the argument.
+    value : mapping of str to (float, float), or None
+        What was passed for it.  Ends may be infinite.
+    known : iterable of str
+        Names that there are.
+    owner : str
+        What has these names, as in "the actuator".
+    why : str
+        What the intervals are for, a sentence.
+    """
+    if value is None:
+        return {}
+    fix = "Pass for example {'temperature': (280.0, 300.0)}."
+    table = require_mapping(name, value, what="names of fields to two numbers", fix=fix)
+    if table:
+        require_names(name, table, known, owner)
+    return {
+        field: require_interval(
+            f"{name}[{field!r}]",
+            pair,
+            what=f"the lowest and the highest value of {field}",
+            why=why,
+            finite=False,
+        )
+        for field, pair in table.items()
+    }
+
+
+def require_range(
+    name: str, value: object, parameter: str, ens: Ensemble, why: str
+) -> tuple[float, float]:
+    """The lowest and the highest value of a numeric field.
+
+    Parameters
+    ----------
+    name : str
+        Name of the argument.
+    value : object
+        What was passed for it.
+    parameter : str
+        The field.
+    ens : Ensemble
+        Its system or its drive has the field.
+    why : str
+        What happens between the two values, a sentence.
+
+    Raises
+    ------
+    InputError
+        If it is not two increasing numbers that the field may take.
+    """
+    what = f"the lowest and the highest value of {parameter}"
+    ends = require_interval(name, value, what=what, why=why)
+    for end in ends:
+        broken = ens.system.invalid({parameter: end}) | ens.drive.invalid({parameter: end})
+        if broken.any():
+            raise InputError(
+                name,
+                must=f"hold possible values of {parameter} only",
+                got=end,
+                why=why,
+                fix="Pass values within the field's own range.",
+            )
+    return ends
+
+
+def require_parameter(name: str, value: object, ens: Ensemble) -> str:
+    """The name of a numeric field of the system or of the drive."""
+    return require_choice(name, value, list(ens.values))
+
+
+def require_state(name: str, value: ArrayLike, ens: Ensemble, *, why: str, fix: str) -> FloatArray:
+    """All state variables of one point, array (state,)."""
+    names = ens.field.state
+    state = as_float_array(name, value, what=", ".join(names), why=why, fix=fix, finite=True)
+    if state.size != len(names):
+        raise InputError(
+            name,
+            must=f"be {len(names)} numbers, ({', '.join(names)})",
+            got=shortened(value),
+            why=why,
+            fix=fix,
+        )
+    return state.ravel()
+
+
+def as_seed(rng: Rng) -> int:
+    """The seed of the random choices of one call: fixed where nothing is given.
+
+    Choices are then drawn for each point from this seed and the point alone, so that they do
+    not depend on the batch or tile that the point is in.  Of a generator a copy is asked for
+    its next number: no verb changes its arguments, and every tile of a sweep, which is a call
+    with the same arguments, draws what the whole grid draws.
+    """
+    if rng is None:
+        return _SEED
+    if isinstance(rng, np.random.Generator):
+        return int(deepcopy(rng).integers(_SEED_LIMIT))
+    if isinstance(rng, bool | np.bool_) or not isinstance(rng, int | np.integer) or rng < 0:
+        raise InputError(
+            "rng",
+            must="be an integer that is not negative, or a numpy.random.Generator",
+            got=shortened(rng),
+            why="Equal seeds give equal results.",
+            fix="Pass for example 1, or leave it out for one fixed seed.",
+        )
+    return int(rng)

@@ -29,12 +29,15 @@ def to_dataset(
     outcome: Outcome | None = None,
     error: str = "error",
     status: NDArray[Any] | None = None,
+    driven: bool = True,
     **settings: Any,
 ) -> xr.Dataset:
     """Label the results of an ensemble: the dimensions of ``over`` first, then their own.
 
     Parameters
     ----------
+    ens : Ensemble
+        What was computed; the results have its dimensions, coordinates and attributes.
     variables : mapping of name to array (trajectory, ...)
         With the names of the later dimensions, ``(("time",), array)``, where there are any.
     tolerance : float or None
@@ -50,6 +53,8 @@ def to_dataset(
     status : array (trajectory,) of int, optional
         Where there is no `outcome`; by default ``ok``, or ``invalid`` where a value breaks
         a rule.
+    driven : bool
+        False where the load is what the result is about: then no drive made it.
     **settings
         What else decides the numbers, for the attributes.
 
@@ -65,9 +70,8 @@ def to_dataset(
     elif "status" not in variables:
         evidence = {"status": np.where(ens.invalid, Status.INVALID, Status.OK)}
     labelled = {name: _labelled(ens, values) for name, values in {**variables, **evidence}.items()}
-    attributes = provenance.attributes(
-        ens.system, ens.drive, tolerance, over=ens.coords, **settings
-    )
+    drive = ens.drive if driven else None
+    attributes = provenance.attributes(ens.system, drive, tolerance, over=ens.coords, **settings)
     return build.dataset(
         {**labelled, **(shared or {})}, {**ens.coords, **(coords or {})}, attributes
     )

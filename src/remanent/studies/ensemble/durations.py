@@ -6,64 +6,102 @@ from typing import Any
 
 import numpy as np
 
-from remanent._checks import Rule, positive, require_real
+from remanent._checks import Rule, positive, require_real, shortened
 from remanent._errors import InputError
 from remanent._typing import FloatArray
 from remanent.studies.ensemble.ensemble import Ensemble
 
 #: Larger integers are not exact in double precision.
-_MOST = 2**53
+_LARGEST_COUNT = 2**53
+#: Default length of the window of a response, in units of tau: that of [Thermal].
+RESPONSE_WINDOW = 100.0
 _TIME: Rule = positive("A run takes a positive time.", "Pass a time in units of tau.")
 
 
 def require_count(name: str, value: Any, why: str, least: int = 1) -> int:
-    """`value` as an integer not below `least`."""
-    if isinstance(value, int | np.integer) and value > _MOST:
-        raise InputError(
-            name, f"be at most {_MOST}", "more", why, "Pass as many as a computer can take."
-        )
+    """`value` as an integer not below `least`.
+
+    Parameters
+    ----------
+    name : str
+        Name of the argument.
+    value : object
+        What was passed for it.
+    why : str
+        What is counted, a sentence.
+    least : int
+        Least number allowed.
+    """
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
         raise InputError(
             name,
-            "be a positive integer" if least == 1 else f"be an integer, at least {least}",
-            repr(value),
-            why,
-            f"Pass at least {least}.",
+            must="be a positive integer" if least == 1 else f"be an integer, at least {least}",
+            got=shortened(value),
+            why=why,
+            fix=f"Pass at least {least}.",
+        )
+    if value > _LARGEST_COUNT:
+        raise InputError(
+            name,
+            must=f"be at most {_LARGEST_COUNT}",
+            got=f"a number of {len(str(value))} digits",
+            why=why,
+            fix="Pass as many as a computer can take.",
         )
     return int(value)
 
 
 def require_periods(ens: Ensemble) -> FloatArray:
-    """The drive period of every trajectory; raises where the load has none."""
+    """The drive period of every trajectory, array (trajectory,); raises where there is none.
+
+    For verbs that make no sense without a periodic load.
+    """
     periods = ens.periods()
     if periods is None:
         raise InputError(
-            "periods",
-            "be left out for a drive without a period",
-            f"a {type(ens.drive).__name__} drive",
-            "Only a load that repeats itself has drive periods to count.",
-            "Pass `duration` instead, or use rm.Sine or rm.SineSquared.",
+            "drive",
+            must="have a period",
+            got=f"a {type(ens.drive).__name__} drive",
+            why="What is computed is counted in periods of the load.",
+            fix="Pass rm.Sine or rm.SineSquared.",
         )
     return periods
 
 
-def durations(ens: Ensemble, duration: Any, periods: Any) -> FloatArray:
-    """Length of every trajectory from exactly one of `duration` and `periods`."""
-    if periods is not None:
-        count = require_count("periods", periods, "Runs are counted in whole drive periods.")
-        return count * require_periods(ens)
-    return np.broadcast_to(require_real("duration", duration, _TIME), ens.count)
+def require_duration(duration: object) -> float:
+    """The length of a run in units of tau."""
+    return require_real("duration", duration, _TIME)
 
 
-def require_one(**given: Any) -> None:
+def durations(ens: Ensemble, duration: float | None, periods: int | None) -> FloatArray:
+    """Length of every trajectory, array (trajectory,), from one of `duration` and `periods`.
+
+    For verbs that take both, of which exactly one is given.
+    """
+    if periods is None:
+        return np.broadcast_to(require_duration(duration), ens.count)
+    count = require_count("periods", periods, "Runs are counted in whole drive periods.")
+    lengths = ens.periods()
+    if lengths is None:
+        raise InputError(
+            "periods",
+            must="be left out for a drive without a period",
+            got=f"{count} with a {type(ens.drive).__name__} drive",
+            why="Only a load that repeats itself has drive periods to count.",
+            fix="Pass `duration` instead, or use rm.Sine or rm.SineSquared.",
+        )
+    return count * lengths
+
+
+def require_exactly_one(**given: Any) -> None:
     """Exactly one of the arguments must not be None."""
     present = [name for name, value in given.items() if value is not None]
     if len(present) != 1:
         names = ", ".join(f"`{name}`" for name in given)
         raise InputError(
-            " / ".join(given),
-            f"be given as exactly one of {names}",
-            " and ".join(present) or "none of them",
-            "Each of them alone says how long the run is.",
-            "Pass one of them.",
+            present[0] if present else next(iter(given)),
+            must=f"be the only one of {names}, exactly one of which is given",
+            got=" and ".join(present) or "none of them",
+            why="Each of them alone says how long the run is.",
+            fix="Pass one of them.",
         )

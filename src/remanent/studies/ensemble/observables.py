@@ -6,7 +6,7 @@ import numpy as np
 
 from remanent._timeline import Timeline
 from remanent._typing import FloatArray
-from remanent.integrate.ensemble.problem import Problem
+from remanent.integrate.ensemble.problem import Outcome, Problem
 
 
 def observe(problem: Problem, name: str, times: FloatArray, states: FloatArray) -> FloatArray:
@@ -19,7 +19,7 @@ def observe(problem: Problem, name: str, times: FloatArray, states: FloatArray) 
     times : array (trajectory, time)
     states : array (trajectory, time, state)
     """
-    phase, piece = locate(problem.timeline, times)
+    phase, piece = phase_and_piece(problem.timeline, times)
     row = np.arange(times.shape[0])[:, None]
     columns = []
     for k, parameter in enumerate(problem.field.parameters):
@@ -32,7 +32,16 @@ def observe(problem: Problem, name: str, times: FloatArray, states: FloatArray) 
     return np.asarray(np.broadcast_to(value, times.shape))
 
 
-def locate(timeline: Timeline, times: FloatArray) -> tuple[FloatArray, np.ndarray]:
+def blank_beyond_horizon(states: FloatArray, times: FloatArray, outcome: Outcome) -> FloatArray:
+    """`states` (trajectory, time, ...) with NaN where `times` are past the trusted horizon.
+
+    They are changed in place: histories are the largest arrays there are.
+    """
+    states[outcome.beyond_horizon(times)] = np.nan
+    return states
+
+
+def phase_and_piece(timeline: Timeline, times: FloatArray) -> tuple[FloatArray, np.ndarray]:
     """Phase in the period or piece, and number of the piece, at each time.
 
     A time at a boundary belongs to the piece that begins there; the end of the run

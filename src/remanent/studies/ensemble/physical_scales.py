@@ -13,11 +13,13 @@ from remanent._errors import InputError
 from remanent._timeline import Timeline
 from remanent._typing import ArrayLike, FloatArray
 from remanent.integrate.ensemble.problem import Problem
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.models.drives.piecewise import Table
+from remanent.models.system import System
 from remanent.results.schema import Kind, describe
-from remanent.studies.ensemble.ensemble import Ensemble, Over, ensemble, problem
+from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.layout import Over, lay_out
+from remanent.studies.ensemble.problem import initial_value_problem
 
 #: Names of the sizes; each counts in units of what the actuator was built with.
 PHYSICAL = ("shear_modulus", "density", "remanence")
@@ -44,7 +46,7 @@ _EXPONENTS: Mapping[Kind, tuple[float, float, float]] = MappingProxyType(
 
 
 @dataclass(frozen=True)
-class Physical:
+class PhysicalScales:
     """An ensemble in which shear modulus, density and remanence differ as well.
 
     Attributes
@@ -76,34 +78,34 @@ class Physical:
         """The trajectories, each lasting `duration` in the actuator's unit of time."""
         ens = self.ensemble
         if not isinstance(ens.drive, Table):
-            return problem(ens, duration * self.time)
-        plain = problem(ens, duration)
+            return initial_value_problem(ens, duration * self.time)
+        plain = initial_value_problem(ens, duration)
         line = plain.timeline
         scaled = {name: rows * self.load for name, rows in line.parameters.items()}
         timeline = Timeline(line.lengths * self.time, line.periodic, scaled, line.waveform)
         return replace(plain, timeline=timeline, duration=plain.duration * self.time)
 
 
-def physical(
-    actuator: Actuator,
+def lay_out_physical(
+    system: System,
     drive: Drive,
     over: Over | None = None,
     initial: ArrayLike | None = None,
     *,
     reserved: frozenset[str] = frozenset({"time", "cycle", "step"}),
-) -> Physical:
+) -> PhysicalScales:
     """Lay out trajectories over numeric fields and over :data:`PHYSICAL` sizes.
 
     Flux densities, times, dead loads and viscosities keep their values in SI, so the
     dimensionless numbers change: m ~ B_r/mu, S ~ 1/mu, omega ~ sqrt(rho/mu) ...
     """
-    ens = ensemble(
-        actuator, drive, over, initial, reserved=reserved, extra=dict.fromkeys(PHYSICAL, 1.0)
+    ens = lay_out(
+        system, drive, over, initial, reserved=reserved, extra=dict.fromkeys(PHYSICAL, 1.0)
     )
     sizes = np.stack([ens.values[name] for name in PHYSICAL])
     broken = ~np.all([RULE.satisfied(row) for row in sizes], axis=0)
     if not ens.sizes and broken.any():
-        raise InputError("over", RULE.rule, sizes[:, 0], RULE.reason, RULE.remedy)
+        raise InputError("over", must=RULE.must, got=sizes[:, 0], why=RULE.why, fix=RULE.fix)
     sizes = np.where(broken, 1.0, sizes)
     values = {
         name: value * _factor(_kind(name), sizes)
@@ -114,7 +116,7 @@ def physical(
     for k, name in enumerate(ens.field.state):
         start[:, k] *= _factor(_kind(name), sizes)
     own = replace(ens, values=values, initial=start, invalid=ens.invalid | broken)
-    return Physical(own, sizes)
+    return PhysicalScales(own, sizes)
 
 
 def _factor(kind: Kind, sizes: FloatArray) -> FloatArray:

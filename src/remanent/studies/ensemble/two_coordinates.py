@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from remanent.studies.ensemble.ensemble import Ensemble, ensemble
+from remanent._field import Role
+from remanent.studies.ensemble.checks import require_actuator
+from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.layout import lay_out
 
 
 def two_coordinates(ens: Ensemble) -> tuple[Ensemble, dict[str, str]]:
@@ -12,11 +15,12 @@ def two_coordinates(ens: Ensemble) -> tuple[Ensemble, dict[str, str]]:
 
     The initial states stay those of one coordinate.
     """
-    load = ens.system.prestress
-    both = ensemble(ens.system.replace(prestress=(load, load)), ens.drive)
-    names = both.field.state
+    actuator = require_actuator("system", ens.system)
+    load = actuator.prestress
+    both = lay_out(actuator.replace(prestress=(load, load)), ens.drive)
     values = {name: v for name, v in ens.values.items() if name != "prestress"}
     values |= {f"prestress_{i}": ens.values["prestress"] for i in (1, 2)}
-    pairs = {n: n.replace("_1", "_2") for n in names if n.replace("_1", "_2") in names}
-    pairs = {one: two for one, two in pairs.items() if one != two}
+    first, second = both.field.names(Role.COORDINATE)
+    pairs = {first: second}
+    pairs |= zip(both.field.belonging_to(first), both.field.belonging_to(second), strict=True)
     return replace(ens, system=both.system, field=both.field, values=values), pairs

@@ -3,20 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
 from scipy.optimize import least_squares
 
-from remanent._checks import positive, require_numbers, require_real
+from remanent._checks import as_float_array, positive, require_real, shortened
 from remanent._errors import InputError
 from remanent._typing import FloatArray
-from remanent.analysis.fitting import Box, jacobian
-from remanent.results import build, provenance
+from remanent.analysis.inference.fitting import ParameterBox, difference_jacobian
+from remanent.results import build
 from remanent.results.build import Labelled
-from remanent.studies.inference.measure import Measure, chosen, listed, together
+from remanent.studies.ensemble.checks import require_intervals
+from remanent.studies.inference._measures import as_values, attributes, evaluate
+from remanent.studies.inference.measure import Measure
 
 _STEP = positive("It is the relative change of a field in a difference.", "Pass 1e-3.")
+#: Distances are relative to the target, or to this where the target is smaller.
+_SMALLEST_WEIGHT = 1e-3
+#: Evaluations of the measures in the search, at most, beside those of differences.
+_MAX_EVALUATIONS = 60
+#: Singular values of the slopes over the largest, below which fields can be exchanged.
+_RANK_TOLERANCE = 1e-8
 
 
 def design(
@@ -31,16 +40,16 @@ def design(
 
     Parameters
     ----------
-    measures
+    measures : Measure or sequence of Measure
         What is to be placed, each one number.
-    targets
+    targets : float or sequence of float
         Where, one for each.
-    parameters
+    parameters : str, sequence of str, or mapping of str to float
         What may change: names, or names with first guesses.  As many as measures, for an
         answer to the point; fewer come as near as they can, more stay near the guess.
-    parameter_ranges
+    parameter_ranges : mapping of str to (float, float), optional
         Lowest and highest value of some of the fields.
-    step
+    step : float
         Relative change of a field in differences.
 
     Returns
@@ -67,79 +76,182 @@ def design(
     >>> ds = rm.design(switch, 1.2, "temperature")
     >>> round(float(ds.solution[0]), 3)  # 293 (1.42388/1.2)^2
     412.529
+
+    See Also
+    --------
+    remanent.sensitivity : derivatives of measures by fields.
+    remanent.fit : fields from measurements.
+    remanent.Measure : what a verb computes, as a function of fields.
     """
-    asked = [measures] if isinstance(measures, Measure) else list(measures)
+    measures = _measures(measures)
     step = require_real("step", step, _STEP)
-    wanted = np.array(require_numbers("targets", np.atleast_1d(np.asarray(targets, dtype=float))))
-    guess = _guesses(asked, parameters)
-    if len(wanted) != len(asked):
-        raise InputError(
-            "targets", f"have {len(asked)} values", len(wanted),
-            "Each measure has one.", "Pass one target per measure.",
-        )  # fmt: skip
-    names, start = list(guess), np.array(list(guess.values()))
-    box = _box(guess, parameter_ranges or {})
-    weight = np.maximum(np.abs(wanted), 1e-3)
-
-    def distance(rows: FloatArray) -> FloatArray:
-        values, _ = together(asked, names, rows)
-        return np.asarray((values - wanted) / weight)
-
-    def residual(x: FloatArray) -> FloatArray:
-        return np.asarray(distance(x[None])[0])
-
-    def slopes(x: FloatArray) -> FloatArray:
-        return jacobian(distance, x, box, step)
-
-    begin = distance(start[None])
-    if not np.isfinite(begin).all() or begin.shape[1] != len(asked):
-        raise InputError(
-            "parameters", "start where each measure is one known number", guess,
-            "The search starts there.", "Pass other guesses, or reduce the measure by `of`.",
-        )  # fmt: skip
-    with np.errstate(all="ignore"):  # of a measure that stops changing
-        found = least_squares(
-            residual, start, jac=slopes, bounds=(box.lower, box.upper), x_scale=box.scale,
-            xtol=1e-12, ftol=1e-15, gtol=None, max_nfev=60,
-        )  # fmt: skip
-    values, errors = together(asked, names, found.x[None])
-    slope = slopes(found.x) * box.scale
-    unknown = np.full(len(names), np.nan)
-    if np.linalg.matrix_rank(slope, rtol=1e-8) == len(names):
-        doubt = (errors[0] + np.abs(values[0] - wanted)) / weight
-        unknown = box.scale * (np.abs(np.linalg.pinv(slope)) @ doubt)
-    variables: dict[str, Labelled] = {
-        "solution": (("field",), np.asarray(found.x)),
-        "solution_error": (("field",), unknown),
-        "target": (("measure",), wanted),
-        "reached": (("measure",), values[0]),
-        "reached_error": (("measure",), errors[0]),
-    }
-    labels = np.array([repr(m) for m in asked])
-    coords: dict[str, Labelled] = {
-        "field": (("field",), np.array(names)),
-        "measure": (("measure",), labels),
-    }
-    attributes = provenance.attributes(
-        asked[0].actuator, asked[0].drive, None, over=names, scaled=False
+    guess = _guesses(measures, parameters)
+    problem = _Problem(
+        measures,
+        _targets(targets, measures),
+        list(guess),
+        _box(guess, parameter_ranges),
+        step,
     )
-    return build.dataset(variables, coords, attributes)
+    solution = problem.solve(np.array(list(guess.values())))
+    reached, errors = (part[0] for part in evaluate(measures, problem.names, solution[None]))
+    variables: dict[str, Labelled] = {
+        "solution": (("field",), solution),
+        "solution_error": (("field",), problem.solution_error(solution, reached, errors)),
+        "target": (("measure",), problem.targets),
+        "reached": (("measure",), reached),
+        "reached_error": (("measure",), errors),
+    }
+    coords: dict[str, Labelled] = {
+        "field": (("field",), np.array(problem.names)),
+        "measure": (("measure",), np.array([repr(measure) for measure in measures])),
+    }
+    return build.dataset(variables, coords, attributes(measures[0], over=problem.names))
+
+
+@dataclass(frozen=True)
+class _Problem:
+    """Least squares of the relative distances of measures from their targets.
+
+    Attributes
+    ----------
+    measures : sequence of Measure
+    targets : array (measure,)
+    names : sequence of str
+        Of the fields that change.
+    box : ParameterBox
+        Their scales and ranges.
+    step : float
+        Relative change of a field in differences.
+    """
+
+    measures: Sequence[Measure]
+    targets: FloatArray
+    names: Sequence[str]
+    box: ParameterBox
+    step: float
+
+    @property
+    def weights(self) -> FloatArray:
+        """What distances are relative to, array (measure,)."""
+        return np.maximum(np.abs(self.targets), _SMALLEST_WEIGHT)
+
+    def distances(self, candidates: FloatArray) -> FloatArray:
+        """Relative distances from the targets, array (candidate, measure)."""
+        values, _ = evaluate(self.measures, self.names, candidates)
+        return np.asarray((values - self.targets) / self.weights)
+
+    def slopes(self, x: FloatArray) -> FloatArray:
+        """Derivatives of the distances at one point, array (measure, field)."""
+        return difference_jacobian(self.distances, x, self.box, self.step)
+
+    def solve(self, guess: FloatArray) -> FloatArray:
+        """The point nearest to all targets, array (field,)."""
+        begin = self.distances(guess[None])
+        if not np.isfinite(begin).all() or begin.shape[1] != len(self.measures):
+            raise InputError(
+                "parameters",
+                must="start where each measure is one known number",
+                got=dict(zip(self.names, guess.tolist(), strict=True)),
+                why="The search starts there.",
+                fix="Pass other guesses, or reduce the measure by its `of`.",
+            )
+
+        def residual(x: FloatArray) -> FloatArray:
+            return np.asarray(self.distances(x[None])[0])
+
+        with np.errstate(all="ignore"):  # of a measure that stops changing
+            optimum = least_squares(
+                residual,
+                guess,
+                jac=self.slopes,
+                bounds=(self.box.lower, self.box.upper),
+                x_scale=self.box.scale,
+                xtol=1e-12,
+                ftol=1e-15,
+                gtol=None,
+                max_nfev=_MAX_EVALUATIONS,
+            )
+        return np.asarray(optimum.x)
+
+    def solution_error(
+        self, solution: FloatArray, reached: FloatArray, errors: FloatArray
+    ) -> FloatArray:
+        """What errors and distances of the measures make of the fields, array (field,).
+
+        NaN where the fields can be exchanged for one another: the measures then leave a
+        direction among them undetermined.
+        """
+        slopes = self.slopes(solution) * self.box.scale
+        if np.linalg.matrix_rank(slopes, rtol=_RANK_TOLERANCE) < len(self.names):
+            return np.full(len(self.names), np.nan)
+        distance = (errors + np.abs(reached - self.targets)) / self.weights
+        return np.asarray(self.box.scale * (np.abs(np.linalg.pinv(slopes)) @ distance))
+
+
+def _targets(targets: float | Sequence[float], measures: Sequence[Measure]) -> FloatArray:
+    values = np.atleast_1d(
+        as_float_array(
+            "targets",
+            targets,
+            what="target values",
+            why="Each measure has one.",
+            fix="Pass one number per measure.",
+            least=1,
+            finite=True,
+        )
+    )
+    if len(values) != len(measures):
+        raise InputError(
+            "targets",
+            must=f"have {len(measures)} values",
+            got=len(values),
+            why="Each measure has one.",
+            fix="Pass one target per measure.",
+        )
+    return values
 
 
 def _guesses(
-    asked: Sequence[Measure], fields: Mapping[str, float] | Sequence[str] | str
+    measures: Sequence[Measure], parameters: Mapping[str, float] | Sequence[str] | str
 ) -> dict[str, float]:
-    for measure in asked:
-        measure.require(listed(fields))
-    return chosen(fields, asked[0].own())
+    guess = as_values(parameters, measures[0].nominal_values())
+    for measure in measures:
+        measure.require_parameters("parameters", list(guess))
+    return guess
 
 
-def _box(guess: Mapping[str, float], bounds: Mapping[str, tuple[float, float]]) -> Box:
-    value = np.array(list(guess.values()))
-    ends = np.array([bounds.get(name, (-np.inf, np.inf)) for name in guess], dtype=float)
-    if not ((ends[:, 0] < ends[:, 1]) & (ends[:, 0] <= value) & (value <= ends[:, 1])).all():
+def _measures(measures: Measure | Sequence[Measure]) -> list[Measure]:
+    listed = [measures] if isinstance(measures, Measure) else measures
+    if (
+        not isinstance(listed, Sequence)
+        or not listed
+        or not all(isinstance(measure, Measure) for measure in listed)
+    ):
         raise InputError(
-            "bounds", "lie around the guesses", dict(bounds),
-            "The search starts there.", "Pass other guesses or wider bounds.",
-        )  # fmt: skip
-    return Box(np.where(value == 0.0, 1.0, np.abs(value)), ends[:, 0], ends[:, 1])
+            "measures",
+            must="be an rm.Measure, or several of them",
+            got=shortened(measures),
+            why="They say what is computed from the fields.",
+            fix="Pass for example rm.Measure(rm.shape_commands, actuator, 1.5, of='switch_time').",
+        )
+    return list(listed)
+
+
+def _box(guess: Mapping[str, float], parameter_ranges: object) -> ParameterBox:
+    """Scales and ranges of the fields, inside which the guesses lie."""
+    ranges = require_intervals(
+        "parameter_ranges", parameter_ranges, guess, "`parameters`", "The search stays inside."
+    )
+    values = np.array(list(guess.values()))
+    ends = np.array([ranges.get(name, (-np.inf, np.inf)) for name in guess], dtype=float)
+    lower, upper = ends.T
+    if not ((lower < upper) & (lower <= values) & (values <= upper)).all():
+        raise InputError(
+            "parameter_ranges",
+            must="lie around the guesses",
+            got=dict(ranges),
+            why="The search starts there.",
+            fix="Pass other guesses or wider ranges.",
+        )
+    return ParameterBox(np.where(values == 0.0, 1.0, np.abs(values)), lower, upper)

@@ -3,29 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
 
-from remanent._checks import Rule, not_negative, require_known, require_real
+from remanent._checks import Rule, not_negative, require_flag, require_real
 from remanent._errors import InputError
-from remanent._typing import ArrayLike, FloatArray
-from remanent.analysis import fitting
-from remanent.analysis.fitting import Box, Data
-from remanent.integrate.ensemble.ensemble import integrate
-from remanent.integrate.ensemble.problem import Outcome, Problem, Request
-from remanent.models.actuator import Actuator
+from remanent._typing import ArrayLike
+from remanent.analysis.inference import fitting
+from remanent.analysis.inference.fitting import LeastSquaresFit, Observations, ParameterBox
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.results import build, provenance
 from remanent.results.build import Labelled
 from remanent.results.read_measurements import Table, read_measurements
-from remanent.studies.ensemble.checks import require_tolerance
-from remanent.studies.ensemble.durations import durations
-from remanent.studies.ensemble.observables import observe
-from remanent.studies.ensemble.physical_scales import PHYSICAL, RULE, Physical, physical
-from remanent.studies.inference.measure import chosen, listed
-from remanent.studies.response.frequency_response import WINDOW
+from remanent.studies.ensemble.checks import require_intervals, require_tolerance
+from remanent.studies.ensemble.durations import RESPONSE_WINDOW, require_count, require_duration
+from remanent.studies.ensemble.physical_scales import PHYSICAL, RULE, lay_out_physical
+from remanent.studies.inference._measures import as_values
+from remanent.studies.inference._predictions import Measurements, Predictions, Window
 
 _CONFIDENCE = Rule(
     "lie between 0 and 1",
@@ -34,12 +30,16 @@ _CONFIDENCE = Rule(
     "Pass 0.95.",
 )
 _DISCARD = not_negative("It is the time before the window.", "Pass 0 to start at once.")
-#: Of a response, what is compared.
-_EXTREMES = ("amplitude", "maximum", "minimum")
+#: Scale of a parameter whose guess is smaller.
+_SMALLEST_SCALE = 0.1
+#: Distance from an end that a rule excludes, over the parameter's scale.
+_OPEN_END = 1e-6
+#: A number that breaks every rule with an upper end.
+_LARGE = 1e6
 
 
 def fit(
-    system: Actuator,
+    system: System,
     drive: Drive,
     data: Table,
     parameters: Sequence[str] | Mapping[str, float],
@@ -57,30 +57,36 @@ def fit(
 
     Parameters
     ----------
-    system, drive
+    system : System
         What was measured, with guesses for what is not known.
-    data
+    drive : Drive
+        The load on it.
+    data : xarray.Dataset, pandas.DataFrame, mapping or path
         What :func:`remanent.read_measurements` returns or reads: along ``time`` any of the
         variables of :func:`remanent.simulate`, or along ``omega`` an ``amplitude``,
         ``maximum`` or ``minimum`` as of :func:`remanent.frequency_response`;
         ``thickness_stretch_error`` and the like are standard deviations.  Without them all
         values of all variables have the same, and the scatter says how large it is.
-    parameters
+    parameters : sequence of str, or mapping of str to float
         Numeric fields of actuator and drive, ``initial.stretch`` and the like, and
         ``shear_modulus``, ``density``, ``remanence`` over their nominal values; with first
         guesses, or just names, from the values there are.
-    parameter_ranges
-        Of parameters; by default those that the fields themselves have.
-    initial
-        As for :func:`remanent.simulate`.
-    duration, periods, discard
-        Of a response, as for :func:`remanent.frequency_response`.
-    confidence
-        Of the intervals.
-    profile
+    parameter_ranges : mapping of str to (float, float), optional
+        Lowest and highest value of some of the parameters; by default those that the fields
+        themselves have.
+    initial : array_like (state,), optional
+        State at τ = 0: stretch and rate of each coordinate in turn, to which internal variables
+        and the temperature may be added; rest, (1, 0), by default.
+    duration, periods : float and int, optional
+        Length of the run of a response, in τ (100 by default) or in drive periods.
+    discard : float
+        Time at the beginning of the run of a response, τ, that does not count.
+    confidence : float
+        Of the intervals, between 0 and 1.
+    profile : bool
         Whether to find ``profile_interval`` too, which takes some dozen further fits.
-    tolerance
-        Asked of the computed motion.
+    tolerance : float
+        Bound of the absolute global error of the computed motion.
 
     Returns
     -------
@@ -100,6 +106,9 @@ def fit(
 
     Notes
     -----
+    A fit is of one record, with one set of starting values, and takes no ``over``: for several
+    records, or starts, call it for each.
+
     Minimises the sum of [(predicted − observed)/deviation]² (SciPy's trust-region reflective
     method); all differences of a step are one ensemble.  Covariance s²(JᵀWJ)⁻¹.  The minimum
     is the one near the guess: of a ring-down, a guess within half a cycle over the record.
@@ -114,206 +123,153 @@ def fit(
     >>> found = rm.fit(guess, rm.Constant(0.3), noisy, ["dissipation.0.eta"])
     >>> bool(abs(found.estimate[0] - 0.2) < 3 * found.estimate_error[0])
     True
+
+    See Also
+    --------
+    remanent.read_measurements : tables of measurements, with units.
+    remanent.logarithmic_decrement : damping from a ring-down, without a model.
+    remanent.uncertainty : what errors of parameters make of a prediction.
     """
-    require_tolerance(tolerance)
+    require_tolerance(tolerance, "the error of the computed motion")
     confidence = require_real("confidence", confidence, _CONFIDENCE)
     discard = require_real("discard", discard, _DISCARD)
+    profile = require_flag("profile", profile)
+    _require_window(duration, periods)
     guess = _guesses(system, drive, parameters, initial)
-    table = read_measurements(data, system)
-    if "omega" in table.dims and duration is None and periods is None:
-        duration = WINDOW
-    model = _Model(
-        system, drive, tuple(guess), initial, table, duration, periods, discard, tolerance
+    measurements = Measurements(read_measurements(data, system))
+    if measurements.dimension == "omega" and duration is None and periods is None:
+        duration = RESPONSE_WINDOW
+    model = Predictions(
+        system=system,
+        drive=drive,
+        names=tuple(guess),
+        initial=initial,
+        measurements=measurements,
+        window=Window(duration, periods, discard),
+        tolerance=tolerance,
     )
-    found_data, box = model.data(), _box(system, drive, guess, parameter_ranges)
-    start = np.array(list(guess.values()))
-    found = fitting.fit(model, found_data, start, box)
-    half = found.quantile(confidence) * found.deviation
-    variables: dict[str, Labelled] = {
-        "estimate": (("parameter",), found.estimate),
-        "estimate_error": (("parameter",), found.deviation),
-        "interval": (("parameter", "bound"), found.estimate[:, None] + half[:, None] * [-1.0, 1.0]),
-        "correlation": (
-            ("parameter", "other_parameter"),
-            found.covariance / np.outer(found.deviation, found.deviation),
-        ),
-        "chi_square": ((), np.array(found.chi_square)),
-        "degrees": ((), np.array(found.degrees)),
-        "noise": ((), np.sqrt(found.chi_square / found.degrees)),
-        "observed": (("observation",), found_data.values),
-        "predicted": (("observation",), found.predicted),
-    }
+    observed, box = measurements.data(), _box(system, drive, guess, parameter_ranges)
+    best = fitting.fit_least_squares(model, observed, np.array(list(guess.values())), box)
+    variables = _variables(best, observed, confidence)
     if profile:
         ends = [
-            fitting.profile(model, found_data, found, box, k, confidence) for k in range(len(guess))
+            fitting.profile_interval(model, observed, best, box, k, confidence)
+            for k in range(len(guess))
         ]
         variables["profile_interval"] = (("parameter", "bound"), np.array(ends))
+    attributes = provenance.attributes(
+        system,
+        drive,
+        tolerance,
+        over=guess,
+        confidence=confidence,
+        duration=duration,
+        periods=periods,
+        scaled=False,
+    )
+    return build.dataset(variables, _coordinates(guess, measurements), attributes)
+
+
+def _require_window(duration: float | None, periods: int | None) -> None:
+    """Check the length of a response's runs, also where the data are a history."""
+    if duration is not None:
+        require_duration(duration)
+    if periods is not None:
+        require_count("periods", periods, "Runs are counted in whole drive periods.")
+
+
+def _variables(
+    best: LeastSquaresFit, observed: Observations, confidence: float
+) -> dict[str, Labelled]:
+    """What is told of a fit, by name."""
+    half_width = best.quantile(confidence) * best.deviation
+    return {
+        "estimate": (("parameter",), best.estimate),
+        "estimate_error": (("parameter",), best.deviation),
+        "interval": (
+            ("parameter", "bound"),
+            best.estimate[:, None] + half_width[:, None] * [-1.0, 1.0],
+        ),
+        "correlation": (
+            ("parameter", "other_parameter"),
+            best.covariance / np.outer(best.deviation, best.deviation),
+        ),
+        "chi_square": ((), np.array(best.chi_square)),
+        "degrees": ((), np.array(best.degrees)),
+        "noise": ((), np.sqrt(best.chi_square / best.degrees)),
+        "observed": (("observation",), observed.values),
+        "predicted": (("observation",), best.predicted),
+    }
+
+
+def _coordinates(guess: Mapping[str, float], measurements: Measurements) -> dict[str, Labelled]:
     names = np.array(list(guess))
-    coords: dict[str, Labelled] = {
+    return {
         "parameter": (("parameter",), names),
         "other_parameter": (("other_parameter",), names),
         "bound": (("bound",), np.array(["lower", "upper"])),
-        **model.labels(),
+        **measurements.labels(),
     }
-    attributes = provenance.attributes(
-        system, drive, tolerance, over=guess, confidence=confidence, duration=duration,
-        periods=periods, scaled=False,
-    )  # fmt: skip
-    return build.dataset(variables, coords, attributes)
-
-
-@dataclass(frozen=True)
-class _Model:
-    """Predictions of the measured values, for many candidates at once."""
-
-    actuator: Actuator
-    drive: Drive
-    names: tuple[str, ...]
-    initial: ArrayLike | None
-    table: xr.Dataset
-    duration: float | None
-    periods: int | None
-    discard: float
-    tolerance: float
-
-    @property
-    def along(self) -> str:
-        return "omega" if "omega" in self.table.dims else "time"
-
-    @property
-    def measured(self) -> list[str]:
-        """Names of the variables that are compared."""
-        names = [str(n) for n in self.table.data_vars if self.table[n].dims == (self.along,)]
-        evidence = {"crossings", "balance", "status", "horizon", "error"}
-        return [n for n in names if not n.endswith("_error") and n not in evidence]
-
-    def data(self) -> Data:
-        """The measured values, one variable after the other."""
-        if self.along not in self.table.dims or not self.measured:
-            raise InputError(
-                "data", "hold variables along `time` or `omega`", list(self.table.sizes),
-                "They are compared with a history or a response.", "Use rm.read_measurements(...).",
-            )  # fmt: skip
-        values = np.concatenate([self.table[name].values for name in self.measured])
-        given = [f"{name}_error" in self.table for name in self.measured]
-        deviation = np.ones(values.size)
-        if all(given):
-            deviation = np.concatenate(
-                [np.broadcast_to(self.table[f"{n}_error"], self._size) for n in self.measured]
-            )
-        if not (np.isfinite(values).all() and (deviation > 0.0).all()):
-            raise InputError(
-                "data", "be finite, with deviations above 0", "others",
-                "Each value counts by its deviation.", "Leave such rows out.",
-            )  # fmt: skip
-        return Data(values, deviation, all(given))
-
-    def labels(self) -> dict[str, Labelled]:
-        """What each datum is, and where."""
-        where = np.tile(self.table[self.along].values, len(self.measured))
-        quantity = np.repeat(self.measured, self._size)
-        return {"quantity": (("observation",), quantity), self.along: (("observation",), where)}
-
-    @property
-    def _size(self) -> int:
-        return int(self.table.sizes[self.along])
-
-    def __call__(self, candidates: FloatArray) -> FloatArray:
-        """Predictions (candidate, datum); NaN where the bound is not met."""
-        over = {
-            name: xr.DataArray(column, dims="candidate")
-            for name, column in zip(self.names, candidates.T, strict=True)
-        }
-        found = self._history(over) if self.along == "time" else self._response(over)
-        return np.concatenate([found[name] for name in self.measured], axis=1)
-
-    def _history(self, over: Mapping[str, xr.DataArray]) -> dict[str, FloatArray]:
-        many = physical(self.actuator, self.drive, over, self.initial)
-        times = self.table["time"].values
-        end = max(float(times[-1]), np.finfo(float).tiny)
-        asked = many.problem(np.full(many.ensemble.count, end))
-        own = times * many.time[:, None]
-        outcome = integrate(asked, Request(times=own), tolerance=self.tolerance)
-        states = outcome.states
-        assert states is not None
-        states[own > outcome.horizon[:, None] * (1 + 1e-12)] = np.nan
-        return {
-            name: _column(asked, name, own, states) / many.factor(name)[:, None]
-            for name in self.measured
-        }
-
-    def _response(self, over: Mapping[str, xr.DataArray]) -> dict[str, FloatArray]:
-        omega = xr.DataArray(self.table["omega"].values, dims="frequency")
-        many = physical(self.actuator, self.drive, {**over, "omega": omega}, self.initial)
-        outcome = self._extremes(many)
-        low, high = (many.ensemble.shaped(v) for v in (outcome.minimum, outcome.maximum))
-        return {"maximum": high, "minimum": low, "amplitude": 0.5 * (high - low)}
-
-    def _extremes(self, many: Physical) -> Outcome:
-        ens = many.ensemble
-        if self.periods is not None:
-            asked = many.problem(durations(ens, None, self.periods) / many.time)
-        else:
-            asked = many.problem(durations(ens, self.duration, None))
-        request = Request(extremes=True, begin=self.discard * many.time)
-        return integrate(asked, request, tolerance=self.tolerance)
-
-
-def _column(asked: Problem, name: str, times: FloatArray, states: FloatArray) -> FloatArray:
-    """A state variable or an observable, array (trajectory, time)."""
-    if name in asked.field.state:
-        return states[:, :, asked.field.state.index(name)]
-    if name not in asked.field.observables:
-        known = [*asked.field.state, *asked.field.observables]
-        raise InputError(
-            "data", f"hold variables among {', '.join(known)}", name,
-            "They are what a history has.",
-            "Name the columns so, by rm.read_measurements(names=...).",
-        )  # fmt: skip
-    return observe(asked, name, times, states)
 
 
 def _guesses(
-    actuator: Actuator,
+    system: System,
     drive: Drive,
     parameters: Sequence[str] | Mapping[str, float],
     initial: ArrayLike | None,
 ) -> dict[str, float]:
-    ens = physical(actuator, drive, None, initial).ensemble
+    ens = lay_out_physical(system, drive, None, initial).ensemble
     start = {f"initial.{n}": float(v) for n, v in zip(ens.field.state, ens.initial[0], strict=True)}
-    own = {**actuator.parameters(), **drive.parameters(), **start, **dict.fromkeys(PHYSICAL, 1.0)}
-    require_known(listed(parameters), own, "the actuator or the drive, or a physical size")
-    guess = chosen(parameters, own)
-    if not guess:
-        raise InputError(
-            "parameters", "name at least one field", parameters,
-            "There is nothing to find.", f"Pass some of {', '.join(own)}.",
-        )  # fmt: skip
-    return guess
+    nominal = {
+        **system.parameters(),
+        **drive.parameters(),
+        **start,
+        **dict.fromkeys(PHYSICAL, 1.0),
+    }
+    return as_values(parameters, nominal)
 
 
 def _box(
-    actuator: Actuator,
+    system: System,
     drive: Drive,
     guess: Mapping[str, float],
-    bounds: Mapping[str, tuple[float, float]] | None,
-) -> Box:
-    """Scales, and bounds inside which the rules of the fields hold."""
-    require_known(bounds or {}, guess, "`parameters`")
-    rules = {**actuator.parameter_rules(), **drive.numeric_rules(), **dict.fromkeys(PHYSICAL, RULE)}
-    value = np.array(list(guess.values()))
-    scale = np.maximum(np.abs(value), 0.1)
-    lower, upper = np.full_like(value, -np.inf), np.full_like(value, np.inf)
+    parameter_ranges: object,
+) -> ParameterBox:
+    """Scales of the parameters, and ranges inside which the rules of the fields hold."""
+    ranges = require_intervals(
+        "parameter_ranges", parameter_ranges, guess, "`parameters`", "The search stays inside."
+    )
+    rules = {**system.parameter_rules(), **drive.numeric_rules(), **dict.fromkeys(PHYSICAL, RULE)}
+    values = np.array(list(guess.values()))
+    scale = np.maximum(np.abs(values), _SMALLEST_SCALE)
+    ends = np.array(
+        [
+            ranges.get(name, _admissible(rules.get(name), size))
+            for name, size in zip(guess, scale, strict=True)
+        ]
+    )
+    lower, upper = ends.T
     for k, name in enumerate(guess):
-        rule = rules.get(name)
-        if rule is not None and not rule.satisfied(-1.0):
-            lower[k] = 0.0 if rule.satisfied(0.0) else 1e-6 * scale[k]
-        if rule is not None and not rule.satisfied(1e6):
-            upper[k] = 1.0
-        lower[k], upper[k] = (bounds or {}).get(name, (lower[k], upper[k]))
-        if not lower[k] < upper[k] or not lower[k] <= value[k] <= upper[k]:
+        if not lower[k] < upper[k] or not lower[k] <= values[k] <= upper[k]:
             raise InputError(
-                "bounds", f"lie around the guess of {name}, {value[k]}", (lower[k], upper[k]),
-                "The search starts there.", "Pass a guess between the bounds.",
-            )  # fmt: skip
-    return Box(scale, lower, upper)
+                "parameter_ranges",
+                must=f"lie around the guess of {name}, {values[k]}",
+                got=(lower[k], upper[k]),
+                why="The search starts there.",
+                fix="Pass a guess between the two values.",
+            )
+    return ParameterBox(scale, lower, upper)
+
+
+def _admissible(rule: Rule | None, scale: float) -> tuple[float, float]:
+    """The range in which a rule holds, as far as trying some values tells.
+
+    Rules say what holds, not where: all of them are half lines or the interval from 0 to 1,
+    open or closed at 0.  An open end is kept a little away from.
+    """
+    lower, upper = -np.inf, np.inf
+    if rule is not None and not rule.satisfied(-1.0):
+        lower = 0.0 if rule.satisfied(0.0) else _OPEN_END * scale
+    if rule is not None and not rule.satisfied(_LARGE):
+        upper = 1.0
+    return lower, upper

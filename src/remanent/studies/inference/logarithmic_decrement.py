@@ -7,11 +7,13 @@ from collections.abc import Hashable
 import numpy as np
 import xarray as xr
 
-from remanent._checks import Rule, require_real
+from remanent._checks import Rule, require_real, shortened
 from remanent._errors import InputError
 from remanent._typing import FloatArray
-from remanent.analysis.ringdown import Decay, decay
+from remanent.analysis.inference.ringdown import DecayFit, fit_decay
 from remanent.results import build
+from remanent.results.build import Labelled
+from remanent.results.checks import require_dataset
 
 _SHARE = Rule(
     "lie between 0 and 1",
@@ -19,8 +21,17 @@ _SHARE = Rule(
     "Smaller swings, lost in noise, are left out.",
     "Pass 0.05 for a noisy record, 0 for a computed one.",
 )
-_NAMES = ("decrement", "decrement_error", "frequency", "frequency_error", "damping_ratio",
-          "damping_ratio_error")  # fmt: skip
+#: Variables of the result.
+_NAMES = (
+    "decrement",
+    "decrement_error",
+    "frequency",
+    "frequency_error",
+    "damping_ratio",
+    "damping_ratio_error",
+)
+#: Attributes of the history that hold for its decay too.
+_KEPT_ATTRIBUTES = ("actuator", "drive", "versions")
 
 
 def logarithmic_decrement(
@@ -30,12 +41,12 @@ def logarithmic_decrement(
 
     Parameters
     ----------
-    history
+    history : xarray.Dataset
         Of a ring-down: `variable` along ``time``, or along ``cycle`` with times of its own,
         as from :func:`remanent.simulate` or :func:`remanent.read_measurements`.
-    variable
+    variable : str
         What oscillates.
-    smallest
+    smallest : float
         Swings below this share of the largest, and what follows them, do not count.
 
     Returns
@@ -53,8 +64,8 @@ def logarithmic_decrement(
 
     Notes
     -----
-    Swings, distances of successive turning points of a cubic spline, through the
-    record; their logarithms fall by δ/2 each.  Where oscillations are large or the damping is
+    A swing is the distance of successive turning points of a cubic spline through the record;
+    the logarithms of swings fall by δ/2 each.  Where oscillations are large or the damping is
     not viscous they do not fall on a line: fit the model instead.
 
     Examples
@@ -64,40 +75,72 @@ def logarithmic_decrement(
     >>> run = rm.simulate(damped, rm.Constant(0.0), duration=20, initial=(1.001, 0))
     >>> float(rm.logarithmic_decrement(run).decrement.round(4))
     0.1283
+
+    See Also
+    --------
+    remanent.fit : parameters of the model from the whole record.
     """
     smallest = require_real("smallest", smallest, _SHARE)
-    along = [d for d in ("time", "cycle") if d in history.dims]
-    if variable not in history or "time" not in history.variables or not along:
-        raise InputError(
-            "history", f"have {variable} along `time`", list(history.variables),
-            "A decay is seen in time.", "Pass the result of rm.simulate.",
-        )  # fmt: skip
+    require_dataset("history", history)
+    axis = _time_dimension(history, variable)
     values, time = xr.broadcast(history[variable], history["time"])
-    axis: Hashable = along[0]
-    others = [d for d in values.dims if d != axis]
-    values, time = (array.transpose(*others, axis) for array in (values, time))
+    motion_dims = [d for d in values.dims if d != axis]
+    values, time = (array.transpose(*motion_dims, axis) for array in (values, time))
     rows = [
-        _numbers(decay(t[np.isfinite(x)], x[np.isfinite(x)], prominence=smallest))
+        _statistics(fit_decay(t[np.isfinite(x)], x[np.isfinite(x)], prominence=smallest))
         for t, x in zip(_rows(time), _rows(values), strict=True)
     ]
-    shape = tuple(values.sizes[d] for d in others)
-    dims = tuple(map(str, others))
-    found = {
-        n: (dims, np.reshape(v, shape)) for n, v in zip(_NAMES, np.transpose(rows), strict=True)
+    shape = tuple(values.sizes[d] for d in motion_dims)
+    dims = tuple(map(str, motion_dims))
+    variables: dict[str, Labelled] = {
+        name: (dims, np.reshape(column, shape))
+        for name, column in zip(_NAMES, np.transpose(rows), strict=True)
     }
-    coords = {str(d): ((str(d),), history[d].values) for d in others if d in history.coords}
-    keep = {k: v for k, v in history.attrs.items() if k in ("actuator", "drive", "versions")}
-    return build.dataset(found, coords, keep)
+    coords: dict[str, Labelled] = {
+        str(d): ((str(d),), history[d].values) for d in motion_dims if d in history.coords
+    }
+    attributes = {k: v for k, v in history.attrs.items() if k in _KEPT_ATTRIBUTES}
+    return build.dataset(variables, coords, attributes)
+
+
+def _time_dimension(history: xr.Dataset, variable: str) -> Hashable:
+    """``time``, or ``cycle`` where every motion has times of its own."""
+    dims = [d for d in ("time", "cycle") if d in history.dims]
+    if dims and (not isinstance(variable, str) or variable not in history):
+        raise InputError(
+            "variable",
+            must="be a variable of `history`",
+            got=shortened(variable),
+            why="Its decay is measured.",
+            fix=f"Pass one of {', '.join(map(str, history.data_vars)) or 'those it has'}.",
+        )
+    if variable not in history or "time" not in history.variables or not dims:
+        raise InputError(
+            "history",
+            must=f"have {variable} along `time`",
+            got=list(history.variables),
+            why="A decay is seen in time.",
+            fix="Pass the result of rm.simulate.",
+        )
+    return dims[0]
 
 
 def _rows(array: xr.DataArray) -> FloatArray:
     return np.reshape(array.values, (-1, array.shape[-1]))
 
 
-def _numbers(found: Decay | None) -> list[float]:
-    if found is None:
+def _statistics(ring_down: DecayFit | None) -> list[float]:
+    """The variables of one motion, in the order of their names; NaN where it has no decay."""
+    if ring_down is None:
         return [np.nan] * len(_NAMES)
-    delta, size = found.decrement, np.hypot(2.0 * np.pi, found.decrement)
+    delta, delta_error = ring_down.decrement, ring_down.decrement_error
+    size = np.hypot(2.0 * np.pi, delta)
     slope = 4.0 * np.pi**2 / size**3  # of delta/sqrt(4 pi^2 + delta^2)
-    ratio = [delta / size, slope * found.decrement_error]
-    return [delta, found.decrement_error, found.frequency, found.frequency_error, *ratio]
+    return [
+        delta,
+        delta_error,
+        ring_down.frequency,
+        ring_down.frequency_error,
+        delta / size,
+        slope * delta_error,
+    ]

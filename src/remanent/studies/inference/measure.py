@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
@@ -12,14 +12,13 @@ import numpy as np
 import xarray as xr
 
 from remanent._errors import InputError
-from remanent._typing import FloatArray
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.models.drives.waves import Constant
-from remanent.studies.ensemble.ensemble import ensemble
+from remanent.studies.ensemble.layout import lay_out
 from remanent.studies.ensemble.physical_scales import PHYSICAL
 
-#: The dimension along which values of the fields are laid out.
+#: The dimension along which sets of parameters are laid out.
 SAMPLE = "sample"
 #: A variable of a result, or what to make of the whole of it.
 Of = str | Callable[[xr.Dataset], Any]
@@ -27,16 +26,19 @@ Of = str | Callable[[xr.Dataset], Any]
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
 class Measure:
-    """A quantity that a verb computes: what is asked to be derived, placed or bounded.
+    """A quantity that a verb computes, as a function of numeric fields.
+
+    It is what :func:`remanent.sensitivity` differentiates, :func:`remanent.design` places and
+    :func:`remanent.uncertainty` bounds.
 
     Parameters
     ----------
-    verb
+    verb : callable
         Any verb of this package, or a function of an actuator (and more) that returns a
         Dataset, an array or a number.
     *arguments, **options
         Of the verb.  The first actuator and the first drive among them have the fields.
-    of
+    of : str or callable, optional
         The name of a variable of the verb's result, or a function of that Dataset, which must
         keep its dimension ``sample``.
 
@@ -59,14 +61,20 @@ class Measure:
     ) -> None:
         if not callable(verb):
             raise InputError(
-                "measure", "be a verb", repr(verb)[:80],
-                "It is called with changed fields.", "Pass for example rm.frequency_response.",
-            )  # fmt: skip
+                "measure",
+                must="be a verb",
+                got=repr(verb)[:80],
+                why="It is called with changed fields.",
+                fix="Pass for example rm.frequency_response.",
+            )
         if "over" in options:
             raise InputError(
-                "over", "be left out", repr(options["over"])[:80],
-                "The fields that vary are chosen here.", "Ask for one grid point at a time.",
-            )  # fmt: skip
+                "over",
+                must="be left out",
+                got=repr(options["over"])[:80],
+                why="The fields that vary are chosen here.",
+                fix="Ask for one grid point at a time.",
+            )
         for name, value in {
             "verb": verb, "arguments": arguments, "of": of, "options": MappingProxyType(options),
         }.items():  # fmt: skip
@@ -79,142 +87,134 @@ class Measure:
     @property
     def actuator(self) -> Actuator:
         """The first actuator among the arguments."""
-        found = next((a for a in self._given() if isinstance(a, Actuator)), None)
-        if found is None:
+        actuator = next((a for a in self._arguments() if isinstance(a, Actuator)), None)
+        if actuator is None:
             raise InputError(
-                "measure", "have an actuator among its arguments", repr(self),
-                "Its fields are what varies.", "Pass it after the verb.",
-            )  # fmt: skip
-        return found
+                "measure",
+                must="have an actuator among its arguments",
+                got=repr(self),
+                why="Its fields are what varies.",
+                fix="Pass it after the verb.",
+            )
+        return actuator
 
     @property
     def drive(self) -> Drive | None:
         """The first drive among the arguments, if there is one."""
-        return next((a for a in self._given() if isinstance(a, Drive)), None)
+        return next((a for a in self._arguments() if isinstance(a, Drive)), None)
 
-    def own(self) -> dict[str, float]:
-        """Values of all fields that may vary."""
+    def nominal_values(self) -> dict[str, float]:
+        """Values that the parameters have where they do not vary, by name."""
         drive = self.drive
-        ens = ensemble(self.actuator, drive or Constant(0.0), None, self.options.get("initial"))
-        own = {name: float(v[0]) for name, v in ens.values.items() if drive or name != "m"}
+        ens = lay_out(self.actuator, drive or Constant(0.0), None, self.options.get("initial"))
+        fields = {name: float(v[0]) for name, v in ens.values.items() if drive or name != "m"}
+        if not self._takes_over:
+            return fields
         start = {
             f"initial.{n}": float(v) for n, v in zip(ens.field.state, ens.initial[0], strict=True)
         }
-        return {**own, **start, **dict.fromkeys(PHYSICAL, 1.0)}
+        return {**fields, **start, **dict.fromkeys(PHYSICAL, 1.0)}
 
-    def require(self, names: Sequence[str]) -> None:
-        """Raise unless all names are fields."""
-        known = self.own()
+    def require_parameters(self, argument: str, names: Sequence[str]) -> None:
+        """Raise, about the verb's own argument, unless all names are parameters."""
+        nominal = self.nominal_values()
         for name in names:
-            if name not in known:
-                raise InputError(
-                    "fields", "be numeric fields of the actuator or the drive", repr(name),
-                    "Nothing else can vary.", f"Its fields are: {', '.join(known)}.",
-                )  # fmt: skip
+            if name not in nominal:
+                raise _unknown(argument, name, nominal)
 
     def at(self, values: Mapping[str, Any]) -> tuple[xr.DataArray, xr.DataArray]:
-        """The measure and its error at some values of fields, along ``sample``.
+        """The measure and its error at sets of parameters.
 
         Parameters
         ----------
-        values : mapping of name to array (sample,)
-            They go together, one with one.
-        """
-        rows = {name: np.asarray(v, dtype=np.float64) for name, v in values.items()}
-        if "over" in inspect.signature(self.verb).parameters:
-            over = {name: xr.DataArray(v, dims=SAMPLE) for name, v in rows.items()}
-            result = self.verb(*self.arguments, **self.options, over=over)
-        else:
-            count = len(next(iter(rows.values())))
-            each = [self._single({n: float(v[k]) for n, v in rows.items()}) for k in range(count)]
-            result = xr.concat([_dataset(x) for x in each], dim=SAMPLE, join="outer")
-        return self._chosen(result)
+        values : mapping of str to array (sample,)
+            Of parameters, by name.  They go together, one with one.
 
-    def _chosen(self, result: xr.Dataset) -> tuple[xr.DataArray, xr.DataArray]:
-        if callable(self.of):
-            value = self.of(result)
-        elif (self.of or "value") in result:
-            value = result[self.of or "value"]
-        else:
-            raise InputError(
-                "of", f"be one of {', '.join(map(str, result.data_vars))}", repr(self.of),
-                "It is a variable of the verb's result.", "Pass its name.",
-            )  # fmt: skip
+        Returns
+        -------
+        value, error : xarray.DataArray
+            Along ``sample`` first, then the measure's own dimensions.  The error is that
+            which the verb states, 0 where it states none.
+        """
+        columns = {name: np.asarray(v, dtype=np.float64) for name, v in values.items()}
+        if self._takes_over:
+            over = {name: xr.DataArray(v, dims=SAMPLE) for name, v in columns.items()}
+            return self._read(self.verb(*self.arguments, **self.options, over=over))
+        count = len(next(iter(columns.values())))
+        rows = [{name: float(v[k]) for name, v in columns.items()} for k in range(count)]
+        results = [_as_dataset(self._call(row)) for row in rows]
+        return self._read(xr.concat(results, dim=SAMPLE, join="outer"))
+
+    @property
+    def _takes_over(self) -> bool:
+        """Whether the verb computes many sets of parameters in one call."""
+        return "over" in inspect.signature(self.verb).parameters
+
+    def _read(self, result: xr.Dataset) -> tuple[xr.DataArray, xr.DataArray]:
+        """The measure and its error in a result of the verb."""
+        value = self.of(result) if callable(self.of) else self._variable(result)
         if not isinstance(value, xr.DataArray) or SAMPLE not in value.dims:
             raise InputError(
-                "of", f"keep the dimension `{SAMPLE}`", repr(self.of),
-                "The verb was asked for many values at once.", "Reduce other dimensions only.",
-            )  # fmt: skip
-        named = f"{self.of}_error" if isinstance(self.of, str) else ""
-        error = result.get(named, result.get("error", xr.zeros_like(value)))
+                "of",
+                must=f"keep the dimension `{SAMPLE}`",
+                got=repr(self.of),
+                why="The verb was asked for many values at once.",
+                fix="Reduce other dimensions only.",
+            )
+        name = f"{self.of}_error" if isinstance(self.of, str) else ""
+        error = result.get(name, result.get("error", xr.zeros_like(value)))
         error = error if set(error.dims) <= set(value.dims) else xr.zeros_like(value)
         value = value.transpose(SAMPLE, ...)
         return value, error.broadcast_like(value).transpose(*value.dims)
 
-    def _given(self) -> list[Any]:
+    def _variable(self, result: xr.Dataset) -> xr.DataArray:
+        """The variable that `of` names; ``value`` where it names none."""
+        name = self.of if isinstance(self.of, str) else "value"
+        if name not in result:
+            raise InputError(
+                "of",
+                must=f"be one of {', '.join(map(str, result.data_vars))}",
+                got=repr(self.of),
+                why="It is a variable of the verb's result.",
+                fix="Pass its name.",
+            )
+        return result[name]
+
+    def _arguments(self) -> list[Any]:
         return [*self.arguments, *self.options.values()]
 
-    def _single(self, values: Mapping[str, float]) -> Any:
-        """The verb for one set of values, put into its actuator and its drive."""
+    def _call(self, values: Mapping[str, float]) -> Any:
+        """The verb for one set of parameters, put into its actuator and its drive."""
         actuator, drive = self.actuator, self.drive
-        new_actuator, new_drive = actuator, drive
+        changed_actuator, changed_drive = actuator, drive
         for name, value in values.items():
             if name in actuator.parameters():
-                new_actuator = new_actuator.with_parameter(name, value)
-            elif new_drive is not None and name in new_drive.parameters():
-                new_drive = new_drive.replace(**{name: value})
+                changed_actuator = changed_actuator.with_parameter(name, value)
+            elif changed_drive is not None and name in changed_drive.parameters():
+                changed_drive = changed_drive.replace(**{name: value})
             else:
-                raise InputError(
-                    "fields", "be fields of the actuator or the drive for this verb", repr(name),
-                    "It takes no `over`.", "Leave it out.",
-                )  # fmt: skip
+                raise _unknown("values", name, self.nominal_values())
 
-        def swapped(x: Any) -> Any:
-            return new_actuator if x is actuator else new_drive if x is drive else x
+        def changed(argument: Any) -> Any:
+            if argument is actuator:
+                return changed_actuator
+            return changed_drive if argument is drive else argument
 
-        options = {name: swapped(x) for name, x in self.options.items()}
-        return self.verb(*map(swapped, self.arguments), **options)
-
-
-def listed(fields: str | Iterable[str]) -> list[str]:
-    """Names of fields, of which a single one may stand by itself."""
-    return [fields] if isinstance(fields, str) else list(fields)
+        options = {name: changed(value) for name, value in self.options.items()}
+        return self.verb(*map(changed, self.arguments), **options)
 
 
-def chosen(
-    fields: str | Sequence[str] | Mapping[str, float], own: Mapping[str, float]
-) -> dict[str, float]:
-    """Fields by name, with the values given, or else with those they have."""
-    given = fields if isinstance(fields, Mapping) else own
-    return {name: float(given[name]) for name in listed(fields)}
+def _unknown(argument: str, name: str, nominal: Mapping[str, float]) -> InputError:
+    return InputError(
+        argument,
+        must="name numeric fields of the actuator or the drive",
+        got=repr(name),
+        why="Nothing else can vary.",
+        fix=f"Its fields are: {', '.join(nominal)}.",
+    )
 
 
-def as_measure(
-    measure: Measure | Callable[..., Any], arguments: tuple[Any, ...], of: Of | None, **options: Any
-) -> Measure:
-    """A measure as it is, or made of a verb and its arguments."""
-    if isinstance(measure, Measure):
-        if arguments or of is not None or options:
-            raise InputError(
-                "measure", "come alone", repr(measure),
-                "It holds its arguments already.", "Pass them to rm.Measure.",
-            )  # fmt: skip
-        return measure
-    return Measure(measure, *arguments, of=of, **options)
-
-
-def together(
-    measures: Sequence[Measure], names: Sequence[str], rows: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Values and errors (candidate, number) of measures at candidates (candidate, field)."""
-    values = dict(zip(names, rows.T, strict=True))
-    found = [measure.at(values) for measure in measures]
-    flat = [[np.reshape(part.values, (len(rows), -1)) for part in pair] for pair in found]
-    value, error = (np.concatenate(parts, axis=1) for parts in zip(*flat, strict=True))
-    return value, error
-
-
-def _dataset(result: Any) -> xr.Dataset:
+def _as_dataset(result: Any) -> xr.Dataset:
     if isinstance(result, xr.Dataset):
         return result
     if isinstance(result, xr.DataArray):

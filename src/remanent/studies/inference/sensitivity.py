@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -10,10 +11,16 @@ import xarray as xr
 
 from remanent._checks import positive, require_real
 from remanent._typing import FloatArray
-from remanent.analysis.differences import offsets, richardson
-from remanent.results import build, provenance
+from remanent.analysis.inference.differences import difference_offsets, richardson_derivative
+from remanent.results import build
 from remanent.results.build import Labelled
-from remanent.studies.inference.measure import SAMPLE, Measure, Of, as_measure, chosen, listed
+from remanent.studies.inference._measures import (
+    MeasureLayout,
+    as_measure,
+    as_values,
+    attributes,
+)
+from remanent.studies.inference.measure import Measure, Of
 
 _STEP = positive("It is the largest relative change of a field.", "Pass for example 0.02.")
 #: Differences of each field, each half as wide as the last.
@@ -32,14 +39,14 @@ def sensitivity(
 
     Parameters
     ----------
-    measure
+    measure : Measure or callable
         A :class:`remanent.Measure`, or a verb, followed by its arguments and options.
-    parameters
+    parameters : str or sequence of str
         Fields of the actuator or the drive, ``initial.stretch`` ...; ``shear_modulus``,
         ``density``, ``remanence`` where the verb knows them.
-    of
-        The variable of the verb's result.
-    step
+    of : str or callable, optional
+        The variable of the verb's result, or a function of that result.
+    step : float
         Largest change of a field, relative to its value, or absolute where that is 0.  Six
         differences are formed, each half as wide as the last.
 
@@ -70,46 +77,78 @@ def sensitivity(
     ... )
     >>> [round(x, 6) for x in ds.elasticity.values.tolist()]
     [-0.5, 0.390917]
+
+    See Also
+    --------
+    remanent.uncertainty : what ranges of fields make of a measure.
+    remanent.design : fields with which a measure takes a given value.
     """
-    asked = as_measure(measure, arguments, of, **options)
+    measure = as_measure(measure, arguments, of, **options)
     step = require_real("step", step, _STEP)
-    asked.require(listed(parameters))
-    at = chosen(parameters, asked.own())
-    names, centre = list(at), np.array(list(at.values()))
-    widths = step * np.where(centre == 0.0, 1.0, np.abs(centre))
-    away = np.concatenate([offsets(width, _LEVELS) for width in widths])
-    rows = np.repeat(centre[None], 1 + away.size, axis=0)
-    rows[np.arange(1, away.size + 1), np.repeat(np.arange(len(names)), 2 * _LEVELS)] += away
-    values, errors = asked.at(dict(zip(names, rows.T, strict=True)))
-    dims = tuple(str(d) for d in values.dims if d != SAMPLE)
-    shape = values.shape[1:]
-    flat, noise = (array.values.reshape(len(rows), -1).astype(float) for array in (values, errors))
-    found = [richardson(_block(flat, k), _block(noise, k), width) for k, width in enumerate(widths)]
-    slope, wrong = (np.array(part) for part in zip(*found, strict=True))
-    with np.errstate(all="ignore"):
-        relative = centre[:, None] / flat[0]
-    variables: dict[str, Labelled] = {
-        "value": (dims, flat[0].reshape(shape)),
-        "value_error": (dims, noise[0].reshape(shape)),
-    }
-    for name, part in {
-        "derivative": slope,
-        "derivative_error": wrong,
-        "elasticity": slope * relative,
-        "elasticity_error": np.abs(relative) * (wrong + np.abs(slope) * noise[0] / np.abs(flat[0])),
-    }.items():
-        variables[name] = (("field", *dims), part.reshape(len(names), *shape))
-    coords: dict[str, Labelled] = {"field": (("field",), np.array(names))}
-    for d in dims:
-        if d in values.coords:
-            coords[d] = ((d,), values[d].values)
-    attributes = provenance.attributes(
-        asked.actuator, asked.drive, None, measure=repr(asked), step=step, scaled=False
+    centre = as_values(parameters, measure.nominal_values())
+    differences = _Differences.about(np.array(list(centre.values())), step)
+    values, errors = measure.at(dict(zip(centre, differences.points.T, strict=True)))
+    layout = MeasureLayout.of(values)
+    flat, noise = (
+        array.values.reshape(len(values), -1).astype(float) for array in (values, errors)
     )
-    return build.dataset(variables, coords, attributes)
+    slope, slope_error = differences.derivatives(flat, noise)
+    value, value_error = flat[0], noise[0]
+    with np.errstate(all="ignore"):
+        ratio = differences.centre[:, None] / value
+        relative_error = slope_error + np.abs(slope) * value_error / np.abs(value)
+    variables: dict[str, Labelled] = {
+        "value": layout.labelled(value),
+        "value_error": layout.labelled(value_error),
+        "derivative": layout.labelled(slope, "field"),
+        "derivative_error": layout.labelled(slope_error, "field"),
+        "elasticity": layout.labelled(slope * ratio, "field"),
+        "elasticity_error": layout.labelled(np.abs(ratio) * relative_error, "field"),
+    }
+    coords: dict[str, Labelled] = {"field": (("field",), np.array(list(centre))), **layout.coords}
+    return build.dataset(variables, coords, attributes(measure, measure=repr(measure), step=step))
 
 
-def _block(values: FloatArray, k: int) -> FloatArray:
-    """Rows of the differences in field k."""
-    start = 1 + 2 * _LEVELS * k
-    return values[start : start + 2 * _LEVELS]
+@dataclass(frozen=True)
+class _Differences:
+    """Points about a centre from which derivatives by each parameter are extrapolated.
+
+    Attributes
+    ----------
+    centre, widths : array (parameter,)
+        The largest change of each parameter.
+    points : array (point, parameter)
+        The centre first, then the points of each parameter in turn.
+    """
+
+    centre: FloatArray
+    widths: FloatArray
+    points: FloatArray
+
+    @classmethod
+    def about(cls, centre: FloatArray, step: float) -> _Differences:
+        """Differences whose largest is `step`, relative where the centre is not 0."""
+        widths = step * np.where(centre == 0.0, 1.0, np.abs(centre))
+        changes = np.concatenate([difference_offsets(width, _LEVELS) for width in widths])
+        points = np.repeat(centre[None], 1 + changes.size, axis=0)
+        changed = np.repeat(np.arange(centre.size), 2 * _LEVELS)
+        points[np.arange(1, changes.size + 1), changed] += changes
+        return cls(centre, widths, points)
+
+    def derivatives(self, values: FloatArray, noise: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Derivatives and their errors, arrays (parameter, number).
+
+        Parameters
+        ----------
+        values, noise : array (point, number)
+            The measure and its errors.
+        """
+        rows = [
+            slice(1 + 2 * _LEVELS * k, 1 + 2 * _LEVELS * (k + 1)) for k in range(len(self.widths))
+        ]
+        tables = [
+            richardson_derivative(values[block], noise[block], width)
+            for block, width in zip(rows, self.widths, strict=True)
+        ]
+        slopes, errors = (np.array(part) for part in zip(*tables, strict=True))
+        return slopes, errors

@@ -3,20 +3,33 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from scipy.stats import uniform
 
+from remanent._checks import as_float_array, require_flag
 from remanent._errors import InputError
 from remanent._typing import FloatArray
-from remanent.analysis.uncertainty import PARTS, Distribution, indices, spread
-from remanent.results import build, provenance
+from remanent.analysis.inference.uncertainty import (
+    REPLICATES,
+    Distribution,
+    PropagatedStatistics,
+    SobolIndices,
+    estimate_sobol_indices,
+    propagate_distributions,
+)
+from remanent.results import build
 from remanent.results.build import Labelled
-from remanent.results.schema import describe
+from remanent.studies.ensemble.checks import Rng, as_seed, require_interval
 from remanent.studies.ensemble.durations import require_count
-from remanent.studies.inference.measure import SAMPLE, Measure, Of, as_measure
+from remanent.studies.inference._measures import MeasureLayout, as_measure, attributes
+from remanent.studies.inference.measure import Measure, Of
+
+#: Statistics without a dimension of their own.
+_MOMENTS = ("average", "average_error", "deviation", "deviation_error", "known")
 
 
 def uncertainty(
@@ -27,28 +40,30 @@ def uncertainty(
     samples: int = 1024,
     quantiles: Sequence[float] = (0.05, 0.5, 0.95),
     sobol: bool = False,
-    rng: int | np.random.Generator = 0,
+    rng: Rng = None,
     **options: Any,
 ) -> xr.Dataset:
     """Propagate uncertain fields through a verb.
 
     Parameters
     ----------
-    measure
+    measure : Measure or callable
         A :class:`remanent.Measure`, or a verb, followed by its arguments and options.
-    parameter_ranges
+    parameter_ranges : mapping of str to (float, float) or distribution
         What is not known: fields by name, each with ``(low, high)`` between which all values
         are alike, or a frozen distribution of ``scipy.stats``.  They are independent.
-    of
-        The variable of the verb's result: one number, or a history or response.
-    samples
+    of : str or callable, optional
+        The variable of the verb's result, or a function of that result: one number, or a
+        history or response.
+    samples : int
         Points of a Sobol' sequence, a power of two, at least eight over the outermost share.
-    quantiles
+    quantiles : sequence of float
         Increasing, between 0 and 1.
-    sobol
+    sobol : bool
         Whether to find the indices too, which takes samples × (fields + 2) more runs.
-    rng
-        Seed or generator of the scrambling.
+    rng : int, numpy.random.Generator or None
+        Scrambles the points.  None is a fixed seed.  A generator is copied: it is not
+        advanced.
 
     Returns
     -------
@@ -83,98 +98,138 @@ def uncertainty(
     ... )
     >>> ds.value.values.round(3).tolist()  # (6 T/293)^(1/2)
     [2.399, 2.437, 2.475]
+
+    See Also
+    --------
+    remanent.sensitivity : derivatives by fields, for small ranges.
+    remanent.fit : fields from measurements, with their errors.
     """
-    asked = as_measure(measure, arguments, of, **options)
-    names, distributions = (
-        list(parameter_ranges),
-        [_distribution(n, r) for n, r in parameter_ranges.items()],
-    )
-    if not names:
-        raise InputError(
-            "parameter_ranges", "name at least one field", parameter_ranges,
-            "Something must be uncertain.",
-            "Pass for example {'temperature': (280, 300)}.",
-        )  # fmt: skip
-    asked.require(names)
+    measure = as_measure(measure, arguments, of, **options)
+    names = _require_names(parameter_ranges)
+    measure.require_parameters("parameter_ranges", names)
+    distributions = [_distribution(name, parameter_ranges[name]) for name in names]
+    sobol = require_flag("sobol", sobol)
     shares = _shares(quantiles)
     samples = _samples(samples, shares)
-    generator = np.random.default_rng(rng)
-    like: list[xr.DataArray] = []
-
-    def function(points: FloatArray) -> FloatArray:
-        values, _ = asked.at(dict(zip(names, points.T, strict=True)))
-        like[:] = [values]
-        return values.values.reshape(len(points), -1).astype(np.float64)
-
-    found = spread(function, distributions, shares, samples, generator)
-    template = like[0]
-    dims = tuple(str(d) for d in template.dims if d != SAMPLE)
-    shape = template.shape[1:]
-
-    def along(first: str, values: FloatArray) -> Labelled:
-        return (first, *dims), values.reshape(-1, *shape)
-
-    name = asked.of if isinstance(asked.of, str) else "value"
+    generator = np.random.default_rng(as_seed(rng))
+    function = _Evaluation(measure, names)
+    statistics = propagate_distributions(function, distributions, shares, samples, generator)
+    layout = function.layout
+    name = measure.of if isinstance(measure.of, str) else "value"
     variables: dict[str, Labelled] = {
-        name: along("quantile", found.quantiles),
-        f"{name}_error": along("quantile", found.quantiles_error),
+        name: layout.labelled(statistics.quantiles, "quantile"),
+        f"{name}_error": layout.labelled(statistics.quantiles_error, "quantile"),
+        **_moments(statistics, layout),
     }
-    for key in ("average", "average_error", "deviation", "deviation_error", "known"):
-        variables[key] = (dims, getattr(found, key).reshape(shape))
-    if sobol:
-        shared = indices(function, distributions, samples, generator)
-        for key in ("first", "total"):
-            variables[f"{key}_index"] = along("field", getattr(shared, key))
-            variables[f"{key}_index_error"] = along("field", getattr(shared, f"{key}_error"))
     coords: dict[str, Labelled] = {"quantile": (("quantile",), shares)}
     if sobol:
+        variables |= _shares_of_variance(
+            estimate_sobol_indices(function, distributions, samples, generator), layout
+        )
         coords["field"] = (("field",), np.array(names))
-    for d in dims:
-        if d in template.coords:
-            coords[d] = ((d,), template[d].values)
-    attributes = provenance.attributes(
-        asked.actuator, asked.drive, None, over=names, measure=repr(asked), samples=samples,
-        scaled=False,
-    )  # fmt: skip
-    return build.dataset(variables, coords, attributes)
+    return build.dataset(
+        variables,
+        {**coords, **layout.coords},
+        attributes(measure, over=names, measure=repr(measure), samples=samples),
+    )
+
+
+@dataclass
+class _Evaluation:
+    """The measure as a function of points (point, parameter), one row of numbers for each.
+
+    It learns one thing from its first call: the layout of the measure, which is known from
+    a result alone.
+    """
+
+    measure: Measure
+    names: Sequence[str]
+    _layout: MeasureLayout | None = None
+
+    def __call__(self, points: FloatArray) -> FloatArray:
+        values, _ = self.measure.at(dict(zip(self.names, points.T, strict=True)))
+        self._layout = MeasureLayout.of(values)
+        return values.values.reshape(len(points), -1).astype(np.float64)
+
+    @property
+    def layout(self) -> MeasureLayout:
+        """The measure's own dimensions."""
+        assert self._layout is not None
+        return self._layout
+
+
+def _moments(statistics: PropagatedStatistics, layout: MeasureLayout) -> dict[str, Labelled]:
+    return {name: layout.labelled(getattr(statistics, name)) for name in _MOMENTS}
+
+
+def _shares_of_variance(sobol: SobolIndices, layout: MeasureLayout) -> dict[str, Labelled]:
+    values = {
+        "first_index": sobol.first,
+        "first_index_error": sobol.first_error,
+        "total_index": sobol.total,
+        "total_index_error": sobol.total_error,
+    }
+    return {name: layout.labelled(array, "field") for name, array in values.items()}
+
+
+def _require_names(parameter_ranges: object) -> list[str]:
+    if not isinstance(parameter_ranges, Mapping) or not parameter_ranges:
+        raise InputError(
+            "parameter_ranges",
+            must="name at least one field",
+            got=repr(parameter_ranges)[:80],
+            why="Something must be uncertain.",
+            fix="Pass for example {'temperature': (280, 300)}.",
+        )
+    return list(parameter_ranges)
 
 
 def _samples(samples: int, shares: FloatArray) -> int:
     samples = require_count("samples", samples, "They fill the ranges.")
-    needed = PARTS / float(np.minimum(shares, 1.0 - shares).min())
+    needed = REPLICATES / float(np.minimum(shares, 1.0 - shares).min())
     if samples & (samples - 1) or samples < needed:
         raise InputError(
-            "samples", f"be a power of two, at least {needed:.0f} for these quantiles", samples,
-            "Sobol' points are evenly spread for these numbers only, and each of eight parts "
-            "of them has to reach beyond the quantiles.", "Pass 256, 512, 1024 ...",
-        )  # fmt: skip
+            "samples",
+            must=f"be a power of two, at least {needed:.0f} for these quantiles",
+            got=samples,
+            why="Sobol' points are evenly spread for these numbers only, and each of eight parts "
+            "of them has to reach beyond the quantiles.",
+            fix="Pass 256, 512, 1024 ...",
+        )
     return samples
 
 
 def _distribution(name: str, given: Any) -> Distribution:
     """A distribution as it is, or the uniform one between two numbers."""
-    describe(name)
     if hasattr(given, "ppf"):
         return given  # type: ignore[no-any-return]
-    try:
-        low, high = (float(x) for x in given)
-    except (TypeError, ValueError):
-        low = high = np.nan
-    if not (np.isfinite(low) and np.isfinite(high) and low < high):
-        raise InputError(
-            f"ranges[{name!r}]", "be a lower and a larger upper number, or a distribution",
-            repr(given)[:80], "Values are drawn from it.",
-            "Pass (280, 300), or scipy.stats.norm(293, 5).",
-        )  # fmt: skip
+    low, high = require_interval(
+        f"parameter_ranges[{name!r}]",
+        given,
+        what="a lower and a larger upper number, or a distribution",
+        why="Values are drawn from it.",
+    )
     return uniform(low, high - low)
 
 
 def _shares(quantiles: Sequence[float]) -> FloatArray:
-    shares = np.atleast_1d(np.asarray(quantiles, dtype=np.float64))
+    shares = np.atleast_1d(
+        as_float_array(
+            "quantiles",
+            quantiles,
+            what="shares between 0 and 1",
+            why="They are shares of what may happen.",
+            fix="Pass (0.05, 0.5, 0.95).",
+            least=1,
+        )
+    )
     inside = (shares > 0.0) & (shares < 1.0)
     if shares.ndim != 1 or not shares.size or not inside.all() or (np.diff(shares) <= 0.0).any():
         raise InputError(
-            "quantiles", "increase between 0 and 1", quantiles,
-            "They are shares of what may happen.", "Pass (0.05, 0.5, 0.95).",
-        )  # fmt: skip
+            "quantiles",
+            must="increase between 0 and 1",
+            got=quantiles,
+            why="They are shares of what may happen.",
+            fix="Pass (0.05, 0.5, 0.95).",
+        )
     return shares

@@ -2,27 +2,33 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from remanent._checks import finite, require_choice, require_real
-from remanent._typing import ArrayLike, IntArray
+from remanent._typing import ArrayLike, BoolArray
 from remanent.integrate import events
-from remanent.integrate.ensemble.ensemble import Progress
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
-from remanent.results.build import Labelled
+from remanent.models.system import System
 from remanent.studies.ensemble.checks import require_tolerance
-from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
-from remanent.studies.ensemble.durations import durations, require_one
-from remanent.studies.ensemble.ensemble import Over, ensemble, problem, require_memory
+from remanent.studies.ensemble.dataset import to_dataset
+from remanent.studies.ensemble.durations import durations, require_exactly_one
+from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.layout import Over, lay_out
+from remanent.studies.ensemble.memory import require_memory
+from remanent.studies.ensemble.problem import initial_value_problem
+from remanent.studies.ensemble.progress import Progress, as_progress
 
 _VALUE = finite("It is the value that is passed.")
+#: Signs of the passages that each `direction` stands for; 0 is a touch.
 _DIRECTIONS = {"both": (-1, 0, 1), "up": (1,), "down": (-1,)}
 
 
 def crossings(
-    system: Actuator,
+    system: System,
     drive: Drive,
     variable: str,
     value: float,
@@ -33,24 +39,35 @@ def crossings(
     initial: ArrayLike | None = None,
     over: Over | None = None,
     tolerance: float = 1e-9,
-    progress: Progress | None = None,
+    progress: Progress = None,
 ) -> xr.Dataset:
     """Find every instant at which a variable passes through a value.
 
     Parameters
     ----------
-    system, drive
-        What moves, and the magnetic load on it.
-    variable
+    system : System
+        What moves.
+    drive : Drive
+        The magnetic load on it.
+    variable : str
         ``"thickness_stretch"``, ``"thickness_stretch_rate"``, or a state variable.
-    value
+    value : float
         That it passes.  Rates that pass through 0 are extremes of the motion.
-    direction
+    direction : str
         ``"up"``, ``"down"``, or ``"both"``, which includes touches.
-    duration, periods
-        Length of the run, in tau or in drive periods; exactly one.
-    initial, over, tolerance, progress
-        As for :func:`remanent.simulate`.
+    duration : float, optional
+        Length of the run in units of tau.
+    periods : int, optional
+        Length of the run in smallest periods of the load.  Exactly one of `duration` and
+        `periods` must be given.
+    initial : array_like (2,), (4,) or (state,), optional
+        State to start from; rest by default, as for :func:`remanent.simulate`.
+    over : mapping of str to array_like or DataArray, optional
+        Values of numeric fields; they become dimensions of the result.
+    tolerance : float
+        Asked of the global error of the state, absolute.
+    progress : bool or callable, optional
+        True draws a bar; a function is called with the share that is done.
 
     Returns
     -------
@@ -63,6 +80,11 @@ def crossings(
     ------
     InputError
         A bad argument; the message says which and what to do.
+
+    See Also
+    --------
+    poincare_section : The state at one phase of every period.
+    step_response : Overshoot and settling after a step.
 
     Notes
     -----
@@ -84,37 +106,49 @@ def crossings(
     >>> ds.sizes["crossing"], float(ds.crossing_time[0].round(3))
     (8, 1.318)
     """
-    require_one(duration=duration, periods=periods)
-    require_tolerance(tolerance)
+    require_exactly_one(duration=duration, periods=periods)
+    require_tolerance(tolerance, "the global error of the state")
     value = require_real("value", value, _VALUE)
     require_choice("direction", direction, list(_DIRECTIONS))
-    ens = ensemble(system, drive, over, initial)
-    known = ["thickness_stretch", "thickness_stretch_rate", *ens.field.state]
-    require_choice("variable", variable, known)
-    asked = problem(ens, durations(ens, duration, periods))
-    found, outcome = events.find_crossings(
-        asked, variable, value, tolerance=tolerance, progress=progress
+    report = as_progress(progress)
+    ens = lay_out(system, drive, over, initial)
+    require_choice("variable", variable, [*ens.field.watched_names, *ens.field.state])
+    problem = initial_value_problem(ens, durations(ens, duration, periods))
+    passages, outcome = events.find_crossings(
+        problem, variable, value, tolerance=tolerance, progress=report
     )
-    wanted = np.isin(found.direction, _DIRECTIONS[direction])
-    row = found.trajectory[wanted]
+    variables = _table(ens, passages, np.isin(passages.direction, _DIRECTIONS[direction]))
+    columns = int(variables["crossings"].max(initial=0))
+    return to_dataset(
+        ens,
+        {name: v if v.ndim == 1 else (("crossing",), v) for name, v in variables.items()},
+        coords={"crossing": (("crossing",), np.arange(columns))},
+        outcome=outcome,
+        tolerance=tolerance,
+        variable=variable,
+        value=value,
+        direction=direction,
+        duration=duration,
+        periods=periods,
+    )
+
+
+def _table(ens: Ensemble, passages: events.Crossings, subset: BoolArray) -> dict[str, NDArray[Any]]:
+    """A subset of the passages with one row for each trajectory, padded at its end."""
+    row = passages.trajectory[subset]
     count = np.bincount(row, minlength=ens.count)
-    most = int(count.max(initial=0))
-    require_memory(8.0 * ens.count * most * (2 + len(ens.field.state)), "the crossings")
+    width = int(count.max(initial=0))
+    require_memory("over", 8.0 * ens.count * width * (2 + len(ens.field.state)), "the crossings")
     column = np.arange(row.size) - (np.cumsum(count) - count)[row]
 
-    def table(values: np.ndarray, missing: float) -> PerTrajectory:
-        padded = np.full((ens.count, most), missing, dtype=values.dtype)
-        padded[row, column] = values[wanted]
-        return ("crossing",), padded
+    def padded(values: NDArray[Any], missing: float) -> NDArray[Any]:
+        rows = np.full((ens.count, width), missing, dtype=values.dtype)
+        rows[row, column] = values[subset]
+        return rows
 
-    variables: dict[str, PerTrajectory] = {"crossing_time": table(found.time, np.nan)}
+    columns = {"crossing_time": padded(passages.time, np.nan)}
     for k, name in enumerate(ens.field.state):
-        variables[name] = table(found.states[:, k], np.nan)
-    variables["direction"] = table(found.direction.astype(np.int8), 0)
-    variables["crossings"] = count
-    numbers: IntArray = np.arange(most)
-    coords: dict[str, Labelled] = {"crossing": (("crossing",), numbers)}
-    return to_dataset(
-        ens, variables, coords=coords, outcome=outcome, tolerance=tolerance,
-        variable=variable, value=value, direction=direction, duration=duration, periods=periods,
-    )  # fmt: skip
+        columns[name] = padded(passages.states[:, k], np.nan)
+    columns["direction"] = padded(passages.direction.astype(np.int8), 0)
+    columns["crossings"] = count
+    return columns

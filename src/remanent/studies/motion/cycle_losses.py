@@ -8,22 +8,28 @@ import numpy as np
 import xarray as xr
 
 from remanent._typing import ArrayLike
-from remanent.integrate.ensemble.ensemble import Progress, integrate
+from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Request
 from remanent.integrate.variations import with_integrals
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
-from remanent.results.build import Labelled
+from remanent.models.system import System
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
 from remanent.studies.ensemble.durations import require_count, require_periods
-from remanent.studies.ensemble.ensemble import Over, ensemble, problem, require_memory
+from remanent.studies.ensemble.layout import Over, lay_out
+from remanent.studies.ensemble.memory import require_memory
+from remanent.studies.ensemble.observables import blank_beyond_horizon
+from remanent.studies.ensemble.problem import initial_value_problem
+from remanent.studies.ensemble.progress import Progress, as_progress
 
+#: Bytes that a period of one trajectory takes.
+_PERIOD_BYTES = 100.0
+#: The integral over each period, and what is integrated.
 _POWERS = {"dissipated_energy": "dissipated_power", "drive_work": "drive_power"}
 
 
 def cycle_losses(
-    system: Actuator,
+    system: System,
     drive: Drive,
     *,
     periods: int,
@@ -31,22 +37,28 @@ def cycle_losses(
     initial: ArrayLike | None = None,
     over: Over | None = None,
     tolerance: float = 1e-9,
-    progress: Progress | None = None,
+    progress: Progress = None,
 ) -> xr.Dataset:
     """Energy dissipated, and work done by the load, in each drive period.
 
     Parameters
     ----------
-    system, drive
-        What moves, and a periodic load.
-    periods
+    system : System
+        What moves.
+    drive : Drive
+        A periodic load.
+    periods : int
         Length of the run in smallest periods of the load.
-    discard
+    discard : int
         Periods at the beginning that are not returned.
-    initial, over, progress
-        As for :func:`remanent.simulate`.
-    tolerance
+    initial : array_like (2,), (4,) or (state,), optional
+        State to start from; rest by default, as for :func:`remanent.simulate`.
+    over : mapping of str to array_like or DataArray, optional
+        Values of numeric fields; they become dimensions of the result.
+    tolerance : float
         Asked of the global error of the state and of the integrals, absolute.
+    progress : bool or callable, optional
+        True draws a bar; a function is called with the share that is done.
 
     Returns
     -------
@@ -59,6 +71,10 @@ def cycle_losses(
     ------
     InputError
         A bad argument, or a load without a period.
+
+    See Also
+    --------
+    energy_balance : The same work and dissipation against time.
 
     Notes
     -----
@@ -79,26 +95,30 @@ def cycle_losses(
     """
     periods = require_count("periods", periods, "Losses are counted in whole drive periods.")
     discard = require_count("discard", discard, "Losses are counted in whole periods.", 0)
-    require_tolerance(tolerance)
-    ens = ensemble(system, drive, over, initial)
+    require_tolerance(tolerance, "the global error of the state and of the integrals")
+    report = as_progress(progress)
+    ens = lay_out(system, drive, over, initial)
     length = require_periods(ens)
-    require_memory(100.0 * ens.count * periods, f"{ens.count} x {periods} periods")
-    plain = problem(ens, periods * length)
-    start = np.pad(plain.initial, ((0, 0), (0, len(_POWERS))))
-    field = with_integrals(plain.field, tuple(_POWERS.values()))
-    asked = replace(plain, field=field, initial=start)
-    outcome = integrate(asked, Request(strobe=1), tolerance=tolerance, progress=progress)
+    require_memory("periods", _PERIOD_BYTES * ens.count * periods, f"{ens.count} x {periods} sums")
+    problem = initial_value_problem(ens, periods * length)
+    start = np.pad(problem.initial, ((0, 0), (0, len(_POWERS))))
+    field = with_integrals(problem.field, tuple(_POWERS.values()))
+    problem = replace(problem, field=field, initial=start)
+    outcome = integrate(problem, Request(strobe=1), tolerance=tolerance, progress=report)
     assert outcome.states is not None
-    sums = outcome.states[:, : periods + 1, -len(_POWERS) :]
     ends = np.arange(periods + 1) * length[:, None]
-    sums[ends > outcome.horizon[:, None] * (1 + 1e-12)] = np.nan
-    each = np.diff(sums, axis=1)[:, discard:]
+    sums = outcome.states[:, : periods + 1, -len(_POWERS) :]
+    losses = np.diff(blank_beyond_horizon(sums, ends, outcome), axis=1)[:, discard:]
     variables: dict[str, PerTrajectory] = {
-        name: (("period",), each[:, :, k]) for k, name in enumerate(_POWERS)
+        name: (("period",), losses[:, :, k]) for k, name in enumerate(_POWERS)
     }
     variables["drive_period"] = length
-    coords: dict[str, Labelled] = {"period": (("period",), np.arange(discard + 1, periods + 1))}
     return to_dataset(
-        ens, variables, coords=coords, outcome=outcome, tolerance=tolerance,
-        periods=periods, discard=discard,
-    )  # fmt: skip
+        ens,
+        variables,
+        coords={"period": (("period",), np.arange(discard + 1, periods + 1))},
+        outcome=outcome,
+        tolerance=tolerance,
+        periods=periods,
+        discard=discard,
+    )

@@ -1,4 +1,4 @@
-"""The balance of energy: work of the drive, dissipation, and averages along a motion."""
+"""Where the energy of a motion comes from and goes to."""
 
 from __future__ import annotations
 
@@ -7,19 +7,21 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
+from remanent._field import Role
 from remanent._typing import ArrayLike, FloatArray
-from remanent.integrate.ensemble.ensemble import Progress, integrate
-from remanent.integrate.ensemble.problem import Request
+from remanent.integrate.ensemble.ensemble import integrate
+from remanent.integrate.ensemble.problem import Problem, Request
 from remanent.integrate.variations import with_integrals
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
-from remanent.results.build import Labelled
+from remanent.models.system import System
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
-from remanent.studies.ensemble.durations import require_one
-from remanent.studies.ensemble.ensemble import Over, ensemble, problem
-from remanent.studies.ensemble.observables import observe
-from remanent.studies.motion.simulate import time_grid
+from remanent.studies.ensemble.durations import require_exactly_one
+from remanent.studies.ensemble.layout import Over, lay_out
+from remanent.studies.ensemble.observables import blank_beyond_horizon, observe
+from remanent.studies.ensemble.problem import initial_value_problem
+from remanent.studies.ensemble.progress import Progress, as_progress
+from remanent.studies.ensemble.time_grid import time_grid
 
 #: What is integrated along a motion, and the name of the integral.
 _INTEGRALS = {
@@ -27,7 +29,8 @@ _INTEGRALS = {
     "drive_power": "drive_work",
     "dissipated_power": "dissipated_energy",
 }
-_OF_HEAT = {
+#: The same of a heat balance.
+_HEAT_INTEGRALS = {
     "heat_flow": "heat_given_off",
     "entropy_flow": "entropy_given_off",
     "entropy_production": "entropy_produced",
@@ -35,7 +38,7 @@ _OF_HEAT = {
 
 
 def energy_balance(
-    system: Actuator,
+    system: System,
     drive: Drive,
     *,
     duration: float | None = None,
@@ -44,16 +47,31 @@ def energy_balance(
     initial: ArrayLike | None = None,
     over: Over | None = None,
     tolerance: float = 1e-9,
-    progress: Progress | None = None,
+    progress: Progress = None,
 ) -> xr.Dataset:
     """Follow the work of the drive and what is dissipated, beside the energy of the block.
 
     Parameters
     ----------
-    system, drive, duration, periods, times, initial, over, progress
-        As for :func:`remanent.simulate`.
-    tolerance
+    system : System
+        What moves.
+    drive : Drive
+        The magnetic load on it.
+    duration : float, optional
+        Length of the run in units of tau.
+    periods : int, optional
+        Length of the run in smallest periods of the load.
+    times : array_like (time,), optional
+        When the balance is taken: tau, increasing, not negative.  Exactly one of
+        `duration`, `periods` and `times` must be given.
+    initial : array_like (2,), (4,) or (state,), optional
+        State to start from; rest by default, as for :func:`remanent.simulate`.
+    over : mapping of str to array_like or DataArray, optional
+        Values of numeric fields; they become dimensions of the result.
+    tolerance : float
         Asked of the global error of the state and of the integrals, absolute.
+    progress : bool or callable, optional
+        True draws a bar; a function is called with the share that is done.
 
     Returns
     -------
@@ -74,6 +92,11 @@ def energy_balance(
     InputError
         A bad argument; the message says which and what to do.
 
+    See Also
+    --------
+    simulate : The motion itself.
+    cycle_losses : The same work and dissipation, period by period.
+
     Notes
     -----
     The integrals are advanced with the state, by the same steps and under the same error
@@ -88,42 +111,67 @@ def energy_balance(
     >>> bool(abs(ds.balance).max() < 1e-8)
     True
     """
-    require_one(duration=duration, periods=periods, times=times)
-    require_tolerance(tolerance)
-    ens = ensemble(system, drive, over, initial)
-    grid, shared = time_grid(ens, duration, periods, times)
-    plain = problem(ens, np.maximum(grid[:, -1], np.finfo(float).tiny))
-    names = _INTEGRALS | (_OF_HEAT if system.heat is not None else {})
-    start = np.pad(plain.initial, ((0, 0), (0, len(names))))
-    asked = replace(plain, field=with_integrals(plain.field, tuple(names)), initial=start)
-    outcome = integrate(asked, Request(times=grid), tolerance=tolerance, progress=progress)
-    states = outcome.states
-    assert states is not None
-    states[grid > outcome.horizon[:, None] * (1 + 1e-12)] = np.nan
-    sums = np.moveaxis(states[:, :, -len(names) :], 2, 0)
-    found = dict(zip(names.values(), sums, strict=True))
-
-    def gained(name: str) -> FloatArray:
-        """What a function of the state has gained since the start."""
-        before = observe(asked, name, np.zeros((ens.count, 1)), asked.initial[:, None])
-        return observe(asked, name, grid, states) - before
-
-    at_first = observe(asked, "thickness_stretch", grid, states)
-    with np.errstate(all="ignore"):
-        found["mean_thickness_stretch"] = np.where(
-            grid > 0.0, found["mean_thickness_stretch"] / grid, at_first
-        )
-    found["stored_energy"] = observe(asked, "stored_energy", grid, states)
-    left = found["dissipated_energy" if system.heat is None else "heat_given_off"]
-    found["balance"] = gained("stored_energy") - found["drive_work"] + left
-    if system.heat is not None:
-        found["entropy"] = observe(asked, "entropy", grid, states)
-        inner = gained("entropy") - found["entropy_produced"]
-        found["entropy_balance"] = inner + found["entropy_given_off"]
-    axis = "time" if shared else "cycle"
-    variables: dict[str, PerTrajectory] = {name: ((axis,), v) for name, v in found.items()}
-    time: Labelled = (("time",), grid[0]) if shared else ((*ens.dims, "cycle"), ens.shaped(grid))
+    require_exactly_one(duration=duration, periods=periods, times=times)
+    require_tolerance(tolerance, "the global error of the state and of the integrals")
+    report = as_progress(progress)
+    ens = lay_out(system, drive, over, initial)
+    grid = time_grid(ens, duration, periods, times)
+    warms = bool(ens.field.indices(Role.TEMPERATURE))
+    integrals = _INTEGRALS | (_HEAT_INTEGRALS if warms else {})
+    problem = _with_integrals(initial_value_problem(ens, grid.duration), integrals)
+    request = Request(times=grid.times)
+    outcome = integrate(problem, request, tolerance=tolerance, progress=report)
+    assert outcome.states is not None
+    states = blank_beyond_horizon(outcome.states, grid.times, outcome)
+    sums = np.moveaxis(states[:, :, -len(integrals) :], 2, 0)
+    columns = _balances(
+        problem, grid.times, states, dict(zip(integrals.values(), sums, strict=True)), warms
+    )
+    variables: dict[str, PerTrajectory] = {
+        name: ((grid.axis,), values) for name, values in columns.items()
+    }
     return to_dataset(
-        ens, variables, coords={"time": time}, outcome=outcome, tolerance=tolerance,
-        duration=duration, periods=periods,
-    )  # fmt: skip
+        ens,
+        variables,
+        coords={"time": grid.labelled(ens)},
+        outcome=outcome,
+        tolerance=tolerance,
+        duration=duration,
+        periods=periods,
+    )
+
+
+def _with_integrals(problem: Problem, integrals: dict[str, str]) -> Problem:
+    """The problem with integrals of observables as further state variables, from 0."""
+    start = np.pad(problem.initial, ((0, 0), (0, len(integrals))))
+    return replace(problem, field=with_integrals(problem.field, tuple(integrals)), initial=start)
+
+
+def _balances(
+    problem: Problem,
+    times: FloatArray,
+    states: FloatArray,
+    integrals: dict[str, FloatArray],
+    warms: bool,
+) -> dict[str, FloatArray]:
+    """The integrals, each array (trajectory, time), with the energies that they balance."""
+    columns = dict(integrals)
+
+    def gain(name: str) -> FloatArray:
+        """What a function of the state has gained since the start."""
+        before = observe(problem, name, np.zeros((len(times), 1)), problem.initial[:, None])
+        return observe(problem, name, times, states) - before
+
+    at_once = observe(problem, "thickness_stretch", times, states)  # the mean over no time
+    with np.errstate(all="ignore"):
+        columns["mean_thickness_stretch"] = np.where(
+            times > 0.0, columns["mean_thickness_stretch"] / times, at_once
+        )
+    columns["stored_energy"] = observe(problem, "stored_energy", times, states)
+    outflow = columns["heat_given_off" if warms else "dissipated_energy"]
+    columns["balance"] = gain("stored_energy") - columns["drive_work"] + outflow
+    if warms:
+        columns["entropy"] = observe(problem, "entropy", times, states)
+        inner = gain("entropy") - columns["entropy_produced"]
+        columns["entropy_balance"] = inner + columns["entropy_given_off"]
+    return columns

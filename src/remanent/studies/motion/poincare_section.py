@@ -7,16 +7,18 @@ import xarray as xr
 
 from remanent._checks import Rule, require_real
 from remanent._typing import ArrayLike
-from remanent.integrate.ensemble.ensemble import Progress, integrate
+from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Request
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
-from remanent.results.build import Labelled
+from remanent.models.system import System
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
 from remanent.studies.ensemble.durations import require_count, require_periods
-from remanent.studies.ensemble.ensemble import Over, ensemble, problem, require_memory
-from remanent.studies.ensemble.observables import observe
+from remanent.studies.ensemble.layout import Over, lay_out
+from remanent.studies.ensemble.observables import blank_beyond_horizon, observe
+from remanent.studies.ensemble.problem import initial_value_problem
+from remanent.studies.ensemble.progress import Progress, as_progress
+from remanent.studies.ensemble.time_grid import require_samples
 
 _PHASE = Rule(
     "lie in [0, 1)",
@@ -27,7 +29,7 @@ _PHASE = Rule(
 
 
 def poincare_section(
-    system: Actuator,
+    system: System,
     drive: Drive,
     *,
     periods: int,
@@ -36,23 +38,31 @@ def poincare_section(
     initial: ArrayLike | None = None,
     over: Over | None = None,
     tolerance: float = 1e-9,
-    progress: Progress | None = None,
+    progress: Progress = None,
 ) -> xr.Dataset:
     """Take the state once per `every` drive periods.
 
     Parameters
     ----------
-    system, drive
-        What moves, and a periodic load.
-    periods
+    system : System
+        What moves.
+    drive : Drive
+        A periodic load.
+    periods : int
         Length of the run in smallest periods of the load.
-    every
+    every : int
         Periods between points.  The flux b sin(ωτ) repeats at every second period of
         its square: pass 2 to strobe at the period of the flux.
-    section_phase
+    section_phase : float
         Fraction of a period, in [0, 1), at which the state is taken.
-    initial, over, tolerance, progress
-        As for :func:`remanent.simulate`.
+    initial : array_like (2,), (4,) or (state,), optional
+        State to start from; rest by default, as for :func:`remanent.simulate`.
+    over : mapping of str to array_like or DataArray, optional
+        Values of numeric fields; they become dimensions of the result.
+    tolerance : float
+        Asked of the global error of the state, absolute.
+    progress : bool or callable, optional
+        True draws a bar; a function is called with the share that is done.
 
     Returns
     -------
@@ -66,6 +76,12 @@ def poincare_section(
     ------
     InputError
         A bad argument, or a load without a period.
+
+    See Also
+    --------
+    simulate : The motion between the points.
+    crossings : Sections where a quantity passes through a value, for any load.
+    bifurcation_diagram : Sections over a parameter.
 
     Notes
     -----
@@ -82,30 +98,34 @@ def poincare_section(
     periods = require_count("periods", periods, "Sections are taken after whole drive periods.")
     every = require_count("every", every, "Points are whole drive periods apart.")
     section_phase = require_real("section_phase", section_phase, _PHASE)
-    require_tolerance(tolerance)
-    ens = ensemble(system, drive, over, initial)
+    require_tolerance(tolerance, "the global error of the state")
+    report = as_progress(progress)
+    ens = lay_out(system, drive, over, initial)
     length = require_periods(ens)
-    points = periods // every + 1
-    require_memory(80.0 * ens.count * points, f"{ens.count} x {points} states")
+    require_samples("periods", ens, periods // every + 1)
     number = np.arange(0, periods + 1, every)
-    if section_phase:
-        number = number[number + section_phase <= periods]
-    asked = problem(ens, periods * length)
+    number = number[number + section_phase <= periods]
     with np.errstate(invalid="ignore"):  # where the period is none, the status says so
         times = (number + section_phase) * length[:, None]
+    problem = initial_value_problem(ens, periods * length)
+    # At phase 0 points are ends of steps; elsewhere they are interpolated.
     request = Request(times=times) if section_phase else Request(strobe=every)
-    outcome = integrate(asked, request, tolerance=tolerance, progress=progress)
+    outcome = integrate(problem, request, tolerance=tolerance, progress=report)
     assert outcome.states is not None
-    states = outcome.states[:, : number.size]
-    states[times > outcome.horizon[:, None] * (1 + 1e-12)] = np.nan
+    states = blank_beyond_horizon(outcome.states[:, : number.size], times, outcome)
     variables: dict[str, PerTrajectory] = {
         name: (("period",), states[:, :, k]) for k, name in enumerate(ens.field.state)
     }
-    for name in ("thickness_stretch", "thickness_stretch_rate"):
-        variables[name] = (("period",), observe(asked, name, times, states))
+    for name in ens.field.watched_names:
+        variables[name] = (("period",), observe(problem, name, times, states))
     variables["drive_period"] = length
-    coords: dict[str, Labelled] = {"period": (("period",), number)}
     return to_dataset(
-        ens, variables, coords=coords, outcome=outcome, tolerance=tolerance,
-        periods=periods, every=every, section_phase=section_phase,
-    )  # fmt: skip
+        ens,
+        variables,
+        coords={"period": (("period",), number)},
+        outcome=outcome,
+        tolerance=tolerance,
+        periods=periods,
+        every=every,
+        section_phase=section_phase,
+    )

@@ -2,31 +2,26 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import xarray as xr
 
-from remanent._checks import require_increasing
-from remanent._errors import InputError
-from remanent._typing import ArrayLike, FloatArray
-from remanent.integrate.ensemble.ensemble import Progress, integrate
+from remanent._typing import ArrayLike
+from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Request
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
-from remanent.results.build import Labelled
+from remanent.models.system import System
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
-from remanent.studies.ensemble.durations import durations, require_one
-from remanent.studies.ensemble.ensemble import Ensemble, Over, ensemble, problem, require_memory
-from remanent.studies.ensemble.observables import observe
-
-#: Points of the default time grid per unit of tau, and their least and largest number.
-_PER_TAU, _FEWEST, _MOST = 20, 200, 20_000
+from remanent.studies.ensemble.durations import require_exactly_one
+from remanent.studies.ensemble.layout import Over, lay_out
+from remanent.studies.ensemble.observables import blank_beyond_horizon, observe
+from remanent.studies.ensemble.problem import initial_value_problem
+from remanent.studies.ensemble.progress import Progress, as_progress
+from remanent.studies.ensemble.time_grid import time_grid
 
 
 def simulate(
-    system: Actuator,
+    system: System,
     drive: Drive,
     *,
     duration: float | None = None,
@@ -35,46 +30,56 @@ def simulate(
     initial: ArrayLike | None = None,
     over: Over | None = None,
     tolerance: float = 1e-9,
-    progress: Progress | None = None,
+    progress: Progress = None,
 ) -> xr.Dataset:
     r"""Integrate the equation of motion and return the history.
 
     Parameters
     ----------
-    system, drive
-        What moves, and the magnetic load on it.
-    duration
+    system : System
+        What moves.
+    drive : Drive
+        The magnetic load on it.
+    duration : float, optional
         Length of the run in units of tau.
-    periods
+    periods : int, optional
         Length of the run in smallest periods of the load.
-    times : array (time,)
-        When the state is wanted: tau, increasing, not negative.  Exactly one of
+    times : array_like (time,), optional
+        When the state is returned: tau, increasing, not negative.  Exactly one of
         `duration`, `periods` and `times` must be given; the first two give a uniform
         grid from 0 to the end.
-    initial : (stretch, rate), or both of each coordinate
-        Rest, (1, 0), by default.  Internal variables and the temperature may follow; they
-        start from 1 and from the actuator's temperature.
-    over
+    initial : array_like (2,), (4,) or (state,), optional
+        Stretch and rate, of each coordinate in turn; rest, (1, 0), by default.  Internal
+        variables and the temperature may follow; they start from 1 and from the actuator's
+        temperature.
+    over : mapping of str to array_like or DataArray, optional
         Values of numeric fields; they become dimensions of the result.
-    tolerance
+    tolerance : float
         Asked of the global error of the state, absolute.
-    progress
-        Called with the share of trajectories finished, in [0, 1].
+    progress : bool or callable, optional
+        True draws a bar; a function is called with the share of trajectories that are
+        finished, in [0, 1].
 
     Returns
     -------
     xarray.Dataset
         The state (``stretch``, ``stretch_rate``, or those of two coordinates, internal
         variables, ``body_temperature``), ``thickness_stretch``,
-        ``thickness_stretch_rate``, ``energy`` against ``time`` (dimensionless), NaN
-        beyond the trusted horizon; ``error`` (estimated, absolute), ``horizon`` and
-        ``status`` per trajectory.  Where lengths differ between trajectories the
-        dimension is ``cycle`` and ``time`` has a value for each.
+        ``thickness_stretch_rate``, ``energy`` and the magnetic ``load`` against ``time``
+        (dimensionless), NaN beyond the trusted horizon; ``error`` (estimated, absolute),
+        ``horizon`` and ``status`` per trajectory.  Where lengths differ between
+        trajectories the dimension is ``cycle`` and ``time`` has a value for each.
 
     Raises
     ------
     InputError
         A bad argument; the message says which and what to do.
+
+    See Also
+    --------
+    poincare_section : The state once per period, for long runs.
+    energy_balance : The work of the load and what is dissipated, with the motion.
+    crossings : When a quantity passes through a value.
 
     Notes
     -----
@@ -88,47 +93,30 @@ def simulate(
     >>> float(ds.thickness_stretch.max().round(4))
     1.0948
     """
-    require_one(duration=duration, periods=periods, times=times)
-    require_tolerance(tolerance)
-    ens = ensemble(system, drive, over, initial)
-    grid, shared = time_grid(ens, duration, periods, times)
-    asked = problem(ens, np.maximum(grid[:, -1], np.finfo(float).tiny))
-    outcome = integrate(asked, Request(times=grid), tolerance=tolerance, progress=progress)
-    states = outcome.states
-    assert states is not None
-    states[grid > outcome.horizon[:, None] * (1 + 1e-12)] = np.nan
-    axis = "time" if shared else "cycle"
+    require_exactly_one(duration=duration, periods=periods, times=times)
+    require_tolerance(tolerance, "the global error of the state")
+    report = as_progress(progress)
+    ens = lay_out(system, drive, over, initial)
+    grid = time_grid(ens, duration, periods, times)
+    problem = initial_value_problem(ens, grid.duration)
+    request = Request(times=grid.times)
+    outcome = integrate(problem, request, tolerance=tolerance, progress=report)
+    assert outcome.states is not None
+    states = blank_beyond_horizon(outcome.states, grid.times, outcome)
     variables: dict[str, PerTrajectory] = {
-        name: ((axis,), states[:, :, k]) for k, name in enumerate(ens.field.state)
+        name: ((grid.axis,), states[:, :, k]) for k, name in enumerate(ens.field.state)
     }
-    for name in ("thickness_stretch", "thickness_stretch_rate", "energy"):
-        variables[name] = ((axis,), observe(asked, name, grid, states))
-    time: Labelled = (("time",), grid[0]) if shared else ((*ens.dims, "cycle"), ens.shaped(grid))
+    for name in (*ens.field.watched_names, "energy", "load"):
+        values = observe(problem, name, grid.times, states)
+        # The load does not depend on the state: without this it would go on past the horizon.
+        values = np.where(np.isnan(states[:, :, 0]), np.nan, values)
+        variables[name] = ((grid.axis,), values)
     return to_dataset(
-        ens, variables, coords={"time": time}, outcome=outcome, tolerance=tolerance,
-        duration=duration, periods=periods,
-    )  # fmt: skip
-
-
-def time_grid(ens: Ensemble, duration: Any, periods: Any, times: Any) -> tuple[FloatArray, bool]:
-    """Times (trajectory, time), and whether all trajectories share them."""
-    if times is not None:
-        wanted = np.array(require_increasing("times", times))
-        if wanted[0] < 0.0:
-            raise InputError(
-                "times",
-                "not be negative",
-                wanted[0],
-                "The motion starts at tau = 0.",
-                "Pass times from 0 on.",
-            )
-        require_memory(80.0 * ens.count * wanted.size, f"{ens.count} x {wanted.size} states")
-        return np.tile(wanted, (ens.count, 1)), True
-    end = durations(ens, duration, periods)
-    longest = float(np.nanmax(np.where(ens.invalid, 0.0, end), initial=0.0))
-    points = int(np.clip(np.ceil(_PER_TAU * longest), _FEWEST, _MOST)) + 1
-    require_memory(80.0 * ens.count * points, f"{ens.count} x {points} states")
-    shared = bool(np.all(end == end[0]))
-    grid = np.linspace(0.0, 1.0, points) * end[:, None]
-    grid[:, -1] = end
-    return grid, shared
+        ens,
+        variables,
+        coords={"time": grid.labelled(ens)},
+        outcome=outcome,
+        tolerance=tolerance,
+        duration=duration,
+        periods=periods,
+    )

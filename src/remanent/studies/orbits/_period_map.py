@@ -1,207 +1,183 @@
-"""The period map of an actuator as analysis wants it: states, and the parameters that vary."""
+"""The period map of a system as analysis wants it: states, and the parameters that vary."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from remanent._typing import FloatArray, IntArray
-from remanent.analysis.maps import Mapped
+from remanent.analysis.orbits.maps import MapImage
 from remanent.integrate.ensemble.problem import Problem
-from remanent.integrate.ensemble.resolution import MAX_RESOLUTION, round_up_resolution
+from remanent.integrate.ensemble.resolution import MAX_RESOLUTION
 from remanent.integrate.maps.period_map import Image, PeriodMap
 from remanent.integrate.variations import LOG_PERIOD
 from remanent.studies.ensemble.durations import require_periods
-from remanent.studies.ensemble.ensemble import Ensemble, problem
+from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.problem import initial_value_problem
+from remanent.studies.orbits._pilot_resolution import PilotResolution
 
-#: Double steps per period to begin with, and at least.
-_FIRST = 8
-#: Resolution aims this factor below the tolerance.
-_AIM = 0.5
-#: So many points are few, and this share of them most.
-_FEW, _MOST = 32, 0.9
-#: Points whose resolutions are remembered.
-_REMEMBERED = 1024
-#: Points that differ by less than this lie together.
-_ALIKE = 1e-9
-#: Dimensions that results about orbits have of their own.
-DIMENSIONS = frozenset({"orbit", "state", "multiplier", "branch", "point", "special"})
+#: Largest error that a period adds, where the residual may be larger.
+_MAX_ERROR = 1e-10
 
 
-@dataclass
+def map_tolerance(tolerance: float, share: float = 0.1) -> float:
+    """Error of a period that leaves a residual of `tolerance` its meaning."""
+    return min(share * tolerance, _MAX_ERROR)
+
+
+@dataclass(frozen=True)
 class StroboscopicMap:
-    """The map over one drive period of a single actuator and drive.
+    """The map over one drive period of a single system and drive.
+
+    The image of a point depends on the point alone: not on the points beside it, nor on
+    earlier calls (see :mod:`remanent.studies.orbits._pilot_resolution`).
 
     Attributes
     ----------
-    ensemble
+    ensemble : Ensemble
         Of one trajectory, whose values hold for all fields that do not vary.
-    names
+    names : sequence of str
         Fields that vary: they are the map's parameters.
-    held
-        Those of them by which no derivative is wanted: it is given as 0.
-    tolerance
+    tolerance : float
         Of the error that a period adds.
-    phase
-        Of the section within the drive period.
-    most
+    section_phase : float
+        Of the section within the drive period, in [0, 1).
+    held : sequence of str
+        Those of `names` by which no derivative is wanted: it is given as 0.
+    finest : int
         Largest resolution tried, double steps per period.
+    cell_bits : int
+        Binary digits of a state variable that tell its cell of equal first resolution.
     """
 
     ensemble: Ensemble
     names: Sequence[str]
     tolerance: float
-    phase: float = 0.0
+    section_phase: float = 0.0
     held: Sequence[str] = ()
-    most: int = MAX_RESOLUTION
-    _known: _Known | None = field(default=None, repr=False)
+    finest: int = MAX_RESOLUTION
+    cell_bits: int = 4
 
     def __post_init__(self) -> None:
         require_periods(self.ensemble)
-        base = problem(self.ensemble, np.ones(1))
-        own = [name for name in self.names if name in base.field.parameters]
-        self._problem: Problem = base
-        self._slots: list[int] = [base.field.parameters.index(name) for name in own]
-        # The field that times the drive acts through the length of the period, and through the
-        # rate of the load where that takes part in the heat balance.
-        timed = self.ensemble.drive.timed_by
-        self._carried: list[str] = [
-            n for n in own if n not in self.held and (n != timed or self._rate_matters)
-        ]
-        last = [LOG_PERIOD] if timed in self.names else []
-        self._flow = PeriodMap(
-            base.field,
-            base.timeline.waveform,
-            directions=len(base.field.state),
-            parameters=(*self._carried, *last),
-            phase=self.phase,
-        )
-
-    @property
-    def _rate_matters(self) -> bool:
-        """Whether a remanence depends on a temperature that is a state."""
-        name = "magnet.temperature_coefficient"
-        varies = name in self.names or bool(self.ensemble.values[name].any())
-        return self.ensemble.system.heat is not None and varies
 
     @property
     def dimension(self) -> int:
         """Number of state variables."""
         return self._flow.dimension
 
-    def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> Mapped:
-        """Apply the map; see :class:`remanent.analysis.maps.Map`."""
+    def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> MapImage:
+        """Apply the map; see :class:`remanent.analysis.orbits.maps.Map`."""
         return self.run(states, parameters, iterate)
 
     def run(
         self, states: FloatArray, parameters: FloatArray, iterate: int, *, half: bool = False
-    ) -> Mapped:
-        """Apply the map, and half of it once more where asked."""
-        count, d = states.shape
-        values = {name: np.ascontiguousarray(parameters[:, k]) for k, name in enumerate(self.names)}
-        p = np.tile(self._problem.parameters, (count, 1))
-        for slot in self._slots:
-            p[:, slot] = values[self._problem.field.parameters[slot]]
-        drive = self.ensemble.drive
-        whole = {
-            name: np.broadcast_to(v, count) for name, v in self.ensemble.values.items()
-        } | values
-        lengths = drive.periods(whole)
-        assert lengths is not None
+    ) -> MapImage:
+        """Apply the map to many points.
+
+        Parameters
+        ----------
+        states : array (point, state)
+        parameters : array (point, parameter)
+            In the order of `names`.
+        iterate : int
+            How many times.
+        half : bool
+            Whether half of the map follows.
+        """
+        values = self._columns(parameters)
+        own, lengths = self._parameters(values, len(states)), self._lengths(values, len(states))
+
+        def pilot(x: FloatArray, p: FloatArray, resolution: IntArray) -> Image:
+            columns = self._columns(p)
+            # Any error will do, so each point is run once, at the resolution it is told.
+            return self._flow(
+                x, self._parameters(columns, len(x)), self._lengths(columns, len(x)),
+                tolerance=np.inf, cycles=iterate, half=half, resolution=resolution,
+                max_resolution=0,
+            )  # fmt: skip
+
         image = self._flow(
-            states,
-            p,
-            np.broadcast_to(lengths, count),
-            tolerance=self.tolerance,
-            cycles=iterate,
-            half=half,
-            resolution=self._foreseen(states, parameters),
-            max_resolution=self.most,
-        )
-        self._learn(states, parameters, image)
+            states, own, lengths, tolerance=self.tolerance, cycles=iterate, half=half,
+            resolution=self._resolution(pilot, states, parameters, iterate=iterate, half=half),
+            max_resolution=self.finest,
+        )  # fmt: skip
+        jacobian = np.moveaxis(image.tangent[:, : self.dimension], 1, 2)
+        slope = self._slope(image, values)
+        return MapImage(image.state, jacobian, slope, image.error * max(iterate, 1))
+
+    def _slope(self, image: Image, values: dict[str, FloatArray]) -> FloatArray:
+        """Derivatives by the map's parameters, array (point, state, parameter)."""
+        count, d = image.state.shape
         slope = np.zeros((count, d, len(self.names)))
         for k, name in enumerate(self.names):
-            if name == drive.timed_by:  # the period is inversely proportional to this field
+            if name == self.ensemble.drive.timed_by:
+                # The period is inversely proportional to this field.
                 slope[:, :, k] = image.tangent[:, -1] / -values[name][:, None]
             if name in self._carried:
                 slope[:, :, k] += image.tangent[:, d + self._carried.index(name)]
-        jacobian = np.moveaxis(image.tangent[:, :d], 1, 2)
-        return Mapped(image.state, jacobian, slope, image.error * max(iterate, 1))
+        return slope
 
-    def _foreseen(self, states: FloatArray, parameters: FloatArray) -> IntArray | int:
-        """The resolution that was wanted at the nearest point of late.
+    def _columns(self, parameters: FloatArray) -> dict[str, FloatArray]:
+        """Values of the fields that vary, each an array (point,)."""
+        return {name: np.ascontiguousarray(parameters[:, k]) for k, name in enumerate(self.names)}
 
-        Few points share what is enough for most of them: lanes would be idle else.
+    def _parameters(self, values: dict[str, FloatArray], count: int) -> FloatArray:
+        """Parameters of the vector field, array (point, parameter)."""
+        rows = np.tile(self._problem.parameters, (count, 1))
+        for name in self._varied:
+            rows[:, self._problem.field.parameters.index(name)] = values[name]
+        return rows
+
+    def _lengths(self, values: dict[str, FloatArray], count: int) -> FloatArray:
+        """Drive periods, array (point,)."""
+        fields = {name: np.broadcast_to(v, count) for name, v in self.ensemble.values.items()}
+        lengths = self.ensemble.drive.periods(fields | values)
+        assert lengths is not None
+        return np.broadcast_to(lengths, count)
+
+    @cached_property
+    def _problem(self) -> Problem:
+        return initial_value_problem(self.ensemble, np.ones(1))
+
+    @cached_property
+    def _varied(self) -> list[str]:
+        """Those of the varied fields that the vector field knows."""
+        return [name for name in self.names if name in self._problem.field.parameters]
+
+    @cached_property
+    def _carried(self) -> list[str]:
+        """Fields whose derivatives the kernel carries along.
+
+        The field that times the drive acts through the length of the period, and through the
+        rate of the load where that enters the equations.
         """
-        if self._known is None:
-            return _FIRST
-        found = self._known.nearest(np.nan_to_num(np.hstack([states, parameters])))
-        if found.size > _FEW:
-            return found
-        return int(np.quantile(found, _MOST, method="lower")) if found.size else _FIRST
+        timed = self.ensemble.drive.timed_by
+        return [
+            name
+            for name in self._varied
+            if name not in self.held and (name != timed or self._load_rate_matters)
+        ]
 
-    def _learn(self, states: FloatArray, parameters: FloatArray, image: Image) -> None:
-        with np.errstate(all="ignore"):
-            share = (image.error / (_AIM * self.tolerance)) ** (1.0 / self._flow.order)
-        wanted = image.resolution * np.clip(np.nan_to_num(share, nan=1.0), 0.25, 1.0)
-        places = np.hstack([states, parameters])
-        known = np.isfinite(places).all(axis=1) & np.isfinite(image.error)
-        if known.any():
-            found = np.minimum(
-                round_up_resolution(np.clip(wanted[known], _FIRST, self.most)), self.most
-            )
-            new = _Known(places[known], found)
-            self._known = new if self._known is None else new.and_then(self._known)
+    @property
+    def _load_rate_matters(self) -> bool:
+        """Whether rates of the loads enter the equations."""
+        return self.ensemble.system.needs_load_rate(self.ensemble.values, varied=self.names)
 
-
-@dataclass(frozen=True)
-class _Known:
-    """Resolutions that were wanted at some places, the latest first."""
-
-    places: FloatArray
-    wanted: IntArray
-
-    def and_then(self, earlier: _Known) -> _Known:
-        """With as many of the earlier ones as are remembered: after a few, these still count."""
-        room = max(_REMEMBERED - self.wanted.size, 0)
-        return _Known(
-            np.concatenate([self.places, earlier.places[:room]]),
-            np.concatenate([self.wanted, earlier.wanted[:room]]),
+    @cached_property
+    def _flow(self) -> PeriodMap:
+        last = [LOG_PERIOD] if self.ensemble.drive.timed_by in self.names else []
+        return PeriodMap(
+            self._problem.field,
+            self._problem.timeline.waveform,
+            directions=len(self._problem.field.state),
+            parameters=(*self._carried, *last),
+            phase=self.section_phase,
         )
 
-    def nearest(self, places: FloatArray) -> IntArray:
-        """What was wanted at the nearest of them, in units of their spread."""
-        scale = np.maximum(np.ptp(self.places, axis=0), _ALIKE)
-        tree = KDTree(self.places / scale, balanced_tree=False, compact_nodes=False)  # asked once
-        _, nearest = tree.query(places / scale)
-        return np.asarray(self.wanted[nearest])
-
-
-def spread(ensemble: Ensemble, states: FloatArray, varied: Mapping[str, FloatArray]) -> Ensemble:
-    """Many trajectories like a single one, with their own initial states and some values."""
-    count = len(states)
-    own = {name: np.broadcast_to(v, count).copy() for name, v in ensemble.values.items()}
-    return replace(
-        ensemble,
-        sizes={"point": count},
-        coords={},
-        values=own | dict(varied),
-        initial=states,
-        invalid=np.zeros(count, dtype=np.bool_),
-    )
-
-
-def at(ensemble: Ensemble, which: int) -> Ensemble:
-    """One trajectory of an ensemble as an ensemble of its own."""
-    values = {name: v[which : which + 1] for name, v in ensemble.values.items()}
-    return replace(
-        ensemble,
-        sizes={},
-        coords={},
-        values=values,
-        initial=ensemble.initial[which : which + 1],
-        invalid=ensemble.invalid[which : which + 1],
-    )
+    @cached_property
+    def _resolution(self) -> PilotResolution:
+        return PilotResolution(self.tolerance, self._flow.order, self.finest, self.cell_bits)

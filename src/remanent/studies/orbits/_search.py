@@ -1,36 +1,40 @@
-"""Every periodic orbit of one actuator at some values of a parameter: guesses, then Newton."""
+"""Every periodic orbit of one system at some values of a parameter: guesses, then Newton."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import Any
 
 import numpy as np
-from scipy.optimize import elementwise
 
-from remanent._errors import InputError
+from remanent._field import Role
+from remanent._roots import find_root
 from remanent._typing import FloatArray
-from remanent.analysis.orbits import Orbits, distinct, newton, taken
-from remanent.models.actuator import Actuator
+from remanent.analysis.orbits.periodic_orbits import Orbits, distinct_orbits, newton_fixed_points
 from remanent.models.drives.base import Drive
-from remanent.studies.ensemble.ensemble import Ensemble, at_rest
+from remanent.models.system import System
+from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.initial import rest_values
 from remanent.studies.orbits._period_map import StroboscopicMap
 
-#: Its annotations know nothing of `args`.
-find_root: Any = elementwise.find_root
-#: Default box: stretches, and their rates.
-STRETCHES, RATES = (0.3, 4.0), (-8.0, 8.0)
-#: Kelvin around the surroundings in which a body's temperature is looked for.
-WARMTH = 5.0
-#: Tolerance and largest resolution of the search: guesses that need more lead nowhere.
-_ROUGH, _COARSE = 1e-6, 128
+#: Error of a period in the first search.
+_ROUGH_TOLERANCE = 1e-6
+#: Largest resolution of the first search: guesses that need more lead nowhere.
+_ROUGH_FINEST = 128
+#: Binary digits that tell the cells of the first search: guesses lie far apart in the box.
+_ROUGH_CELL_BITS = 1
+#: Residual of the orbits of the first search, and largest error of the image of a guess.
+_ROUGH_RESIDUAL = 10.0 * _ROUGH_TOLERANCE
+#: Largest resolution on the symmetry line, where every sign has to be right.
+_LINE_FINEST = 512
 #: Guesses along the symmetry line.
-_LINE = 600
-#: Guesses in the box, along each stretch and rate, by their number: where orbits are looked
-#: for at one place only, and where at many or where most are on the symmetry line.
+_LINE_GUESSES = 600
+#: Tolerance of a stretch on the symmetry line.
+_LINE_TOLERANCE = 1e-7
+#: Guesses in the box along each stretch and rate, by their number, where orbits are looked for
+#: at one value of the parameter only.
 _DENSE = MappingProxyType({2: (36, 25), 4: (7, 5, 7, 5)})
+#: The same where they are looked for at many values, or most are on the symmetry line.
 _SPARSE = MappingProxyType({2: (14, 9), 4: (5, 3, 5, 3)})
 
 
@@ -40,124 +44,85 @@ class Search:
 
     Attributes
     ----------
-    map
-        Over one drive period; its parameters are the columns of `parameters` below.
+    map : StroboscopicMap
+        Its parameters are the columns of `parameters` in :func:`find_all_orbits`.
     box : array (state, 2)
-    period
-        Of the orbits, in drive periods.
-    tolerance
+        Bounds of the state at phase 0.
+    orbit_period : int
+        In drive periods.
+    tolerance : float
         Of the residual.
-    symmetric
+    symmetric : bool
         Undamped, with a load that is even in time: symmetric orbits start at zero rate.
-    dense
+    dense : bool
         Whether to spend many guesses.
     """
 
     map: StroboscopicMap
     box: FloatArray
-    period: int
+    orbit_period: int
     tolerance: float
     symmetric: bool
     dense: bool = True
 
 
-def box_of(ens: Ensemble, bounds: Mapping[str, Any] | None) -> FloatArray:
-    """Lower and upper bounds of every state variable, array (state, 2)."""
-    state = ens.field.state
-    given = dict(bounds or {})
-    for name in given:
-        if name not in state:
-            raise InputError(
-                "bounds", f"name state variables, {', '.join(state)}", repr(name),
-                "Orbits are looked for in a box of states.", "Pass {'stretch': (0.3, 4.0)}.",
-            )  # fmt: skip
-    rows = []
-    for name in state:
-        pair = np.asarray(given.get(name, _default(name, ens)), float)
-        if pair.shape != (2,) or not np.isfinite(pair).all() or not pair[0] < pair[1]:
-            raise InputError(
-                "bounds", f"give {name} a lower and a larger upper number", repr(given[name]),
-                "Orbits are looked for in a box of states.", "Pass {'stretch': (0.3, 4.0)}.",
-            )  # fmt: skip
-        if not name.endswith("_rate") and pair[0] <= 0.0:
-            raise InputError(
-                "bounds", f"keep {name} above 0", float(pair[0]),
-                "A stretch is a ratio of lengths.", "Pass {'stretch': (0.3, 4.0)}.",
-            )  # fmt: skip
-        rows.append(pair)
-    return np.array(rows)
-
-
-def _default(name: str, ens: Ensemble) -> tuple[float, float]:
-    """Bounds of a state variable that none were given for."""
-    if name == "body_temperature":
-        around = ens.values["temperature"]
-        return float(around.min()) - WARMTH, float(around.max()) + WARMTH
-    return RATES if name.endswith("_rate") else STRETCHES
-
-
-def require_isolated(ens: Ensemble) -> None:
-    """Refuse adiabatic bodies: they warm for ever, or have an orbit for each entropy."""
-    if ens.system.heat is not None and not (ens.values["heat.exchange"] > 0.0).all():
-        raise InputError(
-            "actuator", "exchange heat where its temperature is a state", ens.system.heat,
-            "Without exchange it warms for ever, or has an orbit for every temperature.",
-            "Pass rm.Heat(exchange=...) above 0, or heat=None.",
-        )  # fmt: skip
-
-
-def is_symmetric(actuator: Actuator, drive: Drive) -> bool:
-    """Whether reversing time leaves the motion's equation as it is."""
+def is_reversible(system: System, drive: Drive) -> bool:
+    """Whether reversing time leaves the equation of motion as it is."""
     period = drive.period
-    if period is None or not actuator.conservative:
+    if period is None or not system.conservative:
         return False
     times = np.linspace(0.0, 0.5, 33) * period
     ahead, back = drive(times), drive(period - times)
     return bool(np.allclose(ahead, back, rtol=0.0, atol=1e-13 * (1.0 + np.abs(ahead).max())))
 
 
-def all_orbits(search: Search, parameters: FloatArray) -> list[Orbits]:
+def find_all_orbits(search: Search, parameters: FloatArray) -> list[Orbits]:
     """The orbits in the box, for each of some values of the map's parameters.
 
     Parameters
     ----------
+    search : Search
     parameters : array (case, parameter)
 
     Returns
     -------
     list of Orbits
-        One entry a case.
+        One entry for each case.
     """
-    box = _in_box(search)
+    grid = _box_guesses(search)
     line = [np.empty((0, search.map.dimension))] * len(parameters)
     if search.symmetric and search.map.dimension == 2:
-        line = _on_line(search, parameters)
-    rough = replace(search.map, tolerance=_ROUGH, most=_COARSE)
-    found = []
-    for row, own in zip(parameters, line, strict=True):
-        near = _closed(search, rough, np.concatenate([own, box]), row, 10.0 * _ROUGH)
-        found.append(_closed(search, search.map, near.state, row, search.tolerance))
-    return found
+        line = _line_guesses(search, parameters)
+    rough_map = replace(
+        search.map, tolerance=_ROUGH_TOLERANCE, finest=_ROUGH_FINEST, cell_bits=_ROUGH_CELL_BITS
+    )
+    outcome = []
+    for row, symmetric in zip(parameters, line, strict=True):
+        guesses = np.concatenate([symmetric, grid])
+        rough = _orbits_from(search, rough_map, guesses, row, _ROUGH_RESIDUAL)
+        outcome.append(_orbits_from(search, search.map, rough.state, row, search.tolerance))
+    return outcome
 
 
-def _closed(
+def _orbits_from(
     search: Search, map_: StroboscopicMap, guesses: FloatArray, row: FloatArray, tolerance: float
 ) -> Orbits:
     """Different orbits that Newton's method reaches from guesses."""
-    orbits = newton(
+    orbits = newton_fixed_points(
         map_, guesses, np.tile(row, (len(guesses), 1)),
-        iterate=search.period, tolerance=tolerance, bounds=search.box, worst=10.0 * _ROUGH,
+        iterate=search.orbit_period, tolerance=tolerance, box=search.box,
+        max_error=_ROUGH_RESIDUAL,
     )  # fmt: skip
-    return distinct(map_, orbits, row, iterate=search.period)
+    return distinct_orbits(map_, orbits, row, iterate=search.orbit_period)
 
 
-def _in_box(search: Search) -> FloatArray:
-    """A grid of guesses, denser in stretch where stretch is small.
+def _box_guesses(search: Search) -> FloatArray:
+    """A grid of guesses, array (guess, state), denser in stretch where stretch is small.
 
     What is internal is guessed from the stretches: relaxed, at the temperature outside.
     """
-    state = search.map.ensemble.field.state
-    moving = [k for k, name in enumerate(state) if name.startswith("stretch")]
+    field = search.map.ensemble.field
+    moving = field.indices(Role.COORDINATE, Role.RATE)
     counts = (_DENSE if search.dense else _SPARSE)[len(moving)]
     axes = [
         np.geomspace(low, high, n) if low > 0.0 else np.linspace(low, high, n)
@@ -166,34 +131,36 @@ def _in_box(search: Search) -> FloatArray:
     grid = np.stack([axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")], axis=1)
     guesses = np.tile(search.box.mean(axis=1), (len(grid), 1))
     guesses[:, moving] = grid
-    for k, name in enumerate(state):
-        like = f"stretch{name.rpartition('viscous_stretch')[2]}"
-        if "viscous_stretch" in name and like in state:
-            guesses[:, k] = guesses[:, state.index(like)]
+    for k, variable in enumerate(field.variables):
+        if variable.role is Role.INTERNAL and variable.belongs_to in field.state:
+            guesses[:, k] = guesses[:, field.state.index(variable.belongs_to)]
     return guesses
 
 
-def _on_line(search: Search, parameters: FloatArray) -> list[FloatArray]:
+def _line_guesses(search: Search, parameters: FloatArray) -> list[FloatArray]:
     """Starts of symmetric orbits: at rest at phase 0 and half their period later.
 
     An orbit of even period may instead be at rest at phase 1/2 twice.
     """
-    late = (False, True) if search.period % 2 == 0 else (False,)
-    parts = [_symmetric(search, parameters, half) for half in late]
-    return [np.concatenate(own) for own in zip(*parts, strict=True)]
+    late = (False, True) if search.orbit_period % 2 == 0 else (False,)
+    parts = [_symmetric_orbits(search, parameters, half) for half in late]
+    return [np.concatenate(states) for states in zip(*parts, strict=True)]
 
 
-def _symmetric(search: Search, parameters: FloatArray, late: bool) -> list[FloatArray]:
-    """Those at rest at phase 0, or at phase 1/2; their states at phase 0."""
-    map_ = replace(search.map, phase=0.5 if late else 0.0, tolerance=_ROUGH, most=4 * _COARSE)
-    q = search.period
+def _symmetric_orbits(search: Search, parameters: FloatArray, late: bool) -> list[FloatArray]:
+    """States at phase 0 of those that are at rest at phase 0, or at phase 1/2 where `late`."""
+    map_ = replace(
+        search.map, section_phase=0.5 if late else 0.0, tolerance=_ROUGH_TOLERANCE,
+        finest=_LINE_FINEST, cell_bits=_ROUGH_CELL_BITS,
+    )  # fmt: skip
+    q = search.orbit_period
 
     def rate(stretch: FloatArray, case: FloatArray) -> FloatArray:
         states = np.column_stack([stretch, np.zeros(stretch.size)])
-        own = parameters[case.astype(np.int64)]
-        return map_.run(states, own, q // 2, half=q % 2 == 1).state[:, 1]
+        rows = parameters[case.astype(np.int64)]
+        return map_.run(states, rows, q // 2, half=q % 2 == 1).state[:, 1]
 
-    grid = np.geomspace(search.box[0, 0], search.box[0, 1], _LINE)
+    grid = np.geomspace(search.box[0, 0], search.box[0, 1], _LINE_GUESSES)
     case = np.repeat(np.arange(len(parameters), dtype=float), grid.size)
     values = rate(np.tile(grid, len(parameters)), case).reshape(-1, grid.size)
     with np.errstate(invalid="ignore"):
@@ -202,16 +169,18 @@ def _symmetric(search: Search, parameters: FloatArray, late: bool) -> list[Float
         return [np.empty((0, 2))] * len(parameters)
     root = find_root(
         rate, (grid[k], grid[k + 1]), args=(row.astype(float),),
-        tolerances={"xatol": 1e-7, "xrtol": 1e-7, "fatol": 0.0, "frtol": 0.0},
+        tolerances={
+            "xatol": _LINE_TOLERANCE, "xrtol": _LINE_TOLERANCE, "fatol": 0.0, "frtol": 0.0,
+        },
     )  # fmt: skip
     states = np.column_stack([root.x, np.zeros(row.size)])
-    if late:
+    if late:  # from phase 1/2 to phase 0
         states = map_.run(states, parameters[row], 0, half=True).state
     return [states[root.success & (row == k)] for k in range(len(parameters))]
 
 
-def nearest_rest(orbits: Orbits, ens: Ensemble) -> Orbits:
+def nearest_to_rest(orbits: Orbits, ens: Ensemble) -> Orbits:
     """The orbit whose point is nearest to rest, alone."""
-    rest = [float(at_rest(name, ens.values)[0]) for name in ens.field.state]
+    rest = [float(rest_values(v, ens.values, ens.count)[0]) for v in ens.field.variables]
     k = int(np.argmin(np.linalg.norm(orbits.state - rest, axis=1)))
-    return taken(orbits, np.array([k]))
+    return orbits.subset(np.array([k]))

@@ -1,33 +1,49 @@
-"""Branches of periodic orbits of one actuator: followed, clipped, each kept once."""
+"""Branches of periodic orbits of one system: followed, clipped, each kept once."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from remanent._typing import FloatArray
-from remanent.analysis.bifurcations import Special, between, orbit_equations, special_points
-from remanent.analysis.continuation import (
+from remanent.analysis.orbits.bifurcations import SpecialPoint, find_special_points
+from remanent.analysis.orbits.continuation import ContinuationSettings, continue_curves
+from remanent.analysis.orbits.correction import correct_points, unit_tangents
+from remanent.analysis.orbits.curves import (
     Curve,
-    Equations,
-    Points,
-    Settings,
-    corrected,
-    follow,
-    joined,
-    tangents,
+    CurveEquations,
+    CurvePoints,
+    concatenate_points,
+    interpolate_curve,
 )
-from remanent.analysis.orbits import Orbits
-from remanent.studies.orbits._period_map import StroboscopicMap
-from remanent.studies.orbits._search import Search, all_orbits
+from remanent.analysis.orbits.orbit_equations import orbit_equations
+from remanent.analysis.orbits.periodic_orbits import Orbits
+from remanent.studies.ensemble.checks import require_tolerance
+from remanent.studies.ensemble.durations import require_count, require_periods
+from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.orbits._checks import (
+    require_isolated,
+    require_orbit_period,
+    require_state_box,
+)
+from remanent.studies.orbits._period_map import StroboscopicMap, map_tolerance
+from remanent.studies.orbits._search import Search, find_all_orbits, is_reversible
 
 #: A point nearer to a curve than this, in scaled unknowns, is on it.
-_ON = 1e-3
-#: First and longest step along a branch, in scaled unknowns.
-_STEP, _LONGEST = 0.005, 0.02
-#: Points predicted at once: on one curve, on many.
-_ALONE, _TOGETHER = 16, 8
+_DISTANCE_ON_CURVE = 1e-3
+#: Chords of a curve, nearest to a point, on whose arcs it is looked for.
+_NEAREST_CHORDS = 3
+#: First step along a branch, in scaled unknowns.
+FIRST_STEP = 0.005
+#: Longest step along a branch, in scaled unknowns.
+LONGEST_STEP = 0.02
+#: Points predicted at once where a single curve is followed.
+_BLOCK_OF_ONE = 16
+#: Points predicted at once on each of many curves.
+_BLOCK_OF_MANY = 8
 
 
 @dataclass(frozen=True)
@@ -35,40 +51,104 @@ class Branch:
     """A branch with its special points."""
 
     curve: Curve
-    special: list[Special]
+    special: list[SpecialPoint]
 
 
 @dataclass(frozen=True)
 class Tracing:
-    """How branches are followed: the map's one parameter varies within its bounds."""
+    """How branches of one system are followed: the map's one parameter varies within a range.
+
+    Attributes
+    ----------
+    map : StroboscopicMap
+    box : array (state, 2)
+        A branch ends where the state at phase 0 leaves it.
+    parameter_range : (float, float)
+    orbit_period : int
+        In drive periods.
+    tolerance : float
+        Of the residual.
+    max_points : int
+        In each direction from the start.
+    """
 
     map: StroboscopicMap
     box: FloatArray
-    bounds: tuple[float, float]
-    period: int
+    parameter_range: tuple[float, float]
+    orbit_period: int
     tolerance: float
-    most: int
-    conservative: bool
+    max_points: int
 
     @property
-    def equations(self) -> Equations:
-        return orbit_equations(self.map, self.period)
+    def equations(self) -> CurveEquations:
+        """Equations of the curve: state and parameter are the unknowns."""
+        return orbit_equations(self.map, self.orbit_period)
 
     @property
-    def settings(self) -> Settings:
-        lower, upper = (np.append(self.box[:, k], self.bounds[k]) for k in (0, 1))
-        scale = np.append(np.ones(len(self.box)), self.bounds[1] - self.bounds[0])
-        return Settings(
-            lower, upper, scale, step=_STEP, longest=_LONGEST, tolerance=0.1 * self.tolerance,
-            most=self.most,
+    def settings(self) -> ContinuationSettings:
+        """Bounds, scale and steps of the continuation."""
+        lower, upper = (np.append(self.box[:, k], self.parameter_range[k]) for k in (0, 1))
+        scale = np.append(np.ones(len(self.box)), self.parameter_range[1] - self.parameter_range[0])
+        return ContinuationSettings(
+            lower, upper, scale, first_step=FIRST_STEP, max_step=LONGEST_STEP,
+            tolerance=0.1 * self.tolerance, max_points=self.max_points,
         )  # fmt: skip
 
+    def search(self, *, dense: bool = True) -> Search:
+        """How orbits to start from are looked for."""
+        ens = self.map.ensemble
+        reversible = is_reversible(ens.system, ens.drive)
+        return Search(self.map, self.box, self.orbit_period, self.tolerance, reversible, dense)
 
-def through(tracing: Tracing, orbits: Orbits, values: FloatArray) -> list[Branch]:
+
+@dataclass(frozen=True)
+class TracingOptions:
+    """Arguments of a verb that follows branches, checked; the same for all its members.
+
+    Attributes
+    ----------
+    parameter : str
+    parameter_range : (float, float)
+    state_box : mapping of name to (lower, upper), or None
+    orbit_period, max_points : int
+    tolerance : float
+    """
+
+    parameter: str
+    parameter_range: tuple[float, float]
+    state_box: Mapping[str, Any] | None
+    orbit_period: int
+    max_points: int
+    tolerance: float
+
+    def check(self, ens: Ensemble) -> None:
+        """Refuse what is wrong with these options for an ensemble."""
+        require_tolerance(self.tolerance, "the residual")
+        require_periods(ens)
+        require_isolated(ens)
+        require_state_box("state_box", self.state_box, ens)
+        require_orbit_period(self.orbit_period)
+        require_count("max_points", self.max_points, "A branch is made of points.")
+
+    def tracing(self, member: Ensemble) -> Tracing:
+        """For one trajectory."""
+        return Tracing(
+            map=StroboscopicMap(member, (self.parameter,), map_tolerance(self.tolerance)),
+            box=require_state_box("state_box", self.state_box, member),
+            parameter_range=self.parameter_range,
+            orbit_period=self.orbit_period,
+            tolerance=self.tolerance,
+            max_points=self.max_points,
+        )
+
+
+def trace_through(tracing: Tracing, orbits: Orbits, values: FloatArray) -> list[Branch]:
     """The branches through some orbits, each once.
 
     Parameters
     ----------
+    tracing : Tracing
+    orbits : Orbits
     values : array (orbit,)
         Of the parameter, at which the orbits were found.
     """
@@ -77,102 +157,106 @@ def through(tracing: Tracing, orbits: Orbits, values: FloatArray) -> list[Branch
     equations, settings = tracing.equations, tracing.settings
     unknown = np.column_stack([orbits.state, values])
     here = equations(unknown)
-    along = np.zeros(unknown.shape)
-    along[:, -1] = 1.0
-    starts = Points(
+    upwards = np.zeros(unknown.shape)
+    upwards[:, -1] = 1.0
+    starts = CurvePoints(
         unknown,
-        tangents(here.derivative, along, settings.scale),
+        unit_tangents(here.derivative, upwards, settings.scale),
         np.abs(here.value).max(axis=1),
         here.error,
         here.extra,
     )
-    block = _ALONE if len(values) == 1 else _TOGETHER
-    curves = follow(equations, starts, Settings(**{**vars(settings), "block": block}))
-    kept: list[Curve] = []
+    block = _BLOCK_OF_ONE if len(values) == 1 else _BLOCK_OF_MANY
+    curves = continue_curves(equations, starts, replace(settings, block=block))
+    # Orbits on both arms of a fold lie on the same branch.  It was followed from each.
+    distinct: list[Curve] = []
     for curve, start in zip(curves, unknown, strict=True):
-        if not any(passes(other, start, settings.scale) for other in kept):
-            kept.append(_clipped(equations, curve, settings))
-    return [
-        Branch(
-            curve,
-            special_points(
-                equations,
-                curve.points,
-                scale=settings.scale,
-                tolerance=settings.tolerance,
-                conservative=tracing.conservative,
-            ),
-        )
-        for curve in kept
-    ]
+        if not any(contains(earlier, start, settings.scale) for earlier in distinct):
+            distinct.append(_clipped(equations, curve, settings))
+    return [Branch(curve, _special_points(tracing, curve)) for curve in distinct]
 
 
-def everywhere(tracing: Tracing, search: Search, slices: int) -> list[Branch]:
+def _special_points(tracing: Tracing, curve: Curve) -> list[SpecialPoint]:
+    return find_special_points(
+        tracing.equations,
+        curve.points,
+        scale=tracing.settings.scale,
+        tolerance=tracing.settings.tolerance,
+        conservative=tracing.map.ensemble.system.conservative,
+    )
+
+
+def trace_all(tracing: Tracing, slices: int) -> list[Branch]:
     """All branches that pass through one of several evenly spaced values of the parameter."""
-    low, high = tracing.bounds
+    low, high = tracing.parameter_range
     values = low + (high - low) * (np.arange(slices) + 0.5) / slices
-    found = all_orbits(search, values[:, None])
-    # From the middle outwards: most branches pass there, and are followed together.
+    orbits_at = find_all_orbits(tracing.search(dense=False), values[:, None])
     branches: list[Branch] = []
     scale = tracing.settings.scale
+    # From the middle outwards: most branches pass there, and are followed together.
     for k in np.argsort(np.abs(values - values.mean()), kind="stable"):
-        orbits = found[k]
+        orbits = orbits_at[k]
+        points = np.column_stack([orbits.state, np.full(len(orbits.state), values[k])])
         new = [
             i
-            for i, state in enumerate(orbits.state)
-            if not any(passes(b.curve, np.append(state, values[k]), scale) for b in branches)
+            for i, point in enumerate(points)
+            if not any(contains(branch.curve, point, scale) for branch in branches)
         ]
-        some = Orbits(*(getattr(orbits, name)[new] for name in vars(orbits)))
-        branches += through(tracing, some, np.full(len(new), values[k]))
+        subset = orbits.subset(np.array(new, dtype=np.int64))
+        branches += trace_through(tracing, subset, np.full(len(new), values[k]))
     return branches
 
 
-def passes(curve: Curve, point: FloatArray, scale: FloatArray) -> bool:
-    """Whether a curve passes through a point."""
+def contains(curve: Curve, point: FloatArray, scale: FloatArray) -> bool:
+    """Whether a curve passes through a point, array (n + 1,)."""
     points = curve.points
     if len(points) < 2:
-        return bool(np.linalg.norm((points.unknown[0] - point) / scale) < _ON)
+        return bool(np.linalg.norm((points.unknown[0] - point) / scale) < _DISTANCE_ON_CURVE)
     chain = points.unknown / scale
     chord = np.diff(chain, axis=0)
     away = point / scale - chain[:-1]
     square = np.maximum(np.einsum("ij,ij->i", chord, chord), 1e-300)
     part = (np.einsum("ij,ij->i", away, chord) / square).clip(0.0, 1.0)
     distance = np.linalg.norm(away - part[:, None] * chord, axis=1)
-    nearest = np.argsort(distance)[:3]
-    guess, _ = between(points, nearest, part[nearest], scale)
-    return bool((np.linalg.norm((guess - point) / scale, axis=1) < _ON).any())
+    # Between its points a curve bends away from the chord by more than the distance that
+    # counts as on it, so the point is compared with the cubic.
+    nearest = np.argsort(distance)[:_NEAREST_CHORDS]
+    guess, _ = interpolate_curve(points, nearest, part[nearest], scale)
+    return bool((np.linalg.norm((guess - point) / scale, axis=1) < _DISTANCE_ON_CURVE).any())
 
 
-def _clipped(equations: Equations, curve: Curve, settings: Settings) -> Curve:
+def _clipped(equations: CurveEquations, curve: Curve, settings: ContinuationSettings) -> Curve:
     """The curve up to the bounds exactly, where it left them."""
     points = curve.points
     if curve.ends[1] == "bounds":
         points = _end_on_bounds(equations, points, settings)
     if curve.ends[0] == "bounds":
-        turned = points.taken(np.arange(len(points))[::-1])
-        points = _end_on_bounds(equations, turned, settings)
-        points = points.taken(np.arange(len(points))[::-1])
+        backwards = np.arange(len(points))[::-1]
+        points = _end_on_bounds(equations, points.subset(backwards), settings)
+        points = points.subset(np.arange(len(points))[::-1])
     return Curve(points, curve.closed, curve.ends)
 
 
-def _end_on_bounds(equations: Equations, points: Points, settings: Settings) -> Points:
+def _end_on_bounds(
+    equations: CurveEquations, points: CurvePoints, settings: ContinuationSettings
+) -> CurvePoints:
     """Move the last point back to where the curve crosses the bounds."""
     if len(points) < 2:
         return points
     before, last = points.unknown[-2], points.unknown[-1]
     wall = np.where(last > settings.upper, settings.upper, settings.lower)
-    out = (last > settings.upper) | (last < settings.lower)
+    outside = (last > settings.upper) | (last < settings.lower)
     with np.errstate(all="ignore"):
-        part = np.where(out, (wall - before) / (last - before), np.inf)
-    i = int(np.argmin(part))
+        part = np.where(outside, (wall - before) / (last - before), np.inf)
+    i = int(np.argmin(part))  # the unknown whose bound is crossed first
     guess = before + np.clip(part[i], 0.0, 1.0) * (last - before)
     guess[i] = wall[i]
-    across = np.zeros((1, last.size))
-    across[0, i] = 1.0
-    end, reached = corrected(
-        equations, guess[None], across, scale=settings.scale, tolerance=settings.tolerance
+    direction = np.zeros((1, last.size))
+    direction[0, i] = 1.0
+    end, reached = correct_points(
+        equations, guess[None], direction, scale=settings.scale, tolerance=settings.tolerance
     )
-    inner = points.taken(slice(0, -1))
+    inner = points.subset(slice(0, -1))
     side = np.sign(end.tangent[0] @ inner.tangent[-1])
     end = replace(end, tangent=side * end.tangent)
-    return joined([inner, end]) if reached[0] else inner
+    return concatenate_points([inner, end]) if reached[0] else inner

@@ -1,34 +1,53 @@
-"""Curves of folds and period doublings in two parameters."""
+"""Curves of folds and period doublings in the plane of two parameters."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
-from remanent._checks import require_choice
+from remanent._checks import require_choice, shortened
 from remanent._errors import InputError
-from remanent._typing import ArrayLike
-from remanent.analysis.bifurcations import special_equations
-from remanent.analysis.continuation import Settings, corrected, follow
-from remanent.models.actuator import Actuator
+from remanent._status import Status
+from remanent._typing import ArrayLike, FloatArray
+from remanent.analysis.orbits.continuation import ContinuationSettings, continue_curves
+from remanent.analysis.orbits.correction import correct_points
+from remanent.analysis.orbits.curves import Curve
+from remanent.analysis.orbits.orbit_equations import bifurcation_equations
 from remanent.models.drives.base import Drive
-from remanent.results import build, provenance
+from remanent.models.system import System
 from remanent.results.build import Labelled
-from remanent.studies.ensemble.checks import require_tolerance
+from remanent.studies.ensemble.checks import (
+    require_parameter,
+    require_range,
+    require_state,
+    require_tolerance,
+)
+from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
 from remanent.studies.ensemble.durations import require_count, require_periods
-from remanent.studies.ensemble.ensemble import ensemble
-from remanent.studies.orbits._period_map import StroboscopicMap
-from remanent.studies.orbits._search import box_of, require_isolated
-from remanent.studies.orbits.continue_orbit import parameter_bounds
-
-_KINDS = ("fold", "period doubling")
+from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.layout import Over, lay_out
+from remanent.studies.ensemble.progress import Progress, as_progress
+from remanent.studies.orbits._branch_tables import END_LABELS, end_reasons, member_status
+from remanent.studies.orbits._checks import (
+    BIFURCATIONS,
+    require_free,
+    require_isolated,
+    require_orbit_period,
+    require_state_box,
+)
+from remanent.studies.orbits._members import for_each_member, stack_tables
+from remanent.studies.orbits._orbit_tables import DIMENSIONS
+from remanent.studies.orbits._period_map import StroboscopicMap, map_tolerance
+from remanent.studies.orbits._tracing import FIRST_STEP, LONGEST_STEP
 
 
 def continue_bifurcation(
-    system: Actuator,
+    system: System,
     drive: Drive,
     kind: str,
     parameters: Sequence[str],
@@ -37,39 +56,64 @@ def continue_bifurcation(
     initial: ArrayLike,
     orbit_period: int = 1,
     state_box: Mapping[str, Any] | None = None,
+    over: Over | None = None,
     max_points: int = 500,
     tolerance: float = 1e-8,
+    progress: Progress = None,
 ) -> xr.Dataset:
     """Follow a fold or a period doubling in the plane of two parameters.
 
     Parameters
     ----------
-    system, drive
-        What moves, and a periodic load; their own values are where the curve is looked for.
-    kind
+    system : System
+        What moves.
+    drive : Drive
+        A periodic load.  The own values of both are where the curve is looked for.
+    kind : str
         ``"fold"`` or ``"period doubling"``.
-    parameters
+    parameters : (str, str)
         Two numeric fields of either, such as ``("omega", "b")``.  The first is adjusted to
         reach the special point from `initial`.
-    parameter_ranges
-        Lowest and highest value of each.
-    initial : (stretch, rate)
-        A state near the special point, for example ``special_stretch`` and
+    parameter_ranges : ((lowest, highest), (lowest, highest))
+        Values of each between which the curve is followed.
+    initial : array_like (state,)
+        A state near the special point at phase 0, for example ``special_stretch`` and
         ``special_stretch_rate`` of a branch.
-    orbit_period, state_box, max_points
-        As for :func:`remanent.continue_orbit`.
-    tolerance
+    orbit_period : int
+        Of the orbit, in drive periods.
+    state_box : mapping of name to (lower, upper), optional
+        Range of each state variable at phase 0, such as ``{"stretch": (0.3, 4.0)}``; the
+        curve ends where it leaves the box.  By default stretches from 0.3 to 4, rates from
+        −8 to 8, temperatures up to 5 K from that of the surroundings.
+    over : mapping of name to values, optional
+        Values of other numeric fields; they become dimensions of the result.  Each curve
+        starts near `initial`.
+    max_points : int
+        In each direction from the start.
+    tolerance : float
         Of the residual, also of the determinant that vanishes.
+    progress : bool or callable, optional
+        True draws a bar; a callable is called with the share of the combinations in `over`
+        that are finished.
 
     Returns
     -------
     xarray.Dataset
-        Along ``point``: both parameters, the state at phase 0, ``residual``, ``error``.
+        Along ``point``: both parameters, the state at phase 0, ``residual``, ``error``; along
+        ``end``: ``end_reason``, why the curve ends before its first and after its last point
+        (``bounds``, ``closed``, ``max_points``, ``lost``).  ``status`` is ``incomplete`` where
+        an end is ``max_points`` or ``lost``, and ``diverged`` where `over` has other
+        combinations and no special point is near `initial`.
 
     Raises
     ------
     InputError
-        A bad argument, or no such point near the start.
+        A bad argument; without `over` also where no such point is near `initial`.
+
+    See Also
+    --------
+    locate_bifurcation : One such point, for many values of other fields.
+    continue_orbit : A branch, with its special points.
 
     Notes
     -----
@@ -92,58 +136,147 @@ def continue_bifurcation(
     >>> bool(ds.residual.max() < 1e-8), ds.omega.size > 20
     (True, True)
     """
-    require_choice("kind", kind, _KINDS)
-    require_tolerance(tolerance)
-    orbit_period = require_count(
-        "orbit_period", orbit_period, "Orbits close after whole drive periods."
-    )
-    most = require_count("max_points", max_points, "A curve is made of points.")
-    ens = ensemble(system, drive)
+    require_choice("kind", kind, BIFURCATIONS)
+    require_tolerance(tolerance, "the residual")
+    require_orbit_period(orbit_period)
+    require_count("max_points", max_points, "A curve is made of points.")
+    ens = lay_out(system, drive, over, reserved=DIMENSIONS)
     require_periods(ens)
     require_isolated(ens)
-    if len(parameters) != 2 or len(parameter_ranges) != 2 or parameters[0] == parameters[1]:
-        raise InputError(
-            "parameters", "be two different fields, with a pair of bounds each",
-            (parameters, parameter_ranges), "A curve lies in a plane.",
-            "Pass for example ('omega', 'b').",
-        )  # fmt: skip
-    limits = [
-        parameter_bounds(n, b, ens) for n, b in zip(parameters, parameter_ranges, strict=True)
-    ]
-    box = box_of(ens, state_box)
-    lower, upper = np.concatenate([box, np.array(limits)]).T
-    scale = np.concatenate([np.ones(len(box)), np.ptp(np.array(limits), axis=1)])
-    map_ = StroboscopicMap(ens, tuple(parameters), min(0.01 * tolerance, 1e-10))
-    equations = special_equations(map_, orbit_period, kind, scale)
-    own = [float(ens.values[name][0]) for name in parameters]
-    guess = np.concatenate([np.asarray(initial, dtype=float).ravel(), own])[None]
-    if guess.shape[1] != scale.size:
-        raise InputError(
-            "initial", f"be {len(box)} numbers", repr(initial),
-            "It is a state at phase 0.", "Take it from the special points of a branch.",
-        )  # fmt: skip
-    held = np.zeros(guess.shape)
-    held[0, -1] = 1.0
-    points, reached = corrected(equations, guess, held, scale=scale, tolerance=tolerance)
-    if not reached[0]:
-        raise InputError(
-            "initial", f"be near a {kind}", (repr(initial), own),
-            "Newton's method found none from it.",
-            "Pass the state and parameters of a special point of a branch.",
-        )  # fmt: skip
-    settings = Settings(lower, upper, scale, step=0.005, longest=0.02, tolerance=tolerance,
-                        most=most)  # fmt: skip
-    (curve,) = follow(equations, points, settings)
-    some, d = curve.points, len(box)
-    columns = {
-        **{name: some.unknown[:, d + k] for k, name in enumerate(parameters)},
-        **{name: some.unknown[:, k] for k, name in enumerate(ens.field.state)},
-        "residual": some.residual,
-        "error": some.error,
+    names, limits = _require_plane(parameters, parameter_ranges, ens)
+    require_state_box("state_box", state_box, ens)
+    state = require_state(
+        "initial", initial, ens, why="The special point is looked for from there.",
+        fix="Take it from the special points of a branch.",
+    )  # fmt: skip
+
+    def trace(member: Ensemble) -> dict[str, NDArray[Any]]:
+        box = require_state_box("state_box", state_box, member)
+        plane = _Plane(member, names, limits, box, orbit_period, tolerance, max_points)
+        return _columns(plane.trace(kind, state), names, ens.field.state)
+
+    tables = for_each_member(ens, trace, as_progress(progress))
+    columns = stack_tables(tables, _columns(None, names, ens.field.state))
+    reasons = [None if table is None else table["end_reason"] for table in tables]
+    variables: dict[str, PerTrajectory] = {
+        name: (("end",) if name == "end_reason" else ("point",), column)
+        for name, column in columns.items()
     }
-    variables: dict[str, Labelled] = {name: (("point",), v) for name, v in columns.items()}
-    coords: dict[str, Labelled] = {"point": (("point",), np.arange(len(some)))}
-    attributes = provenance.attributes(
-        system, drive, tolerance, kind=kind, parameter_ranges=limits, orbit_period=orbit_period
-    )
-    return build.dataset(variables, coords, attributes)
+    coords: dict[str, Labelled] = {
+        "point": (("point",), np.arange(columns["residual"].shape[1])),
+        "end": (("end",), np.array(END_LABELS)),
+    }
+    return to_dataset(
+        ens, variables, coords=coords, status=member_status(ens, reasons, Status.DIVERGED),
+        tolerance=tolerance, kind=kind, parameter_ranges=limits, orbit_period=orbit_period,
+    )  # fmt: skip
+
+
+def _require_plane(
+    parameters: Sequence[str], ranges: Sequence[ArrayLike], ens: Ensemble
+) -> tuple[tuple[str, str], list[tuple[float, float]]]:
+    """Two different fields and their ranges."""
+    for name, pair, what, example in (
+        ("parameters", parameters, "different fields", "('omega', 'b')"),
+        ("parameter_ranges", ranges, "ranges", "[(1.0, 1.4), (0.2, 0.6)]"),
+    ):
+        if not _is_pair(pair):
+            raise InputError(
+                name,
+                must=f"be two {what}",
+                got=shortened(pair),
+                why="A curve lies in a plane.",
+                fix=f"Pass for example {example}.",
+            )
+    first, second = (require_parameter("parameters", name, ens) for name in parameters)
+    require_free((first, second), ens)
+    limits = [
+        require_range("parameter_ranges", pair, name, ens, "The curve is followed between them.")
+        for name, pair in zip(parameters, ranges, strict=True)
+    ]
+    return (first, second), limits
+
+
+def _is_pair(value: object) -> bool:
+    """Whether `value` is a sequence of two entries that are not the same."""
+    if not isinstance(value, Sequence | np.ndarray) or isinstance(value, str) or len(value) != 2:
+        return False
+    return not (isinstance(value[0], str) and value[0] == value[1])
+
+
+@dataclass(frozen=True)
+class _Plane:
+    """The plane of two parameters of one system, in which a curve is followed.
+
+    Attributes
+    ----------
+    ens : Ensemble
+        Of one trajectory.
+    parameters : (str, str)
+    limits : two of (float, float)
+    box : array (state, 2)
+    orbit_period : int
+    tolerance : float
+    max_points : int
+    """
+
+    ens: Ensemble
+    parameters: tuple[str, str]
+    limits: list[tuple[float, float]]
+    box: FloatArray
+    orbit_period: int
+    tolerance: float
+    max_points: int
+
+    @property
+    def settings(self) -> ContinuationSettings:
+        """Bounds, scale and steps of the continuation."""
+        lower, upper = np.concatenate([self.box, np.array(self.limits)]).T
+        scale = np.concatenate([np.ones(len(self.box)), np.ptp(np.array(self.limits), axis=1)])
+        return ContinuationSettings(
+            lower, upper, scale, first_step=FIRST_STEP, max_step=LONGEST_STEP,
+            tolerance=self.tolerance, max_points=self.max_points,
+        )  # fmt: skip
+
+    def trace(self, kind: str, state: FloatArray) -> Curve:
+        """The curve through the special point nearest to a state, at the system's own values."""
+        settings = self.settings
+        # The determinant of the Jacobian has to be right, so the map is more precise than
+        # for a branch.
+        map_ = StroboscopicMap(self.ens, self.parameters, map_tolerance(self.tolerance, 0.01))
+        equations = bifurcation_equations(map_, self.orbit_period, kind, settings.scale)
+        values = [float(self.ens.values[name][0]) for name in self.parameters]
+        guess = np.concatenate([state, values])[None]
+        fixed = np.zeros(guess.shape)
+        fixed[0, -1] = 1.0  # the second parameter
+        points, reached = correct_points(
+            equations, guess, fixed, scale=settings.scale, tolerance=self.tolerance
+        )
+        if not reached[0]:
+            raise InputError(
+                "initial",
+                must=f"be near a {kind}",
+                got=(state.tolist(), values),
+                why="Newton's method found none from it.",
+                fix="Pass the state and parameters of a special point of a branch.",
+            )
+        (curve,) = continue_curves(equations, points, settings)
+        return curve
+
+
+def _columns(
+    curve: Curve | None, parameters: tuple[str, str], state: Sequence[str]
+) -> dict[str, NDArray[Any]]:
+    """Columns along a curve; without one, their kinds."""
+    names = (*parameters, *state)
+    if curve is None:
+        empty = dict.fromkeys((*names, "residual", "error"), np.empty(0))
+        return {**empty, "end_reason": end_reasons([("", "")])[0]}
+    points = curve.points
+    order = [*range(len(state), len(state) + 2), *range(len(state))]
+    return {
+        **{name: points.unknown[:, k] for name, k in zip(names, order, strict=True)},
+        "residual": points.residual,
+        "error": points.error,
+        "end_reason": end_reasons([curve.ends])[0],
+    }

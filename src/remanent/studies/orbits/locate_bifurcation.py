@@ -11,25 +11,31 @@ from remanent._checks import require_choice
 from remanent._errors import InputError
 from remanent._status import Status
 from remanent._typing import ArrayLike, BoolArray, FloatArray
-from remanent.analysis.bifurcations import special_equations
-from remanent.analysis.continuation import corrected
-from remanent.analysis.maps import Mapped
-from remanent.models.actuator import Actuator
+from remanent.analysis.orbits.correction import correct_points
+from remanent.analysis.orbits.maps import MapImage
+from remanent.analysis.orbits.orbit_equations import bifurcation_equations
 from remanent.models.drives.base import Drive
-from remanent.results import build, provenance
-from remanent.results.build import Labelled
-from remanent.studies.ensemble.checks import require_tolerance
-from remanent.studies.ensemble.durations import require_count, require_periods
-from remanent.studies.ensemble.ensemble import Ensemble, Over, ensemble
-from remanent.studies.orbits._period_map import StroboscopicMap
+from remanent.models.system import System
+from remanent.studies.ensemble.checks import require_parameter, require_state, require_tolerance
+from remanent.studies.ensemble.dataset import to_dataset
+from remanent.studies.ensemble.durations import require_periods
+from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.layout import Over, lay_out
+from remanent.studies.orbits._checks import (
+    BIFURCATIONS,
+    require_free,
+    require_isolated,
+    require_orbit_period,
+)
+from remanent.studies.orbits._orbit_tables import DIMENSIONS
+from remanent.studies.orbits._period_map import StroboscopicMap, map_tolerance
 
-_KINDS = ("fold", "period doubling")
-#: Stages in which other fields are moved from the actuator's own values.
-_STAGES = 4
+#: Steps in which other fields are moved from the system's own values.
+_HOMOTOPY_STEPS = 4
 
 
 def locate_bifurcation(
-    system: Actuator,
+    system: System,
     drive: Drive,
     kind: str,
     parameter: str,
@@ -43,32 +49,39 @@ def locate_bifurcation(
 
     Parameters
     ----------
-    system, drive
-        What moves, and a periodic load, near the special point.
-    kind
+    system : System
+        What moves.
+    drive : Drive
+        A periodic load.  With their own values both are near the special point.
+    kind : str
         ``"fold"`` or ``"period doubling"``.
-    parameter
-        The field that is adjusted; its own value is the guess.
-    initial : (stretch, rate)
+    parameter : str
+        The numeric field that is adjusted; its own value is the guess.
+    initial : array_like (state,)
         A state near the orbit at phase 0, for example ``special_stretch`` and
         ``special_stretch_rate`` of :func:`remanent.continue_orbit`.
-    orbit_period
+    orbit_period : int
         Of the orbit, in drive periods.
-    over
-        Values of other fields, not far from the actuator's own; they become dimensions.
-    tolerance
+    over : mapping of name to values, optional
+        Values of other numeric fields, not far from the own ones; they become dimensions.
+    tolerance : float
         Of the residual, also of the determinant that vanishes.
 
     Returns
     -------
     xarray.Dataset
         `parameter` at the special point, with its error; the state there; ``residual`` and
-        ``status``.  NaN where Newton's method found none.
+        ``status``.  NaN, and ``diverged``, where Newton's method found none.
 
     Raises
     ------
     InputError
         A bad argument; without `over` also where there is no such point near the guess.
+
+    See Also
+    --------
+    continue_orbit : A branch, with all its special points.
+    continue_bifurcation : The same point along a curve in two parameters.
 
     Examples
     --------
@@ -83,90 +96,127 @@ def locate_bifurcation(
     >>> float(ds.omega.round(6))
     1.266795
     """
-    require_choice("kind", kind, _KINDS)
-    require_tolerance(tolerance)
-    orbit_period = require_count(
-        "orbit_period", orbit_period, "Orbits close after whole drive periods."
-    )
-    single = ensemble(system, drive)
+    require_choice("kind", kind, BIFURCATIONS)
+    require_tolerance(tolerance, "the residual")
+    require_orbit_period(orbit_period)
+    single = lay_out(system, drive)
     require_periods(single)
-    require_choice("parameter", parameter, list(single.values))
-    ens = ensemble(system, drive, over)
-    if over and parameter in over:
+    require_parameter("parameter", parameter, single)
+    ens = lay_out(system, drive, over, reserved=DIMENSIONS)
+    require_isolated(ens)
+    require_free((parameter,), ens)
+    state = require_state(
+        "initial", initial, ens, why="The special point is looked for from there.",
+        fix="Take it from the special points of a branch.",
+    )  # fmt: skip
+    outcome = _locate(single, ens, _Target(kind, parameter, state, orbit_period, tolerance))
+    if not ens.sizes and not outcome.reached[0]:
         raise InputError(
-            "over", f"not name {parameter}", repr(parameter), "It is adjusted.", "Leave it out."
+            "initial",
+            must=f"be near a {kind}",
+            got=state.tolist(),
+            why="Newton's method found none from it.",
+            fix="Pass the state and the parameter of a special point of a branch.",
         )
-    state = np.asarray(initial, dtype=float).ravel()
-    d = len(single.field.state)
-    if state.shape != (d,) or not np.isfinite(state).all():
-        raise InputError(
-            "initial", f"be {d} numbers", repr(initial),
-            "It is a state at phase 0.", "Take it from the special points of a branch.",
-        )  # fmt: skip
-    unknown, residual, error, reached = _found(
-        single, ens, kind, parameter, state, orbit_period, tolerance
-    )
-    if not ens.sizes and not reached[0]:
-        raise InputError(
-            "initial", f"be near a {kind}", repr(initial), "Newton's method found none from it.",
-            "Pass the state and the parameter of a special point of a branch.",
-        )  # fmt: skip
-    columns = {parameter: unknown[:, d], f"{parameter}_error": error, "residual": residual}
-    columns |= {name: unknown[:, k] for k, name in enumerate(ens.field.state)}
-    variables: dict[str, Labelled] = {
-        name: (ens.dims, ens.shaped(np.where(reached, v, np.nan))) for name, v in columns.items()
+    columns = {
+        parameter: outcome.unknown[:, state.size],
+        f"{parameter}_error": outcome.error,
+        "residual": outcome.residual,
+        **{name: outcome.unknown[:, k] for k, name in enumerate(ens.field.state)},
     }
-    bad = np.where(ens.invalid, Status.INVALID, Status.DIVERGED)
-    status = np.where(reached, Status.OK, bad).astype(np.int8)
-    variables["status"] = (ens.dims, ens.shaped(status))
-    attributes = provenance.attributes(
-        system, drive, tolerance, over=ens.coords, kind=kind, orbit_period=orbit_period
-    )
-    return build.dataset(variables, dict(ens.coords), attributes)
-
-
-def _found(
-    single: Ensemble,
-    ens: Ensemble,
-    kind: str,
-    parameter: str,
-    state: FloatArray,
-    period: int,
-    tolerance: float,
-) -> tuple[FloatArray, FloatArray, FloatArray, BoolArray]:
-    """Unknowns, residuals, errors of the parameter, and whether Newton's method converged."""
-    fields = [n for n in ens.values if np.any(ens.values[n] != single.values[n])]
-    fine = min(0.01 * tolerance, 1e-10)
-    map_ = StroboscopicMap(single, (parameter, *fields), fine, held=fields)
-    valid = np.flatnonzero(~ens.invalid)
-    begin = np.array([float(single.values[n][0]) for n in fields])
-    ends = np.array([ens.values[n][valid] for n in fields]).T.reshape(valid.size, len(fields))
-    size = state.size + 2
-    here = float(single.values[parameter][0])
-    scale = np.concatenate([np.ones(state.size), [abs(here) or 1.0, 1.0]])
-    guess = np.column_stack(
-        [np.tile(np.append(state, here), (valid.size, 1)), np.arange(valid.size)]
-    )
-    held = np.tile(np.eye(size)[-1], (valid.size, 1))
-    for share in np.linspace(0.0, 1.0, _STAGES + 1) if fields else [0.0]:
-        numbered = _Numbered(map_, begin + share * (ends - begin))
-        equations = special_equations(numbered, period, kind, scale)
-        points, reached = corrected(equations, guess, held, scale=scale, tolerance=tolerance)
-        guess = np.where(reached[:, None], points.unknown, guess)
-    square = equations(points.unknown).derivative[:, :, :-1]
-    with np.errstate(all="ignore"):
-        spread = np.abs(np.linalg.pinv(np.nan_to_num(square)))[:, state.size].sum(axis=1)
-    whole = np.full((ens.count, size), np.nan)
-    residual, error = np.full((2, ens.count), np.nan)
-    found = np.zeros(ens.count, dtype=np.bool_)
-    whole[valid], found[valid] = points.unknown, reached
-    residual[valid], error[valid] = points.residual, spread * (points.residual + points.error)
-    return whole, residual, error, found
+    missing = np.where(ens.invalid, Status.INVALID, Status.DIVERGED)
+    return to_dataset(
+        ens, {name: np.where(outcome.reached, v, np.nan) for name, v in columns.items()},
+        status=np.where(outcome.reached, Status.OK, missing), tolerance=tolerance, kind=kind,
+        orbit_period=orbit_period,
+    )  # fmt: skip
 
 
 @dataclass(frozen=True)
-class _Numbered:
-    """A map with one parameter, and the number of a point, which has other fields of its own."""
+class _Target:
+    """The special point that is looked for, and from where."""
+
+    kind: str
+    parameter: str
+    state: FloatArray
+    orbit_period: int
+    tolerance: float
+
+
+@dataclass(frozen=True)
+class _Located:
+    """What was reached for each member.
+
+    Attributes
+    ----------
+    unknown : array (member, state + 2)
+        State, parameter, and the number of the member.
+    residual, error : array (member,)
+        The error is that of the parameter.
+    reached : array (member,) of bool
+        Whether Newton's method converged.
+    """
+
+    unknown: FloatArray
+    residual: FloatArray
+    error: FloatArray
+    reached: BoolArray
+
+
+def _locate(single: Ensemble, ens: Ensemble, target: _Target) -> _Located:
+    """The special point of every member, all together, moved there from the system's own."""
+    # Named, not compared by value: whether a field counts as varied must not depend on the
+    # values of other members.
+    fields = [name for name in ens.coords if name in ens.values]
+    held = tuple(fields)
+    map_ = StroboscopicMap(
+        single, (target.parameter, *fields), map_tolerance(target.tolerance, 0.01), held=held
+    )
+    members = np.flatnonzero(~ens.invalid)
+    size = target.state.size + 2
+    located = _Located(
+        np.full((ens.count, size), np.nan), np.full(ens.count, np.nan),
+        np.full(ens.count, np.nan), np.zeros(ens.count, dtype=np.bool_),
+    )  # fmt: skip
+    if not members.size:
+        return located
+    begin = np.array([float(single.values[name][0]) for name in fields])
+    end = np.array([ens.values[name][members] for name in fields]).T
+    end = end.reshape(members.size, len(fields))
+    value = float(single.values[target.parameter][0])
+    scale = np.concatenate([np.ones(target.state.size), [abs(value) or 1.0, 1.0]])
+    start = np.tile(np.append(target.state, value), (members.size, 1))
+    guess = np.column_stack([start, np.arange(members.size)])
+    fixed = np.tile(np.eye(size)[-1], (members.size, 1))  # the number of the member
+    for share in np.linspace(0.0, 1.0, _HOMOTOPY_STEPS + 1) if fields else [0.0]:
+        numbered = _NumberedMap(map_, begin + share * (end - begin))
+        equations = bifurcation_equations(numbered, target.orbit_period, target.kind, scale)
+        points, reached = correct_points(
+            equations, guess, fixed, scale=scale, tolerance=target.tolerance
+        )
+        guess = np.where(reached[:, None], points.unknown, guess)
+    square = equations(points.unknown).derivative[:, :, :-1]
+    with np.errstate(all="ignore"):
+        inverse = np.linalg.pinv(np.nan_to_num(square))
+        spread = np.abs(inverse)[:, target.state.size].sum(axis=1)
+    located.unknown[members], located.reached[members] = points.unknown, reached
+    located.residual[members] = points.residual
+    located.error[members] = spread * (points.residual + points.error)
+    return located
+
+
+@dataclass(frozen=True)
+class _NumberedMap:
+    """A map of one parameter and of the number of a member, which has its own fields.
+
+    Curves have two parameters; here the second only says which member a point belongs to.
+
+    Attributes
+    ----------
+    map : StroboscopicMap
+        Of the parameter and of the fields.
+    fields : array (member, field)
+    """
 
     map: StroboscopicMap
     fields: FloatArray
@@ -176,9 +226,12 @@ class _Numbered:
         """Number of state variables."""
         return self.map.dimension
 
-    def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> Mapped:
-        """Apply the map; a number next to a whole one is that, so that it has no effect."""
-        own = self.fields[np.rint(parameters[:, 1]).astype(np.int64)]
-        image = self.map.run(states, np.hstack([parameters[:, :1], own]), iterate)
-        slope = np.pad(image.slope[:, :, :1], ((0, 0), (0, 0), (0, 1)))
-        return Mapped(image.state, image.jacobian, slope, image.error)
+    def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> MapImage:
+        """Apply the map.
+
+        The number is rounded, so that a finite difference in it changes nothing.
+        """
+        rows = self.fields[np.rint(parameters[:, 1]).astype(np.int64)]
+        image = self.map.run(states, np.hstack([parameters[:, :1], rows]), iterate)
+        slope = np.pad(image.parameter_jacobian[:, :, :1], ((0, 0), (0, 0), (0, 1)))
+        return MapImage(image.state, image.jacobian, slope, image.error)

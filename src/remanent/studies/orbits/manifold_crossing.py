@@ -2,41 +2,63 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from remanent._checks import positive, require_real
 from remanent._errors import InputError
-from remanent._typing import ArrayLike, FloatArray
-from remanent.analysis.bifurcations import orbit_equations
-from remanent.analysis.continuation import Points, corrected
-from remanent.analysis.orbits import multipliers
-from remanent.analysis.separatrix import Passage, passages, unstable
-from remanent.models.actuator import Actuator
+from remanent._status import Status
+from remanent._typing import ArrayLike, ComplexArray, FloatArray
+from remanent.analysis.orbits.correction import correct_points
+from remanent.analysis.orbits.curves import CurvePoints
+from remanent.analysis.orbits.orbit_equations import orbit_equations
+from remanent.analysis.orbits.separatrix import SaddlePassage, saddle_passages, unstable_direction
+from remanent.analysis.orbits.stability import Stability, floquet_multipliers, orbit_stability
+from remanent.integrate.ensemble.ensemble import integrate
+from remanent.integrate.ensemble.problem import Request
 from remanent.models.drives.base import Drive
-from remanent.results import build, provenance
-from remanent.results.build import Labelled
-from remanent.studies.ensemble.checks import require_tolerance
+from remanent.models.system import System
+from remanent.studies.ensemble.checks import (
+    require_parameter,
+    require_range,
+    require_state,
+    require_tolerance,
+)
+from remanent.studies.ensemble.dataset import to_dataset
 from remanent.studies.ensemble.durations import require_count, require_periods
-from remanent.studies.ensemble.ensemble import Ensemble, ensemble
-from remanent.studies.motion.poincare_section import poincare_section
-from remanent.studies.orbits._period_map import StroboscopicMap
-from remanent.studies.orbits.continue_orbit import parameter_bounds
-from remanent.studies.orbits.periodic_orbits import periodic_orbits
+from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.layout import Over, lay_out
+from remanent.studies.ensemble.observables import blank_beyond_horizon
+from remanent.studies.ensemble.problem import initial_value_problem
+from remanent.studies.ensemble.progress import Progress, as_progress
+from remanent.studies.orbits._checks import (
+    require_free,
+    require_orbit_period,
+    require_state_box,
+)
+from remanent.studies.orbits._members import for_each_member
+from remanent.studies.orbits._orbit_tables import DIMENSIONS
+from remanent.studies.orbits._period_map import StroboscopicMap, map_tolerance
+from remanent.studies.orbits._search import Search, find_all_orbits, is_reversible
 
-#: Values tried at once: one for each lane of a kernel.
-_TRIED = 16
-#: Drive periods of the first run, and of the next ones beyond what the last one took.
-_FIRST, _MORE = 48, 12
-#: Of the saddle's residual.
-_RESIDUAL = 1e-11
+#: Values inside a bracket that are tried at once: one for each lane of a kernel.
+_TRIED_AT_ONCE = 16
+#: Drive periods of the first runs.
+_FIRST_PERIODS = 48
+#: Periods of the orbit that next runs last beyond what the last ones took.
+_MORE_PERIODS = 12
+#: Residual of the saddle.
+_SADDLE_RESIDUAL = 1e-11
+#: Residual of the saddles that are looked for without a guess.
+_SEARCH_RESIDUAL = 1e-9
 _WIDTH = positive("It is the width of the last bracket.", "Pass for example 1e-8.")
 
 
 def manifold_crossing(
-    system: Actuator,
+    system: System,
     drive: Drive,
     parameter: str,
     parameter_range: ArrayLike,
@@ -45,8 +67,10 @@ def manifold_crossing(
     initial: ArrayLike | None = None,
     orbit_period: int = 1,
     periods: int = 200,
+    over: Over | None = None,
     width: float = 1e-8,
     tolerance: float = 1e-6,
+    progress: Progress = None,
 ) -> xr.Dataset:
     """Find where the motion from `initial` crosses the stable manifold of a saddle orbit.
 
@@ -55,38 +79,53 @@ def manifold_crossing(
 
     Parameters
     ----------
-    system, drive
-        What moves, and a periodic load.
-    parameter
+    system : System
+        What moves.
+    drive : Drive
+        A periodic load.
+    parameter : str
         A numeric field of either, such as ``"omega"``.
-    parameter_range
+    parameter_range : (lowest, highest)
         Two values of it, on different sides.
-    saddle : (stretch, rate), optional
+    saddle : array_like (state,), optional
         A state near the saddle orbit at phase 0, at the lower value; by default the saddle
         nearest to the motion from `initial` there.
-    initial
+    initial : array_like (state,), optional
         State at the start; rest by default.
-    orbit_period
+    orbit_period : int
         Of the saddle orbit in drive periods.
-    periods
+    periods : int
         Longest run in drive periods.  The nearer the crossing, the longer motion stays at
         the saddle.
-    width
+    over : mapping of name to values, optional
+        Values of other numeric fields; they become dimensions of the result.
+    width : float
         Of the last bracket.
-    tolerance
+    tolerance : float
         Of the states along the runs: the sign of a coordinate near 0.1 needs few digits.
+    progress : bool or callable, optional
+        True draws a bar; a callable is called with the share of the combinations in `over`
+        that are finished.
 
     Returns
     -------
     xarray.Dataset
         The parameter at the crossing, with ``_error``, the width of the last bracket, both of
         whose ends passed the saddle on a side that no error could change; ``stretch``,
-        ``stretch_rate`` and ``multipliers`` of the saddle there; ``residual``.
+        ``stretch_rate`` and ``multipliers`` of the saddle there; ``residual``.  NaN, and
+        ``status`` ``diverged``, where `over` has other combinations and this one has no
+        saddle or no single crossing.
 
     Raises
     ------
     InputError
-        A bad argument, no saddle, or ends of the bracket that pass on the same side.
+        A bad argument; without `over` also no saddle, or ends of the range that pass on the
+        same side.
+
+    See Also
+    --------
+    periodic_orbits : The saddle orbits.
+    frequency_response : The response that jumps there.
 
     Notes
     -----
@@ -104,107 +143,177 @@ def manifold_crossing(
     >>> round(float(ds.omega), 3)
     1.254
     """
-    require_tolerance(tolerance)
+    require_tolerance(tolerance, "the states along the runs")
     width = require_real("width", width, _WIDTH)
-    every = require_count("orbit_period", orbit_period, "Orbits close after whole drive periods.")
-    periods = require_count("periods", periods, "The motion must have time to leave.", 3)
-    ens = ensemble(system, drive, None, initial)
+    require_orbit_period(orbit_period)
+    require_count("periods", periods, "The motion must have time to leave.", 3)
+    ens = lay_out(system, drive, over, initial, reserved=DIMENSIONS)
     require_periods(ens)
-    low, high = parameter_bounds(parameter, parameter_range, ens)
-    runs = _Runs(ens, parameter, every, periods, tolerance)
-    state = runs.guess(low) if saddle is None else np.asarray(saddle, dtype=float).ravel()
-    if state.size != len(ens.field.state):
-        raise InputError(
-            "saddle", f"be {len(ens.field.state)} numbers", repr(saddle),
-            "It is a state at phase 0.", "Take one from periodic_orbits.",
-        )  # fmt: skip
-    values = np.linspace(low, high, _TRIED + 2)
-    length = min(_FIRST, periods)
-    while True:
-        points, passage = runs.passed(values, state, length)
-        ends = _change(passage)
-        if ends is None and length < periods:
-            length = min(2 * length, periods)
-            continue
-        if ends is None:
-            raise InputError(
-                "parameter_range", "hold one crossing between its ends", (low, high),
-                f"From its values the motion leaves on the sides {passage.side.tolist()} "
-                "(1: the way it came, -1: beyond, 0: not decided).",
-                "Move the ends nearer to the jump, or pass more `periods`.",
-            )  # fmt: skip
-        gap = float(values[ends[1]] - values[ends[0]])
-        state = points.unknown[ends[0], :-1]
-        if gap <= width or gap > 0.5 * (values[-1] - values[0]):
-            break
-        length = min(
-            int(passage.iterate[list(ends)].max()) * orbit_period + _MORE * orbit_period, periods
+    require_parameter("parameter", parameter, ens)
+    limits = require_range(
+        "parameter_range", parameter_range, parameter, ens, "The motion jumps between them."
+    )
+    require_free((parameter,), ens)
+    guess = None
+    if saddle is not None:
+        guess = require_state("saddle", saddle, ens, why="It is a state at phase 0.",
+                              fix="Take one from periodic_orbits.")  # fmt: skip
+
+    def bracket(member: Ensemble) -> _Crossing:
+        return _Runs(member, parameter, orbit_period, periods, tolerance).bracket(
+            limits, guess, width
         )
-        values = np.linspace(values[ends[0]], values[ends[1]], _TRIED + 2)
-    there = points.taken(slice(ends[0], ends[0] + 1))
-    return _labelled(runs, values[ends[0]] + 0.5 * gap, gap, there, width)
+
+    crossings = for_each_member(ens, bracket, as_progress(progress))
+    return _label(ens, crossings, parameter, tolerance=tolerance, orbit_period=orbit_period,
+                  periods=periods, width=width)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class _Crossing:
+    """Where motion crosses the stable manifold, with the saddle there.
+
+    Attributes
+    ----------
+    value, gap : float
+        Middle and width of the bracket.
+    saddle : array (state,)
+    multipliers : array (multiplier,) of complex
+    residual : float
+        Of the saddle.
+    """
+
+    value: float
+    gap: float
+    saddle: FloatArray
+    multipliers: ComplexArray
+    residual: float
 
 
 @dataclass(frozen=True)
 class _Runs:
-    """Motions and saddles at many values of the parameter."""
+    """Motions of one system and its saddles at many values of the parameter.
+
+    Attributes
+    ----------
+    ens : Ensemble
+        Of one trajectory.
+    parameter : str
+    orbit_period : int
+        Of the saddle, in drive periods.
+    periods : int
+        Longest run, in drive periods.
+    tolerance : float
+        Of the states along the runs.
+    """
 
     ens: Ensemble
     parameter: str
-    period: int
+    orbit_period: int
     periods: int
     tolerance: float
 
-    def visited(self, values: FloatArray, length: int) -> tuple[FloatArray, FloatArray]:
-        """States (value, iterate, state) once per period of the orbit, and their errors."""
-        run = poincare_section(
-            self.ens.system, self.ens.drive, periods=length, every=self.period,
-            over={self.parameter: values}, initial=self.ens.initial[0], tolerance=self.tolerance,
+    def bracket(
+        self, limits: tuple[float, float], guess: FloatArray | None, width: float
+    ) -> _Crossing:
+        """Divide a range until the crossing lies in a bracket of some width."""
+        state = self._nearest_saddle(limits[0]) if guess is None else guess
+        values = np.linspace(*limits, _TRIED_AT_ONCE + 2)
+        length = min(_FIRST_PERIODS, self.periods)
+        while True:
+            points, passage = self._pass_saddle(values, state, length)
+            ends = _sign_change(passage)
+            if ends is None:
+                if length >= self.periods:
+                    raise _no_crossing(passage, limits)
+                length = min(2 * length, self.periods)
+                continue
+            gap = float(values[ends[1]] - values[ends[0]])
+            state = points.unknown[ends[0], :-1]
+            divided = gap <= 0.5 * (values[-1] - values[0])
+            if gap <= width or not divided:
+                break
+            latest = int(passage.iterate[list(ends)].max()) + _MORE_PERIODS
+            length = min(latest * self.orbit_period, self.periods)
+            values = np.linspace(values[ends[0]], values[ends[1]], _TRIED_AT_ONCE + 2)
+        there = points.subset(slice(ends[0], ends[0] + 1))
+        multipliers, _ = floquet_multipliers(there.extra["jacobian"], there.error)
+        return _Crossing(
+            float(values[ends[0]] + 0.5 * gap), gap, state, multipliers[0],
+            float(there.residual[0]),
         )  # fmt: skip
-        states = np.stack([run[name].values for name in self.ens.field.state], axis=-1)
-        return states, np.nan_to_num(run["error"].values, nan=self.tolerance)
 
-    def guess(self, value: float) -> FloatArray:
-        """The saddle nearest to the motion at a value."""
-        found = periodic_orbits(
-            self.ens.system,
-            self.ens.drive,
-            orbit_period=self.period,
-            over={self.parameter: [value]},
-        ).isel({self.parameter: 0})
-        saddles = found["initial"].values[found["stability"].values == "saddle"]
+    def _visited(self, values: FloatArray, length: int) -> tuple[FloatArray, FloatArray]:
+        """States (value, iterate, state) once per period of the orbit, and their errors."""
+        start = np.tile(self.ens.initial, (values.size, 1))
+        runs = self.ens.with_states(start, {self.parameter: values})
+        periods = require_periods(runs)
+        outcome = integrate(
+            initial_value_problem(runs, length * periods),
+            Request(strobe=self.orbit_period),
+            tolerance=self.tolerance,
+        )
+        assert outcome.states is not None
+        number = np.arange(0, length + 1, self.orbit_period)
+        states = outcome.states[:, : number.size]
+        states = blank_beyond_horizon(states, number * periods[:, None], outcome)
+        return states, np.nan_to_num(outcome.error, nan=self.tolerance)
+
+    def _nearest_saddle(self, value: float) -> FloatArray:
+        """The saddle nearest to the motion at a value, array (state,)."""
+        there = replace(self.ens, values={**self.ens.values, self.parameter: np.array([value])})
+        search = Search(
+            StroboscopicMap(there, (), map_tolerance(_SEARCH_RESIDUAL)),
+            require_state_box("state_box", None, there),
+            self.orbit_period,
+            _SEARCH_RESIDUAL,
+            is_reversible(there.system, there.drive),
+        )
+        (orbits,) = find_all_orbits(search, np.empty((1, 0)))
+        kinds = orbit_stability(
+            *floquet_multipliers(orbits.jacobian, orbits.error),
+            conservative=there.system.conservative,
+        )
+        saddles = orbits.state[kinds == Stability.SADDLE]
         if not len(saddles):
             raise InputError(
-                "bracket", "begin where there is a saddle orbit", value,
-                "Motion is told by the side on which it passes one.", "Pass `saddle`.",
-            )  # fmt: skip
-        states, _ = self.visited(np.array([value]), min(_FIRST, self.periods))
+                "parameter_range",
+                must="begin where there is a saddle orbit",
+                got=value,
+                why="Motion is told by the side on which it passes one.",
+                fix="Pass `saddle`.",
+            )
+        states, _ = self._visited(np.array([value]), min(_FIRST_PERIODS, self.periods))
         distance = np.linalg.norm(states[0][:, None] - saddles, axis=2)
         return np.asarray(saddles[np.nanmin(distance, axis=0).argmin()])
 
-    def passed(self, values: FloatArray, state: FloatArray, length: int) -> tuple[Points, Passage]:
+    def _pass_saddle(
+        self, values: FloatArray, state: FloatArray, length: int
+    ) -> tuple[CurvePoints, SaddlePassage]:
         """The saddle at each value, and how the motion passes it."""
-        map_ = StroboscopicMap(self.ens, (self.parameter,), 0.1 * _RESIDUAL)
+        map_ = StroboscopicMap(self.ens, (self.parameter,), 0.1 * _SADDLE_RESIDUAL)
         guess = np.column_stack([np.tile(state, (values.size, 1)), values])
-        held = np.zeros(guess.shape)
-        held[:, -1] = 1.0
-        points, reached = corrected(
-            orbit_equations(map_, self.period), guess, held,
-            scale=np.ones(guess.shape[1]), tolerance=_RESIDUAL,
+        fixed = np.zeros(guess.shape)
+        fixed[:, -1] = 1.0  # the parameter
+        points, reached = correct_points(
+            orbit_equations(map_, self.orbit_period), guess, fixed,
+            scale=np.ones(guess.shape[1]), tolerance=_SADDLE_RESIDUAL,
         )  # fmt: skip
         jacobian = points.extra["jacobian"]
-        if not reached.all() or not unstable(jacobian)[2].all():
+        if not reached.all() or not unstable_direction(jacobian)[2].all():
             raise InputError(
-                "saddle", "be near a saddle orbit throughout the bracket", state.tolist(),
-                "Newton's method reached none, or another kind of orbit.",
-                "Pass a narrower bracket, or a saddle's state from periodic_orbits.",
-            )  # fmt: skip
-        states, error = self.visited(values, length)
-        both = error + points.error + points.residual
-        return points, passages(states, points.unknown[:, :-1], jacobian, both)
+                "saddle",
+                must="be near a saddle orbit throughout `parameter_range`",
+                got=state.tolist(),
+                why="Newton's method reached none, or another kind of orbit.",
+                fix="Pass a narrower range, or a saddle's state from periodic_orbits.",
+            )
+        states, error = self._visited(values, length)
+        uncertainty = error + points.error + points.residual
+        return points, saddle_passages(states, points.unknown[:, :-1], jacobian, uncertainty)
 
 
-def _change(passage: Passage) -> tuple[int, int] | None:
+def _sign_change(passage: SaddlePassage) -> tuple[int, int] | None:
     """Neighbours among the decided that pass on different sides: those that come nearest.
 
     Where motion passes far from the saddle its side means little.
@@ -218,19 +327,38 @@ def _change(passage: Passage) -> tuple[int, int] | None:
     return int(decided[k]), int(decided[k + 1])
 
 
-def _labelled(runs: _Runs, value: float, gap: float, points: Points, width: float) -> xr.Dataset:
-    known, _ = multipliers(points.extra["jacobian"], points.error)
-    variables: dict[str, Labelled] = {
-        runs.parameter: ((), np.array(value)),
-        f"{runs.parameter}_error": ((), np.array(gap)),
-        "multipliers": (("multiplier",), known[0]),
-        "residual": ((), points.residual[0]),
-    }
-    for k, name in enumerate(runs.ens.field.state):
-        variables[name] = ((), points.unknown[0, k])
-    coords: dict[str, Labelled] = {"multiplier": (("multiplier",), np.arange(known.shape[1]))}
-    attributes = provenance.attributes(
-        runs.ens.system, runs.ens.drive, runs.tolerance, over=(runs.parameter,),
-        orbit_period=runs.period, periods=runs.periods, width=width,
-    )  # fmt: skip
-    return build.dataset(variables, coords, attributes)
+def _no_crossing(passage: SaddlePassage, limits: tuple[float, float]) -> InputError:
+    return InputError(
+        "parameter_range",
+        must="hold one crossing between its ends",
+        got=limits,
+        why=f"From its values the motion leaves on the sides {passage.side.tolist()} "
+        "(1: the way it came, -1: beyond, 0: not decided).",
+        fix="Move the ends nearer to the jump, or pass more `periods`.",
+    )
+
+
+def _label(
+    ens: Ensemble, crossings: list[_Crossing | None], parameter: str, **settings: Any
+) -> xr.Dataset:
+    """Crossings of all members as a Dataset, NaN where there are none."""
+    d = len(ens.field.state)
+    nothing = _Crossing(np.nan, np.nan, np.full(d, np.nan), np.full(d, np.nan + 0j), np.nan)
+    rows = [nothing if crossing is None else crossing for crossing in crossings]
+    saddles = np.array([row.saddle for row in rows])
+    missing = np.where(ens.invalid, Status.INVALID, Status.DIVERGED)
+    dataset = to_dataset(
+        ens,
+        {
+            parameter: np.array([row.value for row in rows]),
+            f"{parameter}_error": np.array([row.gap for row in rows]),
+            "multipliers": (("multiplier",), np.array([row.multipliers for row in rows])),
+            "residual": np.array([row.residual for row in rows]),
+            **{name: saddles[:, k] for k, name in enumerate(ens.field.state)},
+        },
+        coords={"multiplier": (("multiplier",), np.arange(d))},
+        status=np.where([crossing is not None for crossing in crossings], Status.OK, missing),
+        **settings,
+    )
+    # The drive's or the system's own value of the parameter has no part in the result.
+    return dataset.assign_attrs(over=" ".join([*ens.coords, parameter]))

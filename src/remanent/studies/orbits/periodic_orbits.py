@@ -3,63 +3,70 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
-from remanent._status import Status
-from remanent._typing import FloatArray
-from remanent.analysis.orbits import Orbits, Stability, multipliers, stability
-from remanent.integrate.ensemble.ensemble import integrate
-from remanent.integrate.ensemble.problem import Request
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
-from remanent.results import build, provenance
+from remanent.models.system import System
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
-from remanent.studies.ensemble.durations import require_count, require_periods
-from remanent.studies.ensemble.ensemble import Ensemble, Over, ensemble, problem
-from remanent.studies.orbits._period_map import DIMENSIONS, StroboscopicMap, at, spread
-from remanent.studies.orbits._search import (
-    Search,
-    all_orbits,
-    box_of,
-    is_symmetric,
+from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
+from remanent.studies.ensemble.durations import require_periods
+from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.layout import Over, lay_out
+from remanent.studies.ensemble.progress import Progress, as_progress
+from remanent.studies.orbits._checks import (
     require_isolated,
+    require_orbit_period,
+    require_state_box,
 )
+from remanent.studies.orbits._members import for_each_member, stack_tables
+from remanent.studies.orbits._orbit_tables import DIMENSIONS, describe_orbits, empty_orbit_table
+from remanent.studies.orbits._period_map import StroboscopicMap, map_tolerance
+from remanent.studies.orbits._search import Search, find_all_orbits, is_reversible
 
-#: Tolerances of the extremes along an orbit: the second where the first cannot be met.
-_FINE, _COARSE = 1e-8, 1e-5
+#: Dimensions of columns beyond that of the orbits.
+_COLUMN_DIMENSIONS = MappingProxyType(
+    {"initial": ("state",), "multipliers": ("multiplier",), "multipliers_error": ("multiplier",)}
+)
 
 
 def periodic_orbits(
-    system: Actuator,
+    system: System,
     drive: Drive,
     *,
     orbit_period: int = 1,
     state_box: Mapping[str, Any] | None = None,
     over: Over | None = None,
     tolerance: float = 1e-9,
+    progress: Progress = None,
 ) -> xr.Dataset:
     """Find the periodic orbits of a given period, stable and unstable.
 
     Parameters
     ----------
-    system, drive
-        What moves, and a periodic load.
-    orbit_period
+    system : System
+        What moves.
+    drive : Drive
+        A periodic load.
+    orbit_period : int
         Least period of the orbits in drive periods: 1 for the forced response, 2, 3 ... for
         subharmonic orbits.
-    state_box
+    state_box : mapping of name to (lower, upper), optional
         Range of each state variable at phase 0 in which orbits are looked for, such as
-        ``{"stretch": (0.3, 4.0)}``; by default stretches from 0.3 to 4 and rates from −8
-        to 8.
-    over
+        ``{"stretch": (0.3, 4.0)}``; by default stretches from 0.3 to 4, rates from −8 to 8,
+        temperatures up to 5 K from that of the surroundings.
+    over : mapping of name to values, optional
         Values of numeric fields; they become dimensions of the result.
-    tolerance
+    tolerance : float
         Of the residual: the distance of the orbit's point from its image.
+    progress : bool or callable, optional
+        True draws a bar; a callable is called with the share of the combinations in `over`
+        that are finished.
 
     Returns
     -------
@@ -77,9 +84,15 @@ def periodic_orbits(
     InputError
         A bad argument, or a load without a period.
 
+    See Also
+    --------
+    continue_orbit : Follow one of the orbits while a parameter changes.
+    response_diagram : All orbits of forced response over a range of frequencies.
+    poincare_section : Motion from any state, once per period.
+
     Notes
     -----
-    Newton's method on the period map starts from a grid over the bounds.  Where the motion
+    Newton's method on the period map starts from a grid over the box.  Where the motion
     is reversible in time (no dissipation, a load even in time), orbits at rest at phase 0
     and half their period later are bracketed along the line of zero rate first: none of
     them is missed but by twos between neighbouring points of that line.  Elsewhere an
@@ -92,108 +105,30 @@ def periodic_orbits(
     >>> ds.stability.values.tolist()
     ['elliptic', 'elliptic', 'saddle']
     """
-    orbit_period = require_count(
-        "orbit_period", orbit_period, "Orbits close after whole drive periods."
-    )
-    require_tolerance(tolerance)
-    ens = ensemble(system, drive, over, reserved=DIMENSIONS)
+    orbit_period = require_orbit_period(orbit_period)
+    require_tolerance(tolerance, "the residual")
+    ens = lay_out(system, drive, over, reserved=DIMENSIONS)
     require_periods(ens)
     require_isolated(ens)
-    box = box_of(ens, state_box)
-    found = [_of_one(at(ens, k), box, orbit_period, tolerance) for k in range(ens.count)]
-    return _labelled(ens, found, orbit_period, tolerance)
+    require_state_box("state_box", state_box, ens)
 
+    def find(member: Ensemble) -> dict[str, NDArray[Any]]:
+        map_ = StroboscopicMap(member, (), map_tolerance(tolerance))
+        box = require_state_box("state_box", state_box, member)
+        search = Search(map_, box, orbit_period, tolerance, is_reversible(system, drive))
+        (orbits,) = find_all_orbits(search, np.empty((1, 0)))
+        return describe_orbits(member, orbits, orbit_period, {})
 
-def _of_one(ens: Ensemble, box: FloatArray, period: int, tolerance: float) -> dict[str, Any]:
-    """Orbits of a single actuator and drive, with all that is known of them."""
-    if ens.invalid[0]:
-        return {}
-    map_ = StroboscopicMap(ens, (), min(0.1 * tolerance, 1e-10))
-    symmetric = is_symmetric(ens.system, ens.drive)
-    (orbits,) = all_orbits(Search(map_, box, period, tolerance, symmetric), np.empty((1, 0)))
-    return described(ens, orbits, period, {})
-
-
-def described(
-    ens: Ensemble, orbits: Orbits, period: int, varied: Mapping[str, FloatArray]
-) -> dict[str, Any]:
-    """Multipliers, stability and extremes of some orbits of one actuator.
-
-    Parameters
-    ----------
-    varied : mapping of name to array (orbit,)
-        Fields whose values differ between the orbits.
-    """
-    values, errors = multipliers(orbits.jacobian, orbits.error)
-    kinds = stability(values, errors, conservative=ens.system.conservative)
-    maximum, minimum = _extremes(ens, orbits.state, period, varied)
-    return {
-        "initial": orbits.state,
-        "multipliers": values,
-        "multipliers_error": errors,
-        "stability": np.array([Stability(k).meaning for k in kinds], dtype="<U9"),
-        "maximum": maximum,
-        "minimum": minimum,
-        "amplitude": 0.5 * (maximum - minimum),
-        "residual": orbits.residual,
-        "error": orbits.error,
+    tables = for_each_member(ens, find, as_progress(progress))
+    columns = stack_tables(tables, empty_orbit_table(len(ens.field.state)))
+    variables: dict[str, PerTrajectory] = {
+        name: (("orbit", *_COLUMN_DIMENSIONS.get(name, ())), column)
+        for name, column in columns.items()
     }
-
-
-def _extremes(
-    ens: Ensemble, states: FloatArray, period: int, varied: Mapping[str, FloatArray]
-) -> tuple[FloatArray, FloatArray]:
-    """Extremes of the thickness stretch over one period of each orbit."""
-    if not len(states):
-        return np.empty(0), np.empty(0)
-    some = spread(ens, states, varied)
-    asked = problem(some, period * require_periods(some))
-    first = integrate(asked, Request(extremes=True), tolerance=_FINE)
-    maximum, minimum = first.maximum, first.minimum
-    missed = np.isnan(maximum)
-    if missed.any():  # motions of large amplitude, whose extremes have fewer digits
-        again = integrate(
-            replace(asked, invalid=~missed), Request(extremes=True), tolerance=_COARSE
-        )
-        maximum = np.where(missed, again.maximum, maximum)
-        minimum = np.where(missed, again.minimum, minimum)
-    return maximum, minimum
-
-
-def _labelled(
-    ens: Ensemble, found: list[dict[str, Any]], period: int, tolerance: float
-) -> xr.Dataset:
-    most = max((len(one["residual"]) for one in found if one), default=0)
-    d = len(ens.field.state)
-    shapes: dict[str, tuple[tuple[str, ...], tuple[int, ...], Any]] = {
-        "initial": (("orbit", "state"), (most, d), np.nan),
-        "multipliers": (("orbit", "multiplier"), (most, d), np.nan + 0j),
-        "multipliers_error": (("orbit", "multiplier"), (most, d), np.nan),
-        "stability": (("orbit",), (most,), ""),
-        **dict.fromkeys(
-            ("maximum", "minimum", "amplitude", "residual", "error"),
-            (("orbit",), (most,), np.nan),
-        ),
-    }
-    variables: dict[str, Labelled] = {}
-    for name, (dims, shape, missing) in shapes.items():
-        kind = "<U9" if name == "stability" else None
-        whole = np.full((ens.count, *shape), missing, dtype=kind)
-        for k, one in enumerate(found):
-            if one:
-                whole[k, : len(one[name])] = one[name]
-        variables[name] = ((*ens.dims, *dims), ens.shaped(whole))
-    status = np.where(ens.invalid, Status.INVALID, Status.OK).astype(np.int8)
-    variables["status"] = (ens.dims, ens.shaped(status))
-    known = [len(one["residual"]) if one else 0 for one in found]
-    variables["orbits"] = (ens.dims, ens.shaped(np.array(known, dtype=np.int64)))
+    variables["orbits"] = np.array([0 if t is None else len(t["residual"]) for t in tables])
     coords: dict[str, Labelled] = {
-        **ens.coords,
-        "orbit": (("orbit",), np.arange(most)),
+        "orbit": (("orbit",), np.arange(columns["residual"].shape[1])),
         "state": (("state",), np.array(ens.field.state)),
-        "multiplier": (("multiplier",), np.arange(d)),
+        "multiplier": (("multiplier",), np.arange(len(ens.field.state))),
     }
-    attributes = provenance.attributes(
-        ens.system, ens.drive, tolerance, over=ens.coords, orbit_period=period
-    )
-    return build.dataset(variables, coords, attributes)
+    return to_dataset(ens, variables, coords=coords, tolerance=tolerance, orbit_period=orbit_period)

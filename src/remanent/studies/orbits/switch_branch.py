@@ -3,33 +3,32 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from remanent._errors import InputError
-from remanent.analysis.orbits import Orbits
-from remanent.analysis.switching import other_branch
-from remanent.models.actuator import Actuator
+from remanent._typing import FloatArray
+from remanent.analysis.orbits.periodic_orbits import Orbits
+from remanent.analysis.orbits.switching import crossing_branch_point
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
+from remanent.results.checks import require_dataset
 from remanent.studies.ensemble.durations import require_count
-from remanent.studies.ensemble.ensemble import ensemble
-from remanent.studies.orbits._period_map import at
-from remanent.studies.orbits._tracing import through
-from remanent.studies.orbits.continue_orbit import (
-    describe_branches,
-    label_branches,
-    parameter_bounds,
-    trace_with,
-)
+from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.layout import lay_out
+from remanent.studies.orbits._branch_tables import describe_branches, label_branches
+from remanent.studies.orbits._tracing import Branch, Tracing, TracingOptions, trace_through
 
-#: Where other branches start, and how many times longer the period of their orbits is.
-_SWITCHES = {"period doubling": 2, "branch point": 1}
+#: Kinds of special points where other branches start, and how many times longer the period of
+#: their orbits is.
+_PERIOD_FACTORS = MappingProxyType({"period doubling": 2, "branch point": 1})
 
 
 def switch_branch(
-    actuator: Actuator,
+    system: System,
     drive: Drive,
     branch: xr.Dataset,
     special: int = 0,
@@ -42,26 +41,39 @@ def switch_branch(
 
     Parameters
     ----------
-    actuator, drive
+    system, drive : System, Drive
         Those of the branch.
-    branch
-        A result of :func:`remanent.continue_orbit` or of this verb.
-    special
-        Which of its special points: a ``period doubling``, where the branch of twice the
-        period starts, or a ``branch point``, where another of the same period does (the pair
-        of orbits that break a symmetry).
-    state_box, max_points, tolerance
-        As for :func:`remanent.continue_orbit`.
+    branch : xarray.Dataset
+        A result of :func:`remanent.continue_orbit`, without `over`, or of this verb.
+    special : int
+        Number of a special point of `branch`: a ``period doubling``, where the branch of twice
+        the period starts, or a ``branch point``, where another of the same period does (the
+        pair of orbits that break a symmetry).
+    state_box : mapping of name to (lower, upper), optional
+        Range of each state variable at phase 0, such as ``{"stretch": (0.3, 4.0)}``; the
+        branch ends where it leaves the box.
+    max_points : int
+        In each direction from the special point.
+    tolerance : float
+        Of the residual: the distance of the orbit's point from its image.
 
     Returns
     -------
     xarray.Dataset
-        As that of :func:`remanent.continue_orbit`, within the bounds of the first branch.
+        The same variables as of :func:`remanent.continue_orbit`: along ``point`` the parameter,
+        within the range of the first branch, the state at phase 0, ``multipliers``,
+        ``stability`` and extremes; along ``special`` its special points; along ``end`` why it
+        ended.
 
     Raises
     ------
     InputError
         A bad argument, another kind of special point, or a branch that is not reached.
+
+    See Also
+    --------
+    continue_orbit : Follow the first branch.
+    periodic_orbits : Find orbits of any period without a branch.
 
     Notes
     -----
@@ -79,31 +91,63 @@ def switch_branch(
     >>> doubled.attrs["orbit_period"], set(doubled.stability.values.tolist()) >= {"stable"}
     (2, True)
     """
-    kinds = [str(one) for one in branch["special_kind"].values.ravel()]
-    which = require_count("special", special, "It is the number of a special point.", 0)
-    if which >= len(kinds) or kinds[which] not in _SWITCHES or "orbit_period" not in branch.attrs:
-        raise InputError(
-            "special", "be the number of a period doubling or of a branch point", special,
-            f"The special points are {kinds}.", "Pass one of these, of a result of continue_orbit.",
-        )  # fmt: skip
+    kind = _require_switch(branch, special)
     parameter = str(branch.attrs.get("parameter", "omega"))
-    period = int(branch.attrs["orbit_period"]) * _SWITCHES[kinds[which]]
-    ens = ensemble(actuator, drive)
-    limits = parameter_bounds(parameter, branch.attrs["parameter_range"], ens)
-    tracing = trace_with(ens, parameter, limits, state_box, period, max_points, tolerance)
+    period = int(branch.attrs["orbit_period"]) * _PERIOD_FACTORS[kind]
+    ens = lay_out(system, drive)
+    low, high = branch.attrs["parameter_range"]
+    limits = (float(low), float(high))
+    options = TracingOptions(parameter, limits, state_box, period, max_points, tolerance)
+    options.check(ens)
+    crossing = _crossing(branch, special, ens, parameter)
+    branches = _cross(options.tracing(ens), crossing, kind)
+    tables = [describe_branches(ens, branches, options)]
+    return label_branches(ens, tables, options, single=True, parameter=parameter)
+
+
+def _require_switch(branch: xr.Dataset, special: int) -> str:
+    """The kind of a special point, where another branch starts there."""
+    if "special_kind" not in require_dataset("branch", branch):
+        raise InputError(
+            "branch",
+            must="have special points",
+            got=f"variables {', '.join(map(str, branch.data_vars)) or 'none'}",
+            why="The other branch starts at one of them.",
+            fix="Pass a result of continue_orbit.",
+        )
+    kinds = [str(kind) for kind in branch["special_kind"].values.ravel()]
+    number = require_count("special", special, "It is the number of a special point.", 0)
+    known = number < len(kinds) and kinds[number] in _PERIOD_FACTORS
+    if not known or "orbit_period" not in branch.attrs:
+        raise InputError(
+            "special",
+            must="be the number of a period doubling or of a branch point",
+            got=special,
+            why=f"The special points are {kinds}.",
+            fix="Pass one of these, of a result of continue_orbit.",
+        )
+    return kinds[number]
+
+
+def _crossing(branch: xr.Dataset, special: int, ens: Ensemble, parameter: str) -> FloatArray:
+    """Where the branches cross, array (state + 1,)."""
     names = [f"special_{name}" for name in (*ens.field.state, parameter)]
-    crossing = np.array([float(branch[name].values.ravel()[which]) for name in names])
-    point = other_branch(
-        tracing.equations, crossing, scale=tracing.settings.scale, tolerance=0.1 * tolerance
+    return np.array([float(branch[name].values.ravel()[special]) for name in names])
+
+
+def _cross(tracing: Tracing, crossing: FloatArray, kind: str) -> list[Branch]:
+    """The branch that crosses another one at a point."""
+    point = crossing_branch_point(
+        tracing.equations, crossing, scale=tracing.settings.scale, tolerance=0.1 * tracing.tolerance
     )
     if point is None:
         raise InputError(
-            "special", "have another branch beside it", kinds[which],
-            "No point of one was reached by short steps across the branch.",
-            "Look for its orbits with periodic_orbits, and start there.",
-        )  # fmt: skip
+            "special",
+            must="have another branch beside it",
+            got=kind,
+            why="No point of one was reached by short steps across the branch.",
+            fix="Look for its orbits with periodic_orbits, and start there.",
+        )
     z = point.unknown
     orbit = Orbits(z[:, :-1], point.extra["jacobian"], point.residual, point.error)
-    found = [describe_branches(at(ens, 0), through(tracing, orbit, z[:, -1]), parameter, period)]
-    settings = {"parameter": parameter, "parameter_range": limits, "orbit_period": period}
-    return label_branches(ens, found, parameter, tolerance, settings).isel(branch=0, drop=True)
+    return trace_through(tracing, orbit, z[:, -1])

@@ -8,37 +8,50 @@ from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import Any, TypeVar
 
 import numpy as np
-import xarray as xr
 
 from remanent._status import Status
 from remanent._typing import BoolArray, FloatArray, IntArray
-from remanent.analysis.following import Advance, Path, block_lengths, follow
-from remanent.integrate.ensemble.ensemble import Progress
+from remanent.analysis.regimes.long_runs import (
+    LongRun,
+    TangentMap,
+    block_lengths,
+    propagate_tangents,
+)
 from remanent.integrate.ensemble.problem import Problem
 from remanent.integrate.maps.advance import Advancer, CoarseReplay
 from remanent.integrate.maps.period_map import ErrorControl, PeriodMap
-from remanent.results import build, provenance
-from remanent.results.build import Labelled
 from remanent.studies.ensemble.durations import require_periods
-from remanent.studies.ensemble.ensemble import Ensemble, problem
+from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.problem import initial_value_problem
+from remanent.studies.ensemble.progress import Report
 
 #: Trajectories followed together: enough of each resolution to fill the lanes of a kernel.
-CHUNK = 4096
-T = TypeVar("T")
+CHUNK_SIZE = 4096
+#: Arrays by name.
+Arrays = Mapping[str, np.ndarray]
+#: ``work(indices, cancelled)``: arrays (trajectory, ...) of a chunk of trajectories.
+Work = Callable[[IntArray, Callable[[], bool]], Arrays]
+
+
+def never_cancelled() -> bool:
+    """Let a run go on to its end."""
+    return False
 
 
 @dataclass(frozen=True)
 class Follower:
     """Follows trajectories of an ensemble.
 
+    What it returns of a trajectory depends on that trajectory alone.
+
     Attributes
     ----------
-    periods
+    ensemble : Ensemble
+    periods : int
         How many drive periods.
-    directions
+    directions : int
         Tangents that are carried along.
     """
 
@@ -49,188 +62,192 @@ class Follower:
     @cached_property
     def problem(self) -> Problem:
         """The trajectories as arrays."""
-        return problem(self.ensemble, np.ones(self.ensemble.count))
+        return initial_value_problem(self.ensemble, np.ones(self.ensemble.count))
 
     @cached_property
-    def lengths(self) -> FloatArray:
-        """The drive period of each trajectory, tau; NaN-free where that is invalid."""
+    def period_lengths(self) -> FloatArray:
+        """The drive period of each trajectory in tau, array (trajectory,); 1 where invalid."""
         return np.where(self.ensemble.invalid, 1.0, require_periods(self.ensemble))
 
     @cached_property
-    def flow(self) -> Callable[..., PeriodMap]:
-        """The period map with so many tangents, made once for each choice."""
-        asked = self.problem
+    def period_map(self) -> Callable[..., PeriodMap]:
+        """``period_map(directions, error_control)``: the map, made once for each pair of these."""
+        field, waveform = self.problem.field, self.problem.timeline.waveform
 
         @lru_cache
-        def flow(directions: int, error_control: ErrorControl = "all") -> PeriodMap:
-            return PeriodMap(
-                asked.field,
-                asked.timeline.waveform,
-                directions=directions,
-                error_control=error_control,
-            )
+        def period_map(directions: int, error_control: ErrorControl = "all") -> PeriodMap:
+            return PeriodMap(field, waveform, directions=directions, error_control=error_control)
 
-        return flow
+        return period_map
 
     def advancer(
         self,
-        which: IntArray,
+        indices: IntArray,
         tolerance: float,
         *,
         directions: int | None = None,
         error_control: ErrorControl = "all",
     ) -> Advancer:
-        """What advances some of the trajectories, from then on by their number among these."""
-        flow = self.flow(self.directions if directions is None else directions, error_control)
-        return Advancer(flow, self.problem.parameters[which], self.lengths[which], tolerance)
+        """What advances a subset of the trajectories, which it numbers from 0."""
+        flow = self.period_map(self.directions if directions is None else directions, error_control)
+        return Advancer(
+            flow, self.problem.parameters[indices], self.period_lengths[indices], tolerance
+        )
 
     def run(
         self,
-        which: IntArray,
+        indices: IntArray,
         tolerance: float,
         states: FloatArray | None = None,
         *,
         directions: int | None = None,
         every: bool = False,
-        block: int | None = None,
-        cancelled: Callable[[], bool] = lambda: False,
-    ) -> Path:
-        """Follow some of the trajectories; the errors of their periods stay below `tolerance`.
+        cancelled: Callable[[], bool] = never_cancelled,
+    ) -> LongRun:
+        """Follow a subset of the trajectories.
 
-        They start from `states` (trajectory, state); by default where the ensemble does.  Of
-        their tangents no error is known.
+        Parameters
+        ----------
+        indices : array (trajectory,) of int
+        tolerance : float
+            Bound of the state's error in each period.  The errors of tangents are not known.
+        states : array (trajectory, state), optional
+            Where they start; by default where the ensemble does.
+        directions : int, optional
+            Tangents carried along, if not those of the follower.
+        every : bool
+            Whether to keep the state after every period.
+        cancelled : callable
+            Asked between blocks of periods whether to stop.
         """
         directions = self.directions if directions is None else directions
-        return follow(
-            self.advancer(which, tolerance, directions=directions, error_control="state"),
-            self.problem.initial[which] if states is None else states,
+        return propagate_tangents(
+            self.advancer(indices, tolerance, directions=directions, error_control="state"),
+            self.problem.initial[indices] if states is None else states,
             self.periods,
             directions=directions,
             every=every,
-            block=block,
             cancelled=cancelled,
         )
 
     def follow_with_doubled_steps(
         self,
-        which: IntArray,
+        indices: IntArray,
         tolerance: float,
         *,
         error_control: ErrorControl,
         block: int | None,
         cancelled: Callable[[], bool],
-    ) -> tuple[Path, Path]:
-        """Follow some of the trajectories, and once more with steps twice as long."""
-        first = self.advancer(which, tolerance, error_control=error_control)
-        flow = self.flow(self.directions, "none")
-        again = CoarseReplay(flow, first.parameters, first.lengths, first.resolution_history)
+    ) -> tuple[LongRun, LongRun]:
+        """Follow a subset of the trajectories, and once more with steps twice as long.
 
-        def path(advance: Advance) -> Path:
-            return follow(
+        The difference of the two runs is the error of discretisation: the second repeats the
+        resolutions that the first chose, halved, and so has nothing of its own to choose.
+        """
+        fine = self.advancer(indices, tolerance, error_control=error_control)
+        flow = self.period_map(self.directions, "none")
+        coarse = CoarseReplay(flow, fine.parameters, fine.lengths, fine.resolution_history)
+
+        def path(advance: TangentMap) -> LongRun:
+            return propagate_tangents(
                 advance,
-                self.problem.initial[which],
+                self.problem.initial[indices],
                 self.periods,
                 directions=self.directions,
                 block=block,
                 cancelled=cancelled,
             )
 
-        return path(first), path(again)
+        return path(fine), path(coarse)
 
-    def blocks(self, block: int | None) -> IntArray:
-        """Periods of each block of a run."""
+    def block_lengths(self, block: int | None) -> IntArray:
+        """Periods between renormalisations of the tangents, array (block,)."""
         return block_lengths(self.periods, self.directions, block)
 
-    def each(
+    def compute(
         self,
-        work: Callable[[IntArray, Callable[[], bool]], T],
-        progress: Progress | None,
+        work: Work,
+        templates: Arrays,
+        report: Report | None,
         *,
-        most: int = CHUNK,
-    ) -> list[tuple[IntArray, T]]:
+        chunk_size: int = CHUNK_SIZE,
+    ) -> dict[str, np.ndarray]:
         """Do `work` on every chunk of the valid trajectories, in threads.
 
-        A chunk holds every so-manieth trajectory: neighbours cost about the same, and so
-        should chunks.
+        Parameters
+        ----------
+        work : callable
+        templates : mapping of str to array (0, ...)
+            For each name an array with the type and the later dimensions of its values.
+        report : callable or None
+        chunk_size : int
+            Trajectories in a chunk, at most.
+
+        Returns
+        -------
+        dict of str to array (trajectory, ...)
+            What was not computed is NaN, 0 or an empty text.
         """
-        index = np.flatnonzero(~self.ensemble.invalid)
-        threads = os.cpu_count() or 1
-        rounds = -(-index.size // (most * threads))
-        chunks = [
-            some for k in range(rounds * threads) if (some := index[k :: rounds * threads]).size
-        ]
+        results = {name: _missing(name, like, self.ensemble) for name, like in templates.items()}
+        chunks = self._chunks(chunk_size)
         if chunks:
-            self.flow(self.directions)  # compiled before the threads ask for it
-        stop = threading.Event()
-        found: list[tuple[IntArray, T]] = []
-        with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
-            try:
-                futures = {pool.submit(work, chunk, stop.is_set): chunk for chunk in chunks}
-                for done, future in enumerate(as_completed(futures), start=1):
-                    found.append((futures[future], future.result()))
-                    if progress is not None:
-                        progress(done / len(chunks))
-            except BaseException:
-                stop.set()
-                pool.shutdown(wait=False, cancel_futures=True)
-                raise
-        return found
+            self.period_map(self.directions)  # compiled before the threads ask for it
+        for indices, values in _in_threads(work, chunks, report):
+            for name, result in results.items():
+                result[indices] = values[name]
+        return results
+
+    def _chunks(self, chunk_size: int) -> list[IntArray]:
+        """Indices of the valid trajectories, chunk by chunk.
+
+        Chunk k of n takes every n-th trajectory, starting at the k-th.  Neighbours on a grid
+        cost about the same, so all chunks cost about the same too.
+        """
+        indices = np.flatnonzero(~self.ensemble.invalid)
+        threads = os.cpu_count() or 1
+        count = -(-indices.size // (chunk_size * threads)) * threads
+        chunks = (indices[k::count] for k in range(count))
+        return [chunk for chunk in chunks if chunk.size]
+
+
+def _in_threads(
+    work: Work, chunks: list[IntArray], report: Report | None
+) -> list[tuple[IntArray, Arrays]]:
+    """Results of `work` with the chunks they are of; an interrupt stops all threads."""
+    stop = threading.Event()
+    results: list[tuple[IntArray, Arrays]] = []
+    with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
+        try:
+            futures = {pool.submit(work, chunk, stop.is_set): chunk for chunk in chunks}
+            for done, future in enumerate(as_completed(futures), start=1):
+                results.append((futures[future], future.result()))
+                if report is not None:
+                    report(done / len(chunks))
+        except BaseException:
+            stop.set()
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+    return results
+
+
+def _missing(name: str, template: np.ndarray, ens: Ensemble) -> np.ndarray:
+    """The values of trajectories that are not computed, array (trajectory, ...)."""
+    if name == "status":
+        codes = np.where(ens.invalid, int(Status.INVALID), int(Status.NOT_COMPUTED))
+        return codes.astype(np.int8)
+    shape = (ens.count, *template.shape[1:])
+    if template.dtype.kind in "fc":
+        return np.full(shape, np.nan, dtype=template.dtype)
+    return np.zeros(shape, dtype=template.dtype)
 
 
 def damped(ens: Ensemble) -> BoolArray:
     """Where the motion loses energy, array (trajectory,)."""
-    found = ens.system.dissipative(ens.values)
-    return np.asarray(np.broadcast_to(found, (ens.count,)))
+    dissipative = ens.system.dissipative(ens.values)
+    return np.asarray(np.broadcast_to(dissipative, (ens.count,)))
 
 
-def status_of(path: Path) -> IntArray:
-    """Status of followed trajectories."""
-    kinds = np.where(path.trusted, int(Status.OK), int(Status.MAX_STEPS))
-    return np.where(path.escaped, int(Status.ESCAPED), kinds)
-
-
-def gathered(
-    parts: list[tuple[IntArray, dict[str, np.ndarray]]],
-    ens: Ensemble,
-    kinds: Mapping[str, np.ndarray],
-) -> dict[str, np.ndarray]:
-    """Arrays of all trajectories from those of chunks; what was not computed is NaN, 0 or ''.
-
-    Parameters
-    ----------
-    kinds
-        For each name an array with the type and the later dimensions of its values.
-    """
-    whole = {name: _empty(name, like, ens) for name, like in kinds.items()}
-    for which, values in parts:
-        for name in kinds:
-            whole[name][which] = values[name]
-    return whole
-
-
-def _empty(name: str, like: np.ndarray, ens: Ensemble) -> np.ndarray:
-    shape = (ens.count, *like.shape[1:])
-    if name == "status":
-        codes = np.where(ens.invalid, int(Status.INVALID), int(Status.NOT_COMPUTED))
-        return codes.astype(np.int8)
-    if like.dtype.kind == "f":
-        return np.full(shape, np.nan)
-    return np.zeros(shape, dtype=like.dtype)
-
-
-def labelled(
-    ens: Ensemble,
-    variables: Mapping[str, Labelled],
-    coords: Mapping[str, Labelled],
-    tolerance: float,
-    **settings: Any,
-) -> xr.Dataset:
-    """Variables with their coordinates, labelled and attributed."""
-    attributes = provenance.attributes(
-        ens.system,
-        ens.drive,
-        tolerance,
-        over=ens.coords,
-        **settings,
-    )
-    return build.dataset(dict(variables), {**ens.coords, **coords}, attributes)
+def status_of(path: LongRun) -> IntArray:
+    """Status of followed trajectories, array (trajectory,)."""
+    codes = np.where(path.trusted, int(Status.OK), int(Status.MAX_STEPS))
+    return np.where(path.escaped, int(Status.ESCAPED), codes)

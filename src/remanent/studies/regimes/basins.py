@@ -2,63 +2,97 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from remanent._errors import InputError
-from remanent._typing import ArrayLike, IntArray
-from remanent.analysis.basins import attractors, settled
-from remanent.analysis.regimes import Regime
-from remanent.integrate.ensemble.ensemble import Progress
-from remanent.models.actuator import Actuator
+from remanent._typing import ArrayLike, BoolArray, IntArray
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.results.build import Labelled
-from remanent.studies.ensemble.checks import require_tolerance
-from remanent.studies.ensemble.durations import require_count, require_periods
-from remanent.studies.ensemble.ensemble import ensemble, require_memory
-from remanent.studies.regimes._follower import Follower, damped, gathered, labelled
-from remanent.studies.regimes.classify import FEWEST, KINDS, WHY, Judged
+from remanent.studies.ensemble.checks import Rng, as_seed, require_tolerance
+from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
+from remanent.studies.ensemble.durations import require_periods
+from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.layout import RESERVED, Over, lay_out
+from remanent.studies.ensemble.memory import require_memory
+from remanent.studies.ensemble.progress import Progress, as_progress
+from remanent.studies.regimes._arguments import renamed
+from remanent.studies.regimes._attractors import (
+    ATTRACTOR,
+    TAIL,
+    EndClassifier,
+    Ends,
+    attractor_table,
+    basin_numbers,
+)
+from remanent.studies.regimes._regime_classifier import (
+    BYTES_PER_LABEL,
+    RegimeClassifier,
+    require_run_length,
+)
 
-#: Periods at the end of a run that tell attractors apart.
-_TAIL = 128
+#: Names of dimensions that results have of their own.
+_RESERVED = RESERVED | {ATTRACTOR, "state"}
 
 
 def basins(
-    system: Actuator,
+    system: System,
     drive: Drive,
     grid: Mapping[str, ArrayLike],
     *,
     periods: int = 500,
+    over: Over | None = None,
     tolerance: float = 1e-9,
-    rng: np.random.Generator | None = None,
-    progress: Progress | None = None,
+    rng: Rng = None,
+    progress: Progress = None,
 ) -> xr.Dataset:
     """Say where the motion from each of many initial states ends.
 
     Parameters
     ----------
-    system, drive
-        What moves, and a periodic load.
-    grid
+    system : System
+        What moves.
+    drive : Drive
+        A periodic load.
+    grid : mapping of str to array
         State variables with their initial values, ``{"stretch": ..., "stretch_rate": ...}``,
         each ascending; the others start from rest.
-    periods
+    periods : int
         Length of the runs in smallest periods of the load, at least 100.
-    tolerance, rng, progress
-        As for :func:`remanent.classify`.
+    over : mapping of str to array_like or DataArray, optional
+        Values of numeric fields of the system or the drive; they become dimensions of the
+        result, before those of the grid.
+    tolerance : float
+        Bound of the error that one drive period adds, at the finest of the tolerances tried.
+    rng : int, numpy.random.Generator or None
+        Draws the frequencies of the 0-1 test, the same for every motion.  None is a fixed
+        seed.  A generator is copied: it is not advanced.
+    progress : bool or callable, optional
+        True draws a bar; a function is called with the share of motions that are
+        finished, in [0, 1].
 
     Returns
     -------
     xarray.Dataset
         Along the variables of the grid all that :func:`remanent.classify` gives, the regime
-        and the rotation number above all.  With dissipation also ``basin``, the number
-        of the attractor each motion ends on, −1 where its regime is undecided or it escaped;
-        and along ``attractor``, the most visited first, ``attractor_regime``,
-        ``attractor_period``, ``attractor_state`` (a point of it), the ``fraction`` of the
-        initial states that end there and its standard error ``fraction_error``.
+        and the rotation number above all.  Where there is dissipation also:
+
+        ``basin``
+            The number of the attractor each motion ends on, −1 where its regime is undecided
+            or it escaped.
+        ``attractor_regime``, ``attractor_period``, ``attractor_state``
+            Of each attractor, the most visited first; the state is a point of it.
+        ``fraction``, ``fraction_error``
+            The fraction of the initial states that end there, and its standard error.
+
+        With `over` attractors are numbered anew for each set of parameters; where one has
+        fewer than another, the rest is NaN, 0 or an empty text.
 
     Raises
     ------
@@ -82,58 +116,121 @@ def basins(
     ... )
     >>> ds.basin.values.tolist(), ds.fraction.values.tolist()
     ([[0, 0], [0, 0], [0, 0]], [1.0])
+
+    See Also
+    --------
+    remanent.classify : the rules by which regimes are told apart.
+    remanent.periodic_orbits : all orbits, the unstable ones between basins too.
+    remanent.manifold_crossing : where a basin's boundary passes through a state.
     """
-    periods = require_count("periods", periods, WHY, FEWEST)
-    tolerance = require_tolerance(tolerance)
-    ens = ensemble(system, drive, _starts(grid))
-    length = require_periods(ens)
-    require_memory((300.0 + 8.0 * _TAIL * len(ens.field.state)) * ens.count, f"{ens.count} ends")
-    seed = 0 if rng is None else int(rng.integers(2**31))
-    last = min(_TAIL, periods)
-    judged = Judged(Follower(ens, periods, min(2, len(ens.field.state))), tolerance, seed)
-
-    def work(which: IntArray, cancelled: Callable[[], bool]) -> dict[str, np.ndarray]:
-        verdict, path = judged.verdict(which, cancelled)
-        assert path.visited is not None
-        tail = path.visited[:, -last:].copy()
-        if judged.damped[which].all():
-            tail = settled(judged.iterate(which), tail, verdict.regime, verdict.period)
-        return judged.variables(which, verdict, path) | {"tail": tail, "code": verdict.regime}
-
-    shape = (0, last, len(ens.field.state))
-    kinds = {**KINDS, "tail": np.empty(shape), "code": np.empty(0, dtype=np.int64)}
-    whole = gathered(judged.follower.each(work, progress, most=judged.most), ens, kinds)
-    tail, code = whole.pop("tail"), whole.pop("code")
-    variables: dict[str, Labelled] = {"drive_period": (ens.dims, ens.shaped(length))}
-    for name, values in whole.items():
-        variables[name] = (ens.dims, ens.shaped(values))
+    periods = require_run_length(periods)
+    tolerance = require_tolerance(tolerance, "the error that one drive period adds")
+    layout = _Layout.of(system, drive, grid, over)
+    ens = layout.ensemble
+    period_lengths = require_periods(ens)
+    needed = (BYTES_PER_LABEL + 8.0 * TAIL * len(ens.field.state)) * ens.count
+    require_memory("grid", needed, f"{ens.count} ends")
+    classifier = RegimeClassifier.of(ens, periods, tolerance, as_seed(rng))
+    work = EndClassifier(classifier, min(TAIL, periods))
+    values = classifier.compute(work, work.templates, as_progress(progress))
+    tail, code = values.pop("tail"), values.pop("code")
+    variables: dict[str, PerTrajectory] = {"drive_period": period_lengths, **values}
+    shared: dict[str, Labelled] = {}
     coords: dict[str, Labelled] = {}
-    if damped(ens).all():
-        found = attractors(tail, code, whole["period"])
-        variables["basin"] = (ens.dims, ens.shaped(found.which))
-        along = ("attractor",)
-        names = [Regime(k).meaning for k in code[found.first]]
-        variables["attractor_regime"] = (along, np.array(names, dtype="<U14"))
-        variables["attractor_period"] = (along, whole["period"][found.first])
-        variables["attractor_state"] = ((*along, "state"), tail[found.first, -1])
-        share = np.array([np.mean(found.which == k) for k in range(found.first.size)])
-        variables["fraction"] = (along, share)
-        variables["fraction_error"] = (along, np.sqrt(share * (1.0 - share) / ens.count))
+    if classifier.damped.any():
+        ends = layout.ends(tail, code, values["period"], classifier.damped)
+        attractors = ends.sort()
+        variables["basin"] = basin_numbers(attractors, ends.starts)
+        shared = attractor_table(ends, attractors, layout.dims, layout.shape)
+        numbers = np.arange(shared["fraction"][1].shape[-1])
         coords = {
-            "attractor": (along, np.arange(found.first.size)),
+            ATTRACTOR: ((ATTRACTOR,), numbers),
             "state": (("state",), np.array(ens.field.state)),
         }
-    result = labelled(ens, variables, coords, tolerance, periods=periods)
+    result = to_dataset(
+        ens, variables, shared=shared, coords=coords, tolerance=tolerance, periods=periods
+    )
     return result.rename({f"initial.{name}": name for name in grid})
+
+
+@dataclass(frozen=True)
+class _Layout:
+    """Initial states on a grid, for each set of parameters.
+
+    Attributes
+    ----------
+    ensemble : Ensemble
+        The parameters' dimensions first, then those of the grid.
+    dims, shape
+        Names and lengths of the parameters' dimensions.
+    """
+
+    ensemble: Ensemble
+    dims: tuple[str, ...]
+    shape: tuple[int, ...]
+
+    @classmethod
+    def of(cls, system: System, drive: Drive, grid: Any, over: Over | None) -> _Layout:
+        starts = _starts(grid)
+        base = lay_out(system, drive, over, reserved=_RESERVED)
+        _require_states(grid, base)
+        _require_apart(over or {}, starts)
+        own_names = {
+            f"over[{start!r}]": f"grid[{name!r}]" for name, start in zip(grid, starts, strict=True)
+        }
+        with renamed(own_names):
+            ens = lay_out(system, drive, {**(over or {}), **starts}, reserved=_RESERVED)
+        grid_dims, _ = ens.coords[next(iter(starts))]
+        split = ens.dims.index(grid_dims[0])
+        return cls(ens, ens.dims[:split], tuple(ens.sizes.values())[:split])
+
+    def ends(self, tail: np.ndarray, regime: IntArray, period: IntArray, damped: BoolArray) -> Ends:
+        """How motions end, arrays (trajectory, ...), with an axis for the parameters."""
+
+        def apart(values: Any) -> Any:
+            return values.reshape(math.prod(self.shape), -1, *values.shape[1:])
+
+        return Ends(apart(tail), apart(regime), apart(period), apart(damped)[:, 0])
 
 
 def _starts(grid: Any) -> dict[str, Any]:
     if not isinstance(grid, Mapping) or not grid:
         raise InputError(
             "grid",
-            "be a mapping of state variables to values",
-            repr(grid)[:80],
-            "It says from where the motions start.",
-            "Pass for example {'stretch': numpy.linspace(0.5, 2, 64), 'stretch_rate': [0.0]}.",
+            must="be a mapping of state variables to values",
+            got=repr(grid)[:80],
+            why="It says from where the motions start.",
+            fix="Pass for example {'stretch': numpy.linspace(0.5, 2, 64), 'stretch_rate': [0.0]}.",
         )
     return {f"initial.{name}": values for name, values in grid.items()}
+
+
+def _require_states(grid: Mapping[str, Any], ens: Ensemble) -> None:
+    unknown = [name for name in grid if name not in ens.field.state]
+    if unknown:
+        raise InputError(
+            "grid",
+            must="name state variables",
+            got=", ".join(map(repr, unknown)),
+            why="It says from where the motions start.",
+            fix=f"They are {', '.join(ens.field.state)}.",
+        )
+
+
+def _require_apart(over: Mapping[str, Any], starts: Mapping[str, Any]) -> None:
+    """Refuse parameters that share a name or a dimension with the grid."""
+    grid_dims = {dim for name, values in starts.items() for dim in _dims(name, values)}
+    common = {name for name, values in over.items() if set(_dims(name, values)) & grid_dims}
+    common |= over.keys() & starts.keys()
+    if common:
+        raise InputError(
+            "over",
+            must="have dimensions that the grid does not have",
+            got=", ".join(map(repr, sorted(map(str, common)))),
+            why="Every set of parameters has all initial states of the grid.",
+            fix="Rename the dimension, or leave it out of one of them.",
+        )
+
+
+def _dims(name: str, values: Any) -> tuple[str, ...]:
+    return tuple(map(str, values.dims)) if isinstance(values, xr.DataArray) else (name,)

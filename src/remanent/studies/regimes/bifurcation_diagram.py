@@ -2,37 +2,40 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from remanent._checks import require_choice, require_known
+from remanent._checks import require_choice
 from remanent._errors import InputError
-from remanent._status import Status
-from remanent._typing import ArrayLike, FloatArray
-from remanent.analysis.following import FARTHEST
-from remanent.integrate.ensemble.ensemble import Progress
-from remanent.integrate.ensemble.problem import Problem
-from remanent.integrate.maps.advance import Advancer
-from remanent.integrate.maps.period_map import PeriodMap
-from remanent.models.actuator import Actuator
+from remanent._typing import ArrayLike
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.results.build import Labelled
-from remanent.studies.ensemble.checks import require_tolerance
+from remanent.studies.ensemble.checks import require_parameter, require_tolerance
+from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
 from remanent.studies.ensemble.durations import require_count, require_periods
-from remanent.studies.ensemble.ensemble import Ensemble, ensemble, problem, require_memory
+from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.layout import RESERVED, Over, lay_out, require_over
+from remanent.studies.ensemble.memory import require_memory
 from remanent.studies.ensemble.observables import observe
-from remanent.studies.regimes._follower import labelled
+from remanent.studies.ensemble.problem import initial_value_problem
+from remanent.studies.ensemble.progress import Progress, as_progress
+from remanent.studies.regimes._arguments import renamed
+from remanent.studies.regimes._parameter_sweep import ParameterSweep, Section
 
 #: Sweeps of each direction asked for: the order in which values are visited.
 _SWEEPS = {"up": ("up",), "down": ("down",), "both": ("up", "down")}
-#: Periods advanced at once.
-_BLOCK = 64
+#: Bytes that a point of the section takes.
+_BYTES_PER_POINT = 64.0
+#: Names of dimensions that results have of their own.
+_RESERVED = RESERVED | {"sweep"}
 
 
 def bifurcation_diagram(
-    system: Actuator,
+    system: System,
     drive: Drive,
     parameter: str,
     values: ArrayLike,
@@ -41,38 +44,47 @@ def bifurcation_diagram(
     discard: int = 200,
     keep: int = 50,
     initial: ArrayLike | None = None,
+    over: Over | None = None,
     tolerance: float = 1e-9,
-    progress: Progress | None = None,
+    progress: Progress = None,
 ) -> xr.Dataset:
     """Sweep a parameter and keep the last points of the section at every value.
 
     Parameters
     ----------
-    system, drive
-        What moves, and a periodic load.
-    parameter
-        A field of the actuator or the drive.
-    values : array
+    system : System
+        What moves.
+    drive : Drive
+        A periodic load.
+    parameter : str
+        A numeric field of the system or the drive.
+    values : array (value,)
         Its values, ascending.
-    direction
-        ``"up"``, ``"down"``, or ``"both"``.  Each value starts from the state in which the
+    direction : {"up", "down", "both"}
+        The order in which values are visited.  Each value starts from the state in which the
         motion left the one before, so that sweeps show hysteresis.
-    discard, keep
+    discard, keep : int
         Drive periods that pass at each value before points are kept, and points kept.
-    initial
-        State at the first value of each sweep; rest by default.
-    tolerance
-        Of the error that one drive period adds.
-    progress
-        Called with the share of values that are finished.
+    initial : array (state,), optional
+        State at the first value of each sweep, (stretch, rate) of each coordinate; rest by
+        default.
+    over : mapping of str to array_like or DataArray, optional
+        Values of further numeric fields; they become dimensions of the result.  Every set of
+        them has sweeps of its own.
+    tolerance : float
+        Bound of the error that one drive period adds.
+    progress : bool or callable, optional
+        True draws a bar; a function is called with the share of values that are
+        finished, in [0, 1].
 
     Returns
     -------
     xarray.Dataset
-        ``stretch``, ``stretch_rate``, ``thickness_stretch``, ``thickness_stretch_rate``
-        against ``sweep`` (``"up"``, ``"down"``; only for ``"both"``), the parameter and
-        ``period`` (of those kept); ``local_error``, ``status`` per value.  Where the motion
-        has escaped, NaN; the next value starts from `initial` again.
+        Along the dimensions of `over`, ``sweep`` (``"up"``, ``"down"``; only for ``"both"``),
+        the parameter and ``period`` (of those kept): the state, ``thickness_stretch`` and
+        ``thickness_stretch_rate``; for each value also ``drive_period``, ``local_error``
+        (the largest error of one period) and ``status``.  Where the motion has escaped, NaN;
+        the next value starts from `initial` again.
 
     Raises
     ------
@@ -81,8 +93,8 @@ def bifurcation_diagram(
 
     Notes
     -----
-    Points are not joined to branches and unstable motions do not show; see the literature
-    on numerical continuation for these.
+    Points are not joined to branches and unstable motions do not show: they are found by
+    :func:`remanent.continue_orbit`.
 
     Examples
     --------
@@ -97,105 +109,110 @@ def bifurcation_diagram(
     ... )
     >>> bool(np.ptp(ds.stretch.values, axis=1).max() < 1e-6)  # period 1 throughout
     True
+
+    See Also
+    --------
+    remanent.continue_orbit : branches of orbits, the unstable ones too.
+    remanent.classify : what kind of motion the points belong to.
+    remanent.poincare_section : points of the section at one set of parameters.
     """
     require_choice("direction", direction, ["up", "down", "both"])
     discard = require_count("discard", discard, "Whole drive periods pass.", 0)
     keep = require_count("keep", keep, "It is a number of points.")
-    tolerance = require_tolerance(tolerance)
-    base = ensemble(system, drive, None, initial)
-    require_known([parameter], base.values, "the actuator and the drive")
-    ens = ensemble(system, drive, {parameter: values}, initial)
-    if ens.sizes.keys() != {parameter}:
+    tolerance = require_tolerance(tolerance, "the error that one drive period adds")
+    ens = _lay_out(system, drive, parameter, values, over, initial)
+    require_periods(ens)
+    directions = _SWEEPS[direction]
+    needed = _BYTES_PER_POINT * ens.count * keep * len(directions)
+    require_memory("keep", needed, f"{ens.count} x {keep} points")
+    sweep = ParameterSweep(
+        ensemble=ens,
+        problem=initial_value_problem(ens, np.ones(ens.count)),
+        directions=directions,
+        discard=discard,
+        keep=keep,
+        tolerance=tolerance,
+    )
+    result = to_dataset(
+        ens,
+        _variables(sweep, sweep.run(as_progress(progress))),
+        coords=_coordinates(sweep),
+        tolerance=tolerance,
+        direction=direction,
+        discard=discard,
+        keep=keep,
+    )
+    if len(directions) > 1:  # one picture for each sweep: its dimension stands before the values
+        result = result.transpose(*ens.dims[:-1], "sweep", ...)
+    return result
+
+
+def _lay_out(
+    system: System,
+    drive: Drive,
+    parameter: str,
+    values: ArrayLike,
+    over: Over | None,
+    initial: ArrayLike | None,
+) -> Ensemble:
+    """Trajectories over the values of `over` first, then over those of the parameter."""
+    require_parameter("parameter", parameter, lay_out(system, drive, None, initial))
+    require_over(over)
+    _require_plain(parameter, values, over or {})
+    with renamed({f"over[{parameter!r}]": "values"}):
+        return lay_out(
+            system, drive, {**(over or {}), parameter: values}, initial, reserved=_RESERVED
+        )
+
+
+def _require_plain(parameter: str, values: Any, over: Mapping[str, Any]) -> None:
+    """Refuse values that do not make a dimension of their own, the last one."""
+    if isinstance(values, xr.DataArray) and values.dims != (parameter,):
         raise InputError(
             "values",
-            "be a plain array",
-            repr(values)[:80],
-            "A sweep visits one value after the other.",
-            "Pass for example numpy.linspace(0.5, 2.0, 300).",
+            must="be a plain array",
+            got=repr(values)[:80],
+            why="A sweep visits one value after the other.",
+            fix="Pass for example numpy.linspace(0.5, 2.0, 300).",
         )
-    lengths = require_periods(ens)
-    sweeps = _SWEEPS[direction]
-    require_memory(64.0 * ens.count * keep * len(sweeps), f"{ens.count} x {keep} points")
-    asked = problem(ens, np.ones(ens.count))
-    found = _sweep(ens, asked, lengths, sweeps, (discard, keep), tolerance, progress)
-    states, error, status = found
-    dims: tuple[str, ...] = (*(("sweep",) if direction == "both" else ()), parameter)
+    clash = [
+        name
+        for name, given in over.items()
+        if parameter in (given.dims if isinstance(given, xr.DataArray) else (name,))
+    ]
+    if clash or parameter in over:
+        raise InputError(
+            "over",
+            must=f"not vary {parameter}",
+            got=", ".join(map(repr, clash or [parameter])),
+            why="That is what is swept.",
+            fix="Leave it out, or rename the dimension.",
+        )
 
-    def shaped(array: Any) -> Any:
-        return array if direction == "both" else array[0]
 
-    variables: dict[str, Labelled] = {
-        name: ((*dims, "period"), shaped(states[..., k])) for k, name in enumerate(ens.field.state)
+def _variables(sweep: ParameterSweep, section: Section) -> dict[str, PerTrajectory]:
+    """The state, what is observed of it, and the evidence, by name."""
+    ens, count = sweep.ensemble, len(sweep.directions)
+
+    def labelled(values: np.ndarray, *dims: str) -> PerTrajectory:
+        return (("sweep", *dims), values) if count > 1 else (dims, values[:, 0])
+
+    variables: dict[str, PerTrajectory] = {
+        name: labelled(section.states[..., k], "period") for k, name in enumerate(ens.field.state)
     }
-    times = np.zeros((ens.count, keep))
-    for name in ("thickness_stretch", "thickness_stretch_rate"):
-        seen = np.stack([observe(asked, name, times, one) for one in states])
-        variables[name] = ((*dims, "period"), shaped(seen))
-    variables["drive_period"] = ((parameter,), lengths)
-    variables["local_error"] = (dims, shaped(error))
-    variables["status"] = (dims, shaped(status))
-    coords: dict[str, Labelled] = {"period": (("period",), np.arange(1, keep + 1) + discard)}
-    if direction == "both":
-        coords["sweep"] = (("sweep",), np.array(sweeps))
-    settings = {"direction": direction, "discard": discard, "keep": keep}
-    return labelled(ens, variables, coords, tolerance, **settings)
+    times = np.zeros((ens.count, sweep.keep))  # at the beginning of a period
+    for name in ens.field.watched_names:
+        observed = [observe(sweep.problem, name, times, section.states[:, k]) for k in range(count)]
+        variables[name] = labelled(np.stack(observed, axis=1), "period")
+    variables["drive_period"] = sweep.period_lengths
+    variables["local_error"] = labelled(section.error)
+    variables["status"] = labelled(section.status)
+    return variables
 
 
-def _sweep(
-    ens: Ensemble,
-    asked: Problem,
-    lengths: FloatArray,
-    sweeps: tuple[str, ...],
-    counts: tuple[int, int],
-    tolerance: float,
-    progress: Progress | None,
-) -> tuple[FloatArray, FloatArray, np.ndarray]:
-    """States (sweep, value, point, state), errors and status (sweep, value)."""
-    discard, keep = counts
-    flow = PeriodMap(asked.field, asked.timeline.waveform)
-    shape = (len(sweeps), ens.count)
-    states = np.full((*shape, keep, flow.dimension), np.nan)
-    error, status = np.full(shape, np.nan), np.zeros(shape, dtype=np.int8)
-    now = np.tile(ens.initial[0], (len(sweeps), 1))
-    for n in range(ens.count):
-        at = np.array([n if sweep == "up" else ens.count - 1 - n for sweep in sweeps])
-        valid = np.flatnonzero(~ens.invalid[at])
-        if valid.size:
-            some = at[valid]
-            lap = Advancer(flow, asked.parameters[some], lengths[some], tolerance)
-            last, visited, worst, trusted = _settle(lap, now[valid], discard, keep)
-            gone = ~(np.abs(visited) < FARTHEST).all(axis=(1, 2))
-            kinds = np.where(trusted, int(Status.OK), int(Status.MAX_STEPS))
-            status[valid, some] = np.where(gone, int(Status.ESCAPED), kinds)
-            good = ~gone & trusted
-            states[valid[good], some[good]] = visited[good]
-            error[valid, some] = worst
-            now[valid] = np.where(good[:, None], last, ens.initial[0])
-        status[np.setdiff1d(np.arange(len(sweeps)), valid), at[ens.invalid[at]]] = Status.INVALID
-        if progress is not None:
-            progress((n + 1) / ens.count)
-    return states, error, status
-
-
-def _settle(
-    lap: Advancer, states: FloatArray, discard: int, keep: int
-) -> tuple[FloatArray, FloatArray, FloatArray, np.ndarray]:
-    """Last states, those kept, the largest error of a period, whether all were met."""
-    everyone = np.arange(len(states))
-    lines = np.empty((len(states), 0, states.shape[1]))
-    worst, trusted = np.zeros(len(states)), np.ones(len(states), dtype=np.bool_)
-    seen: list[FloatArray] = []
-    left = [*_blocks(discard), *_blocks(keep)]
-    for n, periods in enumerate(left):
-        wanted = n >= len(_blocks(discard))
-        step = lap(everyone, states, lines, periods, every=wanted)
-        states = step.visited[:, -1]
-        worst, trusted = np.maximum(worst, step.error), trusted & step.trusted
-        if wanted:
-            seen.append(step.visited)
-    return states, np.concatenate(seen, axis=1), worst, trusted
-
-
-def _blocks(periods: int) -> list[int]:
-    whole, rest = divmod(periods, _BLOCK)
-    return [_BLOCK] * whole + [rest] * (rest > 0)
+def _coordinates(sweep: ParameterSweep) -> dict[str, Labelled]:
+    numbers = np.arange(1, sweep.keep + 1) + sweep.discard
+    coords: dict[str, Labelled] = {"period": (("period",), numbers)}
+    if len(sweep.directions) > 1:
+        coords["sweep"] = (("sweep",), np.array(sweep.directions))
+    return coords

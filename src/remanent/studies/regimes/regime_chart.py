@@ -2,47 +2,62 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
-import numpy as np
 import xarray as xr
 
 from remanent._errors import InputError
 from remanent._typing import ArrayLike
-from remanent.integrate.ensemble.ensemble import Progress
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
-from remanent.studies.ensemble.ensemble import Over
-from remanent.studies.regimes.classify import classify
+from remanent.models.system import System
+from remanent.studies.ensemble.checks import Rng, as_seed, require_tolerance
+from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.layout import Over, lay_out
+from remanent.studies.ensemble.progress import Progress, as_progress
+from remanent.studies.regimes._regime_classifier import regime_dataset, require_run_length
+
+#: Axes of a chart.
+_AXES = 2
 
 
 def regime_chart(
-    system: Actuator,
+    system: System,
     drive: Drive,
     over: Over,
     *,
     periods: int = 300,
     initial: ArrayLike | None = None,
     tolerance: float = 1e-9,
-    rng: np.random.Generator | None = None,
-    progress: Progress | None = None,
+    rng: Rng = None,
+    progress: Progress = None,
 ) -> xr.Dataset:
     """Chart the regime of the motion over two parameters.
 
     Parameters
     ----------
-    system, drive
-        What moves, and a periodic load.
-    over
-        Two fields with their values, the axes of the chart.
-    periods, initial, tolerance, rng, progress
-        As for :func:`remanent.classify`.
+    system : System
+        What moves.
+    drive : Drive
+        A periodic load.
+    over : mapping of str to array_like or DataArray
+        Two numeric fields with their values: the axes of the chart.
+    periods : int
+        Length of each run in smallest periods of the load, at least 100.
+    initial : array_like (state,), optional
+        State at τ = 0: stretch and rate of each coordinate in turn, to which internal variables
+        and the temperature may be added; rest, (1, 0), by default.
+    tolerance : float
+        Bound of the error that one drive period adds, at the finest of the tolerances tried.
+    rng : int, numpy.random.Generator or None
+        Draws the frequencies of the 0-1 test, the same for every motion.  None is a fixed
+        seed.  A generator is copied: it is not advanced.
+    progress : bool or callable, optional
+        True draws a bar; a function is called with the share of motions that are
+        finished, in [0, 1].
 
     Returns
     -------
     xarray.Dataset
-        As of :func:`remanent.classify`, along both axes.
+        What :func:`remanent.classify` tells of a motion, along both axes: ``regime``,
+        ``period``, the evidence and its ``margin``, ``status``.
 
     Raises
     ------
@@ -51,8 +66,8 @@ def regime_chart(
 
     Notes
     -----
-    Every point is judged by the same rules as a single motion; the finest charts are not
-    cheaper by being less sure.  With 300 periods some more points stay undecided than with
+    Every point is labelled by the same rules as a single motion, however fine the chart is.
+    With 300 periods some more points stay undecided than with
     500: 8 in 100 instead of 4 where the frequency of the undamped actuator is charted
     against its load, b from 0.1 to 1.2.
 
@@ -66,33 +81,25 @@ def regime_chart(
     ... )
     >>> ds.regime.dims, set(ds.regime.values.ravel().tolist())
     (('b', 'omega'), {'quasi-periodic'})
+
+    See Also
+    --------
+    remanent.classify : the rules, and the same along any number of parameters.
+    remanent.plot.map : a picture of the chart.
     """
-    axes = _axes(over)
-    if axes != 2:
+    periods = require_run_length(periods)
+    tolerance = require_tolerance(tolerance, "the error that one drive period adds")
+    ens = lay_out(system, drive, over, initial)
+    _require_two_axes(ens)
+    return regime_dataset(ens, periods, tolerance, as_seed(rng), as_progress(progress))
+
+
+def _require_two_axes(ens: Ensemble) -> None:
+    if len(ens.sizes) != _AXES:
         raise InputError(
             "over",
-            "have two axes",
-            f"{axes}",
-            "A chart has two; regimes along other numbers of axes are no chart.",
-            "Pass for example {'omega': ..., 'b': ...}, or call rm.classify.",
+            must="have two axes",
+            got=f"{len(ens.sizes)}",
+            why="A chart has two; regimes along other numbers of axes are no chart.",
+            fix="Pass for example {'omega': ..., 'b': ...}, or call rm.classify.",
         )
-    return classify(
-        system,
-        drive,
-        periods=periods,
-        initial=initial,
-        over=over,
-        tolerance=tolerance,
-        rng=rng,
-        progress=progress,
-    )
-
-
-def _axes(over: Any) -> int:
-    """How many dimensions the values span."""
-    if not isinstance(over, Mapping):
-        return 0
-    names: set[Any] = set()
-    for name, value in over.items():
-        names |= set(value.dims) if isinstance(value, xr.DataArray) else {name}
-    return len(names)

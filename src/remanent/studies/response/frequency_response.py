@@ -3,33 +3,34 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 import xarray as xr
 
-from remanent._checks import increases, not_negative, positive, require_increasing, require_real
+from remanent._checks import not_negative, positive, require_increasing, require_real
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, FloatArray, IntArray
-from remanent.analysis.subdivision import Largest, largest
-from remanent.integrate.ensemble.ensemble import Progress, integrate
+from remanent.analysis.response.subdivision import Maximum, refine_maximum
+from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Outcome, Request, merge_outcomes
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.results.build import Labelled
-from remanent.studies.ensemble.checks import require_tolerance
+from remanent.studies.ensemble.checks import require_drive, require_tolerance
 from remanent.studies.ensemble.dataset import to_dataset
-from remanent.studies.ensemble.durations import durations, require_one
-from remanent.studies.ensemble.ensemble import Ensemble, Over, ensemble, problem
+from remanent.studies.ensemble.durations import RESPONSE_WINDOW, durations, require_exactly_one
+from remanent.studies.ensemble.ensemble import BATCH_SIZE, Ensemble
+from remanent.studies.ensemble.layout import Over, lay_out, require_over
+from remanent.studies.ensemble.problem import initial_value_problem
+from remanent.studies.ensemble.progress import Progress, Report, as_progress, within
 
-#: Default length of the window, in units of tau: that of [Thermal].
-WINDOW = 100.0
 _WIDTH = positive("It is the width of the last bracket.", "Pass for example 1e-6.")
 _DISCARD = not_negative("It is the time before the window.", "Pass 0 to start at once.")
 
 
 def frequency_response(
-    system: Actuator,
+    system: System,
     drive: Drive,
     omega: ArrayLike,
     *,
@@ -40,24 +41,34 @@ def frequency_response(
     over: Over | None = None,
     tolerance: float = 1e-9,
     resonance_width: float = 1e-6,
-    progress: Progress | None = None,
+    progress: Progress = None,
 ) -> xr.Dataset:
     """Amplitude of the thickness stretch for each drive frequency.
 
     Parameters
     ----------
-    system, drive
-        What moves, and a drive with a field ``omega``, whose value is not used.
+    system : System
+        What moves.
+    drive : Drive
+        A load with a field ``omega``, whose value is not used.
     omega : array (omega,)
         Drive frequencies, radians per unit of tau, increasing, positive.
-    duration, periods
-        Length of each run, in tau (100 by default) or in drive periods; at most one.
-    discard
+    duration : float, optional
+        Length of each run in tau, 100 by default.
+    periods : int, optional
+        Length of each run in drive periods, in place of `duration`.
+    discard : float
         Time at the beginning, tau, that does not count.
-    initial, over, tolerance, progress
-        As for :func:`remanent.simulate`; `tolerance` is asked of the extremes.
-    resonance_width
+    initial : array_like (state,), optional
+        State at the start; rest by default.
+    over : mapping of name to values, optional
+        Values of other numeric fields; they become dimensions of the result.
+    tolerance : float
+        Of the error of the extremes.
+    resonance_width : float
         Width of the last bracket of ``resonance``.
+    progress : bool or callable, optional
+        True draws a bar; a callable is called with the share of the runs that are finished.
 
     Returns
     -------
@@ -75,6 +86,11 @@ def frequency_response(
     InputError
         A bad argument, or a drive without ``omega``.
 
+    See Also
+    --------
+    response_diagram : The periodic orbits behind the response, stable and unstable.
+    manifold_crossing : Where it jumps.
+
     Notes
     -----
     The response from rest is not smooth in ω: it jumps where the initial state crosses
@@ -89,19 +105,19 @@ def frequency_response(
     1.25
     """
     if periods is None and duration is None:
-        duration = WINDOW
-    require_one(duration=duration, periods=periods)
-    require_tolerance(tolerance)
+        duration = RESPONSE_WINDOW
+    require_exactly_one(duration=duration, periods=periods)
+    require_tolerance(tolerance, "the error of the extremes")
     discard = require_real("discard", discard, _DISCARD)
     resonance_width = require_real("resonance_width", resonance_width, _WIDTH)
-    grid = _frequencies(drive, omega, over)
-    whole = {**(over or {}), "omega": grid}
-    ens = ensemble(system, drive, whole, initial)
+    require_over(over)
+    grid = _frequencies(require_drive(drive), omega, over)
+    ens = lay_out(system, drive, {**(over or {}), "omega": grid}, initial)
 
-    def respond(some: Ensemble, report: Progress | None = None) -> Outcome:
-        return _respond(some, duration, periods, discard, tolerance, report)
+    def respond(runs: Ensemble, report: Report | None = None) -> Outcome:
+        return response_extremes(runs, duration, periods, discard, tolerance, report)
 
-    outcome = respond(ens, progress)
+    outcome = respond(ens, as_progress(progress))
     amplitude = _amplitude(outcome)
     peak = _resonance(ens, grid, ens.shaped(amplitude), respond, resonance_width)
     return to_dataset(
@@ -121,55 +137,52 @@ def _frequencies(drive: Drive, omega: ArrayLike, over: Over | None) -> FloatArra
     if "omega" not in drive.parameters():
         raise InputError(
             "drive",
-            "have a field `omega`",
-            repr(drive),
-            "A frequency response varies the frequency of the drive.",
-            "Pass rm.SineSquared(b, omega) or rm.Sine(m, omega).",
+            must="have a field `omega`",
+            got=repr(drive),
+            why="A frequency response varies the frequency of the drive.",
+            fix="Pass rm.SineSquared(b, omega) or rm.Sine(m, omega).",
         )
     if over and "omega" in over:
         raise InputError(
             "over",
-            "not name `omega`",
-            "'omega'",
-            "The frequencies are an argument of their own.",
-            "Pass them as the third argument.",
+            must="not name `omega`",
+            got="'omega'",
+            why="The frequencies are an argument of their own.",
+            fix="Pass them as the third argument.",
         )
-    match omega:  # a million need not become a tuple
-        case np.ndarray(ndim=1, dtype=np.dtype(kind="i" | "u" | "f")) if increases(omega):
-            return np.asarray(omega, dtype=np.float64)
-    return np.array(require_increasing("omega", omega))
+    return require_increasing(
+        "omega", omega, what="frequencies", why="The response is computed at each of them."
+    )
 
 
-def _respond(
+def response_extremes(
     ens: Ensemble,
-    duration: Any,
-    periods: Any,
+    duration: float | None,
+    periods: int | None,
     discard: float,
     tolerance: float,
-    progress: Progress | None,
+    progress: Report | None = None,
+    *,
+    batch_size: int = BATCH_SIZE,
 ) -> Outcome:
+    """Extremes of the thickness stretch of every trajectory, worked out `batch_size` at a time."""
     if ((durations(ens, duration, periods) <= discard) & ~ens.invalid).any():
         raise InputError(
             "discard",
-            "be shorter than the run",
-            discard,
-            "Nothing would be left of the window.",
-            "Pass a longer `duration`.",
+            must="be shorter than the run",
+            got=discard,
+            why="Nothing would be left of the window.",
+            fix="Pass a longer `duration`.",
         )
 
     def parts() -> Iterator[tuple[slice, Outcome]]:
-        for part, some in ens.slabs():
-            request = Request(extremes=True, begin=np.full(some.count, discard))
-            share = None if progress is None else _share(progress, part, ens.count)
-            asked = problem(some, durations(some, duration, periods))
-            yield part, integrate(asked, request, tolerance=tolerance, progress=share)
+        for part, batch in ens.batches(batch_size):
+            request = Request(extremes=True, begin=np.full(batch.count, discard))
+            report = within(progress, part, ens.count)
+            problem = initial_value_problem(batch, durations(batch, duration, periods))
+            yield part, integrate(problem, request, tolerance=tolerance, progress=report)
 
     return merge_outcomes(ens.count, parts())
-
-
-def _share(progress: Progress, part: slice, count: int) -> Progress:
-    """Progress within a part, told as progress of the whole."""
-    return lambda done: progress((part.start + done * (part.stop - part.start)) / count)
 
 
 def _amplitude(outcome: Outcome) -> FloatArray:
@@ -184,7 +197,7 @@ def _resonance(
     amplitude: FloatArray,
     respond: Callable[[Ensemble], Outcome],
     width: float,
-) -> Largest:
+) -> Maximum:
     """The largest amplitude for every combination of the other fields."""
     axis = ens.dims.index("omega")
     rows = np.moveaxis(amplitude, axis, -1).reshape(-1, grid.size)
@@ -194,25 +207,23 @@ def _resonance(
     def measure(case: IntArray, omega: FloatArray) -> FloatArray:
         return _amplitude(respond(_at(ens, index[case], omega)))
 
-    return largest(grid, rows, measure, width=width)
+    return refine_maximum(grid, rows, measure, width=width)
 
 
-def _at(ens: Ensemble, which: IntArray, omega: FloatArray) -> Ensemble:
-    """Trajectories like some of an ensemble, at other frequencies."""
-    values = {name: v[which] for name, v in ens.values.items()} | {"omega": omega}
-    return Ensemble(
-        ens.system,
-        ens.drive,
-        ens.field,
-        {"point": which.size},
-        {},
-        values,
-        ens.initial[which],
-        ens.invalid[which],
+def _at(ens: Ensemble, indices: IntArray, omega: FloatArray) -> Ensemble:
+    """Trajectories like those of an ensemble with some indices, at other frequencies."""
+    values = {name: column[indices] for name, column in ens.values.items()} | {"omega": omega}
+    return replace(
+        ens,
+        sizes={"point": indices.size},
+        coords={},
+        values=values,
+        initial=ens.initial[indices],
+        invalid=ens.invalid[indices],
     )
 
 
-def _peak_variables(ens: Ensemble, peak: Largest) -> dict[str, Labelled]:
+def _peak_variables(ens: Ensemble, peak: Maximum) -> dict[str, Labelled]:
     """Resonances, along the dimensions of the ensemble but for that of frequency."""
     dims = tuple(d for d in ens.dims if d != "omega")
     shape = tuple(ens.sizes[d] for d in dims)

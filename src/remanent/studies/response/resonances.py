@@ -3,61 +3,75 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
+from remanent._checks import shortened
 from remanent._errors import InputError
-from remanent._typing import ArrayLike, ComplexArray, FloatArray, IntArray
-from remanent.analysis.harmonics import harmonics, kind, resonant
-from remanent.codegen.field import field_for
-from remanent.models.actuator import Actuator
+from remanent._status import Status
+from remanent._typing import ArrayLike
 from remanent.models.drives.base import Drive
-from remanent.models.drives.waves import Constant
-from remanent.results import build, provenance
+from remanent.models.system import System
 from remanent.results.build import Labelled
+from remanent.studies.ensemble.checks import require_actuator
+from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
 from remanent.studies.ensemble.durations import require_count
-from remanent.studies.ensemble.ensemble import ensemble
-from remanent.studies.motion.simulate import simulate
-from remanent.studies.orbits.continue_orbit import response_diagram
-from remanent.studies.response.backbone import backbone
-from remanent.studies.statics._static_state import Body
-from remanent.studies.statics.equilibria import equilibria
+from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.layout import Over, lay_out
+from remanent.studies.ensemble.progress import Progress, as_progress
+from remanent.studies.orbits._branch_tables import Table, member_status
+from remanent.studies.orbits._checks import require_orbit_period
+from remanent.studies.orbits._forced_response import require_frequencies, trace_member
+from remanent.studies.orbits._members import for_each_member, stack_tables
+from remanent.studies.orbits._orbit_tables import DIMENSIONS
+from remanent.studies.orbits._tracing import TracingOptions
+from remanent.studies.response._peaks import HARMONICS, describe_peaks, empty_peaks, find_peaks
 
-#: Harmonics of the orbit that are told; samples of the orbit and of the load.
-_HARMONICS, _SAMPLES = 12, 256
-#: Free oscillations that are compared, and the largest stretch they start from.
-_FREE, _WIDEST = 80, 6.0
-#: Error asked of the samples.
-_TOLERANCE = 1e-7
+#: Points of a branch, in each direction from where it was found.
+_MAX_POINTS = 2000
 
 
 def resonances(
-    system: Actuator,
+    system: System,
     drive: Drive,
     omega_range: ArrayLike,
     *,
     orbit_periods: Sequence[int] = (1,),
     state_box: Mapping[str, Any] | None = None,
+    over: Over | None = None,
     slices: int = 9,
     tolerance: float = 1e-9,
+    progress: Progress = None,
 ) -> xr.Dataset:
     """Find the peaks of forced response and say which resonance each of them is.
 
     Parameters
     ----------
-    system, drive
-        What moves, with one coordinate, and a drive with a field ``omega``, whose value is
-        not used.
-    omega_range
-        Lowest and highest frequency.
-    orbit_periods
+    system : System
+        What moves, with one coordinate.
+    drive : Drive
+        A load with a field ``omega``, whose value is not used.
+    omega_range : (lowest, highest)
+        Frequencies, radians per unit of tau.
+    orbit_periods : sequence of int
         Of the orbits, in drive periods: 1 for primary and superharmonic resonances, 2, 3 ...
         for subharmonic and parametric ones.
-    state_box, slices, tolerance
-        As for :func:`remanent.response_diagram`.
+    state_box : mapping of name to (lower, upper), optional
+        Range of each state variable at phase 0, such as ``{"stretch": (0.3, 4.0)}``, where
+        branches end.
+    over : mapping of name to values, optional
+        Values of other numeric fields; they become dimensions of the result.
+    slices : int
+        At how many frequencies orbits are looked for.  A branch (an isola) that passes
+        none of them is missed.
+    tolerance : float
+        Of the residual: the distance of an orbit's point from its image.
+    progress : bool or callable, optional
+        True draws a bar; a callable is called with the share of the combinations in `over`
+        that are finished.
 
     Returns
     -------
@@ -72,12 +86,18 @@ def resonances(
         ``harmonics`` (peak, harmonic), complex; ``share``, of that harmonic in the mean
         square; ``free_frequency`` of the free oscillation as large as the orbit, under the
         mean load, without dissipation and at the surroundings' temperature; ``detuning`` of
-        the harmonic from it.
+        the harmonic from it.  Padded where other combinations of `over` have more peaks;
+        ``status`` is ``incomplete`` where a branch was not followed to its end.
 
     Raises
     ------
     InputError
         A bad argument, or an actuator of two coordinates.
+
+    See Also
+    --------
+    response_diagram : The branches whose peaks these are.
+    backbone : The free oscillations that name them.
 
     Notes
     -----
@@ -99,180 +119,69 @@ def resonances(
     >>> ds.resonance_kind.values.tolist()
     ['superharmonic', 'primary']
     """
-    for one in orbit_periods:
-        require_count("orbit_periods", one, "Orbits close after whole drive periods.")
+    _require_orbit_periods(orbit_periods)
     _require_one_coordinate(system)
-    peaks = [
-        peak
+    ens = lay_out(system, drive, over, reserved=DIMENSIONS)
+    limits = require_frequencies(omega_range, ens)
+    slices = require_count("slices", slices, "Orbits are looked for at each of them.")
+    plans = [
+        TracingOptions("omega", limits, state_box, period, _MAX_POINTS, tolerance)
         for period in orbit_periods
-        for peak in _peaks(
-            response_diagram(
-                system, drive, omega_range, state_box=state_box, orbit_period=period, slices=slices,
-                tolerance=tolerance,
-            ),
-            period,
-            field_for(system, drive).state,
-        )
-    ]  # fmt: skip
-    peaks.sort(key=lambda peak: peak.omega)
-    described = _described(system, drive, peaks)
-    attributes = provenance.attributes(
-        system, drive, tolerance, over=("omega",),
-        parameter_range=tuple(np.asarray(omega_range, dtype=float).tolist()), slices=slices,
-    )  # fmt: skip
+    ]
+    for options in plans:
+        options.check(ens)
+
+    def find(member: Ensemble) -> tuple[Table, NDArray[Any]]:
+        branches = [trace_member(member, options, slices) for options in plans]
+        peaks = [
+            peak
+            for table, options in zip(branches, plans, strict=True)
+            for peak in find_peaks(table, options)
+        ]
+        peaks.sort(key=lambda peak: peak.omega)
+        reasons = np.concatenate([table.end_reason for table in branches])
+        return describe_peaks(member, ens.coords, peaks), reasons
+
+    outcomes = for_each_member(ens, find, as_progress(progress))
+    columns = stack_tables([None if o is None else o[0] for o in outcomes], empty_peaks())
+    reasons = [None if outcome is None else outcome[1] for outcome in outcomes]
+    variables: dict[str, PerTrajectory] = {
+        name: (("peak", "harmonic") if name == "harmonics" else ("peak",), column)
+        for name, column in columns.items()
+    }
     coords: dict[str, Labelled] = {
-        "peak": (("peak",), np.arange(len(peaks))),
-        "harmonic": (("harmonic",), np.arange(_HARMONICS + 1)),
+        "peak": (("peak",), np.arange(columns["omega"].shape[1])),
+        "harmonic": (("harmonic",), np.arange(HARMONICS + 1)),
     }
-    return build.dataset(described, coords, attributes)
-
-
-@dataclass(frozen=True)
-class _Peak:
-    """A peak of a branch: where it is, and the orbit there."""
-
-    omega: float
-    error: float
-    amplitude: float
-    state: tuple[float, ...]
-    period: int
-    stability: str
-    unbounded: bool
-    doubled: bool
-
-
-def _require_one_coordinate(actuator: Actuator) -> None:
-    """Refuse what has no backbone."""
-    if actuator.coordinates > 1:
-        raise InputError(
-            "actuator", "have one coordinate", actuator,
-            "Resonances are named by free oscillations of the same amplitude, which two "
-            "coordinates have of more than one kind.",
-            "Pass one number as prestress and no edges, or read the peaks of response_diagram.",
-        )  # fmt: skip
-
-
-def _peaks(diagram: xr.Dataset, period: int, state: Sequence[str]) -> list[_Peak]:
-    """Local maxima of the amplitude along every branch, and ends that run off."""
-    low, high = diagram.attrs["parameter_range"]
-    found = []
-    for b in range(diagram.sizes["branch"]):
-        row = diagram.isel(branch=b)
-        count = int(np.isfinite(row["omega"].values).sum())
-        size, omega = row["amplitude"].values[:count], row["omega"].values[:count]
-        marks = diagram["special_kind"].values[diagram["special_branch"].values == b]
-        doubled = period % 2 == 0 and "branch point" in marks.tolist()
-        for k in _maxima(size):
-            inner = 0 < k < count - 1
-            if not inner and not low < omega[k] < high:
-                continue  # the end of the range of frequencies
-            beside = omega[max(k - 1, 0) : k + 2]
-            found.append(
-                _Peak(
-                    float(omega[k]), float(np.ptp(beside)), float(size[k]),
-                    tuple(float(row[name].values[k]) for name in state),
-                    period, str(row["stability"].values[k]), not inner, doubled,
-                )
-            )  # fmt: skip
-    return found
-
-
-def _maxima(size: FloatArray) -> IntArray:
-    """Local maxima, ends included."""
-    padded = np.concatenate([[-np.inf], size, [-np.inf]])
-    return np.flatnonzero((padded[1:-1] > padded[:-2]) & (padded[1:-1] >= padded[2:]))
-
-
-def _described(actuator: Actuator, drive: Drive, peaks: Sequence[_Peak]) -> dict[str, Labelled]:
-    along = ("peak",)
-    omega = np.array([peak.omega for peak in peaks])
-    size = np.array([peak.amplitude for peak in peaks])
-    period = np.array([peak.period for peak in peaks], dtype=np.int64)
-    amplitudes = _harmonics(actuator, drive, peaks)
-    mean, load = _load(drive)
-    free = _free_frequency(actuator, mean, size)
-    found = resonant(amplitudes, 2.0 * np.pi / (_lengths(drive, omega) * period), free)
-    names = [kind(found, k, peak.period, doubled=peak.doubled) for k, peak in enumerate(peaks)]
-    angle = np.angle(amplitudes[np.arange(len(peaks)), found.harmonic])
-    lag = np.mod(found.harmonic / period * np.angle(load) - angle, 2.0 * np.pi)
-    return {
-        "omega": (along, omega),
-        "omega_error": (along, np.array([peak.error for peak in peaks])),
-        "amplitude": (along, size),
-        "unbounded": (along, np.array([peak.unbounded for peak in peaks], dtype=bool)),
-        "resonance_kind": (along, np.array([name for name, _, _ in names], dtype="<U16")),
-        "order_p": (along, np.array([p for _, p, _ in names], dtype=np.int64)),
-        "order_q": (along, np.array([q for _, _, q in names], dtype=np.int64)),
-        "orbit_period": (along, period),
-        "stability": (along, np.array([peak.stability for peak in peaks], dtype="<U9")),
-        "phase_lag": (along, lag),
-        "harmonics": ((*along, "harmonic"), amplitudes),
-        "share": (along, found.share),
-        "free_frequency": (along, free),
-        "detuning": (along, found.detuning),
-    }
-
-
-def _harmonics(actuator: Actuator, drive: Drive, peaks: Sequence[_Peak]) -> ComplexArray:
-    """Harmonics of the thickness stretch along each orbit, array (peak, harmonic)."""
-    found = [harmonics(_samples(actuator, drive, peak)[None], _HARMONICS)[0] for peak in peaks]
-    return np.array(found).reshape(len(peaks), _HARMONICS + 1)
-
-
-def _samples(actuator: Actuator, drive: Drive, peak: _Peak) -> FloatArray:
-    """The thickness stretch along an orbit, evenly in time."""
-    omega = np.array([peak.omega])
-    times = np.arange(_SAMPLES) / _SAMPLES * peak.period * float(_lengths(drive, omega)[0])
-    run = simulate(
-        actuator, drive, times=times, initial=peak.state, over={"omega": omega},
-        tolerance=_TOLERANCE,
+    dataset = to_dataset(
+        ens, variables, coords=coords, status=member_status(ens, reasons, Status.DIVERGED),
+        tolerance=tolerance, parameter_range=limits, slices=slices,
     )  # fmt: skip
-    return np.asarray(run["thickness_stretch"].values).ravel()
+    # The drive's own frequency has no part in the result.
+    return dataset.assign_attrs(over=" ".join([*ens.coords, "omega"]))
 
 
-def _lengths(drive: Drive, omega: FloatArray) -> FloatArray:
-    """Drive periods at some frequencies."""
-    values = {name: np.full(omega.shape, value) for name, value in drive.parameters().items()}
-    found = drive.periods(values | {"omega": omega})
-    assert found is not None
-    return np.asarray(found)
-
-
-def _load(drive: Drive) -> tuple[float, complex]:
-    """Mean of the load, and its first harmonic."""
-    assert drive.period is not None
-    values = drive(np.arange(_SAMPLES) / _SAMPLES * drive.period)
-    found = harmonics(np.asarray(values)[None], 1)[0]
-    return float(found[0].real), complex(found[1])
-
-
-def _free_frequency(actuator: Actuator, mean: float, size: FloatArray) -> FloatArray:
-    """Frequency of the free oscillation of each amplitude, under the mean load."""
-    if not size.size:
-        return np.empty(0)
-    rest = equilibria(actuator, mean)
-    stable = rest["stretch"].values[rest["stability"].values == "stable"]
-    if stable.size != 1:
+def _require_orbit_periods(orbit_periods: Sequence[int]) -> None:
+    if not isinstance(orbit_periods, Sequence | np.ndarray) or not len(orbit_periods):
         raise InputError(
-            "drive", "have a mean load with one stable equilibrium", mean,
-            "Resonances are named by the free oscillations about it.",
-            "Pass another load or prestress.",
-        )  # fmt: skip
-    starts = float(stable[0]) * np.geomspace(1.001, _WIDEST / float(stable[0]), _FREE)
-    elastic = actuator.replace(dissipation=(), heat=None)
-    free = backbone(elastic, starts, m=mean, tolerance=1e-6)
-    known = np.isfinite(free["amplitude"].values) & np.isfinite(free["frequency"].values)
-    reached, frequency = (free[n].values[known] for n in ("amplitude", "frequency"))
-    small = _small_oscillations(actuator, mean) / _small_oscillations(elastic, mean)
-    return np.asarray(small * np.interp(size, reached, frequency, right=np.nan))
+            "orbit_periods",
+            must="be a sequence of positive integers, at least one",
+            got=shortened(orbit_periods),
+            why="Peaks of the orbits of each period are found.",
+            fix="Pass for example (1, 2).",
+        )
+    for period in orbit_periods:
+        require_orbit_period(period, "orbit_periods")
 
 
-def _small_oscillations(actuator: Actuator, mean: float) -> float:
-    """Modulus of the eigenvalue of small oscillations about rest; NaN where there are none."""
-    ens = ensemble(actuator, Constant(mean))
-    row = np.array([ens.values[name][0] for name in ens.field.parameters])
-    body = Body(ens.field, row, ens.initial[0]).at_rest()
-    if body is None:
-        return np.nan
-    values = np.linalg.eigvals(body.linear()[0])
-    return max((abs(complex(s)) for s in values if s.imag > 0.0), default=np.nan)
+def _require_one_coordinate(system: System) -> None:
+    """Refuse what has no backbone."""
+    if require_actuator("system", system).coordinates > 1:
+        raise InputError(
+            "system",
+            must="have one coordinate",
+            got=system,
+            why="Resonances are named by free oscillations of the same amplitude, which two "
+            "coordinates have of more than one kind.",
+            fix="Pass one number as prestress and no edges, or read the peaks of response_diagram.",
+        )

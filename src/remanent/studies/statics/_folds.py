@@ -5,14 +5,15 @@ from __future__ import annotations
 import numpy as np
 
 from remanent._typing import FloatArray, IntArray
-from remanent.analysis.equilibria import balancing, slope, zeros
+from remanent.analysis.statics.equilibria import balancing_parameter, find_zeros, force_slope
 from remanent.results.build import Labelled
-from remanent.studies.statics._static_ensemble import AtRest
+from remanent.studies.statics._static_ensemble import StaticEnsemble
 
 
-def folds(at_rest: AtRest) -> dict[str, Labelled]:
+def folds(static: StaticEnsemble) -> dict[str, Labelled]:
     """Folds along the first field in ``over``, labelled; nothing where there is none."""
-    ens = at_rest.ens
+    ens = static.ens
+    # The first field that has a dimension of its own.
     name = next((k for k, (dims, _) in ens.coords.items() if dims == (k,)), None)
     if name is None or name not in ens.field.parameters or ens.sizes[name] < 2:
         return {}
@@ -21,52 +22,54 @@ def folds(at_rest: AtRest) -> dict[str, Labelled]:
     valid = ~ens.invalid.reshape(shape).any(axis=axis).ravel()
     ends = np.take(ens.values[name].reshape(shape), [0, -1], axis)
     low, high = np.moveaxis(ends, axis, 0).reshape(2, -1)
-    stretch, value = fold_points(at_rest, name, cases[valid], (low[valid], high[valid]))
-    rest = [size for k, size in ens.sizes.items() if k != name]
+    stretch, value = fold_points(static, name, cases[valid], (low[valid], high[valid]))
+    other_sizes = [size for k, size in ens.sizes.items() if k != name]
 
-    def shaped(found: FloatArray) -> FloatArray:
-        rows = np.full((valid.size, found.shape[1]), np.nan)
-        rows[valid] = found
-        return rows.reshape(*rest, found.shape[1])
+    def shaped(values: FloatArray) -> FloatArray:
+        rows = np.full((valid.size, values.shape[1]), np.nan)
+        rows[valid] = values
+        return rows.reshape(*other_sizes, values.shape[1])
 
     dims = (*(k for k in ens.dims if k != name), "fold")
     return {
         f"fold_{name}": (dims, shaped(value)),
         "fold_stretch": (dims, shaped(stretch)),
-        "fold_thickness_stretch": (dims, shaped(at_rest.thickness(cases[:1], stretch))),
+        "fold_thickness_stretch": (dims, shaped(static.thickness(cases[:1], stretch))),
         "fold": (("fold",), np.arange(stretch.shape[1])),
     }
 
 
 def fold_points(
-    at_rest: AtRest, name: str, cases: IntArray, bounds: tuple[FloatArray, FloatArray]
+    static: StaticEnsemble, name: str, cases: IntArray, bounds: tuple[FloatArray, FloatArray]
 ) -> tuple[FloatArray, FloatArray]:
     """Stretches and parameters (case, fold) at which two equilibria meet."""
-    force = at_rest.force_at(name)
+    force = static.force_at(name)
 
     def stiffness(row: IntArray, x: FloatArray) -> FloatArray:
-        value = balancing(lambda i, y, p: force(cases[i], y, p), bounds, row, x)
-        steepness = slope(lambda i, y: force(cases[i], y, value), row, x)
+        value = balancing_parameter(lambda i, y, p: force(cases[i], y, p), bounds, row, x)
+        steepness = force_slope(lambda i, y: force(cases[i], y, value), row, x)
         return np.where(np.isnan(value), np.nan, steepness)
 
-    found = zeros(stiffness, cases.size, grid_of(at_rest, cases))
-    return found, on_curve(at_rest, name, cases, bounds, found)
+    stretches = find_zeros(stiffness, cases.size, grid_of(static, cases))
+    return stretches, on_curve(static, name, cases, bounds, stretches)
 
 
 def on_curve(
-    at_rest: AtRest,
+    static: StaticEnsemble,
     name: str,
     cases: IntArray,
     bounds: tuple[FloatArray, FloatArray],
-    found: FloatArray,
+    stretches: FloatArray,
 ) -> FloatArray:
     """The parameter that balances the force at stretches (case, point)."""
-    force = at_rest.force_at(name)
-    row = np.repeat(np.arange(cases.size), found.shape[1])
-    value = balancing(lambda i, y, p: force(cases[i], y, p), bounds, row, found.ravel())
-    return value.reshape(found.shape)
+    force = static.force_at(name)
+    row = np.repeat(np.arange(cases.size), stretches.shape[1])
+    value = balancing_parameter(
+        lambda i, y, p: force(cases[i], y, p), bounds, row, stretches.ravel()
+    )
+    return value.reshape(stretches.shape)
 
 
-def grid_of(at_rest: AtRest, cases: IntArray) -> FloatArray:
+def grid_of(static: StaticEnsemble, cases: IntArray) -> FloatArray:
     """The grid of some cases."""
-    return at_rest.grid if at_rest.grid.ndim == 1 else at_rest.grid[cases]
+    return static.grid if static.grid.ndim == 1 else static.grid[cases]

@@ -8,13 +8,13 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from scipy.optimize import elementwise
 
-from remanent._field import Program
+from remanent._field import Program, Role, StateVariable
+from remanent._roots import find_root
 from remanent._typing import BoolArray, FloatArray, IntArray
-from remanent.studies.ensemble.ensemble import Ensemble, at_rest
+from remanent.studies.ensemble.ensemble import Ensemble
 
-#: Stretches between which equilibria are sought, and how finely.
+#: Stretches at which the force is computed, to find where it changes its sign.
 STRETCHES = np.geomspace(0.05, 20.0, 4001)
 
 #: Values of parameters that stand in place of the ensemble's own, by name.
@@ -22,7 +22,7 @@ Changed = Mapping[str, FloatArray]
 
 
 @dataclass(frozen=True)
-class AtRest:
+class StaticEnsemble:
     """The field of an ensemble at zero rates, branches relaxed, at the surroundings' temperature.
 
     Stretches are given for each coordinate, arrays (point,); differences of stretches
@@ -58,11 +58,11 @@ class AtRest:
             )
         return last
 
-    def reachable(self, case: IntArray, one: FloatArray, two: FloatArray) -> BoolArray:
+    def reachable(self, case: IntArray, first: FloatArray, second: FloatArray) -> BoolArray:
         """Whether the material reaches in-plane stretches, arrays that broadcast with `case`."""
         columns = {name: value[case] for name, value in self.ens.values.items()}
-        found = self.ens.system.reachable(columns, one, two)
-        return np.broadcast_to(found, np.broadcast_shapes(case.shape, one.shape))
+        inside = self.ens.system.admissible(columns, first, second)
+        return np.broadcast_to(inside, np.broadcast_shapes(case.shape, first.shape))
 
     def force(
         self, case: IntArray, stretch: FloatArray, changed: Changed | None = None
@@ -79,20 +79,20 @@ class AtRest:
     ) -> list[Any]:
         """Acceleration of each coordinate."""
         rates = self.run(self.ens.field.rates, case, *stretches, changed=changed)
-        return [r for r, n in zip(rates, self.ens.field.state, strict=True) if _is_speed(n)]
+        return [rates[k] for k in self.ens.field.indices(Role.RATE)]
 
     def thickness(self, case: IntArray, *stretches: FloatArray) -> FloatArray:
         """The thickness stretch."""
-        (found,) = self.run(self.ens.field.observables["thickness_stretch"], case, *stretches)
-        return np.asarray(found)
+        (thickness,) = self.run(self.ens.field.observables["thickness_stretch"], case, *stretches)
+        return np.asarray(thickness)
 
     def potential(
         self, case: IntArray, *stretches: FloatArray, changed: Changed | None = None
     ) -> FloatArray:
         """The energy."""
         program = self.ens.field.observables["energy"]
-        (found,) = self.run(program, case, *stretches, changed=changed)
-        return np.asarray(found)
+        (energy,) = self.run(program, case, *stretches, changed=changed)
+        return np.asarray(energy)
 
     def run(
         self, program: Program, case: IntArray, *stretches: Any, changed: Changed | None = None
@@ -100,30 +100,33 @@ class AtRest:
         """Outputs of a program of the field, each an array (point,)."""
         values = {name: column[case] for name, column in self.ens.values.items()}
         values |= changed or {}
-        state = [self._value(name, stretches, values) for name in self.ens.field.state]
+        state = [self._value(v, stretches, values) for v in self.ens.field.variables]
         columns = [values[name] for name in self.ens.field.parameters]
         with np.errstate(all="ignore"):
-            found = program([0.0, *state, *columns], functions=np)
-        return [np.broadcast_to(value, np.shape(stretches[0])) for value in found]
+            outputs = program([0.0, *state, *columns], functions=np)
+        return [np.broadcast_to(value, np.shape(stretches[0])) for value in outputs]
 
-    def _value(self, name: str, stretches: Sequence[Any], values: Mapping[str, FloatArray]) -> Any:
-        if name.startswith("transverse."):
-            return np.full(np.shape(stretches[0]), 0.0 if name.endswith("_rate") else 1.0)
-        if name.endswith("_rate"):
+    def _value(
+        self, variable: StateVariable, stretches: Sequence[Any], values: Mapping[str, FloatArray]
+    ) -> Any:
+        """A state variable where nothing moves and internal variables have relaxed."""
+        field = self.ens.field
+        if variable.role is Role.VARIATION:
+            varied = variable.belongs_to
+            moves = varied is not None and field.variable(varied).role is Role.RATE
+            return np.full(np.shape(stretches[0]), 0.0 if moves else 1.0)
+        if variable.role is Role.RATE:
             return 0.0 * stretches[0]
-        if "stretch" not in name:
-            return at_rest(name, values)
-        return stretches[-1] if name.endswith("_2") else stretches[0]
-
-
-def _is_speed(name: str) -> bool:
-    return name.startswith("stretch") and name.endswith("_rate")
+        coordinate = variable.name if variable.role is Role.COORDINATE else variable.belongs_to
+        if coordinate is None:
+            return variable.value_at_rest(values)
+        # Equal stretches are given once, and so is the one coordinate that stands for both.
+        return stretches[-1] if field.names(Role.COORDINATE).index(coordinate) else stretches[0]
 
 
 def farthest_inside(
     inside: Callable[..., BoolArray], near: FloatArray, far: FloatArray, index: IntArray
 ) -> FloatArray:
     """The last numbers with `inside(number, index)`, from `near`, where it holds, to `far`."""
-    find_root: Any = elementwise.find_root  # its stubs do not know `args`
     solved = find_root(lambda x, i: np.where(inside(x, i), 1.0, -1.0), (near, far), args=(index,))
     return np.asarray(np.where(solved.f_bracket[0] > 0.0, *solved.bracket))

@@ -9,16 +9,25 @@ from typing import Any
 import numpy as np
 from scipy.optimize import root
 
-from remanent._field import Field
+from remanent._field import Field, Role
 from remanent._typing import FloatArray
 
+#: Step of complex differences: its square vanishes beside 1, so nothing is cut off.
 _STEP = 1e-100
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(24)
+_GAUSS = np.polynomial.legendre.leggauss(24)
+#: Nodes of the Gauss rule on [-1, 1].
+_NODES = _GAUSS[0]
+#: Weights of the Gauss rule.
+_WEIGHTS = _GAUSS[1]
+#: Unbalance, relative to the load, above which nothing is at rest.
+_UNBALANCE = 1e-9
+#: Tolerance of the root finder: the last digit.
+_ROOT_TOLERANCE = 1e-15
 
 
 @dataclass(frozen=True)
-class Body:
-    """The field of an actuator under a constant load, for one set of its parameters.
+class StaticState:
+    """A state of the field of an actuator under a constant load, for one set of its parameters.
 
     Attributes
     ----------
@@ -37,54 +46,50 @@ class Body:
     @cached_property
     def free(self) -> list[int]:
         """State variables that rest determines: stretches and internal variables."""
-        held = {"body_temperature"}
-        return [
-            k
-            for k, name in enumerate(self.field.state)
-            if not name.endswith("_rate") and name not in held
-        ]
+        return self.field.indices(Role.COORDINATE, Role.INTERNAL)
 
     @cached_property
     def moving(self) -> list[int]:
         """Those and the rates of stretches."""
-        return [k for k, name in enumerate(self.field.state) if name != "body_temperature"]
+        return self.field.indices(Role.COORDINATE, Role.RATE, Role.INTERNAL)
 
     @cached_property
     def balanced(self) -> list[int]:
         """State variables whose rates vanish at rest by a balance, not by definition."""
-        names = self.field.state
-        return [k for k in self.moving if f"{names[k]}_rate" not in names]
+        variables = [self.field.variables[k] for k in self.moving]
+        has_rate = {v.belongs_to for v in variables if v.role is Role.RATE}
+        return [k for k, v in zip(self.moving, variables, strict=True) if v.name not in has_rate]
 
     @property
     def load(self) -> float:
         """The magnetic load."""
         return float(self.parameters[self.field.parameters.index("m")])
 
-    def at_load(self, load: float) -> Body:
-        """The same under another load."""
+    def at_load(self, load: float) -> StaticState:
+        """The same state under another load."""
         values = self.parameters.copy()
         values[self.field.parameters.index("m")] = load
         return replace(self, parameters=values)
 
-    def at_target(self, thickness: float) -> Body | None:
-        """The body at rest at a thickness stretch, under the load for it, if there is one."""
+    def at_thickness(self, thickness: float) -> StaticState | None:
+        """The state of rest with a thickness stretch, under the load for it, if there is one."""
 
         def unbalance(u: FloatArray) -> FloatArray:
             return np.real(self._unbalance(u[:-1], u[-1], thickness))
 
         near = np.full(len(self.free), thickness**-0.5)
-        found = root(
+        solution = root(
             unbalance,
             np.append(near, self.load),
             jac=self._jacobian,
-            tol=1e-15,
+            tol=_ROOT_TOLERANCE,
         )
-        if not np.abs(found.fun).max() < 1e-9 * (1.0 + abs(found.x[-1])):
+        if not np.abs(solution.fun).max() < _UNBALANCE * (1.0 + abs(solution.x[-1])):
             return None
-        return self.at_load(float(found.x[-1]))._at(found.x[:-1])
+        return self.at_load(float(solution.x[-1]))._at(solution.x[:-1])
 
-    def at_rest(self) -> Body | None:
-        """The body at the state of rest near its own, under its load, if there is one."""
+    def relax(self) -> StaticState | None:
+        """The state of rest nearby under the same load, if there is one."""
 
         def unbalance(u: FloatArray) -> FloatArray:
             return np.real(self._unbalance(u, self.load)[:-1])
@@ -92,10 +97,10 @@ class Body:
         def jacobian(u: FloatArray) -> FloatArray:
             return self._jacobian(np.append(u, self.load))[:-1, :-1]
 
-        found = root(unbalance, self.state[self.free], jac=jacobian, tol=1e-15)
-        if not np.abs(found.fun).max() < 1e-9 * (1.0 + abs(self.load)):
+        solution = root(unbalance, self.state[self.free], jac=jacobian, tol=_ROOT_TOLERANCE)
+        if not np.abs(solution.fun).max() < _UNBALANCE * (1.0 + abs(self.load)):
             return None
-        return self._at(found.x)
+        return self._at(solution.x)
 
     def stiffness(self) -> float:
         """Force on the thickness stretch, over its change, from rest to rest."""
@@ -103,14 +108,14 @@ class Body:
         compliance = np.linalg.solve(self._jacobian(u), np.eye(len(u))[-1])[-1]
         return float(compliance * self._conjugate())
 
-    def linear(self) -> tuple[FloatArray, FloatArray]:
+    def linearised(self) -> tuple[FloatArray, FloatArray]:
         """Derivatives of the rates by the moving state variables, and by the load."""
         moved = [self._rates(k) for k in self.moving]
         column = 1 + len(self.state) + self.field.parameters.index("m")
         return np.column_stack(moved), self._derivative(column)[self.moving]
 
     def energy_above(self, state: FloatArray) -> float:
-        """Energy of a state above that of the body's own.
+        """Energy of another state above that of this one.
 
         The gradient is integrated along the straight line between them, which loses no
         digits where they are close.  Its component along the line is a complex step.
@@ -124,10 +129,10 @@ class Body:
     def thickness(self) -> float:
         """The thickness stretch."""
         inputs = [0.0, *self.state, *self.parameters]
-        return float(self.field.observables["thickness_stretch"](inputs, functions=np)[0])
+        return float(self.field.observables[self.field.observable](inputs, functions=np)[0])
 
-    def _at(self, free: FloatArray) -> Body:
-        state = np.where([n.endswith("_rate") for n in self.field.state], 0.0, self.state)
+    def _at(self, free: FloatArray) -> StaticState:
+        state = np.where([r is Role.RATE for r in self.field.roles], 0.0, self.state)
         state[self.free] = free
         return replace(self, state=state)
 
@@ -138,7 +143,7 @@ class Body:
         values[self.field.parameters.index("m")] = load
         inputs = [0.0, *state, *values]
         rates = self.field.rates(inputs, functions=np)
-        (x,) = self.field.observables["thickness_stretch"](inputs, functions=np)
+        (x,) = self.field.observables[self.field.observable](inputs, functions=np)
         return np.array([*(rates[k] for k in self.balanced), x - thickness])
 
     def _jacobian(self, u: FloatArray) -> FloatArray:

@@ -3,26 +3,32 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
-from remanent._status import Status
+from remanent._field import Role
 from remanent._typing import FloatArray, IntArray
-from remanent.analysis.equilibria import slope, zeros
+from remanent.analysis.statics.equilibria import find_zeros, force_slope
 from remanent.integrate.variations import transverse_field
 from remanent.models.actuator import Actuator
 from remanent.models.drives.waves import Constant
-from remanent.results import build, provenance
 from remanent.results.build import Labelled
-from remanent.studies.ensemble.ensemble import Ensemble, Over, ensemble
+from remanent.studies.ensemble.checks import require_actuator
+from remanent.studies.ensemble.dataset import to_dataset
+from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.layout import Over, lay_out
 from remanent.studies.ensemble.two_coordinates import two_coordinates
-from remanent.studies.statics._biaxial import in_plane
+from remanent.studies.statics._biaxial import biaxial_equilibria
 from remanent.studies.statics._folds import folds
-from remanent.studies.statics._static_ensemble import AtRest
+from remanent.studies.statics._static_ensemble import StaticEnsemble
 
 #: Thickness stretches at which the potential is tabulated, around equilibria and rest.
-_POINTS = 401
+_POTENTIAL_POINTS = 401
+#: The smallest of them.
+_LEAST_THICKNESS = 0.05
 
 
 def equilibria(actuator: Actuator, m: float = 0.0, *, over: Over | None = None) -> xr.Dataset:
@@ -30,11 +36,11 @@ def equilibria(actuator: Actuator, m: float = 0.0, *, over: Over | None = None) 
 
     Parameters
     ----------
-    actuator
-        The actuator.  Branches are relaxed, temperature is that of the surroundings.
-    m
+    actuator : Actuator
+        What is at rest.  Branches are relaxed, temperature is that of the surroundings.
+    m : float
         Magnetic load, dimensionless.
-    over
+    over : mapping of str to array_like or DataArray, optional
         Values of numeric fields (``m`` among them); they become dimensions.  Along the
         first of them, between its least and largest value, folds are located.
 
@@ -54,6 +60,16 @@ def equilibria(actuator: Actuator, m: float = 0.0, *, over: Over | None = None) 
         ``fold_stretch`` and ``fold_thickness_stretch`` there.  With two coordinates:
         ``stretch_1``, ``stretch_2``, ordered by the first, and ``natural_frequency`` along
         ``mode`` too; no folds and no table of the potential.
+
+    Raises
+    ------
+    InputError
+        A bad argument; the message says which and what to do.
+
+    See Also
+    --------
+    snap_through : The loads at which an equilibrium is lost, slowly and at a step.
+    backbone : Frequency of free oscillations about an equilibrium at any amplitude.
 
     Notes
     -----
@@ -77,81 +93,100 @@ def equilibria(actuator: Actuator, m: float = 0.0, *, over: Over | None = None) 
     >>> curve.fold_m.values.round(4).tolist()
     [2.1777, 2.8483]
     """
-    ens = ensemble(actuator, Constant(m), over)
+    require_actuator("actuator", actuator)
+    ens = lay_out(actuator, Constant(m), over, system_argument="actuator")
     if actuator.coordinates == 2:
-        return in_plane(ens)
-    at_rest = AtRest(ens)
-    found = zeros(at_rest.force, ens.count, at_rest.grid)
-    found[ens.invalid] = np.nan
-    case = np.repeat(np.arange(ens.count), found.shape[1]).reshape(found.shape)
-    stiffness = -slope(at_rest.force, case, found)
-    stability = np.where(stiffness > 0, "stable", np.where(stiffness <= 0, "unstable", ""))
-    dims = (*ens.dims, "equilibrium")
+        return biaxial_equilibria(ens)
+    static = StaticEnsemble(ens)
+    stretch = find_zeros(static.force, ens.count, static.grid)
+    stretch[ens.invalid] = np.nan
+    variables = _properties(static, stretch)
+    fold_variables = folds(static)
+    landscape = _landscape(static, variables["equilibrium_stretch"])
+    coords: dict[str, Labelled] = {
+        **({"fold": fold_variables.pop("fold")} if fold_variables else {}),
+        "equilibrium": (("equilibrium",), np.arange(stretch.shape[1])),
+        "thickness_stretch": landscape.pop("thickness_stretch"),
+    }
+    return to_dataset(
+        ens,
+        {name: (("equilibrium",), values) for name, values in variables.items()},
+        shared=fold_variables | landscape,
+        coords=coords,
+        tolerance=None,
+    )
+
+
+def _properties(static: StaticEnsemble, stretch: FloatArray) -> dict[str, NDArray[Any]]:
+    """What is known of equilibria with in-plane stretches (case, equilibrium)."""
+    case = np.repeat(np.arange(len(stretch)), stretch.shape[1]).reshape(stretch.shape)
+    # A force that falls with the stretch brings it back.
+    stiffness = -force_slope(static.force, case, stretch)
     with np.errstate(invalid="ignore"):
         frequency = np.sqrt(np.where(stiffness > 0, stiffness, np.nan))
-    along: dict[str, FloatArray] = {
-        "equilibrium_stretch": at_rest.thickness(case, found),
-        "stretch": found,
-        "equilibrium_potential": at_rest.potential(case, found),
+    return {
+        "equilibrium_stretch": static.thickness(case, stretch),
+        "stretch": stretch,
+        "equilibrium_potential": static.potential(case, stretch),
         "natural_frequency": frequency,
-        "stability": stability,
-        "transverse_stiffness": _transverse_stiffness(ens, case, found),
+        "stability": np.where(stiffness > 0, "stable", np.where(stiffness <= 0, "unstable", "")),
+        "transverse_stiffness": _transverse_stiffness(static.ens, case, stretch),
     }
-    variables: dict[str, Labelled] = {k: (dims, ens.shaped(v)) for k, v in along.items()}
-    status = np.where(ens.invalid, Status.INVALID, Status.OK).astype(np.int8)
-    variables["status"] = (ens.dims, ens.shaped(status))
-    variables |= folds(at_rest)
-    variables |= _landscape(ens, at_rest, along["equilibrium_stretch"])
-    thickness = variables.pop("thickness_stretch")
-    coords: dict[str, Labelled] = {
-        **ens.coords,
-        **({"fold": variables.pop("fold")} if "fold" in variables else {}),
-        "equilibrium": (("equilibrium",), np.arange(found.shape[1])),
-        "thickness_stretch": thickness,
-    }
-    attributes = provenance.attributes(actuator, Constant(m), None, over=ens.coords)
-    return build.dataset(variables, coords, attributes)
 
 
 def _transverse_stiffness(ens: Ensemble, case: IntArray, stretch: FloatArray) -> FloatArray:
     """omega_a^2 of a small difference of the in-plane stretches at rest."""
     both, pairs = two_coordinates(ens)
-    at_rest = AtRest(replace(both, field=transverse_field(both.field, pairs)))
-    rates = at_rest.run(at_rest.ens.field.rates, case, stretch)
-    return np.asarray(-rates[at_rest.ens.field.state.index("transverse.stretch_1_rate")])
+    field = transverse_field(both.field, pairs)
+    static = StaticEnsemble(replace(both, field=field))
+    rates = static.run(field.rates, case, stretch)
+    (rate,) = field.names(Role.RATE)
+    (difference,) = field.belonging_to(rate)
+    return np.asarray(-rates[field.state.index(difference)])
 
 
-def _landscape(ens: Ensemble, at_rest: AtRest, found: FloatArray) -> dict[str, Labelled]:
-    """The potential on a common grid that holds rest, equilibria and turning points."""
-    seen = np.concatenate([found[np.isfinite(found)], [1.0]])
-    low, high = seen.min(), seen.max()
-    room = 0.75 * (high - low) + 0.1
-    grid = np.linspace(max(0.05, low - room), high + room, _POINTS)
-    case = np.repeat(np.arange(ens.count), _POINTS)
-    potential = at_rest.potential(case, np.tile(grid**-0.5, ens.count))
-    potential = potential.reshape(ens.count, _POINTS)
-    level = at_rest.potential(np.arange(ens.count), np.ones(ens.count))
+def _landscape(static: StaticEnsemble, equilibria: FloatArray) -> dict[str, Labelled]:
+    """The potential on a common grid that holds rest, equilibria and turning points.
+
+    `equilibria` are thickness stretches (case, equilibrium).
+    """
+    ens = static.ens
+    places = np.concatenate([equilibria[np.isfinite(equilibria)], [1.0]])
+    low, high = places.min(), places.max()
+    margin = 0.75 * (high - low) + 0.1
+    grid = np.linspace(max(_LEAST_THICKNESS, low - margin), high + margin, _POTENTIAL_POINTS)
+    case = np.repeat(np.arange(ens.count), grid.size)
+    potential = static.potential(case, np.tile(grid**-0.5, ens.count))
+    level = static.potential(np.arange(ens.count), np.ones(ens.count))
     with np.errstate(all="ignore"):  # of loads near the largest number
-        lower, upper = np.sort(_turning_points(ens, at_rest, level), axis=0)
+        lower, upper = np.sort(_turning_points(static, level), axis=0)
+    rows = potential.reshape(ens.count, grid.size)
     return {
         "thickness_stretch": (("thickness_stretch",), grid),
-        "potential": ((*ens.dims, "thickness_stretch"), ens.shaped(potential)),
+        "potential": ((*ens.dims, "thickness_stretch"), ens.shaped(rows)),
         "level": (ens.dims, ens.shaped(level)),
         "turning_lower": (ens.dims, ens.shaped(lower)),
         "turning_upper": (ens.dims, ens.shaped(upper)),
     }
 
 
-def _turning_points(ens: Ensemble, at_rest: AtRest, level: FloatArray) -> FloatArray:
-    """Thickness stretches (2, trajectory) between which the motion from rest runs."""
-    case = np.arange(ens.count)
-    rest = np.ones(ens.count)
-    crossings = zeros(
-        lambda i, x: at_rest.potential(i, x) - level[i], ens.count, at_rest.grid * (1.0 - 1e-9)
+def _turning_points(static: StaticEnsemble, level: FloatArray) -> FloatArray:
+    """Thickness stretches (2, trajectory) between which the motion from rest runs.
+
+    One of them is rest.  The other is the nearest stretch, in the direction in which the force
+    pushes, at which the potential is again what it is at rest, `level`.
+    """
+    count = static.ens.count
+    case, rest = np.arange(count), np.ones(count)
+    # The grid is moved by a little, so that rest itself is not one of its points.
+    passages = find_zeros(
+        lambda i, x: static.potential(i, x) - level[i], count, static.grid * (1.0 - 1e-9)
     )
-    push = np.sign(at_rest.force(case, rest))[:, None]
-    ahead = np.where((crossings - 1.0) * push > 1e-8, np.abs(crossings - 1.0), np.inf)
-    nearest = ahead.min(axis=1, initial=np.inf)
-    away = np.where(np.isfinite(nearest), nearest, np.nan) * push[:, 0]
-    other = np.where(push[:, 0] == 0.0, 1.0, 1.0 + away)
-    return np.stack([at_rest.thickness(case, rest), at_rest.thickness(case, other)])
+    direction = np.sign(static.force(case, rest))
+    distance = np.where(
+        (passages - 1.0) * direction[:, None] > 1e-8, np.abs(passages - 1.0), np.inf
+    )
+    nearest = distance.min(axis=1, initial=np.inf)
+    shift = np.where(np.isfinite(nearest), nearest, np.nan) * direction
+    far = np.where(direction == 0.0, 1.0, 1.0 + shift)
+    return np.stack([static.thickness(case, rest), static.thickness(case, far)])

@@ -2,29 +2,34 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import cached_property
+
 import numpy as np
 import xarray as xr
 
+from remanent._checks import finite, require_real
 from remanent._errors import InputError
-from remanent._status import Status
 from remanent._typing import BoolArray, FloatArray, IntArray
-from remanent.analysis.equilibria import balancing, slope, zeros
+from remanent.analysis.statics.equilibria import balancing_parameter, find_zeros, force_slope
 from remanent.models.actuator import Actuator
 from remanent.models.drives.waves import Constant
-from remanent.results import build, provenance
-from remanent.results.build import Labelled
-from remanent.studies.ensemble.ensemble import Over, ensemble
-from remanent.studies.orbits.continue_orbit import parameter_bounds
+from remanent.studies.ensemble.checks import require_actuator, require_parameter, require_range
+from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
+from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.layout import Over, lay_out
 from remanent.studies.statics._folds import fold_points, grid_of
-from remanent.studies.statics._static_ensemble import AtRest
+from remanent.studies.statics._static_ensemble import StaticEnsemble
 
-#: Points between start and saddle at which the energy is compared, and how nearly equal
-#: energies may be.
-_SAMPLES, _EQUAL = 256, 1e-9
+#: Points between start and saddle at which the energy is compared.
+_SAMPLES = 256
+#: How much higher than at the start the energy on the way may seem, by rounding.
+_ENERGY_ROUNDING = 1e-9
 #: A saddle nearer to the start than this is the start itself.
-_NEAR = 1e-6
-#: A small change of the parameter, relative to its bounds.
-_STEP = 1e-6
+_SAME_STRETCH = 1e-6
+#: A small change of the parameter, relative to its range.
+_PARAMETER_STEP = 1e-6
+_STRETCH = finite("It is a stretch, a ratio of lengths.", "Pass 1 for the undeformed block.")
 
 
 def snap_through(
@@ -40,18 +45,18 @@ def snap_through(
 
     Parameters
     ----------
-    actuator
+    actuator : Actuator
         An actuator of one coordinate without dissipation and heat balance.
-    parameter
+    parameter : str
         The numeric field that is raised or stepped: ``m``, ``prestress``, ``temperature`` ...
-    parameter_range
+    parameter_range : (float, float)
         Its least and largest value.
-    m
+    m : float
         Magnetic load, where it is not the parameter.
-    initial
+    initial : float
         In-plane stretch from which the motion starts, at zero rate, when the parameter is
         switched on.
-    over
+    over : mapping of str to array_like or DataArray, optional
         Values of other numeric fields; they become dimensions.
 
     Returns
@@ -68,6 +73,10 @@ def snap_through(
     ------
     InputError
         A bad argument, or an actuator that dissipates or has two coordinates.
+
+    See Also
+    --------
+    equilibria : The equilibria themselves, and folds along a parameter.
 
     Notes
     -----
@@ -86,112 +95,168 @@ def snap_through(
     >>> ds.fold_m.values.round(4).tolist(), ds.snap_m.values.round(4).tolist()
     ([2.1777, 2.8483], [2.4868])
     """
-    if not actuator.conservative or actuator.coordinates > 1:
-        raise InputError(
-            "actuator", "have one coordinate, no dissipation and no heat balance", actuator,
-            "The threshold follows from conservation of energy at a held temperature.",
-            "Pass one number as prestress, no edges, dissipation=() and heat=None; it snaps "
-            "before any that dissipates.",
-        )  # fmt: skip
-    ens = ensemble(actuator, Constant(m), over, (initial, 0.0))
-    low, high = parameter_bounds(parameter, np.asarray(parameter_range), ens)
-    if parameter in ens.coords:
-        raise InputError(
-            "over", f"not hold {parameter}", repr(list(ens.coords)),
-            "It is the field that the thresholds are values of.", "Leave it out of `over`.",
-        )  # fmt: skip
-    at_rest, cases = AtRest(ens), np.flatnonzero(~ens.invalid)
+    _require_conservative(actuator)
+    initial = require_real("initial", initial, _STRETCH)
+    ens = lay_out(actuator, Constant(m), over, (initial, 0.0), system_argument="actuator")
+    require_parameter("parameter", parameter, ens)
+    low, high = require_range(
+        "parameter_range", parameter_range, parameter, ens, "Thresholds are sought between them."
+    )
+    _require_not_varied(parameter, ens)
+    static, cases = StaticEnsemble(ens), np.flatnonzero(~ens.invalid)
     ends = np.full(cases.size, low), np.full(cases.size, high)
-    search = _Search(at_rest, parameter, cases, ends)
-    fold_stretch, fold_value = fold_points(at_rest, parameter, cases, ends)
-    snap_stretch, snap_value, direction = search.thresholds()
-    columns = {
-        "fold": {parameter: fold_value, "stretch": fold_stretch,
-                 "thickness_stretch": at_rest.thickness(cases[:1], fold_stretch)},
-        "snap": {parameter: snap_value, "stretch": snap_stretch,
-                 "thickness_stretch": at_rest.thickness(cases[:1], snap_stretch),
-                 "direction": direction},
-    }  # fmt: skip
-    variables: dict[str, Labelled] = {}
-    coords = dict(ens.coords)
-    for dim, found in columns.items():
-        for name, values in found.items():
-            rows = np.full((ens.count, values.shape[1]), np.nan)
-            rows[cases] = values
-            variables[f"{dim}_{name}"] = ((*ens.dims, dim), ens.shaped(rows))
-        coords[dim] = ((dim,), np.arange(found["stretch"].shape[1]))
-    status = np.where(ens.invalid, Status.INVALID, Status.OK).astype(np.int8)
-    variables["status"] = (ens.dims, ens.shaped(status))
-    drive = None if parameter == "m" else Constant(m)
-    attributes = provenance.attributes(
-        actuator,
-        drive,
-        None,
-        over=ens.coords,
+    folds = _folds(static, parameter, cases, ends)
+    snaps = _snaps(static, parameter, cases, ends)
+    variables: dict[str, PerTrajectory] = {
+        f"{dim}_{name}": ((dim,), _rows(values, cases, ens.count))
+        for dim, columns in (("fold", folds), ("snap", snaps))
+        for name, values in columns.items()
+    }
+    return to_dataset(
+        ens,
+        variables,
+        coords={
+            "fold": (("fold",), np.arange(folds["stretch"].shape[1])),
+            "snap": (("snap",), np.arange(snaps["stretch"].shape[1])),
+        },
+        tolerance=None,
+        driven=parameter != "m",
         parameter=parameter,
         parameter_range=[low, high],
         initial=initial,
     )
-    return build.dataset(variables, coords, attributes)
 
 
+def _require_conservative(actuator: object) -> None:
+    actuator = require_actuator("actuator", actuator)
+    if not actuator.conservative or actuator.coordinates > 1:
+        raise InputError(
+            "actuator",
+            must="have one coordinate, no dissipation and no heat balance",
+            got=actuator,
+            why="The threshold follows from conservation of energy at a held temperature.",
+            fix="Pass one number as prestress, no edges, dissipation=() and heat=None; it snaps "
+            "before any that dissipates.",
+        )
+
+
+def _require_not_varied(parameter: str, ens: Ensemble) -> None:
+    if parameter in ens.coords:
+        raise InputError(
+            "over",
+            must=f"not hold {parameter}",
+            got=repr(list(ens.coords)),
+            why="It is the field that the thresholds are values of.",
+            fix="Leave it out of `over`.",
+        )
+
+
+def _folds(
+    static: StaticEnsemble, parameter: str, cases: IntArray, ends: tuple[FloatArray, FloatArray]
+) -> dict[str, FloatArray]:
+    """Where a stable and an unstable equilibrium meet, arrays (case, fold)."""
+    stretch, value = fold_points(static, parameter, cases, ends)
+    return {
+        parameter: value,
+        "stretch": stretch,
+        "thickness_stretch": static.thickness(cases[:1], stretch),
+    }
+
+
+def _snaps(
+    static: StaticEnsemble, parameter: str, cases: IntArray, ends: tuple[FloatArray, FloatArray]
+) -> dict[str, FloatArray]:
+    """Where the motion from the start just reaches a saddle, arrays (case, snap)."""
+    stretch, value, direction = _Search(static, parameter, cases, ends).thresholds()
+    return {
+        parameter: value,
+        "stretch": stretch,
+        "thickness_stretch": static.thickness(cases[:1], stretch),
+        "direction": direction,
+    }
+
+
+def _rows(values: FloatArray, cases: IntArray, count: int) -> FloatArray:
+    """Values of some cases (case, point) with a row of NaN for each of the others."""
+    rows = np.full((count, values.shape[1]), np.nan)
+    rows[cases] = values
+    return rows
+
+
+@dataclass(frozen=True)
 class _Search:
-    """The curve of equilibria, as the parameter that balances the force at each stretch."""
+    """The curve of equilibria, as the parameter that balances the force at each stretch.
 
-    def __init__(
-        self, at_rest: AtRest, name: str, cases: IntArray, ends: tuple[FloatArray, FloatArray]
-    ) -> None:
-        self.at_rest, self.name, self.cases, self.ends = at_rest, name, cases, ends
-        self.start = at_rest.ens.initial[cases, 0]
+    Attributes
+    ----------
+    static : StaticEnsemble
+    name : str
+        The parameter.
+    cases : array (case,)
+        Trajectories of the ensemble that are valid.
+    ends : two arrays (case,)
+        Least and largest value of the parameter.
+    """
+
+    static: StaticEnsemble
+    name: str
+    cases: IntArray
+    ends: tuple[FloatArray, FloatArray]
+
+    @cached_property
+    def start(self) -> FloatArray:
+        """Stretch from which the motion starts, array (case,)."""
+        return np.asarray(self.static.ens.initial[self.cases, 0])
 
     def value(self, row: IntArray, x: FloatArray) -> FloatArray:
         """The parameter for which `x` is an equilibrium."""
-        force = self.at_rest.force_at(self.name)
-        return balancing(lambda i, y, p: force(self.cases[i], y, p), self.ends, row, x)
+        force = self.static.force_at(self.name)
+        return balancing_parameter(lambda i, y, p: force(self.cases[i], y, p), self.ends, row, x)
 
     def rise(self, row: IntArray, x: FloatArray, value: FloatArray) -> FloatArray:
         """V(x) - V(start)."""
         changed, case = {self.name: value}, self.cases[row]
-        potential = self.at_rest.potential
+        potential = self.static.potential
         return potential(case, x, changed=changed) - potential(
             case, self.start[row] + 0.0 * x, changed=changed
         )
 
     def thresholds(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Stretch, parameter and direction of every threshold, arrays (case, threshold)."""
-        grid, count = grid_of(self.at_rest, self.cases), self.cases.size
-        found = zeros(lambda i, x: self.rise(i, x, self.value(i, x)), count, grid)
-        found = np.where(np.abs(found - self.start[:, None]) > _NEAR, found, np.nan)
-        found = np.concatenate([found, self.start[:, None]], axis=1)
-        row, x = np.repeat(np.arange(count), found.shape[1]), found.ravel()
+        grid, count = grid_of(self.static, self.cases), self.cases.size
+        # Equilibria whose energy is that of the start, and the start, which has it anyway.
+        level = find_zeros(lambda i, x: self.rise(i, x, self.value(i, x)), count, grid)
+        level = np.where(np.abs(level - self.start[:, None]) > _SAME_STRETCH, level, np.nan)
+        level = np.concatenate([level, self.start[:, None]], axis=1)
+        row, x = np.repeat(np.arange(count), level.shape[1]), level.ravel()
         value = self.value(row, x)
         x = np.where(self._reached(row, x, value), x, np.nan)
         value = np.where(np.isnan(x), np.nan, value)
-        columns = [a.reshape(found.shape) for a in (x, value, self._direction(row, x, value))]
+        columns = [a.reshape(level.shape) for a in (x, value, self._direction(row, x, value))]
         order = np.argsort(columns[1], axis=1)  # NaN last
-        most = int(np.isfinite(value).reshape(found.shape).sum(axis=1).max(initial=0))
-        first, second, third = (np.take_along_axis(a, order, axis=1)[:, :most] for a in columns)
+        width = int(np.isfinite(value).reshape(level.shape).sum(axis=1).max(initial=0))
+        first, second, third = (np.take_along_axis(a, order, axis=1)[:, :width] for a in columns)
         return first, second, third
 
     def _direction(self, row: IntArray, x: FloatArray, value: FloatArray) -> FloatArray:
         """1 where a larger parameter takes the motion to larger stretches, -1 to smaller."""
-        small = _STEP * (self.ends[1] - self.ends[0])[row]
+        small = _PARAMETER_STEP * (self.ends[1] - self.ends[0])[row]
         barrier = self.rise(row, x, value + small) - self.rise(row, x, value - small)
-        push = [
-            self.at_rest.force(self.cases[row], x, {self.name: value + side * small})
+        forces = [
+            self.static.force(self.cases[row], x, {self.name: value + side * small})
             for side in (1.0, -1.0)
         ]
         beyond = x - self.start[row]
-        return np.sign(np.where(beyond == 0.0, push[0] - push[1], -barrier * beyond))
+        return np.sign(np.where(beyond == 0.0, forces[0] - forces[1], -barrier * beyond))
 
     def _reached(self, row: IntArray, x: FloatArray, value: FloatArray) -> BoolArray:
         """Whether `x` is a saddle with nothing higher on the way from the start."""
-        force = self.at_rest.force_at(self.name)
-        steepness = slope(lambda i, y: force(self.cases[i], y, value), row, x)
+        force = self.static.force_at(self.name)
+        steepness = force_slope(lambda i, y: force(self.cases[i], y, value), row, x)
         share = np.linspace(0.0, 1.0, _SAMPLES)[1:-1]
         begin = self.start[row]
         way = begin[:, None] + (x - begin)[:, None] * share
         many = np.repeat(row, share.size)
         rise = self.rise(many, way.ravel(), np.repeat(value, share.size)).reshape(way.shape)
-        below = (rise <= _EQUAL * (1.0 + np.abs(value))[:, None]).all(axis=1)
+        below = (rise <= _ENERGY_ROUNDING * (1.0 + np.abs(value))[:, None]).all(axis=1)
         return np.asarray((steepness > 0.0) & below)

@@ -1,0 +1,1 @@
+"""Parameters from data, and what uncertain parameters make of a result."""

@@ -1,0 +1,272 @@
+"""Nonlinear least squares with its uncertainty: covariance, intervals, profiles."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import brentq, least_squares
+from scipy.stats import t as student
+
+from remanent._errors import InputError
+from remanent._typing import BoolArray, FloatArray
+
+#: ``model(x)`` with candidates (candidate, parameter) gives predictions (candidate, datum).
+Model = Callable[[FloatArray], FloatArray]
+
+#: Step of a difference, relative to the parameter or its scale, on either side.
+_DIFFERENCE_STEP = 1e-4
+#: Distance from the estimate up to which the end of a profile is looked for, in half widths of
+#: the linear interval.
+_MAX_HALF_WIDTHS = 8.0
+#: Places on each side at which a profile is tried before its end is located.
+_PROFILE_PLACES = 4
+#: Tolerance of the end of a profile, in half widths of the linear interval.
+_PROFILE_TOLERANCE = 1e-3
+#: Condition number of the curvature above which the data do not determine the parameters.
+_MAX_CONDITION = 1e14
+#: Relative change of the parameters at which least squares stop.
+_PARAMETER_TOLERANCE = 1e-10
+#: Relative change of the sum of squares at which they stop.
+_SQUARES_TOLERANCE = 1e-12
+#: Evaluations of least squares, at most.
+_MAX_EVALUATIONS = 200
+
+
+@dataclass(frozen=True)
+class Observations:
+    """What was measured.
+
+    Attributes
+    ----------
+    values : array (datum,)
+    deviation : array (datum,)
+        Standard deviations, up to a common factor where they are not `absolute`.
+    absolute : bool
+        Whether the deviations are true; else the scatter about the fit says how large they are.
+    """
+
+    values: FloatArray
+    deviation: FloatArray
+    absolute: bool
+
+
+@dataclass(frozen=True)
+class LeastSquaresFit:
+    """Parameters that fit best.
+
+    Attributes
+    ----------
+    estimate : array (parameter,)
+    covariance : array (parameter, parameter)
+        s^2 (J^T W J)^-1; s = 1 where deviations are known.
+    predicted : array (datum,)
+    chi_square : float
+        Sum of squares of residuals over deviations.
+    variance : float
+        s^2: 1, or chi_square over the degrees of freedom.
+    degrees : int
+        Data less parameters.
+    """
+
+    estimate: FloatArray
+    covariance: FloatArray
+    predicted: FloatArray
+    chi_square: float
+    variance: float
+    degrees: int
+
+    @property
+    def deviation(self) -> FloatArray:
+        """Standard errors, array (parameter,)."""
+        return np.asarray(np.sqrt(np.diag(self.covariance)))
+
+    def quantile(self, confidence: float) -> float:
+        """Half width of a two-sided interval in standard errors (Student's t)."""
+        # Half the remaining probability lies beyond either end.
+        return float(student.ppf(0.5 * (1.0 + confidence), self.degrees))
+
+
+@dataclass(frozen=True)
+class ParameterBox:
+    """Scales and bounds of parameters, arrays (parameter,).
+
+    Attributes
+    ----------
+    scale : array (parameter,)
+        Their units, for differences and for least squares.
+    lower, upper : array (parameter,)
+        Infinite where there is no bound.
+    """
+
+    scale: FloatArray
+    lower: FloatArray
+    upper: FloatArray
+
+    def subset(self, mask: BoolArray) -> ParameterBox:
+        """The box of some of the parameters."""
+        return ParameterBox(self.scale[mask], self.lower[mask], self.upper[mask])
+
+
+def fit_least_squares(
+    model: Model, data: Observations, guess: FloatArray, box: ParameterBox
+) -> LeastSquaresFit:
+    """Minimise sum [(model(x) - values)/deviation]^2 over x.
+
+    The Jacobian is a central difference, all of whose candidates are one call of the model.
+
+    Parameters
+    ----------
+    model : callable
+        Of candidates (candidate, parameter), predictions (candidate, datum).
+    data : Observations
+    guess : array (parameter,)
+        To start from.
+    box : ParameterBox
+
+    Raises
+    ------
+    InputError
+        The guess cannot be computed, or the data do not determine the parameters.
+    """
+    degrees = data.values.size - guess.size
+    if degrees < 1:
+        raise InputError(
+            "data",
+            must=f"have more than {guess.size} values",
+            got=data.values.size,
+            why="As many parameters fit them whatever they are.",
+            fix="Measure more, or fit fewer.",
+        )
+    x, residual = _minimum(model, data, guess, box)
+    slope = difference_jacobian(model, x, box) / data.deviation[:, None]
+    curvature = slope.T @ slope * np.outer(box.scale, box.scale)
+    if not np.linalg.cond(curvature) < _MAX_CONDITION:
+        raise InputError(
+            "parameters",
+            must="each change the prediction in a way of its own",
+            got=x.tolist(),
+            why="Some combination of them leaves all data as they are.",
+            fix="Fit fewer of them.",
+        )
+    chi_square = float(residual @ residual)
+    variance = 1.0 if data.absolute else chi_square / degrees
+    inverse = np.linalg.inv(curvature) * np.outer(box.scale, box.scale)
+    predicted = data.values + residual * data.deviation
+    return LeastSquaresFit(x, variance * inverse, predicted, chi_square, variance, degrees)
+
+
+def difference_jacobian(
+    model: Model, x: FloatArray, box: ParameterBox, step: float = _DIFFERENCE_STEP
+) -> FloatArray:
+    """Derivatives of predictions by differences, central but at the bounds.
+
+    Parameters
+    ----------
+    model : callable
+        Of candidates (candidate, parameter), predictions (candidate, datum).
+    x : array (parameter,)
+        Where.
+    box : ParameterBox
+    step : float
+        Relative to the parameter or its scale, whichever is larger.
+
+    Returns
+    -------
+    array (datum, parameter)
+    """
+    steps = step * np.diag(np.maximum(np.abs(x), box.scale))
+    ends = np.concatenate([x + steps, x - steps]).clip(box.lower, box.upper)
+    values = model(ends)
+    count = x.size
+    width = np.diag(ends[:count] - ends[count:])
+    return np.asarray((values[:count] - values[count:]).T / width)
+
+
+def profile_interval(
+    model: Model,
+    data: Observations,
+    best: LeastSquaresFit,
+    box: ParameterBox,
+    k: int,
+    confidence: float,
+) -> FloatArray:
+    """Interval of parameter k by its profile likelihood.
+
+    Its ends are where the least sum of squares at fixed x_k exceeds the minimum by s^2 t^2: the
+    interval is not symmetric where the model is not linear.
+
+    Parameters
+    ----------
+    model : callable
+        Of candidates (candidate, parameter).
+    data : Observations
+    best : LeastSquaresFit
+        Of all parameters.
+    box : ParameterBox
+    k : int
+        Number of the parameter.
+    confidence : float
+        Probability that the interval holds it.
+
+    Returns
+    -------
+    array (2,)
+        An end that is not found within the bounds and eight half widths is infinite.
+    """
+    threshold = best.variance * best.quantile(confidence) ** 2
+    free = np.arange(best.estimate.size) != k
+    rest = best.estimate[free]
+
+    def excess(value: float) -> float:
+        # The other parameters start from their best values at the place before.
+        nonlocal rest
+
+        def held(x: FloatArray) -> FloatArray:
+            return model(np.insert(x, k, value, axis=1))
+
+        if free.any():
+            rest, residual = _minimum(held, data, rest, box.subset(free))
+        else:
+            residual = (held(np.empty((1, 0)))[0] - data.values) / data.deviation
+        return float(residual @ residual) - best.chi_square - threshold
+
+    half = best.deviation[k] * best.quantile(confidence)
+    ends = []
+    for side, bound in ((-1.0, box.lower[k]), (1.0, box.upper[k])):
+        rest, inner, end = best.estimate[free], best.estimate[k], side * np.inf
+        for width in np.geomspace(1.0, _MAX_HALF_WIDTHS, _PROFILE_PLACES):
+            outer = float(np.clip(best.estimate[k] + side * width * half, *sorted((inner, bound))))
+            if excess(outer) > 0.0:
+                end = brentq(excess, inner, outer, xtol=_PROFILE_TOLERANCE * half)
+                break
+            inner = outer
+        ends.append(end)
+    return np.array(ends)
+
+
+def _minimum(
+    model: Model, data: Observations, guess: FloatArray, box: ParameterBox
+) -> tuple[FloatArray, FloatArray]:
+    """Best parameters, and residuals over deviations."""
+
+    def residual(x: FloatArray) -> FloatArray:
+        return np.asarray((model(x[None])[0] - data.values) / data.deviation)
+
+    def slope(x: FloatArray) -> FloatArray:
+        return np.asarray(difference_jacobian(model, x, box) / data.deviation[:, None])
+
+    if not np.isfinite(residual(guess)).all():
+        raise InputError(
+            "parameters",
+            must="start from values whose motion can be computed over all the data",
+            got=guess.tolist(),
+            why="Its error bound is not met up to the last of them.",
+            fix="Use earlier data, a larger tolerance, or a better guess.",
+        )
+    solution = least_squares(
+        residual, guess, jac=slope, bounds=(box.lower, box.upper), x_scale=box.scale,
+        xtol=_PARAMETER_TOLERANCE, ftol=_SQUARES_TOLERANCE, gtol=None, max_nfev=_MAX_EVALUATIONS,
+    )  # fmt: skip
+    return np.asarray(solution.x), np.asarray(solution.fun)

@@ -1,0 +1,1 @@
+"""Periodic orbits of maps: search, stability, continuation, bifurcations, manifolds."""

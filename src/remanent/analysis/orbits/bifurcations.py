@@ -1,0 +1,269 @@
+"""Special points of a branch of periodic orbits: where multipliers leave or meet.
+
+At each kind of bifurcation a test function changes its sign.  The test functions are known at
+the points of the branch; a sign that changes between two of them brackets a root.  A test
+function may also pass zero and come back between two points: its minima are looked for too.
+
+References
+----------
+Y. A. Kuznetsov, Elements of Applied Bifurcation Theory (Springer, 2004), chapter 10.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from itertools import combinations
+from types import MappingProxyType
+
+import numpy as np
+
+from remanent._roots import find_minimum, find_root
+from remanent._typing import FloatArray
+from remanent.analysis.orbits.correction import correct_points
+from remanent.analysis.orbits.curves import CurveEquations, CurvePoints, interpolate_curve
+
+#: A test function is beyond zero if it is by this many times its error.
+_NOISE_FACTOR = 8.0
+#: Tolerance of a root, relative to its place along the branch, which counts points.
+_ROOT_TOLERANCE = 1e-13
+#: Tolerance of a minimum along the branch.
+_MINIMUM_TOLERANCE = 1e-7
+#: Relative tolerance of the value of a minimum.
+_MINIMUM_VALUE_TOLERANCE = 1e-9
+#: Iterations of the search for a root or a minimum, at most.
+_MAX_ITERATIONS = 60
+#: Smallest imaginary part of a complex multiplier.
+_MIN_IMAGINARY_PART = 1e-6
+
+
+@dataclass(frozen=True)
+class SpecialPoint:
+    """A special point of a branch.
+
+    Attributes
+    ----------
+    kind : str
+        ``fold``, ``period doubling``, ``Neimark-Sacker`` or ``branch point``.
+    segment : int
+        It lies between this point of the branch and the next.
+    points : CurvePoints
+        The point itself, of length 1.
+    error : float
+        Estimated error of the parameter.
+    """
+
+    kind: str
+    segment: int
+    points: CurvePoints
+    error: float
+
+
+# Test functions: points (point,) and the units of the unknowns in, values (point,) out.
+
+
+def _fold(points: CurvePoints, _scale: FloatArray) -> FloatArray:
+    """The part of the tangent along the parameter: at a fold the branch turns back."""
+    return points.tangent[:, -1]
+
+
+def _doubling(points: CurvePoints, _scale: FloatArray) -> FloatArray:
+    """det(J + 1), the product of all multipliers plus one: zero where one of them is -1."""
+    jacobian = points.extra["jacobian"]
+    return np.asarray(np.linalg.det(jacobian + np.eye(jacobian.shape[1])))
+
+
+def _branch_point(points: CurvePoints, scale: FloatArray) -> FloatArray:
+    """Determinant of the equations' derivatives, bordered by the tangent.
+
+    Along a branch the derivatives have one null vector, the tangent, and the border makes the
+    matrix regular.  Where another branch crosses they have two, and it is singular.
+    """
+    bordered = np.concatenate([points.extra["derivative"] * scale, points.tangent[:, None]], axis=1)
+    return np.asarray(np.linalg.det(bordered))
+
+
+def _torus(points: CurvePoints, _scale: FloatArray) -> FloatArray:
+    """Product over all pairs of multipliers of (their product less one).
+
+    A complex pair on the unit circle has product 1.  So have two real ones that are inverse
+    to each other, which is no bifurcation: :func:`_is_bifurcation` tells them apart.
+    """
+    values = np.linalg.eigvals(points.extra["jacobian"])
+    pairs = [values[:, i] * values[:, j] - 1.0 for i, j in combinations(range(values.shape[1]), 2)]
+    return np.asarray(np.prod(pairs, axis=0).real if pairs else np.ones(len(points)))
+
+
+TestFunction = Callable[[CurvePoints, FloatArray], FloatArray]
+#: The test function of each kind; a further kind of bifurcation is a line here.
+TEST_FUNCTIONS: Mapping[str, TestFunction] = MappingProxyType(
+    {
+        "fold": _fold,
+        "period doubling": _doubling,
+        "branch point": _branch_point,
+        "Neimark-Sacker": _torus,
+    }
+)
+
+
+@dataclass(frozen=True)
+class _Branch:
+    """A branch as a function of a real number: 2.5 lies midway between its third and fourth."""
+
+    equations: CurveEquations
+    points: CurvePoints
+    scale: FloatArray
+    tolerance: float
+
+    def at(self, places: FloatArray) -> CurvePoints:
+        """Points of the branch itself, by Newton's method from the cubic between its points."""
+        segment = np.clip(places.astype(np.int64), 0, len(self.points) - 2)
+        guess, direction = interpolate_curve(self.points, segment, places - segment, self.scale)
+        points, _ = correct_points(
+            self.equations, guess, direction, scale=self.scale, tolerance=self.tolerance
+        )
+        return points
+
+
+def find_special_points(
+    equations: CurveEquations,
+    points: CurvePoints,
+    *,
+    scale: FloatArray,
+    tolerance: float,
+    conservative: bool,
+) -> list[SpecialPoint]:
+    """All special points of a branch, in order along it.
+
+    Parameters
+    ----------
+    equations : callable
+        Of the orbits, as :func:`~remanent.analysis.orbits.orbit_equations.orbit_equations`
+        makes them.
+    points : CurvePoints
+        Along the branch, with ``jacobian`` and ``derivative`` in their ``extra``.
+    scale : array (n + 1,)
+        Units of the unknowns.
+    tolerance : float
+        Of the equations.
+    conservative : bool
+        Products of multipliers are 1 throughout, so that no Neimark-Sacker point exists.
+    """
+    branch = _Branch(equations, points, scale, tolerance)
+    special: list[SpecialPoint] = []
+    for kind, test in TEST_FUNCTIONS.items():
+        if kind == "Neimark-Sacker" and conservative:
+            continue
+
+        def value(places: FloatArray, test: TestFunction = test) -> FloatArray:
+            return np.asarray(test(branch.at(places), scale), dtype=np.float64)
+
+        values = test(points, scale)
+        with np.errstate(invalid="ignore"):
+            crossed = np.flatnonzero(values[:-1] * values[1:] < 0.0)
+        middle, before, after = _hidden_crossings(value, values, points)
+        low = np.concatenate([crossed, before, middle]).astype(np.float64)
+        high = np.concatenate([crossed + 1, middle, after]).astype(np.float64)
+        if low.size:
+            special += _locate(kind, branch, value, low, high)
+    return sorted(special, key=lambda point: point.segment)
+
+
+def _hidden_crossings(
+    value: Callable[[FloatArray], FloatArray], values: FloatArray, points: CurvePoints
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Where a test function passes zero and comes back between points of one sign.
+
+    The size of its values is least at some points.  Where its neighbours differ from that by
+    more than it is away from zero, the minimum near it is looked for.
+
+    Parameters
+    ----------
+    value : callable
+        The test function at places along the branch.
+    values : array (point,)
+        The same at the points of the branch.
+    points : CurvePoints
+
+    Returns
+    -------
+    middle, before, after : array (dip,)
+        Places along the branch: beyond zero, and on this side before and after.
+    """
+    size = np.abs(values)
+    before, here, after = size[:-2], size[1:-1], size[2:]
+    with np.errstate(invalid="ignore"):
+        one_sign = (values[:-2] * values[1:-1] > 0.0) & (values[2:] * values[1:-1] > 0.0)
+        # A parabola through three points with this curvature may reach zero between them.
+        near = (here <= before) & (here < after) & (here < before + after - 2.0 * here)
+    k = np.flatnonzero(one_sign & near) + 1
+    if not k.size:
+        return (np.empty(0),) * 3
+    side, x = np.sign(values[k]), k.astype(np.float64)
+    least = find_minimum(
+        lambda x, side: side * value(x),
+        (x - 1.0, x, x + 1.0),
+        args=(side,),
+        maxiter=_MAX_ITERATIONS,
+        tolerances={
+            "xatol": _MINIMUM_TOLERANCE,
+            "xrtol": 0.0,
+            "fatol": 0.0,
+            "frtol": _MINIMUM_VALUE_TOLERANCE,
+        },
+    )
+    # A function that only touches zero is beyond it by rounding: that is no crossing.
+    rounding = _NOISE_FACTOR * (points.error[k] + points.residual[k] + np.finfo(float).eps)
+    beyond = least.f_x < -rounding * _jacobian_sizes(points)[k]
+    return least.x[beyond], x[beyond] - 1.0, x[beyond] + 1.0
+
+
+def _jacobian_sizes(points: CurvePoints) -> FloatArray:
+    """Largest entry of each Jacobian, at least 1: what errors of the state are magnified by."""
+    return np.asarray(np.maximum(1.0, np.abs(points.extra["jacobian"]).max(axis=(1, 2))))
+
+
+def _locate(
+    kind: str,
+    branch: _Branch,
+    value: Callable[[FloatArray], FloatArray],
+    low: FloatArray,
+    high: FloatArray,
+) -> list[SpecialPoint]:
+    """Roots of a test function between places along a branch, all together."""
+    root = find_root(
+        value,
+        (low, high),
+        tolerances={
+            "xatol": _ROOT_TOLERANCE,
+            "xrtol": _ROOT_TOLERANCE,
+            "fatol": 0.0,
+            "frtol": 0.0,
+        },
+        maxiter=_MAX_ITERATIONS,
+    )
+    scale = branch.scale
+    here, ends = branch.at(root.x), (branch.at(low), branch.at(high))
+    steps = [np.linalg.norm((end.unknown - here.unknown) / scale, axis=1) for end in ends]
+    # The slope is taken no steeper than towards either end: next to a turn it is half as steep.
+    slope = np.minimum(*(np.abs(value(x)) / s for x, s in zip((low, high), steps, strict=True)))
+    error = (here.error + here.residual) * _jacobian_sizes(here)
+    shift = error / np.maximum(slope, 1e-300)
+    shift += 2.0 * _ROOT_TOLERANCE * (1.0 + root.x) * (steps[0] + steps[1]) / (high - low)
+    # A shift along the branch moves the parameter by the tangent's part; at a fold that part is
+    # zero, and the shift itself tilts the tangent.
+    uncertainty = scale[-1] * (error + shift * (np.abs(here.tangent[:, -1]) + shift))
+    return [
+        SpecialPoint(kind, int(root.x[k]), here.subset(slice(k, k + 1)), float(uncertainty[k]))
+        for k in range(root.x.size)
+        if root.success[k] and _is_bifurcation(kind, here, k)
+    ]
+
+
+def _is_bifurcation(kind: str, here: CurvePoints, k: int) -> bool:
+    """Whether a Neimark-Sacker point is one: the multipliers with product 1 are complex."""
+    if kind != "Neimark-Sacker":
+        return True
+    values = np.linalg.eigvals(here.extra["jacobian"][k])
+    pair = min(combinations(values, 2), key=lambda two: abs(two[0] * two[1] - 1.0))
+    return bool(abs(pair[0].imag) > _MIN_IMAGINARY_PART)

@@ -1,0 +1,151 @@
+"""Curves of solutions of n equations in n + 1 unknowns: their points, and what is between."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from remanent._typing import BoolArray, FloatArray, IntArray
+
+
+@dataclass(frozen=True)
+class EquationValues:
+    """Equations at some points.
+
+    Attributes
+    ----------
+    value : array (point, equation)
+    derivative : array (point, equation, unknown)
+    error : array (point,)
+        Estimated error of the value.
+    extra : mapping of name to array (point, ...)
+        Whatever else is to be kept with each point.
+    """
+
+    value: FloatArray
+    derivative: FloatArray
+    error: FloatArray
+    extra: Mapping[str, FloatArray]
+
+    def with_rows(self, indices: IntArray, rows: EquationValues) -> EquationValues:
+        """The equations with their values at some points replaced."""
+
+        def put(values: FloatArray, new: FloatArray) -> FloatArray:
+            changed = values.copy()
+            changed[indices] = new
+            return changed
+
+        return EquationValues(
+            put(self.value, rows.value),
+            put(self.derivative, rows.derivative),
+            put(self.error, rows.error),
+            {name: put(values, rows.extra[name]) for name, values in self.extra.items()},
+        )
+
+
+#: ``equations(unknowns)`` with unknowns (point, n + 1).
+CurveEquations = Callable[[FloatArray], EquationValues]
+
+
+@dataclass(frozen=True)
+class CurvePoints:
+    """Points of a curve, or of several.
+
+    Attributes
+    ----------
+    unknown : array (point, n + 1)
+    tangent : array (point, n + 1)
+        Of unit length in scaled unknowns.
+    residual, error : array (point,)
+        Largest defect of the equations, and its estimated error.
+    extra : mapping of name to array (point, ...)
+        What the equations keep with each point.
+    """
+
+    unknown: FloatArray
+    tangent: FloatArray
+    residual: FloatArray
+    error: FloatArray
+    extra: Mapping[str, FloatArray]
+
+    def __len__(self) -> int:
+        return int(self.unknown.shape[0])
+
+    def subset(self, indices: slice | IntArray | BoolArray) -> CurvePoints:
+        """Some of the points, in the order of the indices."""
+        return CurvePoints(
+            self.unknown[indices],
+            self.tangent[indices],
+            self.residual[indices],
+            self.error[indices],
+            {name: values[indices] for name, values in self.extra.items()},
+        )
+
+    def reversed_tangents(self) -> CurvePoints:
+        """The same points, to be passed in the other direction."""
+        return replace(self, tangent=-self.tangent)
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A curve, and why it ends.
+
+    Attributes
+    ----------
+    points : CurvePoints
+        In order along the curve; the first is repeated as the last where it is closed.
+    closed : bool
+    ends : two str
+        Why the curve ends before its first and after its last point: ``closed``; ``bounds``,
+        it leaves the box; ``points``, as many as were asked for; ``lost``, the step became
+        too short.
+    """
+
+    points: CurvePoints
+    closed: bool
+    ends: tuple[str, str]
+
+
+def concatenate_points(parts: Sequence[CurvePoints]) -> CurvePoints:
+    """The points of several parts of a curve, one part after the other."""
+    return CurvePoints(
+        np.concatenate([part.unknown for part in parts]),
+        np.concatenate([part.tangent for part in parts]),
+        np.concatenate([part.residual for part in parts]),
+        np.concatenate([part.error for part in parts]),
+        {name: np.concatenate([part.extra[name] for part in parts]) for name in parts[0].extra},
+    )
+
+
+def interpolate_curve(
+    points: CurvePoints, segment: IntArray, fraction: FloatArray, scale: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Places on the cubics through two neighbouring points with their tangents.
+
+    Parameters
+    ----------
+    points : CurvePoints
+    segment : array (place,) of int
+        Number of the point before each place.
+    fraction : array (place,)
+        Of the way to the next point, from 0 to 1.
+    scale : array (n + 1,)
+        Units of the unknowns.
+
+    Returns
+    -------
+    unknown : array (place, n + 1)
+    direction : array (place, n + 1)
+        Of unit length in scaled unknowns, interpolated linearly.
+    """
+    a, b = points.unknown[segment] / scale, points.unknown[segment + 1] / scale
+    ta, tb = points.tangent[segment], points.tangent[segment + 1]
+    gap = np.linalg.norm(b - a, axis=1)[:, None]
+    s = fraction[:, None]
+    # Hermite's cubic; arclength is replaced by the distance of the points.
+    h01 = s * s * (3.0 - 2.0 * s)
+    unknown = a + h01 * (b - a) + gap * s * (1.0 - s) * ((1.0 - s) * ta - s * tb)
+    direction = (1.0 - s) * ta + s * tb
+    return unknown * scale, direction / np.linalg.norm(direction, axis=1)[:, None]

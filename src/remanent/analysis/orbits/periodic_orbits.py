@@ -1,0 +1,205 @@
+"""Periodic orbits of maps: Newton's method from many guesses, each orbit once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from remanent._typing import BoolArray, FloatArray, IntArray
+from remanent.analysis.orbits.maps import Map
+
+#: Newton steps at most.
+_MAX_NEWTON_STEPS = 25
+#: Longest step of a component of the state: far from an orbit a whole step leads anywhere.
+_MAX_MOVE = 0.25
+#: A residual cannot be expected to fall below this many times the error of the image.
+_RESIDUAL_FACTOR = 4.0
+#: Share of its width by which a point may lie outside the box, for rounding.
+_BOX_SLACK = 1e-9
+#: Orbits nearer to each other than this are one, whatever their errors.
+_MIN_DISTANCE = 1e-7
+#: Orbits nearer to each other than this many times their errors are one, too.
+_DISTANCE_FACTOR = 10.0
+#: Smallest singular value of 1 - J that an error of a point is divided by.
+_MIN_SINGULAR_VALUE = 1e-12
+#: Digits of the states by which orbits are put in order.
+_ORDER_DIGITS = 6
+
+
+@dataclass(frozen=True)
+class Orbits:
+    """Periodic orbits of a map, one point of each.
+
+    Attributes
+    ----------
+    state : array (orbit, state)
+    jacobian : array (orbit, state, state)
+        Of the iterate that closes the orbit.
+    residual : array (orbit,)
+        Distance of the point from its image.
+    error : array (orbit,)
+        Estimated error of the image.
+    """
+
+    state: FloatArray
+    jacobian: FloatArray
+    residual: FloatArray
+    error: FloatArray
+
+    def subset(self, indices: IntArray | BoolArray) -> Orbits:
+        """Some of the orbits, in the order of the indices."""
+        return Orbits(
+            self.state[indices], self.jacobian[indices], self.residual[indices],
+            self.error[indices],
+        )  # fmt: skip
+
+
+def newton_fixed_points(
+    map_: Map,
+    guesses: FloatArray,
+    parameters: FloatArray,
+    *,
+    iterate: int,
+    tolerance: float,
+    box: FloatArray,
+    max_error: float = 1e-6,
+) -> Orbits:
+    """Fixed points of an iterate of a map, from many guesses; those that were reached.
+
+    Parameters
+    ----------
+    map_ : Map
+    guesses : array (point, state)
+    parameters : array (point, parameter)
+    iterate : int
+        Of the map.
+    tolerance : float
+        Of the residual, beside the map's own error.
+    box : array (state, 2)
+        Where fixed points are looked for.  Guesses that leave a box of twice this size are
+        given up.
+    max_error : float
+        So are guesses whose image has a larger error.
+    """
+    x, p = guesses.copy(), parameters
+    if not len(x):
+        return _concatenate([], map_.dimension)
+    centre, width = box.mean(axis=1), box[:, 1] - box[:, 0]
+    parts: list[Orbits] = []
+    for _ in range(_MAX_NEWTON_STEPS):
+        image = map_(x, p, iterate)
+        move, residual = newton_step(x, image.state, image.jacobian, longest=_MAX_MOVE)
+        converged = residual <= np.maximum(tolerance, _RESIDUAL_FACTOR * image.error)
+        accurate = image.error <= max_error
+        reached = converged & accurate & _is_inside(x, box)
+        if reached.any():
+            points = Orbits(x, image.jacobian, residual, image.error)
+            parts.append(points.subset(reached))
+        near = (np.abs(x + move - centre) <= width).all(axis=1)
+        going_on = ~converged & accurate & np.isfinite(move).all(axis=1) & near
+        if not going_on.any():
+            break
+        x, p = (x + move)[going_on], p[going_on]
+    return _concatenate(parts, map_.dimension)
+
+
+def _is_inside(x: FloatArray, box: FloatArray) -> BoolArray:
+    slack = _BOX_SLACK * (box[:, 1] - box[:, 0])
+    return np.asarray(((x >= box[:, 0] - slack) & (x <= box[:, 1] + slack)).all(axis=1))
+
+
+def newton_step(
+    x: FloatArray, image: FloatArray, jacobian: FloatArray, *, longest: float = np.inf
+) -> tuple[FloatArray, FloatArray]:
+    """The next move of every point towards one that is its own image, and its residual.
+
+    Parameters
+    ----------
+    x, image : array (point, state)
+    jacobian : array (point, state, state)
+    longest : float
+        Moves with a longer component are shortened to it.
+
+    Returns
+    -------
+    move : array (point, state)
+        The solution of (1 - J) move = image - x; NaN where that is singular or unknown.
+    residual : array (point,)
+    """
+    defect = image - x
+    with np.errstate(all="ignore"):
+        residual = np.abs(defect).max(axis=1)
+        matrix = np.eye(x.shape[1]) - jacobian
+        usable = np.isfinite(matrix).all(axis=(1, 2)) & np.isfinite(residual)
+        safe = np.where(usable[:, None, None], matrix, np.eye(x.shape[1]))
+        singular = np.abs(np.linalg.det(safe)) < np.finfo(float).tiny
+        safe[singular] = np.eye(x.shape[1])
+        move = np.linalg.solve(safe, defect[..., None])[..., 0]
+        move[~usable | singular] = np.nan
+        length = np.abs(move).max(axis=1)
+        move *= np.minimum(1.0, longest / np.maximum(length, 1e-300))[:, None]
+    return np.asarray(move), np.where(np.isfinite(residual), residual, np.inf)
+
+
+def _concatenate(parts: list[Orbits], dimension: int) -> Orbits:
+    if not parts:
+        empty = np.empty((0, dimension))
+        return Orbits(empty, np.empty((0, dimension, dimension)), np.empty(0), np.empty(0))
+    names = ("state", "jacobian", "residual", "error")
+    return Orbits(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
+
+
+def distinct_orbits(map_: Map, orbits: Orbits, parameter: FloatArray, *, iterate: int) -> Orbits:
+    """Each orbit once, those only whose least period is `iterate`.
+
+    Parameters
+    ----------
+    map_ : Map
+    orbits : Orbits
+        Fixed points of the iterate: an orbit may be there several times, by several of its
+        points, and orbits of shorter periods may be there.
+    parameter : array (parameter,)
+        At which all of them were found.
+    iterate : int
+        Of the map.
+    """
+    if not orbits.residual.size:
+        return orbits
+    order = np.lexsort(np.round(orbits.state, _ORDER_DIGITS).T[::-1])
+    orbits = orbits.subset(order)
+    points = [orbits.state]
+    for _ in range(iterate - 1):
+        points.append(map_(points[-1], np.tile(parameter, (len(order), 1)), 1).state)
+    path = np.stack(points)  # (iterate, orbit, state)
+    slack = _MIN_DISTANCE + _DISTANCE_FACTOR * _position_errors(orbits)
+    divisors = [j for j in range(1, iterate) if iterate % j == 0]
+    kept: list[int] = []
+    for k in range(len(order)):
+        if any(_is_near(path[0, k], path[j, k], slack[k]) for j in divisors):
+            continue
+        if not any(
+            _is_near(path[j, k], orbits.state[i], slack[k] + slack[i])
+            for i in kept
+            for j in range(iterate)
+        ):
+            kept.append(k)
+    return orbits.subset(np.array(kept, dtype=np.int64))
+
+
+def _position_errors(orbits: Orbits) -> FloatArray:
+    """How far from the orbit a point with its residual may be, array (orbit,).
+
+    The residual over the smallest singular value of 1 - J.  Near a fold that value vanishes,
+    but there the distance is the root of the residual.
+    """
+    matrix = np.eye(orbits.state.shape[1]) - orbits.jacobian
+    smallest = np.linalg.svd(matrix, compute_uv=False)[:, -1]
+    defect = orbits.residual + orbits.error
+    return np.asarray(
+        np.minimum(defect / np.maximum(smallest, _MIN_SINGULAR_VALUE), np.sqrt(defect))
+    )
+
+
+def _is_near(a: FloatArray, b: FloatArray, slack: float) -> bool:
+    return bool(np.abs(a - b).max() <= slack)

@@ -1,0 +1,67 @@
+"""From one branch to another where they cross: doublings, and loss of a symmetry.
+
+Where branches cross, the derivatives of the equations lose a rank: beside the tangent of the
+one branch there is a second null vector, along which the other leaves.  At a period
+doubling that holds for the equations of twice the period.
+
+References
+----------
+Y. A. Kuznetsov, Elements of Applied Bifurcation Theory (Springer, 2004), chapter 10.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from remanent._typing import FloatArray
+from remanent.analysis.orbits.correction import correct_points
+from remanent.analysis.orbits.curves import CurveEquations, CurvePoints
+
+#: Lengths tried along the second null vector, in scaled unknowns.
+_TRIAL_LENGTHS = (0.01, 0.003, 0.03, 0.001)
+#: A point that Newton's method leaves nearer than this share of the length to the crossing, along
+#: the second vector, is on the branch that is known.
+_MIN_DEPARTURE = 0.3
+#: A point farther than this many lengths from the crossing is on a third branch.
+_MAX_DISTANCE = 3.0
+
+
+def crossing_branch_point(
+    equations: CurveEquations, crossing: FloatArray, *, scale: FloatArray, tolerance: float
+) -> CurvePoints | None:
+    """A point of the branch that crosses another one; None where none is reached.
+
+    Parameters
+    ----------
+    equations : callable
+        Of the branch to be found: at a period doubling, of twice the period.
+    crossing : array (n + 1,)
+        Where both meet; the last unknown is the parameter, and the first branch does not
+        turn back there.
+    scale : array (n + 1,)
+        Units of the unknowns.
+    tolerance : float
+        Of the equations.
+
+    Notes
+    -----
+    The tangent of the first branch is the null vector with a part along the parameter; the
+    other branch of a doubling or of a broken symmetry starts across it, as a parabola.
+    """
+    here = equations(crossing[None])
+    _, _, right = np.linalg.svd(here.derivative[0] * scale)
+    # Of the plane of null vectors, the one along which the parameter stays.
+    plane = right[-2:]
+    across = plane[1, -1] * plane[0] - plane[0, -1] * plane[1]
+    across /= np.linalg.norm(across)
+    for length in _TRIAL_LENGTHS:
+        guess = crossing + length * across * scale
+        points, reached = correct_points(
+            equations, guess[None], across[None], scale=scale, tolerance=tolerance
+        )
+        away = (points.unknown[0] - crossing) / scale
+        departed = away @ across > _MIN_DEPARTURE * length
+        near = np.linalg.norm(away) < _MAX_DISTANCE * length
+        if reached[0] and departed and near:
+            return points
+    return None

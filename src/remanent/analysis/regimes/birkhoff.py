@@ -1,0 +1,138 @@
+"""Weighted Birkhoff averages: how fast time averages settle tells order from chaos.
+
+References
+----------
+S. Das, Y. Saiki, E. Sander and J. A. Yorke, Nonlinearity 30 (2017) 4111.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from remanent._typing import FloatArray
+
+#: Digits of two numbers that are equal.
+MAX_DIGITS = 16.0
+#: An orbit encircles a centre if no gap between the directions to its points is wider, turns.
+_MAX_ANGLE_GAP = 0.5
+
+
+def weighted_average(values: FloatArray) -> FloatArray:
+    """Average along the last axis with the smooth weight exp(-1/(s(1 - s))).
+
+    Along a quasi-periodic orbit its error falls faster than any power of the number of
+    values; along a chaotic one as its inverse square root.  The reason is that the weight and
+    all its derivatives vanish at both ends: an average with equal weights has an error of 1/n
+    from the two ends alone, where the orbit is cut off in the middle of a turn.
+
+    Parameters
+    ----------
+    values : array (..., sample)
+
+    Returns
+    -------
+    array (...)
+    """
+    s = np.arange(1, values.shape[-1] + 1) / (values.shape[-1] + 1)
+    weight = np.exp(-1.0 / (s * (1.0 - s)))
+    # Contiguous, so that the order of summation does not depend on how many orbits there are.
+    values = np.ascontiguousarray(values)
+    return np.asarray(np.sum(values * (weight / weight.sum()), axis=-1))
+
+
+def overlapping_digits(values: FloatArray) -> FloatArray:
+    """Decimal digits on which the averages of the first and the last two thirds agree.
+
+    Windows of two thirds overlap, but their weights lie apart; and slow angles turn more often
+    within them than within halves.
+
+    Parameters
+    ----------
+    values : array (..., sample)
+        Of one observable along an orbit, at equal intervals.
+
+    Returns
+    -------
+    array (...)
+        -log10 of the difference of the averages, relative to the standard deviation of the
+        values; at most 16; NaN where a value is.
+    """
+    first, last = _first_and_last(values)
+    spread = np.std(np.ascontiguousarray(values), axis=-1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        digits = -np.log10(np.abs(first - last) / spread)
+    return np.asarray(np.where(spread == 0.0, MAX_DIGITS, np.minimum(digits, MAX_DIGITS)))
+
+
+def _first_and_last(values: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Weighted averages over the first and the last two thirds."""
+    window = -(-2 * values.shape[-1] // 3)
+    return weighted_average(values[..., :window]), weighted_average(values[..., -window:])
+
+
+@dataclass(frozen=True)
+class RotationNumbers:
+    """How fast orbits turn about a centre.
+
+    Attributes
+    ----------
+    number : array (orbit,)
+        Turns per iterate, clockwise, in [0, 1); NaN where the orbit does not encircle
+        its centre.
+    digits : array (orbit,)
+        Decimal digits on which the first and the last two thirds of the orbit agree.
+    """
+
+    number: FloatArray
+    digits: FloatArray
+
+
+def rotation_numbers(points: FloatArray, centre: FloatArray | None = None) -> RotationNumbers:
+    """Rotation numbers by weighted averages of the angle from each iterate to the next.
+
+    The angle from a point to its image is known up to whole turns.  On a curve about the
+    centre it is a continuous function of the point, so the cut between representatives is
+    laid where no angle falls: in the widest gap between the angles found.  The average,
+    modulo 1, then does not depend on where.  Clockwise is the sense in which a point
+    (x, x') turns.
+
+    Parameters
+    ----------
+    points : array (orbit, iterate, 2)
+        Two coordinates along each orbit.
+    centre : array (orbit, 2), optional
+        By default the weighted average of the points.
+
+    Returns
+    -------
+    Rotation
+    """
+    if centre is None:
+        centre = weighted_average(np.moveaxis(points, 1, -1))
+    away = points - centre[:, None]
+    size = np.std(np.ascontiguousarray(np.moveaxis(away, 1, -1)), axis=-1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        # Scaled, so that flat curves are as good as round ones.
+        angle = -np.arctan2(away[..., 1] / size[:, None, 1], away[..., 0] / size[:, None, 0])
+    turn = angle / (2.0 * np.pi)
+    step = np.diff(turn, axis=1) % 1.0
+    # A fixed cut, at 0 say, could fall among the angles and split equal ones by a whole turn.
+    cut, _ = _widest_gap(step)
+    step = (step - cut[:, None]) % 1.0 + cut[:, None]
+    first, last = _first_and_last(step)
+    with np.errstate(divide="ignore"):
+        digits = np.minimum(-np.log10(np.abs(first - last)), MAX_DIGITS)
+    encircles = (_widest_gap(turn % 1.0)[1] <= _MAX_ANGLE_GAP) & np.isfinite(first + last)
+    number = weighted_average(step) % 1.0
+    return RotationNumbers(np.where(encircles, number, np.nan), np.where(encircles, digits, 0.0))
+
+
+def _widest_gap(turns: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Middle and width of the widest interval of the circle [0, 1) without a value."""
+    ordered = np.sort(turns, axis=1)
+    gaps = np.diff(ordered, axis=1, append=ordered[:, :1] + 1.0)
+    widest = np.argmax(np.where(np.isnan(gaps), -1.0, gaps), axis=1)[:, None]
+    width = np.take_along_axis(gaps, widest, 1)[:, 0]
+    return np.take_along_axis(ordered, widest, 1)[:, 0] + 0.5 * width, width

@@ -1,0 +1,32 @@
+"""What indicators are computed from: some orbits, without the transients of damped motion."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from remanent._typing import FloatArray
+
+
+@dataclass(frozen=True)
+class OrbitBatch:
+    """Some orbits that were followed together.
+
+    Attributes
+    ----------
+    points : array (orbit, iterate, observable)
+        Bounded functions of the states, without the transient.
+    factors : array (orbit, block, direction, direction)
+        Upper triangles of the tangents' factorisations over the whole run.
+    seed : int
+        For what is drawn at random, the same for every orbit.
+    """
+
+    points: FloatArray
+    factors: FloatArray
+    seed: int
+
+
+#: An indicator gives a number (orbit,) for each orbit of a batch, NaN where it says nothing.
+#: What it gives must not depend on the other orbits.
+Indicator = Callable[[OrbitBatch], FloatArray]

@@ -1,0 +1,1 @@
+"""Largest values of a response, and the harmonic that resonates."""

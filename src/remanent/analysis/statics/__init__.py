@@ -1,0 +1,1 @@
+"""Where a static force vanishes."""

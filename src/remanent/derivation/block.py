@@ -1,0 +1,200 @@
+"""The energies of an actuator's parts, put together as the energies of its motion.
+
+Nothing here knows a particular material or load.  The energies of the parts, written
+for two in-plane stretches, are assembled for one coordinate (equal stretches) or two.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import sympy as sp
+
+from remanent.derivation.energy_balance import heat_balance
+from remanent.derivation.motion import Energies, HeatBalance, Motion, Term
+from remanent.derivation.symbols import (
+    AREA,
+    BODY_TEMPERATURE,
+    EFFECTIVE_LOAD,
+    LOAD,
+    STIFFNESS_RATIO,
+    TEMPERATURE_RATIO,
+    THICKNESS,
+    THICKNESS_RATE,
+    Expression,
+    Symbol,
+    coordinate_symbols,
+    in_symbols,
+    parameter,
+)
+from remanent.derivation.unexpanded import Unexpanded
+from remanent.models import heat
+from remanent.models.actuator import Actuator
+from remanent.models.dissipation import Dissipation
+from remanent.models.drives.base import Drive
+from remanent.models.parts import parameters_of
+
+
+def motion(actuator: Actuator, drive: Drive | None) -> Motion:
+    """Energies of an actuator; without a drive, the load is left as a symbol.
+
+    Equations, per 8 H L1 L2 mu [Thermal, eqs. 3 to 12], l3 = 1/(l1 l2):
+    T = (w1 l1'^2 + w2 l2'^2 + c l3'^2)/6,  w_i = (L_i/L)^2, here 1 where edges are equal,
+    U = mu(T)/mu W(l1, l2, l3) - m l3 - S1 (l1 - 1) - S2 (l2 - 1) + viscous energy
+    + the magnet's energy in its own field.
+    """
+    p = {name: parameter(name) for name in actuator.parameters()}
+    q, v = coordinate_symbols(actuator.coordinates)
+    # Of one coordinate both stretches are the same symbol, so that energies are written once.
+    pair, pair_rates = (q[0], q[-1]), (v[0], v[-1])
+    elements = [
+        _element(f"dissipation.{i}", part, (*pair, THICKNESS), pair_rates, actuator, p)
+        for i, part in enumerate(actuator.elements())
+    ]
+    energies = _energies(actuator, pair, elements, p)
+    geometry = {
+        AREA: pair[0] * pair[1],
+        THICKNESS: 1 / AREA,
+        THICKNESS_RATE: -(THICKNESS**2) * (pair_rates[0] * pair[1] + pair_rates[1] * pair[0]),
+    }
+    admissibility = actuator.material.admissibility(
+        *pair, THICKNESS, parameters_of("material", p), sp
+    )
+    return Motion(
+        coordinates=q,
+        rates=v,
+        weights=(*_weights(actuator, p), p["c"]),
+        energies=energies,
+        rayleigh=sum((e.rayleigh for e in elements), start=sp.Integer(0)),
+        internal={xi: rate for e in elements for xi, rate in e.internal.items()},
+        relaxes_to={xi: stretch for e in elements for xi, stretch in e.relaxes_to.items()},
+        load=LOAD,
+        theta=TEMPERATURE_RATIO,
+        definitions=_definitions(actuator, drive, p) | geometry,
+        admissibility=tuple(admissibility),
+        heat=_heat(actuator, drive, p, energies),
+    )
+
+
+def _energies(
+    actuator: Actuator,
+    pair: tuple[Symbol, Symbol],
+    elements: Sequence[_Element],
+    p: Mapping[str, Symbol],
+) -> Energies:
+    """The parts of the potential energy."""
+    stretches = (*pair, THICKNESS)
+    strain = actuator.material.energy(*stretches, parameters_of("material", p), sp)
+    edges = (*_edges(actuator, p), sp.sqrt(p["c"]))
+    self_field = actuator.magnet.self_energy(stretches, edges, parameters_of("magnet", p), sp)
+    work = sum(s * (stretch - 1) for s, stretch in zip(_pair(p, "prestress"), pair, strict=True))
+    return Energies(
+        strain=Term(STIFFNESS_RATIO, strain if actuator.material.expand else Unexpanded(strain)),
+        field=Term(1, actuator.magnet.energy(EFFECTIVE_LOAD, THICKNESS)),
+        dead_loads=Term(1, -work),
+        self_field=Term(Unexpanded(_remanence(actuator, p) ** 2), Unexpanded(self_field)),
+        viscous=tuple(Term(TEMPERATURE_RATIO, e.stored) for e in elements),
+    )
+
+
+@dataclass(frozen=True)
+class _Element:
+    """Rayleigh's function, stored energy and rates of internal variables of an element."""
+
+    rayleigh: Expression
+    stored: Expression
+    internal: Mapping[Symbol, Expression]
+    relaxes_to: Mapping[Symbol, Symbol]
+
+
+def _element(
+    prefix: str,
+    part: Dissipation,
+    stretches: Sequence[Symbol],
+    rates: Sequence[Symbol],
+    actuator: Actuator,
+    p: Mapping[str, Symbol],
+) -> _Element:
+    """One dissipative element; equal stretches share one internal variable per kind."""
+    suffixes = ("", "") if actuator.coordinates == 1 else ("_1", "_2")
+    symbols, directions = [], []
+    for kind in part.internal:
+        for suffix, stretch in zip(suffixes, stretches[:2], strict=True):
+            symbols.append(sp.Symbol(f"{prefix}.{kind}{suffix}", positive=True))
+            directions.append(stretch)
+    temperature, reference = body_temperature(actuator), p["reference_temperature"]
+    numbers = part.at(temperature, reference, parameters_of(prefix, p), sp)
+    internal_rates = part.internal_rates(stretches, symbols, TEMPERATURE_RATIO, numbers)
+    return _Element(
+        rayleigh=sp.sympify(part.rayleigh(stretches, rates, numbers)),
+        stored=sp.sympify(part.stored(stretches, symbols, numbers)),
+        internal=dict(zip(symbols, internal_rates, strict=True)),
+        relaxes_to=dict(zip(symbols, directions, strict=True)),
+    )
+
+
+def _definitions(
+    actuator: Actuator, drive: Drive | None, p: Mapping[str, Symbol]
+) -> dict[Symbol, Expression]:
+    """Temperature ratio, stiffness, load, and load with the remanence at temperature."""
+    fraction = p["material.entropic_fraction"]
+    definitions = {
+        TEMPERATURE_RATIO: body_temperature(actuator) / p["reference_temperature"],
+        STIFFNESS_RATIO: heat.stiffness(TEMPERATURE_RATIO, fraction),
+    }
+    if drive is not None:
+        definitions[LOAD] = in_symbols(drive.load_laws, drive)[LOAD]
+    definitions[EFFECTIVE_LOAD] = _remanence(actuator, p) * LOAD
+    return definitions
+
+
+def _heat(
+    actuator: Actuator, drive: Drive | None, p: Mapping[str, Symbol], energies: Energies
+) -> HeatBalance | None:
+    """The heat balance: factors of the energies in terms of theta, and the load itself."""
+    if actuator.heat is None:
+        return None
+    fraction = p["material.entropic_fraction"]
+    of_theta = {
+        STIFFNESS_RATIO: heat.stiffness(TEMPERATURE_RATIO, fraction),
+        body_temperature(actuator): TEMPERATURE_RATIO * p["reference_temperature"],
+    }
+    return heat_balance(
+        energies,
+        of_theta,
+        p=p,
+        in_field=Term(
+            _remanence(actuator, p).subs(of_theta),
+            energies.field.energy.subs(EFFECTIVE_LOAD, LOAD),
+        ),
+        load_rate=None if drive is None else in_symbols(drive.load_rates, drive)[LOAD],
+    )
+
+
+def _remanence(actuator: Actuator, p: Mapping[str, Symbol]) -> Expression:
+    """B_r(T)/B_r(T0)."""
+    temperature, reference = body_temperature(actuator), p["reference_temperature"]
+    return actuator.magnet.remanence(temperature, reference, parameters_of("magnet", p))
+
+
+def body_temperature(actuator: Actuator) -> Symbol:
+    """The symbol of T: a state where there is a heat balance, else a numeric field."""
+    return parameter("temperature") if actuator.heat is None else BODY_TEMPERATURE
+
+
+def _pair(p: Mapping[str, Symbol], name: str) -> tuple[Symbol, Symbol]:
+    return (p[name], p[name]) if name in p else (p[f"{name}_1"], p[f"{name}_2"])
+
+
+def _edges(actuator: Actuator, p: Mapping[str, Symbol]) -> tuple[Expression, Expression]:
+    """L1/L and L2/L."""
+    return (sp.Integer(1), sp.Integer(1)) if actuator.edges is None else _pair(p, "edges")
+
+
+def _weights(actuator: Actuator, p: Mapping[str, Symbol]) -> tuple[Expression, ...]:
+    """Of the coordinates in the kinetic energy: (L_i/L)^2, 1 where edges are equal."""
+    edge_1, edge_2 = _edges(actuator, p)
+    if actuator.coordinates == 2:
+        return edge_1**2, edge_2**2
+    return (edge_1**2 + edge_2**2,)

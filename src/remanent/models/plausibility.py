@@ -1,0 +1,47 @@
+"""Values that are allowed but look like a mistake."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping
+from typing import Final
+
+import numpy as np
+
+from remanent._errors import InputWarning
+from remanent._typing import ArrayLike
+
+#: A temperature in kelvin below this is probably meant in degrees Celsius.
+LOWEST_PLAUSIBLE_TEMPERATURE: Final = 100.0
+
+#: The rating of plain NdFeB magnets, 80 degrees Celsius, in kelvin.
+MAGNET_RATING: Final = 353.15
+
+
+def warn_if_implausible(values: Mapping[str, ArrayLike], *, stacklevel: int = 2) -> None:
+    """Warn of temperatures that look like degrees Celsius or are above a magnet's rating.
+
+    Parameters
+    ----------
+    values : mapping of name to array
+        Numeric fields of an actuator, single or in a batch; those that are missing are fine.
+    stacklevel
+        Of the warning, as for :func:`warnings.warn` called in the place of this function.
+    """
+    for name in ("temperature", "reference_temperature"):
+        kelvin = np.asarray(values.get(name, LOWEST_PLAUSIBLE_TEMPERATURE))
+        if np.any(kelvin < LOWEST_PLAUSIBLE_TEMPERATURE):
+            warnings.warn(
+                f"`{name}` is below {LOWEST_PLAUSIBLE_TEMPERATURE:g} K somewhere. Temperatures "
+                "are in kelvin; for t degrees Celsius pass t + 273.15.",
+                InputWarning,
+                stacklevel=stacklevel + 1,
+            )
+    depends = np.asarray(values.get("magnet.temperature_coefficient", 0.0)) != 0.0
+    if np.any(depends & (np.asarray(values.get("temperature", 0.0)) > MAGNET_RATING)):
+        warnings.warn(
+            f"`temperature` is above {MAGNET_RATING:g} K (80 degrees Celsius) somewhere, the "
+            "rating of plain NdFeB magnets: a constant temperature coefficient is a guess there.",
+            InputWarning,
+            stacklevel=stacklevel + 1,
+        )

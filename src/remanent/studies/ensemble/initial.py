@@ -1,0 +1,153 @@
+"""Where trajectories start, and which starts make no sense."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from remanent._checks import as_float_array, shortened
+from remanent._errors import InputError
+from remanent._field import Field, Role, StateVariable
+from remanent._typing import ArrayLike, BoolArray, FloatArray
+from remanent.models.system import System
+
+#: Largest stretch and rate, and inverse of the smallest stretch, to start from.
+FARTHEST = 1e6
+
+
+def initial_states(
+    initial: ArrayLike | None,
+    varied: Mapping[str, FloatArray],
+    field: Field,
+    values: Mapping[str, FloatArray],
+    count: int,
+) -> FloatArray:
+    """Initial states: at rest, save for what was given for all or varied.
+
+    Parameters
+    ----------
+    initial : array_like (state,), optional
+        Coordinates and rates of all trajectories, or the whole state.
+    varied : mapping of name to array (trajectory,)
+        What ``over`` varies; a state variable is called ``initial.<name>`` there.
+    field : Field
+        Whose state it is.
+    values : mapping of name to array (trajectory,)
+        Numeric fields, on which values at rest depend.
+    count : int
+        Number of trajectories.
+
+    Returns
+    -------
+    array (trajectory, state)
+        It may be read-only: all trajectories share one row where nothing differs.
+    """
+    rest = [rest_values(variable, values, count) for variable in field.variables]
+    first = np.array([column[0] for column in rest])
+    given = first[:0] if initial is None else _given_state(initial, field)
+    columns = {
+        k: varied[f"initial.{name}"]
+        for k, name in enumerate(field.state)
+        if f"initial.{name}" in varied
+    }
+    for k, column in enumerate(rest):
+        # A column with a stride holds values that differ: a temperature that `over` varies.
+        if k >= given.size and column.strides != (0,):
+            columns.setdefault(k, column)
+    _refuse_fixed(given, [k for k in range(given.size) if k not in columns], field)
+    row = np.append(given, first[given.size :])
+    states = np.broadcast_to(row, (count, len(rest)))
+    if columns:
+        states = states.copy()
+        for k, column in columns.items():
+            states[:, k] = column
+    return states
+
+
+def _given_state(initial: ArrayLike, field: Field) -> FloatArray:
+    """The state to start from, array (given,): coordinates and rates, or all of it."""
+    moving = field.names(Role.COORDINATE, Role.RATE)
+    entire = f", or all of {', '.join(field.state)}" if moving != [*field.state] else ""
+    what = f"{', '.join(moving)}{entire}"
+    why = "A motion starts from one state."
+    fix = f"Leave it out to start from rest; vary it by over={{'initial.{field.state[0]}': ...}}."
+    state = as_float_array("initial", initial, what=what, why=why, fix=fix, ndim=1, finite=True)
+    if state.size not in {len(moving), len(field.state)}:
+        raise InputError(
+            "initial",
+            must=f"be {len(moving)} finite numbers, ({', '.join(moving)}){entire}",
+            got=shortened(initial),
+            why=why,
+            fix=fix,
+        )
+    return state
+
+
+def _refuse_fixed(given: FloatArray, fixed: list[int], field: Field) -> None:
+    """Raise where what all trajectories start from is no state; what varies has a status."""
+    for k in fixed:
+        variable = field.variables[k]
+        if variable.positive and not given[k] > 0.0:
+            raise InputError(
+                "initial",
+                must=f"have a {variable.name} greater than 0",
+                got=given[k],
+                why="Stretches are ratios of lengths, temperatures are absolute.",
+                fix="Pass 1 for the undeformed block.",
+            )
+
+
+def rest_values(
+    variable: StateVariable, values: Mapping[str, FloatArray], count: int
+) -> FloatArray:
+    """Value of a state variable at rest, array (trajectory,)."""
+    return np.broadcast_to(variable.value_at_rest(values), (count,))
+
+
+def invalid_states(
+    system: System, values: Mapping[str, FloatArray], states: FloatArray, field: Field
+) -> BoolArray:
+    """Where a state is no state to start from, array (trajectory,) of bool."""
+    invalid = ~(np.abs(states) <= FARTHEST).all(axis=1)
+    invalid |= ~(states[:, _positive(field)] >= 1.0 / FARTHEST).all(axis=1)
+    return np.asarray(invalid | ~_admissible(system, values, states, field))
+
+
+def refuse_state(
+    system: System, values: Mapping[str, FloatArray], states: FloatArray, field: Field
+) -> None:
+    """Raise what is wrong with the first of the states, if anything is."""
+    state = states[0]
+    _refuse_fixed(state, list(range(state.size)), field)
+    inside = (state[_positive(field)] >= 1.0 / FARTHEST).all()
+    if not (inside and (np.abs(state) <= FARTHEST).all()):
+        raise InputError(
+            "initial",
+            must=f"have stretches from {1.0 / FARTHEST:g} to {FARTHEST:g} and rates up to "
+            f"{FARTHEST:g}",
+            got=state.tolist(),
+            why="No motion gets beyond them, and high powers lose their digits there.",
+            fix="Pass (1, 0) for rest.",
+        )
+    if not _admissible(system, values, states, field).all():
+        raise InputError(
+            "initial",
+            must="be a state that the material can reach",
+            got=state.tolist(),
+            why=f"It lies beyond {system.describe_limits()}.",
+            fix="Start nearer to (1, 0), or raise the limit.",
+        )
+
+
+def _positive(field: Field) -> list[int]:
+    """Positions of the state variables that only positive values make sense of."""
+    return [k for k, variable in enumerate(field.variables) if variable.positive]
+
+
+def _admissible(
+    system: System, values: Mapping[str, FloatArray], states: FloatArray, field: Field
+) -> BoolArray:
+    """Whether the energies exist in each state, array (trajectory,) of bool."""
+    coordinates = (states[:, k] for k in field.indices(Role.COORDINATE))
+    return system.admissible(values, *coordinates)

@@ -1,0 +1,51 @@
+"""How much memory a request needs, and the refusal of what is too large."""
+
+from __future__ import annotations
+
+import os
+
+from remanent._errors import InputError
+
+#: Bytes that a trajectory costs while it is computed, beside its samples.
+TRAJECTORY_BYTES = 1024.0
+#: Bytes of one sample of a trajectory: its state, its observables, and their copies.
+SAMPLE_BYTES = 80.0
+#: Share of the machine's memory that one request may take.
+_ALLOWED_SHARE = 0.5
+#: Bytes that are assumed where the machine does not tell how many it has.
+_ASSUMED_MEMORY = 8.0 * 2**30
+
+
+def require_memory(name: str, needed: float, what: str) -> None:
+    """Refuse a request that is too large, before anything of its size is allocated.
+
+    Parameters
+    ----------
+    name : str
+        The argument that makes it large.
+    needed : float
+        Bytes that the results and what is needed on the way take.
+    what : str
+        What they are, as in ``"100 x 2001 states"``.
+
+    Raises
+    ------
+    InputError
+        If it is more than half of this machine's memory.
+    """
+    limit = _ALLOWED_SHARE * _physical_memory()
+    if needed > limit:
+        raise InputError(
+            name,
+            must=f"ask for results of at most {limit / 2**30:.1f} GiB",
+            got=f"{what}, about {needed / 2**30:.1f} GiB",
+            why="The request was refused before any memory was allocated.",
+            fix="Pass fewer values, fewer times, or split the request.",
+        )
+
+
+def _physical_memory() -> float:
+    try:
+        return float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
+    except (AttributeError, ValueError, OSError):
+        return _ASSUMED_MEMORY

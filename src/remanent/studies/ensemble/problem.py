@@ -1,0 +1,51 @@
+"""From an ensemble to what the integrators take."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from remanent._checks import shortened
+from remanent._errors import InputError
+from remanent._timeline import Timeline
+from remanent._typing import FloatArray
+from remanent.integrate.ensemble.problem import Problem
+from remanent.models.drives.base import Drive
+from remanent.studies.ensemble.ensemble import Ensemble
+
+
+def initial_value_problem(ens: Ensemble, duration: FloatArray) -> Problem:
+    """The trajectories of an ensemble, each lasting its `duration`, array (trajectory,).
+
+    Invalid trajectories take harmless values: nothing is integrated there, but whatever works
+    on whole arrays need not make exceptions for them.
+    """
+    defaults = {**ens.system.parameters(), **ens.drive.parameters()}
+    durations = np.where(ens.invalid, 1.0, duration)
+    values = {
+        name: np.where(ens.invalid, defaults[name], column) for name, column in ens.values.items()
+    }
+    timeline = _timeline(ens.drive, values, durations)
+    lengths = np.broadcast_to(timeline.lengths, (len(timeline.lengths), ens.count))
+    timeline = Timeline(lengths, timeline.periodic, timeline.parameters, timeline.waveform)
+    # Parameters that the timeline gives piece by piece have no value of their own.
+    columns = [values.get(name, np.zeros(ens.count)) for name in ens.field.parameters]
+    parameters = np.column_stack(columns) if columns else np.zeros((ens.count, 0))
+    return Problem(ens.field, timeline, parameters, ens.initial, durations, ens.invalid)
+
+
+def _timeline(drive: Drive, values: Mapping[str, FloatArray], end: FloatArray) -> Timeline:
+    try:
+        with np.errstate(all="ignore"):
+            return drive.timeline(values, end)
+    except InputError:
+        raise
+    except ValueError as error:  # from the interpolation of samples
+        raise InputError(
+            "drive",
+            must="have loads that a spline can pass through in floating point",
+            got=shortened(drive),
+            why=f"Interpolation failed: {error}",
+            fix="Use loads and times of ordinary size.",
+        ) from error

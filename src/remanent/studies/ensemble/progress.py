@@ -1,0 +1,94 @@
+"""What ``progress=`` means: a bar, a function to call, or silence."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from typing import TypeAlias
+
+from remanent._checks import shortened
+from remanent._errors import InputError
+
+#: A function that is called with the share that is done, in [0, 1].
+Report: TypeAlias = Callable[[float], None]
+#: What verbs accept as ``progress``.
+Progress: TypeAlias = bool | Report | None
+#: Characters of a bar.
+_WIDTH = 40
+
+
+def as_progress(progress: Progress) -> Report | None:
+    """A function to call with the share that is done, or None.
+
+    Parameters
+    ----------
+    progress : bool or callable or None
+        True draws a bar on standard error, with Rich where it is installed; a function is
+        called with the share in [0, 1]; None and False do nothing.
+
+    Raises
+    ------
+    InputError
+        If it is anything else.
+    """
+    if progress is None or progress is False:
+        return None
+    if progress is True:
+        return _Bar(_drawing())
+    if callable(progress):
+        return progress
+    raise InputError(
+        "progress",
+        must="be True, False, None or a function of one number",
+        got=shortened(progress),
+        why="It is told the share that is done, in [0, 1].",
+        fix="Pass True for a bar.",
+    )
+
+
+def within(report: Report | None, part: slice, count: int) -> Report | None:
+    """Report of the share done of a `part` of `count` equal pieces of work, as one of the whole."""
+    if report is None:
+        return None
+    return lambda done: report((part.start + done * (part.stop - part.start)) / count)
+
+
+class _Bar:
+    """A line on standard error that is written again as work goes on.
+
+    Calling it changes the line, and what it remembers of it.  It needs no end: no thread runs
+    and the terminal is in no other state than before, also where the work is broken off.
+    """
+
+    def __init__(self, draw: Callable[[float, str], None]) -> None:
+        self._draw = draw
+        self._percent = -1
+
+    def __call__(self, done: float) -> None:
+        """Draw the share that is done, if it looks different from before."""
+        percent = int(100.0 * min(max(done, 0.0), 1.0))
+        if percent != self._percent:
+            self._percent = percent
+            self._draw(percent / 100.0, "\n" if percent == 100 else "\r")
+
+
+def _drawing() -> Callable[[float, str], None]:
+    """How a bar is drawn: by Rich where it is installed, else in plain text."""
+    try:
+        from rich.console import Console
+        from rich.progress_bar import ProgressBar
+    except ImportError:
+        return _draw_plain
+    console = Console(stderr=True)
+
+    def draw(done: float, end: str) -> None:
+        bar = ProgressBar(total=1.0, completed=done, width=_WIDTH)
+        console.print(bar, f" {done:4.0%}", end=end, highlight=False)
+
+    return draw
+
+
+def _draw_plain(done: float, end: str) -> None:
+    filled = round(_WIDTH * done)
+    bar = "#" * filled + "-" * (_WIDTH - filled)
+    print(f"[{bar}] {done:4.0%}", end=end, file=sys.stderr, flush=True)

@@ -1,0 +1,116 @@
+"""What the verbs that take measures share: arguments, many measures at once, labels."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from remanent._checks import finite, require_names, require_real
+from remanent._errors import InputError
+from remanent._typing import FloatArray
+from remanent.results import provenance
+from remanent.results.build import Labelled
+from remanent.studies.inference.measure import SAMPLE, Measure, Of
+
+
+def as_values(
+    parameters: str | Sequence[str] | Mapping[str, float], nominal: Mapping[str, float]
+) -> dict[str, float]:
+    """Parameters by name, with the values given, or else with their nominal ones.
+
+    Names that `nominal` does not have are refused.
+    """
+    names = require_names(
+        "parameters", parameters, nominal, "the system or the drive, or a physical size"
+    )
+    if not isinstance(parameters, Mapping):
+        return {name: float(nominal[name]) for name in names}
+    rule = finite("It is the value from which the search starts.")
+    return {name: require_real(f"parameters[{name!r}]", parameters[name], rule) for name in names}
+
+
+def as_measure(
+    measure: Measure | Callable[..., Any],
+    arguments: tuple[Any, ...],
+    of: Of | None,
+    **options: Any,
+) -> Measure:
+    """A measure as it is, or made of a verb and its arguments."""
+    if not isinstance(measure, Measure):
+        return Measure(measure, *arguments, of=of, **options)
+    if arguments or of is not None or options:
+        raise InputError(
+            "measure",
+            must="come alone",
+            got=repr(measure),
+            why="It holds its arguments already.",
+            fix="Pass them to rm.Measure.",
+        )
+    return measure
+
+
+def evaluate(
+    measures: Sequence[Measure], names: Sequence[str], candidates: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Values and errors of several measures.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Of the parameters.
+    candidates : array (candidate, parameter)
+
+    Returns
+    -------
+    values, errors : array (candidate, number)
+        The numbers of all measures, one measure after the other.
+    """
+    columns = dict(zip(names, candidates.T, strict=True))
+    pairs = [measure.at(columns) for measure in measures]
+    flat = [[np.reshape(part.values, (len(candidates), -1)) for part in pair] for pair in pairs]
+    values, errors = (np.concatenate(parts, axis=1) for parts in zip(*flat, strict=True))
+    return values, errors
+
+
+@dataclass(frozen=True)
+class MeasureLayout:
+    """The dimensions that a measure has beside that of its samples.
+
+    Attributes
+    ----------
+    dims : tuple of str
+    shape : tuple of int
+    coords : mapping of str to Labelled
+        Of those dimensions that have coordinates.
+    """
+
+    dims: tuple[str, ...]
+    shape: tuple[int, ...]
+    coords: Mapping[str, Labelled]
+
+    @classmethod
+    def of(cls, values: xr.DataArray) -> MeasureLayout:
+        """The layout of a measure along ``sample``, which is its first dimension."""
+        dims = tuple(str(d) for d in values.dims if d != SAMPLE)
+        coords: dict[str, Labelled] = {
+            d: ((d,), values[d].values) for d in dims if d in values.coords
+        }
+        return cls(dims, values.shape[1:], coords)
+
+    def labelled(self, numbers: FloatArray, *first: str) -> Labelled:
+        """Numbers (..., number), in which the measure is flat, with names of all dimensions."""
+        leading = numbers.shape[: len(first)]
+        return (*first, *self.dims), np.reshape(numbers, (*leading, *self.shape))
+
+
+def attributes(measure: Measure, /, **settings: Any) -> dict[str, Any]:
+    """What says how a result about a measure was made.
+
+    Its numbers mix the units of the measure and of the parameters: they do not turn to SI by
+    their names.
+    """
+    return provenance.attributes(measure.actuator, measure.drive, None, scaled=False, **settings)

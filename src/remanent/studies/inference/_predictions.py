@@ -1,0 +1,198 @@
+"""What the model predicts of the values in a table of measurements."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+
+from remanent._errors import InputError
+from remanent._typing import ArrayLike, FloatArray
+from remanent.analysis.inference.fitting import Observations
+from remanent.integrate.ensemble.ensemble import integrate
+from remanent.integrate.ensemble.problem import Outcome, Problem, Request
+from remanent.models.drives.base import Drive
+from remanent.models.system import System
+from remanent.results.build import Labelled
+from remanent.studies.ensemble.durations import durations
+from remanent.studies.ensemble.observables import blank_beyond_horizon, observe
+from remanent.studies.ensemble.physical_scales import PhysicalScales, lay_out_physical
+
+#: Variables of a table that say how good it is, and are not compared.
+_EVIDENCE = frozenset({"crossings", "balance", "status", "horizon", "error"})
+
+
+@dataclass(frozen=True)
+class Measurements:
+    """Measured values, one variable after the other.
+
+    Attributes
+    ----------
+    table : xarray.Dataset
+        Along ``time`` or ``omega``.
+    """
+
+    table: xr.Dataset
+
+    @property
+    def dimension(self) -> str:
+        """``omega`` for a response, ``time`` for a history."""
+        return "omega" if "omega" in self.table.dims else "time"
+
+    @property
+    def axis(self) -> FloatArray:
+        """Times or frequencies, array (point,)."""
+        return np.asarray(self.table[self.dimension].values)
+
+    @property
+    def variables(self) -> list[str]:
+        """Names of the variables that are compared."""
+        names = [str(n) for n in self.table.data_vars if self.table[n].dims == (self.dimension,)]
+        return [n for n in names if not n.endswith("_error") and n not in _EVIDENCE]
+
+    def data(self) -> Observations:
+        """The values with their standard deviations.
+
+        Deviations count only where every variable has them: else there is no common unit in
+        which one variable's residuals could be weighed against another's.
+        """
+        if self.dimension not in self.table.dims or not self.variables:
+            raise InputError(
+                "data",
+                must="hold variables along `time` or `omega`",
+                got=list(self.table.sizes),
+                why="They are compared with a history or a response.",
+                fix="Use rm.read_measurements(...).",
+            )
+        values = np.concatenate([self.table[name].values for name in self.variables])
+        errors = [f"{name}_error" for name in self.variables]
+        known = all(error in self.table for error in errors)
+        deviation = np.ones(values.size)
+        if known:
+            columns = [np.broadcast_to(self.table[error], self.axis.size) for error in errors]
+            deviation = np.concatenate(columns)
+        bad = ~np.isfinite(values) | ~(deviation > 0.0)
+        if bad.any():
+            raise InputError(
+                "data",
+                must="be finite, with deviations above 0",
+                got=f"{values[bad][0]} with deviation {deviation[bad][0]}",
+                why="Each value counts by its deviation.",
+                fix="Leave such rows out.",
+            )
+        return Observations(values, deviation, known)
+
+    def labels(self) -> dict[str, Labelled]:
+        """What each value is, and where, along ``observation``."""
+        return {
+            "quantity": (("observation",), np.repeat(self.variables, self.axis.size)),
+            self.dimension: (("observation",), np.tile(self.axis, len(self.variables))),
+        }
+
+
+@dataclass(frozen=True)
+class Window:
+    """The part of each run whose extremes a response is made of.
+
+    Attributes
+    ----------
+    duration : float or None
+        Length of the run, τ.
+    periods : int or None
+        Its length in drive periods, in place of `duration`.
+    discard : float
+        Time at the beginning, τ, that does not count.
+    """
+
+    duration: float | None
+    periods: int | None
+    discard: float
+
+    def integrate(self, scaled: PhysicalScales, tolerance: float) -> Outcome:
+        """The extremes of every trajectory within the window."""
+        ens = scaled.ensemble
+        if self.periods is not None:
+            problem = scaled.problem(durations(ens, None, self.periods) / scaled.time)
+        else:
+            problem = scaled.problem(durations(ens, self.duration, None))
+        request = Request(extremes=True, begin=self.discard * scaled.time)
+        return integrate(problem, request, tolerance=tolerance)
+
+
+@dataclass(frozen=True)
+class Predictions:
+    """Predictions of measured values, for many candidates at once.
+
+    Attributes
+    ----------
+    system : System
+    drive : Drive
+    names : tuple of str
+        Of the parameters that differ between candidates.
+    initial : array (state,) or None
+    measurements : Measurements
+    window : Window
+        Of a response.
+    tolerance : float
+        Of the computed motion.
+    """
+
+    system: System
+    drive: Drive
+    names: tuple[str, ...]
+    initial: ArrayLike | None
+    measurements: Measurements
+    window: Window
+    tolerance: float
+
+    def __call__(self, candidates: FloatArray) -> FloatArray:
+        """Predictions of candidates (candidate, parameter), array (candidate, datum).
+
+        NaN where the error bound is not met.
+        """
+        over = {
+            name: xr.DataArray(column, dims="candidate")
+            for name, column in zip(self.names, candidates.T, strict=True)
+        }
+        predict = self._history if self.measurements.dimension == "time" else self._response
+        columns = predict(over)
+        return np.concatenate([columns[name] for name in self.measurements.variables], axis=1)
+
+    def _history(self, over: Mapping[str, xr.DataArray]) -> dict[str, FloatArray]:
+        scaled = lay_out_physical(self.system, self.drive, over, self.initial)
+        times = self.measurements.axis
+        end = max(float(times[-1]), np.finfo(float).tiny)
+        problem = scaled.problem(np.full(scaled.ensemble.count, end))
+        own_times = times * scaled.time[:, None]
+        outcome = integrate(problem, Request(times=own_times), tolerance=self.tolerance)
+        assert outcome.states is not None
+        states = blank_beyond_horizon(outcome.states, own_times, outcome)
+        return {
+            name: _column(problem, name, own_times, states) / scaled.factor(name)[:, None]
+            for name in self.measurements.variables
+        }
+
+    def _response(self, over: Mapping[str, xr.DataArray]) -> dict[str, FloatArray]:
+        omega = xr.DataArray(self.measurements.axis, dims="frequency")
+        scaled = lay_out_physical(self.system, self.drive, {**over, "omega": omega}, self.initial)
+        outcome = self.window.integrate(scaled, self.tolerance)
+        low, high = (scaled.ensemble.shaped(v) for v in (outcome.minimum, outcome.maximum))
+        return {"maximum": high, "minimum": low, "amplitude": 0.5 * (high - low)}
+
+
+def _column(problem: Problem, name: str, times: FloatArray, states: FloatArray) -> FloatArray:
+    """A state variable or an observable, array (trajectory, time)."""
+    field = problem.field
+    if name in field.state:
+        return states[:, :, field.state.index(name)]
+    if name not in field.observables:
+        raise InputError(
+            "data",
+            must=f"hold variables among {', '.join([*field.state, *field.observables])}",
+            got=name,
+            why="They are what a history has.",
+            fix="Name the columns so, by rm.read_measurements(names=...).",
+        )
+    return observe(problem, name, times, states)

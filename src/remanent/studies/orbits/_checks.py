@@ -1,0 +1,129 @@
+"""Rules for arguments of the verbs for periodic orbits."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from remanent._checks import as_float_array, shortened
+from remanent._errors import InputError
+from remanent._field import Role, StateVariable
+from remanent._typing import FloatArray
+from remanent.studies.ensemble.durations import require_count
+from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.initial import rest_values
+
+#: Default range of stretches.
+STRETCH_RANGE = (0.3, 4.0)
+#: Default range of rates of stretches.
+RATE_RANGE = (-8.0, 8.0)
+#: Kelvin around the surroundings in which a body's temperature is looked for.
+TEMPERATURE_MARGIN = 5.0
+#: Special points that are looked for by themselves.
+BIFURCATIONS = ("fold", "period doubling")
+#: Why there is a box.
+_WHY = "Orbits are looked for, and branches end, in a box of states at phase 0."
+_FIX = "Pass for example {'stretch': (0.3, 4.0)}."
+
+
+def require_state_box(name: str, box: Mapping[str, Any] | None, ens: Ensemble) -> FloatArray:
+    """Lower and upper bound of every state variable, array (state, 2).
+
+    Parameters
+    ----------
+    name : str
+        Name of the argument.
+    box : mapping of name to (lower, upper), or None
+        What was passed for it.  State variables that it leaves out have default bounds.
+    ens : Ensemble
+        By default a temperature is looked for around that of its first valid trajectory.
+    """
+    if box is not None and not isinstance(box, Mapping):
+        raise InputError(name, must="be a mapping of state variables to pairs of numbers",
+                         got=shortened(box), why=_WHY, fix=_FIX)  # fmt: skip
+    given, state = dict(box or {}), ens.field.state
+    for variable in given:
+        if variable not in state:
+            raise InputError(name, must=f"name state variables, {', '.join(state)}",
+                             got=shortened(variable), why=_WHY, fix=_FIX)  # fmt: skip
+    return np.array(
+        [
+            _pair(name, variable, given[variable.name])
+            if variable.name in given
+            else _default(name, variable, ens)
+            for variable in ens.field.variables
+        ]
+    )
+
+
+def _pair(name: str, variable: StateVariable, bounds: Any) -> FloatArray:
+    """The two bounds that were given for one state variable."""
+    rule = f"give {variable.name} a lower and a larger upper number"
+    pair = as_float_array(
+        f"{name}[{variable.name!r}]", bounds, what="two numbers", why=_WHY, fix=_FIX
+    )
+    if pair.shape != (2,) or not np.isfinite(pair).all() or not pair[0] < pair[1]:
+        raise InputError(name, must=rule, got=shortened(bounds), why=_WHY, fix=_FIX)
+    if variable.positive and pair[0] <= 0.0:
+        raise InputError(
+            name,
+            must=f"keep {variable.name} above 0",
+            got=float(pair[0]),
+            why="A stretch is a ratio of lengths, a temperature is absolute.",
+            fix=_FIX,
+        )
+    return pair
+
+
+def _default(name: str, variable: StateVariable, ens: Ensemble) -> FloatArray:
+    """The bounds of a state variable that none were given for."""
+    if variable.role is Role.RATE:
+        return np.array(RATE_RANGE)
+    if variable.role is not Role.TEMPERATURE:
+        return np.array(STRETCH_RANGE)
+    valid = np.flatnonzero(~ens.invalid)
+    if not valid.size:  # nothing is computed
+        return np.array([0.0, 1.0])
+    surroundings = float(rest_values(variable, ens.values, ens.count)[valid[0]])
+    if not np.isfinite(surroundings):
+        raise InputError(
+            name,
+            must=f"give {variable.name} two bounds",
+            got=f"none, and a temperature of {surroundings} around the body",
+            why="By default they lie around the temperature of the surroundings.",
+            fix=f"Pass {{{variable.name!r}: (290.0, 300.0)}}, or a finite temperature.",
+        )
+    return np.array([surroundings - TEMPERATURE_MARGIN, surroundings + TEMPERATURE_MARGIN])
+
+
+def require_isolated(ens: Ensemble) -> None:
+    """Refuse adiabatic bodies: they warm for ever, or have an orbit for each entropy."""
+    warms = bool(ens.field.indices(Role.TEMPERATURE))
+    if warms and not (ens.values["heat.exchange"] > 0.0).all():
+        raise InputError(
+            "system",
+            must="exchange heat where its temperature is a state",
+            got=ens.system,
+            why="Without exchange it warms for ever, or has an orbit for every temperature.",
+            fix="Pass rm.Heat(exchange=...) above 0, or heat=None.",
+        )
+
+
+def require_orbit_period(value: object, name: str = "orbit_period") -> int:
+    """The period of an orbit in drive periods."""
+    return require_count(name, value, "Orbits close after whole drive periods.")
+
+
+def require_free(parameters: tuple[str, ...], ens: Ensemble) -> None:
+    """Refuse `over` that varies a field which varies along a curve, or is solved for."""
+    for parameter in parameters:
+        if parameter in ens.coords:
+            raise InputError(
+                "over",
+                must=f"not name {parameter}",
+                got=repr(parameter),
+                why="It is the field that is varied to find the result.",
+                fix="Leave it out of `over`.",
+            )

@@ -1,0 +1,48 @@
+"""All branches of forced response of one system."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from remanent._errors import InputError
+from remanent._typing import ArrayLike
+from remanent.studies.ensemble.checks import require_range
+from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.orbits._branch_tables import BranchTable, describe_branches
+from remanent.studies.orbits._checks import require_free
+from remanent.studies.orbits._tracing import TracingOptions, trace_all
+
+
+def require_frequencies(omega_range: ArrayLike, ens: Ensemble) -> tuple[float, float]:
+    """The lowest and the highest frequency of the drive, where it has one."""
+    if "omega" not in ens.drive.parameters():
+        raise InputError(
+            "drive",
+            must="have a field `omega`",
+            got=repr(ens.drive),
+            why="The frequency of the drive is what varies along the branches.",
+            fix="Pass rm.SineSquared(b, omega) or rm.Sine(m, omega).",
+        )
+    require_free(("omega",), ens)
+    return require_range(
+        "omega_range", omega_range, "omega", ens, "Branches are followed between them."
+    )
+
+
+def trace_member(member: Ensemble, options: TracingOptions, slices: int) -> BranchTable:
+    """All branches of forced response of one trajectory.
+
+    Parameters
+    ----------
+    member : Ensemble
+        Of one trajectory; its own frequency has no meaning, and may be anything.
+    options : TracingOptions
+        With ``omega`` as the parameter.
+    slices : int
+        Frequencies at which orbits are looked for.
+    """
+    middle = np.array([0.5 * sum(options.parameter_range)])
+    centred = replace(member, values={**member.values, "omega": middle})
+    return describe_branches(centred, trace_all(options.tracing(centred), slices), options)

@@ -1,0 +1,175 @@
+"""Regimes of an ensemble's trajectories: what `classify`, `regime_chart` and `basins` share."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from remanent._typing import BoolArray, FloatArray, IntArray
+from remanent.analysis.regimes.decision import decide_regimes
+from remanent.analysis.regimes.labels import Regime, RegimeLabels
+from remanent.analysis.regimes.limit_orbits import IterateMap
+from remanent.analysis.regimes.long_runs import LongRun
+from remanent.analysis.regimes.problem import RegimeProblem
+from remanent.studies.ensemble.dataset import to_dataset
+from remanent.studies.ensemble.durations import require_count, require_periods
+from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.memory import require_memory
+from remanent.studies.ensemble.progress import Report
+from remanent.studies.regimes._follower import (
+    Follower,
+    damped,
+    never_cancelled,
+    status_of,
+)
+
+#: Factors between the tolerances whose labels have to agree, the finest first.
+TOLERANCE_FACTORS = (1.0, 10.0, 100.0)
+#: Shorter runs say nothing of their regime.
+MIN_PERIODS = 100
+#: The evidence that is told of each trajectory, beside its exponent.
+EVIDENCE = ("digits", "zero_one", "sali", "rotation_number", "rotation_digits", "defect")
+#: Types of what is told of each trajectory.
+TEMPLATES: Mapping[str, np.ndarray] = {
+    "regime": np.empty(0, dtype="<U14"),
+    "period": np.empty(0, dtype=np.int64),
+    **dict.fromkeys(("margin", "exponent", "exponent_error"), np.empty(0)),
+    **dict.fromkeys(("horizon", "local_error", "status"), np.empty(0)),
+    **dict.fromkeys(EVIDENCE, np.empty(0)),
+}
+#: Tangents of the finest run: two, so that their alignment tells order from chaos.
+_TANGENTS = 2
+#: States kept in memory for one chunk, about: 40 MB.
+_STATES_IN_CHUNK = 2**20
+#: Trajectories in a chunk, at least, so that the lanes of a kernel are used.
+_SMALLEST_CHUNK = 16
+#: Trajectories in a chunk, at most.
+_LARGEST_CHUNK = 4096
+#: Memory that the result takes for each trajectory, bytes.
+BYTES_PER_LABEL = 300.0
+
+
+def require_run_length(periods: Any) -> int:
+    """The number of periods of a run that is long enough for a regime to show."""
+    return require_count("periods", periods, "A regime shows in a long run.", MIN_PERIODS)
+
+
+def regime_dataset(
+    ens: Ensemble, periods: int, tolerance: float, seed: int, report: Report | None
+) -> xr.Dataset:
+    """Label every trajectory of an ensemble with its regime and the evidence for it."""
+    period_lengths = require_periods(ens)
+    require_memory("over", BYTES_PER_LABEL * ens.count, f"{ens.count} labels")
+    classifier = RegimeClassifier.of(ens, periods, tolerance, seed)
+    values = classifier.compute(classifier, TEMPLATES, report)
+    return to_dataset(
+        ens, {"drive_period": period_lengths, **values}, tolerance=tolerance, periods=periods
+    )
+
+
+@dataclass(frozen=True)
+class RegimeClassifier:
+    """Labels trajectories of an ensemble.
+
+    Attributes
+    ----------
+    follower : Follower
+    tolerance : float
+        The finest bound of a period's error.
+    seed : int
+        Of the frequencies of the 0-1 test, which are the same for every trajectory.
+    """
+
+    follower: Follower
+    tolerance: float
+    seed: int
+
+    @classmethod
+    def of(cls, ens: Ensemble, periods: int, tolerance: float, seed: int) -> RegimeClassifier:
+        """The classifier of an ensemble's motion over so many periods."""
+        tangents = min(_TANGENTS, len(ens.field.state))
+        return cls(Follower(ens, periods, tangents), tolerance, seed)
+
+    @cached_property
+    def damped(self) -> BoolArray:
+        """Where the motion loses energy, array (trajectory,)."""
+        return damped(self.follower.ensemble)
+
+    def compute(
+        self,
+        work: Callable[[IntArray, Callable[[], bool]], Mapping[str, np.ndarray]],
+        templates: Mapping[str, np.ndarray],
+        report: Report | None,
+    ) -> dict[str, np.ndarray]:
+        """Do `work` on all trajectories, in chunks whose states fit into memory."""
+        chunk_size = int(
+            np.clip(_STATES_IN_CHUNK // self.follower.periods, _SMALLEST_CHUNK, _LARGEST_CHUNK)
+        )
+        return self.follower.compute(work, templates, report, chunk_size=chunk_size)
+
+    def __call__(self, indices: IntArray, cancelled: Callable[[], bool]) -> dict[str, np.ndarray]:
+        """Label a subset of the trajectories: variables by name."""
+        return self.variables(indices, *self.decide(indices, cancelled))
+
+    def decide(
+        self, indices: IntArray, cancelled: Callable[[], bool] = never_cancelled
+    ) -> tuple[RegimeLabels, LongRun]:
+        """Labels of a subset of the trajectories, and the paths they were read from."""
+
+        def run(subset: IntArray, level: int, states: FloatArray | None = None, /) -> LongRun:
+            # Only the finest run carries the second tangent: it is not needed where the two
+            # coarser ones agree, and it costs as much as the first.
+            return self.follower.run(
+                indices[subset],
+                self.tolerance * TOLERANCE_FACTORS[level],
+                states,
+                directions=self.follower.directions if level == 0 else 1,
+                every=True,
+                cancelled=cancelled,
+            )
+
+        return decide_regimes(
+            RegimeProblem(
+                run,
+                indices.size,
+                damped=self.damped[indices],
+                iterate=self.iterate(indices),
+                seed=self.seed,
+            )
+        )
+
+    def iterate(self, indices: IntArray) -> IterateMap:
+        """Images and Jacobians of the trajectories' maps at the finest tolerance."""
+        dimension = len(self.follower.ensemble.field.state)
+        advance = self.follower.advancer(indices, self.tolerance, directions=dimension)
+
+        def image(
+            subset: IntArray, states: FloatArray, period: int
+        ) -> tuple[FloatArray, FloatArray]:
+            unit = np.tile(np.eye(dimension), (subset.size, 1, 1))
+            step = advance(subset, states, unit, period, every=False)
+            return step.visited[:, -1], np.moveaxis(step.tangents, 1, 2)
+
+        return image
+
+    def variables(
+        self, indices: IntArray, labels: RegimeLabels, path: LongRun
+    ) -> dict[str, np.ndarray]:
+        """What is told of a subset of the trajectories, by name."""
+        tau = self.follower.period_lengths[indices]
+        values = {
+            "regime": np.array([Regime(code).meaning for code in labels.regime], dtype="<U14"),
+            "period": labels.period,
+            "margin": labels.margin,
+            "exponent": labels.evidence.exponent / tau,
+            "exponent_error": labels.exponent_error / tau,
+            "horizon": path.horizon * tau,
+            "local_error": path.error,
+            "status": status_of(path),
+        }
+        return values | {name: labels.evidence[name] for name in EVIDENCE}

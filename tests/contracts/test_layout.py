@@ -1,0 +1,66 @@
+"""What files may import from each other, beside the layers that import-linter holds."""
+
+from __future__ import annotations
+
+import ast
+from functools import cache
+from graphlib import CycleError, TopologicalSorter
+from pathlib import Path
+
+import grimp
+
+import remanent
+
+#: The table of public names.
+STUB = Path(str(remanent.__file__)).with_suffix(".pyi")
+
+
+@cache
+def imports() -> dict[str, frozenset[str]]:
+    """Every file of the package with the files that it imports, for type checkers too."""
+    graph = grimp.build_graph("remanent", cache_dir=None)
+    return {m: frozenset(graph.find_modules_directly_imported_by(m)) for m in graph.modules}
+
+
+def verb_files() -> set[str]:
+    """The files of studies in which public functions are defined."""
+    nodes = ast.parse(STUB.read_text(encoding="utf-8")).body
+    return {
+        f"remanent.{node.module}"
+        for node in nodes
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("studies.")
+        if any(alias.name.islower() for alias in node.names)
+    }
+
+
+def circle(graph: dict[str, frozenset[str]]) -> list[str]:
+    """Files that import each other in a circle; none where there is no circle."""
+    try:
+        TopologicalSorter(graph).prepare()
+    except CycleError as error:
+        return [str(module) for module in error.args[1]]
+    return []
+
+
+def test_no_files_import_each_other_in_a_circle() -> None:
+    """The import graph of the whole package is acyclic; a circle of two would be seen."""
+    assert len(imports()) > 100
+    assert circle({"a": frozenset("b"), "b": frozenset("a")})
+    assert circle(imports()) == []
+
+
+def test_a_verb_imports_no_other_verb() -> None:
+    """What two verbs need stands in a private file, or on a floor below: each can be read
+    and changed without the others."""
+    verbs = verb_files()
+    assert "remanent.studies.regimes.classify" in verbs
+    borrowed = {
+        (verb, imported) for verb in verbs for imported in imports()[verb] if imported in verbs
+    }
+    assert borrowed == set()
+
+
+def test_a_verb_stands_in_a_file_of_its_name() -> None:
+    """A room is a list of verbs: `rm.name` is found in `name.py`."""
+    for verb in verb_files():
+        assert hasattr(remanent, verb.rpartition(".")[2]), verb

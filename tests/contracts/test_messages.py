@@ -1,0 +1,343 @@
+"""Every verb, every argument, bad values of every kind: what the message says is true.
+
+A message has five parts: the argument, the rule, the value received, the reason and the remedy.
+The argument named is one of the verb's own, and so is every argument that the remedy names.
+"""
+
+from __future__ import annotations
+
+import inspect
+import re
+from collections.abc import Callable, Mapping
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import remanent as rm
+
+NAN, INF = float("nan"), float("inf")
+BODY = rm.Actuator()
+DAMPED = rm.Actuator(dissipation=rm.Rayleigh(0.1))
+HOT = rm.Actuator(temperature=350.0)
+DRIVE = rm.SineSquared(0.4, 1.25)
+BARELY_DAMPED, FAST = rm.Actuator(dissipation=rm.Rayleigh(0.01)), rm.SineSquared(0.8, 2.4)
+STEP = rm.Steps((0.0,), (0.1,))
+SIZED = rm.Actuator.from_si(
+    shear_modulus="100 kPa",
+    density="2000 kg/m^3",
+    half_length="5 mm",
+    half_thickness="0.5 mm",
+)
+#: Lengths of a run, of which exactly one is given: a bad one may be told by another.
+LENGTHS = {"duration", "periods", "times"}
+#: Arguments that do not go together; which of them is wrong is a matter of taste.
+PARTNERS = (LENGTHS, {"measure", "of"})
+
+
+@cache
+def decaying() -> xr.Dataset:
+    return rm.simulate(DAMPED, rm.Constant(0.1), duration=40.0)
+
+
+@cache
+def branch() -> xr.Dataset:
+    return rm.continue_orbit(BARELY_DAMPED, FAST, "omega", (2.25, 2.45))
+
+
+@cache
+def measure() -> rm.Measure:
+    return rm.Measure(rm.equilibria, BODY, 0.16, of="turning_upper")
+
+
+def data() -> dict[str, np.ndarray]:
+    run = rm.simulate(DAMPED, STEP, times=np.linspace(0.0, 5.0, 21))
+    return {"time": run.time.values, "thickness_stretch": run.thickness_stretch.values}
+
+
+#: Arguments of a sound call of every verb, as cheap as there are.
+SOUND: Mapping[str, Callable[[], dict[str, Any]]] = {
+    "backbone": lambda: {"actuator": BODY, "stretch": [1.05]},
+    "basins": lambda: {
+        "system": DAMPED, "drive": DRIVE, "periods": 100,
+        "grid": {"stretch": [1.0, 1.1], "stretch_rate": [0.0]},
+    },
+    "bifurcation_diagram": lambda: {
+        "system": DAMPED, "drive": DRIVE, "parameter": "b", "values": [0.3, 0.4], "discard": 2,
+        "keep": 2,
+    },
+    "classify": lambda: {"system": DAMPED, "drive": DRIVE, "periods": 100},
+    "continue_bifurcation": lambda: {
+        "system": HOT, "drive": rm.SineSquared(0.4, 1.2668), "kind": "fold",
+        "parameters": ("omega", "b"), "parameter_ranges": [(1.2, 1.3), (0.35, 0.45)],
+        "initial": (1.2268, 0.0), "max_points": 2,
+    },
+    "continue_orbit": lambda: {
+        "system": HOT, "drive": DRIVE, "parameter": "omega", "parameter_range": (1.2, 1.3),
+        "initial": (1.433, 0.0), "max_points": 2, "state_box": None,
+    },
+    "crossings": lambda: {
+        "system": BODY, "drive": DRIVE, "variable": "stretch", "value": 1.0, "duration": 1.0,
+    },
+    "cycle_losses": lambda: {"system": DAMPED, "drive": DRIVE, "periods": 2},
+    "design": lambda: {"measures": measure(), "targets": 1.1, "parameters": "temperature"},
+    "energy_balance": lambda: {"system": DAMPED, "drive": DRIVE, "duration": 1.0},
+    "equilibria": lambda: {"actuator": BODY},
+    "fit": lambda: {
+        "system": DAMPED, "drive": STEP, "data": data(), "parameters": {"dissipation.0.eta": 0.12},
+    },
+    "frequency_response": lambda: {
+        "system": DAMPED, "drive": DRIVE, "omega": [1.0, 1.2], "duration": 5.0,
+    },
+    "locate_bifurcation": lambda: {
+        "system": HOT, "drive": rm.SineSquared(0.4, 1.2668), "kind": "fold",
+        "parameter": "omega", "initial": (1.2268, 0.0),
+    },
+    "logarithmic_decrement": lambda: {"history": decaying()},
+    "lyapunov": lambda: {"system": DAMPED, "drive": DRIVE, "periods": 16},
+    "manifold_crossing": lambda: {
+        "system": HOT, "drive": DRIVE, "parameter": "omega", "parameter_range": (1.25, 1.26),
+        "saddle": (1.433, 0.0), "width": 5e-3,
+    },
+    "periodic_orbits": lambda: {
+        "system": DAMPED, "drive": DRIVE, "state_box": {"stretch": (0.9, 1.1)},
+    },
+    "poincare_section": lambda: {"system": BODY, "drive": DRIVE, "periods": 2},
+    "read_measurements": lambda: {"data": {"time": [0.0, 1.0], "thickness_stretch": [1.0, 1.1]}},
+    "regime_chart": lambda: {
+        "system": DAMPED, "drive": DRIVE, "over": {"b": [0.3], "temperature": [293.0]},
+        "periods": 100,
+    },
+    "rescale": lambda: {"dataset": rm.simulate(BODY, DRIVE, duration=1.0), "temperature": 300.0},
+    "resonances": lambda: {
+        "system": DAMPED, "drive": DRIVE, "omega_range": (1.2, 1.4), "slices": 1,
+        "state_box": {"stretch": (0.9, 1.1)},
+    },
+    "response_diagram": lambda: {
+        "system": DAMPED, "drive": DRIVE, "omega_range": (1.2, 1.4), "slices": 1, "max_points": 2,
+        "state_box": {"stretch": (0.9, 1.1)},
+    },
+    "sensitivity": lambda: {"measure": measure(), "parameters": "temperature"},
+    "shape_command": lambda: {"actuator": BODY, "target": 1.1},
+    "shape_commands": lambda: {"actuator": BODY, "target": 1.1},
+    "simulate": lambda: {"system": BODY, "drive": DRIVE, "duration": 1.0},
+    "snap_through": lambda: {
+        "actuator": rm.Actuator(prestress=2.2), "parameter": "m", "parameter_range": (1.0, 4.0),
+    },
+    "step_response": lambda: {"system": DAMPED, "drive": STEP, "duration": 5.0},
+    "switch_branch": lambda: {
+        "system": BARELY_DAMPED, "drive": FAST, "branch": branch(), "special": 1, "max_points": 2,
+    },
+    "symmetry_check": lambda: {"system": DAMPED, "drive": DRIVE, "periods": 50},
+    "to_si": lambda: {"dataset": rm.simulate(SIZED, DRIVE, duration=1.0)},
+    "uncertainty": lambda: {
+        "measure": measure(), "parameter_ranges": {"temperature": (290.0, 300.0)}, "samples": 256,
+    },
+}  # fmt: skip
+#: Functions of the public names that are no verbs: they take other things than numbers.
+NOT_VERBS = {"equations", "load", "save", "rates", "period_map", "export", "sweep"}
+
+#: No real number.
+NO_NUMBER: tuple[Any, ...] = ("1", NAN, INF, [], [1.0, 2.0], 1j, {}, object())
+#: No integer that is positive.
+NO_COUNT: tuple[Any, ...] = ("1", NAN, INF, 0, -1, 1.5, [], True, 1j)
+#: No interval.
+NO_RANGE: tuple[Any, ...] = (
+    1.0, "text", "12", [], [1.0], [2.0, 1.0], [1.0, 1.0], [1.0, NAN], [1.0, INF],
+    [1.0, 1.2, 1.3], [1j, 2j], [None, 1.0], {}, {"omega": 1.0}, object(),
+)  # fmt: skip
+#: No state.
+NO_STATE: tuple[Any, ...] = (
+    1.0, "rest", "10", [], [1.0], [1.0, NAN], [1.0, INF], [1.0] * 9, [1j, 0.0],
+    [None, None], ["1", "0"], [-1.0, 0.0], {}, [[1.0, 0.0], [1.0, 0.0]], object(),
+)  # fmt: skip
+#: No values of a temperature.
+NO_VALUES: tuple[Any, ...] = (
+    "hot", [], None, [None], ["300"], [300j], [2.0, 1.0], [[300.0]], [1.0, 1.0], [object()],
+    np.array(["2020"], "datetime64[D]"),
+)  # fmt: skip
+#: Nothing that varies a temperature.
+NO_OVER: tuple[Any, ...] = (
+    1.0, "temperature", ["temperature"], {"nothing": [1.0]}, {1: [1.0]},
+    *({"temperature": values} for values in NO_VALUES),
+)  # fmt: skip
+#: No interval of a stretch.
+NO_STRETCHES: tuple[Any, ...] = (
+    1.0, None, "text", [], (2.0, 1.0), (1.0, NAN), (-1.0, 1.0), (0.5, 1.0, 2.0), (1j, 2j),
+    ("1", "2"),
+)  # fmt: skip
+#: No box of states.
+NO_BOX: tuple[Any, ...] = (
+    1.0, "box", [1.0], {"nothing": (0.5, 2.0)}, {1: (0.5, 2.0)},
+    *({"stretch": values} for values in NO_STRETCHES),
+)  # fmt: skip
+#: No text that names something.
+NO_NAME: tuple[Any, ...] = (1, NAN, "", "nothing", ["omega", "b"], {}, object())
+#: No system and no drive.
+NO_PART: tuple[Any, ...] = (1.0, "part", {}, [], object())
+
+#: Bad values of every argument, by its name; None is one of them where it is not the default.
+BAD: Mapping[str, tuple[Any, ...]] = {
+    "actuator": (*NO_PART, DRIVE),
+    "band": (*NO_NUMBER, 0.0, -0.1),
+    "branch": (1.0, "branch", {}, xr.Dataset(), object()),
+    "confidence": (*NO_NUMBER, 0.0, 1.0, -0.1),
+    "count": (*NO_COUNT, 99),
+    "data": (1.0, "no such file.csv", {}, {"time": [0.0, 1.0]}, {"time": ["a"]}, object()),
+    "dataset": (1.0, "dataset", {}, object()),
+    "direction": NO_NAME,
+    "discard": (*NO_NUMBER, -1),
+    "drive": (*NO_PART, BODY),
+    "duration": (*NO_NUMBER, 0.0, -1.0),
+    "every": NO_COUNT,
+    "grid": (1.0, "stretch", [], {}, {"nothing": [1.0]}, {"stretch": "text"}, {"stretch": []},
+             {"stretch": [2.0, 1.0]}, {"stretch": [1j]}, {"stretch": None}),
+    "history": (1.0, "history", {}, xr.Dataset(), object()),
+    "initial": NO_STATE,
+    "k": ("1", NAN, -1, 1.5, [], True, 99),
+    "keep": NO_COUNT,
+    "kind": NO_NAME,
+    "m": NO_NUMBER,
+    "max_points": NO_COUNT,
+    "measure": (1.0, "simulate", {}, object()),
+    "measures": (1.0, "simulate", [], [1.0], object()),
+    "names": (1.0, "time", [1.0], {"nothing": "time"}),
+    "of": (1.0, "nothing", [1.0]),
+    "omega": (1.0, "text", [], [1.0, 0.5], [1.0, 1.0], [1.0, NAN], ["1"], [1j], [None], {},
+              [[1.0]], object()),
+    "omega_range": NO_RANGE,
+    "orbit_period": NO_COUNT,
+    "orbit_periods": (1, "1", (), (0,), (1.5,), ("1",), (None,), {}),
+    "over": NO_OVER,
+    "parameter": NO_NAME,
+    "parameter_range": NO_RANGE,
+    "parameter_ranges": (1.0, "temperature", {"nothing": (1.0, 2.0)}, {"temperature": (2.0, 1.0)},
+                         {"temperature": "text"}, {"temperature": (1.0, NAN)}, {1: (1.0, 2.0)},
+                         {"temperature": None}),
+    "parameters": (1, NAN, "nothing", "", [], ["nothing"], [1], {"nothing": 1.0}, object()),
+    "periods": NO_COUNT,
+    "profile": (1.0, "yes", [], object()),
+    "progress": (1.0, 0, "yes", [], object()),
+    "quantiles": (1.0, "text", [], [0.0], [2.0], [NAN], [0.5, 0.1], [1j], ["0.5"]),
+    "resonance_width": (*NO_NUMBER, 0.0, -1.0),
+    "rng": (-1, 1.5, "seed", [], True, NAN, object()),
+    "robust_to": (1, "nothing", ["nothing"], [1], object()),
+    "saddle": NO_STATE,
+    "samples": (*NO_COUNT, 100),
+    "section_phase": (*NO_NUMBER, -0.1, 1.0),
+    "slices": NO_COUNT,
+    "smallest": (*NO_NUMBER, -1.0, 1.0),
+    "sobol": (1.0, "yes", [], object()),
+    "special_point": ("1", NAN, -1, 1.5, [], True, 99),
+    "special": ("1", NAN, -1, 1.5, [], True, 99),
+    "state_box": NO_BOX,
+    "step": (*NO_NUMBER, 0.0, -1.0),
+    "stretch": ("text", [], [1j], ["1"], [None], {}, object()),
+    "system": (*NO_PART, DRIVE),
+    "target": (*NO_NUMBER, 0.0, -1.0),
+    "targets": ("text", [], [1.0, 2.0], NAN, [NAN], [1j], ["1"], {}, object()),
+    "temperature": (*NO_NUMBER, 0.0, -1.0),
+    "times": (1.0, "text", [], [0.0, NAN], [1.0, 0.5], [-1.0, 1.0], [1j], ["0", "1"], [None],
+              [[0.0, 1.0]], {}, object()),
+    "tolerance": (*NO_NUMBER, 0.0, -1.0, 1.0),
+    "units": (1.0, "s", [1.0], {"nothing": "s"}, {"time": 1.0}, {"time": "foo"}),
+    "value": NO_NUMBER,
+    "values": ("text", [], [1j], ["1"], [None], {}, object()),
+    "variable": NO_NAME,
+    "width": (*NO_NUMBER, 0.0, -1.0),
+}  # fmt: skip
+#: Bad values where the same name has another meaning.
+BAD_IN: Mapping[tuple[str, str], tuple[Any, ...]] = {
+    ("bifurcation_diagram", "discard"): ("1", NAN, -1, 1.5, [], True),
+    ("cycle_losses", "discard"): ("1", NAN, -1, 1.5, [], True),
+    ("continue_bifurcation", "parameters"): (1, "omega", [], ["omega"], ["omega", "omega"],
+                                             ["omega", "nothing"], ["omega", 1], object()),
+    ("continue_bifurcation", "parameter_ranges"): (
+        1.0, "text", [], [(1.2, 1.3)], [(1.2, 1.3), 1.0], [(1.2, 1.3), (0.5, 0.4)],
+        [(1.2, 1.3), (0.3, NAN)], [(1.2, 1.3), "12"], object()),
+    ("fit", "parameter_ranges"): (1.0, "eta", {"nothing": (1.0, 2.0)}, {1: (1.0, 2.0)},
+        *({"dissipation.0.eta": bad} for bad in ((2.0, 1.0), "text", None, (0.1, NAN), 1.0))),
+    ("regime_chart", "over"): (*NO_OVER, {}),
+    ("snap_through", "initial"): (*NO_NUMBER, 0.0, -1.0),
+}  # fmt: skip
+#: Arguments that are handed on to another function as they are.
+HANDED_ON = {("sensitivity", "arguments"), ("sensitivity", "options"),
+             ("uncertainty", "arguments"), ("uncertainty", "options")}  # fmt: skip
+
+
+def verbs() -> dict[str, Callable[..., Any]]:
+    functions = {name: getattr(rm, name) for name in rm.__all__}
+    return {k: f for k, f in functions.items() if inspect.isfunction(f) and k not in NOT_VERBS}
+
+
+def arguments() -> list[Any]:
+    return [
+        pytest.param(verb, argument, id=f"{verb}-{argument}")
+        for verb, function in sorted(verbs().items())
+        for argument in inspect.signature(function).parameters
+        if (verb, argument) not in HANDED_ON
+    ]
+
+
+def test_every_verb_has_a_sound_call() -> None:
+    """A new verb takes part in this contract."""
+    assert set(SOUND) == set(verbs())
+
+
+@pytest.mark.parametrize("verb", sorted(SOUND))
+def test_sound_calls_are_sound(verb: str) -> None:
+    """Else what is refused of them would not be the bad value."""
+    getattr(rm, verb)(**SOUND[verb]())
+
+
+@pytest.mark.parametrize(("verb", "argument"), arguments())
+def test_bad_values_are_refused_in_words_that_are_true(verb: str, argument: str) -> None:
+    """An InputError of five parts, whose argument and remedy are in the signature."""
+    parameters = inspect.signature(getattr(rm, verb)).parameters
+    bad = BAD_IN.get((verb, argument), BAD[argument])
+    if parameters[argument].default is not None:
+        bad = (None, *bad)
+    wrong = [f"{value!r}: {why}" for value in bad if (why := fault(verb, argument, value))]
+    assert not wrong, "\n".join(wrong)
+
+
+def fault(verb: str, argument: str, value: Any) -> str:
+    """What is wrong with what becomes of a bad value; nothing where it is refused well."""
+    function, sound = getattr(rm, verb), SOUND[verb]()
+    allowed = {*inspect.signature(function).parameters, *fields(sound)}
+    call = {**alone(sound, argument), argument: value}
+    try:
+        function(**call)
+    except rm.InputError as error:
+        return untrue(error, argument, allowed)
+    except Exception as error:
+        return f"{type(error).__name__}: {error}"
+    return "accepted"
+
+
+def alone(sound: dict[str, Any], argument: str) -> dict[str, Any]:
+    """Without the lengths of the run that exclude each other."""
+    drop = LENGTHS if argument in LENGTHS else set()
+    return {name: value for name, value in sound.items() if name not in drop}
+
+
+def fields(sound: Mapping[str, Any]) -> set[str]:
+    """Numeric fields of the system and the drive of a call."""
+    parts = [sound[name] for name in ("system", "actuator", "drive") if name in sound]
+    return {name for part in parts for name in part.parameters()}
+
+
+def untrue(error: rm.InputError, argument: str, allowed: set[str]) -> str:
+    """What in a message is not so."""
+    message = str(error)
+    if not re.fullmatch(r"(?s)`.+` must .+; got .+\. .+\.", message):
+        return f"not of five parts: {message}"
+    if re.split(r"[\[.]", error.name)[0] not in allowed and error.name not in allowed:
+        return f"names no argument: {message}"
+    named = re.split(r"[\[.]", error.name)[0]
+    if named != argument and not any({named, argument} <= pair for pair in PARTNERS):
+        return f"names another argument: {message}"
+    unknown = [name for name in re.findall(r"`(\w+)`", error.fix) if name not in allowed]
+    return f"proposes what is not there, {unknown}: {message}" if unknown else ""

@@ -1,0 +1,304 @@
+"""Curves with known shape, and maps with known orbits and bifurcations."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from remanent._typing import FloatArray
+from remanent.analysis.orbits.bifurcations import SpecialPoint, find_special_points
+from remanent.analysis.orbits.continuation import ContinuationSettings, continue_curves
+from remanent.analysis.orbits.correction import unit_tangents
+from remanent.analysis.orbits.curves import (
+    Curve,
+    CurveEquations,
+    CurvePoints,
+    EquationValues,
+    interpolate_curve,
+)
+from remanent.analysis.orbits.maps import Map, MapImage
+from remanent.analysis.orbits.orbit_equations import orbit_equations
+from remanent.analysis.orbits.periodic_orbits import distinct_orbits, newton_fixed_points
+from remanent.analysis.orbits.stability import Stability, floquet_multipliers, orbit_stability
+
+EPS = np.finfo(float).eps
+
+
+def start(equations: CurveEquations, unknown: FloatArray, scale: FloatArray) -> CurvePoints:
+    here = equations(unknown)
+    along = np.zeros(unknown.shape)
+    along[:, -1] = 1.0
+    return CurvePoints(
+        unknown, unit_tangents(here.derivative, along, scale), np.abs(here.value).max(axis=1),
+        here.error, here.extra,
+    )  # fmt: skip
+
+
+def traced(
+    equations: CurveEquations, z: list[float], box: list[list[float]], **options: float
+) -> Curve:
+    lower, upper = np.array(box).T
+    scale = np.ones(len(z))
+    settings = ContinuationSettings(lower, upper, scale, tolerance=1e-12, **options)  # type: ignore[arg-type]
+    (curve,) = continue_curves(equations, start(equations, np.array([z]), scale), settings)
+    return curve
+
+
+def plane(f: str) -> CurveEquations:
+    """One equation in two unknowns (x, p)."""
+
+    def equations(z: FloatArray) -> EquationValues:
+        x, p = z.T
+        value, dx, dp = {
+            "circle": (x**2 + p**2 - 1.0, 2.0 * x, 2.0 * p),
+            "fold": (x**2 - p, 2.0 * x, -np.ones_like(p)),
+            "cubic": (x**3 - x - p, 3.0 * x**2 - 1.0, -np.ones_like(p)),
+            "lemniscate": (x**2 - p**2 * (1.0 - p**2), 2.0 * x, -2.0 * p + 4.0 * p**3),
+        }[f]
+        derivative = np.stack([dx, dp], axis=1)[:, None, :]
+        return EquationValues(value[:, None], derivative, np.full(len(z), EPS), {"d": derivative})
+
+    return equations
+
+
+def test_a_circle_closes() -> None:
+    """x^2 + p^2 = 1: every point on it, once round, the first point again as the last."""
+    curve = traced(plane("circle"), [1.0, 0.0], [[-2, 2], [-2, 2]])
+    assert curve.closed
+    z = curve.points.unknown
+    np.testing.assert_allclose(np.hypot(*z.T), 1.0, atol=1e-12)
+    angle = np.unwrap(np.arctan2(z[:, 1], z[:, 0]))
+    assert abs(angle[-1] - angle[0]) == pytest.approx(2.0 * np.pi, abs=0.1)
+    assert np.array_equal(z[0], z[-1])
+    assert (np.diff(angle) > 0).all() or (np.diff(angle) < 0).all()
+
+
+def test_a_curve_goes_round_folds_to_its_bounds() -> None:
+    """p = x^3 - x: x runs through, p turns at its extremes ±2/√27, both ends leave the box."""
+    curve = traced(plane("cubic"), [0.0, 0.0], [[-3, 3], [-2, 2]])
+    x, p = curve.points.unknown.T
+    np.testing.assert_allclose(x**3 - x, p, atol=1e-11)
+    assert curve.ends == ("bounds", "bounds")
+    assert (np.diff(x) > 0).all() or (np.diff(x) < 0).all()
+    assert {-1.0, 1.0} == set(np.sign(p[[0, -1]]))
+    turns = np.flatnonzero(np.diff(np.sign(curve.points.tangent[:, -1])))
+    np.testing.assert_allclose(np.sort(p[turns]), [-2 / 27**0.5, 2 / 27**0.5], atol=2e-3)
+
+
+def test_steps_follow_the_curvature() -> None:
+    """A sharp bend is resolved; a straight stretch takes few points."""
+    curve = traced(plane("fold"), [3.0, 9.0], [[-5, 5], [-1, 20]], max_step=0.5)
+    gaps = np.linalg.norm(np.diff(curve.points.unknown, axis=0), axis=1)
+    assert gaps.max() > 4 * gaps[np.argmin(np.abs(curve.points.unknown[:-1, 0]))]
+
+
+def test_a_curve_goes_straight_on_where_it_crosses_itself() -> None:
+    """The lemniscate x^2 = p^2 (1 - p^2): one curve through the crossing at 0, closed."""
+    curve = traced(plane("lemniscate"), [0.0, 1.0], [[-2, 2], [-2, 2]])
+    assert curve.closed
+    x, p = curve.points.unknown.T
+    np.testing.assert_allclose(x**2, p**2 * (1.0 - p**2), atol=1e-11)
+    # Straight on, p changes its sign at 0; turning off there, it would keep it.
+    assert (p.min(), p.max()) == (pytest.approx(-1.0, abs=1e-2), pytest.approx(1.0, abs=1e-2))
+    assert np.count_nonzero(np.diff(np.sign(p))) == 2
+
+
+def test_curves_followed_together_are_those_followed_alone() -> None:
+    """Determinism: the company of other curves changes no bit of one."""
+    equations, scale = plane("cubic"), np.ones(2)
+    settings = ContinuationSettings(
+        np.array([-3.0, -2.0]), np.array([3.0, 2.0]), scale, tolerance=1e-12
+    )
+    x = np.array([0.0, 1.1, -1.3])
+    starts = start(equations, np.stack([x, x**3 - x], axis=1), scale)
+    together = continue_curves(equations, starts, settings)
+    for k, curve in enumerate(together):
+        (alone,) = continue_curves(equations, starts.subset(slice(k, k + 1)), settings)
+        np.testing.assert_array_equal(curve.points.unknown, alone.points.unknown)
+        assert curve.ends == alone.ends
+
+
+@pytest.mark.parametrize("number", [1, 1000])
+def test_a_curve_ends_after_as_many_points_as_were_asked_for(number: int) -> None:
+    """At least that number in each direction, at most one block more, and the end says why."""
+    curve = traced(
+        plane("circle"),
+        [1.0, 0.0],
+        [[-2, 2], [-2, 2]],
+        max_points=number,
+        max_step=0.001,
+        first_step=0.001,
+    )
+    assert curve.ends == ("points", "points")
+    assert 2 * number - 1 <= len(curve.points) <= 2 * (number + 8)
+
+
+def test_places_between_points_lie_on_the_curve_to_fourth_order() -> None:
+    """Hermite's cubic through two points of a circle: half the step, a sixteenth of the error."""
+    errors = []
+    for angle in (0.2, 0.1):
+        ends = np.array([0.0, angle])
+        unknown = np.stack([np.cos(ends), np.sin(ends)], axis=1)
+        tangent = np.stack([-np.sin(ends), np.cos(ends)], axis=1)
+        points = CurvePoints(unknown, tangent, np.zeros(2), np.zeros(2), {})
+        place, direction = interpolate_curve(points, np.array([0]), np.array([0.5]), np.ones(2))
+        errors.append(abs(np.hypot(*place[0]) - 1.0))
+        np.testing.assert_allclose(direction[0] @ place[0], 0.0, atol=1e-12)
+    assert errors[0] / errors[1] == pytest.approx(16.0, rel=0.05)
+    assert errors[1] < 1e-5
+
+
+@dataclass(frozen=True)
+class Logistic:
+    """x -> r x (1 - x)."""
+
+    dimension: int = 1
+
+    def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> MapImage:
+        x, r = states[:, 0], parameters[:, 0]
+        slope, by_r = np.ones_like(x), np.zeros_like(x)
+        for _ in range(iterate):
+            by_r = x * (1.0 - x) + r * (1.0 - 2.0 * x) * by_r
+            slope = r * (1.0 - 2.0 * x) * slope
+            x = r * x * (1.0 - x)
+        return MapImage(
+            x[:, None], slope[:, None, None], by_r[:, None, None], np.full(len(x), iterate * EPS)
+        )
+
+
+@dataclass(frozen=True)
+class Delayed:
+    """The delayed logistic map (x, y) -> (r x (1 - y), x): a Neimark-Sacker point at r = 2."""
+
+    dimension: int = 2
+
+    def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> MapImage:
+        (x, y), r = states.T, parameters[:, 0]
+        jacobian = np.tile(np.eye(2), (len(x), 1, 1))
+        by_r = np.zeros((len(x), 2, 1))
+        for _ in range(iterate):
+            step = np.zeros_like(jacobian)
+            step[:, 0, 0], step[:, 0, 1], step[:, 1, 0] = r * (1.0 - y), -r * x, 1.0
+            own = np.zeros_like(by_r)
+            own[:, 0, 0] = x * (1.0 - y)
+            jacobian, by_r = step @ jacobian, step @ by_r + own
+            x, y = r * x * (1.0 - y), x
+        return MapImage(np.stack([x, y], axis=1), jacobian, by_r, np.full(len(x), iterate * EPS))
+
+
+def specials(map_: Map, z: list[float], box: list[list[float]]) -> list[SpecialPoint]:
+    equations = orbit_equations(map_, 1)
+    curve = traced(equations, z, box)
+    return find_special_points(
+        equations, curve.points, scale=np.ones(len(z)), tolerance=1e-12, conservative=False
+    )
+
+
+def test_the_logistic_map_doubles_its_period_at_3() -> None:
+    """The multiplier 2 - r of x = 1 - 1/r is -1 at r = 3, within the error that is reported."""
+    found = specials(Logistic(), [0.5, 2.0], [[0.1, 1.0], [1.5, 3.8]])
+    assert [special.kind for special in found] == ["period doubling"]
+    assert found[0].points.unknown[0] == pytest.approx([2.0 / 3.0, 3.0], abs=1e-10)
+    assert abs(found[0].points.unknown[0, 1] - 3.0) <= found[0].error < 1e-9
+
+
+@dataclass(frozen=True)
+class Grazing:
+    """x -> (p^2 - 1 - w^2) x: the multiplier of 0 passes -1 at p = -w and comes back at w."""
+
+    width: float
+    dimension: int = 1
+
+    def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> MapImage:
+        x, p = states[:, 0], parameters[:, 0]
+        slope = p**2 - 1.0 - self.width * abs(self.width)
+        return MapImage(
+            (slope * x)[:, None],
+            slope[:, None, None],
+            (2.0 * p * x)[:, None, None],
+            np.full(len(x), EPS),
+        )
+
+
+@pytest.mark.parametrize("width", [1e-2, 1e-4, 1e-6])
+def test_doublings_narrower_than_a_step_are_found(width: float) -> None:
+    """Both edges of a window of instability between two points of the branch."""
+    found = specials(Grazing(width), [0.0, 0.2037], [[-1.0, 1.0], [-0.5, 0.5]])
+    assert [special.kind for special in found] == ["period doubling"] * 2
+    places = np.array([special.points.unknown[0, 1] for special in found])
+    assert np.sort(places) == pytest.approx([-width, width], rel=1e-4)
+    assert all(abs(abs(p) - width) <= s.error for p, s in zip(places, found, strict=True))
+
+
+@pytest.mark.parametrize("width", [0.0, -1e-4])
+def test_a_multiplier_that_does_not_pass_is_no_doubling(width: float) -> None:
+    """It reaches -1, or turns before it."""
+    assert not specials(Grazing(width), [0.0, 0.2037], [[-1.0, 1.0], [-0.5, 0.5]])
+
+
+def test_branches_cross_at_1() -> None:
+    """The fixed points 0 and 1 - 1/r meet at r = 1."""
+    found = specials(Logistic(), [0.5, 2.0], [[-0.5, 1.0], [0.7, 2.5]])
+    assert [special.kind for special in found] == ["branch point"]
+    assert found[0].points.unknown[0] == pytest.approx([0.0, 1.0], abs=1e-8)
+
+
+def test_the_delayed_logistic_map_has_a_torus_at_2() -> None:
+    """The multipliers of x = 1 - 1/r are exp(±iπ/3) at r = 2, and leave the unit circle there."""
+    found = specials(Delayed(), [1 / 3, 1 / 3, 1.5], [[0.1, 1.0], [0.1, 1.0], [1.2, 2.5]])
+    assert [special.kind for special in found] == ["Neimark-Sacker"]
+    assert found[0].points.unknown[0, 2] == pytest.approx(2.0, abs=1e-10)
+
+
+def logistic_orbits(r: float, period: int) -> FloatArray:
+    guesses = np.linspace(0.01, 0.99, 200)[:, None]
+    p = np.full((200, 1), r)
+    found = newton_fixed_points(
+        Logistic(), guesses, p, iterate=period, tolerance=1e-13, box=np.array([[0.0, 1.0]])
+    )
+    return distinct_orbits(Logistic(), found, np.array([r]), iterate=period).state[:, 0]
+
+
+@pytest.mark.parametrize(("period", "count"), [(1, 2), (2, 1), (3, 2), (4, 3), (5, 6), (6, 9)])
+def test_numbers_of_orbits_of_the_full_logistic_map(period: int, count: int) -> None:
+    """At r = 4 the orbits of least period q are counted by Moebius inversion of 2^q."""
+    assert len(logistic_orbits(4.0, period)) == count
+
+
+def test_orbits_of_the_logistic_map() -> None:
+    """r = 3.2: 0, 1 - 1/r, and x = (r + 1 ± √((r + 1)(r - 3)))/(2r) of period 2."""
+    np.testing.assert_allclose(logistic_orbits(3.2, 1), [0.0, 1.0 - 1.0 / 3.2], atol=1e-12)
+    (x,) = logistic_orbits(3.2, 2)
+    roots = [(4.2 + s * np.sqrt(4.2 * 0.2)) / 6.4 for s in (-1, 1)]
+    assert min(abs(x - root) for root in roots) < 1e-12
+
+
+def test_multipliers_and_their_error() -> None:
+    """Eigenvalues of matrices with a known one, and of a defective one."""
+    rng = np.random.default_rng(3)
+    exact = np.array([[3.0, 0.5], [1.2, -0.4]])
+    base = rng.normal(size=(2, 2, 2)) + 2.0 * np.eye(2)
+    jacobian = np.stack(
+        [b @ np.diag(e) @ np.linalg.inv(b) for b, e in zip(base, exact, strict=True)]
+    )
+    noise = 1e-9
+    values, errors = floquet_multipliers(
+        jacobian * (1.0 + noise * rng.uniform(-1, 1, jacobian.shape)), np.full(2, noise)
+    )
+    assert (np.abs(values - exact) <= errors).all()
+    assert errors.max() < 1e-7
+    _, errors = floquet_multipliers(np.array([[[1.0, 1.0], [0.0, 1.0]]]), np.array([1e-10]))
+    assert errors.max() == pytest.approx(1e-5, rel=0.5)
+
+
+def test_stability_is_undecided_within_the_error() -> None:
+    """Multipliers inside, outside and on the unit circle, the last within their error."""
+    values = np.array([[1.2, 0.5], [0.9, 0.5], [1.3, 1.2], [1.0 + 1e-9, 0.5]], dtype=complex)
+    kinds = orbit_stability(values, np.full(values.shape, 1e-8), conservative=False)
+    assert [Stability(k).meaning for k in kinds] == ["saddle", "stable", "unstable", "undecided"]
+    turning = np.exp(1j * np.array([[0.3, -0.3], [1e-9, -1e-9]]))
+    values = np.concatenate([turning, np.array([[2.0, 0.5]], dtype=complex)])
+    kinds = orbit_stability(values, np.full(values.shape, 1e-8), conservative=True)
+    assert [Stability(k).meaning for k in kinds] == ["elliptic", "undecided", "saddle"]

@@ -1,0 +1,112 @@
+"""Returns, limits and attractors of orbits that are known."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from tests.unit.analysis.regimes.iterated import Iterated, logistic
+
+from remanent._typing import FloatArray
+from remanent.analysis.regimes.attractors import assign_attractors, extrapolate_tails
+from remanent.analysis.regimes.labels import Regime
+from remanent.analysis.regimes.limit_orbits import (
+    approaches_limit,
+    find_limit_orbit,
+    settling_periods,
+)
+from remanent.analysis.regimes.returns import find_best_returns
+
+GOLDEN = (np.sqrt(5.0) - 1.0) / 2.0
+
+
+def test_period_of_the_best_return() -> None:
+    """cos(2πn/7) comes back after 7 exactly, a golden rotation never."""
+    n = np.arange(300)
+    points = np.stack([np.cos(2 * np.pi * n / 7), np.cos(2 * np.pi * n * GOLDEN)])[:, :, None]
+    found = find_best_returns(points, closed=1e-9)
+    assert found.period[0] == 7
+    assert found.defect[0] < 1e-12
+    assert found.defect[1] > 1e-3
+
+
+def test_the_limit_ahead_is_the_fixed_point() -> None:
+    """1 - 1/r, multiplier 2 - r."""
+    points = Iterated(logistic, np.array([[2.8]]))
+    found = find_limit_orbit(points.iterate, np.array([0]), np.array([[0.6]]), 1)
+    assert found.state[0, 0] == pytest.approx(1 - 1 / 2.8, abs=1e-14)
+    assert found.multiplier[0] == pytest.approx(0.8, abs=1e-12)
+
+
+def test_attractors_are_sorted_by_their_visitors() -> None:
+    """Two orbits of period 2, seen at different phases, and a third motion that is lost."""
+    a, b = np.tile([0.0, 1.0], 8), np.tile([5.0, 6.0], 8)
+    tails = np.stack([b, a, np.roll(a, 1), a, np.full(16, np.nan)])[:, :, None]
+    regime = np.array([1, 1, 1, 1, 4])
+    found = assign_attractors(tails, regime, np.array([2, 2, 2, 2, 0]))
+    assert found.attractor.tolist() == [1, 0, 0, 0, -1]
+    assert found.representative.tolist() == [1, 0]
+
+
+def decaying(multiplier: float, count: int = 41) -> FloatArray:
+    """x <- a x from 1, array (1, iterate, 1)."""
+    return np.asarray(multiplier ** np.arange(count), dtype=np.float64)[None, :, None]
+
+
+@pytest.mark.parametrize(("multiplier", "approaches"), [(0.9, True), (0.8, False), (0.95, False)])
+def test_the_limit_is_approached_at_the_rate_of_its_multiplier(
+    multiplier: float, approaches: bool
+) -> None:
+    """x <- 0.9 x tends to 0 at the rate ln 0.9, and at no other."""
+    rate = np.array([np.log(multiplier)])
+    found = approaches_limit(decaying(0.9), np.zeros((1, 1)), 1, rate)
+    assert found.tolist() == [approaches]
+
+
+def test_motion_that_was_nearer_at_first_does_not_approach() -> None:
+    """The distance falls at the right rate, but one of the first points was nearer."""
+    points = decaying(0.9)
+    points[0, 3] = 0.99 * points[0, -1]
+    assert not approaches_limit(points, np.zeros((1, 1)), 1, np.array([np.log(0.9)]))[0]
+
+
+def test_the_period_ahead_is_the_least_one() -> None:
+    """r = 2.8: the fixed point, though every second point returns as well."""
+    points = Iterated(logistic, np.array([[2.8]]))
+    x = np.empty((1, 61, 1))
+    x[0, 0] = 0.3
+    for n in range(60):
+        x[:, n + 1] = points.iterate(np.array([0]), x[:, n], 1)[0]
+    for candidate in (1, 2, 6):
+        found = settling_periods(x, np.array([0]), np.array([candidate]), points.iterate)
+        assert found.tolist() == [1]
+
+
+def test_tails_end_on_the_orbit_that_they_approach() -> None:
+    """r = 2.95 and 3.2 at once: 1 - 1/r, and the two points of period 2, in the order of time.
+
+    Of period 2: x = (r + 1 ± √((r − 3)(r + 1)))/(2r).
+    """
+    r = np.array([[2.95], [3.2]])
+    points = Iterated(logistic, r)
+    tails = np.empty((2, 8, 1))
+    low, high = ((4.2 + s * np.sqrt(0.84)) / 6.4 for s in (-1.0, 1.0))
+    tails[:, 0, 0] = 0.65, low + 0.003
+    for n in range(7):
+        tails[:, n + 1] = points.iterate(np.arange(2), tails[:, n], 1)[0]
+    regime = np.full(2, int(Regime.PERIODIC))
+    ends = extrapolate_tails(points.iterate, tails, regime, np.array([1, 2]))
+    np.testing.assert_allclose(ends[0, -1, 0], 1.0 - 1.0 / 2.95, atol=1e-12)
+    np.testing.assert_allclose(ends[1, -2:, 0], [low, high], atol=1e-12)
+    np.testing.assert_array_equal(ends[:, :-2], tails[:, :-2])
+    assert abs(tails[0, -1, 0] - ends[0, -1, 0]) > 1e-3
+
+
+def test_what_shows_nothing_is_not_an_attractor() -> None:
+    """Two tori about different centres are two attractors, chaos on one of them a third."""
+    n = np.arange(64)
+    wave = np.cos(2 * np.pi * GOLDEN * n)
+    tails = np.stack([wave, 3.0 + wave, 0.01 + np.roll(wave, 3), wave, wave])[:, :, None]
+    torus, chaos, undecided = Regime.QUASI_PERIODIC, Regime.CHAOTIC, Regime.UNDECIDED
+    regime = np.array([torus, torus, torus, chaos, undecided])
+    found = assign_attractors(tails, regime, np.zeros(5, dtype=np.int64))
+    assert found.attractor.tolist() == [0, 1, 0, 2, -1]

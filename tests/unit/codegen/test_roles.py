@@ -1,0 +1,139 @@
+"""What a field says of its state variables: their roles, partners and values at rest."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import remanent as rm
+from remanent._field import Field, Role, StateVariable
+from remanent.codegen import reference
+from remanent.codegen.field import field_for
+from remanent.derivation.derive import derive
+from remanent.integrate.variations import tangent, transverse_field, with_integrals
+from remanent.models.system import System
+
+DRIVE = rm.Constant(0.0)
+ACTUATORS: dict[str, rm.Actuator] = {
+    "one coordinate": rm.Actuator(),
+    "two coordinates": rm.Actuator(prestress=(0.0, 0.0)),
+    "branches": rm.Actuator(dissipation=(rm.Zener(0.5, 2.0), rm.Zener(0.2, 0.1))),
+    "everything": rm.Actuator(
+        prestress=(0.0, 0.0), dissipation=rm.Zener(0.5, 2.0), heat=rm.Heat(exchange=0.1)
+    ),
+}
+every = pytest.mark.parametrize("actuator", ACTUATORS.values(), ids=ACTUATORS.keys())
+
+
+@every
+def test_nothing_moves_at_rest(actuator: rm.Actuator) -> None:
+    """Without loads, all rates vanish where each state variable has its value at rest."""
+    field = field_for(actuator, DRIVE)
+    p = {**actuator.parameters(), **DRIVE.parameters()}
+    y = np.array([[float(v.value_at_rest(p)) for v in field.variables]])
+    rows = np.array([[p[name] for name in field.parameters]])
+    np.testing.assert_allclose(reference.rates(field, 0.0, y, rows, np.empty(0)), 0.0, atol=1e-15)
+
+
+@every
+def test_every_coordinate_has_its_rate(actuator: rm.Actuator) -> None:
+    """The rate of a coordinate is the state variable of that role that belongs to it."""
+    field = field_for(actuator, DRIVE)
+    assert len(field.indices(Role.COORDINATE)) == actuator.coordinates
+    state = np.random.default_rng(1).uniform(0.9, 1.1, (1, len(field.state)))
+    p = {**actuator.parameters(), **DRIVE.parameters()}
+    rows = np.array([[p[name] for name in field.parameters]])
+    rates = reference.rates(field, 0.0, state, rows, np.empty(0))[0]
+    for name in field.names(Role.COORDINATE):
+        (rate,) = (n for n in field.belonging_to(name) if field.variable(n).role is Role.RATE)
+        assert rates[field.state.index(name)] == state[0, field.state.index(rate)]
+
+
+def test_the_roles_of_a_full_state() -> None:
+    """Names, roles, partners and rest of two coordinates, a branch and a temperature."""
+    stretches = tuple(
+        variable
+        for i in (1, 2)
+        for variable in (
+            StateVariable(f"stretch_{i}", Role.COORDINATE, 1.0, positive=True),
+            StateVariable(f"stretch_{i}_rate", Role.RATE, 0.0, f"stretch_{i}"),
+        )
+    )
+    springs = tuple(
+        StateVariable(
+            f"dissipation.0.viscous_stretch_{i}", Role.INTERNAL, 1.0, f"stretch_{i}", True
+        )
+        for i in (1, 2)
+    )
+    warmth = StateVariable("body_temperature", Role.TEMPERATURE, "temperature", positive=True)
+    field = field_for(ACTUATORS["everything"], DRIVE)
+    assert field.variables == (*stretches, *springs, warmth)
+    assert field.loads == ("load",)
+
+
+@every
+def test_roles_survive_storage_and_enter_the_fingerprint(actuator: rm.Actuator) -> None:
+    """JSON keeps variables as they are; another value at rest makes another field."""
+    field = field_for(actuator, DRIVE)
+    assert Field.from_json(field.to_json()).variables == field.variables
+    first = replace(field.variables[0], rest=2.0)
+    changed = replace(field, variables=(first, *field.variables[1:]))
+    assert changed.fingerprint != field.fingerprint
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"belongs_to": "no such variable"},
+        {"rest": "no such parameter"},
+    ],
+)
+def test_what_a_variable_names_exists(wrong: dict[str, Any]) -> None:
+    """A partner is a state variable, and a name in `rest` is a parameter."""
+    field = field_for(rm.Actuator(), DRIVE)
+    first = replace(field.variables[0], **wrong)
+    with pytest.raises(ValueError, match="does not exist"):
+        replace(field, variables=(first, *field.variables[1:]))
+
+
+def test_variations_are_marked() -> None:
+    """Derivatives and differences of the state belong to what they vary; integrals to nothing."""
+    both = field_for(ACTUATORS["two coordinates"], DRIVE)
+    tangents = tangent(both, directions=2).variables[len(both.state) :]
+    assert [v.belongs_to for v in tangents] == 2 * [*both.state]
+    difference = transverse_field(
+        both, {"stretch_1": "stretch_2", "stretch_1_rate": "stretch_2_rate"}
+    )
+    assert [v.belongs_to for v in difference.variables[2:]] == ["stretch_1", "stretch_1_rate"]
+    assert {v.role for v in (*tangents, *difference.variables[2:])} == {Role.VARIATION}
+    assert with_integrals(both, ["drive_power"]).variables[-1].role is Role.INTEGRAL
+
+
+def test_an_actuator_is_a_system() -> None:
+    """It has all that verbs ask for; a drive, a material and a number do not."""
+    assert isinstance(rm.Actuator(), System)
+    assert not any(isinstance(x, System) for x in (DRIVE, rm.Steps([0.0], [0.1]), rm.Gent(9.0), 1))
+
+
+def test_a_system_without_a_derivation_is_refused() -> None:
+    """The message says which kind has none."""
+    with pytest.raises(rm.InputError, match="No derivation is registered for object"):
+        derive(object(), DRIVE)
+
+
+class TwoLoads(rm.Constant):
+    """A drive that gives loads which an actuator does not have."""
+
+    @property
+    def load_names(self) -> tuple[str, ...]:
+        """Two names."""
+        return ("left", "right")
+
+
+def test_a_drive_gives_the_loads_of_its_system() -> None:
+    """Their names are compared, before anything is derived."""
+    with pytest.raises(rm.InputError, match=r"give the loads of the system: load; got left, right"):
+        field_for(rm.Actuator(), TwoLoads(0.1))

@@ -1,0 +1,74 @@
+"""Progress is told by a bar, by a function, or not at all; seeds decide what is drawn."""
+
+from __future__ import annotations
+
+import sys
+
+import numpy as np
+import pytest
+
+import remanent as rm
+from remanent.studies.ensemble.checks import as_seed
+from remanent.studies.ensemble.progress import as_progress, within
+
+BODY, DRIVE = rm.Actuator(), rm.SineSquared(0.4, 1.25)
+
+
+def test_a_function_is_told_the_share_that_is_done() -> None:
+    """Shares rise to 1."""
+    shares: list[float] = []
+    over = {"omega": np.linspace(1.0, 2.0, 50)}
+    rm.simulate(BODY, DRIVE, duration=2.0, over=over, progress=shares.append)
+    assert shares == sorted(shares)
+    assert shares[-1] == 1.0
+
+
+def test_a_bar_is_drawn_on_standard_error(capsys: pytest.CaptureFixture[str]) -> None:
+    """It ends its line, and says nothing on standard output."""
+    rm.simulate(BODY, DRIVE, duration=2.0, progress=True)
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert "100%" in err
+    assert err.endswith("\n")
+
+
+def test_a_bar_needs_no_rich(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Without it the bar is plain text."""
+    monkeypatch.setitem(sys.modules, "rich.console", None)
+    bar = as_progress(True)
+    assert bar is not None
+    for share in (0.0, 0.25, 0.25, 1.0):
+        bar(share)
+    half = "#" * 10 + "-" * 30
+    assert f"[{half}]  25%\r" in capsys.readouterr().err
+
+
+def test_silence() -> None:
+    """None and False do nothing."""
+    assert as_progress(None) is None
+    assert as_progress(False) is None
+
+
+def test_a_part_of_the_work_reports_its_share_of_the_whole() -> None:
+    """The last part ends at 1 exactly, so that a bar ends."""
+    shares: list[float] = []
+    for part in (slice(0, 37), slice(37, 100)):
+        report = within(shares.append, part, 100)
+        assert report is not None
+        report(0.5)
+        report(1.0)
+    np.testing.assert_allclose(shares, [0.185, 0.37, 0.685, 1.0])
+    assert shares[-1] == 1.0
+    assert within(None, slice(0, 1), 1) is None
+
+
+def test_seeds() -> None:
+    """Nothing is one fixed seed, a number is itself, a generator is asked and left as it is."""
+    assert as_seed(None) == as_seed(None) == as_seed(0)
+    assert as_seed(5) == 5
+    generator = np.random.default_rng(1)
+    assert as_seed(generator) == as_seed(generator) == as_seed(np.random.default_rng(1))
+    generator.integers(2)
+    assert as_seed(generator) != as_seed(np.random.default_rng(1))
