@@ -109,9 +109,10 @@ def accelerations(motion: Motion) -> Accelerations:
     in sum g_i q_i'' + K, most of K would cancel.
     """
     c = motion.weights[-1]
+    # Symbols have the letters of the equations above.  SymPy sorts sums and products by names,
+    # so these names also decide the order of the instructions, and with it the last digits.
     g, a = _gradient_symbols(motion), _force_symbols(motion)
-    force, convective = sp.Symbol("F"), sp.Symbol("K")
-    resistance = sp.Symbol("Y")
+    force, convective, resistance = sp.Symbol("F"), sp.Symbol("K"), sp.Symbol("Y")
     inertia, inverse_inertia = sp.Symbol("inertia"), sp.Symbol("inverse_inertia")
     definitions: dict[Symbol, Expression] = {}
     x_rate = motion.definitions[THICKNESS_RATE]
@@ -121,7 +122,7 @@ def accelerations(motion: Motion) -> Accelerations:
     definitions[force] = 3 * _slope(motion, THICKNESS)
     definitions[convective] = _convective_acceleration(motion)
     definitions[resistance] = force + c * convective
-    # The symbols are F, K and Y of the equations above; numerators are over the determinant.
+    # Each acceleration is its numerator over the determinant.
     if len(g) == 1:
         (w, _), (g_1,), (a_1,) = motion.weights, g, a
         determinant, numerators = w + c * g_1**2, [a_1 - g_1 * resistance]

@@ -81,3 +81,24 @@ def test_passages_of_a_damped_sine() -> None:
     away = np.flatnonzero(np.abs(answer(dense)[0] - 1.0) > 0.05)[-1]
     assert found.time[0, 1] == pytest.approx(dense[away], abs=2e-5)
     assert settling.first_above(share, 3.0)[0] == -1
+
+
+def test_the_error_of_a_sequence_is_what_errors_of_its_conditions_make_of_it() -> None:
+    """Conditions wrong by up to the tolerance change the duration by no more than the error."""
+    guess = shaping.StepSequence(np.array([0.6]), np.array([3.0]))
+
+    def solution(wrong: FloatArray) -> shaping.StepSequence:
+        def arrive(
+            loads: FloatArray, durations: FloatArray
+        ) -> tuple[FloatArray, FloatArray, FloatArray]:
+            (u,), (t,) = loads, durations
+            away = np.array([u * (1 - np.cos(t)) - 1.0, u * np.sin(t)]) + wrong
+            by_load = np.array([[1 - np.cos(t)], [np.sin(t)]])
+            return away, by_load, np.array([[u * np.sin(t)], [u * np.cos(t)]])
+
+        return shaping.solve_step_sequence(arrive, guess, scale=1.0, tolerance=1e-4)
+
+    exact = solution(np.zeros(2))
+    corners = 1e-4 * np.array([[1, 1], [1, -1], [-1, 1], [-1, -1]])
+    changes = [abs(solution(c).durations.sum() - exact.durations.sum()) for c in corners]
+    assert max(changes) == pytest.approx(exact.error, rel=0.01)

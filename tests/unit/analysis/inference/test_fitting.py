@@ -104,3 +104,19 @@ def test_decay_of_a_known_oscillation() -> None:
     assert found.decrement == pytest.approx(np.pi * 0.1, rel=1e-8)
     assert found.frequency == pytest.approx(2.0, rel=1e-8)
     assert fit_decay(t[:200], np.cos(t[:200]), prominence=0.01) is None
+
+
+def test_the_error_of_a_decrement_is_the_scatter_of_its_estimates() -> None:
+    """Turning points of known logarithms with noise: the error against 400 repetitions."""
+    rng = np.random.default_rng(7)
+    t = np.linspace(0.0, 30.0, 1501)
+    clean = np.exp(-0.05 * t) * np.cos(2.0 * t)
+    estimates, errors = [], []
+    for _ in range(400):
+        # A slow change of the level moves every swing a little, as noise that a spline can follow.
+        slow = np.interp(t, np.linspace(0.0, 30.0, 40), rng.normal(0.0, 0.01, 40))
+        found = fit_decay(t, clean * (1.0 + slow), prominence=0.01)
+        assert found is not None
+        estimates.append(found.decrement)
+        errors.append(found.decrement_error)
+    assert np.mean(errors) == pytest.approx(np.std(estimates), rel=0.5)

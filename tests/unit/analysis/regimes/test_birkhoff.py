@@ -98,3 +98,15 @@ def test_rotation_numbers_are_the_frequencies_of_the_strongest_lines(start: floa
     number = rotation_numbers(points).number[0]
     frequency = lines(momentum[0], 1).frequency[0]
     assert min(number, 1.0 - number) == pytest.approx(frequency, abs=1e-6)
+
+
+def test_a_slow_rotation_that_steps_back_is_counted_whole() -> None:
+    """A change of coordinates that folds back: some angles from point to image are negative.
+
+    A fixed cut at 0 would count each of them as a whole turn.
+    """
+    angle = -2.0 * np.pi * (0.005 * GOLDEN * np.arange(8000) + 0.1)
+    folded = angle + 1.2 * np.sin(angle)
+    points = np.stack([np.cos(folded), np.sin(folded)], axis=1)
+    found = rotation_numbers(points[None], centre=np.zeros((1, 2)))
+    assert found.number[0] == pytest.approx(0.005 * GOLDEN, abs=1e-7)

@@ -64,3 +64,12 @@ def test_batch_error_of_correlated_noise(memory: float) -> None:
     assert np.mean(found) == pytest.approx(exact, rel=0.2)
     covered = np.abs(values.mean(axis=1)) <= 3.0 * found
     assert covered.mean() > 0.97
+
+
+def test_a_shorter_last_block_is_no_scatter() -> None:
+    """Growth at a constant rate: the rate itself, and no error, whatever the blocks are."""
+    lengths = np.append(np.full(40, 16), 5)
+    growth = 0.3 * lengths[None, :, None].astype(np.float64)
+    found = lyapunov_exponents(growth, lengths)
+    assert found.mean[0, 0] == pytest.approx(0.3)
+    assert found.error[0, 0] == pytest.approx(0.0, abs=1e-15)

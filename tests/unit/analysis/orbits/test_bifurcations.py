@@ -1,0 +1,156 @@
+"""Special points and bifurcation curves of maps for which they are known in closed form."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from tests.unit.analysis.orbits.test_continuation import Logistic, traced
+
+from remanent._typing import FloatArray
+from remanent.analysis.orbits.bifurcations import find_special_points
+from remanent.analysis.orbits.continuation import ContinuationSettings, continue_curves
+from remanent.analysis.orbits.correction import correct_points
+from remanent.analysis.orbits.maps import MapImage
+from remanent.analysis.orbits.orbit_equations import bifurcation_equations, orbit_equations
+from remanent.analysis.orbits.periodic_orbits import newton_fixed_points, newton_step
+
+EPS = np.finfo(float).eps
+
+
+@dataclass(frozen=True)
+class RealPair:
+    """(x, y) -> (2 x, (1/2 + p) y): real multipliers whose product is 1 at p = 0."""
+
+    dimension: int = 2
+
+    def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> MapImage:
+        assert iterate == 1
+        p = parameters[:, 0]
+        jacobian = np.zeros((len(p), 2, 2))
+        jacobian[:, 0, 0], jacobian[:, 1, 1] = 2.0, 0.5 + p
+        by_p = np.stack([np.zeros_like(p), states[:, 1]], axis=1)[:, :, None]
+        image = np.einsum("kij,kj->ki", jacobian, states)
+        return MapImage(image, jacobian, by_p, np.full(len(p), EPS))
+
+
+def test_real_multipliers_with_product_one_are_no_bifurcation() -> None:
+    """The product passes 1 at p = 0, but a torus needs a complex pair."""
+    equations = orbit_equations(RealPair(), 1)
+    curve = traced(equations, [0.0, 0.0, -0.1], [[-1, 1], [-1, 1], [-0.2, 0.2]])
+    special = find_special_points(
+        equations, curve.points, scale=np.ones(3), tolerance=1e-12, conservative=False
+    )
+    assert special == []
+
+
+def test_special_points_come_in_order_along_the_branch() -> None:
+    """1 - 1/r meets 0 at r = 1 and doubles at r = 3."""
+    equations = orbit_equations(Logistic(), 1)
+    curve = traced(equations, [0.5, 2.0], [[-0.5, 1.0], [0.7, 3.5]])
+    special = find_special_points(
+        equations, curve.points, scale=np.ones(2), tolerance=1e-12, conservative=False
+    )
+    r = [point.points.unknown[0, 1] for point in special]
+    upwards = curve.points.unknown[-1, 1] > curve.points.unknown[0, 1]
+    assert r == pytest.approx([1.0, 3.0] if upwards else [3.0, 1.0], abs=1e-8)
+
+
+@dataclass(frozen=True)
+class Cusp:
+    """x -> x + a + b x - x^3: folds where b = 3 x^2 and a = -2 x^3."""
+
+    dimension: int = 1
+
+    def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> MapImage:
+        assert iterate == 1
+        x, (a, b) = states[:, 0], parameters.T
+        by_p = np.stack([np.ones_like(x), x], axis=1)[:, None, :]
+        slope = (1.0 + b - 3.0 * x**2)[:, None, None]
+        return MapImage((x + a + b * x - x**3)[:, None], slope, by_p, np.full(len(x), EPS))
+
+
+@dataclass(frozen=True)
+class Quadratic:
+    """x -> a + b x - x^2: the multiplier b - 2 x is -1 where x = (1 + b)/2."""
+
+    dimension: int = 1
+
+    def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> MapImage:
+        assert iterate == 1
+        x, (a, b) = states[:, 0], parameters.T
+        by_p = np.stack([np.ones_like(x), x], axis=1)[:, None, :]
+        slope = (b - 2.0 * x)[:, None, None]
+        return MapImage((a + b * x - x**2)[:, None], slope, by_p, np.full(len(x), EPS))
+
+
+def bifurcation_curve(map_: Cusp | Quadratic, kind: str, guess: list[float]) -> FloatArray:
+    """Points (x, a, b) of a curve of bifurcations within |x|, |a|, |b| < 2."""
+    scale = np.ones(3)
+    equations = bifurcation_equations(map_, 1, kind, scale)
+    along = np.array([[0.0, 0.0, 1.0]])
+    start, reached = correct_points(
+        equations, np.array([guess]), along, scale=scale, tolerance=1e-11
+    )
+    assert reached.all()
+    settings = ContinuationSettings(-2.0 * scale, 2.0 * scale, scale, tolerance=1e-11)
+    (curve,) = continue_curves(equations, start, settings)
+    assert curve.ends == ("bounds", "bounds")
+    return curve.points.unknown
+
+
+def test_folds_meet_in_a_cusp() -> None:
+    """27 a^2 = 4 b^3: the curve of folds passes smoothly through the cusp at a = b = 0."""
+    x, a, b = bifurcation_curve(Cusp(), "fold", [0.5, -0.25, 0.75]).T
+    np.testing.assert_allclose(b, 3.0 * x**2, atol=1e-8)
+    np.testing.assert_allclose(27.0 * a**2, 4.0 * b**3, atol=1e-8)
+    assert x.min() < -0.7
+    assert x.max() > 0.7
+
+
+def test_doublings_lie_on_their_parabola() -> None:
+    """a = x - b x + x^2 at x = (1 + b)/2."""
+    x, a, b = bifurcation_curve(Quadratic(), "period doubling", [0.5, 0.75, 0.0]).T
+    np.testing.assert_allclose(x, 0.5 * (1.0 + b), atol=1e-8)
+    np.testing.assert_allclose(a, x - b * x + x**2, atol=1e-8)
+
+
+@dataclass(frozen=True)
+class Blurred(Logistic):
+    """The logistic map, whose image is not known well beyond x = 1/2."""
+
+    def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> MapImage:
+        image = super().__call__(states, parameters, iterate)
+        error = np.where(states[:, 0] > 0.5, 1e-3, EPS)
+        return MapImage(image.state, image.jacobian, image.parameter_jacobian, error)
+
+
+@pytest.mark.parametrize(
+    ("map_", "box", "expected"),
+    [
+        (Logistic(), [-0.1, 1.0], [0.0, 0.6875]),
+        (Logistic(), [0.1, 1.0], [0.6875]),
+        (Logistic(), [-0.1, 0.6], [0.0]),
+        (Blurred(), [-0.1, 1.0], [0.0]),
+    ],
+)
+def test_fixed_points_are_those_in_the_box_that_are_known(
+    map_: Logistic, box: list[float], expected: list[float]
+) -> None:
+    """r = 3.2: 0 and 1 - 1/r = 0.6875, the second only where its error is small."""
+    guesses = np.linspace(0.0, 1.0, 21)[:, None]
+    found = newton_fixed_points(
+        map_, guesses, np.full((21, 1), 3.2), iterate=1, tolerance=1e-12, box=np.array([box])
+    )
+    assert np.unique(np.round(found.state[:, 0], 9)).tolist() == pytest.approx(expected, abs=1e-8)
+
+
+def test_no_step_is_made_where_the_equations_are_singular() -> None:
+    """1 - J singular: NaN for that point, Newton's step x + (f - x)/(1 - f') for the other."""
+    move, residual = newton_step(
+        np.array([[0.2], [0.2]]), np.array([[0.3], [0.3]]), np.array([[[1.0]], [[0.5]]])
+    )
+    assert np.isnan(move[0, 0])
+    assert move[1, 0] == pytest.approx(0.2)
+    assert residual.tolist() == pytest.approx([0.1, 0.1])
