@@ -148,7 +148,7 @@ def _drifts(below: Sequence[Axes], drift: xr.Dataset) -> None:
         plots.history(drawn.isel(prestress=k), "energy_drift", ax=ax, legend=False, linewidth=0.7)
         value = drift["prestress"].values[k]
         ax.set_title(f"constant load, {style.title(drift['prestress'], value)}")
-        symbol = drift["energy_drift"].attrs["symbol"]
+        symbol = style.symbol(drift["energy_drift"]).strip("$")
         ax.set(
             yscale="log", xlim=(0.0, None), ylabel=rf"energy drift, $|{symbol}|$" if k == 0 else ""
         )

@@ -18,7 +18,7 @@ from remanent.report.drawings import DRAWINGS, draw
 from remanent.report.evidence import ClaimEvidence, gather_evidence, regimes
 from remanent.report.processes import pool
 from remanent.report.settings import FORCING_LAWS, PRESTRESSES, REFERENCE, TEMPERATURES, Setting
-from remanent.results import store
+from remanent.results import netcdf
 
 #: Called with the name of a stage and the share of all work that is done.
 ProgressReport = Callable[[str, float], None]
@@ -120,7 +120,7 @@ def write_report(paper: Paper, out: Path) -> Path:
         for suffix, content in files.items():
             (out / "figures" / f"{name}{suffix}").write_bytes(content)
     for name, dataset in paper.datasets.items():
-        store.write(dataset, out / "data" / f"{name}.nc")
+        netcdf.write(dataset, out / "data" / f"{name}.nc")
     summary = summarise(paper)
     (out / "report.json").write_text(
         json.dumps(summary, indent=2, ensure_ascii=False) + "\n", encoding="utf-8"
