@@ -26,13 +26,13 @@ _HEADING = """\
 def draw(results: Mapping[str, Any], path: Path) -> Figure:
     """Reported against true errors, and the share of them covered by decade of tolerance."""
     with style.context():
-        figure = Figure(figsize=(style.DOUBLE, 3.1), layout="constrained")
+        figure = Figure(figsize=(style.DOUBLE_COLUMN_WIDTH, 3.1), layout="constrained")
         left, right = figure.subplots(1, 2, width_ratios=(1.25, 1.0))
         _errors(left, np.array(results["points"], dtype=float))
         _coverage(right, results["decades"], results["total"])
         footer = f"seed {results['seed']}   remanent {results['remanent']}   {results['reference']}"
-        figure.supxlabel(footer, x=0.01, ha="left", fontsize=6.0, color=style.FAINT)
-    style.save(figure, path)
+        figure.supxlabel(footer, x=0.01, ha="left", fontsize=6.0, color=style.FAINT_COLOUR)
+    style.save_figure(figure, path)
     return figure
 
 
@@ -44,8 +44,10 @@ def _errors(ax: Axes, points: np.ndarray[Any, np.dtype[np.float64]]) -> None:
             color=style.OKABE_ITO["blue"], rasterized=True)  # fmt: skip
     ax.plot(true[~covered], reported[~covered], "x", ms=4.0, mew=0.9, clip_on=False,
             color=style.OKABE_ITO["vermillion"], label="not covered")  # fmt: skip
-    ax.plot(ends, ends, "-", color=style.INK, lw=0.8)
-    ax.plot(ends, LARGEST_USEFUL_RATIO * ends, color=style.INK, lw=0.8, ls=style.DASHES[1])
+    ax.plot(ends, ends, "-", color=style.INK_COLOUR, lw=0.8)
+    ax.plot(
+        ends, LARGEST_USEFUL_RATIO * ends, color=style.INK_COLOUR, lw=0.8, ls=style.LINE_STYLES[1]
+    )
     ax.set(xscale="log", yscale="log", xlim=ends, ylim=ends)
     ax.set(xlabel="true error", ylabel="reported error")
     style.panel_title(ax, "a", f"{true.size} trajectories")
@@ -61,9 +63,9 @@ def _coverage(ax: Axes, decades: Mapping[str, Any], total: Mapping[str, Any]) ->
     worst = np.array([100.0 * (1.0 - row["coverage_at_least"]) for row in decades.values()])
     ax.bar(powers + 0.5, missed, width=0.7, color=style.OKABE_ITO["blue"])
     ax.errorbar(powers + 0.5, missed, yerr=[0.0 * worst, worst - missed], fmt="none",
-                ecolor=style.INK, elinewidth=0.8, capsize=2.0)  # fmt: skip
+                ecolor=style.INK_COLOUR, elinewidth=0.8, capsize=2.0)  # fmt: skip
     missed_limit = 100.0 * (1.0 - ASKED_COVERAGE)
-    ax.axhline(missed_limit, color=style.INK, lw=0.8, ls=style.DASHES[1])
+    ax.axhline(missed_limit, color=style.INK_COLOUR, lw=0.8, ls=style.LINE_STYLES[1])
     ax.text(powers[0] + 0.1, missed_limit, "asked", va="bottom", fontsize=7.5)
     ticks = np.arange(powers[0], powers[-1] + 2, 2)
     ax.set_xticks(ticks, [f"$10^{{{k}}}$" for k in ticks])

@@ -24,7 +24,7 @@ _LOOK = {
 def precision(data: Any, path: Path) -> None:
     """Time against error, worst and median."""
     with style.context():
-        figure = Figure(figsize=(style.DOUBLE, 3.0), layout="constrained")
+        figure = Figure(figsize=(style.DOUBLE_COLUMN_WIDTH, 3.0), layout="constrained")
         panels = figure.subplots(1, 2, sharey=True)
         for letter, key, axes in zip("ab", ("worst", "median"), panels, strict=True):
             lines = [_curve(axes, tool, curve, key) for tool, curve in data["curves"].items()]
@@ -33,7 +33,7 @@ def precision(data: Any, path: Path) -> None:
             style.panel_title(axes, letter, "")
         panels[0].set_ylabel(r"µs per trajectory and unit of $\tau$")
         style.legend_above(figure, lines)
-        style.save(figure, path)
+        style.save_figure(figure, path)
 
 
 def _curve(axes: Axes, tool: str, curve: Any, key: str) -> Any:
@@ -56,7 +56,7 @@ def growth(data: Any, path: Path) -> None:
     rows = data["rows"]
     count = [row["trajectories"] for row in rows]
     with style.context():
-        figure = Figure(figsize=(style.DOUBLE, 2.6), layout="constrained")
+        figure = Figure(figsize=(style.DOUBLE_COLUMN_WIDTH, 2.6), layout="constrained")
         left, right = figure.subplots(1, 2)
         blue, red = style.OKABE_ITO["blue"], style.OKABE_ITO["vermillion"]
         left.loglog(count, [row["seconds"] for row in rows], "o-", color=blue, markersize=3.5)
@@ -73,16 +73,16 @@ def growth(data: Any, path: Path) -> None:
         style.panel_title(left, "a", "")
         style.panel_title(right, "b", "")
         style.legend_above(figure, lines)
-        style.save(figure, path)
+        style.save_figure(figure, path)
 
 
 def chart(dataset: xr.Dataset, folds: xr.Dataset, path: Path) -> None:
     """Regimes over two parameters, and the curve on which orbits are born."""
     with style.context():
-        figure = Figure(figsize=(style.DOUBLE, 4.6), layout="constrained")
+        figure = Figure(figsize=(style.DOUBLE_COLUMN_WIDTH, 4.6), layout="constrained")
         axes = figure.subplots()
         map(dataset, ax=axes)
         axes.plot(folds.omega, folds.b, color="white", linewidth=1.2)
         axes.plot(folds.omega, folds.b, color=style.OKABE_ITO["vermillion"], linewidth=0.7)
         axes.set(xlim=dataset.omega.values[[0, -1]], ylim=dataset.b.values[[0, -1]])
-        style.save(figure, path)
+        style.save_figure(figure, path)

@@ -17,9 +17,9 @@ from remanent.results.schema import describe
 __all__ = ["bars"]
 
 #: Share of the distance between fields that their bars take together.
-_FILLED: Final = 0.8
+_GROUP_HEIGHT_SHARE: Final = 0.8
 #: Share of its place that a bar covers, so that bars side by side are told apart.
-_COVERED: Final = 0.9
+_BAR_HEIGHT_SHARE: Final = 0.9
 
 
 def bars(
@@ -61,18 +61,23 @@ def bars(
                 why="There is a bar for each field.",
                 fix="Select values first, or name others.",
             )
-    rows = [row for name in names for row in _rows(dataset, name)]
+    rows = [row for name in names for row in _labelled_bars(dataset, name)]
     positions = np.arange(dataset.sizes["field"])
-    thickness = _FILLED / len(rows)
+    thickness = _GROUP_HEIGHT_SHARE / len(rows)
     with style.context():
         axes = style.owned_axes(ax)
         artists = []
         for k, (label, values, errors) in enumerate(rows):
             colour = list(style.OKABE_ITO.values())[k % len(style.OKABE_ITO)]
-            y = positions - 0.5 * _FILLED + (k + 0.5) * thickness
-            looks = {"color": colour, "height": _COVERED * thickness, "label": label, **bar}
+            y = positions - 0.5 * _GROUP_HEIGHT_SHARE + (k + 0.5) * thickness
+            looks = {
+                "color": colour,
+                "height": _BAR_HEIGHT_SHARE * thickness,
+                "label": label,
+                **bar,
+            }
             artists.append(axes.barh(y, values, xerr=errors, error_kw={"lw": 0.8}, **looks))
-        axes.axvline(0.0, color=style.INK, lw=0.6)
+        axes.axvline(0.0, color=style.INK_COLOUR, lw=0.6)
         fields = [describe(str(name)) for name in dataset["field"].values]
         axes.set_yticks(positions, [f"{field.long_name}, ${field.symbol}$" for field in fields])
         axes.tick_params(axis="y", length=0)
@@ -80,11 +85,11 @@ def bars(
         row = describe(names[0])
         axes.set_xlabel(f"{row.long_name}, ${row.symbol}$" if len(names) == 1 else "")
         entries = artists if legend and len(rows) > 1 else []
-        footer.finish(axes, ax, dataset, entries)  # type: ignore[arg-type]
+        footer.add_legend_and_footer(axes, ax, dataset, entries)  # type: ignore[arg-type]
     return artists
 
 
-def _rows(dataset: xr.Dataset, name: str) -> list[tuple[str, Any, Any]]:
+def _labelled_bars(dataset: xr.Dataset, name: str) -> list[tuple[str, Any, Any]]:
     """Label, values and errors of each set of bars."""
     values, error = dataset[name], dataset.get(f"{name}_error")
     second = next((dim for dim in values.dims if dim != "field"), None)

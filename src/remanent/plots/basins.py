@@ -48,22 +48,22 @@ def basins(
     -------
     matplotlib.collections.QuadMesh
     """
-    across, down = _plane(dataset)
+    across, down = _grid_variables(dataset)
     upright = dataset.transpose(down, across, ...)
     if "basin" not in dataset:
         return maps.map(upright, ax=ax, legend=legend, **mesh)
     with style.context():
-        axes = style.owned_axes(ax, width=style.SINGLE, height=3.1)
+        axes = style.owned_axes(ax, width=style.SINGLE_COLUMN_WIDTH, height=3.1)
         x, y = dataset[across], dataset[down]
         looks = {"shading": "nearest", "rasterized": True, **mesh}
         artist = axes.pcolormesh(x.values, y.values, _cell_colours(upright), **looks)
         _mark_attractors(axes, dataset, across, down)
-        axes.set(xlabel=style.label(x), ylabel=style.label(y))
-        footer.finish(axes, ax, dataset, _entries(dataset) if legend else [])
+        axes.set(xlabel=style.axis_label(x), ylabel=style.axis_label(y))
+        footer.add_legend_and_footer(axes, ax, dataset, _legend_entries(dataset) if legend else [])
     return artist
 
 
-def _plane(dataset: xr.Dataset) -> tuple[Hashable, Hashable]:
+def _grid_variables(dataset: xr.Dataset) -> tuple[Hashable, Hashable]:
     """The two state variables of the grid."""
     if "regime" not in dataset or dataset["regime"].ndim != 2:
         raise InputError(
@@ -77,7 +77,7 @@ def _plane(dataset: xr.Dataset) -> tuple[Hashable, Hashable]:
     return first, second
 
 
-def _colours(count: int) -> FloatArray:
+def _attractor_colours(count: int) -> FloatArray:
     wheel = [to_rgb(tone) for tone in style.OKABE_ITO.values()]
     if count <= len(wheel):
         return np.array(wheel[:count]).reshape(count, 3)
@@ -87,8 +87,8 @@ def _colours(count: int) -> FloatArray:
 def _cell_colours(dataset: xr.Dataset) -> FloatArray:
     """Colours of every cell, array (y, x, 3)."""
     basin = dataset["basin"].values
-    tones = 1.0 - _BASIN_TINT * (1.0 - _colours(dataset.sizes["attractor"]))
-    unknown = np.array([to_rgb(maps.UNDECIDED)])
+    tones = 1.0 - _BASIN_TINT * (1.0 - _attractor_colours(dataset.sizes["attractor"]))
+    unknown = np.array([to_rgb(maps.UNDECIDED_COLOUR)])
     return np.asarray(np.concatenate([tones, unknown])[basin])
 
 
@@ -98,23 +98,24 @@ def _mark_attractors(axes: Axes, dataset: xr.Dataset, across: Hashable, down: Ha
     points = dataset["attractor_state"].transpose("attractor", "state")
     names = points["state"].values.tolist()
     x, y = (points.values[:, names.index(name)] for name in (across, down))
-    for k, tone in enumerate(_colours(len(x))):
+    for k, tone in enumerate(_attractor_colours(len(x))):
         axes.plot(x[k], y[k], "o", ms=5.0, color=tone, mec="white", mew=0.9, zorder=5)
     axes.set(xlim=box[0], ylim=box[1])
 
 
-def _entries(dataset: xr.Dataset) -> list[Artist]:
+def _legend_entries(dataset: xr.Dataset) -> list[Artist]:
     """Legend entries: what each attractor is, and its share."""
-    tones = _colours(dataset.sizes["attractor"])
+    tones = _attractor_colours(dataset.sizes["attractor"])
     entries: list[Artist] = [
-        Patch(color=tone, label=_caption(dataset.isel(attractor=k))) for k, tone in enumerate(tones)
+        Patch(color=tone, label=_attractor_caption(dataset.isel(attractor=k)))
+        for k, tone in enumerate(tones)
     ]
     if (dataset["basin"].values < 0).any():
-        entries.append(Patch(color=maps.UNDECIDED, label="undecided or escaped"))
+        entries.append(Patch(color=maps.UNDECIDED_COLOUR, label="undecided or escaped"))
     return entries
 
 
-def _caption(attractor: xr.Dataset) -> str:
+def _attractor_caption(attractor: xr.Dataset) -> str:
     kind, period = str(attractor["attractor_regime"].values), int(attractor["attractor_period"])
     name = f"period {period}" if kind == "periodic" else kind
     share, error = (100.0 * float(attractor[n]) for n in ("fraction", "fraction_error"))

@@ -17,10 +17,10 @@ from matplotlib.lines import Line2D
 from remanent._errors import InputError
 from remanent.plots import ensemble, footer, style
 
-__all__ = ["branch", "entries", "multipliers"]
+__all__ = ["branch", "legend_entries", "multipliers"]
 
 #: Line styles of what multipliers say; a double line is a broad one with a white core.
-_LINES: Final[Mapping[str, Mapping[str, Any]]] = MappingProxyType(
+_STABILITY_LINE_STYLES: Final[Mapping[str, Mapping[str, Any]]] = MappingProxyType(
     {
         "stable": {"linestyle": "-", "linewidth": 1.3},
         "elliptic": {"linestyle": "-", "linewidth": 2.2},
@@ -30,11 +30,11 @@ _LINES: Final[Mapping[str, Mapping[str, Any]]] = MappingProxyType(
     }
 )
 #: Markers of special points.
-_MARKERS: Final[Mapping[str, str]] = MappingProxyType(
+_SPECIAL_POINT_MARKERS: Final[Mapping[str, str]] = MappingProxyType(
     {"fold": "o", "period doubling": "s", "Neimark-Sacker": "D", "branch point": "^"}
 )
 #: Width of the white core of a double line, in points.
-_CORE_WIDTH: Final = 0.8
+_DOUBLE_LINE_CORE_WIDTH: Final = 0.8
 
 
 def branch(
@@ -69,7 +69,7 @@ def branch(
     list of matplotlib.lines.Line2D
         One for each stretch of a branch with one stability.
     """
-    x = parameter or _followed(dataset)
+    x = parameter or _followed_parameter(dataset)
     with style.context():
         axes = style.owned_axes(ax)
         marks = [name for name in (f"special_{x}", f"special_{variable}") if name in dataset]
@@ -77,14 +77,14 @@ def branch(
         members = ensemble.members(dataset, names, ("branch", "point", "special"))
         artists: list[Line2D] = []
         for member in members:
-            artists += _draw(axes, member, x, variable, line)
+            artists += _draw_branches(axes, member, x, variable, line)
             _mark_special_points(axes, member, x, variable)
-        axes.set(xlabel=style.label(dataset[x]), ylabel=style.label(dataset[variable]))
+        axes.set(xlabel=style.axis_label(dataset[x]), ylabel=style.axis_label(dataset[variable]))
         axes.margins(x=0.0)
         if variable == "amplitude":
             axes.set_ylim(bottom=0.0)
-        named = [*ensemble.handles(members), *entries(dataset)] if legend else []
-        footer.finish(axes, ax, dataset, named, hide=(x,))
+        named = [*ensemble.line_legend_entries(members), *legend_entries(dataset)] if legend else []
+        footer.add_legend_and_footer(axes, ax, dataset, named, hide=(x,))
     return artists
 
 
@@ -120,34 +120,36 @@ def multipliers(
     list of matplotlib.lines.Line2D
         One for each multiplier on each stretch of a branch with one stability.
     """
-    x = parameter or _followed(dataset)
+    x = parameter or _followed_parameter(dataset)
     with style.context():
         axes = style.owned_axes(ax, height=2.0)
         names = (x, "multipliers", "stability", "special_kind", f"special_{x}")
         members = ensemble.members(dataset, names, ("branch", "point", "special", "multiplier"))
-        axes.axhline(1.0, color=style.FAINT, linewidth=0.5)
+        axes.axhline(1.0, color=style.FAINT_COLOUR, linewidth=0.5)
         artists: list[Line2D] = []
         for member in members:
             moduli = member.data.assign(multipliers=abs(member.data["multipliers"]))
             for k in range(moduli.sizes["multiplier"]):
                 single = replace(member, data=moduli.isel(multiplier=k))
-                artists += _draw(axes, single, x, "multipliers", line)
-            on_circle = replace(member, data=_on_circle(member.data))
+                artists += _draw_branches(axes, single, x, "multipliers", line)
+            on_circle = replace(member, data=_with_special_points_at_one(member.data))
             _mark_special_points(axes, on_circle, x, "multipliers")
-        symbol = style.symbol(dataset["multipliers"]).strip("$")
-        axes.set(xlabel=style.label(dataset[x]), ylabel=f"modulus of multipliers, $|{symbol}|$")
+        symbol = style.math_symbol(dataset["multipliers"]).strip("$")
+        axes.set(
+            xlabel=style.axis_label(dataset[x]), ylabel=f"modulus of multipliers, $|{symbol}|$"
+        )
         axes.margins(x=0.0)
-        named = [*ensemble.handles(members), *entries(dataset)] if legend else []
-        footer.finish(axes, ax, dataset, named, hide=(x,))
+        named = [*ensemble.line_legend_entries(members), *legend_entries(dataset)] if legend else []
+        footer.add_legend_and_footer(axes, ax, dataset, named, hide=(x,))
     return artists
 
 
-def _on_circle(data: xr.Dataset) -> xr.Dataset:
+def _with_special_points_at_one(data: xr.Dataset) -> xr.Dataset:
     """Special points are where a modulus is 1."""
     return data.assign(special_multipliers=xr.ones_like(data["special_kind"], dtype=float))
 
 
-def _followed(dataset: xr.Dataset) -> str:
+def _followed_parameter(dataset: xr.Dataset) -> str:
     """The parameter: the attribute of that name, or omega, which a response diagram follows."""
     name = str(dataset.attrs.get("parameter", "omega"))
     if name in dataset and f"special_{name}" in dataset:
@@ -161,7 +163,7 @@ def _followed(dataset: xr.Dataset) -> str:
     )
 
 
-def _draw(
+def _draw_branches(
     axes: Axes, member: ensemble.Member, x: str, variable: str, line: dict[str, Any]
 ) -> list[Line2D]:
     data = member.data if "branch" in member.data.dims else member.data.expand_dims("branch")
@@ -170,20 +172,24 @@ def _draw(
         row = data.isel(branch=k)
         stabilities = row["stability"].values
         finite = np.isfinite(row[x].values)
-        for first, last in _runs(stabilities, int(finite.sum())):
-            looks = {"color": member.colour, **_LINES[str(stabilities[first])], **line}
+        for first, last in _stability_runs(stabilities, int(finite.sum())):
+            looks = {
+                "color": member.colour,
+                **_STABILITY_LINE_STYLES[str(stabilities[first])],
+                **line,
+            }
             # A stretch begins where the one before it ends, so that no gap is seen.
             points = slice(max(first - 1, 0), last)
             (artist,) = axes.plot(
                 row[x].values[points], row[variable].values[points], solid_capstyle="butt", **looks
             )
             if stabilities[first] == "elliptic":
-                artist.set_path_effects(_double("elliptic"))
+                artist.set_path_effects(_double_line_effects("elliptic"))
             artists.append(artist)
     return artists
 
 
-def _runs(stabilities: Any, count: int) -> list[tuple[int, int]]:
+def _stability_runs(stabilities: Any, count: int) -> list[tuple[int, int]]:
     """Stretches of equal stability among the first `count` points."""
     changes = np.flatnonzero(stabilities[1:count] != stabilities[: max(count - 1, 0)]) + 1
     cuts = [0, *changes.tolist(), count]
@@ -194,7 +200,7 @@ def _mark_special_points(axes: Axes, member: ensemble.Member, x: str, variable: 
     data, name = member.data, f"special_{variable}"
     if name not in data:
         return
-    for kind, marker in _MARKERS.items():
+    for kind, marker in _SPECIAL_POINT_MARKERS.items():
         of_kind = data["special_kind"].values == kind
         axes.plot(
             data[f"special_{x}"].values[of_kind], data[name].values[of_kind], marker, ms=4.0,
@@ -202,24 +208,43 @@ def _mark_special_points(axes: Axes, member: ensemble.Member, x: str, variable: 
         )  # fmt: skip
 
 
-def entries(dataset: xr.Dataset) -> list[Line2D]:
+def legend_entries(dataset: xr.Dataset) -> list[Line2D]:
     """Legend entries of the kinds of stability and of special points that occur."""
     stabilities = set(np.unique(dataset["stability"].values.astype(str)))
     lines = [
-        Line2D([], [], color=style.INK, label=name, path_effects=_double(name), **looks)
-        for name, looks in _LINES.items()
+        Line2D(
+            [],
+            [],
+            color=style.INK_COLOUR,
+            label=name,
+            path_effects=_double_line_effects(name),
+            **looks,
+        )
+        for name, looks in _STABILITY_LINE_STYLES.items()
         if name in stabilities
     ]
     kinds = set(np.unique(dataset["special_kind"].values.astype(str)))
     marks = [
-        Line2D([], [], color=style.INK, mfc="white", marker=marker, ms=4, linestyle="", label=kind)
-        for kind, marker in _MARKERS.items()
+        Line2D(
+            [],
+            [],
+            color=style.INK_COLOUR,
+            mfc="white",
+            marker=marker,
+            ms=4,
+            linestyle="",
+            label=kind,
+        )
+        for kind, marker in _SPECIAL_POINT_MARKERS.items()
         if kind in kinds
     ]
     return lines + marks
 
 
-def _double(name: str) -> Any:
+def _double_line_effects(name: str) -> Any:
     if name != "elliptic":
         return None
-    return [patheffects.Normal(), patheffects.Stroke(linewidth=_CORE_WIDTH, foreground="white")]
+    return [
+        patheffects.Normal(),
+        patheffects.Stroke(linewidth=_DOUBLE_LINE_CORE_WIDTH, foreground="white"),
+    ]

@@ -54,16 +54,18 @@ def curve(
     with style.context():
         axes = style.owned_axes(ax)
         members = ensemble.members(dataset, (variable, x), (along, "quantile"))
-        artists = [_curve(axes, member, variable, x, line) for member in members]
-        axes.set(xlabel=style.label(dataset[x]), ylabel=style.label(dataset[variable]))
+        artists = [_draw_curve_and_band(axes, member, variable, x, line) for member in members]
+        axes.set(xlabel=style.axis_label(dataset[x]), ylabel=style.axis_label(dataset[variable]))
         if log:
             axes.set_yscale("log")
         axes.margins(x=0.0)
-        footer.finish(axes, ax, dataset, ensemble.handles(members) if legend else [])
+        footer.add_legend_and_footer(
+            axes, ax, dataset, ensemble.line_legend_entries(members) if legend else []
+        )
     return artists
 
 
-def _curve(
+def _draw_curve_and_band(
     axes: Axes, member: ensemble.Member, variable: str, x: str, line: dict[str, Any]
 ) -> Line2D:
     values, at = member.data[variable], member.data[x].values

@@ -11,10 +11,10 @@ from matplotlib.lines import Line2D
 
 from remanent.plots import ensemble, footer, style
 
-__all__ = ["landscape", "mark_handles"]
+__all__ = ["equilibrium_legend_entries", "landscape"]
 
 #: Variables that are drawn beside the potential, where a result has them.
-_EXTRA: Final = (
+_OPTIONAL_VARIABLES: Final = (
     "equilibrium_stretch",
     "equilibrium_potential",
     "stability",
@@ -24,13 +24,13 @@ _EXTRA: Final = (
 )
 
 #: Room above the highest level, in depths of the well.
-_ROOM_ABOVE: Final = 0.9
+_MARGIN_ABOVE_LEVEL: Final = 0.9
 #: Room below the well, over the height of what is shown.
-_ROOM_BELOW: Final = 0.12
+_MARGIN_BELOW_WELL: Final = 0.12
 #: Room beside the turning points, over their distance.
-_ROOM_BESIDE: Final = 0.3
+_MARGIN_BESIDE_TURNING_POINTS: Final = 0.3
 #: Depth that a well has at least, so that the axis has a height.
-_SMALLEST_DEPTH: Final = 1e-12
+_MIN_WELL_DEPTH: Final = 1e-12
 
 
 def landscape(
@@ -62,39 +62,39 @@ def landscape(
     list of matplotlib.lines.Line2D
         The potentials, one per member, in order of temperature.
     """
-    extra = [name for name in _EXTRA if name in dataset]
+    extra = [name for name in _OPTIONAL_VARIABLES if name in dataset]
     along = ("thickness_stretch", "equilibrium")
     with style.context():
         axes = style.owned_axes(ax, height=2.9)
         members = ensemble.members(dataset, ("potential", "thickness_stretch", *extra), along)
-        artists = [_curve(axes, member, line) for member in members]
+        artists = [_draw_potential(axes, member, line) for member in members]
         # Shorter levels lie on longer ones, so that all are seen.
-        for member in sorted(members, key=_reach, reverse=True):
+        for member in sorted(members, key=_turning_point_distance, reverse=True):
             _draw_level(axes, member)
             _draw_equilibria(axes, member)
-        _name_level(axes, members)
+        _annotate_level(axes, members)
         axes.set(
-            xlabel=style.label(dataset["thickness_stretch"]),
-            ylabel=style.label(dataset["potential"]),
+            xlabel=style.axis_label(dataset["thickness_stretch"]),
+            ylabel=style.axis_label(dataset["potential"]),
         )
         _limit_axes(axes, members)
-        entries = [*ensemble.handles(members), *mark_handles(dataset)]
-        footer.finish(axes, ax, dataset, entries if legend else [])
+        entries = [*ensemble.line_legend_entries(members), *equilibrium_legend_entries(dataset)]
+        footer.add_legend_and_footer(axes, ax, dataset, entries if legend else [])
     return artists
 
 
-def _curve(axes: Axes, member: ensemble.Member, line: dict[str, Any]) -> Line2D:
+def _draw_potential(axes: Axes, member: ensemble.Member, line: dict[str, Any]) -> Line2D:
     looks = {"color": member.colour, "linestyle": member.dashes, "label": member.label, **line}
     x, y = member.data["thickness_stretch"].values, member.data["potential"].values
     (artist,) = axes.plot(x, y, **looks)
     return artist
 
 
-def mark_handles(dataset: xr.Dataset) -> list[Line2D]:
+def equilibrium_legend_entries(dataset: xr.Dataset) -> list[Line2D]:
     """Legend entries of the kinds of equilibria that :func:`landscape` draws."""
     words = set(np.ravel(dataset["stability"].values)) if "stability" in dataset else set()
-    looks: dict[str, Any] = {"color": style.INK, "linestyle": "", "marker": "o", "ms": 4.2}
-    inside = {"stable": style.INK, "unstable": "white"}
+    looks: dict[str, Any] = {"color": style.INK_COLOUR, "linestyle": "", "marker": "o", "ms": 4.2}
+    inside = {"stable": style.INK_COLOUR, "unstable": "white"}
     return [
         Line2D([], [], mfc=colour, label=f"{word} equilibrium", **looks)
         for word, colour in inside.items()
@@ -102,7 +102,7 @@ def mark_handles(dataset: xr.Dataset) -> list[Line2D]:
     ]
 
 
-def _reach(member: ensemble.Member) -> float:
+def _turning_point_distance(member: ensemble.Member) -> float:
     """How far apart the turning points are."""
     if not _has_level(member):
         return 0.0
@@ -123,12 +123,12 @@ def _draw_level(axes: Axes, member: ensemble.Member) -> None:
     axes.plot(ends, levels, "|", color=member.colour, ms=7, mew=1.2, zorder=4)
 
 
-def _name_level(axes: Axes, members: list[ensemble.Member]) -> None:
+def _annotate_level(axes: Axes, members: list[ensemble.Member]) -> None:
     """Write the symbol of the energy outside the widest well."""
-    widest = max(members, key=_reach)
+    widest = max(members, key=_turning_point_distance)
     if _has_level(widest):
         axes.annotate(
-            style.symbol(widest.data["level"]),
+            style.math_symbol(widest.data["level"]),
             (float(widest.data["turning_upper"]), float(widest.data["level"])),
             xytext=(5, -1), textcoords="offset points", va="top",
         )  # fmt: skip
@@ -153,11 +153,11 @@ def _limit_axes(axes: Axes, members: list[ensemble.Member]) -> None:
     bottom = min(float(member.data["potential"].min()) for member in members)
     top = max(float(member.data["level"]) for member in members)
     # The smallest room keeps the axis from having no height at rest.
-    room = _ROOM_ABOVE * max(top - bottom, _SMALLEST_DEPTH)
-    axes.set_ylim(bottom - _ROOM_BELOW * (top - bottom + room), top + room)
+    room = _MARGIN_ABOVE_LEVEL * max(top - bottom, _MIN_WELL_DEPTH)
+    axes.set_ylim(bottom - _MARGIN_BELOW_WELL * (top - bottom + room), top + room)
     ends = [float(m.data[n]) for m in members for n in ("turning_lower", "turning_upper")
             if n in m.data]  # fmt: skip
     if ends:
-        margin = _ROOM_BESIDE * (max(ends) - min(ends))
+        margin = _MARGIN_BESIDE_TURNING_POINTS * (max(ends) - min(ends))
         axes.set_xlim(min(ends) - margin, max(ends) + margin)
     axes.locator_params(axis="x", nbins=7)

@@ -14,10 +14,10 @@ from matplotlib.lines import Line2D
 from remanent._errors import InputError
 from remanent.plots import style
 
-__all__ = ["Member", "handles", "members", "point_handles"]
+__all__ = ["Member", "line_legend_entries", "members", "point_legend_entries"]
 
 #: Share of the colour map that many members use: its end is too light for lines on white.
-_BRIGHTEST: Final = 0.85
+_COLOUR_MAP_END: Final = 0.85
 
 
 @dataclass(frozen=True)
@@ -73,7 +73,7 @@ def members(dataset: xr.Dataset, names: Iterable[str], along: Iterable[str]) -> 
     InputError
         A variable is missing, or more than two dimensions are left over.
     """
-    subset = _with_variables(dataset, tuple(names))
+    subset = _select_variables(dataset, tuple(names))
     free = [dim for dim in subset.dims if dim not in set(along)]
     if len(free) > 2:
         raise InputError(
@@ -83,9 +83,9 @@ def members(dataset: xr.Dataset, names: Iterable[str], along: Iterable[str]) -> 
             why="Lines differ by colour and by line style, which are two.",
             fix=f"Select values first, for example dataset.isel({free[0]}=0).",
         )
-    colour_dim = _colour_dim(subset, free)
+    colour_dim = _colour_dimension(subset, free)
     style_dim = next((dim for dim in free if dim != colour_dim), None)
-    colours = _colours(subset, colour_dim)
+    colours = _member_colours(subset, colour_dim)
     drawn = []
     for numbers in product(*(range(subset.sizes[dim]) for dim in free)):
         indices: dict[Hashable, int] = dict(zip(free, numbers, strict=True))
@@ -94,16 +94,18 @@ def members(dataset: xr.Dataset, names: Iterable[str], along: Iterable[str]) -> 
             Member(
                 data=subset.isel(indices),
                 colour=colours[indices[colour_dim] if colour_dim is not None else 0],
-                dashes=style.DASHES[second % len(style.DASHES)],
+                dashes=style.LINE_STYLES[second % len(style.LINE_STYLES)],
                 marker=style.MARKERS[second % len(style.MARKERS)],
-                colour_label=_name(subset, colour_dim, indices) if colour_dim in free else "",
-                style_label=_name(subset, style_dim, indices),
+                colour_label=_coordinate_label(subset, colour_dim, indices)
+                if colour_dim in free
+                else "",
+                style_label=_coordinate_label(subset, style_dim, indices),
             )
         )
-    return sorted(drawn, key=_temperature)
+    return sorted(drawn, key=_member_temperature)
 
 
-def handles(drawn: Sequence[Member]) -> list[Line2D]:
+def line_legend_entries(drawn: Sequence[Member]) -> list[Line2D]:
     """Legend entries of lines: one per colour and, where they differ too, one per line style.
 
     Parameters
@@ -118,30 +120,30 @@ def handles(drawn: Sequence[Member]) -> list[Line2D]:
     """
     return [
         Line2D([], [], color=colour, label=name,
-               linestyle=member.dashes if colour == style.INK else "-")
-        for colour, member, name in _entries(drawn)
+               linestyle=member.dashes if colour == style.INK_COLOUR else "-")
+        for colour, member, name in _legend_content(drawn)
     ]  # fmt: skip
 
 
-def point_handles(drawn: Sequence[Member]) -> list[Line2D]:
+def point_legend_entries(drawn: Sequence[Member]) -> list[Line2D]:
     """Legend entries of points: one per colour and, where they differ too, one per marker."""
     return [
         Line2D([], [], color=colour, linestyle="", ms=3.5, label=name,
-               marker=member.marker if colour == style.INK else "o")
-        for colour, member, name in _entries(drawn)
+               marker=member.marker if colour == style.INK_COLOUR else "o")
+        for colour, member, name in _legend_content(drawn)
     ]  # fmt: skip
 
 
-def _entries(drawn: Sequence[Member]) -> list[tuple[Any, Member, str]]:
+def _legend_content(drawn: Sequence[Member]) -> list[tuple[Any, Member, str]]:
     """Colour, member and name of each colour, then of each style where there are several."""
     colours = {member.colour_label: member for member in drawn if member.colour_label}
     styles = {member.style_label: member for member in drawn if member.style_label}
     return [(member.colour, member, name) for name, member in colours.items()] + [
-        (style.INK, member, name) for name, member in styles.items() if len(styles) > 1
+        (style.INK_COLOUR, member, name) for name, member in styles.items() if len(styles) > 1
     ]
 
 
-def _with_variables(dataset: xr.Dataset, names: tuple[str, ...]) -> xr.Dataset:
+def _select_variables(dataset: xr.Dataset, names: tuple[str, ...]) -> xr.Dataset:
     missing = [name for name in names if name not in dataset.variables]
     if missing:
         raise InputError(
@@ -154,13 +156,13 @@ def _with_variables(dataset: xr.Dataset, names: tuple[str, ...]) -> xr.Dataset:
     return dataset[[name for name in names if name not in dataset.dims]]
 
 
-def _colour_dim(dataset: xr.Dataset, free: list[Hashable]) -> Hashable | None:
+def _colour_dimension(dataset: xr.Dataset, free: list[Hashable]) -> Hashable | None:
     if "temperature" in dataset.coords and dataset["temperature"].ndim == 1:
         return dataset["temperature"].dims[0]
     return free[0] if free else None
 
 
-def _colours(dataset: xr.Dataset, dim: Hashable | None) -> list[Any]:
+def _member_colours(dataset: xr.Dataset, dim: Hashable | None) -> list[Any]:
     if "temperature" in dataset.coords and dataset["temperature"].ndim <= 1:
         return list(style.temperature_colours(np.atleast_1d(dataset["temperature"].values)))
     count = dataset.sizes[dim] if dim is not None else 1
@@ -169,10 +171,12 @@ def _colours(dataset: xr.Dataset, dim: Hashable | None) -> list[Any]:
         return wheel[:count]
     from matplotlib import colormaps
 
-    return [colormaps["cividis"](x) for x in np.linspace(0.0, _BRIGHTEST, count)]
+    return [colormaps["cividis"](x) for x in np.linspace(0.0, _COLOUR_MAP_END, count)]
 
 
-def _name(dataset: xr.Dataset, dim: Hashable | None, indices: Mapping[Hashable, int]) -> str:
+def _coordinate_label(
+    dataset: xr.Dataset, dim: Hashable | None, indices: Mapping[Hashable, int]
+) -> str:
     """Say where along one dimension a member is, by every coordinate that has just it."""
     if dim is None:
         return ""
@@ -180,10 +184,10 @@ def _name(dataset: xr.Dataset, dim: Hashable | None, indices: Mapping[Hashable, 
     if not coords:
         return f"{dim} {indices[dim]}"
     return ", ".join(
-        style.title(array, np.asarray(array.values[indices[dim]]).item()) for array in coords
+        style.value_label(array, np.asarray(array.values[indices[dim]]).item()) for array in coords
     )
 
 
-def _temperature(member: Member) -> float:
+def _member_temperature(member: Member) -> float:
     coordinate = member.data.coords.get("temperature")
     return float(coordinate) if coordinate is not None and coordinate.ndim == 0 else 0.0

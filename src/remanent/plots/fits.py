@@ -71,6 +71,6 @@ def fit(
             data[x], data["predicted"] - level, color=style.OKABE_ITO["vermillion"], label="fitted"
         )
         words = f"residual of ${row.symbol}$" if residuals else f"{row.long_name}, ${row.symbol}$"
-        axes.set(xlabel=style.label(data[x]), ylabel=words)
-        footer.finish(axes, ax, dataset, [*points, *curve] if legend else [])
+        axes.set(xlabel=style.axis_label(data[x]), ylabel=words)
+        footer.add_legend_and_footer(axes, ax, dataset, [*points, *curve] if legend else [])
     return [*points, *curve]

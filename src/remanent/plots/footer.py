@@ -13,14 +13,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from remanent._errors import InputError
-from remanent.plots.style import FAINT, legend_above, number, title
+from remanent.plots.style import FAINT_COLOUR, format_number, legend_above, value_label
 from remanent.results import provenance
 from remanent.results.schema import describe
 
-__all__ = ["add", "finish", "text"]
+__all__ = ["add_footer", "add_legend_and_footer", "footer_text"]
 
 #: Fields that say nothing at this value.
-_NEUTRAL: Final[Mapping[str, object]] = MappingProxyType(
+_NEUTRAL_VALUES: Final[Mapping[str, object]] = MappingProxyType(
     {
         "entropic_fraction": 1.0,
         "temperature_coefficient": 0.0,
@@ -32,22 +32,22 @@ _NEUTRAL: Final[Mapping[str, object]] = MappingProxyType(
     }
 )
 #: Fields that may be two numbers, each with a name of its own.
-_PAIRS: Final = frozenset({"prestress", "edges"})
+_PAIRED_FIELDS: Final = frozenset({"prestress", "edges"})
 #: Parts of which a figure says nothing: the units, which the axes show.
-_UNSAID: Final = frozenset({"scales"})
+_OMITTED_PARTS: Final = frozenset({"scales"})
 #: The kind of a magnet, which is named only where it has something to say.
-_PLAIN_MAGNET: Final = "Magnet"
+_MAGNET_CLASS_NAME: Final = "Magnet"
 #: What parts the pieces of the footer.
-_SEPARATOR: Final = "   "
+_PIECE_SEPARATOR: Final = "   "
 #: Size of its letters, in points.
 _FONT_SIZE: Final = 6.0
 #: Width of a letter over its size, on average.
-_LETTER_WIDTH: Final = 0.43
+_LETTER_WIDTH_RATIO: Final = 0.43
 #: Longest description that is shown where a system or a drive is no plain data.
-_LONGEST: Final = 90
+_MAX_SOURCE_LENGTH: Final = 90
 
 
-def finish(
+def add_legend_and_footer(
     axes: Axes,
     given: Axes | None,
     dataset: xr.Dataset,
@@ -68,14 +68,14 @@ def finish(
     entries : sequence of matplotlib.artist.Artist
         What the legend names; fewer than two need none.
     hide : iterable of str
-        Fields that the footer leaves out, see :func:`add`.
+        Fields that the footer leaves out, see :func:`add_footer`.
     """
     legend_above(axes, entries)
     if given is None:
-        add(axes.get_figure(root=True), dataset, hide=hide)  # type: ignore[arg-type]
+        add_footer(axes.get_figure(root=True), dataset, hide=hide)  # type: ignore[arg-type]
 
 
-def add(figure: Figure, dataset: xr.Dataset, *, hide: Iterable[str] = ()) -> None:
+def add_footer(figure: Figure, dataset: xr.Dataset, *, hide: Iterable[str] = ()) -> None:
     """Write the footer below everything else in a figure.
 
     Parameters
@@ -88,16 +88,16 @@ def add(figure: Figure, dataset: xr.Dataset, *, hide: Iterable[str] = ()) -> Non
         Fields that took many values on the way to what is drawn; ``"drive"`` leaves
         the whole drive out.
     """
-    line = text(dataset, hide=hide)
+    line = footer_text(dataset, hide=hide)
     if line:
-        letters = figure.get_figwidth() * 72.0 / (_FONT_SIZE * _LETTER_WIDTH)
+        letters = figure.get_figwidth() * 72.0 / (_FONT_SIZE * _LETTER_WIDTH_RATIO)
         figure.supxlabel(
-            _wrap(line, letters), x=0.01, ha="left", fontsize=_FONT_SIZE, color=FAINT,
+            _wrap_pieces(line, letters), x=0.01, ha="left", fontsize=_FONT_SIZE, color=FAINT_COLOUR,
             linespacing=1.3,
         )  # fmt: skip
 
 
-def text(dataset: xr.Dataset, *, hide: Iterable[str] = ()) -> str:
+def footer_text(dataset: xr.Dataset, *, hide: Iterable[str] = ()) -> str:
     """Return the footer: parameters that the picture does not show, settings, tolerance, version.
 
     Parameters
@@ -120,96 +120,96 @@ def text(dataset: xr.Dataset, *, hide: Iterable[str] = ()) -> str:
     single = [array for array in dataset.coords.values() if array.ndim == 0]
     settings = [name for name in str(attrs.get("settings", "")).split() if name in attrs]
     pieces = [
-        *(title(array, array.item()) for array in single),
-        *_described(dataset, provenance.SYSTEM, shown),
-        *([] if "drive" in shown else _described(dataset, provenance.DRIVE, shown)),
-        *(_setting(key, attrs[key]) for key in settings if not _neutral(key, attrs[key])),
+        *(value_label(array, array.item()) for array in single),
+        *_model_texts(dataset, provenance.SYSTEM, shown),
+        *([] if "drive" in shown else _model_texts(dataset, provenance.DRIVE, shown)),
+        *(_value_text(key, attrs[key]) for key in settings if not _is_neutral(key, attrs[key])),
     ]
     if "tolerance" in attrs and "tolerance" not in dataset.dims:
-        pieces.append(f"tolerance ${number(attrs['tolerance'])}$")
+        pieces.append(f"tolerance ${format_number(attrs['tolerance'])}$")
     version = re.search(r"remanent \d[^,]*", str(attrs.get("versions", "")))
-    return _SEPARATOR.join([*pieces, version[0] if version else ""]).strip()
+    return _PIECE_SEPARATOR.join([*pieces, version[0] if version else ""]).strip()
 
 
-def _described(dataset: xr.Dataset, name: str, shown: set[str]) -> list[str]:
+def _model_texts(dataset: xr.Dataset, name: str, shown: set[str]) -> list[str]:
     """Say a system or a drive in symbols: the number fields by symbol, the parts by name."""
     table = provenance.plain(dataset, name)
     if table is None:
         source = str(dataset.attrs.get(f"{name}_text", ""))
-        return [_shortened(source)] if source else []
-    fields = [*_fields(table, shown)]
+        return [_shorten_source(source)] if source else []
+    fields = [*_field_texts(table, shown)]
     if name == provenance.SYSTEM:
         return fields
-    return [f"{_kind(table)}: {', '.join(fields)}" if fields else _kind(table)]
+    return [f"{_class_name(table)}: {', '.join(fields)}" if fields else _class_name(table)]
 
 
-def _fields(table: Mapping[str, Any], shown: set[str], owner: str = "") -> Iterator[str]:
+def _field_texts(table: Mapping[str, Any], shown: set[str], owner: str = "") -> Iterator[str]:
     """The fields of a table of plain data, those of parts within it in brackets."""
     for name, content in table.items():
-        if isinstance(content, dict) and "kind" in content and name not in _UNSAID:
-            yield from _part(content, shown, name)
+        if isinstance(content, dict) and "kind" in content and name not in _OMITTED_PARTS:
+            yield from _part_texts(content, shown, name)
         elif isinstance(content, list):
-            yield from _entries(name, content, shown)
-        elif _is_number(content) and name not in shown and not _neutral(name, content):
-            yield _setting(f"{owner}.{name}" if owner else name, content)
+            yield from _list_texts(name, content, shown)
+        elif _is_number(content) and name not in shown and not _is_neutral(name, content):
+            yield _value_text(f"{owner}.{name}" if owner else name, content)
 
 
 def _is_number(content: object) -> bool:
     return isinstance(content, int | float) and not isinstance(content, bool)
 
 
-def _entries(name: str, entries: list[Any], shown: set[str]) -> Iterator[str]:
+def _list_texts(name: str, entries: list[Any], shown: set[str]) -> Iterator[str]:
     """The parts of a list, and the numbers of a pair."""
     for k, entry in enumerate(entries):
         if isinstance(entry, dict):
-            yield from _part(entry, shown, f"{name}.{k}")
-        elif name in _PAIRS and f"{name}_{k + 1}" not in shown:
-            yield _setting(f"{name}_{k + 1}", entry)
+            yield from _part_texts(entry, shown, f"{name}.{k}")
+        elif name in _PAIRED_FIELDS and f"{name}_{k + 1}" not in shown:
+            yield _value_text(f"{name}_{k + 1}", entry)
 
 
-def _neutral(name: str, value: object) -> bool:
-    return name in _NEUTRAL and bool(value == _NEUTRAL[name])
+def _is_neutral(name: str, value: object) -> bool:
+    return name in _NEUTRAL_VALUES and bool(value == _NEUTRAL_VALUES[name])
 
 
-def _part(table: Mapping[str, Any], shown: set[str], owner: str) -> Iterator[str]:
-    kind, fields = _kind(table), list(_fields(table, shown, owner))
-    if fields or kind != _PLAIN_MAGNET:
+def _part_texts(table: Mapping[str, Any], shown: set[str], owner: str) -> Iterator[str]:
+    kind, fields = _class_name(table), list(_field_texts(table, shown, owner))
+    if fields or kind != _MAGNET_CLASS_NAME:
         yield f"{kind} ({', '.join(fields)})" if fields else kind
 
 
-def _kind(table: Mapping[str, Any]) -> str:
+def _class_name(table: Mapping[str, Any]) -> str:
     """The name of a class, without its module."""
     return str(table.get("kind", "")).rpartition(".")[2]
 
 
-def _setting(name: str, value: object) -> str:
+def _value_text(name: str, value: object) -> str:
     if not isinstance(value, (int, float)):
         return f"{name.replace('_', ' ')} {value}"
     try:
         row = describe(name)
     except InputError:  # a field of the user's own
-        return f"{name.replace('_', ' ')} ${number(value)}$"
+        return f"{name.replace('_', ' ')} ${format_number(value)}$"
     unit = f" {row.units}" if row.units == "K" else ""
-    return f"${row.symbol} = {number(value)}${unit}"
+    return f"${row.symbol} = {format_number(value)}${unit}"
 
 
-def _shortened(source: str) -> str:
+def _shorten_source(source: str) -> str:
     flat = " ".join(source.split()).replace("$", r"\$")
-    return flat if len(flat) <= _LONGEST else f"{flat[: _LONGEST - 1]}…"
+    return flat if len(flat) <= _MAX_SOURCE_LENGTH else f"{flat[: _MAX_SOURCE_LENGTH - 1]}…"
 
 
-def _wrap(line: str, letters: float) -> str:
+def _wrap_pieces(line: str, letters: float) -> str:
     """Break between pieces where a line would be longer than the figure."""
     lines = [""]
-    for piece in line.split(_SEPARATOR):
-        longer = f"{lines[-1]}{_SEPARATOR}{piece}".strip()
-        if lines[-1] and _length(longer) > letters:
+    for piece in line.split(_PIECE_SEPARATOR):
+        longer = f"{lines[-1]}{_PIECE_SEPARATOR}{piece}".strip()
+        if lines[-1] and _typeset_length(longer) > letters:
             lines.append(piece)
         else:
             lines[-1] = longer
     return "\n".join(lines)
 
 
-def _length(line: str) -> int:
+def _typeset_length(line: str) -> int:
     """Letters once typeset, roughly: a LaTeX command counts as one."""
     return len(re.sub(r"\\mathrm|[${}^_]", "", re.sub(r"\\(?!mathrm)[A-Za-z]+", "x", line)))

@@ -12,10 +12,10 @@ from matplotlib.lines import Line2D
 from remanent._typing import FloatArray
 from remanent.plots import ensemble, footer, style
 
-__all__ = ["mark_handles", "response"]
+__all__ = ["resonance_legend_entries", "response"]
 
 #: Variables that are drawn beside the amplitude, where a result has them.
-_MARKED: Final = ("resonance", "resonance_error", "resonance_amplitude", "published")
+_RESONANCE_VARIABLES: Final = ("resonance", "resonance_error", "resonance_amplitude", "published")
 
 
 def response(
@@ -54,25 +54,30 @@ def response(
         The curves, one per member, in order of temperature.
     """
     marked = resonances and variable == "amplitude"
-    extra = [name for name in _MARKED if marked and name in dataset]
+    extra = [name for name in _RESONANCE_VARIABLES if marked and name in dataset]
     with style.context():
         axes = style.owned_axes(ax)
         members = ensemble.members(dataset, (variable, "omega", *extra), ("omega",))
-        artists = [_curve(axes, member, variable, line) for member in members]
+        artists = [_draw_response(axes, member, variable, line) for member in members]
         for member in members:
-            _mark(axes, member, variable)
-        axes.set(xlabel=style.label(dataset["omega"]), ylabel=style.label(dataset[variable]))
+            _mark_resonance(axes, member, variable)
+        axes.set(
+            xlabel=style.axis_label(dataset["omega"]), ylabel=style.axis_label(dataset[variable])
+        )
         axes.margins(x=0.0)
         if variable == "amplitude":
-            _rest_on_zero(axes, artists)
-        entries = [*ensemble.handles(members), *mark_handles(dataset[extra])]
-        footer.finish(axes, ax, dataset, entries if legend else [])
+            _start_axis_at_zero(axes, artists)
+        entries = [
+            *ensemble.line_legend_entries(members),
+            *resonance_legend_entries(dataset[extra]),
+        ]
+        footer.add_legend_and_footer(axes, ax, dataset, entries if legend else [])
     return artists
 
 
-def mark_handles(dataset: xr.Dataset) -> list[Line2D]:
+def resonance_legend_entries(dataset: xr.Dataset) -> list[Line2D]:
     """Legend entries of the marks that :func:`response` draws."""
-    looks: dict[str, Any] = {"color": style.INK, "mfc": "white", "linestyle": "", "ms": 4}
+    looks: dict[str, Any] = {"color": style.INK_COLOUR, "mfc": "white", "linestyle": "", "ms": 4}
     named = (("resonance", "o"), ("published", "v"))
     return [
         Line2D([], [], marker=marker, label=name, **looks)
@@ -81,13 +86,15 @@ def mark_handles(dataset: xr.Dataset) -> list[Line2D]:
     ]
 
 
-def _curve(axes: Axes, member: ensemble.Member, variable: str, line: dict[str, Any]) -> Line2D:
+def _draw_response(
+    axes: Axes, member: ensemble.Member, variable: str, line: dict[str, Any]
+) -> Line2D:
     looks = {"color": member.colour, "linestyle": member.dashes, "label": member.label, **line}
-    (artist,) = axes.plot(*_through_resonance(member.data, variable), **looks)
+    (artist,) = axes.plot(*_points_through_resonance(member.data, variable), **looks)
     return artist
 
 
-def _through_resonance(data: xr.Dataset, variable: str) -> tuple[FloatArray, FloatArray]:
+def _points_through_resonance(data: xr.Dataset, variable: str) -> tuple[FloatArray, FloatArray]:
     """The curve, led through its largest value where that was found between grid points."""
     x, y = data["omega"].values, data[variable].values
     if not {"resonance", "resonance_amplitude"} <= set(data):
@@ -99,7 +106,7 @@ def _through_resonance(data: xr.Dataset, variable: str) -> tuple[FloatArray, Flo
     return np.insert(x, index, resonance), np.insert(y, index, height)
 
 
-def _rest_on_zero(axes: Axes, curves: list[Line2D]) -> None:
+def _start_axis_at_zero(axes: Axes, curves: list[Line2D]) -> None:
     """Start the vertical axis at zero and leave its top free, also where panels share it."""
     for curve in curves:
         curve.sticky_edges.y.append(0.0)
@@ -107,7 +114,7 @@ def _rest_on_zero(axes: Axes, curves: list[Line2D]) -> None:
     axes.autoscale_view()
 
 
-def _mark(axes: Axes, member: ensemble.Member, variable: str) -> None:
+def _mark_resonance(axes: Axes, member: ensemble.Member, variable: str) -> None:
     """Mark the resonance with its bracket, and the published one on the upper edge."""
     data = member.data
     if "published" in data:

@@ -19,13 +19,13 @@ from remanent._errors import InputError
 from remanent._typing import FloatArray, IntArray
 from remanent.plots import footer, style
 
-__all__ = ["UNDECIDED", "map"]
+__all__ = ["UNDECIDED_COLOUR", "map"]
 
 #: Colour of motion whose regime is not decided.
-UNDECIDED: Final = "#9a9a9a"
+UNDECIDED_COLOUR: Final = "#9a9a9a"
 #: Regimes of one colour; the others are shaded by what is known of them.
-_PLAIN_COLOURS: Final[Mapping[str, str]] = MappingProxyType(
-    {"undecided": UNDECIDED, "escaped": "#101018"}
+_UNSHADED_REGIME_COLOURS: Final[Mapping[str, str]] = MappingProxyType(
+    {"undecided": UNDECIDED_COLOUR, "escaped": "#101018"}
 )
 #: Colours of periodic motion by its period, 1 to 6, and longer.
 _PERIOD_COLOURS: Final = (
@@ -38,23 +38,23 @@ _PERIOD_COLOURS: Final = (
     "#a8546b",
 )
 #: Matplotlib's colour map of chaos, by its exponent.
-_CHAOS_MAP: Final = "inferno"
+_CHAOS_COLOUR_MAP: Final = "inferno"
 #: Share of that map at an exponent of zero: chaos is never as dark as an escape.
-_CHAOS_FLOOR: Final = 0.35
+_CHAOS_COLOUR_START: Final = 0.35
 #: Share of that map from an exponent of zero to the largest.
-_CHAOS_SPAN: Final = 0.6
+_CHAOS_COLOUR_SPAN: Final = 0.6
 #: Smallest exponent at the bright end of that map, so that noise is not shown as strong chaos.
-_SMALLEST_RANGE: Final = 1e-3
+_MIN_EXPONENT_RANGE: Final = 1e-3
 #: Colours of tori by their rotation number, from 0 to one half: red, green and blue channels
 #: at evenly spaced places.
-_TORUS_CHANNELS: Final = (
+_TORUS_COLOUR_STOPS: Final = (
     (0.04, 0.10, 0.22),
     (0.10, 0.33, 0.49),
     (0.27, 0.62, 0.68),
     (0.80, 0.92, 0.88),
 )
 #: Number of colours in the colour bars of tori and of chaos.
-_MAP_LEVELS: Final = 256
+_COLOUR_BAR_LEVELS: Final = 256
 
 
 def map(
@@ -98,20 +98,20 @@ def map(
     array = dataset[variable]
     down, across = array.dims
     with style.context():
-        axes = style.owned_axes(ax, width=style.SINGLE, height=3.1)
+        axes = style.owned_axes(ax, width=style.SINGLE_COLUMN_WIDTH, height=3.1)
         x, y = dataset[across].values, dataset[down].values
         looks = {"shading": "nearest", "rasterized": True, **mesh}
         if array.dtype.kind in "US":
             colours = _cell_colours(dataset, variable)
             artist = axes.pcolormesh(x, y, colours, **looks)
             if legend:
-                _explain(axes, dataset, variable)
+                _add_colour_legend(axes, dataset, variable)
         else:
             artist = axes.pcolormesh(x, y, array.values, **{"cmap": "cividis", **looks})
             if legend:
-                _bar(axes, artist, style.label(array))
-        axes.set(xlabel=style.label(dataset[across]), ylabel=style.label(dataset[down]))
-        footer.finish(axes, ax, dataset)
+                _add_colour_bar(axes, artist, style.axis_label(array))
+        axes.set(xlabel=style.axis_label(dataset[across]), ylabel=style.axis_label(dataset[down]))
+        footer.add_legend_and_footer(axes, ax, dataset)
     return artist
 
 
@@ -124,10 +124,13 @@ def _cell_colours(dataset: xr.Dataset, variable: str) -> FloatArray:
         for k, name in enumerate(sorted(set(values.ravel().tolist()))):
             colours[values == name] = to_rgb(wheel[k % len(wheel)])
         return colours
-    for name, tone in _PLAIN_COLOURS.items():
+    for name, tone in _UNSHADED_REGIME_COLOURS.items():
         colours[values == name] = to_rgb(tone)
-    regular = {"periodic": _periods(dataset), "quasi-periodic": _tori(dataset)}
-    for name, shades in {**regular, "chaotic": _chaos(dataset)}.items():
+    regular = {
+        "periodic": _periodic_shades(dataset),
+        "quasi-periodic": _quasi_periodic_shades(dataset),
+    }
+    for name, shades in {**regular, "chaotic": _chaotic_shades(dataset)}.items():
         cells = values == name
         colours[cells] = shades[cells]
     return colours
@@ -135,24 +138,24 @@ def _cell_colours(dataset: xr.Dataset, variable: str) -> FloatArray:
 
 def _torus_colours(share: FloatArray) -> FloatArray:
     """Dark blue to pale green, evenly."""
-    places = np.linspace(0.0, 1.0, len(_TORUS_CHANNELS))
-    channels = np.transpose(_TORUS_CHANNELS)
+    places = np.linspace(0.0, 1.0, len(_TORUS_COLOUR_STOPS))
+    channels = np.transpose(_TORUS_COLOUR_STOPS)
     return np.stack([np.interp(share, places, channel) for channel in channels], axis=-1)
 
 
-def _periods(dataset: xr.Dataset) -> FloatArray:
+def _periodic_shades(dataset: xr.Dataset) -> FloatArray:
     """By the period, all alike from one on."""
     tones = np.array([to_rgb(tone) for tone in _PERIOD_COLOURS])
-    return np.asarray(tones[_period(dataset).clip(1, len(_PERIOD_COLOURS)) - 1])
+    return np.asarray(tones[_orbit_periods(dataset).clip(1, len(_PERIOD_COLOURS)) - 1])
 
 
-def _period(dataset: xr.Dataset) -> IntArray:
+def _orbit_periods(dataset: xr.Dataset) -> IntArray:
     if "period" not in dataset:
         return np.ones(dataset["regime"].shape, dtype=np.int64)
     return np.asarray(dataset["period"].values, dtype=np.int64)
 
 
-def _tori(dataset: xr.Dataset) -> FloatArray:
+def _quasi_periodic_shades(dataset: xr.Dataset) -> FloatArray:
     """By the rotation number, folded at one half: turning back and forth are alike."""
     turns = dataset["rotation_number"].values if "rotation_number" in dataset else np.nan
     folded = 2.0 * np.minimum(np.mod(turns, 1.0), 1.0 - np.mod(turns, 1.0))
@@ -160,46 +163,50 @@ def _tori(dataset: xr.Dataset) -> FloatArray:
     return _torus_colours(np.broadcast_to(np.where(np.isfinite(folded), folded, 0.5), shape))
 
 
-def _chaos(dataset: xr.Dataset) -> FloatArray:
+def _chaotic_shades(dataset: xr.Dataset) -> FloatArray:
     """By the exponent, up to its largest."""
     exponent = dataset["exponent"].values if "exponent" in dataset else np.ones(())
     shape = dataset["regime"].shape
-    share = np.broadcast_to(exponent / _largest(dataset), shape).clip(0.0, 1.0)
-    return np.asarray(colormaps[_CHAOS_MAP](_CHAOS_FLOOR + _CHAOS_SPAN * share))[..., :3]
+    share = np.broadcast_to(exponent / _largest_exponent(dataset), shape).clip(0.0, 1.0)
+    return np.asarray(
+        colormaps[_CHAOS_COLOUR_MAP](_CHAOS_COLOUR_START + _CHAOS_COLOUR_SPAN * share)
+    )[..., :3]
 
 
-def _largest(dataset: xr.Dataset) -> float:
+def _largest_exponent(dataset: xr.Dataset) -> float:
     if "exponent" not in dataset:
         return 1.0
     exponents = dataset["exponent"].values[dataset["regime"].values == "chaotic"]
-    return float(np.nanmax(exponents, initial=_SMALLEST_RANGE))
+    return float(np.nanmax(exponents, initial=_MIN_EXPONENT_RANGE))
 
 
-def _explain(axes: Axes, dataset: xr.Dataset, variable: str) -> None:
+def _add_colour_legend(axes: Axes, dataset: xr.Dataset, variable: str) -> None:
     values = sorted(set(dataset[variable].values.ravel().tolist()))
     if variable != "regime":
         wheel = list(style.OKABE_ITO.values())
         entries = [Patch(color=wheel[k % len(wheel)], label=n) for k, n in enumerate(values)]
         style.legend_above(axes, entries)
         return
-    plain = {name: colour for name, colour in _PLAIN_COLOURS.items() if name in values}
+    plain = {name: colour for name, colour in _UNSHADED_REGIME_COLOURS.items() if name in values}
     entries = [
-        Patch(facecolor=colour, edgecolor=style.FAINT, linewidth=0.5, label=name)
-        for name, colour in (_period_colours(dataset) | plain).items()
+        Patch(facecolor=colour, edgecolor=style.FAINT_COLOUR, linewidth=0.5, label=name)
+        for name, colour in (_named_period_colours(dataset) | plain).items()
     ]
     if entries:
         style.legend_above(axes, entries)
     if "chaotic" in values and "exponent" in dataset:
-        scale = ScalarMappable(Normalize(0.0, _largest(dataset)), _chaos_map())
-        _bar(axes, scale, "chaotic: exponent $\\Lambda$")
+        scale = ScalarMappable(Normalize(0.0, _largest_exponent(dataset)), _chaos_colour_map())
+        _add_colour_bar(axes, scale, "chaotic: exponent $\\Lambda$")
     if "quasi-periodic" in values and "rotation_number" in dataset:
-        scale = ScalarMappable(Normalize(0.0, 0.5), _torus_map())
-        _bar(axes, scale, "quasi-periodic: rotation number $\\nu$")
+        scale = ScalarMappable(Normalize(0.0, 0.5), _torus_colour_map())
+        _add_colour_bar(axes, scale, "quasi-periodic: rotation number $\\nu$")
 
 
-def _period_colours(dataset: xr.Dataset) -> dict[str, str]:
+def _named_period_colours(dataset: xr.Dataset) -> dict[str, str]:
     """Names and colours of the periods of a chart; of one alone, its regime is the name."""
-    shown = _period(dataset)[dataset["regime"].values == "periodic"].clip(1, len(_PERIOD_COLOURS))
+    shown = _orbit_periods(dataset)[dataset["regime"].values == "periodic"].clip(
+        1, len(_PERIOD_COLOURS)
+    )
     periods = [int(k) for k in np.unique(shown)]
     if periods == [1]:
         return {"periodic": _PERIOD_COLOURS[0]}
@@ -209,16 +216,18 @@ def _period_colours(dataset: xr.Dataset) -> dict[str, str]:
     return {names[k]: _PERIOD_COLOURS[k - 1] for k in periods}
 
 
-def _torus_map() -> ListedColormap:
-    return ListedColormap(_torus_colours(np.linspace(0.0, 1.0, _MAP_LEVELS)))
+def _torus_colour_map() -> ListedColormap:
+    return ListedColormap(_torus_colours(np.linspace(0.0, 1.0, _COLOUR_BAR_LEVELS)))
 
 
-def _chaos_map() -> ListedColormap:
-    share = np.linspace(0.0, 1.0, _MAP_LEVELS)
-    return ListedColormap(colormaps[_CHAOS_MAP](_CHAOS_FLOOR + _CHAOS_SPAN * share))
+def _chaos_colour_map() -> ListedColormap:
+    share = np.linspace(0.0, 1.0, _COLOUR_BAR_LEVELS)
+    return ListedColormap(
+        colormaps[_CHAOS_COLOUR_MAP](_CHAOS_COLOUR_START + _CHAOS_COLOUR_SPAN * share)
+    )
 
 
-def _bar(axes: Axes, artist: Any, text: str) -> None:
+def _add_colour_bar(axes: Axes, artist: Any, text: str) -> None:
     figure = axes.get_figure(root=True)
     assert figure is not None
     bar = figure.colorbar(artist, ax=axes, fraction=0.05, pad=0.02, aspect=28)

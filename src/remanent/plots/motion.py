@@ -16,17 +16,17 @@ from remanent.plots import ensemble, footer, style
 __all__ = ["history", "phase", "section"]
 
 #: Lines with more points than this are drawn as pixels: as vectors they only make files heavy.
-_RASTER_POINTS: Final = 20_000
+_MAX_VECTOR_POINTS: Final = 20_000
 #: Area of all points of a cloud together, in square points: few points are drawn large.
-_CLOUD_AREA: Final = 900.0
+_TOTAL_POINT_AREA: Final = 900.0
 #: Smallest area of a point, in square points, at which it can still be seen.
-_SMALLEST_POINT: Final = 0.6
+_MIN_POINT_AREA: Final = 0.6
 #: Largest area of a point, in square points, that still shows structure.
-_LARGEST_POINT: Final = 6.0
+_MAX_POINT_AREA: Final = 6.0
 #: Dimensions along which a motion runs.
-_ALONG: Final = ("time", "cycle")
+_TIME_DIMENSIONS: Final = ("time", "cycle")
 
-_Drawn = TypeVar("_Drawn", Line2D, PathCollection)
+_Artist = TypeVar("_Artist", Line2D, PathCollection)
 
 
 def history(
@@ -60,10 +60,14 @@ def history(
         One per member, in order of temperature.
     """
     with style.context():
-        axes = style.owned_axes(ax, width=style.DOUBLE, height=2.2)
-        members, artists = _draw(axes, dataset, "time", variable, _ALONG, _line, line)
+        axes = style.owned_axes(ax, width=style.DOUBLE_COLUMN_WIDTH, height=2.2)
+        members, artists = _draw_members(
+            axes, dataset, "time", variable, _TIME_DIMENSIONS, _draw_line, line
+        )
         axes.margins(x=0.0)
-        footer.finish(axes, ax, dataset, ensemble.handles(members) if legend else [])
+        footer.add_legend_and_footer(
+            axes, ax, dataset, ensemble.line_legend_entries(members) if legend else []
+        )
     return artists
 
 
@@ -101,13 +105,15 @@ def phase(
     """
     with style.context():
         axes = style.owned_axes(ax, height=3.1)
-        members, artists = _draw(axes, dataset, x, y, _ALONG, _line, line)
+        members, artists = _draw_members(axes, dataset, x, y, _TIME_DIMENSIONS, _draw_line, line)
         if start:
             # In the order of the members: that of a set of NaN would change from run to run.
             starts = dict.fromkeys((float(m.data[x][0]), float(m.data[y][0])) for m in members)
             for point in starts:
-                axes.plot(*point, "o", ms=3.2, mfc="white", mec=style.INK, mew=0.7, zorder=5)
-        footer.finish(axes, ax, dataset, ensemble.handles(members) if legend else [])
+                axes.plot(*point, "o", ms=3.2, mfc="white", mec=style.INK_COLOUR, mew=0.7, zorder=5)
+        footer.add_legend_and_footer(
+            axes, ax, dataset, ensemble.line_legend_entries(members) if legend else []
+        )
     return artists
 
 
@@ -143,40 +149,42 @@ def section(
     with style.context():
         axes = style.owned_axes(ax, height=3.1)
         along = {"period", x} & set(map(str, dataset.dims))
-        members, artists = _draw(axes, dataset, x, y, along, _cloud, points)
-        footer.finish(axes, ax, dataset, ensemble.point_handles(members) if legend else [])
+        members, artists = _draw_members(axes, dataset, x, y, along, _draw_points, points)
+        footer.add_legend_and_footer(
+            axes, ax, dataset, ensemble.point_legend_entries(members) if legend else []
+        )
     return artists
 
 
-def _draw(
+def _draw_members(
     axes: Axes,
     dataset: xr.Dataset,
     x: str,
     y: str,
     along: Iterable[str],
-    draw: Callable[[Axes, ensemble.Member, str, str, dict[str, Any]], _Drawn],
+    draw: Callable[[Axes, ensemble.Member, str, str, dict[str, Any]], _Artist],
     looks: dict[str, Any],
-) -> tuple[list[ensemble.Member], list[_Drawn]]:
+) -> tuple[list[ensemble.Member], list[_Artist]]:
     """Draw `y` against `x` for every member, and label the axes: what all three plots share."""
     members = ensemble.members(dataset, (y, x), along)
     artists = [draw(axes, member, x, y, looks) for member in members]
-    axes.set(xlabel=style.label(dataset[x]), ylabel=style.label(dataset[y]))
+    axes.set(xlabel=style.axis_label(dataset[x]), ylabel=style.axis_label(dataset[y]))
     return members, artists
 
 
-def _line(axes: Axes, member: ensemble.Member, x: str, y: str, line: dict[str, Any]) -> Line2D:
+def _draw_line(axes: Axes, member: ensemble.Member, x: str, y: str, line: dict[str, Any]) -> Line2D:
     looks = {"color": member.colour, "linestyle": member.dashes, "label": member.label, **line}
     (artist,) = axes.plot(member.data[x].values, member.data[y].values, **looks)
-    if member.data[y].size > _RASTER_POINTS:
+    if member.data[y].size > _MAX_VECTOR_POINTS:
         artist.set_rasterized(True)
     return artist
 
 
-def _cloud(
+def _draw_points(
     axes: Axes, member: ensemble.Member, x: str, y: str, points: dict[str, Any]
 ) -> PathCollection:
     across, up = xr.broadcast(member.data[x], member.data[y])
-    area = float(np.clip(_CLOUD_AREA / max(up.size, 1), _SMALLEST_POINT, _LARGEST_POINT))
+    area = float(np.clip(_TOTAL_POINT_AREA / max(up.size, 1), _MIN_POINT_AREA, _MAX_POINT_AREA))
     looks: dict[str, Any] = {
         "s": area,
         "color": member.colour,

@@ -32,22 +32,22 @@ from remanent._errors import InputError
 from remanent.results.schema import describe
 
 __all__ = [
-    "DOUBLE",
+    "DOUBLE_COLUMN_WIDTH",
     "OKABE_ITO",
-    "SINGLE",
+    "SINGLE_COLUMN_WIDTH",
+    "axis_label",
     "context",
-    "label",
+    "math_symbol",
     "owned_axes",
-    "save",
-    "symbol",
+    "save_figure",
     "temperature_colours",
-    "title",
+    "value_label",
 ]
 
 #: Width of a journal's single column, in inches (89 mm).
-SINGLE: Final = 3.5
+SINGLE_COLUMN_WIDTH: Final = 3.5
 #: Width of a journal's double column, in inches (183 mm).
-DOUBLE: Final = 7.2
+DOUBLE_COLUMN_WIDTH: Final = 7.2
 
 #: Okabe and Ito's colours, without yellow (too light for lines on white).
 OKABE_ITO: Final[Mapping[str, str]] = MappingProxyType(
@@ -63,29 +63,29 @@ OKABE_ITO: Final[Mapping[str, str]] = MappingProxyType(
 )
 
 #: Line styles for a second dimension of an ensemble; solid first.
-DASHES: Final = ("-", (0, (4, 1.6)), (0, (1, 1.2)), (0, (5, 1.4, 1, 1.4)))
+LINE_STYLES: Final = ("-", (0, (4, 1.6)), (0, (1, 1.2)), (0, (5, 1.4, 1, 1.4)))
 #: Markers for the same.
 MARKERS: Final = ("o", "D", "s", "^")
 #: Colour of text, axes and what belongs to no member.
-INK: Final = "#1a1a1a"
+INK_COLOUR: Final = "#1a1a1a"
 #: Colour of what is read last: the footer, lines of reference.
-FAINT: Final = "#767676"
+FAINT_COLOUR: Final = "#767676"
 
 #: Width of a letter in a legend, in points.
-_LETTER_WIDTH: Final = 3.6
+_LEGEND_LETTER_WIDTH: Final = 3.6
 #: Width of a sample with its space in a legend, in points.
-_SAMPLE_WIDTH: Final = 24.0
+_LEGEND_SAMPLE_WIDTH: Final = 24.0
 #: Matplotlib's colour map of temperature.
-_TEMPERATURE_MAP: Final = "plasma"
+_TEMPERATURE_COLOUR_MAP: Final = "plasma"
 #: Part of that map that is used, from its dark end to the lightest tone readable on white.
-_MAP_CUT: Final = (0.03, 0.76)
+_COLOUR_MAP_RANGE: Final = (0.03, 0.76)
 #: Temperatures at its ends, K, so that a colour means a temperature in every figure.
 _TEMPERATURE_RANGE: Final = (240.0, 410.0)
 #: Temperatures that differ by less, K, are told apart on a scale of their own.
-_CLOSE_TEMPERATURES: Final = 40.0
+_MIN_TEMPERATURE_SPREAD: Final = 40.0
 
 #: Matplotlib's settings of the house style.
-_SETTINGS: Final[Mapping[str, Any]] = MappingProxyType(
+_MATPLOTLIB_SETTINGS: Final[Mapping[str, Any]] = MappingProxyType(
     {
         "font.family": "STIXGeneral",
         "mathtext.fontset": "stix",
@@ -99,15 +99,15 @@ _SETTINGS: Final[Mapping[str, Any]] = MappingProxyType(
         "legend.handlelength": 1.7,
         "legend.columnspacing": 1.4,
         "axes.linewidth": 0.6,
-        "axes.edgecolor": INK,
-        "axes.labelcolor": INK,
+        "axes.edgecolor": INK_COLOUR,
+        "axes.labelcolor": INK_COLOUR,
         "axes.titlelocation": "left",
         "axes.titlepad": 4.0,
         "axes.unicode_minus": True,
         "axes.formatter.useoffset": False,
-        "text.color": INK,
-        "xtick.color": INK,
-        "ytick.color": INK,
+        "text.color": INK_COLOUR,
+        "xtick.color": INK_COLOUR,
+        "ytick.color": INK_COLOUR,
         "xtick.direction": "in",
         "ytick.direction": "in",
         "xtick.top": True,
@@ -143,10 +143,10 @@ def context() -> AbstractContextManager[None]:
     >>> inside, mpl.rcParams["xtick.direction"] == before
     ('in', True)
     """
-    return mpl.rc_context(dict(_SETTINGS))  # type: ignore[arg-type]  # keys are checked when set
+    return mpl.rc_context(dict(_MATPLOTLIB_SETTINGS))  # type: ignore[arg-type]  # keys are checked when set
 
 
-def owned_axes(ax: Axes | None, *, width: float = SINGLE, height: float = 2.6) -> Axes:
+def owned_axes(ax: Axes | None, *, width: float = SINGLE_COLUMN_WIDTH, height: float = 2.6) -> Axes:
     """Return `ax`, or the axes of a new figure where it is None.
 
     Parameters
@@ -167,7 +167,7 @@ def owned_axes(ax: Axes | None, *, width: float = SINGLE, height: float = 2.6) -
     return plt.figure(figsize=(width, height), layout="constrained").add_subplot()
 
 
-def label(array: xr.DataArray | xr.Variable, *, words: bool = True) -> str:
+def axis_label(array: xr.DataArray | xr.Variable, *, words: bool = True) -> str:
     """Return the text of an axis: meaning, symbol and, where it has one, unit.
 
     Parameters
@@ -186,46 +186,46 @@ def label(array: xr.DataArray | xr.Variable, *, words: bool = True) -> str:
     --------
     >>> import xarray as xr
     >>> attrs = {"units": "ms", "long_name": "time", "symbol": "t"}
-    >>> label(xr.Variable((), 0.0, attrs))
+    >>> axis_label(xr.Variable((), 0.0, attrs))
     'time, $t$ (ms)'
     """
-    sign = symbol(array)
-    name = _attribute(array, "long_name")
+    sign = math_symbol(array)
+    name = _schema_attribute(array, "long_name")
     text = ", ".join(filter(None, (name, sign))) if words else sign or name
-    units = _units(array)
+    units = _typeset_units(array)
     return f"{text} ({units})" if units else text
 
 
-def symbol(array: xr.DataArray | xr.Variable) -> str:
+def math_symbol(array: xr.DataArray | xr.Variable) -> str:
     """Return the symbol between dollar signs; empty where there is none.
 
     Examples
     --------
     >>> import xarray as xr
-    >>> symbol(xr.DataArray(0.0, name="b"))
+    >>> math_symbol(xr.DataArray(0.0, name="b"))
     '$b$'
     """
-    text = _attribute(array, "symbol")
+    text = _schema_attribute(array, "symbol")
     return f"${text}$" if text else ""
 
 
-def title(array: xr.DataArray | xr.Variable, value: object) -> str:
+def value_label(array: xr.DataArray | xr.Variable, value: object) -> str:
     """Return ``symbol = value unit``, for legends and panels.
 
     Examples
     --------
     >>> import xarray as xr
-    >>> title(xr.Variable((), 0.0, {"units": "K", "symbol": "T", "long_name": ""}), 250.0)
+    >>> value_label(xr.Variable((), 0.0, {"units": "K", "symbol": "T", "long_name": ""}), 250.0)
     '$T = 250$ K'
     """
     if isinstance(value, str):
         return value
-    units = _units(array)
-    text = f"${_attribute(array, 'symbol')} = {number(value)}$"
+    units = _typeset_units(array)
+    text = f"${_schema_attribute(array, 'symbol')} = {format_number(value)}$"
     return f"{text} {units}" if units else text
 
 
-def number(value: object) -> str:
+def format_number(value: object) -> str:
     """Format a number for mathtext, in at most six digits and without ``e``."""
     text = f"{float(value):.6g}"  # type: ignore[arg-type]
     mantissa, _, exponent = text.partition("e")
@@ -248,12 +248,12 @@ def temperature_colours(temperatures: Iterable[float]) -> list[tuple[float, ...]
     list of RGBA
         Lightness rises with temperature.
     """
-    values, (low, high) = list(temperatures), _MAP_CUT
-    scale, colours = _temperature_scale(values), mpl.colormaps[_TEMPERATURE_MAP]
+    values, (low, high) = list(temperatures), _COLOUR_MAP_RANGE
+    scale, colours = _temperature_scale(values), mpl.colormaps[_TEMPERATURE_COLOUR_MAP]
     return [tuple(map(float, colours(low + (high - low) * float(scale(t))))) for t in values]
 
 
-def save(figure: Figure, path: str | os.PathLike[str]) -> Path:
+def save_figure(figure: Figure, path: str | os.PathLike[str]) -> Path:
     """Write a figure, the same bytes for the same figure.
 
     Parameters
@@ -298,13 +298,15 @@ def legend_above(owner: Axes | Figure, entries: Sequence[Artist]) -> None:
 def _legend_columns(owner: Axes | Figure, names: Sequence[str]) -> int:
     """How many entries fit side by side, by the length of the longest name."""
     figure = owner if isinstance(owner, Figure) else owner.get_figure(root=True)
-    inches = figure.get_figwidth() if figure is not None else SINGLE
+    inches = figure.get_figwidth() if figure is not None else SINGLE_COLUMN_WIDTH
     width = 72.0 * inches * (owner.get_position().width if isinstance(owner, Axes) else 1.0)
     letters = max(len(re.sub(r"\\[A-Za-z]+", "x", re.sub(r"[$^_{}]", "", name))) for name in names)
-    return min(len(names), max(1, int(width / (_LETTER_WIDTH * letters + _SAMPLE_WIDTH))))
+    return min(
+        len(names), max(1, int(width / (_LEGEND_LETTER_WIDTH * letters + _LEGEND_SAMPLE_WIDTH)))
+    )
 
 
-def _attribute(array: xr.DataArray | xr.Variable, key: str) -> str:
+def _schema_attribute(array: xr.DataArray | xr.Variable, key: str) -> str:
     """An attribute of a variable; where it is missing, that of the schema, or the name."""
     if key in array.attrs:
         return str(array.attrs[key])
@@ -317,9 +319,9 @@ def _attribute(array: xr.DataArray | xr.Variable, key: str) -> str:
         return str(name).replace("_", " ") if key == "long_name" else ""
 
 
-def _units(array: xr.DataArray | xr.Variable) -> str:
+def _typeset_units(array: xr.DataArray | xr.Variable) -> str:
     """Units in mathtext; nothing where dimensionless (angles are)."""
-    units = _attribute(array, "units")
+    units = _schema_attribute(array, "units")
     if units in {"", "1", "rad"}:
         return ""
     return re.sub(r"(?<=[A-Za-z])(-?\d+)", r"$^{\1}$", units)
@@ -328,7 +330,7 @@ def _units(array: xr.DataArray | xr.Variable) -> str:
 def _temperature_scale(temperatures: Sequence[float]) -> Normalize:
     low, high = float(np.min(temperatures)), float(np.max(temperatures))
     inside = _TEMPERATURE_RANGE[0] <= low and high <= _TEMPERATURE_RANGE[1]
-    if inside and (high == low or high - low >= _CLOSE_TEMPERATURES):
+    if inside and (high == low or high - low >= _MIN_TEMPERATURE_SPREAD):
         return Normalize(*_TEMPERATURE_RANGE)
     if inside:
         return Normalize(low, high)

@@ -90,7 +90,7 @@ def draw(name: str, data: Datasets) -> dict[str, bytes]:
     """Draw a picture; return its files by suffix, as vectors and as points."""
     figure = DRAWINGS[name].draw(data)
     with TemporaryDirectory() as folder:
-        vectors = style.save(figure, Path(folder) / "picture.svg").read_bytes()
+        vectors = style.save_figure(figure, Path(folder) / "picture.svg").read_bytes()
         figure.set_layout_engine("none")  # it has done its work
-        points = style.save(figure, Path(folder) / "picture.png").read_bytes()
+        points = style.save_figure(figure, Path(folder) / "picture.png").read_bytes()
     return {".svg": vectors, ".png": points}

@@ -47,18 +47,18 @@ def resonance_orbits(branches: xr.Dataset, response: xr.Dataset, orbits: xr.Data
     """
     rows, columns = branches["prestress"].values, branches["temperature"].values
     with style.context():
-        size = (style.DOUBLE, 2.1 * len(rows) + 0.7)
+        size = (style.DOUBLE_COLUMN_WIDTH, 2.1 * len(rows) + 0.7)
         figure, grid = panels(len(rows), len(columns), size, sharex=True, sharey=True)
         for k, axes in enumerate(grid.flat):
             at = {"prestress": k // len(columns), "temperature": k % len(columns)}
             axes.set_ylim(0.0, 1.05 * float(response["amplitude"].max()))
             _resonance(axes, branches.isel(at), response.isel(at), orbits.isel(at))
-            title = ", ".join(style.title(branches[n], branches[n].values[at[n]]) for n in at)
+            title = ", ".join(style.value_label(branches[n], branches[n].values[at[n]]) for n in at)
             style.panel_title(axes, "abcdefgh"[k], title)
         only_outer_labels(grid, x=True, y=True)
         rest = Line2D([], [], color=_REST, linewidth=0.8, label="from rest")
-        style.legend_above(figure, [*branch_plot.entries(branches), rest, _orbit_handle()])
-        footer.add(figure, branches, hide=("omega",))
+        style.legend_above(figure, [*branch_plot.legend_entries(branches), rest, _orbit_handle()])
+        footer.add_footer(figure, branches, hide=("omega",))
     return figure
 
 
@@ -85,7 +85,7 @@ def jump_at_resonance(
         Left the response with the branches; right the two motions, strobed.
     """
     with style.context():
-        figure, grid = panels(1, 2, (style.DOUBLE, 3.3))
+        figure, grid = panels(1, 2, (style.DOUBLE_COLUMN_WIDTH, 3.3))
         left, right = grid[0]
         plots.branch(branches, ax=left, legend=False)
         low, high = float(response["omega"].min()), float(response["omega"].max())
@@ -98,16 +98,16 @@ def jump_at_resonance(
             right.plot(x, y, color=colour, linewidth=0.4, alpha=0.6)
             right.plot(x, y, "o", ms=2.0, mew=0.0, color=colour)
         saddle = float(crossing["stretch"]), float(crossing["stretch_rate"])
-        right.plot(*saddle, "X", ms=6, color=style.INK, mec="white", mew=0.6, zorder=5)
-        right.plot(1.0, 0.0, "o", ms=4, mfc="white", mec=style.INK, mew=0.8, zorder=5)
-        right.set(xlabel=style.label(sections["stretch"]),
-                  ylabel=style.label(sections["stretch_rate"]))  # fmt: skip
+        right.plot(*saddle, "X", ms=6, color=style.INK_COLOUR, mec="white", mew=0.6, zorder=5)
+        right.plot(1.0, 0.0, "o", ms=4, mfc="white", mec=style.INK_COLOUR, mew=0.8, zorder=5)
+        right.set(xlabel=style.axis_label(sections["stretch"]),
+                  ylabel=style.axis_label(sections["stretch_rate"]))  # fmt: skip
         style.panel_title(left, "a", "response from rest and branches")
         style.panel_title(right, "b", "from rest, once per drive period")
         style.legend_above(
-            figure, [*branch_plot.entries(branches), *_sides(sections["omega"], crossing)]
+            figure, [*branch_plot.legend_entries(branches), *_sides(sections["omega"], crossing)]
         )
-        footer.add(figure, sections)
+        footer.add_footer(figure, sections)
     return figure
 
 
@@ -129,20 +129,20 @@ def chaos(chart: xr.Dataset, cases: xr.Dataset) -> Figure:
         figure, grid = panels(1, 1, (5.4, 3.6))
         axes = grid[0, 0]
         plots.map(chart, ax=axes)
-        entries: list[Artist] = [Patch(color=maps.UNDECIDED, label="undecided")]
+        entries: list[Artist] = [Patch(color=maps.UNDECIDED_COLOUR, label="undecided")]
         temperatures = cases["temperature"].values
         for colour, t in zip(style.temperature_colours(temperatures), temperatures, strict=True):
             case = cases.sel(temperature=t)
             entries += axes.plot(
                 float(case["omega"]), float(case["b"]), "o", ms=4.5, color=colour, mec="white",
-                mew=0.7, label=f"figure 5, {style.title(cases['temperature'], t)}",
+                mew=0.7, label=f"figure 5, {style.value_label(cases['temperature'], t)}",
             )  # fmt: skip
         axes.set(
             xlabel=r"drive frequency, $\omega/\sqrt{\theta}$",
             ylabel=r"root of the peak magnetic load, $b/\sqrt{\theta}$",
         )
         style.legend_above(figure, entries)
-        footer.add(figure, chart)
+        footer.add_footer(figure, chart)
     return figure
 
 
@@ -151,7 +151,7 @@ def _resonance(axes: Axes, branches: xr.Dataset, response: xr.Dataset, orbits: x
     axes.plot(response["omega"], response["amplitude"], color=_REST, linewidth=0.8)
     plots.branch(branches, ax=axes, legend=False)
     omega = float(orbits["omega"])
-    axes.axvline(omega, color=style.FAINT, linewidth=0.5, linestyle=":")
+    axes.axvline(omega, color=style.FAINT_COLOUR, linewidth=0.5, linestyle=":")
     amplitude = orbits["amplitude"].values[np.isfinite(orbits["amplitude"].values)]
     axes.plot(
         np.full(amplitude.size, omega), amplitude, "o", ms=3.2, color=colour, mec="white", mew=0.5,
@@ -161,23 +161,23 @@ def _resonance(axes: Axes, branches: xr.Dataset, response: xr.Dataset, orbits: x
 
 
 def _orbit_handle() -> Line2D:
-    return Line2D([], [], color=style.INK, marker="o", mec="white", ms=4, linestyle="",
+    return Line2D([], [], color=style.INK_COLOUR, marker="o", mec="white", ms=4, linestyle="",
                   label="orbits at resonance")  # fmt: skip
 
 
 def _sides(omega: xr.DataArray, crossing: xr.Dataset) -> list[Line2D]:
-    gap = float(omega[1] - omega[0]) / 2.0
+    distance = style.format_number(float(omega[1] - omega[0]) / 2.0)
     looks: dict[str, Any] = {"marker": "o", "ms": 3, "linewidth": 0.5}
     return [
         Line2D([], [], color=_REST, linewidth=0.9, label="from rest"),
         *(
-            Line2D([], [], color=colour, label=rf"$\omega^* {sign} {style.number(gap)}$", **looks)
+            Line2D([], [], color=colour, label=rf"$\omega^* {sign} {distance}$", **looks)
             for colour, sign in zip(_SIDES, "-+", strict=True)
         ),
         Line2D([], [], color=_MARK, linewidth=0.8, linestyle=":",
                label=rf"$\omega^* = {float(crossing['omega']):.8f}$"),
-        Line2D([], [], color=style.INK, marker="X", mec="white", ms=6, linestyle="",
+        Line2D([], [], color=style.INK_COLOUR, marker="X", mec="white", ms=6, linestyle="",
                label="saddle, strobed"),
-        Line2D([], [], color=style.INK, marker="o", mfc="white", ms=4, linestyle="",
+        Line2D([], [], color=style.INK_COLOUR, marker="o", mfc="white", ms=4, linestyle="",
                label="rest"),
     ]  # fmt: skip

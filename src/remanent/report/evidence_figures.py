@@ -45,9 +45,11 @@ def landscapes(dataset: xr.Dataset) -> Figure:
         One panel per prestress.
     """
     first = dataset.isel(prestress=0)
-    names = ensemble.handles(ensemble.members(first, ("potential",), ("thickness_stretch",)))
-    entries = [*names, *energy.mark_handles(dataset)]
-    return per_prestress(dataset, plots.landscape, (style.DOUBLE, 3.4), entries)
+    names = ensemble.line_legend_entries(
+        ensemble.members(first, ("potential",), ("thickness_stretch",))
+    )
+    entries = [*names, *energy.equilibrium_legend_entries(dataset)]
+    return per_prestress(dataset, plots.landscape, (style.DOUBLE_COLUMN_WIDTH, 3.4), entries)
 
 
 def tolerance_story(sections: xr.Dataset, drift: xr.Dataset) -> Figure:
@@ -71,7 +73,7 @@ def tolerance_story(sections: xr.Dataset, drift: xr.Dataset) -> Figure:
     """
     rows, columns = sections.sizes["temperature"], 2 * sections.sizes["prestress"]
     with style.context():
-        figure = Figure(figsize=(style.DOUBLE, 1.5 * rows + 2.4), layout="constrained")
+        figure = Figure(figsize=(style.DOUBLE_COLUMN_WIDTH, 1.5 * rows + 2.4), layout="constrained")
         grid = GridSpec(rows + 1, columns, figure, height_ratios=[1.0] * rows + [1.05])
         for row, column in product(range(rows), range(columns // 2)):
             _pair(figure, grid, sections.isel(temperature=row, prestress=column), row, column)
@@ -80,8 +82,8 @@ def tolerance_story(sections: xr.Dataset, drift: xr.Dataset) -> Figure:
         members = ensemble.members(drift.isel(prestress=0), ("energy_drift",), ("time",))
         behind = Line2D([], [], color=_BEHIND, linestyle="", marker="o", ms=3,
                         label=f"{sections['solver'].values[0]}, behind the other")  # fmt: skip
-        style.legend_above(figure, [*ensemble.handles(members), behind])
-        footer.add(figure, sections)
+        style.legend_above(figure, [*ensemble.line_legend_entries(members), behind])
+        footer.add_footer(figure, sections)
     return figure
 
 
@@ -106,16 +108,16 @@ def valley(dataset: xr.Dataset) -> Figure:
     scale = LogNorm(float(max(finite.min(), 1e-4)), float(finite.max()))
     with style.context():
         shape = (len(laws), len(windows)) if len(windows) > 1 else (1, len(laws))
-        size = (style.DOUBLE, 1.9 * shape[0] + 0.9)
+        size = (style.DOUBLE_COLUMN_WIDTH, 1.9 * shape[0] + 0.9)
         figure, grid = panels(*shape, size, sharex=True, sharey=True)
         cases = product(enumerate(laws), enumerate(windows))
         for axes, ((i, law), (j, window)) in zip(grid.flat, cases, strict=True):
             drawn = _misfit(axes, dataset.isel(law=i, window=j), scale)
-            title = f"{law},  {style.title(dataset['window'], window)}"
+            title = f"{law},  {style.value_label(dataset['window'], window)}"
             style.panel_title(axes, "", title)
         only_outer_labels(grid, x=True, y=True)
-        figure.colorbar(drawn, ax=grid, label=style.label(dataset["misfit"]), aspect=40)
-        footer.add(figure, dataset, hide=("drive", "temperature", "prestress"))
+        figure.colorbar(drawn, ax=grid, label=style.axis_label(dataset["misfit"]), aspect=40)
+        footer.add_footer(figure, dataset, hide=("drive", "temperature", "prestress"))
     return figure
 
 
@@ -124,17 +126,17 @@ def _pair(figure: Figure, grid: GridSpec, dataset: xr.Dataset, row: int, column:
     first = figure.add_subplot(grid[row, 2 * column])
     second = figure.add_subplot(grid[row, 2 * column + 1], sharex=first, sharey=first)
     last = row == grid.nrows - 2
-    temperature = style.title(dataset["temperature"], dataset["temperature"].item())
-    rate = style.label(dataset["thickness_stretch_rate"], words=False)
+    temperature = style.value_label(dataset["temperature"], dataset["temperature"].item())
+    rate = style.axis_label(dataset["thickness_stretch_rate"], words=False)
     plots.section(dataset.isel(solver=0), ax=second, color=_BEHIND)
     for k, ax in enumerate((first, second)):
         plots.section(dataset.isel(solver=k), ax=ax)
-        ax.set(xlabel=style.label(dataset["thickness_stretch"], words=False) if last else "")
+        ax.set(xlabel=style.axis_label(dataset["thickness_stretch"], words=False) if last else "")
         ax.set(ylabel=(f"{temperature}\n{rate}" if column == 0 else rate) if k == 0 else "")
         ax.tick_params(labelleft=k == 0, labelsize=6.5)
     if row == 0:
         coordinates = [dataset[n] for n in ("prestress", "omega") if n in dataset.coords]
-        case = ", ".join(style.title(value, value.item()) for value in coordinates)
+        case = ", ".join(style.value_label(value, value.item()) for value in coordinates)
         first.set_title(f"{case}\n{dataset['solver'].values[0]}")
         second.set_title(f"\n{dataset['solver'].values[1]}")
 
@@ -147,8 +149,8 @@ def _drifts(below: Sequence[Axes], drift: xr.Dataset) -> None:
     for k, ax in enumerate(below):
         plots.history(drawn.isel(prestress=k), "energy_drift", ax=ax, legend=False, linewidth=0.7)
         value = drift["prestress"].values[k]
-        ax.set_title(f"constant load, {style.title(drift['prestress'], value)}")
-        symbol = style.symbol(drift["energy_drift"]).strip("$")
+        ax.set_title(f"constant load, {style.value_label(drift['prestress'], value)}")
+        symbol = style.math_symbol(drift["energy_drift"]).strip("$")
         ax.set(
             yscale="log", xlim=(0.0, None), ylabel=rf"energy drift, $|{symbol}|$" if k == 0 else ""
         )
@@ -160,10 +162,12 @@ def _misfit(ax: Axes, dataset: xr.Dataset, scale: LogNorm) -> Any:
     drawn = ax.pcolormesh(
         x.values, y.values, z, norm=scale, cmap="cividis_r", shading="nearest", rasterized=True
     )
-    lines = ax.contour(x.values, y.values, z, levels=_CONTOURS, colors=style.INK, linewidths=0.6)
+    lines = ax.contour(
+        x.values, y.values, z, levels=_CONTOURS, colors=style.INK_COLOUR, linewidths=0.6
+    )
     ax.clabel(lines, fmt=lambda level: f"{level:g}", fontsize=6.5, inline_spacing=2)
     i, j = np.unravel_index(np.nanargmin(z), z.shape)
     ax.plot(x.values[j], y.values[i], "o", color=_MARK, mec="white", mew=0.7, ms=4.5)
     ax.text(0.03, 0.04, f"least {z[i, j]:.2g}", transform=ax.transAxes, color="white")
-    ax.set(xlabel=style.label(x, words=False), ylabel=style.label(y, words=False))
+    ax.set(xlabel=style.axis_label(x, words=False), ylabel=style.axis_label(y, words=False))
     return drawn

@@ -45,8 +45,10 @@ def figure_2(dataset: xr.Dataset) -> Figure:
     matplotlib.figure.Figure
         Panel (a), (b) ... per prestress, one below the other.
     """
-    names = ensemble.handles(_members(dataset, "thickness_stretch", "time"))
-    return per_prestress(dataset, plots.history, (style.DOUBLE, 4.1), names, stacked=True)
+    names = ensemble.line_legend_entries(_members(dataset, "thickness_stretch", "time"))
+    return per_prestress(
+        dataset, plots.history, (style.DOUBLE_COLUMN_WIDTH, 4.1), names, stacked=True
+    )
 
 
 def figure_3(dataset: xr.Dataset) -> Figure:
@@ -63,8 +65,8 @@ def figure_3(dataset: xr.Dataset) -> Figure:
     matplotlib.figure.Figure
         Panel (a), (b) ... per prestress, side by side.
     """
-    names = ensemble.handles(_members(dataset, "thickness_stretch", "time"))
-    return per_prestress(dataset, plots.phase, (style.DOUBLE, 3.6), names)
+    names = ensemble.line_legend_entries(_members(dataset, "thickness_stretch", "time"))
+    return per_prestress(dataset, plots.phase, (style.DOUBLE_COLUMN_WIDTH, 3.6), names)
 
 
 def figure_4(dataset: xr.Dataset) -> Figure:
@@ -82,9 +84,11 @@ def figure_4(dataset: xr.Dataset) -> Figure:
     matplotlib.figure.Figure
         Panel (a), (b) ... per prestress, side by side, on one scale.
     """
-    names = ensemble.handles(_members(dataset, "amplitude", "omega"))
-    entries = [*names, *forced.mark_handles(dataset)]
-    return per_prestress(dataset, plots.response, (style.DOUBLE, 3.4), entries, sharey=True)
+    names = ensemble.line_legend_entries(_members(dataset, "amplitude", "omega"))
+    entries = [*names, *forced.resonance_legend_entries(dataset)]
+    return per_prestress(
+        dataset, plots.response, (style.DOUBLE_COLUMN_WIDTH, 3.4), entries, sharey=True
+    )
 
 
 def figure_5_or_6(history: xr.Dataset, section: xr.Dataset) -> Figure:
@@ -110,18 +114,18 @@ def figure_5_or_6(history: xr.Dataset, section: xr.Dataset) -> Figure:
     """
     temperatures = np.sort(history["temperature"].values)
     with style.context():
-        figure, grid = panels(len(temperatures), 3, (style.DOUBLE, 1.85 * len(temperatures) + 0.5),
-                              width_ratios=(1.75, 1, 1))  # fmt: skip
+        size = (style.DOUBLE_COLUMN_WIDTH, 1.85 * len(temperatures) + 0.5)
+        figure, grid = panels(len(temperatures), 3, size, width_ratios=(1.75, 1, 1))
         for row, (temperature, axes) in enumerate(zip(temperatures, grid, strict=True)):
             at = {"temperature": temperature}
             _motion_row(axes, history.sel(at), section.sel(at))
-            name = style.title(history["temperature"], temperature)
+            name = style.value_label(history["temperature"], temperature)
             style.panel_title(axes[0], _letter(2 * row), name)
             style.panel_title(axes[1], _letter(2 * row + 1), r"strobed every $2\pi/\omega$")
             style.panel_title(axes[2], "", r"strobed every $\pi/\omega$")
         only_outer_labels(grid, x=True, y=False)
         style.legend_above(figure, _period_handles())
-        footer.add(figure, section)
+        footer.add_footer(figure, section)
     return figure
 
 
@@ -157,11 +161,11 @@ def per_prestress(
         figure, grid = panels(*shape, size, sharex=stacked, sharey=sharey)
         for k, (value, axes) in enumerate(zip(values, grid.flat, strict=True)):
             draw(dataset.sel(prestress=value), ax=axes, legend=False)
-            style.panel_title(axes, _letter(k), style.title(dataset["prestress"], value))
+            style.panel_title(axes, _letter(k), style.value_label(dataset["prestress"], value))
         only_outer_labels(grid, x=stacked, y=not stacked)
         style.legend_above(figure, entries)
         figure.align_ylabels()
-        footer.add(figure, dataset)
+        footer.add_footer(figure, dataset)
     return figure
 
 
@@ -176,18 +180,18 @@ def _motion_row(axes: Sequence[Axes], history: xr.Dataset, section: xr.Dataset) 
     plots.phase(history, ax=axes[1], start=False, linewidth=0.4, alpha=0.55)
     second = section["period"].values % 2 == 0
     even, odd = section.isel(period=second), section.isel(period=~second)
-    plots.section(even, ax=axes[1], color=style.INK, zorder=4)
+    plots.section(even, ax=axes[1], color=style.INK_COLOUR, zorder=4)
     plots.section(
         odd, ax=axes[2], color=None, facecolors="none", edgecolors=_ODD, s=4.5, linewidths=0.5
     )
-    plots.section(even, ax=axes[2], color=style.INK, s=1.5, zorder=4)
+    plots.section(even, ax=axes[2], color=style.INK_COLOUR, s=1.5, zorder=4)
     axes[2].set_ylabel("")
 
 
 def _period_handles() -> list[Line2D]:
     looks: dict[str, Any] = {"linestyle": "", "marker": "o"}
     return [
-        Line2D([], [], color=style.INK, ms=2.2, label="even drive periods", **looks),
+        Line2D([], [], color=style.INK_COLOUR, ms=2.2, label="even drive periods", **looks),
         Line2D([], [], color=_ODD, mfc="none", ms=4, label="odd drive periods", **looks),
     ]
 

@@ -282,7 +282,7 @@ def test_si_results_have_si_axes() -> None:
     axes = plots.history(dataset)[0].axes
     assert axes is not None
     assert axes.get_xlabel() == "time, $t$ (ms)"
-    assert r"\sigma = 100$ kPa" in footer.text(dataset)
+    assert r"\sigma = 100$ kPa" in footer.footer_text(dataset)
 
 
 def test_gaps_and_empty_members_draw() -> None:

@@ -72,7 +72,7 @@ def test_equal_figures_give_equal_files(suffix: str, tmp_path: Path) -> None:
         assert axes is not None
         figure = axes.get_figure(root=True)
         assert figure is not None
-        files.append(style.save(figure, tmp_path / (name + suffix)).read_bytes())
+        files.append(style.save_figure(figure, tmp_path / (name + suffix)).read_bytes())
     assert files[0] == files[1]
 
 
@@ -89,7 +89,7 @@ def test_equal_figures_give_equal_files(suffix: str, tmp_path: Path) -> None:
 def test_labels_say_units(units: str, expected: str) -> None:
     """Dimensionless quantities have no unit on the axis; powers are raised."""
     array = xr.Variable((), 0.0, {"units": units, "long_name": "speed", "symbol": "v"})
-    assert style.label(array) == expected
+    assert style.axis_label(array) == expected
 
 
 @pytest.mark.parametrize(
@@ -98,12 +98,12 @@ def test_labels_say_units(units: str, expected: str) -> None:
 )
 def test_numbers_are_typeset(value: float, expected: str) -> None:
     """No ``1e-09`` in a figure."""
-    assert style.number(value) == expected
+    assert style.format_number(value) == expected
 
 
 def test_footer_says_what_the_picture_does_not() -> None:
     """Parameters, drive, settings, tolerance and version; nothing that was varied."""
-    found = footer.text(synthetic.frequency_response(7, 10.0))
+    found = footer.footer_text(synthetic.frequency_response(7, 10.0))
     for piece in ("$c = 1$", "$T_0 = 293$ K", "NeoHookean", "SineSquared: $b = 0.4$",
                   r"$\tau_w = 10$", "tolerance $10^{-9}$"):  # fmt: skip
         assert piece in found
@@ -113,7 +113,7 @@ def test_footer_says_what_the_picture_does_not() -> None:
 
 def test_footer_shows_the_selected_value() -> None:
     """A value picked out of a sweep is said, not the one the actuator was built with."""
-    found = footer.text(synthetic.constant(6.0, 61).sel(prestress=1.0))
+    found = footer.footer_text(synthetic.constant(6.0, 61).sel(prestress=1.0))
     assert "$S = 1$" in found
     assert "$S = 0$" not in found
 
@@ -123,7 +123,9 @@ def test_footer_shows_parts_that_matter() -> None:
     actuator = rm.Actuator(
         c=0.01, material=rm.Gent(30.0, 0.9), dissipation=(rm.Rayleigh(0.1), rm.Rayleigh(0.2))
     )
-    found = footer.text(xr.Dataset(attrs=provenance.attributes(actuator, rm.Constant(0.1), None)))
+    found = footer.footer_text(
+        xr.Dataset(attrs=provenance.attributes(actuator, rm.Constant(0.1), None))
+    )
     assert "Gent ($J_m = 30$, $f = 0.9$)" in found
     assert r"Rayleigh ($\eta_{0} = 0.1$)" in found
     assert r"Rayleigh ($\eta_{1} = 0.2$)" in found
@@ -133,18 +135,18 @@ def test_footer_shows_parts_that_matter() -> None:
 def test_footer_survives_anything() -> None:
     """What is no plain data is written as it is, and never run; nothing has to be there."""
     attrs = {"system": "not JSON", "system_text": "x = [1, 2]", "drive_text": "lambda $ m"}
-    found = footer.text(xr.Dataset(attrs=attrs))
+    found = footer.footer_text(xr.Dataset(attrs=attrs))
     assert "x = [1, 2]" in found
     assert r"\$" in found
-    assert footer.text(xr.Dataset()) == ""
-    assert footer.text(xr.Dataset(attrs={"settings": "duration", "system": "[1]"})) == ""
+    assert footer.footer_text(xr.Dataset()) == ""
+    assert footer.footer_text(xr.Dataset(attrs={"settings": "duration", "system": "[1]"})) == ""
 
 
 def test_footer_hides_what_was_varied_on_the_way() -> None:
     """A result distilled from a sweep does not show one value of what was swept."""
     dataset = synthetic.valley()
-    found = footer.text(dataset, hide=("drive", "temperature"))
-    assert "SineSquared" in footer.text(dataset)
+    found = footer.footer_text(dataset, hide=("drive", "temperature"))
+    assert "SineSquared" in footer.footer_text(dataset)
     assert "SineSquared" not in found
     assert "$T = " not in found
 
