@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 import remanent as rm
-from remanent.results.schema import TABLE
+from remanent.results.schema import DESCRIPTIONS
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
@@ -175,7 +175,13 @@ OUTSIDE = {"sqrt", "exp", "log", "sin", "cos", "pi", "pint", "xarray", "from_si"
 
 def test_words_in_backticks_are_names() -> None:
     """Guides name what exists: public names, their arguments, variables, values of labels."""
-    names = LABELS | OUTSIDE | set(rm.__all__) | set(TABLE) | {f"{name}_error" for name in TABLE}
+    names = (
+        LABELS
+        | OUTSIDE
+        | set(rm.__all__)
+        | set(DESCRIPTIONS)
+        | {f"{name}_error" for name in DESCRIPTIONS}
+    )
     values: list[Any] = [getattr(rm, name) for name in rm.__all__]
     for value in values:
         has_arguments = inspect.isfunction(value) or dataclasses.is_dataclass(value)

@@ -121,8 +121,8 @@ def footer_text(dataset: xr.Dataset, *, hide: Iterable[str] = ()) -> str:
     settings = [name for name in str(attrs.get("settings", "")).split() if name in attrs]
     pieces = [
         *(value_label(array, array.item()) for array in single),
-        *_model_texts(dataset, provenance.SYSTEM, shown),
-        *([] if "drive" in shown else _model_texts(dataset, provenance.DRIVE, shown)),
+        *_model_texts(dataset, provenance.SYSTEM_ATTRIBUTE, shown),
+        *([] if "drive" in shown else _model_texts(dataset, provenance.DRIVE_ATTRIBUTE, shown)),
         *(_value_text(key, attrs[key]) for key in settings if not _is_neutral(key, attrs[key])),
     ]
     if "tolerance" in attrs and "tolerance" not in dataset.dims:
@@ -133,12 +133,12 @@ def footer_text(dataset: xr.Dataset, *, hide: Iterable[str] = ()) -> str:
 
 def _model_texts(dataset: xr.Dataset, name: str, shown: set[str]) -> list[str]:
     """Say a system or a drive in symbols: the number fields by symbol, the parts by name."""
-    table = provenance.plain(dataset, name)
+    table = provenance.plain_model(dataset, name)
     if table is None:
         source = str(dataset.attrs.get(f"{name}_text", ""))
         return [_shorten_source(source)] if source else []
     fields = [*_field_texts(table, shown)]
-    if name == provenance.SYSTEM:
+    if name == provenance.SYSTEM_ATTRIBUTE:
         return fields
     return [f"{_class_name(table)}: {', '.join(fields)}" if fields else _class_name(table)]
 

@@ -8,11 +8,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-__all__ = ["replaced_whole"]
+__all__ = ["atomic_replacement"]
 
 
 @contextmanager
-def replaced_whole(path: Path) -> Iterator[Path]:
+def atomic_replacement(path: Path) -> Iterator[Path]:
     """Lend the name of a temporary file, which replaces `path` once it is complete.
 
     Parameters

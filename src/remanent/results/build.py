@@ -11,7 +11,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from remanent._errors import InputError
-from remanent.results.schema import FLAGS, describe, flag_attributes
+from remanent.results.schema import FLAG_MEANINGS, describe, flag_attributes
 
 __all__ = ["Labelled", "dataset"]
 
@@ -59,19 +59,19 @@ def dataset(
     """
     _require_equal_lengths({**coords, **variables})
     return xr.Dataset(
-        {name: _variable(name, *labelled) for name, labelled in variables.items()},
-        coords={name: _coordinate(name, *labelled) for name, labelled in coords.items()},
+        {name: _labelled_variable(name, *labelled) for name, labelled in variables.items()},
+        coords={name: _labelled_coordinate(name, *labelled) for name, labelled in coords.items()},
         attrs=dict(provenance),
     )
 
 
-def _variable(name: str, dims: tuple[str, ...], values: NDArray[Any]) -> xr.Variable:
-    if name in FLAGS:
+def _labelled_variable(name: str, dims: tuple[str, ...], values: NDArray[Any]) -> xr.Variable:
+    if name in FLAG_MEANINGS:
         values = np.asarray(values, dtype=np.int8)
     return xr.Variable(dims, values, {**describe(name).attributes(), **flag_attributes(name)})
 
 
-def _coordinate(name: str, dims: tuple[str, ...], values: NDArray[Any]) -> xr.Variable:
+def _labelled_coordinate(name: str, dims: tuple[str, ...], values: NDArray[Any]) -> xr.Variable:
     """A coordinate; one of numbers that label its dimension is an index.
 
     xarray would make the index itself, but looks for pint in any array, and importing
@@ -79,7 +79,7 @@ def _coordinate(name: str, dims: tuple[str, ...], values: NDArray[Any]) -> xr.Va
     """
     if dims == (name,) and values.dtype.kind in "iuf":
         return xr.Variable(dims, pd.Index(values, copy=False), describe(name).attributes())
-    return _variable(name, dims, values)
+    return _labelled_variable(name, dims, values)
 
 
 def _require_equal_lengths(labelled: Mapping[str, Labelled]) -> None:

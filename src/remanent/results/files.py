@@ -17,7 +17,7 @@ from remanent.results import mat, netcdf, table
 __all__ = ["load", "save"]
 
 #: The module that writes and reads files of each ending.
-_FORMATS: Final[Mapping[str, ModuleType]] = MappingProxyType(
+_FORMAT_MODULES: Final[Mapping[str, ModuleType]] = MappingProxyType(
     {".nc": netcdf, ".csv": table, ".mat": mat}
 )
 
@@ -86,7 +86,7 @@ def save(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
             fix="For a DataArray pass array.to_dataset(name=...).",
         )
     target = Path(path)
-    module = _format(target)
+    module = _format_module(target)
     if not target.parent.is_dir():
         raise InputError(
             "path",
@@ -95,7 +95,7 @@ def save(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
             why=f"There is no folder {str(target.parent)!r}.",
             fix="Create it first.",
         )
-    with _in_words("written", target, OSError):
+    with _explain_file_errors("written", target, OSError):
         module.write(dataset, target)
     return target
 
@@ -126,7 +126,7 @@ def load(path: str | os.PathLike[str]) -> xr.Dataset:
     read_measurements : to read CSV and MAT files of other origin.
     """
     source = Path(path)
-    module = _format(source)
+    module = _format_module(source)
     if not source.is_file():
         raise InputError(
             "path",
@@ -137,15 +137,15 @@ def load(path: str | os.PathLike[str]) -> xr.Dataset:
         )
 
     # What the readers of other packages raise of a damaged file is not limited.
-    with _in_words("read", source, Exception):
+    with _explain_file_errors("read", source, Exception):
         dataset: xr.Dataset = module.read(source)
     return dataset
 
 
-def _format(path: Path) -> ModuleType:
-    module = _FORMATS.get(path.suffix.lower())
+def _format_module(path: Path) -> ModuleType:
+    module = _FORMAT_MODULES.get(path.suffix.lower())
     if module is None:
-        endings = ", ".join(_FORMATS)
+        endings = ", ".join(_FORMAT_MODULES)
         raise InputError(
             "path",
             must=f"end in one of {endings}",
@@ -157,7 +157,7 @@ def _format(path: Path) -> ModuleType:
 
 
 @contextmanager
-def _in_words(action: str, path: Path, errors: type[Exception]) -> Iterator[None]:
+def _explain_file_errors(action: str, path: Path, errors: type[Exception]) -> Iterator[None]:
     """Say in words that a file cannot be written or read."""
     try:
         yield

@@ -20,16 +20,16 @@ from numpy.typing import NDArray
 
 from remanent._errors import InputError
 from remanent.results import metadata
-from remanent.results.atomic import replaced_whole
+from remanent.results.atomic import atomic_replacement
 
 __all__ = ["read", "write"]
 
 #: The variable with what the others cannot say.
-_METADATA: Final = "metadata"
+_METADATA_VARIABLE: Final = "metadata"
 #: Longest name of a variable in MATLAB.
-_LONGEST_NAME: Final = 63
+_MAX_NAME_LENGTH: Final = 63
 #: The first bytes of a MAT file are text, in which SciPy writes the time.
-_HEADER: Final = b"MATLAB 5.0 MAT-file, written by remanent".ljust(116)
+_FILE_HEADER: Final = b"MATLAB 5.0 MAT-file, written by remanent".ljust(116)
 
 
 def write(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
@@ -55,11 +55,11 @@ def write(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
 
     path = Path(path)
     contents: dict[str, Any] = {}
-    descriptions: dict[str, metadata.Record] = {}
-    for name, variable in metadata.ordered(dataset).items():
-        metadata.require_plain(name, variable)
+    descriptions: dict[str, metadata.VariableRecord] = {}
+    for name, variable in metadata.ordered_variables(dataset).items():
+        metadata.require_storable(name, variable)
         key = _matlab_name(name)
-        if key in {*contents, _METADATA}:
+        if key in {*contents, _METADATA_VARIABLE}:
             raise InputError(
                 name,
                 must="have a name of its own in MATLAB",
@@ -67,18 +67,18 @@ def write(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
                 why="Another variable has the same.",
                 fix="Rename it: dataset.rename({...: ...}).",
             )
-        about = metadata.described(variable, coordinate=name in dataset.coords)
+        about = metadata.variable_record(variable, coordinate=name in dataset.coords)
         descriptions[name] = {"variable": key, **about}
         text = metadata.is_text(variable)
         contents[key] = variable.values.astype(object) if text else variable.values
     about_all = {
-        "attributes": metadata.described_attributes(dataset.attrs), "variables": descriptions
+        "attributes": metadata.encode_attributes(dataset.attrs), "variables": descriptions
     }  # fmt: skip
-    contents[_METADATA] = json.dumps(about_all)
-    with replaced_whole(path) as part:
+    contents[_METADATA_VARIABLE] = json.dumps(about_all)
+    with atomic_replacement(path) as part:
         savemat(part, contents, appendmat=False, oned_as="column", do_compression=True)
         with part.open("r+b") as file:
-            file.write(_HEADER)
+            file.write(_FILE_HEADER)
     return path
 
 
@@ -102,27 +102,27 @@ def read(path: str | os.PathLike[str]) -> xr.Dataset:
     from scipy.io import loadmat
 
     contents = loadmat(path, appendmat=False, chars_as_strings=True)
-    if _METADATA not in contents:
+    if _METADATA_VARIABLE not in contents:
         raise InputError(
             "path",
             must="be a MAT file that rm.save wrote",
             got=str(path),
-            why=f"Its `{_METADATA}` says what the variables are.",
+            why=f"Its `{_METADATA_VARIABLE}` says what the variables are.",
             fix="Read other files by read_measurements.",
         )
-    about = json.loads(str(np.ravel(contents[_METADATA])[0]))
-    descriptions: dict[str, metadata.Record] = about["variables"]
-    values = {name: _values(contents[d["variable"]], d) for name, d in descriptions.items()}
-    return metadata.dataset_of(values, descriptions, about["attributes"])
+    about = json.loads(str(np.ravel(contents[_METADATA_VARIABLE])[0]))
+    descriptions: dict[str, metadata.VariableRecord] = about["variables"]
+    values = {name: _unpack_values(contents[d["variable"]], d) for name, d in descriptions.items()}
+    return metadata.dataset_from_records(values, descriptions, about["attributes"])
 
 
 def _matlab_name(name: str) -> str:
     """The name with what MATLAB allows in one: letters, digits and ``_``, a letter first."""
     key = re.sub(r"\W", "_", name, flags=re.ASCII)
-    return (key if key[:1].isalpha() else f"x{key}")[:_LONGEST_NAME]
+    return (key if key[:1].isalpha() else f"x{key}")[:_MAX_NAME_LENGTH]
 
 
-def _values(array: NDArray[Any], about: metadata.Record) -> NDArray[Any]:
+def _unpack_values(array: NDArray[Any], about: metadata.VariableRecord) -> NDArray[Any]:
     if about["dtype"] != "str":
         return array
     # An empty text is an empty array of characters.

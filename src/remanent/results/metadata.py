@@ -12,22 +12,27 @@ from numpy.typing import NDArray
 from remanent._errors import InputError
 
 __all__ = [
-    "dataset_of", "described", "described_attributes", "is_text", "ordered",
-    "read_attributes", "require_plain",
+    "dataset_from_records",
+    "decode_attributes",
+    "encode_attributes",
+    "is_text",
+    "ordered_variables",
+    "require_storable",
+    "variable_record",
 ]  # fmt: skip
 
 #: What of a variable is kept beside its values.
-Record = dict[str, Any]
+VariableRecord = dict[str, Any]
 
 
-def ordered(dataset: xr.Dataset) -> dict[str, xr.Variable]:
+def ordered_variables(dataset: xr.Dataset) -> dict[str, xr.Variable]:
     """Variables by name: coordinates, sorted as their order means nothing, then the others."""
     coords = {str(name): array.variable for name, array in dataset.coords.items()}
     others = {str(name): array.variable for name, array in dataset.data_vars.items()}
     return {**dict(sorted(coords.items())), **others}
 
 
-def described(variable: xr.Variable, *, coordinate: bool) -> Record:
+def variable_record(variable: xr.Variable, *, coordinate: bool) -> VariableRecord:
     """Dimensions, shape, type and attributes of a variable, ready for JSON."""
     kind = "str" if is_text(variable) else str(variable.dtype)
     return {
@@ -35,23 +40,23 @@ def described(variable: xr.Variable, *, coordinate: bool) -> Record:
         "shape": list(variable.shape),
         "dtype": kind,
         "coordinate": coordinate,
-        "attributes": described_attributes(variable.attrs),
+        "attributes": encode_attributes(variable.attrs),
     }
 
 
-def described_attributes(attrs: Mapping[Any, Any]) -> dict[str, Any]:
+def encode_attributes(attrs: Mapping[Any, Any]) -> dict[str, Any]:
     """Attributes, with arrays as tables of their values and type."""
-    return {str(name): _plain(str(name), value) for name, value in attrs.items()}
+    return {str(name): _encode_attribute(str(name), value) for name, value in attrs.items()}
 
 
-def read_attributes(attrs: Mapping[str, Any]) -> dict[str, Any]:
-    """Undo :func:`described_attributes`; sequences come back as arrays."""
-    return {name: _rebuilt(value) for name, value in attrs.items()}
+def decode_attributes(attrs: Mapping[str, Any]) -> dict[str, Any]:
+    """Undo :func:`encode_attributes`; sequences come back as arrays."""
+    return {name: _decode_attribute(value) for name, value in attrs.items()}
 
 
-def dataset_of(
+def dataset_from_records(
     values: Mapping[str, NDArray[Any]],
-    descriptions: Mapping[str, Record],
+    descriptions: Mapping[str, VariableRecord],
     attrs: Mapping[str, Any],
 ) -> xr.Dataset:
     """Put a Dataset together from its values and what was kept of them.
@@ -61,15 +66,15 @@ def dataset_of(
     values : mapping of name to array
         Of any shape with the right number of entries.
     descriptions : mapping of name to Record
-        Those of :func:`described`, for the same names.
+        Those of :func:`variable_record`, for the same names.
     attrs : mapping
-        Attributes of the whole, from :func:`described_attributes`.
+        Attributes of the whole, from :func:`encode_attributes`.
     """
     variables = {
         name: xr.Variable(
             description["dims"],
             np.reshape(values[name], description["shape"]).astype(description["dtype"]),
-            read_attributes(description["attributes"]),
+            decode_attributes(description["attributes"]),
         )
         for name, description in descriptions.items()
     }
@@ -77,7 +82,7 @@ def dataset_of(
     return xr.Dataset(
         {name: variable for name, variable in variables.items() if name not in coords},
         coords={name: variable for name, variable in variables.items() if name in coords},
-        attrs=read_attributes(attrs),
+        attrs=decode_attributes(attrs),
     )
 
 
@@ -89,7 +94,7 @@ def is_text(variable: xr.Variable) -> bool:
     )
 
 
-def require_plain(name: str, variable: xr.Variable) -> None:
+def require_storable(name: str, variable: xr.Variable) -> None:
     """Raise unless a variable holds numbers, truth values or text."""
     if variable.dtype.kind not in "biufc" and not is_text(variable):
         raise InputError(
@@ -101,7 +106,7 @@ def require_plain(name: str, variable: xr.Variable) -> None:
         )
 
 
-def _plain(name: str, value: Any) -> Any:
+def _encode_attribute(name: str, value: Any) -> Any:
     if isinstance(value, str | bool | int | float) and not isinstance(value, np.generic):
         return value
     array = np.asarray(value)
@@ -116,5 +121,5 @@ def _plain(name: str, value: Any) -> Any:
     return {"values": array.tolist(), "dtype": str(array.dtype)} if array.ndim else array.item()
 
 
-def _rebuilt(value: Any) -> Any:
+def _decode_attribute(value: Any) -> Any:
     return np.array(value["values"], dtype=value["dtype"]) if isinstance(value, dict) else value

@@ -26,14 +26,14 @@ import numpy as np
 import xarray as xr
 
 from remanent._errors import InputError
-from remanent.results.atomic import replaced_whole
+from remanent.results.atomic import atomic_replacement
 
 __all__ = ["read", "write"]
 
 #: Attribute with the type that a variable had, where the file holds another.
-_DTYPE: Final = "remanent_dtype"
+_DTYPE_ATTRIBUTE: Final = "remanent_dtype"
 #: Attributes that say which words the codes of a variable stand for.
-_LABELS: Final = ("flag_values", "flag_meanings", "flag_labels")
+_FLAG_ATTRIBUTES: Final = ("flag_values", "flag_meanings", "flag_labels")
 
 
 def write(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
@@ -56,18 +56,18 @@ def write(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
         A variable holds objects, or integers too large for a float64.
     """
     path = Path(path)
-    plain = _plain(dataset)
-    with replaced_whole(path) as part:
+    plain = _classic_dataset(dataset)
+    with atomic_replacement(path) as part:
         plain.to_netcdf(
             part,
             engine="h5netcdf",
-            format=_format(plain),
+            format=_netcdf_format(plain),
             encoding={name: {"_FillValue": None} for name in plain.variables},
         )
     return path
 
 
-def _format(dataset: xr.Dataset) -> Literal["NETCDF4", "NETCDF4_CLASSIC"]:
+def _netcdf_format(dataset: xr.Dataset) -> Literal["NETCDF4", "NETCDF4_CLASSIC"]:
     """The classic model, unless several dimensions are empty: it has one such at most."""
     empty = [dim for dim, length in dataset.sizes.items() if length == 0]
     return "NETCDF4" if len(empty) > 1 else "NETCDF4_CLASSIC"
@@ -86,11 +86,11 @@ def read(path: str | os.PathLike[str]) -> xr.Dataset:
     xarray.Dataset
     """
     raw = xr.load_dataset(path, engine="h5netcdf", decode_cf=False)
-    coords = {name for v in raw.variables.values() for name in _names(v.attrs)}
-    coords |= _names(raw.attrs) | set(map(str, raw.coords))
-    rich = {str(name): _restore(variable) for name, variable in raw.variables.items()}
+    coords = {name for v in raw.variables.values() for name in _coordinate_names(v.attrs)}
+    coords |= _coordinate_names(raw.attrs) | set(map(str, raw.coords))
+    rich = {str(name): _from_classic_type(variable) for name, variable in raw.variables.items()}
     rich = _join_complex(rich)
-    attrs = {k: _attribute_back(v) for k, v in raw.attrs.items() if k != "coordinates"}
+    attrs = {k: _decode_attribute(v) for k, v in raw.attrs.items() if k != "coordinates"}
     return xr.Dataset(
         {k: v for k, v in rich.items() if k not in coords},
         coords={k: rich[k] for k in sorted(coords & set(rich))},
@@ -98,17 +98,17 @@ def read(path: str | os.PathLike[str]) -> xr.Dataset:
     )
 
 
-def _plain(dataset: xr.Dataset) -> xr.Dataset:
+def _classic_dataset(dataset: xr.Dataset) -> xr.Dataset:
     variables: dict[str, xr.Variable] = {}
     coords: list[str] = []
     for name, array in dataset.variables.items():
         parts = _split_complex(str(name), xr.Variable(array.dims, array.values, array.attrs))
-        variables |= {key: _reduce(key, part) for key, part in parts.items()}
+        variables |= {key: _to_classic_type(key, part) for key, part in parts.items()}
         coords += list(parts) if name in dataset.coords else []
     return xr.Dataset(
         {k: v for k, v in variables.items() if k not in coords},
         coords={k: variables[k] for k in sorted(coords)},  # order is no part of a Dataset
-        attrs=_attributes(dataset.attrs),
+        attrs=_encode_attributes(dataset.attrs),
     )
 
 
@@ -116,7 +116,7 @@ def _split_complex(name: str, variable: xr.Variable) -> dict[str, xr.Variable]:
     values = np.asarray(variable.values)
     if values.dtype.kind != "c":
         return {name: variable}
-    attrs = {**variable.attrs, _DTYPE: str(values.dtype)}
+    attrs = {**variable.attrs, _DTYPE_ATTRIBUTE: str(values.dtype)}
     return {
         f"{name}_real": xr.Variable(variable.dims, values.real.copy(), attrs),
         f"{name}_imag": xr.Variable(variable.dims, values.imag.copy(), attrs),
@@ -126,7 +126,7 @@ def _split_complex(name: str, variable: xr.Variable) -> dict[str, xr.Variable]:
 def _join_complex(variables: Mapping[str, xr.Variable]) -> dict[str, xr.Variable]:
     joined: dict[str, xr.Variable] = {}
     for name, variable in variables.items():
-        kind = variable.attrs.get(_DTYPE, "")
+        kind = variable.attrs.get(_DTYPE_ATTRIBUTE, "")
         if not kind.startswith("complex"):
             joined[name] = variable
         elif name.endswith("_real"):
@@ -134,23 +134,25 @@ def _join_complex(variables: Mapping[str, xr.Variable]) -> dict[str, xr.Variable
             # Not real + 1j*imag, which loses signs of zeros and makes infinities NaN.
             values = np.empty(variable.shape, dtype=kind)
             values.real, values.imag = variable.values, variables[f"{base}_imag"].values
-            attrs = {k: v for k, v in variable.attrs.items() if k != _DTYPE}
+            attrs = {k: v for k, v in variable.attrs.items() if k != _DTYPE_ATTRIBUTE}
             joined[base] = xr.Variable(variable.dims, values, attrs)
     return joined
 
 
-def _reduce(name: str, variable: xr.Variable) -> xr.Variable:
+def _to_classic_type(name: str, variable: xr.Variable) -> xr.Variable:
     """Cast to the nearest type of the classic model."""
     values = np.asarray(variable.values)
-    attrs = _attributes(variable.attrs)
+    attrs = _encode_attributes(variable.attrs)
     if values.dtype.kind in "UT" or (values.dtype.kind == "O" and _all_strings(values)):
-        values, labels = _flags(values)
-        return xr.Variable(variable.dims, values, {**attrs, **labels, _DTYPE: "str"})
+        values, labels = _encode_strings(values)
+        return xr.Variable(variable.dims, values, {**attrs, **labels, _DTYPE_ATTRIBUTE: "str"})
     if values.dtype.kind == "b":
-        return xr.Variable(variable.dims, values.astype(np.int8), {**attrs, _DTYPE: "bool"})
+        return xr.Variable(
+            variable.dims, values.astype(np.int8), {**attrs, _DTYPE_ATTRIBUTE: "bool"}
+        )
     if values.dtype.kind in "iu" and values.dtype not in (np.int8, np.int16, np.int32):
-        attrs[_DTYPE] = str(values.dtype)
-        values = _narrow(name, values)
+        attrs[_DTYPE_ATTRIBUTE] = str(values.dtype)
+        values = _narrow_integers(name, values)
     if values.dtype.kind not in "if":
         raise InputError(
             name,
@@ -162,18 +164,20 @@ def _reduce(name: str, variable: xr.Variable) -> xr.Variable:
     return xr.Variable(variable.dims, values, attrs)
 
 
-def _restore(variable: xr.Variable) -> xr.Variable:
-    """Undo :func:`_reduce`, except for complex pairs."""
-    kind = _attribute_back(variable.attrs.get(_DTYPE, ""))
-    hidden = {"coordinates", "_FillValue"} | ({_DTYPE} if kind[:7] != "complex" else set())
+def _from_classic_type(variable: xr.Variable) -> xr.Variable:
+    """Undo :func:`_to_classic_type`, except for complex pairs."""
+    kind = _decode_attribute(variable.attrs.get(_DTYPE_ATTRIBUTE, ""))
+    hidden = {"coordinates", "_FillValue"} | (
+        {_DTYPE_ATTRIBUTE} if kind[:7] != "complex" else set()
+    )
     values = np.asarray(variable.values)
     if kind == "str":
         labels = json.loads(variable.attrs["flag_labels"])
         values = np.array(labels, dtype=np.str_)[values] if labels else values.astype(np.str_)
-        hidden |= set(_LABELS)
+        hidden |= set(_FLAG_ATTRIBUTES)
     elif kind and kind[:7] != "complex":
         values = values.astype(kind)
-    attrs = {k: _attribute_back(v) for k, v in variable.attrs.items() if k not in hidden}
+    attrs = {k: _decode_attribute(v) for k, v in variable.attrs.items() if k not in hidden}
     return xr.Variable(variable.dims, values, attrs)
 
 
@@ -181,7 +185,7 @@ def _all_strings(values: np.ndarray[Any, Any]) -> bool:
     return all(isinstance(item, str) for item in values.flat)
 
 
-def _flags(values: np.ndarray[Any, Any]) -> tuple[np.ndarray[Any, Any], dict[str, Any]]:
+def _encode_strings(values: np.ndarray[Any, Any]) -> tuple[np.ndarray[Any, Any], dict[str, Any]]:
     """Codes of strings in alphabetical order, and the attributes that explain them."""
     labels, codes = np.unique(values.astype(np.str_), return_inverse=True)
     integer = np.min_scalar_type(-max(len(labels), 1))  # signed, as small as the codes allow
@@ -195,7 +199,7 @@ def _flags(values: np.ndarray[Any, Any]) -> tuple[np.ndarray[Any, Any], dict[str
     }
 
 
-def _narrow(name: str, values: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
+def _narrow_integers(name: str, values: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
     """Integers as int32, else as float64 if that is exact."""
     for target in (np.int32, np.float64):
         with np.errstate(invalid="ignore", over="ignore"):
@@ -212,11 +216,11 @@ def _narrow(name: str, values: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
     )
 
 
-def _attributes(attrs: Mapping[Any, Any]) -> dict[str, Any]:
-    return {str(k): _attribute(v) for k, v in attrs.items() if v is not None}
+def _encode_attributes(attrs: Mapping[Any, Any]) -> dict[str, Any]:
+    return {str(k): _encode_attribute(v) for k, v in attrs.items() if v is not None}
 
 
-def _attribute(value: Any) -> Any:
+def _encode_attribute(value: Any) -> Any:
     """Text, or a number of the classic model; an empty text becomes one blank."""
     if isinstance(value, str):
         return value or " "
@@ -230,15 +234,19 @@ def _attribute(value: Any) -> Any:
             fix="Remove that attribute, or write it as text.",
         )
     if number.dtype.kind in "biu" and number.dtype not in (np.int8, np.int16, np.int32):
-        number = number.astype(np.int8) if number.dtype.kind == "b" else _narrow("attrs", number)
+        number = (
+            number.astype(np.int8)
+            if number.dtype.kind == "b"
+            else _narrow_integers("attrs", number)
+        )
     return number if number.ndim else number[()]
 
 
-def _attribute_back(value: Any) -> Any:
+def _decode_attribute(value: Any) -> Any:
     if isinstance(value, str):  # h5py reads fixed-length text as ASCII with escapes
         return "" if value == " " else value.encode("utf-8", "surrogateescape").decode("utf-8")
     return value.item() if isinstance(value, np.generic) else value
 
 
-def _names(attrs: Mapping[Hashable, Any]) -> set[str]:
+def _coordinate_names(attrs: Mapping[Hashable, Any]) -> set[str]:
     return set(str(attrs.get("coordinates", "")).split())

@@ -17,20 +17,35 @@ from remanent.models.plain import from_plain, to_plain
 from remanent.models.system import System
 
 __all__ = [
-    "DRIVE", "ORIGIN", "SYSTEM", "attributes", "described", "has_drive", "plain", "read_drive",
-    "read_system", "varying", "versions",
+    "DRIVE_ATTRIBUTE",
+    "ORIGIN_ATTRIBUTES",
+    "SYSTEM_ATTRIBUTE",
+    "attributes",
+    "has_drive",
+    "model_attributes",
+    "package_versions",
+    "plain_model",
+    "read_drive",
+    "read_system",
+    "varying_fields",
 ]  # fmt: skip
 
 #: Packages whose version can change a number.
-PACKAGES: Final = ("remanent", "numpy", "llvmlite", "xarray")
+VERSIONED_PACKAGES: Final = ("remanent", "numpy", "llvmlite", "xarray")
 #: Attribute with the system as JSON; with ``_text`` after it, that for people.
-SYSTEM: Final = "system"
+SYSTEM_ATTRIBUTE: Final = "system"
 #: Attribute with the drive as JSON; with ``_text`` after it, that for people.
-DRIVE: Final = "drive"
+DRIVE_ATTRIBUTE: Final = "drive"
 #: Attributes that say where numbers come from, whatever was done to them since.
-ORIGIN: Final = (SYSTEM, f"{SYSTEM}_text", DRIVE, f"{DRIVE}_text", "versions")
+ORIGIN_ATTRIBUTES: Final = (
+    SYSTEM_ATTRIBUTE,
+    f"{SYSTEM_ATTRIBUTE}_text",
+    DRIVE_ATTRIBUTE,
+    f"{DRIVE_ATTRIBUTE}_text",
+    "versions",
+)
 #: Longest description of a value for people; tables of samples are cut there.
-LONGEST_TEXT: Final = 1000
+MAX_TEXT_LENGTH: Final = 1000
 
 
 def attributes(
@@ -82,14 +97,14 @@ def attributes(
     >>> attrs["settings"], attrs["duration"], attrs["tolerance"]
     ('duration', 100.0, 1e-09)
     """
-    given = {name: _flat(value) for name, value in settings.items() if value is not None}
+    given = {name: _flattened(value) for name, value in settings.items() if value is not None}
     attrs: dict[str, Any] = {
         "Conventions": "CF-1.11",
-        "versions": versions(),
-        **described(SYSTEM, system),
-        **described(DRIVE, drive),
-        **_present("over", " ".join(over)),
-        **_present("settings", " ".join(given)),
+        "versions": package_versions(),
+        **model_attributes(SYSTEM_ATTRIBUTE, system),
+        **model_attributes(DRIVE_ATTRIBUTE, drive),
+        **_unless_empty("over", " ".join(over)),
+        **_unless_empty("settings", " ".join(given)),
         **given,
     }
     if tolerance is not None:
@@ -101,20 +116,20 @@ def attributes(
     return attrs
 
 
-def described(name: str, value: object) -> dict[str, str]:
+def model_attributes(name: str, value: object) -> dict[str, str]:
     """The attributes `name`, JSON, and ``<name>_text``; nothing for None and empty text."""
     if value is None or isinstance(value, str):
-        return _present(f"{name}_text", value or "")
+        return _unless_empty(f"{name}_text", value or "")
     text = repr(value)
-    if len(text) > LONGEST_TEXT:
-        text = f"{text[: LONGEST_TEXT - 1]}…"
+    if len(text) > MAX_TEXT_LENGTH:
+        text = f"{text[: MAX_TEXT_LENGTH - 1]}…"
     try:
         return {name: json.dumps(to_plain(value)), f"{name}_text": text}
     except InputError:
         return {f"{name}_text": text}
 
 
-def plain(dataset: xr.Dataset, name: str) -> dict[str, Any] | None:
+def plain_model(dataset: xr.Dataset, name: str) -> dict[str, Any] | None:
     """The table of the system or the drive, attribute `name`; None where there is none."""
     try:
         table = json.loads(str(dataset.attrs.get(name, "")))
@@ -137,7 +152,7 @@ def read_system(dataset: xr.Dataset) -> System:
         As it was given to the verb.  Fields named in the attribute ``over`` have the value
         that `dataset` was reduced to (``dataset.sel(temperature=350)``); where it still has
         several, or dropped them, they keep the value from before, which was not used: see
-        :func:`varying`.
+        :func:`varying_fields`.
 
     Raises
     ------
@@ -151,7 +166,7 @@ def read_system(dataset: xr.Dataset) -> System:
     >>> read_system(many.isel(temperature=1)).temperature
     350.0
     """
-    system: System = _read(dataset, SYSTEM)
+    system: System = _read_model(dataset, SYSTEM_ATTRIBUTE)
     return system
 
 
@@ -173,23 +188,23 @@ def read_drive(dataset: xr.Dataset) -> Drive:
     InputError
         The attribute is missing, as after arithmetic, or names a class that is not public.
     """
-    drive: Drive = _read(dataset, DRIVE)
+    drive: Drive = _read_model(dataset, DRIVE_ATTRIBUTE)
     return drive
 
 
 def has_drive(dataset: xr.Dataset) -> bool:
     """Whether a Dataset says that it was made with a drive, readable or not."""
-    return DRIVE in dataset.attrs or f"{DRIVE}_text" in dataset.attrs
+    return DRIVE_ATTRIBUTE in dataset.attrs or f"{DRIVE_ATTRIBUTE}_text" in dataset.attrs
 
 
-def varying(dataset: xr.Dataset) -> list[str]:
+def varying_fields(dataset: xr.Dataset) -> list[str]:
     """Fields that were given many values and are not reduced to one in this Dataset."""
     names = str(dataset.attrs.get("over", "")).split()
     return [name for name in names if name not in dataset.coords or dataset[name].ndim]
 
 
-def _read(dataset: xr.Dataset, name: str) -> Any:
-    table = plain(dataset, name)
+def _read_model(dataset: xr.Dataset, name: str) -> Any:
+    table = plain_model(dataset, name)
     if table is None:
         raise InputError(
             "dataset",
@@ -199,7 +214,7 @@ def _read(dataset: xr.Dataset, name: str) -> Any:
             fix=f"Pass {name}=... as well, or the result of a verb as it was.",
         )
     value = from_plain(table)
-    if not isinstance(value, System if name == SYSTEM else Drive):
+    if not isinstance(value, System if name == SYSTEM_ATTRIBUTE else Drive):
         raise InputError(
             "dataset",
             must=f"say which {name} made it",
@@ -207,12 +222,12 @@ def _read(dataset: xr.Dataset, name: str) -> Any:
             why=f"Its attribute `{name}` holds something else.",
             fix=f"Pass {name}=... as well.",
         )
-    return _at_point(value, dataset)
+    return _with_selected_values(value, dataset)
 
 
-def _at_point(value: Any, dataset: xr.Dataset) -> Any:
+def _with_selected_values(value: Any, dataset: xr.Dataset) -> Any:
     """A system or a drive with the fields that a Dataset was reduced to."""
-    reduced = set(str(dataset.attrs.get("over", "")).split()) - set(varying(dataset))
+    reduced = set(str(dataset.attrs.get("over", "")).split()) - set(varying_fields(dataset))
     for name in sorted(reduced & set(value.parameters())):
         number = float(dataset[name])
         if isinstance(value, Drive):
@@ -223,22 +238,22 @@ def _at_point(value: Any, dataset: xr.Dataset) -> Any:
 
 
 @cache
-def versions() -> str:
+def package_versions() -> str:
     """Names and versions of the packages whose version can change a number."""
-    return ", ".join(f"{name} {_version(name)}" for name in PACKAGES)
+    return ", ".join(f"{name} {_package_version(name)}" for name in VERSIONED_PACKAGES)
 
 
-def _version(name: str) -> str:
+def _package_version(name: str) -> str:
     try:
         return version(name)
     except PackageNotFoundError:
         return "(not installed)"
 
 
-def _flat(value: Any) -> Any:
+def _flattened(value: Any) -> Any:
     return tuple(np.ravel(value).tolist()) if isinstance(value, list | tuple) else value
 
 
-def _present(name: str, text: str) -> dict[str, str]:
+def _unless_empty(name: str, text: str) -> dict[str, str]:
     """Keep an entry unless it is empty: netCDF knows no empty text."""
     return {name: text} if text else {}

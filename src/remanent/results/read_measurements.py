@@ -19,27 +19,27 @@ from remanent._typing import FloatArray
 from remanent.models.system import System
 from remanent.results import build
 from remanent.results.build import Labelled
-from remanent.results.schema import Kind, describe
+from remanent.results.schema import QuantityKind, describe
 
-__all__ = ["Table", "read_measurements"]
+__all__ = ["MeasurementTable", "read_measurements"]
 
 #: What :func:`read_measurements` reads.
-Table: TypeAlias = xr.Dataset | pd.DataFrame | Mapping[str, Any] | str | PathLike[str]
+MeasurementTable: TypeAlias = xr.Dataset | pd.DataFrame | Mapping[str, Any] | str | PathLike[str]
 #: ``time [ms]``, ``omega (rad/s)`` or ``amplitude``.
-_HEADING = re.compile(r"\s*(.*?)\s*(?:[\[(]\s*([^\])]*?)\s*[\])])?\s*")
+_HEADING_PATTERN = re.compile(r"\s*(.*?)\s*(?:[\[(]\s*([^\])]*?)\s*[\])])?\s*")
 #: SI unit of each kind, and the scale that makes a number of it dimensionless.
-_SI: Mapping[Kind, tuple[str, str, float]] = {
-    Kind.TIME: ("s", "time_s", -1.0),
-    Kind.RATE: ("1/s", "time_s", 1.0),
-    Kind.LOAD: ("T", "load_T", -1.0),
-    Kind.STRESS: ("Pa", "stress_pa", -1.0),
-    Kind.ENERGY_DENSITY: ("J/m^3", "stress_pa", -1.0),
+_SI_UNITS: Mapping[QuantityKind, tuple[str, str, float]] = {
+    QuantityKind.TIME: ("s", "time_s", -1.0),
+    QuantityKind.RATE: ("1/s", "time_s", 1.0),
+    QuantityKind.LOAD: ("T", "load_T", -1.0),
+    QuantityKind.STRESS: ("Pa", "stress_pa", -1.0),
+    QuantityKind.ENERGY_DENSITY: ("J/m^3", "stress_pa", -1.0),
 }
-_ALONG = ("time", "omega")
+_POINT_DIMENSIONS = ("time", "omega")
 
 
 def read_measurements(
-    data: Table,
+    data: MeasurementTable,
     actuator: System | None = None,
     *,
     names: Mapping[str, str] | None = None,
@@ -88,8 +88,13 @@ def read_measurements(
         )
     if isinstance(data, xr.Dataset):
         return data
-    columns = _columns(_table(data), actuator, _texts("names", names), _texts("units", units))
-    along = [name for name in _ALONG if name in columns]
+    columns = _dimensionless_columns(
+        _read_table(data),
+        actuator,
+        _require_text_mapping("names", names),
+        _require_text_mapping("units", units),
+    )
+    along = [name for name in _POINT_DIMENSIONS if name in columns]
     if len(along) != 1 or len({v.size for v in columns.values()}) != 1 or len(columns) < 2:
         raise InputError(
             "data",
@@ -112,14 +117,14 @@ def read_measurements(
     return build.dataset(labelled, coordinate, {})
 
 
-def _columns(
+def _dimensionless_columns(
     table: Mapping[str, Any],
     actuator: System | None,
     names: Mapping[str, str],
     units: Mapping[str, str],
 ) -> dict[str, FloatArray]:
     """Dimensionless columns under the names that results have."""
-    headings = [_heading(heading) for heading in table]
+    headings = [_split_heading(heading) for heading in table]
     _require_used("names", names, [text for text, _ in headings])
     columns: dict[str, FloatArray] = {}
     called = [names.get(text, text).strip().replace(" ", "_").lower() for text, _ in headings]
@@ -128,17 +133,19 @@ def _columns(
         key = "omega" if name == "frequency" else name
         unit, source = (units[name], "units") if name in units else (bracket, "data")
         argument = f"{source}[{name!r}]"
-        columns[key] = _dimensionless(key, np.ravel(np.asarray(values)), unit, actuator, argument)
+        columns[key] = _dimensionless_values(
+            key, np.ravel(np.asarray(values)), unit, actuator, argument
+        )
     return columns
 
 
-def _heading(heading: object) -> tuple[str, str | None]:
+def _split_heading(heading: object) -> tuple[str, str | None]:
     """The text of a heading, and the unit in its brackets."""
-    match = _HEADING.fullmatch(str(heading))
+    match = _HEADING_PATTERN.fullmatch(str(heading))
     return (match[1], match[2]) if match else (str(heading), None)
 
 
-def _texts(name: str, value: object) -> Mapping[str, str]:
+def _require_text_mapping(name: str, value: object) -> Mapping[str, str]:
     """A mapping of text to text; empty where nothing was passed."""
     if value is None:
         return {}
@@ -169,7 +176,7 @@ def _require_used(name: str, table: Mapping[str, str], headings: Sequence[str]) 
             )
 
 
-def _table(data: Any) -> Mapping[str, Any]:
+def _read_table(data: Any) -> Mapping[str, Any]:
     if not isinstance(data, str | PathLike):
         if not isinstance(data, Mapping | pd.DataFrame):
             raise InputError(
@@ -183,7 +190,7 @@ def _table(data: Any) -> Mapping[str, Any]:
     path = Path(data)
     try:
         if path.suffix.lower() == ".mat":
-            return _mat(path)
+            return _read_mat(path)
         return dict(pd.read_csv(path, comment="#", skipinitialspace=True).items())
     except (OSError, ValueError, NotImplementedError, UnicodeDecodeError) as error:
         raise InputError(
@@ -195,13 +202,13 @@ def _table(data: Any) -> Mapping[str, Any]:
         ) from error
 
 
-def _mat(path: Path) -> Mapping[str, Any]:
+def _read_mat(path: Path) -> Mapping[str, Any]:
     from scipy.io import loadmat
 
     return {k: v for k, v in loadmat(path, squeeze_me=True).items() if not k.startswith("__")}
 
 
-def _dimensionless(
+def _dimensionless_values(
     name: str, values: Any, unit: str | None, actuator: System | None, argument: str
 ) -> FloatArray:
     """Values of a variable without their unit, which came with `argument`."""
@@ -213,11 +220,11 @@ def _dimensionless(
         fix="Leave other rows out of the file.",
     )
     kind = describe(name).kind
-    if unit in {None, "", "1"} or (unit == "K" and kind is Kind.TEMPERATURE):
+    if unit in {None, "", "1"} or (unit == "K" and kind is QuantityKind.TEMPERATURE):
         return numbers
     quantity = _units.quantity(argument, numbers, unit)
-    if kind in {Kind.NONE, Kind.TEMPERATURE}:
-        unit = "K" if kind is not Kind.NONE else ""
+    if kind in {QuantityKind.NONE, QuantityKind.TEMPERATURE}:
+        unit = "K" if kind is not QuantityKind.NONE else ""
         return np.asarray(_units.magnitude(argument, quantity, unit))
     scales = None if actuator is None else actuator.scales
     if scales is None:
@@ -228,9 +235,9 @@ def _dimensionless(
             why="Dimensionless numbers alone do not fix a length or a stress.",
             fix="Build it with Actuator.from_si.",
         )
-    if kind is Kind.FREQUENCY:
+    if kind is QuantityKind.FREQUENCY:
         return np.asarray(_units.angular_frequency(argument, quantity) * scales.time)
-    if kind not in _SI:
+    if kind not in _SI_UNITS:
         raise InputError(
             argument,
             must="be of a kind that has a unit",
@@ -238,6 +245,6 @@ def _dimensionless(
             why="It is not measured.",
             fix="Leave it out.",
         )
-    base, scale, power = _SI[kind]
-    one = scales.flux_density if kind is Kind.LOAD else scales.factors()[scale]
+    base, scale, power = _SI_UNITS[kind]
+    one = scales.flux_density if kind is QuantityKind.LOAD else scales.factors()[scale]
     return np.asarray(_units.magnitude(argument, quantity, base) * one**power)

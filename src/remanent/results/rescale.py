@@ -19,33 +19,33 @@ from remanent.models.parts import Part
 from remanent.models.system import System
 from remanent.results import provenance
 from remanent.results.checks import require_dataset
-from remanent.results.schema import TABLE, Kind, describe
+from remanent.results.schema import DESCRIPTIONS, QuantityKind, describe
 
 #: Powers of the ratio of temperatures by which each kind of quantity grows.
-_POWERS: Mapping[Kind, float] = MappingProxyType(
+_POWERS_BY_KIND: Mapping[QuantityKind, float] = MappingProxyType(
     {
-        Kind.TIME: -0.5,
-        Kind.RATE: 0.5,
-        Kind.SQUARED_RATE: 1.0,
-        Kind.FREQUENCY: 0.5,
-        Kind.LOAD: 1.0,
-        Kind.ROOT_LOAD: 0.5,
-        Kind.STRESS: 1.0,
-        Kind.OWN_FIELD: 1.0,
-        Kind.VISCOSITY: 0.5,
-        Kind.ENERGY_DENSITY: 1.0,
+        QuantityKind.TIME: -0.5,
+        QuantityKind.RATE: 0.5,
+        QuantityKind.SQUARED_RATE: 1.0,
+        QuantityKind.FREQUENCY: 0.5,
+        QuantityKind.LOAD: 1.0,
+        QuantityKind.ROOT_LOAD: 0.5,
+        QuantityKind.STRESS: 1.0,
+        QuantityKind.OWN_FIELD: 1.0,
+        QuantityKind.VISCOSITY: 0.5,
+        QuantityKind.ENERGY_DENSITY: 1.0,
     }
 )
 #: The same for fields of branches, by their last word: moduli are in units of the modulus,
 #: which grows itself, and the rate at which a branch relaxes is theta/t_r.
-_OF_BRANCHES: Mapping[str, float] = MappingProxyType({"modulus": 0.0, "relaxation_time": 0.5})
+_BRANCH_POWERS: Mapping[str, float] = MappingProxyType({"modulus": 0.0, "relaxation_time": 0.5})
 #: Tables of constants of materials, which are in units of the modulus or have none.
-_OF_MATERIALS = frozenset({"moduli", "exponents", "constants"})
+_MATERIAL_TABLES = frozenset({"moduli", "exponents", "constants"})
 #: Errors of states, which hold stretches beside rates: grown with the rates, never shrunk.
-_ERRORS = frozenset({"error", "local_error", "residual", "tolerance"})
+_STATE_ERRORS = frozenset({"error", "local_error", "residual", "tolerance"})
 #: Fields that say what the units are: those of the reference temperature.
-_UNSCALED: Final = frozenset({"scales"})
-_RULE: Final = positive("Temperatures are absolute.", "Pass kelvin.")
+_UNSCALED_FIELDS: Final = frozenset({"scales"})
+_TEMPERATURE_RULE: Final = positive("Temperatures are absolute.", "Pass kelvin.")
 
 _Model = TypeVar("_Model", bound=Actuator | Part)
 
@@ -107,26 +107,30 @@ def rescale(
     1.4142
     """
     require_dataset("dataset", dataset)
-    target = require_real("temperature", temperature, _RULE)
-    source = _actuator(provenance.read_system(dataset) if system is None else system)
+    target = require_real("temperature", temperature, _TEMPERATURE_RULE)
+    source = _require_actuator(provenance.read_system(dataset) if system is None else system)
     _require_entropic(dataset, source)
-    ratio = target / _temperature(dataset, source)
+    ratio = target / _single_temperature(dataset, source)
     scaled = dataset.copy()
     for name in dataset.variables:
-        variable = _scaled(str(name), dataset[name], ratio, target)
+        variable = _rescaled_variable(str(name), dataset[name], ratio, target)
         put = scaled.assign_coords if name in dataset.coords else scaled.assign
         scaled = put({name: variable})
-    scaled.attrs = _attributes(dataset.attrs, ratio)
-    scaled.attrs.update(provenance.described("system", _changed(source, ratio, target)))
+    scaled.attrs = _rescaled_attributes(dataset.attrs, ratio)
+    scaled.attrs.update(
+        provenance.model_attributes("system", _rescaled_model(source, ratio, target))
+    )
     if drive is None and provenance.has_drive(dataset):
         drive = provenance.read_drive(dataset)
     if drive is not None:
         require_instance("drive", drive, Drive, "Constant(0.1)")
-        scaled.attrs.update(provenance.described("drive", _changed(drive, ratio, target)))
+        scaled.attrs.update(
+            provenance.model_attributes("drive", _rescaled_model(drive, ratio, target))
+        )
     return scaled
 
 
-def _actuator(system: object) -> Actuator:
+def _require_actuator(system: object) -> Actuator:
     """The system, if it is one whose numbers are known to scale with temperature."""
     if not isinstance(system, Actuator):
         raise InputError(
@@ -163,7 +167,7 @@ def _require_entropic(dataset: xr.Dataset, system: Actuator) -> None:
         )
 
 
-def _temperature(dataset: xr.Dataset, system: Actuator) -> float:
+def _single_temperature(dataset: xr.Dataset, system: Actuator) -> float:
     """The temperature of the result."""
     for name in ("temperature", "reference_temperature"):
         if name in dataset.coords and dataset[name].ndim:
@@ -179,68 +183,72 @@ def _temperature(dataset: xr.Dataset, system: Actuator) -> float:
     return system.temperature
 
 
-def _power(name: str) -> float:
+def _temperature_power(name: str) -> float:
     """Of the ratio, by which a quantity grows."""
     last = name.rpartition(".")[2]
-    if last in _OF_BRANCHES:
-        return _OF_BRANCHES[last]
+    if last in _BRANCH_POWERS:
+        return _BRANCH_POWERS[last]
     try:
-        return _POWERS.get(describe(name).kind, 0.0)
+        return _POWERS_BY_KIND.get(describe(name).kind, 0.0)
     except InputError:
         return 0.0
 
 
-def _factor(name: str, ratio: float) -> float:
-    return max(1.0, math.sqrt(ratio)) if name in _ERRORS else ratio ** _power(name)
+def _scale_factor(name: str, ratio: float) -> float:
+    return (
+        max(1.0, math.sqrt(ratio)) if name in _STATE_ERRORS else ratio ** _temperature_power(name)
+    )
 
 
-def _scaled(name: str, array: xr.DataArray, ratio: float, temperature: float) -> xr.Variable:
+def _rescaled_variable(
+    name: str, array: xr.DataArray, ratio: float, temperature: float
+) -> xr.Variable:
     variable = array.variable.copy(deep=True)
     if name == "temperature":
         return variable.copy(data=np.full(variable.shape, temperature))
     if "state" in array.dims and name != "state":
         states = map(str, array["state"].values)
-        factors = xr.Variable(("state",), [_factor(state, ratio) for state in states])
+        factors = xr.Variable(("state",), [_scale_factor(state, ratio) for state in states])
         scaled = (variable * factors).transpose(*variable.dims)
         return xr.Variable(scaled.dims, scaled.values, variable.attrs)
-    factor = _factor(name, ratio)
+    factor = _scale_factor(name, ratio)
     if factor == 1.0:
         return variable
     return xr.Variable(variable.dims, variable.values * factor, variable.attrs)
 
 
-def _changed(value: _Model, ratio: float, temperature: float) -> _Model:
+def _rescaled_model(value: _Model, ratio: float, temperature: float) -> _Model:
     """A system, a drive or a part with its numbers at the other temperature."""
     contents = {field.name: getattr(value, field.name) for field in fields(value)}
     return replace(
         value,
         **{
-            name: _changed_field(name, content, ratio, temperature)
+            name: _rescaled_field(name, content, ratio, temperature)
             for name, content in contents.items()
-            if name not in _UNSCALED
+            if name not in _UNSCALED_FIELDS
         },
     )
 
 
-def _changed_field(name: str, content: Any, ratio: float, temperature: float) -> Any:
+def _rescaled_field(name: str, content: Any, ratio: float, temperature: float) -> Any:
     """A field at the other temperature: a number, a part, or a table of these."""
     if isinstance(content, Part):
-        return _changed(content, ratio, temperature)
+        return _rescaled_model(content, ratio, temperature)
     if isinstance(content, tuple):
-        return tuple(_changed_field(name, item, ratio, temperature) for item in content)
+        return tuple(_rescaled_field(name, item, ratio, temperature) for item in content)
     if isinstance(content, bool) or not isinstance(content, int | float):
         return content
-    return temperature if name == "temperature" else content * ratio ** _power_of_field(name)
+    return temperature if name == "temperature" else content * ratio ** _field_power(name)
 
 
-def _power_of_field(name: str) -> float:
+def _field_power(name: str) -> float:
     """Of a field of the actuator or the drive, which must be known."""
-    if name in _OF_MATERIALS:
+    if name in _MATERIAL_TABLES:
         return 0.0
     parts = ("dissipation", "material", "magnet")
     for candidate in (name, f"{name}_1", *(f"{part}.{name}" for part in parts)):
-        if candidate in TABLE:
-            return _power(candidate)
+        if candidate in DESCRIPTIONS:
+            return _temperature_power(candidate)
     raise InputError(
         "dataset",
         must="have fields whose unit is known",
@@ -250,17 +258,17 @@ def _power_of_field(name: str) -> float:
     )
 
 
-def _attributes(attrs: Mapping[Any, Any], ratio: float) -> dict[Any, Any]:
+def _rescaled_attributes(attrs: Mapping[Any, Any], ratio: float) -> dict[Any, Any]:
     """Settings that are quantities, such as a duration, and the tolerance."""
     names = {*str(attrs.get("settings", "")).split(), "tolerance"}
     scaled = dict(attrs)
     for name in names & set(attrs):
         value = attrs[name]
         if isinstance(value, int | float) and not isinstance(value, bool):
-            factor = _factor(name, ratio)
+            factor = _scale_factor(name, ratio)
             scaled[name] = value if factor == 1.0 else value * factor
     if "parameter_range" in scaled:
-        factor = _factor(str(attrs.get("parameter", "omega")), ratio)
+        factor = _scale_factor(str(attrs.get("parameter", "omega")), ratio)
         values = np.ravel(scaled["parameter_range"])
         scaled["parameter_range"] = tuple(float(value) * factor for value in values)
     return scaled

@@ -23,10 +23,17 @@ import numpy as np
 from remanent._errors import InputError
 from remanent._status import Status
 
-__all__ = ["FLAGS", "TABLE", "Description", "Kind", "describe", "flag_attributes"]
+__all__ = [
+    "DESCRIPTIONS",
+    "FLAG_MEANINGS",
+    "Description",
+    "QuantityKind",
+    "describe",
+    "flag_attributes",
+]
 
 
-class Kind(Enum):
+class QuantityKind(Enum):
     """How a quantity turns to SI; see :mod:`remanent.results.si`."""
 
     NONE = "none"
@@ -70,7 +77,7 @@ class Description:
     long_name: str
     symbol: str
     dims: tuple[str, ...] = ()
-    kind: Kind = Kind.NONE
+    kind: QuantityKind = QuantityKind.NONE
 
     def attributes(self) -> dict[str, str]:
         """Attributes ``units``, ``long_name`` and ``symbol`` of a Dataset variable."""
@@ -78,12 +85,12 @@ class Description:
 
 
 #: The file with the table.
-_FILE: Final = "variables.csv"
+_TABLE_FILE: Final = "variables.csv"
 
 
 def _read_table() -> dict[str, Description]:
     """The rows of the file by name; ``#`` begins a comment, blanks after commas align it."""
-    text = Path(__file__).with_name(_FILE).read_text(encoding="utf-8")
+    text = Path(__file__).with_name(_TABLE_FILE).read_text(encoding="utf-8")
     lines = (line for line in text.splitlines() if not line.startswith("#"))
     return {
         row["name"]: Description(
@@ -92,22 +99,22 @@ def _read_table() -> dict[str, Description]:
             row["long_name"],
             row["symbol"],
             tuple(row["dims"].split()),
-            Kind(row["kind"] or Kind.NONE),
+            QuantityKind(row["kind"] or QuantityKind.NONE),
         )
         for row in csv.DictReader(lines, skipinitialspace=True)
     }
 
 
 #: Every row by name.
-TABLE: Final[Mapping[str, Description]] = MappingProxyType(_read_table())
+DESCRIPTIONS: Final[Mapping[str, Description]] = MappingProxyType(_read_table())
 
 #: Dimensions of points at which other rows have a value, ``fold_m`` for example.
-_PLACES: Final[Mapping[str, str]] = MappingProxyType(
+_PREFIX_MEANINGS: Final[Mapping[str, str]] = MappingProxyType(
     {"special": "special point", "fold": "fold", "snap": "dynamic threshold"}
 )
 
 #: Variables whose values are numbered meanings, with the meanings in order of code from 0.
-FLAGS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
+FLAG_MEANINGS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
     {"status": tuple(code.meaning for code in sorted(Status))}
 )
 
@@ -147,9 +154,15 @@ def describe(name: str) -> Description:
     >>> describe("amplitude_error").long_name
     'estimated error: thickness stretch amplitude'
     """
-    if name in TABLE:
-        return TABLE[name]
-    for rule in (_initial, _special, _numbered, _error, _own_part):
+    if name in DESCRIPTIONS:
+        return DESCRIPTIONS[name]
+    for rule in (
+        _describe_initial,
+        _describe_special,
+        _describe_numbered,
+        _describe_error,
+        _describe_own_part,
+    ):
         description = rule(name)
         if description is not None:
             return description
@@ -164,18 +177,18 @@ def describe(name: str) -> Description:
 
 def flag_attributes(name: str) -> dict[str, object]:
     """CF attributes ``flag_values`` and ``flag_meanings`` of a flag variable, else nothing."""
-    if name not in FLAGS:
+    if name not in FLAG_MEANINGS:
         return {}
-    meanings = FLAGS[name]
+    meanings = FLAG_MEANINGS[name]
     return {
         "flag_values": np.arange(len(meanings), dtype=np.int8),
         "flag_meanings": " ".join(meanings),
     }
 
 
-def _initial(name: str) -> Description | None:
+def _describe_initial(name: str) -> Description | None:
     base = name.removeprefix("initial.")
-    if base == name or (base not in TABLE and _numbered(base) is None):
+    if base == name or (base not in DESCRIPTIONS and _describe_numbered(base) is None):
         return None
     row = describe(base)
     return replace(
@@ -183,41 +196,44 @@ def _initial(name: str) -> Description | None:
     )
 
 
-def _special(name: str) -> Description | None:
+def _describe_special(name: str) -> Description | None:
     prefix, _, base = name.partition("_")
-    if not base or prefix not in _PLACES:
+    if not base or prefix not in _PREFIX_MEANINGS:
         return None
     row = describe(base)
     return replace(
-        row, name=name, long_name=f"{row.long_name} at the {_PLACES[prefix]}", dims=(prefix,)
+        row,
+        name=name,
+        long_name=f"{row.long_name} at the {_PREFIX_MEANINGS[prefix]}",
+        dims=(prefix,),
     )
 
 
-def _numbered(name: str) -> Description | None:
+def _describe_numbered(name: str) -> Description | None:
     match = re.fullmatch(r"(\w+)\.(\d+)\.(\w+)", name)
-    if match is None or f"{match[1]}.{match[3]}" not in TABLE:
+    if match is None or f"{match[1]}.{match[3]}" not in DESCRIPTIONS:
         return None
-    row = TABLE[f"{match[1]}.{match[3]}"]
+    row = DESCRIPTIONS[f"{match[1]}.{match[3]}"]
     index = f"^{{({match[2]})}}" if row.dims and "_" in row.symbol else f"_{{{match[2]}}}"
     symbol = row.symbol if "_" in row.symbol and not row.dims else row.symbol + index
     return replace(row, name=name, long_name=f"{row.long_name} ({match[2]})", symbol=symbol)
 
 
-def _error(name: str) -> Description | None:
+def _describe_error(name: str) -> Description | None:
     base = name.removesuffix("_error")
-    if base == name or base not in TABLE:
+    if base == name or base not in DESCRIPTIONS:
         return None
-    row = TABLE[base]
+    row = DESCRIPTIONS[base]
     return replace(
         row,
         name=name,
         long_name=f"estimated error: {row.long_name}",
         symbol=rf"\delta({row.symbol})",
-        kind=Kind.NONE if row.kind is Kind.ROOT_LOAD else row.kind,
+        kind=QuantityKind.NONE if row.kind is QuantityKind.ROOT_LOAD else row.kind,
     )
 
 
-def _own_part(name: str) -> Description | None:
+def _describe_own_part(name: str) -> Description | None:
     part, *rest = name.split(".")
     if not rest or part not in {"material", "dissipation", "heat", "magnet", "initial", "drive"}:
         return None

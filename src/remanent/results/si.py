@@ -14,51 +14,55 @@ from numpy.typing import NDArray
 
 from remanent._errors import InputError
 from remanent.results.checks import require_dataset
-from remanent.results.schema import Description, Kind, describe
+from remanent.results.schema import Description, QuantityKind, describe
 
 __all__ = ["to_si"]
 
-_Values = NDArray[Any]
+_Array = NDArray[Any]
 _Scales = Mapping[str, float]
 
 
 @dataclass(frozen=True)
-class _Rule:
+class _Conversion:
     """How values of one kind turn to SI: unit, conversion and, where it changes, symbol."""
 
     units: str
-    convert: Callable[[_Values, _Scales], _Values]
+    convert: Callable[[_Array, _Scales], _Array]
     symbols: Mapping[str, str] = field(default_factory=dict)
     long_names: Mapping[str, str] = field(default_factory=dict)
 
 
 #: t = tau t_0; f = omega f_0 with f_0 = 1/(2 pi t_0); B = m B_0 and, as m = b^2, B = b^2 B_0;
 #: sigma = S mu; energy per reference volume = E mu; eta mu t_0 for viscosities.
-_RULES: Mapping[Kind, _Rule] = MappingProxyType(
+_CONVERSIONS: Mapping[QuantityKind, _Conversion] = MappingProxyType(
     {
-        Kind.TIME: _Rule("ms", lambda x, s: x * s["time_s"] * 1e3, {r"\tau": "t"}),
-        Kind.RATE: _Rule("s-1", lambda x, s: x / s["time_s"]),
-        Kind.SQUARED_RATE: _Rule("s-2", lambda x, s: x / s["time_s"] ** 2),
-        Kind.FREQUENCY: _Rule("Hz", lambda x, s: x * s["frequency_hz"], {r"\omega": "f"}),
-        Kind.LOAD: _Rule(
+        QuantityKind.TIME: _Conversion("ms", lambda x, s: x * s["time_s"] * 1e3, {r"\tau": "t"}),
+        QuantityKind.RATE: _Conversion("s-1", lambda x, s: x / s["time_s"]),
+        QuantityKind.SQUARED_RATE: _Conversion("s-2", lambda x, s: x / s["time_s"] ** 2),
+        QuantityKind.FREQUENCY: _Conversion(
+            "Hz", lambda x, s: x * s["frequency_hz"], {r"\omega": "f"}
+        ),
+        QuantityKind.LOAD: _Conversion(
             "mT",
             lambda x, s: x * s["load_T"] * 1e3,
             {"m": "B", r"\bar m": r"\bar B"},
             {"magnetic load": "flux density", "mean magnetic load": "mean flux density"},
         ),
-        Kind.ROOT_LOAD: _Rule(
+        QuantityKind.ROOT_LOAD: _Conversion(
             "mT",
             lambda x, s: x**2 * s["load_T"] * 1e3,
             {"b": r"B_{\max}"},
             {"root of the peak magnetic load": "peak flux density"},
         ),
-        Kind.STRESS: _Rule("kPa", lambda x, s: x * s["stress_pa"] / 1e3, {"S": r"\sigma"}),
-        Kind.ENERGY_DENSITY: _Rule("kJ m-3", lambda x, s: x * s["stress_pa"] / 1e3),
-        Kind.VISCOSITY: _Rule("Pa s", lambda x, s: x * s["stress_pa"] * s["time_s"]),
+        QuantityKind.STRESS: _Conversion(
+            "kPa", lambda x, s: x * s["stress_pa"] / 1e3, {"S": r"\sigma"}
+        ),
+        QuantityKind.ENERGY_DENSITY: _Conversion("kJ m-3", lambda x, s: x * s["stress_pa"] / 1e3),
+        QuantityKind.VISCOSITY: _Conversion("Pa s", lambda x, s: x * s["stress_pa"] * s["time_s"]),
     }
 )
-_MAGNETIC = frozenset({Kind.LOAD, Kind.ROOT_LOAD})
-_NEEDED = ("time_s", "frequency_hz", "stress_pa")
+_LOAD_KINDS = frozenset({QuantityKind.LOAD, QuantityKind.ROOT_LOAD})
+_REQUIRED_SCALES = ("time_s", "frequency_hz", "stress_pa")
 
 
 def to_si(dataset: xr.Dataset) -> xr.Dataset:
@@ -90,31 +94,31 @@ def to_si(dataset: xr.Dataset) -> xr.Dataset:
         The Dataset has no scales.
     """
     require_dataset("dataset", dataset)
-    scales = _scales(dataset)
+    scales = _read_scales(dataset)
     converted = dataset.copy()
     for name in dataset.variables:
         row = describe(str(name))
-        if row.kind in _RULES and ("load_T" in scales or row.kind not in _MAGNETIC):
-            converted = _replace(
-                converted, str(name), _convert(dataset[name].variable, row, scales)
+        if row.kind in _CONVERSIONS and ("load_T" in scales or row.kind not in _LOAD_KINDS):
+            converted = _replace_variable(
+                converted, str(name), _convert_variable(dataset[name].variable, row, scales)
             )
     converted.attrs["scales_applied"] = converted.attrs.pop("scales")
     return converted
 
 
-def _convert(variable: xr.Variable, row: Description, scales: _Scales) -> xr.Variable:
-    rule = _RULES[row.kind]
+def _convert_variable(variable: xr.Variable, row: Description, scales: _Scales) -> xr.Variable:
+    rule = _CONVERSIONS[row.kind]
     row = replace(
         row,
         units=rule.units,
-        symbol=_rename(row.symbol, rule.symbols),
+        symbol=_rename_symbol(row.symbol, rule.symbols),
         long_name=rule.long_names.get(row.long_name, row.long_name),
     )
     values = rule.convert(np.asarray(variable.values), scales)
     return xr.Variable(variable.dims, values, {**variable.attrs, **row.attributes()})
 
 
-def _rename(symbol: str, symbols: Mapping[str, str]) -> str:
+def _rename_symbol(symbol: str, symbols: Mapping[str, str]) -> str:
     """Exchange the leading symbol and keep its decorations (index, exponent, argument)."""
     for old, new in symbols.items():
         if symbol == old or symbol.startswith((f"{old}_", f"{old}^", f"{old}(")):
@@ -122,13 +126,13 @@ def _rename(symbol: str, symbols: Mapping[str, str]) -> str:
     return symbol
 
 
-def _replace(dataset: xr.Dataset, name: str, variable: xr.Variable) -> xr.Dataset:
+def _replace_variable(dataset: xr.Dataset, name: str, variable: xr.Variable) -> xr.Dataset:
     if name in dataset.coords:
         return dataset.assign_coords({name: variable})
     return dataset.assign({name: variable})
 
 
-def _scales(dataset: xr.Dataset) -> _Scales:
+def _read_scales(dataset: xr.Dataset) -> _Scales:
     text = dataset.attrs.get("scales")
     already = "scales_applied" in dataset.attrs
     if text is None:
@@ -140,11 +144,11 @@ def _scales(dataset: xr.Dataset) -> _Scales:
             fix="Use it as it is." if already else "Build the actuator with Actuator.from_si.",
         )
     scales: dict[str, float] = json.loads(text)
-    missing = [name for name in _NEEDED if name not in scales]
+    missing = [name for name in _REQUIRED_SCALES if name not in scales]
     if missing:
         raise InputError(
             "dataset",
-            must=f"carry the scales {', '.join(_NEEDED)}",
+            must=f"carry the scales {', '.join(_REQUIRED_SCALES)}",
             got=f"one without {', '.join(missing)}",
             why="Each kind of quantity needs its own.",
             fix="Build the actuator with Actuator.from_si.",

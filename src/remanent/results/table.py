@@ -21,14 +21,14 @@ from numpy.typing import NDArray
 
 from remanent._errors import InputError
 from remanent.results import metadata
-from remanent.results.atomic import replaced_whole
+from remanent.results.atomic import atomic_replacement
 
 __all__ = ["read", "write"]
 
 #: How the line with attributes of the whole begins.
-_WHOLE: Final = "# attributes: "
+_ATTRIBUTES_PREFIX: Final = "# attributes: "
 #: How a line about one variable begins; its name and a colon follow.
-_VARIABLE: Final = "# variable "
+_VARIABLE_PREFIX: Final = "# variable "
 
 
 def write(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
@@ -54,13 +54,13 @@ def write(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
     path = Path(path)
     dims = _common_dimensions(dataset)
     columns: dict[str, NDArray[Any]] = {}
-    comments = [_WHOLE + json.dumps(metadata.described_attributes(dataset.attrs))]
-    for name, variable in metadata.ordered(dataset).items():
-        metadata.require_plain(name, variable)
-        about = metadata.described(variable, coordinate=name in dataset.coords)
-        comments.append(f"{_VARIABLE}{name}: {json.dumps(about)}")
-        columns |= _columns(name, np.ravel(_repeated(variable, dims, dataset.sizes)))
-    with replaced_whole(path) as part, part.open("w", encoding="utf-8", newline="") as file:
+    comments = [_ATTRIBUTES_PREFIX + json.dumps(metadata.encode_attributes(dataset.attrs))]
+    for name, variable in metadata.ordered_variables(dataset).items():
+        metadata.require_storable(name, variable)
+        about = metadata.variable_record(variable, coordinate=name in dataset.coords)
+        comments.append(f"{_VARIABLE_PREFIX}{name}: {json.dumps(about)}")
+        columns |= _real_columns(name, np.ravel(_repeat_values(variable, dims, dataset.sizes)))
+    with atomic_replacement(path) as part, part.open("w", encoding="utf-8", newline="") as file:
         file.writelines(f"{comment}\n" for comment in comments)
         rows = csv.writer(file, lineterminator="\n")
         rows.writerow(columns)
@@ -86,7 +86,7 @@ def read(path: str | os.PathLike[str]) -> xr.Dataset:
         A table without the lines of comment that say what its columns are.
     """
     with Path(path).open(encoding="utf-8", newline="") as file:
-        attrs, descriptions, headings = _comments(file)
+        attrs, descriptions, headings = _read_comments(file)
         if attrs is None:
             raise InputError(
                 "path",
@@ -100,25 +100,31 @@ def read(path: str | os.PathLike[str]) -> xr.Dataset:
     lengths: dict[str, int] = {}
     for about in descriptions.values():
         lengths |= dict(zip(about["dims"], about["shape"], strict=True))
-    sizes = {d: lengths[d] for d in _largest([tuple(a["dims"]) for a in descriptions.values()])}
-    return metadata.dataset_of(
-        {name: _values(name, about, columns, sizes) for name, about in descriptions.items()},
+    sizes = {
+        d: lengths[d]
+        for d in _longest_dimensions([tuple(a["dims"]) for a in descriptions.values()])
+    }
+    return metadata.dataset_from_records(
+        {
+            name: _variable_values(name, about, columns, sizes)
+            for name, about in descriptions.items()
+        },
         descriptions,
         attrs,
     )
 
 
-def _comments(
+def _read_comments(
     file: TextIO,
-) -> tuple[dict[str, Any] | None, dict[str, metadata.Record], list[str]]:
+) -> tuple[dict[str, Any] | None, dict[str, metadata.VariableRecord], list[str]]:
     """Read up to the headings: attributes of the whole, descriptions of variables, headings."""
     attrs: dict[str, Any] | None = None
-    descriptions: dict[str, metadata.Record] = {}
+    descriptions: dict[str, metadata.VariableRecord] = {}
     for line in iter(file.readline, ""):
-        if line.startswith(_WHOLE):
-            attrs = json.loads(line.removeprefix(_WHOLE))
-        elif line.startswith(_VARIABLE):
-            name, _, entries = line.removeprefix(_VARIABLE).partition(": {")
+        if line.startswith(_ATTRIBUTES_PREFIX):
+            attrs = json.loads(line.removeprefix(_ATTRIBUTES_PREFIX))
+        elif line.startswith(_VARIABLE_PREFIX):
+            name, _, entries = line.removeprefix(_VARIABLE_PREFIX).partition(": {")
             descriptions[name] = json.loads(f"{{{entries}")
         else:
             return attrs, descriptions, next(csv.reader([line]), [])
@@ -127,8 +133,8 @@ def _comments(
 
 def _common_dimensions(dataset: xr.Dataset) -> tuple[str, ...]:
     """Dimensions of the table: those of a variable that has all."""
-    variables = metadata.ordered(dataset)
-    dims = _largest([tuple(map(str, v.dims)) for v in variables.values()])
+    variables = metadata.ordered_variables(dataset)
+    dims = _longest_dimensions([tuple(map(str, v.dims)) for v in variables.values()])
     wider = [name for name, v in variables.items() if not set(v.dims) <= set(dims)]
     if wider:
         raise InputError(
@@ -150,11 +156,11 @@ def _common_dimensions(dataset: xr.Dataset) -> tuple[str, ...]:
     return dims
 
 
-def _largest(dims: list[tuple[str, ...]]) -> tuple[str, ...]:
+def _longest_dimensions(dims: list[tuple[str, ...]]) -> tuple[str, ...]:
     return max(dims, key=len, default=())
 
 
-def _repeated(
+def _repeat_values(
     variable: xr.Variable, dims: tuple[str, ...], sizes: Mapping[Hashable, int]
 ) -> NDArray[Any]:
     """Values along all dimensions of the table, repeated along those that they lack."""
@@ -163,15 +169,15 @@ def _repeated(
     return np.broadcast_to(np.reshape(ordered.values, lengths), [sizes[dim] for dim in dims])
 
 
-def _columns(name: str, values: NDArray[Any]) -> dict[str, NDArray[Any]]:
+def _real_columns(name: str, values: NDArray[Any]) -> dict[str, NDArray[Any]]:
     if values.dtype.kind != "c":
         return {name: values}
     return {f"{name}_real": values.real, f"{name}_imag": values.imag}
 
 
-def _values(
+def _variable_values(
     name: str,
-    about: metadata.Record,
+    about: metadata.VariableRecord,
     columns: Mapping[str, tuple[str, ...]],
     sizes: Mapping[str, int],
 ) -> NDArray[Any]:
@@ -179,10 +185,10 @@ def _values(
     dtype = np.dtype(about["dtype"])
     if dtype.kind == "c":
         flat = np.empty(len(columns.get(f"{name}_real", ())), dtype=dtype)
-        flat.real = _parsed(columns.get(f"{name}_real", ()), flat.real.dtype)
-        flat.imag = _parsed(columns.get(f"{name}_imag", ()), flat.real.dtype)
+        flat.real = _parse_column(columns.get(f"{name}_real", ()), flat.real.dtype)
+        flat.imag = _parse_column(columns.get(f"{name}_imag", ()), flat.real.dtype)
     else:
-        flat = _parsed(columns.get(name, ()), dtype)
+        flat = _parse_column(columns.get(name, ()), dtype)
     if 0 in sizes.values():
         return np.zeros(about["shape"], dtype=flat.dtype)
     table = xr.Variable(tuple(sizes), np.reshape(flat, tuple(sizes.values())))
@@ -190,6 +196,6 @@ def _values(
     return np.asarray(table.isel(repeated).transpose(*about["dims"]).values)
 
 
-def _parsed(column: tuple[str, ...], dtype: np.dtype[Any]) -> NDArray[Any]:
+def _parse_column(column: tuple[str, ...], dtype: np.dtype[Any]) -> NDArray[Any]:
     text = np.array(column, dtype=np.str_)
     return text == "True" if dtype.kind == "b" else text.astype(dtype)

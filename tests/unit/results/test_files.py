@@ -242,7 +242,7 @@ def test_an_interrupted_write_leaves_the_old_file(tmp_path: Path) -> None:
     path.write_text("old")
 
     def interrupted() -> None:
-        with atomic.replaced_whole(path) as part:
+        with atomic.atomic_replacement(path) as part:
             part.write_text("half of the n")
             raise KeyboardInterrupt
 

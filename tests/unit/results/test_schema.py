@@ -13,15 +13,21 @@ from matplotlib.mathtext import MathTextParser
 from remanent._errors import InputError
 from remanent._status import Status
 from remanent.results import schema
-from remanent.results.schema import FLAGS, TABLE, Kind, describe, flag_attributes
+from remanent.results.schema import (
+    DESCRIPTIONS,
+    FLAG_MEANINGS,
+    QuantityKind,
+    describe,
+    flag_attributes,
+)
 
 UNITS = {"1", "rad", "K", "K-1"}
 
 
-@pytest.mark.parametrize("name", TABLE)
+@pytest.mark.parametrize("name", DESCRIPTIONS)
 def test_every_row_has_unit_meaning_and_symbol(name: str) -> None:
     """Every variable has a unit of the house, a meaning in words and a LaTeX symbol."""
-    row = TABLE[name]
+    row = DESCRIPTIONS[name]
     assert row.name == name
     assert row.units in UNITS
     assert re.fullmatch(r"[A-Za-z0-9 ,-]+", row.long_name)
@@ -35,13 +41,13 @@ def test_every_name_has_one_line() -> None:
     rows = list(csv.reader(lines, skipinitialspace=True))
     assert rows[0] == ["name", "units", "kind", "dims", "symbol", "long_name"]
     assert {len(row) for row in rows} == {6}
-    assert [row[0] for row in rows[1:]] == list(TABLE)
+    assert [row[0] for row in rows[1:]] == list(DESCRIPTIONS)
 
 
-@pytest.mark.parametrize("name", TABLE)
+@pytest.mark.parametrize("name", DESCRIPTIONS)
 def test_every_symbol_can_be_typeset(name: str) -> None:
     """Every symbol is mathtext that matplotlib can set."""
-    width, height, *_ = MathTextParser("path").parse(f"${TABLE[name].symbol}$")
+    width, height, *_ = MathTextParser("path").parse(f"${DESCRIPTIONS[name].symbol}$")
     assert width > 0
     assert height > 0
 
@@ -51,22 +57,22 @@ def test_symbols_tell_the_coordinates_of_one_figure_apart() -> None:
     motion = ["thickness_stretch", "thickness_stretch_rate", "stretch", "time", "energy"]
     forced = ["omega", "amplitude", "resonance", "b", "c", "temperature", "prestress"]
     together = motion + forced
-    symbols = [TABLE[name].symbol for name in together]
+    symbols = [DESCRIPTIONS[name].symbol for name in together]
     assert len(set(symbols)) == len(symbols)
 
 
 def test_frequencies_and_temperatures_have_their_units() -> None:
     """Kind and unit agree."""
-    for row in TABLE.values():
-        assert (row.units == "K") == (row.kind is Kind.TEMPERATURE), row.name
-        if row.kind is Kind.FREQUENCY:
+    for row in DESCRIPTIONS.values():
+        assert (row.units == "K") == (row.kind is QuantityKind.TEMPERATURE), row.name
+        if row.kind is QuantityKind.FREQUENCY:
             assert row.units == "rad", row.name
 
 
 def test_an_error_has_the_unit_of_what_it_bounds() -> None:
     """`<name>_error` is described by rule, in the unit of `<name>`."""
     found = describe("resonance_error")
-    assert (found.units, found.kind) == ("rad", Kind.FREQUENCY)
+    assert (found.units, found.kind) == ("rad", QuantityKind.FREQUENCY)
     assert "resonance frequency" in found.long_name
 
 
@@ -102,9 +108,9 @@ def test_an_unknown_name_is_refused(name: str) -> None:
 
 def test_status_flags_are_those_of_the_integrator() -> None:
     """Code k of `status` means what the integrator means by k."""
-    assert len(FLAGS["status"]) == len(Status)
+    assert len(FLAG_MEANINGS["status"]) == len(Status)
     for code in Status:
-        assert FLAGS["status"][code] == code.meaning
+        assert FLAG_MEANINGS["status"][code] == code.meaning
     found = flag_attributes("status")
     values, meanings = found["flag_values"], str(found["flag_meanings"]).split()
     assert isinstance(values, np.ndarray)

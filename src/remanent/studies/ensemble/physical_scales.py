@@ -16,7 +16,7 @@ from remanent.integrate.ensemble.problem import Problem
 from remanent.models.drives.base import Drive
 from remanent.models.drives.piecewise import Table
 from remanent.models.system import System
-from remanent.results.schema import Kind, describe
+from remanent.results.schema import QuantityKind, describe
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.layout import Over, lay_out
 from remanent.studies.ensemble.problem import initial_value_problem
@@ -30,17 +30,17 @@ RULE: Rule = positive(
 #: Exponents of shear modulus, density and remanence in a quantity of each kind, held
 #: fixed in SI: stresses count in mu, times in L sqrt(rho/mu), loads in mu mu0/B_r, the
 #: own field is B_r^2/(mu mu0), and what couples heat mu/(rho c_p T0).
-_EXPONENTS: Mapping[Kind, tuple[float, float, float]] = MappingProxyType(
+_EXPONENTS: Mapping[QuantityKind, tuple[float, float, float]] = MappingProxyType(
     {
-        Kind.STRESS: (-1.0, 0.0, 0.0),
-        Kind.LOAD: (-1.0, 0.0, 1.0),
-        Kind.ROOT_LOAD: (-0.5, 0.0, 0.5),
-        Kind.OWN_FIELD: (-1.0, 0.0, 2.0),
-        Kind.COUPLING: (1.0, -1.0, 0.0),
-        Kind.TIME: (0.5, -0.5, 0.0),
-        Kind.RATE: (-0.5, 0.5, 0.0),
-        Kind.FREQUENCY: (-0.5, 0.5, 0.0),
-        Kind.VISCOSITY: (-0.5, -0.5, 0.0),
+        QuantityKind.STRESS: (-1.0, 0.0, 0.0),
+        QuantityKind.LOAD: (-1.0, 0.0, 1.0),
+        QuantityKind.ROOT_LOAD: (-0.5, 0.0, 0.5),
+        QuantityKind.OWN_FIELD: (-1.0, 0.0, 2.0),
+        QuantityKind.COUPLING: (1.0, -1.0, 0.0),
+        QuantityKind.TIME: (0.5, -0.5, 0.0),
+        QuantityKind.RATE: (-0.5, 0.5, 0.0),
+        QuantityKind.FREQUENCY: (-0.5, 0.5, 0.0),
+        QuantityKind.VISCOSITY: (-0.5, -0.5, 0.0),
     }
 )
 
@@ -63,12 +63,12 @@ class PhysicalScales:
     @property
     def time(self) -> FloatArray:
         """Own times over times in the actuator's unit, array (trajectory,)."""
-        return _factor(Kind.TIME, self.sizes)
+        return _factor(QuantityKind.TIME, self.sizes)
 
     @property
     def load(self) -> FloatArray:
         """Own loads over loads in the actuator's unit, array (trajectory,)."""
-        return _factor(Kind.LOAD, self.sizes)
+        return _factor(QuantityKind.LOAD, self.sizes)
 
     def factor(self, name: str) -> FloatArray:
         """Own values of a variable over those in the actuator's unit, array (trajectory,)."""
@@ -119,15 +119,15 @@ def lay_out_physical(
     return PhysicalScales(own, sizes)
 
 
-def _factor(kind: Kind, sizes: FloatArray) -> FloatArray:
+def _factor(kind: QuantityKind, sizes: FloatArray) -> FloatArray:
     exponents = _EXPONENTS.get(kind, (0.0, 0.0, 0.0))
     return np.asarray(np.prod(sizes ** np.array(exponents)[:, None], axis=0))
 
 
-def _kind(name: str) -> Kind:
+def _kind(name: str) -> QuantityKind:
     """How a field scales; what the table does not name is a plain number."""
     base = "mean" if name.startswith("loads.") else name
     try:
         return describe(base).kind
     except InputError:
-        return Kind.NONE
+        return QuantityKind.NONE

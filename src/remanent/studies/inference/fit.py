@@ -16,7 +16,7 @@ from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.results import build, provenance
 from remanent.results.build import Labelled
-from remanent.results.read_measurements import Table, read_measurements
+from remanent.results.read_measurements import MeasurementTable, read_measurements
 from remanent.studies.ensemble.checks import require_intervals, require_tolerance
 from remanent.studies.ensemble.durations import RESPONSE_WINDOW, require_count, require_duration
 from remanent.studies.ensemble.physical_scales import PHYSICAL, RULE, lay_out_physical
@@ -41,7 +41,7 @@ _LARGE = 1e6
 def fit(
     system: System,
     drive: Drive,
-    data: Table,
+    data: MeasurementTable,
     parameters: Sequence[str] | Mapping[str, float],
     *,
     parameter_ranges: Mapping[str, tuple[float, float]] | None = None,
