@@ -20,7 +20,7 @@ import numpy as np
 from remanent._typing import FloatArray
 from remanent.models.drives.base import Drive
 from remanent.models.drives.chirp import Chirp
-from remanent.models.drives.piecewise import Table
+from remanent.models.drives.piecewise import PiecewiseDrive
 from remanent.models.drives.waves import Constant, Sine, SineSquared
 
 #: Extended precision, 64 bits of mantissa on x86.
@@ -85,7 +85,7 @@ def pieces(drive: Drive, values: Mapping[str, float], duration: float) -> list[P
         return [Piece(LONG(0), end, (v["phase"], v["omega"], 0, v["m"], v["mean"]))]
     if isinstance(drive, Chirp):
         return _swept(v, end)
-    if isinstance(drive, Table):
+    if isinstance(drive, PiecewiseDrive):
         marks = [LONG(t) for t in drive.times if t < duration] + [end]
         columns = drive.coefficients().T
         return [Piece(a, b, (*columns[k], 0)) for k, (a, b) in enumerate(pairwise(marks))]

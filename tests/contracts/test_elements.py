@@ -75,7 +75,7 @@ def test_numbers_of_the_element_can_be_varied(element: Dissipation) -> None:
 
 @every
 def test_nothing_is_lost_where_the_strength_is_zero(element: Dissipation) -> None:
-    name = f"dissipation.0.{element.strength}"
+    name = f"dissipation.0.{element.strength_field}"
     body = rm.Actuator(dissipation=element).with_parameter(name, 0.0)
     assert not body.dissipative()
     ds = rm.simulate(body, DRIVE, duration=10.0)

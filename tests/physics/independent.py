@@ -17,7 +17,7 @@ from scipy.integrate import solve_ivp
 from remanent._typing import FloatArray
 from remanent.models.drives.base import Drive
 from remanent.models.drives.chirp import Chirp
-from remanent.models.drives.piecewise import Ramp, Sampled, Steps, Table
+from remanent.models.drives.piecewise import PiecewiseDrive, Ramp, Sampled, Steps
 from remanent.models.drives.waves import Constant, Sine, SineSquared
 
 
@@ -72,7 +72,7 @@ def random_case(kind: type[Drive], decade: int, count: int, duration: float, see
 
 def corners(drive: Drive, duration: float) -> list[float]:
     """Instants between which the load is smooth, ends included."""
-    inner = list(drive.times) if isinstance(drive, Table) else []
+    inner = list(drive.times) if isinstance(drive, PiecewiseDrive) else []
     if isinstance(drive, Chirp):
         inner = [drive.duration]
     return [0.0, *(t for t in inner if 0.0 < t < duration), duration]
@@ -80,7 +80,7 @@ def corners(drive: Drive, duration: float) -> list[float]:
 
 def smooth_load(drive: Drive, begin: float) -> Callable[[float], float]:
     """The load from `begin` to the next corner, as one smooth function of time."""
-    if not isinstance(drive, Table):
+    if not isinstance(drive, PiecewiseDrive):
         return lambda t: float(drive(t))
     piece = int(np.searchsorted(drive.times, begin, side="right")) - 1
     a0, a1, a2, a3 = drive.coefficients()[:, piece].tolist()

@@ -37,10 +37,10 @@ def field_for(system: System, drive: Drive) -> Field:
     InputError
         Where the drive does not give the loads that the system has.
     """
-    if system.loads != drive.load_names:
+    if system.load_names != drive.load_names:
         raise InputError(
             "drive",
-            must=f"give the loads of the system: {', '.join(system.loads)}",
+            must=f"give the loads of the system: {', '.join(system.load_names)}",
             got=", ".join(drive.load_names),
             why="Every load in the equations of motion needs a law in time.",
             fix="Pass a drive for each load.",

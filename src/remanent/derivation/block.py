@@ -33,7 +33,7 @@ from remanent.models import heat
 from remanent.models.actuator import Actuator
 from remanent.models.dissipation import Dissipation
 from remanent.models.drives.base import Drive
-from remanent.models.parts import parameters_of
+from remanent.models.parts import part_parameters
 
 
 def motion(actuator: Actuator, drive: Drive | None) -> Motion:
@@ -45,12 +45,12 @@ def motion(actuator: Actuator, drive: Drive | None) -> Motion:
     + the magnet's energy in its own field.
     """
     p = {name: parameter(name) for name in actuator.parameters()}
-    q, v = coordinate_symbols(actuator.coordinates)
+    q, v = coordinate_symbols(actuator.coordinate_count)
     # Of one coordinate both stretches are the same symbol, so that energies are written once.
     pair, pair_rates = (q[0], q[-1]), (v[0], v[-1])
     elements = [
         _element(f"dissipation.{i}", part, (*pair, THICKNESS), pair_rates, actuator, p)
-        for i, part in enumerate(actuator.elements())
+        for i, part in enumerate(actuator.dissipative_elements())
     ]
     energies = _energies(actuator, pair, elements, p)
     geometry = {
@@ -59,7 +59,7 @@ def motion(actuator: Actuator, drive: Drive | None) -> Motion:
         THICKNESS_RATE: -(THICKNESS**2) * (pair_rates[0] * pair[1] + pair_rates[1] * pair[0]),
     }
     admissibility = actuator.material.admissibility(
-        *pair, THICKNESS, parameters_of("material", p), sp
+        *pair, THICKNESS, part_parameters("material", p), sp
     )
     return Motion(
         coordinates=q,
@@ -85,16 +85,18 @@ def _energies(
 ) -> Energies:
     """The parts of the potential energy."""
     stretches = (*pair, THICKNESS)
-    strain = actuator.material.energy(*stretches, parameters_of("material", p), sp)
+    strain = actuator.material.energy(*stretches, part_parameters("material", p), sp)
     edges = (*_edges(actuator, p), sp.sqrt(p["c"]))
-    self_field = actuator.magnet.self_energy(stretches, edges, parameters_of("magnet", p), sp)
+    self_field = actuator.magnet.self_energy(stretches, edges, part_parameters("magnet", p), sp)
     work = sum(s * (stretch - 1) for s, stretch in zip(_pair(p, "prestress"), pair, strict=True))
     return Energies(
-        strain=Term(STIFFNESS_RATIO, strain if actuator.material.expand else Unexpanded(strain)),
+        strain=Term(
+            STIFFNESS_RATIO, strain if actuator.material.expand_energy else Unexpanded(strain)
+        ),
         field=Term(1, actuator.magnet.energy(EFFECTIVE_LOAD, THICKNESS)),
         dead_loads=Term(1, -work),
         self_field=Term(Unexpanded(_remanence(actuator, p) ** 2), Unexpanded(self_field)),
-        viscous=tuple(Term(TEMPERATURE_RATIO, e.stored) for e in elements),
+        viscous=tuple(Term(TEMPERATURE_RATIO, e.stored_energy) for e in elements),
     )
 
 
@@ -103,7 +105,7 @@ class _Element:
     """Rayleigh's function, stored energy and rates of internal variables of an element."""
 
     rayleigh: Expression
-    stored: Expression
+    stored_energy: Expression
     internal: Mapping[Symbol, Expression]
     relaxes_to: Mapping[Symbol, Symbol]
 
@@ -117,18 +119,18 @@ def _element(
     p: Mapping[str, Symbol],
 ) -> _Element:
     """One dissipative element; equal stretches share one internal variable per kind."""
-    suffixes = ("", "") if actuator.coordinates == 1 else ("_1", "_2")
+    suffixes = ("", "") if actuator.coordinate_count == 1 else ("_1", "_2")
     symbols, directions = [], []
-    for kind in part.internal:
+    for kind in part.internal_variables:
         for suffix, stretch in zip(suffixes, stretches[:2], strict=True):
             symbols.append(sp.Symbol(f"{prefix}.{kind}{suffix}", positive=True))
             directions.append(stretch)
     temperature, reference = body_temperature(actuator), p["reference_temperature"]
-    numbers = part.at(temperature, reference, parameters_of(prefix, p), sp)
+    numbers = part.at_temperature(temperature, reference, part_parameters(prefix, p), sp)
     internal_rates = part.internal_rates(stretches, symbols, TEMPERATURE_RATIO, numbers)
     return _Element(
         rayleigh=sp.sympify(part.rayleigh(stretches, rates, numbers)),
-        stored=sp.sympify(part.stored(stretches, symbols, numbers)),
+        stored_energy=sp.sympify(part.stored_energy(stretches, symbols, numbers)),
         internal=dict(zip(symbols, internal_rates, strict=True)),
         relaxes_to=dict(zip(symbols, directions, strict=True)),
     )
@@ -141,7 +143,7 @@ def _definitions(
     fraction = p["material.entropic_fraction"]
     definitions = {
         TEMPERATURE_RATIO: body_temperature(actuator) / p["reference_temperature"],
-        STIFFNESS_RATIO: heat.stiffness(TEMPERATURE_RATIO, fraction),
+        STIFFNESS_RATIO: heat.entropic_stiffness(TEMPERATURE_RATIO, fraction),
     }
     if drive is not None:
         definitions[LOAD] = in_symbols(drive.load_laws, drive)[LOAD]
@@ -157,7 +159,7 @@ def _heat(
         return None
     fraction = p["material.entropic_fraction"]
     of_theta = {
-        STIFFNESS_RATIO: heat.stiffness(TEMPERATURE_RATIO, fraction),
+        STIFFNESS_RATIO: heat.entropic_stiffness(TEMPERATURE_RATIO, fraction),
         body_temperature(actuator): TEMPERATURE_RATIO * p["reference_temperature"],
     }
     return heat_balance(
@@ -175,7 +177,7 @@ def _heat(
 def _remanence(actuator: Actuator, p: Mapping[str, Symbol]) -> Expression:
     """B_r(T)/B_r(T0)."""
     temperature, reference = body_temperature(actuator), p["reference_temperature"]
-    return actuator.magnet.remanence(temperature, reference, parameters_of("magnet", p))
+    return actuator.magnet.remanence(temperature, reference, part_parameters("magnet", p))
 
 
 def body_temperature(actuator: Actuator) -> Symbol:
@@ -195,6 +197,6 @@ def _edges(actuator: Actuator, p: Mapping[str, Symbol]) -> tuple[Expression, Exp
 def _weights(actuator: Actuator, p: Mapping[str, Symbol]) -> tuple[Expression, ...]:
     """Of the coordinates in the kinetic energy: (L_i/L)^2, 1 where edges are equal."""
     edge_1, edge_2 = _edges(actuator, p)
-    if actuator.coordinates == 2:
+    if actuator.coordinate_count == 2:
         return edge_1**2, edge_2**2
     return (edge_1**2 + edge_2**2,)

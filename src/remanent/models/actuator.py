@@ -21,20 +21,20 @@ from remanent.models.heat import Heat
 from remanent.models.magnet import Magnet
 from remanent.models.materials.base import Material
 from remanent.models.materials.named import NeoHookean
-from remanent.models.pairs import is_pair, numbered
-from remanent.models.parts import Part, Structure, parameters_of
-from remanent.models.plausibility import warn_if_implausible
+from remanent.models.pairs import is_pair, numbered_pair
+from remanent.models.parts import Part, Structure, part_parameters
+from remanent.models.plausibility import warn_of_implausible_temperatures
 from remanent.models.scaling import Scales
-from remanent.models.temperature_shift import Shift
+from remanent.models.temperature_shift import TemperatureShift
 
 #: Fields that hold one part of the model each.
-_SINGLE_PARTS: Final = ("material", "heat", "magnet")
+_SINGLE_PART_FIELDS: Final = ("material", "heat", "magnet")
 
 #: Fields that are parts of the model.
-_PARTS: Final = (*_SINGLE_PARTS, "dissipation")
+_PART_FIELDS: Final = (*_SINGLE_PART_FIELDS, "dissipation")
 
 #: The rule of both temperatures.
-_TEMPERATURE: Final = _checks.positive(
+_TEMPERATURE_RULE: Final = _checks.positive(
     "It is an absolute temperature in kelvin.", "For t degrees Celsius pass t + 273.15."
 )
 
@@ -73,7 +73,7 @@ class Actuator:
     --------
     >>> Actuator(temperature=350).replace(prestress=1).parameters()["prestress"]
     1.0
-    >>> Actuator(prestress=(0, 1)).coordinates
+    >>> Actuator(prestress=(0, 1)).coordinate_count
     2
     """
 
@@ -96,14 +96,14 @@ class Actuator:
                 "It is the square of a ratio of lengths, H^2/L^2.",
                 "Pass 1 for a cube, less for a film.",
             ),
-            "temperature": _TEMPERATURE,
-            "reference_temperature": _TEMPERATURE,
+            "temperature": _TEMPERATURE_RULE,
+            "reference_temperature": _TEMPERATURE_RULE,
             "prestress": _checks.finite("It is a nominal stress over the shear modulus."),
             "edges": _checks.positive("It is a ratio of lengths.", "Pass 1 for an edge 2 L."),
         }
     )
     #: Fields that may be pairs; the numbers of a pair have their own names.
-    paired: ClassVar[tuple[str, ...]] = ("prestress", "edges")
+    pair_fields: ClassVar[tuple[str, ...]] = ("prestress", "edges")
 
     def __post_init__(self) -> None:
         for name, values in self._numbers().items():
@@ -112,7 +112,7 @@ class Actuator:
                 for full, value in values.items()
             ]
             object.__setattr__(self, name, numbers[0] if name in values else tuple(numbers))
-        object.__setattr__(self, "dissipation", _elements(self.dissipation))
+        object.__setattr__(self, "dissipation", _as_elements(self.dissipation))
         _checks.require_instance("material", self.material, Material, "NeoHookean()")
         _checks.require_instance("magnet", self.magnet, Magnet, "Magnet()")
         if self.heat is not None:
@@ -121,24 +121,26 @@ class Actuator:
         _require_shifts(self)
 
     @property
-    def coordinates(self) -> int:
+    def coordinate_count(self) -> int:
         """1 where both in-plane stretches are equal, else 2."""
         return 2 if self.edges is not None or is_pair(self.prestress) else 1
 
     @property
-    def loads(self) -> tuple[str, ...]:
+    def load_names(self) -> tuple[str, ...]:
         """Names of the loads that a drive has to give: the magnetic load."""
         return ("load",)
 
     @property
     def conservative(self) -> bool:
         """Whether there is nothing in the model by which energy could be lost."""
-        return not self.elements() and self.heat is None
+        return not self.dissipative_elements() and self.heat is None
 
     def dissipative(self, values: Mapping[str, ArrayLike] | None = None) -> BoolArray:
         """Whether motion loses energy, for a batch of values of numeric fields or its own."""
         p: dict[str, Any] = {**self.parameters(), **(values or {})}
-        strengths = [f"dissipation.{i}.{e.strength}" for i, e in enumerate(self.elements())]
+        strengths = [
+            f"dissipation.{i}.{e.strength_field}" for i, e in enumerate(self.dissipative_elements())
+        ]
         if self.heat is not None:
             strengths.append("heat.exchange")
         loses = np.zeros((), dtype=np.bool_)
@@ -163,20 +165,20 @@ class Actuator:
         values = {name: getattr(self, name) for name in self.rules}
         if self.edges is None:
             del values["edges"]
-        if self.coordinates == 1:
+        if self.coordinate_count == 1:
             return {name: {name: value} for name, value in values.items()}
         return {
-            name: numbered(name, value) if name in self.paired else {name: value}
+            name: numbered_pair(name, value) if name in self.pair_fields else {name: value}
             for name, value in values.items()
         }
 
-    def elements(self) -> tuple[Dissipation, ...]:
+    def dissipative_elements(self) -> tuple[Dissipation, ...]:
         """The dissipative elements, one or several, as a tuple."""
-        return _elements(self.dissipation)
+        return _as_elements(self.dissipation)
 
     def parts(self) -> dict[str, Part]:
         """Every part of the model by its dotted name."""
-        elements = {f"dissipation.{i}": part for i, part in enumerate(self.elements())}
+        elements = {f"dissipation.{i}": part for i, part in enumerate(self.dissipative_elements())}
         heat = {} if self.heat is None else {"heat": self.heat}
         return {"material": self.material, **elements, **heat, "magnet": self.magnet}
 
@@ -193,7 +195,7 @@ class Actuator:
     def structure(self) -> Structure:
         """What identifies the equations of motion: classes and choices, no numbers."""
         kind = type(self)
-        shape = ("coordinates", self.coordinates, "edges", self.edges is not None)
+        shape = ("coordinates", self.coordinate_count, "edges", self.edges is not None)
         name = f"{kind.__module__}:{kind.__qualname__}"
         return (name, shape, *((name, part.structure()) for name, part in self.parts().items()))
 
@@ -221,23 +223,23 @@ class Actuator:
         """
         broken = _checks.broken(self._field_rules(), values)
         for prefix, part in self.parts().items():
-            broken = broken | part.invalid(parameters_of(prefix, values))
+            broken = broken | part.invalid(part_parameters(prefix, values))
         p = {**self.parameters(), **values}
         temperature, reference = (
             np.asarray(p[name]) for name in ("temperature", "reference_temperature")
         )
         for prefix, shift in self._shifts().items():
-            holds = shift.holds(temperature, reference, parameters_of(prefix, p))
+            holds = shift.is_valid(temperature, reference, part_parameters(prefix, p))
             broken = broken | ~np.asarray(holds)
         return np.asarray(broken)
 
-    def _shifts(self) -> dict[str, Shift]:
+    def _shifts(self) -> dict[str, TemperatureShift]:
         """Every dependence of a viscosity on temperature by its dotted name."""
         return {
             f"{prefix}.{name}": inner
             for prefix, part in self.parts().items()
             for name, inner in part.parts().items()
-            if isinstance(inner, Shift)
+            if isinstance(inner, TemperatureShift)
         }
 
     def admissible(self, values: Mapping[str, ArrayLike], *coordinates: ArrayLike) -> BoolArray:
@@ -252,7 +254,7 @@ class Actuator:
             with the values.
         """
         l1, l2 = (np.asarray(coordinates[k], dtype=np.float64) for k in (0, -1))
-        given = {k: np.asarray(v) for k, v in parameters_of("material", values).items()}
+        given = {k: np.asarray(v) for k, v in part_parameters("material", values).items()}
         p = self.material.parameters() | given
         with np.errstate(all="ignore"):
             conditions = self.material.admissibility(l1, l2, 1.0 / (l1 * l2), p, np)
@@ -266,7 +268,7 @@ class Actuator:
 
     def warn_if_implausible(self, values: Mapping[str, ArrayLike], *, stacklevel: int = 2) -> None:
         """Warn of allowed values, single or in a batch, that look like a mistake."""
-        warn_if_implausible(values, stacklevel=stacklevel)
+        warn_of_implausible_temperatures(values, stacklevel=stacklevel)
 
     def replace(self, **changes: Any) -> Self:
         """A copy with some fields changed; unknown fields raise `InputError`."""
@@ -287,7 +289,7 @@ class Actuator:
             for prefix, part in self.parts().items()
         }
         elements = tuple(part for part in parts.values() if isinstance(part, Dissipation))
-        single = {name: part for name, part in parts.items() if name in _SINGLE_PARTS}
+        single = {name: part for name, part in parts.items() if name in _SINGLE_PART_FIELDS}
         return self.replace(dissipation=elements, **single)
 
     @classmethod
@@ -339,8 +341,8 @@ class Actuator:
         >>> round(film.c, 12), round(film.load("140 mT"), 4)
         (0.01, 0.1593)
         """
-        _checks.require_known(parts, _PARTS, "Actuator.from_si")
-        scales = Scales.of(
+        _checks.require_known(parts, _PART_FIELDS, "Actuator.from_si")
+        scales = Scales.from_quantities(
             shear_modulus=shear_modulus,
             density=density,
             half_length=half_length,
@@ -417,7 +419,7 @@ def _require_shifts(actuator: Actuator) -> None:
         )
 
 
-def _elements(dissipation: object) -> tuple[Dissipation, ...]:
+def _as_elements(dissipation: object) -> tuple[Dissipation, ...]:
     """One element or several, as a tuple."""
     if isinstance(dissipation, Dissipation):
         return (dissipation,)

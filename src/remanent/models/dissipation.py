@@ -10,11 +10,13 @@ from typing import Any, ClassVar, Self
 from remanent import _checks
 from remanent._checks import Rule
 from remanent.models.materials.base import first_invariant
-from remanent.models.parts import Part, parameters_of
-from remanent.models.temperature_shift import Shift
+from remanent.models.parts import Part, part_parameters
+from remanent.models.temperature_shift import TemperatureShift
 
 #: The rule of a viscosity.
-_ETA = _checks.not_negative("A dashpot takes energy out of the motion.", "Pass 0 for no damping.")
+_VISCOSITY_RULE = _checks.not_negative(
+    "A dashpot takes energy out of the motion.", "Pass 0 for no damping."
+)
 
 
 @dataclass(frozen=True)
@@ -29,11 +31,11 @@ class Dissipation(Part):
 
     #: Kinds of internal variables.  There is one of each kind for each in-plane direction; it
     #: is 1 at rest in the undeformed state and relaxes to the stretch in its direction.
-    internal: ClassVar[tuple[str, ...]] = ()
+    internal_variables: ClassVar[tuple[str, ...]] = ()
     #: The numeric field that is 0 where the element does nothing.
-    strength: ClassVar[str] = "eta"
+    strength_field: ClassVar[str] = "eta"
     #: The numeric field that a shift multiplies by its factor.
-    shifted: ClassVar[str] = "eta"
+    shifted_field: ClassVar[str] = "eta"
 
     def rayleigh(self, stretches: Sequence[Any], rates: Sequence[Any], p: Mapping[str, Any]) -> Any:
         """Rayleigh function D; the force on stretch i is -dD/d(rate i).
@@ -47,7 +49,7 @@ class Dissipation(Part):
         """
         return 0
 
-    def stored(
+    def stored_energy(
         self, stretches: Sequence[Any], internal: Sequence[Any], p: Mapping[str, Any]
     ) -> Any:
         """Energy stored in the element at T0; it is multiplied by T/T0.
@@ -86,15 +88,15 @@ class Dissipation(Part):
         """
         return ()
 
-    def at(
+    def at_temperature(
         self, temperature: Any, reference: Any, p: Mapping[str, Any], fn: Any
     ) -> Mapping[str, Any]:
         """The numeric fields `p` at a temperature: the shifted one times the factor."""
-        shift: Shift | None = getattr(self, "shift", None)
+        shift: TemperatureShift | None = getattr(self, "shift", None)
         if shift is None:
             return p
-        factor = shift.factor(temperature, reference, parameters_of("shift", p), fn)
-        return {**p, self.shifted: p[self.shifted] * factor}
+        factor = shift.factor(temperature, reference, part_parameters("shift", p), fn)
+        return {**p, self.shifted_field: p[self.shifted_field] * factor}
 
 
 @dataclass(frozen=True)
@@ -112,10 +114,10 @@ class Rayleigh(Dissipation):
     """
 
     eta: float
-    shift: Shift | None = None
+    shift: TemperatureShift | None = None
 
-    rules: ClassVar[Mapping[str, Rule]] = MappingProxyType({"eta": _ETA})
-    nested: ClassVar[Mapping[str, type[Part]]] = MappingProxyType({"shift": Shift})
+    rules: ClassVar[Mapping[str, Rule]] = MappingProxyType({"eta": _VISCOSITY_RULE})
+    nested_types: ClassVar[Mapping[str, type[Part]]] = MappingProxyType({"shift": TemperatureShift})
 
     @classmethod
     def example(cls) -> Self:
@@ -149,10 +151,10 @@ class KelvinVoigt(Dissipation):
     """
 
     eta: float
-    shift: Shift | None = None
+    shift: TemperatureShift | None = None
 
-    rules: ClassVar[Mapping[str, Rule]] = MappingProxyType({"eta": _ETA})
-    nested: ClassVar[Mapping[str, type[Part]]] = MappingProxyType({"shift": Shift})
+    rules: ClassVar[Mapping[str, Rule]] = MappingProxyType({"eta": _VISCOSITY_RULE})
+    nested_types: ClassVar[Mapping[str, type[Part]]] = MappingProxyType({"shift": TemperatureShift})
 
     @classmethod
     def example(cls) -> Self:
@@ -189,13 +191,13 @@ class Zener(Dissipation):
 
     Examples
     --------
-    >>> Zener(0.5, 2.0).stored((2.0, 1.0, 0.5), (1.0, 1.0), {"modulus": 0.5})
+    >>> Zener(0.5, 2.0).stored_energy((2.0, 1.0, 0.5), (1.0, 1.0), {"modulus": 0.5})
     0.5625
     """
 
     modulus: float
     relaxation_time: float
-    shift: Shift | None = None
+    shift: TemperatureShift | None = None
 
     rules: ClassVar[Mapping[str, Rule]] = MappingProxyType(
         {
@@ -209,17 +211,17 @@ class Zener(Dissipation):
             ),
         }
     )
-    nested: ClassVar[Mapping[str, type[Part]]] = MappingProxyType({"shift": Shift})
-    internal: ClassVar[tuple[str, ...]] = ("viscous_stretch",)
-    strength: ClassVar[str] = "modulus"
-    shifted: ClassVar[str] = "relaxation_time"
+    nested_types: ClassVar[Mapping[str, type[Part]]] = MappingProxyType({"shift": TemperatureShift})
+    internal_variables: ClassVar[tuple[str, ...]] = ("viscous_stretch",)
+    strength_field: ClassVar[str] = "modulus"
+    shifted_field: ClassVar[str] = "relaxation_time"
 
     @classmethod
     def example(cls) -> Self:
         """An instance with usual numbers, on which contract tests try every public part."""
         return cls(0.5, 0.7)
 
-    def stored(
+    def stored_energy(
         self, stretches: Sequence[Any], internal: Sequence[Any], p: Mapping[str, Any]
     ) -> Any:
         """(mu_v/mu) (q1 + q2 + q3 - 3)/2, without cancellation near rest."""
@@ -229,7 +231,7 @@ class Zener(Dissipation):
         self, stretches: Sequence[Any], internal: Sequence[Any], theta: Any, p: Mapping[str, Any]
     ) -> Sequence[Any]:
         """xi_i theta/(2 t_r) [q_i - (q1 + q2 + q3)/3], written as sums of differences."""
-        q1, q2, q3 = _squares(stretches, internal)
+        q1, q2, q3 = _squared_spring_stretches(stretches, internal)
         speed = theta / (6 * p["relaxation_time"])
         return (
             internal[0] * speed * ((q1 - q2) + (q1 - q3)),
@@ -237,7 +239,9 @@ class Zener(Dissipation):
         )
 
 
-def _squares(stretches: Sequence[Any], internal: Sequence[Any]) -> tuple[Any, Any, Any]:
+def _squared_spring_stretches(
+    stretches: Sequence[Any], internal: Sequence[Any]
+) -> tuple[Any, Any, Any]:
     """Squares of the spring's own stretches."""
     e1, e2, e3 = _spring_stretches(stretches, internal)
     return e1**2, e2**2, e3**2

@@ -35,7 +35,7 @@ MAX_DEPTH: Final = 60
 MAX_DEGREE: Final = 64
 
 #: What a formula is written with.
-_ALLOWED: Final = re.compile(r"[A-Za-z0-9_+*/(). \t\n-]*")
+_ALLOWED_CHARACTERS: Final = re.compile(r"[A-Za-z0-9_+*/(). \t\n-]*")
 #: What each node of arithmetic does.
 _OPERATORS: Final[Mapping[type, Callable[[Any, Any], Any]]] = MappingProxyType(
     {
@@ -46,7 +46,7 @@ _OPERATORS: Final[Mapping[type, Callable[[Any, Any], Any]]] = MappingProxyType(
     }
 )
 #: The remedy in every message about a formula.
-_REMEDY: Final = (
+_SYNTAX_REMEDY: Final = (
     "Write for example 'a*(I1 - 3) + b*log(I1/3)', with ** for powers and "
     f"{', '.join(FUNCTIONS)} for functions."
 )
@@ -60,12 +60,12 @@ class Formula:
     ----------
     text
         As it was understood; parsing it again gives the same formula.
-    names
+    variable_names
         Names of the variables in it.
     """
 
     text: str
-    names: frozenset[str]
+    variable_names: frozenset[str]
     _tree: ast.expr
 
     def __call__(self, values: Mapping[str, Any], fn: Any) -> Any:
@@ -78,24 +78,26 @@ class Formula:
         fn
             Where functions are found: the module numpy or sympy, for example.
         """
-        return _value(self._tree, values, fn)
+        return _evaluate(self._tree, values, fn)
 
-    def sensitive(self, variables: frozenset[str], positive: frozenset[str]) -> list[Formula]:
+    def sign_sensitive_parts(
+        self, variables: frozenset[str], positive: frozenset[str]
+    ) -> list[Formula]:
         """Parts whose sign must not change: of logarithms, roots, powers, denominators.
 
         Only those in which one of `variables` occurs, and which are not sums and products of
         `positive` names and numbers, positive by themselves.
         """
-        nodes = {ast.unparse(node): node for node in _sensitive(self._tree)}
+        nodes = {ast.unparse(node): node for node in _sign_sensitive_nodes(self._tree)}
         return [
-            Formula(text, _names(node), node)
+            Formula(text, _variable_names(node), node)
             for text, node in nodes.items()
-            if _names(node) & variables and not _is_positive(node, positive)
+            if _variable_names(node) & variables and not _is_positive(node, positive)
         ]
 
 
 @lru_cache(maxsize=256)
-def parse(text: str, name: str = "expression") -> Formula:
+def parse_formula(text: str, name: str = "expression") -> Formula:
     """Read a formula.
 
     Parameters
@@ -114,26 +116,28 @@ def parse(text: str, name: str = "expression") -> Formula:
     Examples
     --------
     >>> import math
-    >>> float(parse("a*x**2 + sqrt(x)")({"a": 0.5, "x": 4.0}, math))
+    >>> float(parse_formula("a*x**2 + sqrt(x)")({"a": 0.5, "x": 4.0}, math))
     10.0
     """
     if len(text) > MAX_CHARACTERS:
         raise _refusal(name, f"have at most {MAX_CHARACTERS} characters", f"{len(text)} of them")
-    if not _ALLOWED.fullmatch(text):
-        raise _refusal(name, "hold letters, digits and + - * / ( ) . only", _short(text))
+    if not _ALLOWED_CHARACTERS.fullmatch(text):
+        raise _refusal(name, "hold letters, digits and + - * / ( ) . only", _shortened_repr(text))
     try:
         tree = ast.parse(" ".join(text.split()), mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
-        raise _refusal(name, "be a formula", _short(text)) from error
+        raise _refusal(name, "be a formula", _shortened_repr(text)) from error
     _require_size(name, tree)
-    for node, _ in _walk(tree):
+    for node, _ in _walk_with_depth(tree):
         _require_allowed(name, node)
-    if _degree(tree) > MAX_DEGREE:
-        raise _refusal(name, f"have powers up to {MAX_DEGREE}, also of powers", _short(text))
-    return Formula(ast.unparse(tree), _names(tree), tree)
+    if _largest_exponent(tree) > MAX_DEGREE:
+        raise _refusal(
+            name, f"have powers up to {MAX_DEGREE}, also of powers", _shortened_repr(text)
+        )
+    return Formula(ast.unparse(tree), _variable_names(tree), tree)
 
 
-def from_sympy(expression: Any) -> str:
+def formula_text(expression: Any) -> str:
     """A SymPy expression as text, its decimal fractions exact."""
     import sympy as sp
 
@@ -145,7 +149,7 @@ def from_sympy(expression: Any) -> str:
 
 
 def _require_size(name: str, tree: ast.expr) -> None:
-    for count, (_, depth) in enumerate(_walk(tree), start=1):
+    for count, (_, depth) in enumerate(_walk_with_depth(tree), start=1):
         if count > MAX_NODES or depth > MAX_DEPTH:
             rule = f"have at most {MAX_NODES} parts, nested {MAX_DEPTH} deep"
             raise _refusal(name, rule, f"part {count} at depth {depth}")
@@ -154,8 +158,10 @@ def _require_size(name: str, tree: ast.expr) -> None:
 def _require_allowed(name: str, node: ast.expr) -> None:
     match node:
         case ast.Constant(value=int() | float() as number) if not isinstance(number, bool):
-            if not _representable(number):
-                raise _refusal(name, "have numbers that a float can hold", _short(str(number)))
+            if not _fits_float(number):
+                raise _refusal(
+                    name, "have numbers that a float can hold", _shortened_repr(str(number))
+                )
         case ast.Name(id=word):
             if word.startswith("_") or word in FUNCTIONS:
                 raise _refusal(name, "use names as such, functions with (...)", word)
@@ -165,23 +171,27 @@ def _require_allowed(name: str, node: ast.expr) -> None:
             pass
         case ast.BinOp(op=ast.Pow(), right=exponent):
             if any(isinstance(n, ast.BinOp) and isinstance(n.op, ast.Pow)
-                   for n, _ in _walk(exponent)):  # fmt: skip
-                raise _refusal(name, "have no powers in exponents", _short(ast.unparse(node)))
+                   for n, _ in _walk_with_depth(exponent)):  # fmt: skip
+                raise _refusal(
+                    name, "have no powers in exponents", _shortened_repr(ast.unparse(node))
+                )
         case ast.Call(func=ast.Name(id=word), args=[_], keywords=[]) if word in FUNCTIONS:
             pass
         case _:
-            raise _refusal(name, "hold arithmetic only", _short(ast.unparse(node)))
+            raise _refusal(name, "hold arithmetic only", _shortened_repr(ast.unparse(node)))
 
 
 def _refusal(name: str, rule: str, value: str) -> InputError:
-    return InputError(name, must=rule, got=value, why="A formula is read, never run.", fix=_REMEDY)
+    return InputError(
+        name, must=rule, got=value, why="A formula is read, never run.", fix=_SYNTAX_REMEDY
+    )
 
 
-def _short(text: str) -> str:
+def _shortened_repr(text: str) -> str:
     return repr(text if len(text) <= 60 else f"{text[:57]}...")
 
 
-def _representable(number: int | float) -> bool:
+def _fits_float(number: int | float) -> bool:
     try:
         return abs(float(number)) <= 1e300
     except OverflowError:
@@ -191,80 +201,82 @@ def _representable(number: int | float) -> bool:
 # Walking the tree -----------------------------------------------------------------------
 
 
-def _children(node: ast.expr) -> list[ast.expr]:
+def _child_expressions(node: ast.expr) -> list[ast.expr]:
     """Parts of an expression; of a call its argument, not the name of the function."""
     if isinstance(node, ast.Call):
         return list(node.args)
     return [child for child in ast.iter_child_nodes(node) if isinstance(child, ast.expr)]
 
 
-def _walk(tree: ast.expr) -> Iterator[tuple[ast.expr, int]]:
+def _walk_with_depth(tree: ast.expr) -> Iterator[tuple[ast.expr, int]]:
     """Every part with its depth, without recursion."""
     stack = [(tree, 1)]
     while stack:
         node, depth = stack.pop()
         yield node, depth
-        stack += [(child, depth + 1) for child in _children(node)]
+        stack += [(child, depth + 1) for child in _child_expressions(node)]
 
 
-def _names(tree: ast.expr) -> frozenset[str]:
-    return frozenset(n.id for n, _ in _walk(tree) if isinstance(n, ast.Name) and n.id != PI)
+def _variable_names(tree: ast.expr) -> frozenset[str]:
+    return frozenset(
+        n.id for n, _ in _walk_with_depth(tree) if isinstance(n, ast.Name) and n.id != PI
+    )
 
 
-def _degree(node: ast.expr) -> int:
+def _largest_exponent(node: ast.expr) -> int:
     """The largest product of integer exponents that stand upon each other."""
-    below = max((_degree(child) for child in _children(node)), default=1)
+    below = max((_largest_exponent(child) for child in _child_expressions(node)), default=1)
     if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow):
-        exponent = _literal(node.right)
+        exponent = _exact_constant(node.right)
         if exponent is not None and exponent.denominator == 1:
             return below * min(max(1, abs(exponent.numerator)), MAX_DEGREE + 1)
     return below
 
 
-def _literal(node: ast.expr) -> Fraction | None:
+def _exact_constant(node: ast.expr) -> Fraction | None:
     """The exact value of arithmetic of numbers alone, as it was written in decimals."""
     match node:
         case ast.Constant(value=int() | float() as number):
             return Fraction(repr(number))
         case ast.UnaryOp(op=op, operand=inside):
-            value = _literal(inside)
+            value = _exact_constant(inside)
             negative = isinstance(op, ast.USub)
             return None if value is None else -value if negative else value
         case ast.BinOp(op=op, left=left, right=right) if type(op) in _OPERATORS:
-            a, b = _literal(left), _literal(right)
+            a, b = _exact_constant(left), _exact_constant(right)
             if a is None or b is None or (isinstance(op, ast.Div) and b == 0):
                 return None
             return Fraction(_OPERATORS[type(op)](a, b))
     return None
 
 
-def _value(node: ast.expr, values: Mapping[str, Any], fn: Any) -> Any:
-    number = _literal(node)
+def _evaluate(node: ast.expr, values: Mapping[str, Any], fn: Any) -> Any:
+    number = _exact_constant(node)
     if number is not None:
-        return exact(number, fn)
+        return as_exact_number(number, fn)
     match node:
         case ast.Name(id=name):
             return fn.pi if name == PI else values[name]
         case ast.UnaryOp(op=op, operand=inside):
-            value = _value(inside, values, fn)
+            value = _evaluate(inside, values, fn)
             return -value if isinstance(op, ast.USub) else value
         case ast.BinOp(op=ast.Pow(), left=base, right=exponent):
-            return _value(base, values, fn) ** _exponent(exponent, values, fn)
+            return _evaluate(base, values, fn) ** _evaluate_exponent(exponent, values, fn)
         case ast.BinOp(op=op, left=left, right=right):
-            return _OPERATORS[type(op)](_value(left, values, fn), _value(right, values, fn))
+            return _OPERATORS[type(op)](_evaluate(left, values, fn), _evaluate(right, values, fn))
         case ast.Call(func=ast.Name(id=name), args=[argument]):
-            return getattr(fn, name)(_value(argument, values, fn))
+            return getattr(fn, name)(_evaluate(argument, values, fn))
     raise TypeError(f"not a formula: {ast.dump(node)}")  # refused by parse
 
 
-def _exponent(node: ast.expr, values: Mapping[str, Any], fn: Any) -> Any:
-    number = _literal(node)
+def _evaluate_exponent(node: ast.expr, values: Mapping[str, Any], fn: Any) -> Any:
+    number = _exact_constant(node)
     if number is not None and number.denominator == 1:
         return number.numerator
-    return _value(node, values, fn)
+    return _evaluate(node, values, fn)
 
 
-def exact(number: Fraction, fn: Any) -> Any:
+def as_exact_number(number: Fraction, fn: Any) -> Any:
     """A number as `fn` computes with it: an exact quotient where it has those, else a float."""
     rational = getattr(fn, "Rational", None)
     return (
@@ -272,13 +284,13 @@ def exact(number: Fraction, fn: Any) -> Any:
     )
 
 
-def _sensitive(tree: ast.expr) -> Iterator[ast.expr]:
-    for node, _ in _walk(tree):
+def _sign_sensitive_nodes(tree: ast.expr) -> Iterator[ast.expr]:
+    for node, _ in _walk_with_depth(tree):
         match node:
             case ast.BinOp(op=ast.Div(), right=below):
                 yield below
             case ast.BinOp(op=ast.Pow(), left=base, right=exponent):
-                power = _literal(exponent)
+                power = _exact_constant(exponent)
                 if power is None or power.denominator != 1 or power < 0:
                     yield base
             case ast.Call(func=ast.Name(id="log" | "sqrt"), args=[argument]):
@@ -286,7 +298,7 @@ def _sensitive(tree: ast.expr) -> Iterator[ast.expr]:
 
 
 def _is_positive(node: ast.expr, positive: frozenset[str]) -> bool:
-    number = _literal(node)
+    number = _exact_constant(node)
     if number is not None:
         return number > 0
     match node:

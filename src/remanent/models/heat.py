@@ -53,7 +53,7 @@ class Heat(Part):
     )
 
 
-def stiffness(theta: Any, entropic_fraction: Any) -> Any:
+def entropic_stiffness(theta: Any, entropic_fraction: Any) -> Any:
     """Factor of the strain energy at temperature T = theta T0.
 
     Equation: mu(T)/mu(T0) = (1 - f) + f theta.  With f = 1, entropic elasticity, this

@@ -12,7 +12,7 @@ from remanent._checks import Rule
 from remanent.models.parts import Part
 
 #: How the magnetisation follows the deformation.
-LAWS = ("deformation-gradient", "rotation")
+MAGNETISATION_LAWS = ("deformation-gradient", "rotation")
 
 
 @dataclass(frozen=True)
@@ -61,11 +61,11 @@ class Magnet(Part):
             ),
         }
     )
-    choices: ClassVar[tuple[str, ...]] = ("law",)
+    choice_fields: ClassVar[tuple[str, ...]] = ("law",)
 
     def checked_options(self) -> Mapping[str, Any]:
-        """The law, if it is one of :data:`LAWS`."""
-        return {"law": _checks.require_choice("law", self.law, LAWS)}
+        """The law, if it is one of :data:`MAGNETISATION_LAWS`."""
+        return {"law": _checks.require_choice("law", self.law, MAGNETISATION_LAWS)}
 
     def remanence(self, temperature: Any, reference: Any, p: Mapping[str, Any]) -> Any:
         """B_r(T)/B_r(T0) = 1 + alpha (T - T0)."""

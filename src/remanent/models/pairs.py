@@ -15,12 +15,12 @@ def is_pair(value: object) -> bool:
     return isinstance(value, Sequence | np.ndarray) and not isinstance(value, str)
 
 
-def numbered(name: str, value: Any) -> dict[str, Any]:
+def numbered_pair(name: str, value: Any) -> dict[str, Any]:
     """The two numbers of a pair under their own names; a single number stands for both.
 
     Examples
     --------
-    >>> numbered("prestress", (0.0, 0.5))
+    >>> numbered_pair("prestress", (0.0, 0.5))
     {'prestress_1': 0.0, 'prestress_2': 0.5}
     """
     pair = tuple(value) if is_pair(value) and np.ndim(value) == 1 else (value, value)

@@ -24,9 +24,9 @@ class Part:
 
     A subclass is a frozen dataclass.  Its numeric fields, those that ``over`` and
     continuation may vary, are the keys of :attr:`rules`, the entries of
-    :attr:`tables`, the names in :attr:`mappings`, and the numeric fields of the parts in
-    :attr:`nested`.  Fields that decide the form of the equations are named in
-    :attr:`choices`.
+    :attr:`table_rules`, the names in :attr:`mapping_rules`, and the numeric fields of the parts in
+    :attr:`nested_types`.  Fields that decide the form of the equations are named in
+    :attr:`choice_fields`.
     """
 
     #: The rule of each numeric field.  One that is None, where that is
@@ -34,35 +34,35 @@ class Part:
     rules: ClassVar[Mapping[str, Rule]] = MappingProxyType({})
     #: The rule of the entries of each table of numbers, whose entries are numeric fields
     #: too, ``name.0``, ``name.1`` ...; the form of the equations depends on their count.
-    tables: ClassVar[Mapping[str, Rule]] = MappingProxyType({})
+    table_rules: ClassVar[Mapping[str, Rule]] = MappingProxyType({})
     #: The rule of the values of each mapping of names to numbers, which are numeric fields
     #: under these names; it is kept as a tuple of pairs.
-    mappings: ClassVar[Mapping[str, Rule]] = MappingProxyType({})
+    mapping_rules: ClassVar[Mapping[str, Rule]] = MappingProxyType({})
     #: Names of the fields on which the form of the equations depends.
-    choices: ClassVar[tuple[str, ...]] = ()
+    choice_fields: ClassVar[tuple[str, ...]] = ()
     #: The kind of each field that holds another part, or None; see :meth:`parts`.
-    nested: ClassVar[Mapping[str, type[Part]]] = MappingProxyType({})
+    nested_types: ClassVar[Mapping[str, type[Part]]] = MappingProxyType({})
 
     def __post_init__(self) -> None:
         for name, rule in self._single_rules().items():
             number = _checks.require_real(name, getattr(self, name), rule)
             object.__setattr__(self, name, number)
-        for name, rule in self.tables.items():
+        for name, rule in self.table_rules.items():
             numbers = _checks.require_numbers(
                 name, getattr(self, name), what="one for each term", why="They enter the equations."
             ).tolist()
             for i, number in enumerate(numbers):
                 _checks.require_real(f"{name}.{i}", number, rule)
             object.__setattr__(self, name, tuple(numbers))
-        for name, rule in self.mappings.items():
+        for name, rule in self.mapping_rules.items():
             pairs = _checks.require_named_numbers(name, getattr(self, name), rule)
             object.__setattr__(self, name, pairs)
         for name, value in self.checked_options().items():
             object.__setattr__(self, name, value)
-        for name, kind in self.nested.items():
+        for name, kind in self.nested_types.items():
             if getattr(self, name) is not None:
                 _checks.require_instance(name, getattr(self, name), kind, f"a {kind.__name__}")
-        for name, (value, rule) in self._derived({}).items():
+        for name, (value, rule) in self._derived_numbers({}).items():
             _checks.require_real(name, float(value), rule)
 
     @classmethod
@@ -79,7 +79,7 @@ class Part:
 
     def parts(self) -> dict[str, Part]:
         """The parts within this one, by the names of their fields."""
-        values = {name: getattr(self, name) for name in self.nested}
+        values = {name: getattr(self, name) for name in self.nested_types}
         return {name: part for name, part in values.items() if part is not None}
 
     def derived(self, p: Mapping[str, Any]) -> Mapping[str, tuple[Any, Rule]]:
@@ -93,7 +93,7 @@ class Part:
         """Value of every numeric field, by name, in the order of definition."""
         entries = {
             f"{name}.{i}": number
-            for name in self.tables
+            for name in self.table_rules
             for i, number in enumerate(getattr(self, name))
         }
         inner = {
@@ -102,17 +102,21 @@ class Part:
             for field, value in part.parameters().items()
         }
         single = {name: float(getattr(self, name)) for name in self._single_rules()}
-        named = {k: v for pairs in self._pairs().values() for k, v in pairs}
+        named = {k: v for pairs in self._mapping_pairs().values() for k, v in pairs}
         return single | entries | named | inner
 
     def numeric_rules(self) -> dict[str, Rule]:
         """Rule of every numeric field, by name."""
         entries = {
             f"{name}.{i}": rule
-            for name, rule in self.tables.items()
+            for name, rule in self.table_rules.items()
             for i in range(len(getattr(self, name)))
         }
-        named = {k: self.mappings[name] for name, pairs in self._pairs().items() for k, _ in pairs}
+        named = {
+            k: self.mapping_rules[name]
+            for name, pairs in self._mapping_pairs().items()
+            for k, _ in pairs
+        }
         inner = {
             f"{name}.{field}": rule
             for name, part in self.parts().items()
@@ -126,10 +130,10 @@ class Part:
         Its class, choices, lengths of tables, names in mappings, fields that are left out.
         """
         kind = type(self)
-        chosen = (getattr(self, name) for name in self.choices)
-        lengths = (len(getattr(self, name)) for name in self.tables)
-        names = (tuple(k for k, _ in pairs) for pairs in self._pairs().values())
-        missing = filter(self._left_out, self.rules)
+        chosen = (getattr(self, name) for name in self.choice_fields)
+        lengths = (len(getattr(self, name)) for name in self.table_rules)
+        names = (tuple(k for k, _ in pairs) for pairs in self._mapping_pairs().values())
+        missing = filter(self._is_left_out, self.rules)
         inner = ((name, part.structure()) for name, part in self.parts().items())
         form = (*chosen, *lengths, *names, *missing, *inner)
         return (f"{kind.__module__}:{kind.__qualname__}", *form)
@@ -150,11 +154,11 @@ class Part:
     def invalid(self, values: Mapping[str, ArrayLike]) -> BoolArray:
         """Where a batch of values of the numeric fields breaks a rule."""
         broken = _checks.broken(self.numeric_rules(), values)
-        for value, rule in self._derived(values).values():
+        for value, rule in self._derived_numbers(values).values():
             broken = broken | ~rule.satisfied(value)
         return np.asarray(broken)
 
-    def _derived(self, values: Mapping[str, ArrayLike]) -> Mapping[str, tuple[Any, Rule]]:
+    def _derived_numbers(self, values: Mapping[str, ArrayLike]) -> Mapping[str, tuple[Any, Rule]]:
         """The derived numbers, of `values` where these have a field, else of its own value."""
         p = {
             k: np.asarray(values.get(k, v), dtype=np.float64) for k, v in self.parameters().items()
@@ -163,34 +167,34 @@ class Part:
             return self.derived(p)
 
     def _single_rules(self) -> dict[str, Rule]:
-        return {name: rule for name, rule in self.rules.items() if not self._left_out(name)}
+        return {name: rule for name, rule in self.rules.items() if not self._is_left_out(name)}
 
-    def _left_out(self, name: str) -> bool:
+    def _is_left_out(self, name: str) -> bool:
         return getattr(self, name) is None and getattr(type(self), name, 0) is None
 
-    def _pairs(self) -> dict[str, tuple[tuple[str, float], ...]]:
-        return {name: getattr(self, name) for name in self.mappings}
+    def _mapping_pairs(self) -> dict[str, tuple[tuple[str, float], ...]]:
+        return {name: getattr(self, name) for name in self.mapping_rules}
 
     def _with_entry(self, name: str, number: float, values: Mapping[str, Any]) -> tuple[str, Any]:
         """The table, mapping or part that holds an entry, and its value with it changed."""
-        for owner, pairs in self._pairs().items():
+        for owner, pairs in self._mapping_pairs().items():
             if name in dict(pairs):
                 changed = {**dict(values.get(owner, pairs)), name: number}
                 return owner, tuple(changed.items())
         table, _, i = name.partition(".")
         value = values.get(table, getattr(self, table))
-        if table in self.nested:
+        if table in self.nested_types:
             return table, value.replace(**{i: number})
         row = list(value)
         return table, (*row[: int(i)], number, *row[int(i) + 1 :])
 
 
-def parameters_of(prefix: str, p: Mapping[str, Any]) -> dict[str, Any]:
+def part_parameters(prefix: str, p: Mapping[str, Any]) -> dict[str, Any]:
     """Numeric fields of the part called `prefix`, under the names that they have there.
 
     Examples
     --------
-    >>> parameters_of("material", {"c": 1.0, "material.jm": 50.0})
+    >>> part_parameters("material", {"c": 1.0, "material.jm": 50.0})
     {'jm': 50.0}
     """
     start = f"{prefix}."

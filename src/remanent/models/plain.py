@@ -17,11 +17,11 @@ from remanent.models.scaling import Scales
 __all__ = ["from_plain", "to_plain"]
 
 #: The entry of a table that says which class the value has.
-KIND: Final = "kind"
+KIND_KEY: Final = "kind"
 #: Classes within values that have no public name.
-_WITHIN: Final[Mapping[str, type]] = MappingProxyType({"Scales": Scales})
+_NESTED_CLASSES: Final[Mapping[str, type]] = MappingProxyType({"Scales": Scales})
 #: Longest part of a refused value that a message shows.
-_SHOWN: Final = 80
+_MAX_SHOWN_LENGTH: Final = 80
 
 
 def to_plain(value: object) -> dict[str, Any]:
@@ -59,15 +59,15 @@ def to_plain(value: object) -> dict[str, Any]:
     [{'kind': 'Rayleigh', 'eta': 0.05}]
     """
     if isinstance(value, type) or not is_dataclass(value):
-        raise _not_plain("value", value)
-    table: dict[str, Any] = {KIND: _name_of(type(value))}
+        raise _not_plain_error("value", value)
+    table: dict[str, Any] = {KIND_KEY: _kind_name(type(value))}
     # A mapping within a part is kept as pairs.
-    pairs = getattr(value, "mappings", ())
-    for field in _arguments(value):
+    pairs = getattr(value, "mapping_rules", ())
+    for field in _init_fields(value):
         content = getattr(value, field.name)
         if content is not None or field.default is not None:
             content = dict(content) if field.name in pairs else content
-            table[field.name] = _plain(field.name, content)
+            table[field.name] = _plain_content(field.name, content)
     return table
 
 
@@ -99,17 +99,19 @@ def from_plain(table: Mapping[str, Any]) -> Any:
     >>> from_plain({"kind": "SineSquared", "b": 0.4, "omega": 1.25})
     SineSquared(b=0.4, omega=1.25, phase=0.0)
     """
-    kind = table.get(KIND) if isinstance(table, Mapping) else None
-    cls = _class_of(kind)
+    kind = table.get(KIND_KEY) if isinstance(table, Mapping) else None
+    cls = _class_by_kind(kind)
     if cls is None:
         raise InputError(
-            KIND,
+            KIND_KEY,
             must=f"be one of {', '.join(_public_kinds())}",
             got=_shortened(kind),
             why="A value is rebuilt by the public name of its class.",
             fix="Pass a value of a class of your own itself, as a system or a drive.",
         )
-    arguments = {name: _rebuilt(content) for name, content in table.items() if name != KIND}
+    arguments = {
+        name: _rebuilt_content(content) for name, content in table.items() if name != KIND_KEY
+    }
     known = [field for field in fields(cls) if field.init]
     _checks.require_known(arguments, [field.name for field in known], str(kind))
     for field in known:
@@ -124,7 +126,7 @@ def from_plain(table: Mapping[str, Any]) -> Any:
     return cls(**arguments)
 
 
-def _arguments(value: Any) -> list[Field[Any]]:
+def _init_fields(value: Any) -> list[Field[Any]]:
     return [field for field in fields(value) if field.init]
 
 
@@ -132,18 +134,18 @@ def _is_required(field: Field[Any]) -> bool:
     return field.default is MISSING and field.default_factory is MISSING
 
 
-def _name_of(cls: type) -> str:
+def _kind_name(cls: type) -> str:
     """The public name of a class, else one that no public class has."""
     name = cls.__name__
-    return name if _class_of(name) is cls else f"{cls.__module__}.{cls.__qualname__}"
+    return name if _class_by_kind(name) is cls else f"{cls.__module__}.{cls.__qualname__}"
 
 
-def _class_of(kind: object) -> Any:
+def _class_by_kind(kind: object) -> Any:
     """The dataclass that has this name in a table; None where there is none."""
     if not isinstance(kind, str):
         return None
-    if kind in _WITHIN:
-        return _WITHIN[kind]
+    if kind in _NESTED_CLASSES:
+        return _NESTED_CLASSES[kind]
     value = getattr(remanent, kind, None) if kind in remanent.__all__ else None
     return value if isinstance(value, type) and is_dataclass(value) else None
 
@@ -151,10 +153,10 @@ def _class_of(kind: object) -> Any:
 def _public_kinds() -> list[str]:
     """Names of the public dataclasses; other names are not imported to find them."""
     capitalised = (name for name in remanent.__all__ if name[0].isupper())
-    return sorted(name for name in capitalised if _class_of(name) is not None)
+    return sorted(name for name in capitalised if _class_by_kind(name) is not None)
 
 
-def _plain(name: str, content: Any) -> Any:
+def _plain_content(name: str, content: Any) -> Any:
     if isinstance(content, np.ndarray | np.generic):
         content = content.tolist()
     if content is None or isinstance(content, bool | int | float | str):
@@ -162,21 +164,21 @@ def _plain(name: str, content: Any) -> Any:
     if is_dataclass(content) and not isinstance(content, type):
         return to_plain(content)
     if isinstance(content, Mapping):
-        return {str(key): _plain(name, item) for key, item in content.items()}
+        return {str(key): _plain_content(name, item) for key, item in content.items()}
     if isinstance(content, tuple | list):
-        return [_plain(name, item) for item in content]
-    raise _not_plain(name, content)
+        return [_plain_content(name, item) for item in content]
+    raise _not_plain_error(name, content)
 
 
-def _rebuilt(content: Any) -> Any:
+def _rebuilt_content(content: Any) -> Any:
     if isinstance(content, Mapping):
-        if KIND in content:
+        if KIND_KEY in content:
             return from_plain(content)
-        return {key: _rebuilt(item) for key, item in content.items()}
-    return tuple(map(_rebuilt, content)) if isinstance(content, list) else content
+        return {key: _rebuilt_content(item) for key, item in content.items()}
+    return tuple(map(_rebuilt_content, content)) if isinstance(content, list) else content
 
 
-def _not_plain(name: str, content: object) -> InputError:
+def _not_plain_error(name: str, content: object) -> InputError:
     return InputError(
         name,
         must="be a number, text, a part, or a list or table of these",
@@ -188,4 +190,4 @@ def _not_plain(name: str, content: object) -> InputError:
 
 def _shortened(content: object) -> str:
     text = repr(content)
-    return text if len(text) <= _SHOWN else f"{text[: _SHOWN - 1]}…"
+    return text if len(text) <= _MAX_SHOWN_LENGTH else f"{text[: _MAX_SHOWN_LENGTH - 1]}…"

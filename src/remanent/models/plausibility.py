@@ -12,13 +12,15 @@ from remanent._errors import InputWarning
 from remanent._typing import ArrayLike
 
 #: A temperature in kelvin below this is probably meant in degrees Celsius.
-LOWEST_PLAUSIBLE_TEMPERATURE: Final = 100.0
+MIN_PLAUSIBLE_TEMPERATURE: Final = 100.0
 
 #: The rating of plain NdFeB magnets, 80 degrees Celsius, in kelvin.
-MAGNET_RATING: Final = 353.15
+MAX_MAGNET_TEMPERATURE: Final = 353.15
 
 
-def warn_if_implausible(values: Mapping[str, ArrayLike], *, stacklevel: int = 2) -> None:
+def warn_of_implausible_temperatures(
+    values: Mapping[str, ArrayLike], *, stacklevel: int = 2
+) -> None:
     """Warn of temperatures that look like degrees Celsius or are above a magnet's rating.
 
     Parameters
@@ -29,19 +31,20 @@ def warn_if_implausible(values: Mapping[str, ArrayLike], *, stacklevel: int = 2)
         Of the warning, as for :func:`warnings.warn` called in the place of this function.
     """
     for name in ("temperature", "reference_temperature"):
-        kelvin = np.asarray(values.get(name, LOWEST_PLAUSIBLE_TEMPERATURE))
-        if np.any(kelvin < LOWEST_PLAUSIBLE_TEMPERATURE):
+        kelvin = np.asarray(values.get(name, MIN_PLAUSIBLE_TEMPERATURE))
+        if np.any(kelvin < MIN_PLAUSIBLE_TEMPERATURE):
             warnings.warn(
-                f"`{name}` is below {LOWEST_PLAUSIBLE_TEMPERATURE:g} K somewhere. Temperatures "
+                f"`{name}` is below {MIN_PLAUSIBLE_TEMPERATURE:g} K somewhere. Temperatures "
                 "are in kelvin; for t degrees Celsius pass t + 273.15.",
                 InputWarning,
                 stacklevel=stacklevel + 1,
             )
     depends = np.asarray(values.get("magnet.temperature_coefficient", 0.0)) != 0.0
-    if np.any(depends & (np.asarray(values.get("temperature", 0.0)) > MAGNET_RATING)):
+    if np.any(depends & (np.asarray(values.get("temperature", 0.0)) > MAX_MAGNET_TEMPERATURE)):
         warnings.warn(
-            f"`temperature` is above {MAGNET_RATING:g} K (80 degrees Celsius) somewhere, the "
-            "rating of plain NdFeB magnets: a constant temperature coefficient is a guess there.",
+            f"`temperature` is above {MAX_MAGNET_TEMPERATURE:g} K (80 degrees Celsius) somewhere, "
+            "the rating of plain NdFeB magnets: a constant temperature coefficient is a guess "
+            "there.",
             InputWarning,
             stacklevel=stacklevel + 1,
         )

@@ -11,10 +11,10 @@ from remanent import _units
 from remanent._errors import InputError
 from remanent._typing import FloatArray
 from remanent._units import Quantity
-from remanent.models.pairs import is_pair, numbered
+from remanent.models.pairs import is_pair, numbered_pair
 
 #: Permeability of free space, N/A^2 (CODATA 2022).
-MU0: Final = 1.25663706127e-6
+VACUUM_PERMEABILITY: Final = 1.25663706127e-6
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,7 +39,7 @@ class Scales:
     remanence: float | None = None
 
     @classmethod
-    def of(
+    def from_quantities(
         cls,
         *,
         shear_modulus: Quantity,
@@ -71,7 +71,7 @@ class Scales:
                 why="The magnetic load is B_r B/(mu mu0).",
                 fix='Pass remanence="143 mT" to Actuator.from_si.',
             )
-        return self.shear_modulus * MU0 / self.remanence
+        return self.shear_modulus * VACUUM_PERMEABILITY / self.remanence
 
     @property
     def demagnetisation(self) -> float:
@@ -84,7 +84,7 @@ class Scales:
                 why="Its strength is B_r^2/(mu mu0).",
                 fix='Pass remanence="143 mT" to Actuator.from_si.',
             )
-        return self.remanence**2 / (self.shear_modulus * MU0)
+        return self.remanence**2 / (self.shear_modulus * VACUUM_PERMEABILITY)
 
     # From SI to dimensionless ---------------------------------------------------------
 
@@ -141,7 +141,7 @@ class Scales:
         unit = 4.0 * self.half_length * half_thickness * self.shear_modulus
         if edges is None and not is_pair(force):
             return _units.single("force", force, "N") / unit
-        force_1, force_2 = numbered("force", force).values()
+        force_1, force_2 = numbered_pair("force", force).values()
         edge_1, edge_2 = edges or (1.0, 1.0)
         # A force along one edge pulls at the faces that the other edge spans.
         return (
@@ -151,7 +151,7 @@ class Scales:
 
     # From dimensionless to SI ---------------------------------------------------------
 
-    def factors(self) -> dict[str, float]:
+    def si_factors(self) -> dict[str, float]:
         """SI units in one dimensionless unit, by the names that results carry.
 
         ``time_s``: seconds per tau.  ``frequency_hz``: hertz per omega, which is an

@@ -21,7 +21,7 @@ class System(Protocol):
     """
 
     @property
-    def loads(self) -> tuple[str, ...]:
+    def load_names(self) -> tuple[str, ...]:
         """Names of the loads that a drive has to give."""
         ...
 

@@ -14,7 +14,7 @@ from remanent.models.parts import Part
 
 
 @dataclass(frozen=True)
-class Shift(Part, ABC):
+class TemperatureShift(Part, ABC):
     """A factor a_T of the viscosity or relaxation time, 1 at the reference temperature."""
 
     @abstractmethod
@@ -31,13 +31,13 @@ class Shift(Part, ABC):
             Where ``exp`` is found: the module sympy or numpy.
         """
 
-    def holds(self, temperature: Any, reference: Any, p: Mapping[str, Any]) -> Any:
+    def is_valid(self, temperature: Any, reference: Any, p: Mapping[str, Any]) -> Any:
         """Whether the law can be used at a temperature."""
         return temperature > 0.0
 
 
 @dataclass(frozen=True)
-class WLF(Shift):
+class WLF(TemperatureShift):
     """The law of Williams, Landel and Ferry: log10 a_T = -c1 (T - T0)/(c2 + T - T0).
 
     It holds above the glass transition, up to some 100 K; temperatures from T0 - c2 down,
@@ -85,13 +85,13 @@ class WLF(Shift):
         above = temperature - reference
         return fn.exp(-fn.log(10) * p["c1"] * above / (p["c2"] + above))
 
-    def holds(self, temperature: Any, reference: Any, p: Mapping[str, Any]) -> Any:
+    def is_valid(self, temperature: Any, reference: Any, p: Mapping[str, Any]) -> Any:
         """Above the pole."""
         return p["c2"] + temperature - reference > 0.0
 
 
 @dataclass(frozen=True)
-class Arrhenius(Shift):
+class Arrhenius(TemperatureShift):
     """An activated process: ln a_T = A (1/T - 1/T0), A = activation energy over R.
 
     Parameters

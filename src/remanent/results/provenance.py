@@ -111,7 +111,7 @@ def attributes(
         attrs["tolerance"] = float(tolerance)
     scales = getattr(system, "scales", None)
     if scaled and scales is not None:
-        factors = {name: float(factor) for name, factor in scales.factors().items()}
+        factors = {name: float(factor) for name, factor in scales.si_factors().items()}
         attrs["scales"] = json.dumps(factors, sort_keys=True)
     return attrs
 

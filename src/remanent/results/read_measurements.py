@@ -246,5 +246,5 @@ def _dimensionless_values(
             fix="Leave it out.",
         )
     base, scale, power = _SI_UNITS[kind]
-    one = scales.flux_density if kind is QuantityKind.LOAD else scales.factors()[scale]
+    one = scales.flux_density if kind is QuantityKind.LOAD else scales.si_factors()[scale]
     return np.asarray(_units.magnitude(argument, quantity, base) * one**power)

@@ -154,7 +154,7 @@ def _require_entropic(dataset: xr.Dataset, system: Actuator) -> None:
     ]
     if system.heat is not None:
         obstacles.append(f"heat = {system.heat}")
-    shifts = (getattr(element, "shift", None) for element in system.elements())
+    shifts = (getattr(element, "shift", None) for element in system.dissipative_elements())
     obstacles += [f"shift = {shift}" for shift in shifts if shift is not None]
     obstacles += sorted(set(needed) & set(map(str, dataset.coords)))
     if obstacles:

@@ -42,7 +42,7 @@ def test_nothing_moves_at_rest(actuator: rm.Actuator) -> None:
 def test_every_coordinate_has_its_rate(actuator: rm.Actuator) -> None:
     """The rate of a coordinate is the state variable of that role that belongs to it."""
     field = field_for(actuator, DRIVE)
-    assert len(field.indices(Role.COORDINATE)) == actuator.coordinates
+    assert len(field.indices(Role.COORDINATE)) == actuator.coordinate_count
     state = np.random.default_rng(1).uniform(0.9, 1.1, (1, len(field.state)))
     p = {**actuator.parameters(), **DRIVE.parameters()}
     rows = np.array([[p[name] for name in field.parameters]])

@@ -25,13 +25,13 @@ class Drive(Part, ABC):
     """
 
     #: The field to which the period is inversely proportional, where there is a period.
-    timed_by: ClassVar[str] = "omega"
-    #: Whether :meth:`rate` is written.
-    has_rate: ClassVar[bool] = False
+    frequency_field: ClassVar[str] = "omega"
+    #: Whether :meth:`load_rate` is written.
+    has_load_rate: ClassVar[bool] = False
 
     @property
     def load_names(self) -> tuple[str, ...]:
-        """Names of the loads that the drive gives, in the order of the system's ``loads``."""
+        """Names of the loads that the drive gives, in the order of the system's ``load_names``."""
         return ("load",)
 
     @property
@@ -86,9 +86,9 @@ class Drive(Part, ABC):
         p, u, phase, fn
             Numeric fields, waveforms, phase and functions, as :meth:`load` takes them.
         """
-        return {name: self.rate(p, u, phase, fn) for name in self.load_names}
+        return {name: self.load_rate(p, u, phase, fn) for name in self.load_names}
 
-    def rate(self, p: Mapping[str, Any], u: Mapping[str, Any], phase: Any, fn: Any) -> Any:
+    def load_rate(self, p: Mapping[str, Any], u: Mapping[str, Any], phase: Any, fn: Any) -> Any:
         """Rate of the load, dm/dtau; None where it jumps or has no closed form.
 
         It enters the equations where a remanence that depends on temperature takes part in
@@ -123,13 +123,13 @@ class Drive(Part, ABC):
         periods = self.periods({})
         return None if periods is None else float(periods)
 
-    def value(self, values: Mapping[str, FloatArray], name: str) -> FloatArray:
+    def field_values(self, values: Mapping[str, FloatArray], name: str) -> FloatArray:
         """The field `name` of a batch: from `values`, else the drive's own."""
         numbers = values[name] if name in values else self.parameters()[name]
         return np.asarray(numbers, dtype=np.float64)
 
 
-def repeated(
+def periodic_timeline(
     period: FloatArray, duration: FloatArray, waveform: Callable[[FloatArray], FloatArray]
 ) -> Timeline:
     """The timeline of a load that repeats itself: one piece, the period."""

@@ -17,7 +17,7 @@ from remanent.models.drives.base import Drive, no_waveform
 from remanent.models.drives.waves import LOAD_RULE, PHASE_RULE
 
 #: The rule of the frequencies at both ends of the sweep.
-_END_RULE = _checks.not_negative(
+_END_FREQUENCY_RULE = _checks.not_negative(
     "It is an angular frequency at one end of the sweep.", "Pass 0 or more."
 )
 
@@ -54,8 +54,8 @@ class Chirp(Drive):
     rules: ClassVar[Mapping[str, Rule]] = MappingProxyType(
         {
             "m": LOAD_RULE,
-            "start": _END_RULE,
-            "stop": _END_RULE,
+            "start": _END_FREQUENCY_RULE,
+            "stop": _END_FREQUENCY_RULE,
             "duration": _checks.positive(
                 "It is how long the sweep takes.", "For a single frequency use Sine."
             ),
@@ -87,7 +87,7 @@ class Chirp(Drive):
     def timeline(self, values: Mapping[str, FloatArray], duration: FloatArray) -> Timeline:
         """Two pieces, the sweep and what follows it; the second only if it is reached."""
         start, stop, sweep, phase = (
-            self.value(values, name) for name in ("start", "stop", "duration", "phase")
+            self.field_values(values, name) for name in ("start", "stop", "duration", "phase")
         )
         swept = np.minimum(sweep, np.atleast_1d(np.asarray(duration, dtype=np.float64)))
         held = np.maximum(duration - sweep, 0.0)

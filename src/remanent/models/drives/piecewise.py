@@ -21,7 +21,7 @@ Numbers: TypeAlias = Sequence[float] | FloatArray
 
 
 @dataclass(frozen=True)
-class Table(Drive):
+class PiecewiseDrive(Drive):
     """A load that is a cubic polynomial between consecutive times.
 
     Parameters
@@ -126,7 +126,7 @@ class Table(Drive):
 
 
 @dataclass(frozen=True)
-class Steps(Table):
+class Steps(PiecewiseDrive):
     """A load that jumps: loads[i] holds from times[i] until times[i + 1].
 
     The last load is held for ever.
@@ -148,7 +148,7 @@ class Steps(Table):
 
 
 @dataclass(frozen=True)
-class Ramp(Table):
+class Ramp(PiecewiseDrive):
     """A load that goes straight from loads[i] at times[i] to the next.
 
     The last load is held for ever.  For jumps use :class:`Steps`.
@@ -171,7 +171,7 @@ class Ramp(Table):
 
 
 @dataclass(frozen=True)
-class Sampled(Table):
+class Sampled(PiecewiseDrive):
     """A sampled signal, interpolated by the cubic spline with not-a-knot ends.
 
     Runs that go on beyond the last sample are refused.  The load has kinks of third

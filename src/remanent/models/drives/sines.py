@@ -16,12 +16,12 @@ from remanent._checks import Rule
 from remanent._errors import InputError
 from remanent._timeline import Timeline
 from remanent._typing import ArrayLike, FloatArray
-from remanent.models.drives.base import Drive, no_waveform, repeated
+from remanent.models.drives.base import Drive, no_waveform, periodic_timeline
 from remanent.models.drives.piecewise import Numbers
 from remanent.models.drives.waves import LOAD_RULE, OMEGA_RULE, PHASE_RULE
 
 #: Name of the angle omega tau at the end of the run, a parameter of the piece.
-_TURNS = "piece.turns"
+_ANGLE_PARAMETER = "piece.turns"
 
 
 @dataclass(frozen=True)
@@ -61,12 +61,12 @@ class Sines(Drive):
     phases: Numbers | None = None
     mean: float = 0.0
 
-    has_rate: ClassVar[bool] = True
+    has_load_rate: ClassVar[bool] = True
     rules: ClassVar[Mapping[str, Rule]] = MappingProxyType({"omega": OMEGA_RULE, "mean": LOAD_RULE})
-    tables: ClassVar[Mapping[str, Rule]] = MappingProxyType(
+    table_rules: ClassVar[Mapping[str, Rule]] = MappingProxyType(
         {"loads": LOAD_RULE, "phases": PHASE_RULE}
     )
-    choices: ClassVar[tuple[str, ...]] = ("multiples",)
+    choice_fields: ClassVar[tuple[str, ...]] = ("multiples",)
 
     @classmethod
     def example(cls) -> Self:
@@ -91,7 +91,7 @@ class Sines(Drive):
                 why="Each is the frequency of one term, over omega.",
                 fix="Join terms of one frequency; put a constant into `mean`.",
             )
-        for name in self.tables:
+        for name in self.table_rules:
             if len(getattr(self, name)) != len(multiples):
                 raise InputError(
                     name,
@@ -102,13 +102,13 @@ class Sines(Drive):
                 )
         return {"multiples": tuple(multiples)}
 
-    def _terms(self) -> tuple[float, ...]:
+    def _checked_multiples(self) -> tuple[float, ...]:
         assert isinstance(self.multiples, tuple)  # since it was checked
         return self.multiples
 
-    def _base(self) -> int | None:
+    def _common_divisor(self) -> int | None:
         """The largest integer of which all multiples are multiples."""
-        multiples = self._terms()
+        multiples = self._checked_multiples()
         if any(k != round(k) for k in multiples):
             return None
         return math.gcd(*map(round, multiples))
@@ -116,15 +116,15 @@ class Sines(Drive):
     @property
     def waveforms(self) -> tuple[str, ...]:
         """Sine and cosine of each term, where there is a period."""
-        if self._base() is None:
+        if self._common_divisor() is None:
             return ()
-        count = range(len(self._terms()))
+        count = range(len(self._checked_multiples()))
         return tuple(f"{name}.{i}" for i in count for name in ("sin", "cos"))
 
     @property
     def piece_parameters(self) -> tuple[str, ...]:
         """The angle omega tau at the end of the run, where there is no period."""
-        return () if self._base() is not None else (_TURNS,)
+        return () if self._common_divisor() is not None else (_ANGLE_PARAMETER,)
 
     def __call__(self, tau: ArrayLike) -> FloatArray:
         """m(tau) = mean + sum loads sin(multiples omega tau + phases)."""
@@ -132,29 +132,29 @@ class Sines(Drive):
         p = self.parameters()
         terms = (
             p[f"loads.{i}"] * np.sin(k * angle + p[f"phases.{i}"])
-            for i, k in enumerate(self._terms())
+            for i, k in enumerate(self._checked_multiples())
         )
         return np.asarray(self.mean + sum(terms))
 
     def load(self, p: Mapping[str, Any], u: Mapping[str, Any], phase: Any, fn: Any) -> Any:
         """The same sum, by waveforms of the drive's phase or by the angle itself."""
         total = p["mean"]
-        for i, k in enumerate(self._terms()):
+        for i, k in enumerate(self._checked_multiples()):
             shift = p[f"phases.{i}"]
-            if self._base() is None:
-                sine = fn.sin(k * p[_TURNS] * phase + shift)
+            if self._common_divisor() is None:
+                sine = fn.sin(k * p[_ANGLE_PARAMETER] * phase + shift)
             else:
                 sine = u[f"sin.{i}"] * fn.cos(shift) + u[f"cos.{i}"] * fn.sin(shift)
             total = total + p[f"loads.{i}"] * sine
         return total
 
-    def rate(self, p: Mapping[str, Any], u: Mapping[str, Any], phase: Any, fn: Any) -> Any:
+    def load_rate(self, p: Mapping[str, Any], u: Mapping[str, Any], phase: Any, fn: Any) -> Any:
         """m' = sum loads multiples omega cos(multiples omega tau + phases)."""
         total = 0
-        for i, k in enumerate(self._terms()):
+        for i, k in enumerate(self._checked_multiples()):
             shift = p[f"phases.{i}"]
-            if self._base() is None:
-                cosine = fn.cos(k * p[_TURNS] * phase + shift)
+            if self._common_divisor() is None:
+                cosine = fn.cos(k * p[_ANGLE_PARAMETER] * phase + shift)
             else:
                 cosine = u[f"cos.{i}"] * fn.cos(shift) - u[f"sin.{i}"] * fn.sin(shift)
             total = total + p[f"loads.{i}"] * k * p["omega"] * cosine
@@ -162,23 +162,27 @@ class Sines(Drive):
 
     def periods(self, values: Mapping[str, FloatArray]) -> FloatArray | None:
         """2 pi/(g omega), with g the greatest common divisor of the multiples, or None."""
-        base = self._base()
+        base = self._common_divisor()
         return (
-            None if base is None else np.asarray(2.0 * np.pi / base / self.value(values, "omega"))
+            None
+            if base is None
+            else np.asarray(2.0 * np.pi / base / self.field_values(values, "omega"))
         )
 
     def timeline(self, values: Mapping[str, FloatArray], duration: FloatArray) -> Timeline:
         """One period, repeated, or one piece as long as the trajectory."""
-        period, base = self.periods(values), self._base()
+        period, base = self.periods(values), self._common_divisor()
         if period is not None and base is not None:
-            turns = tuple(round(k) // base for k in self._terms())
-            return repeated(period, duration, partial(_turning, turns))
+            turns = tuple(round(k) // base for k in self._checked_multiples())
+            return periodic_timeline(period, duration, partial(_sines_and_cosines, turns))
         lengths = np.array(duration, dtype=np.float64, ndmin=1)[np.newaxis]
-        angle = lengths * self.value(values, "omega")
-        return Timeline(lengths, periodic=False, parameters={_TURNS: angle}, waveform=no_waveform)
+        angle = lengths * self.field_values(values, "omega")
+        return Timeline(
+            lengths, periodic=False, parameters={_ANGLE_PARAMETER: angle}, waveform=no_waveform
+        )
 
 
-def _turning(turns: tuple[int, ...], phase: FloatArray) -> FloatArray:
+def _sines_and_cosines(turns: tuple[int, ...], phase: FloatArray) -> FloatArray:
     """Sine and cosine of each term at a phase of the period."""
     angles = [2.0 * np.pi * np.mod(k * np.asarray(phase, dtype=np.float64), 1.0) for k in turns]
     return np.stack([f(angle) for angle in angles for f in (np.sin, np.cos)])

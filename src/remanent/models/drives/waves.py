@@ -13,7 +13,7 @@ from remanent import _checks
 from remanent._checks import Rule
 from remanent._timeline import Timeline
 from remanent._typing import ArrayLike, FloatArray
-from remanent.models.drives.base import Drive, no_waveform, repeated
+from remanent.models.drives.base import Drive, no_waveform, periodic_timeline
 
 #: The rule of a magnetic load.
 LOAD_RULE = _checks.finite("It is a magnetic load, B_r B/(mu mu0).")
@@ -43,7 +43,7 @@ class Constant(Drive):
 
     m: float
 
-    has_rate: ClassVar[bool] = True
+    has_load_rate: ClassVar[bool] = True
     rules: ClassVar[Mapping[str, Rule]] = MappingProxyType({"m": LOAD_RULE})
 
     @classmethod
@@ -59,7 +59,7 @@ class Constant(Drive):
         """m(tau) = m."""
         return p["m"]
 
-    def rate(self, p: Mapping[str, Any], u: Mapping[str, Any], phase: Any, fn: Any) -> Any:
+    def load_rate(self, p: Mapping[str, Any], u: Mapping[str, Any], phase: Any, fn: Any) -> Any:
         """Nothing changes."""
         return 0
 
@@ -95,7 +95,7 @@ class SineSquared(Drive):
     omega: float
     phase: float = 0.0
 
-    has_rate: ClassVar[bool] = True
+    has_load_rate: ClassVar[bool] = True
     rules: ClassVar[Mapping[str, Rule]] = MappingProxyType(
         {
             "b": _checks.finite("Its square is the largest magnetic load."),
@@ -120,7 +120,7 @@ class SineSquared(Drive):
         sine = u["sin_pi_phase"] * fn.cos(p["phase"]) + u["cos_pi_phase"] * fn.sin(p["phase"])
         return p["b"] ** 2 * sine**2
 
-    def rate(self, p: Mapping[str, Any], u: Mapping[str, Any], phase: Any, fn: Any) -> Any:
+    def load_rate(self, p: Mapping[str, Any], u: Mapping[str, Any], phase: Any, fn: Any) -> Any:
         """m' = 2 omega b^2 sin(angle) cos(angle), angle = pi s + phase."""
         sine = u["sin_pi_phase"] * fn.cos(p["phase"]) + u["cos_pi_phase"] * fn.sin(p["phase"])
         cosine = u["cos_pi_phase"] * fn.cos(p["phase"]) - u["sin_pi_phase"] * fn.sin(p["phase"])
@@ -128,11 +128,11 @@ class SineSquared(Drive):
 
     def periods(self, values: Mapping[str, FloatArray]) -> FloatArray:
         """pi/omega."""
-        return np.asarray(np.pi / self.value(values, "omega"))
+        return np.asarray(np.pi / self.field_values(values, "omega"))
 
     def timeline(self, values: Mapping[str, FloatArray], duration: FloatArray) -> Timeline:
         """One piece, the period of the load, repeated."""
-        return repeated(self.periods(values), duration, _half_turn)
+        return periodic_timeline(self.periods(values), duration, _half_turn_waveforms)
 
 
 @dataclass(frozen=True)
@@ -161,7 +161,7 @@ class Sine(Drive):
     mean: float = 0.0
     phase: float = 0.0
 
-    has_rate: ClassVar[bool] = True
+    has_load_rate: ClassVar[bool] = True
     rules: ClassVar[Mapping[str, Rule]] = MappingProxyType(
         {"m": LOAD_RULE, "omega": OMEGA_RULE, "mean": LOAD_RULE, "phase": PHASE_RULE}
     )
@@ -182,25 +182,25 @@ class Sine(Drive):
         sine = u["sin_2pi_phase"] * fn.cos(p["phase"]) + u["cos_2pi_phase"] * fn.sin(p["phase"])
         return p["mean"] + p["m"] * sine
 
-    def rate(self, p: Mapping[str, Any], u: Mapping[str, Any], phase: Any, fn: Any) -> Any:
+    def load_rate(self, p: Mapping[str, Any], u: Mapping[str, Any], phase: Any, fn: Any) -> Any:
         """m' = omega m cos(2 pi s + phase)."""
         cosine = u["cos_2pi_phase"] * fn.cos(p["phase"]) - u["sin_2pi_phase"] * fn.sin(p["phase"])
         return p["omega"] * p["m"] * cosine
 
     def periods(self, values: Mapping[str, FloatArray]) -> FloatArray:
         """2 pi/omega."""
-        return np.asarray(2.0 * np.pi / self.value(values, "omega"))
+        return np.asarray(2.0 * np.pi / self.field_values(values, "omega"))
 
     def timeline(self, values: Mapping[str, FloatArray], duration: FloatArray) -> Timeline:
         """One piece, the period of the load, repeated."""
-        return repeated(self.periods(values), duration, _full_turn)
+        return periodic_timeline(self.periods(values), duration, _full_turn_waveforms)
 
 
-def _half_turn(phase: FloatArray) -> FloatArray:
+def _half_turn_waveforms(phase: FloatArray) -> FloatArray:
     angle = np.pi * np.asarray(phase, dtype=np.float64)
     return np.stack([np.sin(angle), np.cos(angle)])
 
 
-def _full_turn(phase: FloatArray) -> FloatArray:
+def _full_turn_waveforms(phase: FloatArray) -> FloatArray:
     angle = 2.0 * np.pi * np.asarray(phase, dtype=np.float64)
     return np.stack([np.sin(angle), np.cos(angle)])

@@ -13,7 +13,7 @@ from remanent._checks import Rule
 from remanent.models.parts import Part
 
 #: The rule of the share of the modulus that is proportional to temperature.
-ENTROPIC_FRACTION = Rule(
+ENTROPIC_FRACTION_RULE = Rule(
     "be a finite number from 0 to 1",
     lambda x: np.asarray((x >= 0) & (x <= 1)),
     "It is the share of the shear modulus that is proportional to temperature.",
@@ -26,13 +26,13 @@ class Material(Part, ABC):
     """A strain energy per reference volume, divided by the shear modulus at T0.
 
     A subclass has a numeric field `entropic_fraction`, see
-    :func:`remanent.models.heat.stiffness`.
+    :func:`remanent.models.heat.entropic_stiffness`.
     """
 
     #: Whether rates are brought to quotients of expanded polynomials.  False for formulas
     #: whose expansion is long: rates are then computed from the energy's derivatives as they
     #: are written.
-    expand: ClassVar[bool] = True
+    expand_energy: ClassVar[bool] = True
 
     @abstractmethod
     def energy(self, l1: Any, l2: Any, l3: Any, p: Mapping[str, Any], fn: Any) -> Any:
@@ -73,7 +73,7 @@ class Material(Part, ABC):
         return ()
 
 
-def excess(a1: Any, a2: Any, a3: Any) -> Any:
+def sum_of_squares_minus_three(a1: Any, a2: Any, a3: Any) -> Any:
     """a1^2 + a2^2 + a3^2 - 3 for a1 a2 a3 = 1, without the cancellation near rest.
 
     Equation: (a1 - a2)^2 + (1 - a3)^2 (2 + a3)/a3, a square and a positive multiple of one.
@@ -83,9 +83,9 @@ def excess(a1: Any, a2: Any, a3: Any) -> Any:
 
 def first_invariant(l1: Any, l2: Any, l3: Any) -> Any:
     """I1 - 3 = l1^2 + l2^2 + l3^2 - 3."""
-    return excess(l1, l2, l3)
+    return sum_of_squares_minus_three(l1, l2, l3)
 
 
 def second_invariant(l1: Any, l2: Any, l3: Any) -> Any:
     """I2 - 3 = l1^-2 + l2^-2 + l3^-2 - 3."""
-    return excess(1 / l1, 1 / l2, 1 / l3)
+    return sum_of_squares_minus_three(1 / l1, 1 / l2, 1 / l3)

@@ -12,11 +12,11 @@ from remanent._checks import Rule
 from remanent._errors import InputError
 from remanent._typing import FloatArray
 from remanent.models.materials.base import (
-    ENTROPIC_FRACTION,
+    ENTROPIC_FRACTION_RULE,
     Material,
-    excess,
     first_invariant,
     second_invariant,
+    sum_of_squares_minus_three,
 )
 from remanent.models.materials.strain_energy import StrainEnergy
 
@@ -25,7 +25,7 @@ __all__ = [
 ]  # fmt: skip
 
 #: The rule of the shear modulus that follows from the constants.
-_MODULUS = _checks.positive(
+_MODULUS_RULE = _checks.positive(
     "It is the shear modulus of the undeformed solid, by which the energy is divided.",
     "Without a positive one the undeformed state is not stable; check constants and signs.",
 )
@@ -48,7 +48,9 @@ class NeoHookean(Material):
 
     entropic_fraction: float = 1.0
 
-    rules: ClassVar[Mapping[str, Rule]] = MappingProxyType({"entropic_fraction": ENTROPIC_FRACTION})
+    rules: ClassVar[Mapping[str, Rule]] = MappingProxyType(
+        {"entropic_fraction": ENTROPIC_FRACTION_RULE}
+    )
 
     def energy(self, l1: Any, l2: Any, l3: Any, p: Mapping[str, Any], fn: Any) -> Any:
         """W/mu = [(l1 - l2)^2 + (1 - l3)^2 (2 + l3)/l3]/2.
@@ -95,7 +97,7 @@ class Gent(Material):
                 "It is the value of I1 - 3 at which the chains are fully stretched.",
                 "Pass about 30 to 100 for rubber, or use NeoHookean() for no limit.",
             ),
-            "entropic_fraction": ENTROPIC_FRACTION,
+            "entropic_fraction": ENTROPIC_FRACTION_RULE,
         }
     )
 
@@ -149,7 +151,7 @@ class MooneyRivlin(Material):
         "With a negative constant the energy has no lower bound.", "Check its sign."
     )
     rules: ClassVar[Mapping[str, Rule]] = MappingProxyType(
-        {"c1": _constant, "c2": _constant, "entropic_fraction": ENTROPIC_FRACTION}
+        {"c1": _constant, "c2": _constant, "entropic_fraction": ENTROPIC_FRACTION_RULE}
     )
 
     @classmethod
@@ -159,7 +161,7 @@ class MooneyRivlin(Material):
 
     def derived(self, p: Mapping[str, Any]) -> Mapping[str, tuple[Any, Rule]]:
         """The shear modulus 2 (c1 + c2)."""
-        return {"2 (c1 + c2)": (2 * (p["c1"] + p["c2"]), _MODULUS)}
+        return {"2 (c1 + c2)": (2 * (p["c1"] + p["c2"]), _MODULUS_RULE)}
 
     def energy(self, l1: Any, l2: Any, l3: Any, p: Mapping[str, Any], fn: Any) -> Any:
         """W/mu = [c1 (I1 - 3) + c2 (I2 - 3)]/[2 (c1 + c2)]."""
@@ -199,8 +201,10 @@ class Ogden(Material):
     exponents: Sequence[float] | FloatArray
     entropic_fraction: float = 1.0
 
-    rules: ClassVar[Mapping[str, Rule]] = MappingProxyType({"entropic_fraction": ENTROPIC_FRACTION})
-    tables: ClassVar[Mapping[str, Rule]] = MappingProxyType(
+    rules: ClassVar[Mapping[str, Rule]] = MappingProxyType(
+        {"entropic_fraction": ENTROPIC_FRACTION_RULE}
+    )
+    table_rules: ClassVar[Mapping[str, Rule]] = MappingProxyType(
         {
             "moduli": _checks.finite("It is the factor of one term of the energy."),
             "exponents": Rule(
@@ -231,7 +235,7 @@ class Ogden(Material):
 
     def derived(self, p: Mapping[str, Any]) -> Mapping[str, tuple[Any, Rule]]:
         """The shear modulus, half the sum of the products mu_i alpha_i."""
-        return {"sum of moduli times exponents": (self._twice_modulus(p), _MODULUS)}
+        return {"sum of moduli times exponents": (self._twice_modulus(p), _MODULUS_RULE)}
 
     def energy(self, l1: Any, l2: Any, l3: Any, p: Mapping[str, Any], fn: Any) -> Any:
         """W/mu = sum_i 2 (mu_i/alpha_i)(sum_k l_k^alpha_i - 3)/sum_i mu_i alpha_i.
@@ -240,7 +244,9 @@ class Ogden(Material):
         and is written without cancellation in the same way.
         """
         total = sum(
-            mu / alpha * excess(*(stretch ** (alpha / 2) for stretch in (l1, l2, l3)))
+            mu
+            / alpha
+            * sum_of_squares_minus_three(*(stretch ** (alpha / 2) for stretch in (l1, l2, l3)))
             for mu, alpha in self._terms(p)
         )
         return 2 * total / self._twice_modulus(p)
@@ -253,7 +259,7 @@ class Ogden(Material):
 
 
 #: Coefficients of I1^i - 3^i in the series of Arruda and Boyce, i = 1, 2 ...
-_SERIES = ((1, 2), (1, 20), (11, 1050), (19, 7000), (519, 673750))
+_ARRUDA_BOYCE_COEFFICIENTS = ((1, 2), (1, 20), (11, 1050), (19, 7000), (519, 673750))
 
 
 @dataclass(frozen=True)
@@ -288,7 +294,7 @@ class ArrudaBoyce(Material):
     locking_stretch: float
     entropic_fraction: float = 1.0
 
-    expand: ClassVar[bool] = False
+    expand_energy: ClassVar[bool] = False
 
     rules: ClassVar[Mapping[str, Rule]] = MappingProxyType(
         {
@@ -298,7 +304,7 @@ class ArrudaBoyce(Material):
                 "It is the stretch at which chains are fully extended; undeformed they have 1.",
                 "Pass about 2 to 10.",
             ),
-            "entropic_fraction": ENTROPIC_FRACTION,
+            "entropic_fraction": ENTROPIC_FRACTION_RULE,
         }
     )
 
@@ -316,7 +322,7 @@ class ArrudaBoyce(Material):
         invariant = first_invariant(l1, l2, l3)  # I1 - 3, small near rest
         y = 1 / p["locking_stretch"] ** 2
         total, modulus = 0, 0
-        for i, (above, below) in enumerate(_SERIES):
+        for i, (above, below) in enumerate(_ARRUDA_BOYCE_COEFFICIENTS):
             powers = sum((3 + invariant) ** k * 3 ** (i - k) for k in range(i + 1))
             total = total + above * y**i / below * powers
             modulus = modulus + 2 * (i + 1) * above * (3 * y) ** i / below

@@ -27,7 +27,7 @@ class SecondOrderDual:
     __array_ufunc__: ClassVar[None] = None
 
     def __add__(self, other: Any) -> SecondOrderDual:
-        b = _dual(other)
+        b = _as_dual(other)
         return SecondOrderDual(self.value + b.value, self.first + b.first, self.second + b.second)
 
     __radd__ = __add__
@@ -36,14 +36,14 @@ class SecondOrderDual:
         return SecondOrderDual(-self.value, -self.first, -self.second)
 
     def __sub__(self, other: Any) -> SecondOrderDual:
-        return self + (-_dual(other))
+        return self + (-_as_dual(other))
 
     def __rsub__(self, other: Any) -> SecondOrderDual:
         negative = -self
-        return negative + _dual(other)
+        return negative + _as_dual(other)
 
     def __mul__(self, other: Any) -> SecondOrderDual:
-        b = _dual(other)
+        b = _as_dual(other)
         second = self.second * b.value + 2 * self.first * b.first + self.value * b.second
         return SecondOrderDual(
             self.value * b.value, self.first * b.value + self.value * b.first, second
@@ -52,22 +52,22 @@ class SecondOrderDual:
     __rmul__ = __mul__
 
     def __truediv__(self, other: Any) -> SecondOrderDual:
-        return self * _dual(other) ** -1
+        return self * _as_dual(other) ** -1
 
     def __rtruediv__(self, other: Any) -> SecondOrderDual:
-        return _dual(other) * self**-1
+        return _as_dual(other) * self**-1
 
     def __pow__(self, n: Any) -> SecondOrderDual:
         """The power by an exponent without derivatives."""
-        return self.mapped(lambda x: (x**n, n * x ** (n - 1), n * (n - 1) * x ** (n - 2)))
+        return self.with_function(lambda x: (x**n, n * x ** (n - 1), n * (n - 1) * x ** (n - 2)))
 
-    def mapped(self, derivatives: Any) -> SecondOrderDual:
+    def with_function(self, derivatives: Any) -> SecondOrderDual:
         """f of this, where ``derivatives(value)`` gives f and its first two derivatives."""
         f, d, dd = derivatives(self.value)
         return SecondOrderDual(f, d * self.first, dd * self.first**2 + d * self.second)
 
 
-def _dual(x: Any) -> SecondOrderDual:
+def _as_dual(x: Any) -> SecondOrderDual:
     return x if isinstance(x, SecondOrderDual) else SecondOrderDual(x, 0 * x, 0 * x)
 
 
@@ -87,20 +87,24 @@ class DualFunctions:
             root = self.fn.sqrt(v)
             return root, 1 / (2 * root), -1 / (4 * root * v)
 
-        return _dual(x).mapped(derivatives)
+        return _as_dual(x).with_function(derivatives)
 
     def exp(self, x: Any) -> SecondOrderDual:
         """Exponential."""
-        return _dual(x).mapped(lambda v: (self.fn.exp(v),) * 3)
+        return _as_dual(x).with_function(lambda v: (self.fn.exp(v),) * 3)
 
     def log(self, x: Any) -> SecondOrderDual:
         """Natural logarithm."""
-        return _dual(x).mapped(lambda v: (self.fn.log(v), 1 / v, -1 / v**2))
+        return _as_dual(x).with_function(lambda v: (self.fn.log(v), 1 / v, -1 / v**2))
 
     def sin(self, x: Any) -> SecondOrderDual:
         """Sine."""
-        return _dual(x).mapped(lambda v: (self.fn.sin(v), self.fn.cos(v), -self.fn.sin(v)))
+        return _as_dual(x).with_function(
+            lambda v: (self.fn.sin(v), self.fn.cos(v), -self.fn.sin(v))
+        )
 
     def cos(self, x: Any) -> SecondOrderDual:
         """Cosine."""
-        return _dual(x).mapped(lambda v: (self.fn.cos(v), -self.fn.sin(v), -self.fn.cos(v)))
+        return _as_dual(x).with_function(
+            lambda v: (self.fn.cos(v), -self.fn.sin(v), -self.fn.cos(v))
+        )

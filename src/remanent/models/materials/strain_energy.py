@@ -16,23 +16,23 @@ from remanent._checks import Rule
 from remanent._errors import InputError
 from remanent.models import formula
 from remanent.models.formula import Formula
-from remanent.models.materials.base import ENTROPIC_FRACTION, Material
+from remanent.models.materials.base import ENTROPIC_FRACTION_RULE, Material
 from remanent.models.materials.second_order_ad import DualFunctions, SecondOrderDual
 
 #: Names of the principal stretches in a formula.
-_STRETCHES: Final = ("l1", "l2", "l3")
+_STRETCH_NAMES: Final = ("l1", "l2", "l3")
 #: What varies in a formula: stretches, and the invariants of Cauchy's tensor.
-_VARIABLES: Final = frozenset((*_STRETCHES, "I1", "I2"))
+_VARIABLE_NAMES: Final = frozenset((*_STRETCH_NAMES, "I1", "I2"))
 #: Names that a constant may not have.
-_RESERVED: Final = _VARIABLES | {
+_RESERVED_NAMES: Final = _VARIABLE_NAMES | {
     *formula.FUNCTIONS, formula.PI, "expression", "constants", "entropic_fraction",
 }  # fmt: skip
 #: Triples of stretches, of product 1, at which all orders of them are compared.
-_SAMPLES: Final = ((1.05, 0.98, 1 / (1.05 * 0.98)), (0.97, 1.01, 1 / (0.97 * 1.01)))
+_SAMPLE_STRETCHES: Final = ((1.05, 0.98, 1 / (1.05 * 0.98)), (0.97, 1.01, 1 / (0.97 * 1.01)))
 #: Largest difference between these energies, relative to 1 plus the largest of them.
 _ISOTROPY_TOLERANCE: Final = 1e-10
 #: The rule of the shear modulus that follows from the formula.
-_MODULUS: Final = _checks.positive(
+_MODULUS_RULE: Final = _checks.positive(
     "It is the curvature of the energy at rest, by which the energy is divided; the undeformed "
     "state must be stable.",
     "Check the formula and the signs of its constants.",
@@ -86,12 +86,14 @@ class StrainEnergy(Material):
     constants: Mapping[str, float] | Sequence[tuple[str, float]] = ()
     entropic_fraction: float = 1.0
 
-    rules: ClassVar[Mapping[str, Rule]] = MappingProxyType({"entropic_fraction": ENTROPIC_FRACTION})
-    mappings: ClassVar[Mapping[str, Rule]] = MappingProxyType(
+    rules: ClassVar[Mapping[str, Rule]] = MappingProxyType(
+        {"entropic_fraction": ENTROPIC_FRACTION_RULE}
+    )
+    mapping_rules: ClassVar[Mapping[str, Rule]] = MappingProxyType(
         {"constants": _checks.finite("It is a constant of the strain energy.")}
     )
-    choices: ClassVar[tuple[str, ...]] = ("expression",)
-    expand: ClassVar[bool] = False
+    choice_fields: ClassVar[tuple[str, ...]] = ("expression",)
+    expand_energy: ClassVar[bool] = False
 
     @classmethod
     def example(cls) -> Self:
@@ -106,7 +108,7 @@ class StrainEnergy(Material):
         """The formula as it was understood, if its names are known."""
         text: Any = self.expression
         if not isinstance(text, str) and hasattr(text, "free_symbols"):
-            text = formula.from_sympy(text)
+            text = formula.formula_text(text)
         if not isinstance(text, str):
             raise InputError(
                 "expression",
@@ -115,20 +117,25 @@ class StrainEnergy(Material):
                 why="It is a formula for the strain energy.",
                 fix="Pass for example 'I1 - 3'.",
             )
-        parsed = formula.parse(text)
-        _require_names(parsed.names, [name for name, _ in self._pairs()["constants"]])
+        parsed = formula.parse_formula(text)
+        _require_names(
+            parsed.variable_names, [name for name, _ in self._mapping_pairs()["constants"]]
+        )
         return {"expression": parsed.text}
 
     def derived(self, p: Mapping[str, Any]) -> Mapping[str, tuple[Any, Rule]]:
         """The energy's own shear modulus at rest."""
         return {
-            "the shear modulus at rest": (self._energy_in_pure_shear(p, np).second / 4, _MODULUS)
+            "the shear modulus at rest": (
+                self._energy_in_pure_shear(p, np).second / 4,
+                _MODULUS_RULE,
+            )
         }
 
     def energy(self, l1: Any, l2: Any, l3: Any, p: Mapping[str, Any], fn: Any) -> Any:
         """W/mu = [W(l1, l2, l3) - W(1, 1, 1)]/mu_W."""
         pure_shear = self._energy_in_pure_shear(p, fn)
-        return (self._formula(_named(l1, l2, l3) | dict(p), fn) - pure_shear.value) / (
+        return (self._formula(_variables_by_name(l1, l2, l3) | dict(p), fn) - pure_shear.value) / (
             pure_shear.second / 4
         )
 
@@ -136,37 +143,40 @@ class StrainEnergy(Material):
         self, l1: Any, l2: Any, l3: Any, p: Mapping[str, Any], fn: Any
     ) -> Sequence[Any]:
         """Arguments of logarithms and roots, and denominators, over their values at rest."""
-        unity = formula.exact(Fraction(1), fn)
-        here, rest = _named(l1, l2, l3) | dict(p), _named(unity, unity, unity) | dict(p)
-        parts = self._formula.sensitive(_VARIABLES, _VARIABLES)
+        unity = formula.as_exact_number(Fraction(1), fn)
+        here, rest = (
+            _variables_by_name(l1, l2, l3) | dict(p),
+            _variables_by_name(unity, unity, unity) | dict(p),
+        )
+        parts = self._formula.sign_sensitive_parts(_VARIABLE_NAMES, _VARIABLE_NAMES)
         return tuple(part(here, fn) / part(rest, fn) for part in parts)
 
     @property
     def _formula(self) -> Formula:
-        return formula.parse(self.expression)
+        return formula.parse_formula(self.expression)
 
     def _energy_in_pure_shear(self, p: Mapping[str, Any], fn: Any) -> SecondOrderDual:
         """W and its first two derivatives along pure shear, l1 = exp(e), l2 = exp(-e), at e = 0."""
-        unity = formula.exact(Fraction(1), fn)
+        unity = formula.as_exact_number(Fraction(1), fn)
         l1 = SecondOrderDual(unity, unity, unity)
         l2 = SecondOrderDual(unity, -unity, unity)
-        energy = self._formula(_named(l1, l2, unity) | dict(p), DualFunctions(fn))
+        energy = self._formula(_variables_by_name(l1, l2, unity) | dict(p), DualFunctions(fn))
         if isinstance(energy, SecondOrderDual):
             return energy
         return SecondOrderDual(energy, 0 * unity, 0 * unity)
 
 
-def _named(l1: Any, l2: Any, l3: Any) -> dict[str, Any]:
+def _variables_by_name(l1: Any, l2: Any, l3: Any) -> dict[str, Any]:
     squares = [stretch * stretch for stretch in (l1, l2, l3)]
     return {
-        **dict(zip(_STRETCHES, (l1, l2, l3), strict=True)),
+        **dict(zip(_STRETCH_NAMES, (l1, l2, l3), strict=True)),
         "I1": squares[0] + squares[1] + squares[2],
         "I2": 1 / squares[0] + 1 / squares[1] + 1 / squares[2],
     }
 
 
 def _require_names(used: frozenset[str], constants: Sequence[str]) -> None:
-    taken = [name for name in constants if name in _RESERVED]
+    taken = [name for name in constants if name in _RESERVED_NAMES]
     if taken:
         raise InputError(
             "constants",
@@ -175,11 +185,11 @@ def _require_names(used: frozenset[str], constants: Sequence[str]) -> None:
             why="These mean something else in the formula.",
             fix="Rename them.",
         )
-    unknown, unused = sorted(used - _VARIABLES - {*constants}), sorted({*constants} - used)
+    unknown, unused = sorted(used - _VARIABLE_NAMES - {*constants}), sorted({*constants} - used)
     if unknown:
         raise InputError(
             "expression",
-            must=f"hold {', '.join(sorted(_VARIABLES))} and names in `constants` only",
+            must=f"hold {', '.join(sorted(_VARIABLE_NAMES))} and names in `constants` only",
             got=", ".join(unknown),
             why="Every other name is a number that must be given.",
             fix=f"Pass constants={{{unknown[0]!r}: ...}}.",
@@ -197,7 +207,7 @@ def _require_names(used: frozenset[str], constants: Sequence[str]) -> None:
 def _require_isotropic(material: StrainEnergy) -> None:
     """Raise unless the energy is the same for every order of three stretches."""
     p = {name: np.float64(value) for name, value in material.parameters().items()}
-    for sample in _SAMPLES:
+    for sample in _SAMPLE_STRETCHES:
         with np.errstate(all="ignore"):
             values = [
                 float(material.energy(np.float64(l1), np.float64(l2), np.float64(l3), p, np))

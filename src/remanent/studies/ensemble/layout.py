@@ -113,7 +113,7 @@ def require_over(over: object) -> None:
 
 def _require_load_rate(system: System, drive: Drive, over: Over | None) -> None:
     """Refuse a remanence that depends on a temperature which jumps of the load change."""
-    if system.needs_load_rate({}, varied=over or ()) and not drive.has_rate:
+    if system.needs_load_rate({}, varied=over or ()) and not drive.has_load_rate:
         raise InputError(
             "drive",
             must="have a rate of its load in closed form where the remanence warms the body",

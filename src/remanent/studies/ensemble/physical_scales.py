@@ -14,7 +14,7 @@ from remanent._timeline import Timeline
 from remanent._typing import ArrayLike, FloatArray
 from remanent.integrate.ensemble.problem import Problem
 from remanent.models.drives.base import Drive
-from remanent.models.drives.piecewise import Table
+from remanent.models.drives.piecewise import PiecewiseDrive
 from remanent.models.system import System
 from remanent.results.schema import QuantityKind, describe
 from remanent.studies.ensemble.ensemble import Ensemble
@@ -77,7 +77,7 @@ class PhysicalScales:
     def problem(self, duration: FloatArray) -> Problem:
         """The trajectories, each lasting `duration` in the actuator's unit of time."""
         ens = self.ensemble
-        if not isinstance(ens.drive, Table):
+        if not isinstance(ens.drive, PiecewiseDrive):
             return initial_value_problem(ens, duration * self.time)
         plain = initial_value_problem(ens, duration)
         line = plain.timeline

@@ -114,7 +114,7 @@ class StroboscopicMap:
         count, d = image.state.shape
         slope = np.zeros((count, d, len(self.names)))
         for k, name in enumerate(self.names):
-            if name == self.ensemble.drive.timed_by:
+            if name == self.ensemble.drive.frequency_field:
                 # The period is inversely proportional to this field.
                 slope[:, :, k] = image.tangent[:, -1] / -values[name][:, None]
             if name in self._carried:
@@ -155,7 +155,7 @@ class StroboscopicMap:
         The field that times the drive acts through the length of the period, and through the
         rate of the load where that enters the equations.
         """
-        timed = self.ensemble.drive.timed_by
+        timed = self.ensemble.drive.frequency_field
         return [
             name
             for name in self._varied
@@ -169,7 +169,7 @@ class StroboscopicMap:
 
     @cached_property
     def _flow(self) -> PeriodMap:
-        last = [LOG_PERIOD] if self.ensemble.drive.timed_by in self.names else []
+        last = [LOG_PERIOD] if self.ensemble.drive.frequency_field in self.names else []
         return PeriodMap(
             self._problem.field,
             self._problem.timeline.waveform,

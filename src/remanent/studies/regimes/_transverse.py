@@ -62,7 +62,7 @@ class TransverseFlow:
     def of(cls, ens: Ensemble, tolerance: float) -> TransverseFlow:
         """The differences along an ensemble's motion, which has one coordinate."""
         actuator = require_actuator("system", ens.system)
-        if actuator.coordinates != 1:
+        if actuator.coordinate_count != 1:
             raise InputError(
                 "system",
                 must="have one coordinate",

@@ -50,7 +50,7 @@ class FreeOscillations:
 
 def require_free_oscillations(actuator: Actuator, name: str) -> None:
     """Refuse what has no free oscillations that are all periodic."""
-    if not actuator.conservative or actuator.coordinates > 1:
+    if not actuator.conservative or actuator.coordinate_count > 1:
         raise InputError(
             name,
             must="have one coordinate, no dissipation and no heat balance",

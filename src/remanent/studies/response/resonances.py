@@ -176,7 +176,7 @@ def _require_orbit_periods(orbit_periods: Sequence[int]) -> None:
 
 def _require_one_coordinate(system: System) -> None:
     """Refuse what has no backbone."""
-    if require_actuator("system", system).coordinates > 1:
+    if require_actuator("system", system).coordinate_count > 1:
         raise InputError(
             "system",
             must="have one coordinate",

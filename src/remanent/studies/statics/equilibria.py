@@ -95,7 +95,7 @@ def equilibria(actuator: Actuator, m: float = 0.0, *, over: Over | None = None) 
     """
     require_actuator("actuator", actuator)
     ens = lay_out(actuator, Constant(m), over, system_argument="actuator")
-    if actuator.coordinates == 2:
+    if actuator.coordinate_count == 2:
         return biaxial_equilibria(ens)
     static = StaticEnsemble(ens)
     stretch = find_zeros(static.force, ens.count, static.grid)

@@ -129,7 +129,7 @@ def snap_through(
 
 def _require_conservative(actuator: object) -> None:
     actuator = require_actuator("actuator", actuator)
-    if not actuator.conservative or actuator.coordinates > 1:
+    if not actuator.conservative or actuator.coordinate_count > 1:
         raise InputError(
             "actuator",
             must="have one coordinate, no dissipation and no heat balance",
