@@ -21,7 +21,7 @@ from remanent.models.system import System
 #: The family of entries in the cache.
 _KIND: Final = "fields"
 #: Fields by the fingerprint of their structure.
-_memory: Final[dict[str, Field]] = {}
+_fields_by_fingerprint: Final[dict[str, Field]] = {}
 
 
 def field_for(system: System, drive: Drive) -> Field:
@@ -49,9 +49,9 @@ def field_for(system: System, drive: Drive) -> Field:
     if not _reproducible(structure):
         return _derived(system, drive)
     key = fingerprint(structure)
-    if key not in _memory:
-        _memory[key] = _load(key) or _store(key, _derived(system, drive))
-    return _memory[key]
+    if key not in _fields_by_fingerprint:
+        _fields_by_fingerprint[key] = _load(key) or _store(key, _derived(system, drive))
+    return _fields_by_fingerprint[key]
 
 
 def fingerprint(structure: Structure) -> str:

@@ -85,7 +85,7 @@ def equations(system: System) -> Equations:
     internal = tuple(sp.Eq(dotted(k), e, evaluate=False) for k, e in rates.items())
     definitions = tuple(sp.Eq(k, e, evaluate=False) for k, e in motion.definitions.items())
     lines = [_latex(e, motion) for e in (*rows, *internal, *definitions)]
-    return Equations(rows, internal, definitions, _gathered(lines))
+    return Equations(rows, internal, definitions, _join_latex_lines(lines))
 
 
 def _temperature_rate(motion: Motion) -> dict[Expression, Expression]:
@@ -185,5 +185,5 @@ def _field_letter(name: str) -> str:
     return str(sp.latex(sp.Symbol("_".join([words[-1], *index]))))
 
 
-def _gathered(lines: list[str]) -> str:
+def _join_latex_lines(lines: list[str]) -> str:
     return "\\begin{gathered} " + r" \\ ".join(lines) + " \\end{gathered}"

@@ -137,7 +137,7 @@ class _Finder:
     field: Field
     waveform: Callable[[FloatArray], FloatArray]
     program: Program
-    value: float
+    crossed_value: float
     tolerance: float
 
     @classmethod
@@ -180,7 +180,7 @@ class _Finder:
             rates = self.field.rates(inputs, functions=np)
             rate = sum(a * b for a, b in zip(slopes, rates, strict=True))
         shape = np.shape(states[0])
-        return np.broadcast_to(level - self.value, shape), np.broadcast_to(rate, shape)
+        return np.broadcast_to(level - self.crossed_value, shape), np.broadcast_to(rate, shape)
 
 
 @dataclass(frozen=True)

@@ -89,13 +89,13 @@ def _dependence(votes: Sequence[tuple[Setting, str, Finding]]) -> str:
         yes = [r for r, v in by_reading.items() if True in v]
         no = [r for r, v in by_reading.items() if False in v]
         return f"It depends on the reading. Holds if {'; '.join(yes)}. Fails if {'; '.join(no)}."
-    yes = [_name(s, r) for s, r, f in votes if f.holds]
-    no = [_name(s, r) for s, r, f in votes if not f.holds]
+    yes = [_setting_name(s, r) for s, r, f in votes if f.holds]
+    no = [_setting_name(s, r) for s, r, f in votes if not f.holds]
     return (
         f"It depends on what the article leaves unstated. Holds at: {'; '.join(yes)}. "
         f"Fails at: {'; '.join(no)}."
     )
 
 
-def _name(setting: Setting, reading: str) -> str:
+def _setting_name(setting: Setting, reading: str) -> str:
     return f"{setting}, {reading}" if reading else str(setting)

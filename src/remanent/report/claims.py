@@ -18,7 +18,7 @@ import numpy as np
 from remanent._typing import FloatArray
 from remanent.report import measures
 from remanent.report.evidence import ClaimEvidence
-from remanent.report.settings import AGREEMENT, FORCING_LAWS, FREQUENCIES, PRESTRESSES
+from remanent.report.settings import FORCING_LAWS, FREQUENCIES, PRESTRESSES, RESONANCE_AGREEMENT
 
 #: Depth of modulation from which a motion is said to beat.
 _BEATING_DEPTH = 0.5
@@ -73,7 +73,7 @@ def _finding(holds: bool | np.bool_, numbers: str) -> Findings:
     return {"": Finding(bool(holds), numbers)}
 
 
-def _list(values: FloatArray, digits: str = ".4f") -> str:
+def _format_list(values: FloatArray, digits: str = ".4f") -> str:
     """Values at the three temperatures."""
     return ", ".join(format(float(v), digits) for v in np.ravel(values))
 
@@ -84,16 +84,16 @@ def _falls(values: FloatArray) -> bool:
 
 def _by_prestress(values: FloatArray, digits: str = ".4f") -> str:
     rows = zip(PRESTRESSES, values, strict=True)
-    return "; ".join(f"S = {s:g}: {_list(row, digits)}" for s, row in rows)
+    return "; ".join(f"S = {s:g}: {_format_list(row, digits)}" for s, row in rows)
 
 
 # Free oscillation under constant load ------------------------------------------------
 
 
 def _closed_orbits(e: ClaimEvidence) -> Findings:
-    change, error = measures.energy_change(e.constant), measures.table(e.constant, "error")
+    change, error = measures.energy_change(e.constant), measures.values_by_case(e.constant, "error")
     bound = _ENERGY_ERRORS * error
-    bounded = np.isfinite(measures.swing(e.constant)).all()
+    bounded = np.isfinite(measures.stretch_range(e.constant)).all()
     return _finding(
         bounded and (change <= bound).all(),
         "One degree of freedom, bounded, and the energy returns: its largest change over the "
@@ -112,8 +112,10 @@ def _settles(e: ClaimEvidence) -> Findings:
 
 
 def _amplitude_falls(row: int, e: ClaimEvidence) -> Findings:
-    swing = measures.swing(e.constant)[row]
-    return _finding(_falls(swing), f"(max λ₃ − min λ₃)/2 at 250, 350, 400 K: {_list(swing)}.")
+    swing = measures.stretch_range(e.constant)[row]
+    return _finding(
+        _falls(swing), f"(max λ₃ − min λ₃)/2 at 250, 350, 400 K: {_format_list(swing)}."
+    )
 
 
 def _expansion_and_compression(e: ClaimEvidence) -> Findings:
@@ -134,7 +136,7 @@ def _modulus_falls(e: ClaimEvidence) -> Findings:
     return _finding(
         _falls(modulus),
         "Small-strain shear modulus over μ, from the natural frequency of the unloaded block "
-        f"at 250, 350, 400 K: {_list(modulus)} = T/T₀. An entropic elastomer stiffens.",
+        f"at 250, 350, 400 K: {_format_list(modulus)} = T/T₀. An entropic elastomer stiffens.",
     )
 
 
@@ -147,15 +149,15 @@ def _extreme(e: ClaimEvidence, row: int) -> FloatArray:
 
 def _thickness_falls(row: int, kind: str, e: ClaimEvidence) -> Findings:
     stretch = (
-        measures.table(e.landscape, "equilibrium_stretch")[row]
+        measures.values_by_case(e.landscape, "equilibrium_stretch")[row]
         if kind == "equilibrium"
         else _extreme(e, row)
     )
-    return _finding(_falls(stretch), f"λ₃ at {kind}, 250, 350, 400 K: {_list(stretch)}.")
+    return _finding(_falls(stretch), f"λ₃ at {kind}, 250, 350, 400 K: {_format_list(stretch)}.")
 
 
 def _prestress_deforms_more(e: ClaimEvidence) -> Findings:
-    strain = np.abs(measures.table(e.landscape, "equilibrium_stretch") - 1.0)
+    strain = np.abs(measures.values_by_case(e.landscape, "equilibrium_stretch") - 1.0)
     holds = (strain[1] > strain[0]).all()
     return _finding(holds, f"|λ₃ − 1| at equilibrium: {_by_prestress(strain)}.")
 
@@ -164,11 +166,11 @@ def _prestress_deforms_more(e: ClaimEvidence) -> Findings:
 
 
 def _resonances(e: ClaimEvidence) -> FloatArray:
-    return measures.table(e.response, "resonance")
+    return measures.values_by_case(e.response, "resonance")
 
 
 def _peaks(e: ClaimEvidence) -> FloatArray:
-    return measures.table(e.response, "resonance_amplitude")
+    return measures.values_by_case(e.response, "resonance_amplitude")
 
 
 def _resonance_rises(e: ClaimEvidence) -> Findings:
@@ -179,16 +181,16 @@ def _resonance_rises(e: ClaimEvidence) -> Findings:
 
 
 def _six_frequencies(e: ClaimEvidence) -> Findings:
-    difference = _resonances(e) - measures.table(e.response, "published")
+    difference = _resonances(e) - measures.values_by_case(e.response, "published")
     reference = Finding(
-        bool((np.abs(difference) <= AGREEMENT).all()),
+        bool((np.abs(difference) <= RESONANCE_AGREEMENT).all()),
         f"Computed minus published: {_by_prestress(difference, '+.4f')}.",
     )
     alternatives = {
         f"forcing law {FORCING_LAWS[law].text}": Finding(
-            misfit <= AGREEMENT,
+            misfit <= RESONANCE_AGREEMENT,
             f"The best choice of b₀, T₀ and window still misses by {misfit:.4f}."
-            if misfit > AGREEMENT
+            if misfit > RESONANCE_AGREEMENT
             else f"The best choice of b₀, T₀ and window comes within {misfit:.4f}.",
         )
         for law, misfit in e.misfits.items()
@@ -199,13 +201,13 @@ def _six_frequencies(e: ClaimEvidence) -> Findings:
 
 def _intensity_falls(e: ClaimEvidence) -> Findings:
     peak = _peaks(e)[0]
-    return _finding(_falls(peak), f"Largest λ₃ᵃ at 250, 350, 400 K: {_list(peak)}.")
+    return _finding(_falls(peak), f"Largest λ₃ᵃ at 250, 350, 400 K: {_format_list(peak)}.")
 
 
 def _intensity_rises_then_falls(e: ClaimEvidence) -> Findings:
     peak = _peaks(e)[1]
     holds = peak[1] > peak[0] and peak[2] < peak[1]
-    return _finding(holds, f"Largest λ₃ᵃ at 250, 350, 400 K: {_list(peak)}.")
+    return _finding(holds, f"Largest λ₃ᵃ at 250, 350, 400 K: {_format_list(peak)}.")
 
 
 def _peaks_compared(e: ClaimEvidence) -> Findings:
@@ -220,7 +222,7 @@ def _higher_frequency(row: int, e: ClaimEvidence) -> Findings:
 
 
 def _heat_damps(e: ClaimEvidence) -> Findings:
-    change, error = measures.energy_change(e.constant), measures.table(e.constant, "error")
+    change, error = measures.energy_change(e.constant), measures.values_by_case(e.constant, "error")
     energy = e.constant["energy"].transpose("prestress", "temperature", "time").values
     lost = energy[..., 0] - energy[..., -1]
     return _finding(
@@ -238,33 +240,33 @@ def _heat_damps(e: ClaimEvidence) -> Findings:
 
 
 def _beats_at_resonance(e: ClaimEvidence) -> Findings:
-    depth = measures.beating(e.motion, 0.0)
+    depth = measures.beating_depth(e.motion, 0.0)
     return _finding(
         depth[1] >= _BEATING_DEPTH,
         f"Depth of modulation (a_max − a_min)/(a_max + a_min) of the local amplitude at 250, "
-        f"350, 400 K, ω = {FREQUENCIES[0]:g}, S = 0: {_list(depth, '.2f')}.",
+        f"350, 400 K, ω = {FREQUENCIES[0]:g}, S = 0: {_format_list(depth, '.2f')}.",
     )
 
 
 def _beats_nowhere_else(e: ClaimEvidence) -> Findings:
-    depth = measures.beating(e.motion, 0.0)
+    depth = measures.beating_depth(e.motion, 0.0)
     return _finding(
         max(depth[0], depth[2]) < _BEATING_DEPTH,
-        f"Depth of modulation at 250 and 400 K: {_list(depth[[0, 2]], '.2f')}"
+        f"Depth of modulation at 250 and 400 K: {_format_list(depth[[0, 2]], '.2f')}"
         f", against {depth[1]:.2f} at 350 K. Undamped motion from rest holds the free "
         "oscillation beside the forced one and beats at every temperature.",
     )
 
 
 def _beats_near_natural(e: ClaimEvidence) -> Findings:
-    natural = measures.table(e.mean, "natural_frequency")[0]
+    natural = measures.values_by_case(e.mean, "natural_frequency")[0]
     load = 2.0 * FREQUENCIES[0]
     detuning = np.abs(natural - load)
     return {
         "frequency of the load, 2ω": Finding(
             int(detuning.argmin()) == 1,
-            f"Natural frequencies about the mean load at 250, 350, 400 K: {_list(natural, '.3f')}; "
-            f"the load oscillates at 2ω = {load:g}.",
+            "Natural frequencies about the mean load at 250, 350, 400 K: "
+            f"{_format_list(natural, '.3f')}; the load oscillates at 2ω = {load:g}.",
         ),
         "frequency of the flux, ω": Finding(
             int(np.abs(natural - load / 2).argmin()) == 1,
@@ -286,12 +288,13 @@ def _regimes(e: ClaimEvidence, row: int) -> tuple[list[str], str]:
     )
     return regimes, (
         f"At S = {PRESTRESSES[row]:g}, ω = {FREQUENCIES[row]:g}, T = 250, 350, 400 K the motion is "
-        f"{', '.join(regimes)}, judged after {_list(dataset['run_periods'].values, '.0f')} drive "
-        f"periods. Lyapunov exponents {exponents}; weighted averages agree to "
-        f"{_list(dataset['digits'].values, '.1f')} digits; turns per period "
-        f"{_list(dataset['rotation_number'].values)}, known to "
-        f"{_list(dataset['rotation_digits'].values, '.1f')} digits. The weakest evidence clears "
-        f"its line by the factors {_list(dataset['margin'].values, '.2f')}."
+        f"{', '.join(regimes)}, judged after "
+        f"{_format_list(dataset['run_periods'].values, '.0f')} drive periods. Lyapunov exponents {exponents}; weighted averages agree to "
+        f"{_format_list(dataset['digits'].values, '.1f')} digits; turns per period "
+        f"{_format_list(dataset['rotation_number'].values)}, known to "
+        f"{_format_list(dataset['rotation_digits'].values, '.1f')} digits. "
+        "The weakest evidence clears "
+        f"its line by the factors {_format_list(dataset['margin'].values, '.2f')}."
     )
 
 

@@ -50,7 +50,7 @@ def _single(function: Callable[[xr.Dataset], Figure], name: str) -> Drawing:
 DRAWINGS: Final[Mapping[str, Drawing]] = MappingProxyType(
     {
         "tolerance": Drawing(
-            lambda data: evidence_figures.tolerance_story(
+            lambda data: evidence_figures.compare_solvers(
                 data["tolerance_sections"], data["tolerance_energy"]
             ),
             ("tolerance_sections", "tolerance_energy"),
@@ -73,11 +73,11 @@ DRAWINGS: Final[Mapping[str, Drawing]] = MappingProxyType(
             ("branches", "jump_response", "jump_sections", "jump"),
         ),
         "chaos": Drawing(
-            lambda data: dynamics_figures.chaos(data["chart"], data["chart_cases"]),
+            lambda data: dynamics_figures.chaos_map(data["chart"], data["chart_cases"]),
             ("chart", "chart_cases"),
         ),
-        "valley": _single(evidence_figures.valley, "valley_windows"),
-        "laws": _single(evidence_figures.valley, "valley_laws"),
+        "valley": _single(evidence_figures.misfit_maps, "valley_windows"),
+        "laws": _single(evidence_figures.misfit_maps, "valley_laws"),
         "figure_3": _single(figures.figure_3, "constant_load"),
         "figure_4": _single(figures.figure_4, "frequency_response"),
         "landscapes": _single(evidence_figures.landscapes, "landscape"),

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from remanent.report.evidence import CASES
-from remanent.report.settings import FREQUENCIES, REFERENCE, TEMPERATURES
+from remanent.report.settings import FREQUENCIES, REFERENCE_SETTING, TEMPERATURES
 from remanent.results import build
 from remanent.studies.motion.poincare_section import poincare_section
 from remanent.studies.orbits.manifold_crossing import manifold_crossing
@@ -63,7 +63,7 @@ def orbits_at_resonance(resonance: xr.DataArray) -> dict[str, xr.Dataset]:
     dict of str to xarray.Dataset
         ``branches`` and ``resonance_orbits``.
     """
-    actuator, drive = REFERENCE.actuator, REFERENCE.drive(1.0)
+    actuator, drive = REFERENCE_SETTING.actuator, REFERENCE_SETTING.drive(1.0)
     omega = xr.DataArray(
         resonance.transpose("prestress", "temperature").values, dims=("prestress", "temperature")
     )
@@ -89,7 +89,7 @@ def locate_jump(resonance: xr.DataArray) -> dict[str, xr.Dataset]:
         ``jump``, the crossing; ``jump_sections``, a motion on either side of it;
         ``jump_response``, the response from rest around it.
     """
-    actuator, drive = REFERENCE.actuator.replace(**JUMP_CASE), REFERENCE.drive(1.0)
+    actuator, drive = REFERENCE_SETTING.actuator.replace(**JUMP_CASE), REFERENCE_SETTING.drive(1.0)
     peak = float(resonance.sel(JUMP_CASE))
     crossing = manifold_crossing(
         actuator, drive, "omega", (peak - _JUMP_BELOW, peak + _JUMP_ABOVE), width=_JUMP_WIDTH
@@ -102,7 +102,7 @@ def locate_jump(resonance: xr.DataArray) -> dict[str, xr.Dataset]:
     response = frequency_response(
         actuator, drive,
         np.linspace(omega - _RESPONSE_HALF_WIDTH, omega + _RESPONSE_HALF_WIDTH, _RESPONSE_POINTS),
-        duration=REFERENCE.window, tolerance=_JUMP_TOLERANCE,
+        duration=REFERENCE_SETTING.window, tolerance=_JUMP_TOLERANCE,
     )  # fmt: skip
     return {"jump": crossing, "jump_sections": sections, "jump_response": response}
 
@@ -118,16 +118,16 @@ def chaos_chart() -> dict[str, xr.Dataset]:
     dict of str to xarray.Dataset
         ``chart`` (b, omega) and ``chart_cases`` (temperature).
     """
-    actuator, drive = REFERENCE.actuator, REFERENCE.drive(1.0)
+    actuator, drive = REFERENCE_SETTING.actuator, REFERENCE_SETTING.drive(1.0)
     regimes = regime_chart(
         actuator, drive, {"b": _CHART_B, "omega": _CHART_OMEGA},
         periods=_CHART_PERIODS, tolerance=_CHART_TOLERANCE,
     )  # fmt: skip
-    root = np.sqrt(np.array(TEMPERATURES) / REFERENCE.reference_temperature)
+    root = np.sqrt(np.array(TEMPERATURES) / REFERENCE_SETTING.reference_temperature)
     published = build.dataset(
         {
             "omega": (("temperature",), FREQUENCIES[0] / root),
-            "b": (("temperature",), REFERENCE.b / root),
+            "b": (("temperature",), REFERENCE_SETTING.b / root),
         },
         {"temperature": (("temperature",), np.array(TEMPERATURES))},
         {},
@@ -150,11 +150,11 @@ def summarise_dynamics(data: Mapping[str, xr.Dataset]) -> dict[str, Any]:
     """
     folds = list_folds(data["branches"])
     return {
-        "regimes": _regimes(data["regimes"]),
-        "orbits": _orbits(data["resonance_orbits"]),
+        "regimes": _summarise_regimes(data["regimes"]),
+        "orbits": _summarise_orbits(data["resonance_orbits"]),
         "folds": folds,
-        "jump": _jump(data["jump"], folds),
-        "chaos": _chaos(data["chart"], data["chart_cases"]),
+        "jump": _summarise_jump(data["jump"], folds),
+        "chaos": _summarise_chaos(data["chart"], data["chart_cases"]),
     }
 
 
@@ -174,17 +174,17 @@ _REGIME_EVIDENCE = (
 )  # fmt: skip
 
 
-def _regimes(dataset: xr.Dataset) -> list[dict[str, Any]]:
+def _summarise_regimes(dataset: xr.Dataset) -> list[dict[str, Any]]:
     return [
         at
         | {"omega": float(case["omega"]), "regime": str(case["regime"].values)}
         | {"periods": int(case["run_periods"])}
-        | {name: _number(case[name]) for name in _REGIME_EVIDENCE}
+        | {name: _rounded_number(case[name]) for name in _REGIME_EVIDENCE}
         for at, case in _cases(dataset)
     ]
 
 
-def _orbits(dataset: xr.Dataset) -> list[dict[str, Any]]:
+def _summarise_orbits(dataset: xr.Dataset) -> list[dict[str, Any]]:
     orbits = []
     for at, case in _cases(dataset):
         for k in np.flatnonzero(np.isfinite(case["residual"].values)):
@@ -192,7 +192,7 @@ def _orbits(dataset: xr.Dataset) -> list[dict[str, Any]]:
             orbits.append(
                 at
                 | {"omega": float(case["omega"]), "stability": str(orbit["stability"].values)}
-                | {name: _number(orbit[name]) for name in ("amplitude", "residual")}
+                | {name: _rounded_number(orbit[name]) for name in ("amplitude", "residual")}
                 | {"initial": [float(v) for v in orbit["initial"].values]}
                 | {"multipliers": [[m.real, m.imag] for m in orbit["multipliers"].values.tolist()]}
             )
@@ -213,7 +213,7 @@ def list_folds(branches: xr.Dataset) -> list[dict[str, float]]:
     ]
 
 
-def _jump(crossing: xr.Dataset, folds: list[dict[str, float]]) -> dict[str, Any]:
+def _summarise_jump(crossing: xr.Dataset, folds: list[dict[str, float]]) -> dict[str, Any]:
     fold = next(f for f in folds if all(f[name] == v for name, v in JUMP_CASE.items()))
     return {
         **JUMP_CASE,
@@ -226,15 +226,18 @@ def _jump(crossing: xr.Dataset, folds: list[dict[str, float]]) -> dict[str, Any]
     }
 
 
-def _chaos(dataset: xr.Dataset, published: xr.Dataset) -> dict[str, Any]:
+def _summarise_chaos(dataset: xr.Dataset, published: xr.Dataset) -> dict[str, Any]:
     kinds, counts = np.unique(dataset["regime"].values, return_counts=True)
     points: list[dict[str, Any]] = [
         {name: float(dataset[name][j]) for name, j in (("b", k[0]), ("omega", k[1]))}
-        | {name: _number(dataset[name][k]) for name in ("exponent", "exponent_error", "margin")}
+        | {
+            name: _rounded_number(dataset[name][k])
+            for name in ("exponent", "exponent_error", "margin")
+        }
         for k in map(tuple, np.argwhere((dataset["regime"] == "chaotic").values))
     ]
     return {
-        "setting": f"{REFERENCE.actuator!r}, from rest; b and omega are b/√θ and ω/√θ",
+        "setting": f"{REFERENCE_SETTING.actuator!r}, from rest; b and omega are b/√θ and ω/√θ",
         "periods": _CHART_PERIODS,
         "b": [float(v) for v in dataset["b"].values],
         "omega": [float(v) for v in dataset["omega"].values],
@@ -251,6 +254,6 @@ def _chaos(dataset: xr.Dataset, published: xr.Dataset) -> dict[str, Any]:
     }
 
 
-def _number(value: xr.DataArray) -> float | None:
+def _rounded_number(value: xr.DataArray) -> float | None:
     """A number, or None where JSON has none for it."""
     return float(value) if np.isfinite(value) else None

@@ -17,14 +17,14 @@ from remanent.plots import branches as branch_plot
 from remanent.plots import footer, maps, style
 from remanent.report.figures import only_outer_labels, panels
 
-__all__ = ["chaos", "jump_at_resonance", "resonance_orbits"]
+__all__ = ["chaos_map", "jump_at_resonance", "resonance_orbits"]
 
 #: Colour of the motion from rest.
-_REST = style.OKABE_ITO["orange"]
+_FROM_REST_COLOUR = style.OKABE_ITO["orange"]
 #: Colours of the motions below and above the jump.
-_SIDES = (style.OKABE_ITO["blue"], style.OKABE_ITO["vermillion"])
+_SIDE_COLOURS = (style.OKABE_ITO["blue"], style.OKABE_ITO["vermillion"])
 #: Colour of the line at the jump.
-_MARK = style.OKABE_ITO["vermillion"]
+_JUMP_COLOUR = style.OKABE_ITO["vermillion"]
 
 
 def resonance_orbits(branches: xr.Dataset, response: xr.Dataset, orbits: xr.Dataset) -> Figure:
@@ -52,12 +52,14 @@ def resonance_orbits(branches: xr.Dataset, response: xr.Dataset, orbits: xr.Data
         for k, axes in enumerate(grid.flat):
             at = {"prestress": k // len(columns), "temperature": k % len(columns)}
             axes.set_ylim(0.0, 1.05 * float(response["amplitude"].max()))
-            _resonance(axes, branches.isel(at), response.isel(at), orbits.isel(at))
+            _draw_resonance(axes, branches.isel(at), response.isel(at), orbits.isel(at))
             title = ", ".join(style.value_label(branches[n], branches[n].values[at[n]]) for n in at)
             style.panel_title(axes, "abcdefgh"[k], title)
         only_outer_labels(grid, x=True, y=True)
-        rest = Line2D([], [], color=_REST, linewidth=0.8, label="from rest")
-        style.legend_above(figure, [*branch_plot.legend_entries(branches), rest, _orbit_handle()])
+        rest = Line2D([], [], color=_FROM_REST_COLOUR, linewidth=0.8, label="from rest")
+        style.legend_above(
+            figure, [*branch_plot.legend_entries(branches), rest, _orbit_legend_entry()]
+        )
         footer.add_footer(figure, branches, hide=("omega",))
     return figure
 
@@ -89,10 +91,10 @@ def jump_at_resonance(
         left, right = grid[0]
         plots.branch(branches, ax=left, legend=False)
         low, high = float(response["omega"].min()), float(response["omega"].max())
-        left.plot(response["omega"], response["amplitude"], color=_REST, linewidth=0.9)
-        left.axvline(float(crossing["omega"]), color=_MARK, linewidth=0.8, linestyle=":")
+        left.plot(response["omega"], response["amplitude"], color=_FROM_REST_COLOUR, linewidth=0.9)
+        left.axvline(float(crossing["omega"]), color=_JUMP_COLOUR, linewidth=0.8, linestyle=":")
         left.set(xlim=(low, high), ylim=(0.0, 1.1 * float(response["amplitude"].max())))
-        for k, colour in enumerate(_SIDES):
+        for k, colour in enumerate(_SIDE_COLOURS):
             motion = sections.isel(omega=k)
             x, y = motion["stretch"].values, motion["stretch_rate"].values
             right.plot(x, y, color=colour, linewidth=0.4, alpha=0.6)
@@ -105,13 +107,17 @@ def jump_at_resonance(
         style.panel_title(left, "a", "response from rest and branches")
         style.panel_title(right, "b", "from rest, once per drive period")
         style.legend_above(
-            figure, [*branch_plot.legend_entries(branches), *_sides(sections["omega"], crossing)]
+            figure,
+            [
+                *branch_plot.legend_entries(branches),
+                *_side_legend_entries(sections["omega"], crossing),
+            ],
         )
         footer.add_footer(figure, sections)
     return figure
 
 
-def chaos(chart: xr.Dataset, cases: xr.Dataset) -> Figure:
+def chaos_map(chart: xr.Dataset, cases: xr.Dataset) -> Figure:
     """Draw where in the plane of frequency and load the motion from rest is chaotic.
 
     Parameters
@@ -146,9 +152,11 @@ def chaos(chart: xr.Dataset, cases: xr.Dataset) -> Figure:
     return figure
 
 
-def _resonance(axes: Axes, branches: xr.Dataset, response: xr.Dataset, orbits: xr.Dataset) -> None:
+def _draw_resonance(
+    axes: Axes, branches: xr.Dataset, response: xr.Dataset, orbits: xr.Dataset
+) -> None:
     colour = style.temperature_colours([float(branches["temperature"])])[0]
-    axes.plot(response["omega"], response["amplitude"], color=_REST, linewidth=0.8)
+    axes.plot(response["omega"], response["amplitude"], color=_FROM_REST_COLOUR, linewidth=0.8)
     plots.branch(branches, ax=axes, legend=False)
     omega = float(orbits["omega"])
     axes.axvline(omega, color=style.FAINT_COLOUR, linewidth=0.5, linestyle=":")
@@ -160,21 +168,21 @@ def _resonance(axes: Axes, branches: xr.Dataset, response: xr.Dataset, orbits: x
     axes.set_xlim(float(branches["omega"].min()), float(branches["omega"].max()))
 
 
-def _orbit_handle() -> Line2D:
+def _orbit_legend_entry() -> Line2D:
     return Line2D([], [], color=style.INK_COLOUR, marker="o", mec="white", ms=4, linestyle="",
                   label="orbits at resonance")  # fmt: skip
 
 
-def _sides(omega: xr.DataArray, crossing: xr.Dataset) -> list[Line2D]:
+def _side_legend_entries(omega: xr.DataArray, crossing: xr.Dataset) -> list[Line2D]:
     distance = style.format_number(float(omega[1] - omega[0]) / 2.0)
     looks: dict[str, Any] = {"marker": "o", "ms": 3, "linewidth": 0.5}
     return [
-        Line2D([], [], color=_REST, linewidth=0.9, label="from rest"),
+        Line2D([], [], color=_FROM_REST_COLOUR, linewidth=0.9, label="from rest"),
         *(
             Line2D([], [], color=colour, label=rf"$\omega^* {sign} {distance}$", **looks)
-            for colour, sign in zip(_SIDES, "-+", strict=True)
+            for colour, sign in zip(_SIDE_COLOURS, "-+", strict=True)
         ),
-        Line2D([], [], color=_MARK, linewidth=0.8, linestyle=":",
+        Line2D([], [], color=_JUMP_COLOUR, linewidth=0.8, linestyle=":",
                label=rf"$\omega^* = {float(crossing['omega']):.8f}$"),
         Line2D([], [], color=style.INK_COLOUR, marker="X", mec="white", ms=6, linestyle="",
                label="saddle, strobed"),

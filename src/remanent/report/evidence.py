@@ -12,7 +12,7 @@ from remanent.models.drives.waves import Constant
 from remanent.report.settings import (
     FREQUENCIES,
     PRESTRESSES,
-    PUBLISHED,
+    PUBLISHED_RESONANCES,
     TEMPERATURES,
     Setting,
 )
@@ -116,7 +116,7 @@ def responses(setting: Setting, tolerance: float, every: int = 1) -> xr.Dataset:
         over=CASES, tolerance=tolerance,
     )  # fmt: skip
     dims = ("prestress", "temperature")
-    published = build.dataset({"published": (dims, np.array(PUBLISHED))}, {}, {})
+    published = build.dataset({"published": (dims, np.array(PUBLISHED_RESONANCES))}, {}, {})
     return response.assign(published=published["published"])
 
 

@@ -18,14 +18,14 @@ from remanent import plots
 from remanent.plots import energy, ensemble, footer, style
 from remanent.report.figures import only_outer_labels, panels, per_prestress
 
-__all__ = ["landscapes", "tolerance_story", "valley"]
+__all__ = ["compare_solvers", "landscapes", "misfit_maps"]
 
 #: Misfits whose contour lines are drawn: the published rounding, and what the audit reaches.
-_CONTOURS = (0.01, 0.025, 0.1)
+_MISFIT_CONTOUR_LEVELS = (0.01, 0.025, 0.1)
 #: Colour of the converged section behind the other.
-_BEHIND = "#bdbdbd"
+_BACKGROUND_COLOUR = "#bdbdbd"
 #: Colour of the dot at the least misfit.
-_MARK = style.OKABE_ITO["vermillion"]
+_MINIMUM_COLOUR = style.OKABE_ITO["vermillion"]
 
 
 def landscapes(dataset: xr.Dataset) -> Figure:
@@ -52,7 +52,7 @@ def landscapes(dataset: xr.Dataset) -> Figure:
     return per_prestress(dataset, plots.landscape, (style.DOUBLE_COLUMN_WIDTH, 3.4), entries)
 
 
-def tolerance_story(sections: xr.Dataset, drift: xr.Dataset) -> Figure:
+def compare_solvers(sections: xr.Dataset, drift: xr.Dataset) -> Figure:
     """Draw Poincaré sections converged and at the published tolerance, side by side.
 
     Parameters
@@ -76,18 +76,20 @@ def tolerance_story(sections: xr.Dataset, drift: xr.Dataset) -> Figure:
         figure = Figure(figsize=(style.DOUBLE_COLUMN_WIDTH, 1.5 * rows + 2.4), layout="constrained")
         grid = GridSpec(rows + 1, columns, figure, height_ratios=[1.0] * rows + [1.05])
         for row, column in product(range(rows), range(columns // 2)):
-            _pair(figure, grid, sections.isel(temperature=row, prestress=column), row, column)
+            _draw_section_pair(
+                figure, grid, sections.isel(temperature=row, prestress=column), row, column
+            )
         below = [figure.add_subplot(grid[rows, 2 * k : 2 * k + 2]) for k in range(columns // 2)]
-        _drifts(below, drift)
+        _draw_drifts(below, drift)
         members = ensemble.members(drift.isel(prestress=0), ("energy_drift",), ("time",))
-        behind = Line2D([], [], color=_BEHIND, linestyle="", marker="o", ms=3,
+        behind = Line2D([], [], color=_BACKGROUND_COLOUR, linestyle="", marker="o", ms=3,
                         label=f"{sections['solver'].values[0]}, behind the other")  # fmt: skip
         style.legend_above(figure, [*ensemble.line_legend_entries(members), behind])
         footer.add_footer(figure, sections)
     return figure
 
 
-def valley(dataset: xr.Dataset) -> Figure:
+def misfit_maps(dataset: xr.Dataset) -> Figure:
     """Draw how well each unstated choice brings back the six published resonances.
 
     Parameters
@@ -112,7 +114,7 @@ def valley(dataset: xr.Dataset) -> Figure:
         figure, grid = panels(*shape, size, sharex=True, sharey=True)
         cases = product(enumerate(laws), enumerate(windows))
         for axes, ((i, law), (j, window)) in zip(grid.flat, cases, strict=True):
-            drawn = _misfit(axes, dataset.isel(law=i, window=j), scale)
+            drawn = _draw_misfit(axes, dataset.isel(law=i, window=j), scale)
             title = f"{law},  {style.value_label(dataset['window'], window)}"
             style.panel_title(axes, "", title)
         only_outer_labels(grid, x=True, y=True)
@@ -121,14 +123,16 @@ def valley(dataset: xr.Dataset) -> Figure:
     return figure
 
 
-def _pair(figure: Figure, grid: GridSpec, dataset: xr.Dataset, row: int, column: int) -> None:
+def _draw_section_pair(
+    figure: Figure, grid: GridSpec, dataset: xr.Dataset, row: int, column: int
+) -> None:
     """Draw one section by both solvers, on the same scale."""
     first = figure.add_subplot(grid[row, 2 * column])
     second = figure.add_subplot(grid[row, 2 * column + 1], sharex=first, sharey=first)
     last = row == grid.nrows - 2
     temperature = style.value_label(dataset["temperature"], dataset["temperature"].item())
     rate = style.axis_label(dataset["thickness_stretch_rate"], words=False)
-    plots.section(dataset.isel(solver=0), ax=second, color=_BEHIND)
+    plots.section(dataset.isel(solver=0), ax=second, color=_BACKGROUND_COLOUR)
     for k, ax in enumerate((first, second)):
         plots.section(dataset.isel(solver=k), ax=ax)
         ax.set(xlabel=style.axis_label(dataset["thickness_stretch"], words=False) if last else "")
@@ -141,7 +145,7 @@ def _pair(figure: Figure, grid: GridSpec, dataset: xr.Dataset, row: int, column:
         second.set_title(f"\n{dataset['solver'].values[1]}")
 
 
-def _drifts(below: Sequence[Axes], drift: xr.Dataset) -> None:
+def _draw_drifts(below: Sequence[Axes], drift: xr.Dataset) -> None:
     """Draw the size of the energy drift on logarithmic axes, one panel per prestress."""
     signed = drift["energy_drift"]
     sizes = np.where(signed.values != 0.0, np.abs(signed.values), np.nan)  # no size at the start
@@ -156,18 +160,23 @@ def _drifts(below: Sequence[Axes], drift: xr.Dataset) -> None:
         )
 
 
-def _misfit(ax: Axes, dataset: xr.Dataset, scale: LogNorm) -> Any:
+def _draw_misfit(ax: Axes, dataset: xr.Dataset, scale: LogNorm) -> Any:
     x, y = dataset["reference_temperature"], dataset["b"]
     z = dataset["misfit"].transpose("b", "reference_temperature").values
     drawn = ax.pcolormesh(
         x.values, y.values, z, norm=scale, cmap="cividis_r", shading="nearest", rasterized=True
     )
     lines = ax.contour(
-        x.values, y.values, z, levels=_CONTOURS, colors=style.INK_COLOUR, linewidths=0.6
+        x.values,
+        y.values,
+        z,
+        levels=_MISFIT_CONTOUR_LEVELS,
+        colors=style.INK_COLOUR,
+        linewidths=0.6,
     )
     ax.clabel(lines, fmt=lambda level: f"{level:g}", fontsize=6.5, inline_spacing=2)
     i, j = np.unravel_index(np.nanargmin(z), z.shape)
-    ax.plot(x.values[j], y.values[i], "o", color=_MARK, mec="white", mew=0.7, ms=4.5)
+    ax.plot(x.values[j], y.values[i], "o", color=_MINIMUM_COLOUR, mec="white", mew=0.7, ms=4.5)
     ax.text(0.03, 0.04, f"least {z[i, j]:.2g}", transform=ax.transAxes, color="white")
     ax.set(xlabel=style.axis_label(x, words=False), ylabel=style.axis_label(y, words=False))
     return drawn

@@ -29,7 +29,7 @@ __all__ = [
 ]
 
 #: Colour of points at odd drive periods.
-_ODD = style.OKABE_ITO["blue"]
+_ODD_PERIOD_COLOUR = style.OKABE_ITO["blue"]
 
 
 def figure_2(dataset: xr.Dataset) -> Figure:
@@ -45,7 +45,7 @@ def figure_2(dataset: xr.Dataset) -> Figure:
     matplotlib.figure.Figure
         Panel (a), (b) ... per prestress, one below the other.
     """
-    names = ensemble.line_legend_entries(_members(dataset, "thickness_stretch", "time"))
+    names = ensemble.line_legend_entries(_first_members(dataset, "thickness_stretch", "time"))
     return per_prestress(
         dataset, plots.history, (style.DOUBLE_COLUMN_WIDTH, 4.1), names, stacked=True
     )
@@ -65,7 +65,7 @@ def figure_3(dataset: xr.Dataset) -> Figure:
     matplotlib.figure.Figure
         Panel (a), (b) ... per prestress, side by side.
     """
-    names = ensemble.line_legend_entries(_members(dataset, "thickness_stretch", "time"))
+    names = ensemble.line_legend_entries(_first_members(dataset, "thickness_stretch", "time"))
     return per_prestress(dataset, plots.phase, (style.DOUBLE_COLUMN_WIDTH, 3.6), names)
 
 
@@ -84,7 +84,7 @@ def figure_4(dataset: xr.Dataset) -> Figure:
     matplotlib.figure.Figure
         Panel (a), (b) ... per prestress, side by side, on one scale.
     """
-    names = ensemble.line_legend_entries(_members(dataset, "amplitude", "omega"))
+    names = ensemble.line_legend_entries(_first_members(dataset, "amplitude", "omega"))
     entries = [*names, *forced.resonance_legend_entries(dataset)]
     return per_prestress(
         dataset, plots.response, (style.DOUBLE_COLUMN_WIDTH, 3.4), entries, sharey=True
@@ -120,11 +120,11 @@ def figure_5_or_6(history: xr.Dataset, section: xr.Dataset) -> Figure:
             at = {"temperature": temperature}
             _motion_row(axes, history.sel(at), section.sel(at))
             name = style.value_label(history["temperature"], temperature)
-            style.panel_title(axes[0], _letter(2 * row), name)
-            style.panel_title(axes[1], _letter(2 * row + 1), r"strobed every $2\pi/\omega$")
+            style.panel_title(axes[0], _panel_letter(2 * row), name)
+            style.panel_title(axes[1], _panel_letter(2 * row + 1), r"strobed every $2\pi/\omega$")
             style.panel_title(axes[2], "", r"strobed every $\pi/\omega$")
         only_outer_labels(grid, x=True, y=False)
-        style.legend_above(figure, _period_handles())
+        style.legend_above(figure, _period_legend_entries())
         footer.add_footer(figure, section)
     return figure
 
@@ -161,7 +161,9 @@ def per_prestress(
         figure, grid = panels(*shape, size, sharex=stacked, sharey=sharey)
         for k, (value, axes) in enumerate(zip(values, grid.flat, strict=True)):
             draw(dataset.sel(prestress=value), ax=axes, legend=False)
-            style.panel_title(axes, _letter(k), style.value_label(dataset["prestress"], value))
+            style.panel_title(
+                axes, _panel_letter(k), style.value_label(dataset["prestress"], value)
+            )
         only_outer_labels(grid, x=stacked, y=not stacked)
         style.legend_above(figure, entries)
         figure.align_ylabels()
@@ -169,7 +171,7 @@ def per_prestress(
     return figure
 
 
-def _members(dataset: xr.Dataset, variable: str, dimension: str) -> list[ensemble.Member]:
+def _first_members(dataset: xr.Dataset, variable: str, dimension: str) -> list[ensemble.Member]:
     """Members of the first panel, which stand for all in the legend."""
     return ensemble.members(dataset.isel(prestress=0), (variable,), (dimension,))
 
@@ -182,19 +184,27 @@ def _motion_row(axes: Sequence[Axes], history: xr.Dataset, section: xr.Dataset) 
     even, odd = section.isel(period=second), section.isel(period=~second)
     plots.section(even, ax=axes[1], color=style.INK_COLOUR, zorder=4)
     plots.section(
-        odd, ax=axes[2], color=None, facecolors="none", edgecolors=_ODD, s=4.5, linewidths=0.5
+        odd,
+        ax=axes[2],
+        color=None,
+        facecolors="none",
+        edgecolors=_ODD_PERIOD_COLOUR,
+        s=4.5,
+        linewidths=0.5,
     )
     plots.section(even, ax=axes[2], color=style.INK_COLOUR, s=1.5, zorder=4)
     axes[2].set_ylabel("")
 
 
-def _period_handles() -> list[Line2D]:
+def _period_legend_entries() -> list[Line2D]:
     looks: dict[str, Any] = {"linestyle": "", "marker": "o"}
     return [
         Line2D([], [], color=style.INK_COLOUR, ms=2.2, label="even drive periods", **looks),
-        Line2D([], [], color=_ODD, mfc="none", ms=4, label="odd drive periods", **looks),
+        Line2D(
+            [], [], color=_ODD_PERIOD_COLOUR, mfc="none", ms=4, label="odd drive periods", **looks
+        ),
     ]
 
 
-def _letter(k: int) -> str:
+def _panel_letter(k: int) -> str:
     return "abcdefghijklmnopqrstuvwxyz"[k]

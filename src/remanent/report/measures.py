@@ -30,7 +30,7 @@ def local_amplitudes(thickness: FloatArray) -> FloatArray:
     return np.asarray(0.5 * np.abs(np.diff(thickness[turning])))
 
 
-def beating(history: xr.Dataset, prestress: float) -> FloatArray:
+def beating_depth(history: xr.Dataset, prestress: float) -> FloatArray:
     """Depth of the modulation of each motion (temperature,): 0 steady, 1 down to rest."""
     depths = []
     values = history["thickness_stretch"].sel(prestress=prestress)
@@ -53,13 +53,13 @@ def late_range_ratio(history: xr.Dataset) -> FloatArray:
     return np.asarray(np.ptp(x[..., -quarter:], axis=-1) / np.ptp(x[..., :quarter], axis=-1))
 
 
-def swing(history: xr.Dataset) -> FloatArray:
+def stretch_range(history: xr.Dataset) -> FloatArray:
     """Half the range of the thickness stretch, array (prestress, temperature)."""
     x = history["thickness_stretch"].transpose("prestress", "temperature", "time").values
     return np.asarray(0.5 * np.ptp(x, axis=-1))
 
 
-def table(dataset: xr.Dataset, name: str) -> FloatArray:
+def values_by_case(dataset: xr.Dataset, name: str) -> FloatArray:
     """A variable as an array (prestress, temperature); the first along other dimensions."""
     variable = dataset[name]
     extra = {d: 0 for d in variable.dims if d not in ("prestress", "temperature")}

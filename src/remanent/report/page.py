@@ -12,13 +12,13 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from remanent.report.contents import Paper
-from remanent.report.settings import AGREEMENT, FORCING_LAWS
+from remanent.report.settings import FORCING_LAWS, RESONANCE_AGREEMENT
 
 #: Verdicts as the page shows them.
-_WORDS = {"supported": "Supported", "contradicted": "Contradicted", "depends": "Depends"}
+_VERDICT_WORDS = {"supported": "Supported", "contradicted": "Contradicted", "depends": "Depends"}
 
 
-def render(paper: Paper, summary: Mapping[str, Any], drawings: Mapping[str, str]) -> str:
+def render_page(paper: Paper, summary: Mapping[str, Any], drawings: Mapping[str, str]) -> str:
     """HTML text with every picture inside, readable without a network.
 
     Parameters
@@ -39,28 +39,28 @@ def render(paper: Paper, summary: Mapping[str, Any], drawings: Mapping[str, str]
         loader=PackageLoader("remanent.report"), autoescape=True, undefined=StrictUndefined,
         trim_blocks=True, lstrip_blocks=True,
     )  # fmt: skip
-    counts = {word: sum(v.verdict == word for v in paper.verdicts) for word in _WORDS}
+    counts = {word: sum(v.verdict == word for v in paper.verdicts) for word in _VERDICT_WORDS}
     windows = paper.datasets["valley_windows"]["misfit"]
     return environment.get_template("report.html").render(
         summary=summary,
         verdicts=paper.verdicts,
-        words=_WORDS,
+        words=_VERDICT_WORDS,
         counts=counts,
-        agreement=AGREEMENT,
-        share=float((windows <= AGREEMENT).mean()),
+        agreement=RESONANCE_AGREEMENT,
+        share=float((windows <= RESONANCE_AGREEMENT).mean()),
         points=int(windows.size),
         misfits={FORCING_LAWS[law].text: value for law, value in paper.evidence.misfits.items()},
         drawings={name: _data_address(svg) for name, svg in drawings.items()},
         worst=max(abs(r["difference"]) for r in summary["resonances"]),
-        drift=_drifts(paper),
+        drift=_drift_text(paper),
         error=float(paper.evidence.section["error"].max()),
         datasets=sorted(paper.datasets),
-        multiplier=_multiplier,
-        fold=partial(_fold, summary["folds"]),
+        multiplier=_multiplier_text,
+        fold=partial(_fold_text, summary["folds"]),
     )
 
 
-def _multiplier(orbit: Mapping[str, Any]) -> str:
+def _multiplier_text(orbit: Mapping[str, Any]) -> str:
     """The largest multiplier: its angle where it lies on the unit circle."""
     real, imaginary = orbit["multipliers"][0]
     if imaginary == 0.0:
@@ -68,7 +68,7 @@ def _multiplier(orbit: Mapping[str, Any]) -> str:
     return f"exp(±{abs(math.atan2(imaginary, real)):.4f} i)"
 
 
-def _fold(folds: Sequence[Mapping[str, float]], orbit: Mapping[str, Any]) -> str:
+def _fold_text(folds: Sequence[Mapping[str, float]], orbit: Mapping[str, Any]) -> str:
     """The folds of the saddle's branch at this setting; nothing for other orbits."""
     if orbit["stability"] != "saddle":
         return ""
@@ -82,7 +82,7 @@ def _data_address(svg: str) -> str:
     return "data:image/svg+xml;base64," + base64.b64encode(text.encode()).decode()
 
 
-def _drifts(paper: Paper) -> dict[str, float]:
+def _drift_text(paper: Paper) -> dict[str, float]:
     """Largest energy drift of each solver, relative to the depth of motion."""
     drift = abs(paper.datasets["tolerance_energy"]["energy_drift"])
     return {str(name): float(drift.sel(solver=name).max()) for name in drift["solver"].values}

@@ -16,8 +16,14 @@ from remanent.report.audit import ClaimVerdict, audit
 from remanent.report.contents import Paper
 from remanent.report.drawings import DRAWINGS, draw
 from remanent.report.evidence import ClaimEvidence, gather_evidence, regimes
-from remanent.report.processes import pool
-from remanent.report.settings import FORCING_LAWS, PRESTRESSES, REFERENCE, TEMPERATURES, Setting
+from remanent.report.processes import work_executor
+from remanent.report.settings import (
+    FORCING_LAWS,
+    PRESTRESSES,
+    REFERENCE_SETTING,
+    TEMPERATURES,
+    Setting,
+)
 from remanent.results import netcdf
 
 #: Called with the name of a stage and the share of all work that is done.
@@ -55,10 +61,10 @@ def reproduce(report: ProgressReport = _silent, *, processes: int = 1) -> Paper:
         The evidence, the verdicts, the data and the pictures.
     """
     report("figures 2 to 6", 0.0)
-    reference = gather_evidence(REFERENCE, _REFERENCE_TOLERANCE)
+    reference = gather_evidence(REFERENCE_SETTING, _REFERENCE_TOLERANCE)
     data = _measured(reference)
     resonance = reference.response["resonance"]
-    with pool(processes) as executor:
+    with work_executor(processes) as executor:
         futures = [
             executor.submit(_scripts, reference),
             executor.submit(dynamics.chaos_chart),
@@ -98,7 +104,7 @@ def _audited(
     reference = replace(reference, misfits=least)
     settings = reconstruction.admissible(valleys[_PUBLISHED_LAW], _PUBLISHED_LAW)
     with ThreadPoolExecutor(max_workers=2) as together:
-        classified = together.submit(regimes, [REFERENCE, *settings], _REFERENCE_TOLERANCE)
+        classified = together.submit(regimes, [REFERENCE_SETTING, *settings], _REFERENCE_TOLERANCE)
         alternatives = list(together.map(_alternative, settings))
     reference, *alternatives = [
         replace(evidence, regimes=dataset)
@@ -127,7 +133,7 @@ def write_report(paper: Paper, out: Path) -> Path:
     )
     drawings = {name: files[".svg"].decode() for name, files in paper.pictures.items()}
     target = out / "report.html"
-    target.write_text(page.render(paper, summary, drawings), encoding="utf-8")
+    target.write_text(page.render_page(paper, summary, drawings), encoding="utf-8")
     return target
 
 
@@ -157,7 +163,7 @@ def summarise(paper: Paper) -> dict[str, Any]:
         for v in paper.verdicts
     ]
     return {
-        "setting": str(REFERENCE),
+        "setting": str(REFERENCE_SETTING),
         "versions": paper.evidence.response.attrs["versions"],
         "resonances": resonances,
         "claims": claims,
@@ -167,8 +173,8 @@ def summarise(paper: Paper) -> dict[str, Any]:
 
 def _scripts(reference: ClaimEvidence) -> dict[str, xr.Dataset]:
     return {
-        "tolerance_sections": tolerance.section_story(reference),
-        "tolerance_energy": tolerance.energy_story(REFERENCE),
+        "tolerance_sections": tolerance.sections_by_solver(reference),
+        "tolerance_energy": tolerance.energy_drift_by_solver(REFERENCE_SETTING),
     }
 
 

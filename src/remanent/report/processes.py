@@ -8,14 +8,14 @@ from multiprocessing import get_context
 from typing import Final
 
 #: Imported once and shared by all further processes, where the system can do that.
-_PRELOADED: Final = [
+_PRELOADED_MODULES: Final = [
     "remanent.report.drawings",
     "remanent.report.dynamics",
     "remanent.report.tolerance",
 ]
 
 
-def pool(processes: int) -> Executor:
+def work_executor(processes: int) -> Executor:
     """Somewhere to submit work to.
 
     Parameters
@@ -28,6 +28,6 @@ def pool(processes: int) -> Executor:
         return ThreadPoolExecutor(1)
     if platform.system() == "Linux":
         context = get_context("forkserver")
-        context.set_forkserver_preload(_PRELOADED)
+        context.set_forkserver_preload(_PRELOADED_MODULES)
         return ProcessPoolExecutor(processes, mp_context=context)
     return ProcessPoolExecutor(processes, mp_context=get_context("spawn"))

@@ -9,10 +9,10 @@ import xarray as xr
 
 from remanent._typing import FloatArray
 from remanent.report.settings import (
-    AGREEMENT,
     FORCING_LAWS,
     PRESTRESSES,
-    PUBLISHED,
+    PUBLISHED_RESONANCES,
+    RESONANCE_AGREEMENT,
     TEMPERATURES,
     Setting,
 )
@@ -29,7 +29,7 @@ WINDOWS = (50.0, 100.0, 150.0)
 #: published ones.
 _FREQUENCY_GRIDS = {"sin2": (0.7, 1.5, 41), "cos2": (0.7, 1.5, 41), "sin": (0.7, 3.0, 116)}
 #: Tolerance of amplitudes, as small as the width of a resonance needs.
-_TOLERANCE = 1e-4
+_RESPONSE_TOLERANCE = 1e-4
 #: Width to which a resonance is read: two parts of eight of a step of the table, with room for
 #: rounding.
 _RESONANCE_WIDTH = 5.1e-3
@@ -64,7 +64,7 @@ def misfits(
         )
         report()
     resonance = np.stack(resonances)[None]
-    misfit = np.abs(resonance - np.array(PUBLISHED).T).max(axis=(-2, -1))
+    misfit = np.abs(resonance - np.array(PUBLISHED_RESONANCES).T).max(axis=(-2, -1))
     dims = ("law", "window", "reference_temperature", "b")
     setting = Setting(law=law)
     return build.dataset(
@@ -81,7 +81,11 @@ def misfits(
             "prestress": (("prestress",), np.array(PRESTRESSES)),
         },
         provenance.attributes(
-            setting.actuator, setting.drive(1.0), _TOLERANCE, over=dims[1:], width=_RESONANCE_WIDTH
+            setting.actuator,
+            setting.drive(1.0),
+            _RESPONSE_TOLERANCE,
+            over=dims[1:],
+            width=_RESONANCE_WIDTH,
         ),
     )
 
@@ -96,7 +100,7 @@ def _resonances(
         FORCING_LAWS[law].drive(0.4, 1.0),
         np.linspace(*_FREQUENCY_GRIDS[law]),
         duration=window,
-        tolerance=_TOLERANCE,
+        tolerance=_RESPONSE_TOLERANCE,
         resonance_width=_RESONANCE_WIDTH,
         over={
             "reference_temperature": temperatures,
@@ -125,7 +129,7 @@ def admissible(misfit: xr.Dataset, law: str) -> list[Setting]:
         At most one for each window.
     """
     values = misfit["misfit"].isel(law=0).transpose("window", "reference_temperature", "b").values
-    admitted = np.argwhere(values <= AGREEMENT)
+    admitted = np.argwhere(values <= RESONANCE_AGREEMENT)
     by_window = [admitted[admitted[:, 0] == w] for w in range(values.shape[0])]
     best = [rows[np.argmin(values[tuple(rows.T)])] for rows in by_window if rows.size]
     settings = [

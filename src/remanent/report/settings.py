@@ -20,9 +20,9 @@ PRESTRESSES: Final = (0.0, 1.0)
 #: Drive frequency of the motions in figures 5 (S = 0) and 6 (S = 1).
 FREQUENCIES: Final = (1.25, 1.08)
 #: Published resonance frequencies, one row per prestress, one column per temperature.
-PUBLISHED: Final = ((1.05, 1.25, 1.35), (0.85, 1.08, 1.19))
+PUBLISHED_RESONANCES: Final = ((1.05, 1.25, 1.35), (0.85, 1.08, 1.19))
 #: Two digits after the point are published, and the maximum is read off a curve.
-AGREEMENT: Final = 0.01
+RESONANCE_AGREEMENT: Final = 0.01
 
 
 @dataclass(frozen=True)
@@ -98,4 +98,4 @@ FORCING_LAWS: Final[Mapping[str, ForcingLaw]] = MappingProxyType(
     }
 )
 #: The setting whose numbers are reported.
-REFERENCE: Final = Setting()
+REFERENCE_SETTING: Final = Setting()

@@ -19,11 +19,11 @@ from remanent.results import build, provenance
 from remanent.studies.motion.simulate import simulate
 
 #: MATLAB's default relative tolerance of ode45.
-RELATIVE_TOLERANCE = 1e-3
+ODE45_RELATIVE_TOLERANCE = 1e-3
 #: MATLAB's default absolute tolerance of ode45.
-ABSOLUTE_TOLERANCE = 1e-6
+ODE45_ABSOLUTE_TOLERANCE = 1e-6
 #: How the two solvers are called in figures.
-SOLVERS = ("converged", "ode45 defaults")
+SOLVER_NAMES = ("converged", "ode45 defaults")
 #: Length of the runs whose energy is followed, tau.
 _ENERGY_DURATION = 500.0
 #: Times at which their energy is taken.
@@ -34,7 +34,7 @@ _CONVERGED_TOLERANCE = 1e-11
 _SECTION_PERIODS = 500
 
 
-def at_defaults(
+def ode45_states(
     setting: Setting,
     temperature: float,
     prestress: float,
@@ -66,7 +66,7 @@ def at_defaults(
 
     solved = solve_ivp(
         equation_16, (0.0, float(times[-1])), [1.0, 0.0], method="RK45", t_eval=times,
-        rtol=RELATIVE_TOLERANCE, atol=ABSOLUTE_TOLERANCE,
+        rtol=ODE45_RELATIVE_TOLERANCE, atol=ODE45_ABSOLUTE_TOLERANCE,
     )  # fmt: skip
     return np.asarray(solved.y.T)
 
@@ -76,7 +76,7 @@ def _sine_squared(b: float, omega: float, tau: float) -> float:
     return (b * math.sin(omega * tau)) ** 2
 
 
-def section_story(evidence: ClaimEvidence) -> xr.Dataset:
+def sections_by_solver(evidence: ClaimEvidence) -> xr.Dataset:
     """Sections of the six motions by both solvers, at every second drive period.
 
     Returns
@@ -91,13 +91,13 @@ def section_story(evidence: ClaimEvidence) -> xr.Dataset:
     for (i, s), (j, t) in product(enumerate(PRESTRESSES), enumerate(TEMPERATURES)):
         times = converged["period"].values * (math.pi / FREQUENCIES[i])
         load = partial(_sine_squared, evidence.setting.b, FREQUENCIES[i])
-        script[i, j] = at_defaults(evidence.setting, t, s, load, times)
-    both = _both(converged, script)
+        script[i, j] = ode45_states(evidence.setting, t, s, load, times)
+    both = _stack_solvers(converged, script)
     omega = build.dataset({}, {"omega": (("prestress",), np.array(FREQUENCIES))}, {})
     return both.assign_coords(omega=omega["omega"])
 
 
-def energy_story(setting: Setting) -> xr.Dataset:
+def energy_drift_by_solver(setting: Setting) -> xr.Dataset:
     """Energy minus its first value over a long run under constant load, both solvers.
 
     Returns
@@ -113,7 +113,7 @@ def energy_story(setting: Setting) -> xr.Dataset:
     energy = np.empty((2, len(PRESTRESSES), len(TEMPERATURES), _ENERGY_POINTS))
     energy[0] = converged["energy"].values
     for (i, s), (j, t) in product(enumerate(PRESTRESSES), enumerate(TEMPERATURES)):
-        x, v = at_defaults(setting, t, s, lambda _: drive.m, times).T
+        x, v = ode45_states(setting, t, s, lambda _: drive.m, times).T
         theta = t / setting.reference_temperature
         energy[1, i, j] = (
             (1.0 + 2.0 / x**6) * v**2 / 3.0
@@ -125,7 +125,7 @@ def energy_story(setting: Setting) -> xr.Dataset:
     return build.dataset(
         {"energy_drift": (dims, energy - energy[..., :1])},
         {
-            "solver": (("solver",), np.array(SOLVERS)),
+            "solver": (("solver",), np.array(SOLVER_NAMES)),
             "prestress": (("prestress",), np.array(PRESTRESSES)),
             "temperature": (("temperature",), np.array(TEMPERATURES)),
             "time": (("time",), times),
@@ -136,7 +136,7 @@ def energy_story(setting: Setting) -> xr.Dataset:
     )
 
 
-def _both(converged: xr.Dataset, script: FloatArray) -> xr.Dataset:
+def _stack_solvers(converged: xr.Dataset, script: FloatArray) -> xr.Dataset:
     """Both solvers' sections in one Dataset."""
     dims = ("solver", "prestress", "temperature", "period")
     x, v = script[..., 0], script[..., 1]
@@ -148,7 +148,7 @@ def _both(converged: xr.Dataset, script: FloatArray) -> xr.Dataset:
             "thickness_stretch_rate": (dims, np.stack([ours[1], -2.0 * v * x**-3])),
         },
         {
-            "solver": (("solver",), np.array(SOLVERS)),
+            "solver": (("solver",), np.array(SOLVER_NAMES)),
             **{n: ((n,), converged[n].values) for n in dims[1:]},
         },
         converged.attrs,

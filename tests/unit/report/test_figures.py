@@ -25,7 +25,7 @@ KINDS: dict[str, tuple[Callable[..., Figure], Make, int]] = {
     ),
     "landscapes": (evidence_figures.landscapes, lambda: [synthetic.potential()], 2),
     "tolerance": (
-        evidence_figures.tolerance_story,
+        evidence_figures.compare_solvers,
         lambda: [synthetic.two_tolerances(12), synthetic.drift(10.0)],
         14,
     ),
@@ -48,8 +48,8 @@ KINDS: dict[str, tuple[Callable[..., Figure], Make, int]] = {
         ],
         2,
     ),
-    "chaos": (dynamics_figures.chaos, lambda: [synthetic.regimes(), synthetic.cases()], 3),
-    "valley": (evidence_figures.valley, lambda: [synthetic.valley()], 7),
+    "chaos": (dynamics_figures.chaos_map, lambda: [synthetic.regimes(), synthetic.cases()], 3),
+    "valley": (evidence_figures.misfit_maps, lambda: [synthetic.valley()], 7),
 }
 every_figure = pytest.mark.parametrize("kind", KINDS)
 
@@ -124,7 +124,7 @@ def test_every_second_period_is_drawn_in_the_phase_plane() -> None:
 
 def test_pairs_of_sections_share_their_scale() -> None:
     """Converged and default sections are compared on the same axes."""
-    axes = evidence_figures.tolerance_story(
+    axes = evidence_figures.compare_solvers(
         synthetic.two_tolerances(12), synthetic.drift(10.0)
     ).axes
     for first, second in zip(axes[0:12:2], axes[1:12:2], strict=True):
@@ -149,7 +149,7 @@ def test_both_motions_beside_the_jump_and_the_saddle_are_drawn() -> None:
 def test_the_published_motions_lie_in_the_chart() -> None:
     """Their places are those of their own Dataset, within the axes."""
     cases = synthetic.cases()
-    axes = dynamics_figures.chaos(synthetic.regimes(), cases).axes[0]
+    axes = dynamics_figures.chaos_map(synthetic.regimes(), cases).axes[0]
     drawn = [(float(np.ravel(line.get_xdata())[0]), float(np.ravel(line.get_ydata())[0]))
              for line in axes.lines]  # fmt: skip
     assert drawn == list(zip(cases["omega"].values, cases["b"].values, strict=True))

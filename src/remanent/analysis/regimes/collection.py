@@ -51,7 +51,7 @@ def _sali(batch: OrbitBatch) -> FloatArray:
 
 #: The indicators, by the names of their columns.  A further one is a file with a function of
 #: an :class:`OrbitBatch` and a line here; the rules in `agreement.py` may then ask for it.
-INDICATORS: Mapping[str, Indicator] = MappingProxyType(
+INDICATOR_FUNCTIONS: Mapping[str, Indicator] = MappingProxyType(
     {
         "digits": _digits,
         "banded_digits": banded_digits,
@@ -68,7 +68,7 @@ def collect_evidence(
     damped: BoolArray,
     seed: int = 0,
     observables: Observables = state_observables,
-    indicators: Mapping[str, Indicator] = INDICATORS,
+    indicators: Mapping[str, Indicator] = INDICATOR_FUNCTIONS,
 ) -> EvidenceTable:
     """Collect the evidence of one run.
 

@@ -36,7 +36,7 @@ class EvidenceTable:
     extent
         Of the orbit.
     indicators : mapping of name to array (orbit,)
-        Of :data:`~remanent.analysis.regimes.collection.INDICATORS`.
+        Of :data:`~remanent.analysis.regimes.collection.INDICATOR_FUNCTIONS`.
     """
 
     exponent: FloatArray

@@ -13,9 +13,9 @@ import numpy as np
 from remanent._typing import FloatArray
 
 #: Lowest frequency of the 0-1 test: near 0 it resonates with slow drifts.
-_MIN_FREQUENCY = np.pi / 5.0
+_MIN_TEST_FREQUENCY = np.pi / 5.0
 #: Highest frequency of the 0-1 test: near pi it resonates with drifts that alternate.
-_MAX_FREQUENCY = 4.0 * np.pi / 5.0
+_MAX_TEST_FREQUENCY = 4.0 * np.pi / 5.0
 #: Longest lag of the mean-square displacement, as a share of the series.
 _MAX_LAG_SHARE = 0.1
 #: Products phi(j + a) phi(j + b) in memory at once.
@@ -83,7 +83,7 @@ def zero_one_test(
     array (orbit,)
         NaN where values are constant or not numbers.
     """
-    c = rng.uniform(_MIN_FREQUENCY, _MAX_FREQUENCY, frequencies)
+    c = rng.uniform(_MIN_TEST_FREQUENCY, _MAX_TEST_FREQUENCY, frequencies)
     lags = max(int(_MAX_LAG_SHARE * values.shape[1]), 2)
     n = np.arange(1.0, lags + 1)
     oscillation = (1.0 - np.cos(np.outer(n, c))) / (1.0 - np.cos(c))

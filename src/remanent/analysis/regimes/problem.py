@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.analysis.regimes.agreement import RULES, RegimeRules, agreed_regime
 from remanent.analysis.regimes.collection import (
-    INDICATORS,
+    INDICATOR_FUNCTIONS,
     Observables,
     collect_evidence,
     state_observables,
@@ -54,7 +54,7 @@ class RegimeProblem:
     iterate: IterateMap | None = None
     seed: int = 0
     observables: Observables = state_observables
-    indicators: Mapping[str, Indicator] = field(default_factory=lambda: INDICATORS)
+    indicators: Mapping[str, Indicator] = field(default_factory=lambda: INDICATOR_FUNCTIONS)
     rules: RegimeRules = RULES
     thresholds: Thresholds = field(default_factory=Thresholds)
 

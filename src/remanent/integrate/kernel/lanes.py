@@ -44,19 +44,19 @@ class Writer:
     estimates: bool = False
 
     @property
-    def vector(self) -> ir.VectorType:
+    def vector_type(self) -> ir.VectorType:
         return ir.VectorType(DOUBLE, self.width)
 
     def constant(self, value: float) -> Lanes:
         """The same number in every lane."""
-        return Lanes(self, ir.Constant(self.vector, [float(value)] * self.width))
+        return Lanes(self, ir.Constant(self.vector_type, [float(value)] * self.width))
 
     def integer(self, value: int) -> ir.Constant:
         return ir.Constant(INTEGER, value)
 
     def spread(self, scalar: ir.Value) -> Lanes:
         """A scalar double copied to every lane."""
-        undefined = ir.Constant(self.vector, ir.Undefined)
+        undefined = ir.Constant(self.vector_type, ir.Undefined)
         one = self.builder.insert_element(undefined, scalar, ir.Constant(_INDEX, 0))
         zeros = ir.Constant(ir.VectorType(_INDEX, self.width), [0] * self.width)
         return Lanes(self, self.builder.shuffle_vector(one, undefined, zeros))
@@ -77,7 +77,7 @@ class Writer:
 
     def _address(self, pointer: ir.Value, index: ir.Value) -> ir.Value:
         address = self.builder.gep(pointer, [index])
-        return self.builder.bitcast(address, self.vector.as_pointer())
+        return self.builder.bitcast(address, self.vector_type.as_pointer())
 
     def load_scalar(self, pointer: ir.Value, index: ir.Value) -> ir.Value:
         return self.builder.load(self.builder.gep(pointer, [index]))
@@ -85,7 +85,7 @@ class Writer:
     def cell(self) -> Cell:
         """A mutable cell without a value; the optimiser turns it into registers."""
         with self.builder.goto_entry_block():
-            return Cell(self, self.builder.alloca(self.vector))
+            return Cell(self, self.builder.alloca(self.vector_type))
 
     def variable(self, initial: Lanes) -> Cell:
         """A mutable cell."""
@@ -153,7 +153,9 @@ class Writer:
         full = f"llvm.{name}.v{self.width}f64"
         declared = module.globals.get(full)
         if declared is None:
-            declared = ir.Function(module, ir.FunctionType(self.vector, [self.vector]), full)
+            declared = ir.Function(
+                module, ir.FunctionType(self.vector_type, [self.vector_type]), full
+            )
         return Lanes(self, self.builder.call(declared, [argument.value]))
 
 

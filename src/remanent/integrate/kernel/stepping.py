@@ -226,7 +226,7 @@ class _Ring:
 
     @classmethod
     def allocate(cls, writer: Writer, steps: int, variables: Sequence[int]) -> _Ring:
-        size = ir.ArrayType(writer.vector, 2 * steps)
+        size = ir.ArrayType(writer.vector_type, 2 * steps)
         with writer.builder.goto_entry_block():
             memory = {i: writer.builder.alloca(size) for i in variables}
             position = writer.builder.alloca(INTEGER)

@@ -39,7 +39,7 @@ class TerminalConditions:
     robust_to : sequence of str
         Names of fields and physical sizes; the derivative by each of them of the distance
         from rest shall vanish too.
-    tolerance : float
+    motion_tolerance : float
         Of the states.
     """
 
@@ -47,7 +47,7 @@ class TerminalConditions:
     final: StaticState
     initial: ArrayLike | None
     robust_to: Sequence[str]
-    tolerance: float
+    motion_tolerance: float
 
     def __call__(
         self, loads: FloatArray, durations: FloatArray
@@ -165,7 +165,7 @@ class TerminalConditions:
         outcome = integrate(
             replace(problem, field=self._variational_field, initial=start),
             Request(times=problem.duration[:, None]),
-            tolerance=self.tolerance,
+            tolerance=self.motion_tolerance,
         )
         assert outcome.states is not None
         ends = outcome.states[:, 0]

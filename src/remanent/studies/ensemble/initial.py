@@ -110,17 +110,17 @@ def invalid_states(
 ) -> BoolArray:
     """Where a state is no state to start from, array (trajectory,) of bool."""
     invalid = ~(np.abs(states) <= FARTHEST).all(axis=1)
-    invalid |= ~(states[:, _positive(field)] >= 1.0 / FARTHEST).all(axis=1)
+    invalid |= ~(states[:, _positive_indices(field)] >= 1.0 / FARTHEST).all(axis=1)
     return np.asarray(invalid | ~_admissible(system, values, states, field))
 
 
-def refuse_state(
+def require_admissible_state(
     system: System, values: Mapping[str, FloatArray], states: FloatArray, field: Field
 ) -> None:
     """Raise what is wrong with the first of the states, if anything is."""
     state = states[0]
     _refuse_fixed(state, list(range(state.size)), field)
-    inside = (state[_positive(field)] >= 1.0 / FARTHEST).all()
+    inside = (state[_positive_indices(field)] >= 1.0 / FARTHEST).all()
     if not (inside and (np.abs(state) <= FARTHEST).all()):
         raise InputError(
             "initial",
@@ -140,7 +140,7 @@ def refuse_state(
         )
 
 
-def _positive(field: Field) -> list[int]:
+def _positive_indices(field: Field) -> list[int]:
     """Positions of the state variables that only positive values make sense of."""
     return [k for k, variable in enumerate(field.variables) if variable.positive]
 

@@ -23,7 +23,11 @@ from remanent.studies.ensemble.ensemble import (
     batch_slices,
     load_periods,
 )
-from remanent.studies.ensemble.initial import initial_states, invalid_states, refuse_state
+from remanent.studies.ensemble.initial import (
+    initial_states,
+    invalid_states,
+    require_admissible_state,
+)
 from remanent.studies.ensemble.memory import TRAJECTORY_BYTES, require_memory
 
 #: What ``over`` accepts.
@@ -95,7 +99,7 @@ def lay_out(
         invalid[part] = _invalid(system, drive, batch, states[part], field)
     if not sizes and invalid.any():
         _refuse_period(drive, values)
-        refuse_state(system, values, states, field)
+        require_admissible_state(system, values, states, field)
     return Ensemble(system, drive, field, sizes, dict(arrays), values, states, invalid)
 
 

@@ -107,7 +107,7 @@ class MeasureLayout:
         return (*first, *self.dims), np.reshape(numbers, (*leading, *self.shape))
 
 
-def attributes(measure: Measure, /, **settings: Any) -> dict[str, Any]:
+def measure_provenance(measure: Measure, /, **settings: Any) -> dict[str, Any]:
     """What says how a result about a measure was made.
 
     Its numbers mix the units of the measure and of the parameters: they do not turn to SI by

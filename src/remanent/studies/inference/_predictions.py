@@ -42,7 +42,7 @@ class Measurements:
         return "omega" if "omega" in self.table.dims else "time"
 
     @property
-    def axis(self) -> FloatArray:
+    def coordinate_values(self) -> FloatArray:
         """Times or frequencies, array (point,)."""
         return np.asarray(self.table[self.dimension].values)
 
@@ -71,7 +71,9 @@ class Measurements:
         known = all(error in self.table for error in errors)
         deviation = np.ones(values.size)
         if known:
-            columns = [np.broadcast_to(self.table[error], self.axis.size) for error in errors]
+            columns = [
+                np.broadcast_to(self.table[error], self.coordinate_values.size) for error in errors
+            ]
             deviation = np.concatenate(columns)
         bad = ~np.isfinite(values) | ~(deviation > 0.0)
         if bad.any():
@@ -87,13 +89,16 @@ class Measurements:
     def labels(self) -> dict[str, Labelled]:
         """What each value is, and where, along ``observation``."""
         return {
-            "quantity": (("observation",), np.repeat(self.variables, self.axis.size)),
-            self.dimension: (("observation",), np.tile(self.axis, len(self.variables))),
+            "quantity": (("observation",), np.repeat(self.variables, self.coordinate_values.size)),
+            self.dimension: (
+                ("observation",),
+                np.tile(self.coordinate_values, len(self.variables)),
+            ),
         }
 
 
 @dataclass(frozen=True)
-class Window:
+class ResponseWindow:
     """The part of each run whose extremes a response is made of.
 
     Attributes
@@ -133,7 +138,7 @@ class Predictions:
         Of the parameters that differ between candidates.
     initial : array (state,) or None
     measurements : Measurements
-    window : Window
+    response_window : ResponseWindow
         Of a response.
     tolerance : float
         Of the computed motion.
@@ -144,7 +149,7 @@ class Predictions:
     names: tuple[str, ...]
     initial: ArrayLike | None
     measurements: Measurements
-    window: Window
+    response_window: ResponseWindow
     tolerance: float
 
     def __call__(self, candidates: FloatArray) -> FloatArray:
@@ -162,7 +167,7 @@ class Predictions:
 
     def _history(self, over: Mapping[str, xr.DataArray]) -> dict[str, FloatArray]:
         scaled = lay_out_physical(self.system, self.drive, over, self.initial)
-        times = self.measurements.axis
+        times = self.measurements.coordinate_values
         end = max(float(times[-1]), np.finfo(float).tiny)
         problem = scaled.problem(np.full(scaled.ensemble.count, end))
         own_times = times * scaled.time[:, None]
@@ -175,9 +180,9 @@ class Predictions:
         }
 
     def _response(self, over: Mapping[str, xr.DataArray]) -> dict[str, FloatArray]:
-        omega = xr.DataArray(self.measurements.axis, dims="frequency")
+        omega = xr.DataArray(self.measurements.coordinate_values, dims="frequency")
         scaled = lay_out_physical(self.system, self.drive, {**over, "omega": omega}, self.initial)
-        outcome = self.window.integrate(scaled, self.tolerance)
+        outcome = self.response_window.integrate(scaled, self.tolerance)
         low, high = (scaled.ensemble.shaped(v) for v in (outcome.minimum, outcome.maximum))
         return {"maximum": high, "minimum": low, "amplitude": 0.5 * (high - low)}
 

@@ -16,7 +16,7 @@ from remanent.analysis.inference.fitting import ParameterBox, difference_jacobia
 from remanent.results import build
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_intervals
-from remanent.studies.inference._measures import as_values, attributes, evaluate
+from remanent.studies.inference._measures import as_values, evaluate, measure_provenance
 from remanent.studies.inference.measure import Measure
 
 _STEP = positive("It is the relative change of a field in a difference.", "Pass 1e-3.")
@@ -106,7 +106,7 @@ def design(
         "field": (("field",), np.array(problem.names)),
         "measure": (("measure",), np.array([repr(measure) for measure in measures])),
     }
-    return build.dataset(variables, coords, attributes(measures[0], over=problem.names))
+    return build.dataset(variables, coords, measure_provenance(measures[0], over=problem.names))
 
 
 @dataclass(frozen=True)

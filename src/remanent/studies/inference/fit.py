@@ -21,7 +21,7 @@ from remanent.studies.ensemble.checks import require_intervals, require_toleranc
 from remanent.studies.ensemble.durations import RESPONSE_WINDOW, require_count, require_duration
 from remanent.studies.ensemble.physical_scales import PHYSICAL, RULE, lay_out_physical
 from remanent.studies.inference._measures import as_values
-from remanent.studies.inference._predictions import Measurements, Predictions, Window
+from remanent.studies.inference._predictions import Measurements, Predictions, ResponseWindow
 
 _CONFIDENCE = Rule(
     "lie between 0 and 1",
@@ -145,7 +145,7 @@ def fit(
         names=tuple(guess),
         initial=initial,
         measurements=measurements,
-        window=Window(duration, periods, discard),
+        response_window=ResponseWindow(duration, periods, discard),
         tolerance=tolerance,
     )
     observed, box = measurements.data(), _box(system, drive, guess, parameter_ranges)

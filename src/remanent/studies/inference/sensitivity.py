@@ -18,11 +18,11 @@ from remanent.studies.inference._measures import (
     MeasureLayout,
     as_measure,
     as_values,
-    attributes,
+    measure_provenance,
 )
 from remanent.studies.inference.measure import Measure, Of
 
-_STEP = positive("It is the largest relative change of a field.", "Pass for example 0.02.")
+_STEP_RULE = positive("It is the largest relative change of a field.", "Pass for example 0.02.")
 #: Differences of each field, each half as wide as the last.
 _LEVELS = 6
 
@@ -84,9 +84,9 @@ def sensitivity(
     remanent.design : fields with which a measure takes a given value.
     """
     measure = as_measure(measure, arguments, of, **options)
-    step = require_real("step", step, _STEP)
+    step = require_real("step", step, _STEP_RULE)
     centre = as_values(parameters, measure.nominal_values())
-    differences = _Differences.about(np.array(list(centre.values())), step)
+    differences = _Differences.centred_at(np.array(list(centre.values())), step)
     values, errors = measure.at(dict(zip(centre, differences.points.T, strict=True)))
     layout = MeasureLayout.of(values)
     flat, noise = (
@@ -106,7 +106,9 @@ def sensitivity(
         "elasticity_error": layout.labelled(np.abs(ratio) * relative_error, "field"),
     }
     coords: dict[str, Labelled] = {"field": (("field",), np.array(list(centre))), **layout.coords}
-    return build.dataset(variables, coords, attributes(measure, measure=repr(measure), step=step))
+    return build.dataset(
+        variables, coords, measure_provenance(measure, measure=repr(measure), step=step)
+    )
 
 
 @dataclass(frozen=True)
@@ -126,7 +128,7 @@ class _Differences:
     points: FloatArray
 
     @classmethod
-    def about(cls, centre: FloatArray, step: float) -> _Differences:
+    def centred_at(cls, centre: FloatArray, step: float) -> _Differences:
         """Differences whose largest is `step`, relative where the centre is not 0."""
         widths = step * np.where(centre == 0.0, 1.0, np.abs(centre))
         changes = np.concatenate([difference_offsets(width, _LEVELS) for width in widths])

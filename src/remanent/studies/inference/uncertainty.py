@@ -25,7 +25,7 @@ from remanent.results import build
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import Rng, as_seed, require_interval
 from remanent.studies.ensemble.durations import require_count
-from remanent.studies.inference._measures import MeasureLayout, as_measure, attributes
+from remanent.studies.inference._measures import MeasureLayout, as_measure, measure_provenance
 from remanent.studies.inference.measure import Measure, Of
 
 #: Statistics without a dimension of their own.
@@ -130,7 +130,7 @@ def uncertainty(
     return build.dataset(
         variables,
         {**coords, **layout.coords},
-        attributes(measure, over=names, measure=repr(measure), samples=samples),
+        measure_provenance(measure, over=names, measure=repr(measure), samples=samples),
     )
 
 

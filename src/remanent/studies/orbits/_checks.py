@@ -98,7 +98,7 @@ def _default(name: str, variable: StateVariable, ens: Ensemble) -> FloatArray:
     return np.array([surroundings - TEMPERATURE_MARGIN, surroundings + TEMPERATURE_MARGIN])
 
 
-def require_isolated(ens: Ensemble) -> None:
+def require_heat_exchange(ens: Ensemble) -> None:
     """Refuse adiabatic bodies: they warm for ever, or have an orbit for each entropy."""
     warms = bool(ens.field.indices(Role.TEMPERATURE))
     if warms and not (ens.values["heat.exchange"] > 0.0).all():

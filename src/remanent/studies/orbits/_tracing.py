@@ -25,7 +25,7 @@ from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.durations import require_count, require_periods
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.orbits._checks import (
-    require_isolated,
+    require_heat_exchange,
     require_orbit_period,
     require_state_box,
 )
@@ -125,7 +125,7 @@ class TracingOptions:
         """Refuse what is wrong with these options for an ensemble."""
         require_tolerance(self.tolerance, "the residual")
         require_periods(ens)
-        require_isolated(ens)
+        require_heat_exchange(ens)
         require_state_box("state_box", self.state_box, ens)
         require_orbit_period(self.orbit_period)
         require_count("max_points", self.max_points, "A branch is made of points.")

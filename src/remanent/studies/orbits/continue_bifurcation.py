@@ -36,7 +36,7 @@ from remanent.studies.orbits._branch_tables import END_LABELS, end_reasons, memb
 from remanent.studies.orbits._checks import (
     BIFURCATIONS,
     require_free,
-    require_isolated,
+    require_heat_exchange,
     require_orbit_period,
     require_state_box,
 )
@@ -142,7 +142,7 @@ def continue_bifurcation(
     require_count("max_points", max_points, "A curve is made of points.")
     ens = lay_out(system, drive, over, reserved=DIMENSIONS)
     require_periods(ens)
-    require_isolated(ens)
+    require_heat_exchange(ens)
     names, limits = _require_plane(parameters, parameter_ranges, ens)
     require_state_box("state_box", state_box, ens)
     state = require_state(

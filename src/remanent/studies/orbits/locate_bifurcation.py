@@ -24,7 +24,7 @@ from remanent.studies.ensemble.layout import Over, lay_out
 from remanent.studies.orbits._checks import (
     BIFURCATIONS,
     require_free,
-    require_isolated,
+    require_heat_exchange,
     require_orbit_period,
 )
 from remanent.studies.orbits._orbit_tables import DIMENSIONS
@@ -103,7 +103,7 @@ def locate_bifurcation(
     require_periods(single)
     require_parameter("parameter", parameter, single)
     ens = lay_out(system, drive, over, reserved=DIMENSIONS)
-    require_isolated(ens)
+    require_heat_exchange(ens)
     require_free((parameter,), ens)
     state = require_state(
         "initial", initial, ens, why="The special point is looked for from there.",

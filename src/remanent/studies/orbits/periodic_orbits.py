@@ -20,7 +20,7 @@ from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.layout import Over, lay_out
 from remanent.studies.ensemble.progress import Progress, as_progress
 from remanent.studies.orbits._checks import (
-    require_isolated,
+    require_heat_exchange,
     require_orbit_period,
     require_state_box,
 )
@@ -109,7 +109,7 @@ def periodic_orbits(
     require_tolerance(tolerance, "the residual")
     ens = lay_out(system, drive, over, reserved=DIMENSIONS)
     require_periods(ens)
-    require_isolated(ens)
+    require_heat_exchange(ens)
     require_state_box("state_box", state_box, ens)
 
     def find(member: Ensemble) -> dict[str, NDArray[Any]]:

@@ -102,7 +102,7 @@ def equilibria(actuator: Actuator, m: float = 0.0, *, over: Over | None = None) 
     stretch[ens.invalid] = np.nan
     variables = _properties(static, stretch)
     fold_variables = folds(static)
-    landscape = _landscape(static, variables["equilibrium_stretch"])
+    landscape = _potential_variables(static, variables["equilibrium_stretch"])
     coords: dict[str, Labelled] = {
         **({"fold": fold_variables.pop("fold")} if fold_variables else {}),
         "equilibrium": (("equilibrium",), np.arange(stretch.shape[1])),
@@ -145,7 +145,7 @@ def _transverse_stiffness(ens: Ensemble, case: IntArray, stretch: FloatArray) ->
     return np.asarray(-rates[field.state.index(difference)])
 
 
-def _landscape(static: StaticEnsemble, equilibria: FloatArray) -> dict[str, Labelled]:
+def _potential_variables(static: StaticEnsemble, equilibria: FloatArray) -> dict[str, Labelled]:
     """The potential on a common grid that holds rest, equilibria and turning points.
 
     `equilibria` are thickness stretches (case, equilibrium).

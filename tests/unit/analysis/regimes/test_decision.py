@@ -13,7 +13,7 @@ from remanent.analysis.regimes.agreement import (
     is_chaotic,
     regime_of_run,
 )
-from remanent.analysis.regimes.collection import INDICATORS, state_observables
+from remanent.analysis.regimes.collection import INDICATOR_FUNCTIONS, state_observables
 from remanent.analysis.regimes.decision import decide_regimes
 from remanent.analysis.regimes.evidence import EvidenceTable
 from remanent.analysis.regimes.labels import Regime, RegimeLabels
@@ -307,7 +307,7 @@ def test_a_new_indicator_is_a_function_and_a_line_in_a_table() -> None:
         follow,
         2,
         damped=np.ones(2, dtype=np.bool_),
-        indicators={**INDICATORS, "scatter": scatter},
+        indicators={**INDICATOR_FUNCTIONS, "scatter": scatter},
         rules=(*RULES[:-1], (Regime.CHAOTIC, wide_chaos)),
     )
     found, _ = decide_regimes(problem)
