@@ -66,7 +66,8 @@ def _set_segment(memory: LaneMemory, run: Run, segment: Segment) -> None:
     memory.set_column("cycle", segment.length)
     memory.set_column("step", segment.step)
     memory.set_column("start", segment.piece_start)
-    if segment.begins_piece:  # rates may have jumped since the piece before
+    if run.request.extremes and segment.begins_piece:
+        # Rates may have jumped since the end of the piece before.
         memory.set_column("direction", np.full(segment.length.size, np.nan))
     for name, values in segment.parameters.items():
         index = run.problem.field.parameters.index(name)

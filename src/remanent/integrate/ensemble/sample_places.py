@@ -58,8 +58,8 @@ class SamplePlaces:
         with np.errstate(invalid="ignore"):  # a piece that never ends
             begin = segment.time(0) - segment.step
             end = segment.time(segment.fine_steps) + segment.step
-        takes_part = (segment.step > 0.0) & (cycles > segment.first)
-        begin, end = np.where(takes_part, (begin, end), np.nan)
+        # A piece may be empty for some trajectories, and the run of others may be over.
+        end[(segment.step <= 0.0) | (cycles <= segment.first)] = np.nan
         row, column = np.nonzero((times >= begin[:, None]) & (times <= end[:, None]))
         time = times[row, column]
         step, part = _place(segment, time, row, cycles[row])
@@ -76,7 +76,8 @@ class SamplePlaces:
 
     def up_to(self, horizon: FloatArray) -> Self:
         """Those not beyond the horizons of their trajectories, array (trajectory,)."""
-        return self.subset(self.time <= latest_trusted_time(horizon)[self.row])
+        trusted = self.time <= latest_trusted_time(horizon)[self.row]
+        return self if trusted.all() else self.subset(trusted)
 
 
 def _place(
