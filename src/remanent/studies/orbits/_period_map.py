@@ -143,7 +143,8 @@ class StroboscopicMap:
         values = self._columns(parameters)
         return self._flow(
             states, self._parameters(values, len(states)), self._lengths(values, len(states)),
-            tolerance=tolerance, cycles=iterate, half=half, resolution=resolution, max_resolution=finest,
+            tolerance=tolerance, cycles=iterate, half=half, resolution=resolution,
+            max_resolution=finest,
         )  # fmt: skip
 
     def _map_image(self, image: Image, parameters: FloatArray, iterate: int) -> MapImage:
