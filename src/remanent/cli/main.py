@@ -39,12 +39,12 @@ def paper(out: Path) -> None:
             display.update(task, description=stage, completed=share)
 
         processes = os.cpu_count() or 1
-        found = reproduce(report, processes=processes)
+        outcome = reproduce(report, processes=processes)
         report("page", 0.95)
-        target = write(found, out)
+        target = write(outcome, out)
         report("done", 1.0)
-    for v in found.verdicts:
-        click.echo(f"{v.claim.id:>4}  {v.verdict:<12}  {v.claim.claim}")
+    for decided in outcome.verdicts:
+        click.echo(f"{decided.claim.id:>4}  {decided.verdict:<12}  {decided.claim.claim}")
     click.echo(f"\n{target}")
 
 

@@ -72,7 +72,7 @@ class Crossings:
         )
 
 
-def crossings(
+def find_crossings(
     problem: Problem,
     name: str,
     value: float,
@@ -218,7 +218,7 @@ class _Steps:
         i, j = self.row[k], self.step[k]
         window, finder = self.window, self.finder
         parameters = window.parameters[:, i]
-        states = dense.between(
+        states = dense.partial_step(
             finder.field, default_method(), finder.waveform,
             states=window.states[i, j], parameters=list(parameters),
             phase=window.phase[j], span=part * window.span, time=part * window.step[i],

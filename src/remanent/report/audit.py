@@ -6,12 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from remanent.report.claims import CLAIMS, Claim, Finding
-from remanent.report.evidence import Evidence
+from remanent.report.evidence import ClaimEvidence
 from remanent.report.settings import Setting
 
 
 @dataclass(frozen=True)
-class Verdict:
+class ClaimVerdict:
     """What the votes say of a claim.
 
     Attributes
@@ -27,7 +27,7 @@ class Verdict:
     evidence: str
 
 
-def audit(reference: Evidence, others: Sequence[Evidence]) -> list[Verdict]:
+def audit(reference: ClaimEvidence, others: Sequence[ClaimEvidence]) -> list[ClaimVerdict]:
     """Decide every claim.
 
     Parameters
@@ -40,7 +40,9 @@ def audit(reference: Evidence, others: Sequence[Evidence]) -> list[Verdict]:
     return [_decide(claim, reference, others) for claim in CLAIMS]
 
 
-def _decide(claim: Claim, reference: Evidence, others: Sequence[Evidence]) -> Verdict:
+def _decide(
+    claim: Claim, reference: ClaimEvidence, others: Sequence[ClaimEvidence]
+) -> ClaimVerdict:
     votes = [
         (e.setting, reading, finding)
         for e in (reference, *others)
@@ -53,13 +55,13 @@ def _decide(claim: Claim, reference: Evidence, others: Sequence[Evidence]) -> Ve
     )
     holds = [finding.holds for _, _, finding in votes]
     if all(holds):
-        return Verdict(claim, "supported", f"{numbers} {_count(others)}")
+        return ClaimVerdict(claim, "supported", f"{numbers} {_count(others)}")
     if not any(holds):
-        return Verdict(claim, "contradicted", f"{numbers} {_count(others)}")
-    return Verdict(claim, "depends", f"{numbers} {_dependence(votes)}")
+        return ClaimVerdict(claim, "contradicted", f"{numbers} {_count(others)}")
+    return ClaimVerdict(claim, "depends", f"{numbers} {_dependence(votes)}")
 
 
-def _count(others: Sequence[Evidence]) -> str:
+def _count(others: Sequence[ClaimEvidence]) -> str:
     if not others:
         return ""
     return f"The same at {len(others)} further settings of what the article leaves unstated."

@@ -12,16 +12,21 @@ from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
+from typing import Final
 
 import numpy as np
 
 from remanent._typing import FloatArray
 from remanent.report import measures
-from remanent.report.evidence import Evidence
+from remanent.report.evidence import ClaimEvidence
 from remanent.report.settings import AGREEMENT, FREQUENCIES, LAWS, PRESTRESSES
 
 #: Depth of modulation from which a motion is said to beat.
-_BEATS = 0.5
+_BEATING: Final = 0.5
+#: Range late over range early in the window, below which a motion settles.
+_SETTLED: Final = 0.9
+#: Multiple of the estimated error within which an energy counts as unchanged.
+_ERROR_MARGIN: Final = 100.0
 
 
 @dataclass(frozen=True)
@@ -54,11 +59,12 @@ class Claim:
 
     id: str
     claim: str
-    test: Callable[[Evidence], Findings]
+    test: Callable[[ClaimEvidence], Findings]
     figure: str
 
 
-def _one(holds: bool | np.bool_, numbers: str) -> Findings:
+def _single(holds: bool | np.bool_, numbers: str) -> Findings:
+    """The finding of a statement that can be read in one way."""
     return {"": Finding(bool(holds), numbers)}
 
 
@@ -79,11 +85,11 @@ def _by_prestress(values: FloatArray, digits: str = ".4f") -> str:
 # Free oscillation under constant load ------------------------------------------------
 
 
-def _closed_orbits(e: Evidence) -> Findings:
+def _closed_orbits(e: ClaimEvidence) -> Findings:
     change, error = measures.energy_change(e.constant), measures.table(e.constant, "error")
-    bound = 100.0 * error
+    bound = _ERROR_MARGIN * error
     bounded = np.isfinite(measures.swing(e.constant)).all()
-    return _one(
+    return _single(
         bounded and (change <= bound).all(),
         "One degree of freedom, bounded, and the energy returns: its largest change over the "
         f"window is {change.max():.1e} at an estimated state error of {error.max():.1e}, so "
@@ -91,87 +97,87 @@ def _closed_orbits(e: Evidence) -> Findings:
     )
 
 
-def _settles(e: Evidence) -> Findings:
+def _settles(e: ClaimEvidence) -> Findings:
     ratio = measures.decay(e.constant)
-    return _one(
-        (ratio < 0.9).all(),
+    return _single(
+        (ratio < _SETTLED).all(),
         "Range in the last quarter of the window over that in the first, T = 250, 350, 400 K: "
         f"{_by_prestress(ratio, '.6f')}. Nothing decays; the model has no dissipation.",
     )
 
 
-def _amplitude_falls(row: int, e: Evidence) -> Findings:
+def _amplitude_falls(row: int, e: ClaimEvidence) -> Findings:
     swing = measures.swing(e.constant)[row]
-    return _one(_falls(swing), f"(max λ₃ − min λ₃)/2 at 250, 350, 400 K: {_list(swing)}.")
+    return _single(_falls(swing), f"(max λ₃ − min λ₃)/2 at 250, 350, 400 K: {_list(swing)}.")
 
 
-def _expansion_and_compression(e: Evidence) -> Findings:
+def _expansion_and_compression(e: ClaimEvidence) -> Findings:
     x = e.constant["thickness_stretch"]
     error = float(e.constant["error"].max())
     low = float(x.sel(prestress=0.0).min())
     high = float(x.sel(prestress=1.0).max())
-    return _one(
+    return _single(
         low >= 1.0 - 10 * error and high <= 1.0 + 10 * error,
         f"From rest at λ₃ = 1 the least λ₃ at S = 0 is {low:.6f}, the largest at S = 1 is "
         f"{high:.6f}, over all temperatures.",
     )
 
 
-def _modulus_falls(e: Evidence) -> Findings:
+def _modulus_falls(e: ClaimEvidence) -> Findings:
     frequency = e.unloaded["natural_frequency"].isel(equilibrium=0).values
     modulus = frequency**2 * (1.0 + 2.0 * e.setting.actuator.c) / 18.0
-    return _one(
+    return _single(
         _falls(modulus),
         "Small-strain shear modulus over μ, from the natural frequency of the unloaded block "
         f"at 250, 350, 400 K: {_list(modulus)} = T/T₀. An entropic elastomer stiffens.",
     )
 
 
-def _extreme(e: Evidence, row: int) -> FloatArray:
+def _extreme(e: ClaimEvidence, row: int) -> FloatArray:
     x = e.constant["thickness_stretch"].isel(prestress=row).transpose("temperature", "time")
     away = np.abs(x.values - 1.0).argmax(axis=-1)
     return np.asarray(np.take_along_axis(x.values, away[:, None], axis=-1)[:, 0])
 
 
-def _thickness_falls(row: int, kind: str, e: Evidence) -> Findings:
-    found = (
+def _thickness_falls(row: int, kind: str, e: ClaimEvidence) -> Findings:
+    stretch = (
         measures.table(e.landscape, "equilibrium_stretch")[row]
         if kind == "equilibrium"
         else _extreme(e, row)
     )
-    return _one(_falls(found), f"λ₃ at {kind}, 250, 350, 400 K: {_list(found)}.")
+    return _single(_falls(stretch), f"λ₃ at {kind}, 250, 350, 400 K: {_list(stretch)}.")
 
 
-def _prestress_deforms_more(e: Evidence) -> Findings:
+def _prestress_deforms_more(e: ClaimEvidence) -> Findings:
     away = np.abs(measures.table(e.landscape, "equilibrium_stretch") - 1.0)
-    return _one((away[1] > away[0]).all(), f"|λ₃ − 1| at equilibrium: {_by_prestress(away)}.")
+    return _single((away[1] > away[0]).all(), f"|λ₃ − 1| at equilibrium: {_by_prestress(away)}.")
 
 
 # Resonances ------------------------------------------------------------------------------
 
 
-def _resonances(e: Evidence) -> FloatArray:
+def _resonances(e: ClaimEvidence) -> FloatArray:
     return measures.table(e.response, "resonance")
 
 
-def _peaks(e: Evidence) -> FloatArray:
+def _peaks(e: ClaimEvidence) -> FloatArray:
     return measures.table(e.response, "resonance_amplitude")
 
 
-def _resonance_rises(e: Evidence) -> Findings:
-    found = _resonances(e)
-    return _one(
-        (np.diff(found, axis=1) > 0).all(), f"ω of the largest λ₃ᵃ: {_by_prestress(found)}."
+def _resonance_rises(e: ClaimEvidence) -> Findings:
+    omega = _resonances(e)
+    return _single(
+        (np.diff(omega, axis=1) > 0).all(), f"ω of the largest λ₃ᵃ: {_by_prestress(omega)}."
     )
 
 
-def _six_frequencies(e: Evidence) -> Findings:
+def _six_frequencies(e: ClaimEvidence) -> Findings:
     difference = _resonances(e) - measures.table(e.response, "published")
-    here = Finding(
+    reference_law = Finding(
         bool((np.abs(difference) <= AGREEMENT).all()),
         f"Computed minus published: {_by_prestress(difference, '+.4f')}.",
     )
-    others = {
+    other_laws = {
         f"forcing law {LAWS[law].text}": Finding(
             misfit <= AGREEMENT,
             f"The best choice of b₀, T₀ and window still misses by {misfit:.4f}."
@@ -181,37 +187,39 @@ def _six_frequencies(e: Evidence) -> Findings:
         for law, misfit in e.misfits.items()
         if law != e.setting.law
     }
-    return {f"forcing law {LAWS[e.setting.law].text}": here, **others}
+    return {f"forcing law {LAWS[e.setting.law].text}": reference_law, **other_laws}
 
 
-def _intensity_falls(e: Evidence) -> Findings:
+def _intensity_falls(e: ClaimEvidence) -> Findings:
     peak = _peaks(e)[0]
-    return _one(_falls(peak), f"Largest λ₃ᵃ at 250, 350, 400 K: {_list(peak)}.")
+    return _single(_falls(peak), f"Largest λ₃ᵃ at 250, 350, 400 K: {_list(peak)}.")
 
 
-def _intensity_rises_then_falls(e: Evidence) -> Findings:
+def _intensity_rises_then_falls(e: ClaimEvidence) -> Findings:
     peak = _peaks(e)[1]
     holds = peak[1] > peak[0] and peak[2] < peak[1]
-    return _one(holds, f"Largest λ₃ᵃ at 250, 350, 400 K: {_list(peak)}.")
+    return _single(holds, f"Largest λ₃ᵃ at 250, 350, 400 K: {_list(peak)}.")
 
 
-def _peaks_compared(e: Evidence) -> Findings:
+def _peaks_compared(e: ClaimEvidence) -> Findings:
     free, pulled = _peaks(e)
     holds = free[0] > pulled[0] and free[1] < pulled[1] and free[2] > pulled[2]
-    return _one(holds, f"Largest λ₃ᵃ: {_by_prestress(np.array([free, pulled]))}.")
+    return _single(holds, f"Largest λ₃ᵃ: {_by_prestress(np.array([free, pulled]))}.")
 
 
-def _higher_frequency(row: int, e: Evidence) -> Findings:
-    found = _resonances(e)
-    return _one((found[row] > found[1 - row]).all(), f"Resonances: {_by_prestress(found)}.")
+def _higher_frequency(row: int, e: ClaimEvidence) -> Findings:
+    omega = _resonances(e)
+    return _single((omega[row] > omega[1 - row]).all(), f"Resonances: {_by_prestress(omega)}.")
 
 
-def _heat_damps(e: Evidence) -> Findings:
+def _heat_damps(e: ClaimEvidence) -> Findings:
     change, error = measures.energy_change(e.constant), measures.table(e.constant, "error")
     energy = e.constant["energy"].transpose("prestress", "temperature", "time").values
     lost = energy[..., 0] - energy[..., -1]
-    return _one(
-        bool((np.diff(lost, axis=1) > 0).all() and (lost[:, -1] > 100 * error[:, -1]).all()),
+    return _single(
+        bool(
+            (np.diff(lost, axis=1) > 0).all() and (lost[:, -1] > _ERROR_MARGIN * error[:, -1]).all()
+        ),
         f"Energy lost over the window: {_by_prestress(lost, '.1e')}; largest change of either "
         f"sign {change.max():.1e}. The equation of motion has no dissipative term at any "
         "temperature; amplitudes fall because the entropic stiffness grows.",
@@ -221,26 +229,26 @@ def _heat_damps(e: Evidence) -> Findings:
 # Beating -----------------------------------------------------------------------------------
 
 
-def _beats_at_resonance(e: Evidence) -> Findings:
+def _beats_at_resonance(e: ClaimEvidence) -> Findings:
     depth = measures.beating(e.motion, 0.0)
-    return _one(
-        depth[1] >= _BEATS,
+    return _single(
+        depth[1] >= _BEATING,
         f"Depth of modulation (a_max − a_min)/(a_max + a_min) of the local amplitude at 250, "
         f"350, 400 K, ω = {FREQUENCIES[0]:g}, S = 0: {_list(depth, '.2f')}.",
     )
 
 
-def _beats_nowhere_else(e: Evidence) -> Findings:
+def _beats_nowhere_else(e: ClaimEvidence) -> Findings:
     depth = measures.beating(e.motion, 0.0)
-    return _one(
-        max(depth[0], depth[2]) < _BEATS,
+    return _single(
+        max(depth[0], depth[2]) < _BEATING,
         f"Depth of modulation at 250 and 400 K: {_list(depth[[0, 2]], '.2f')}"
         f", against {depth[1]:.2f} at 350 K. Undamped motion from rest holds the free "
         "oscillation beside the forced one and beats at every temperature.",
     )
 
 
-def _beats_near_natural(e: Evidence) -> Findings:
+def _beats_near_natural(e: ClaimEvidence) -> Findings:
     natural = measures.table(e.mean, "natural_frequency")[0]
     load = 2.0 * FREQUENCIES[0]
     detuning = np.abs(natural - load)
@@ -260,55 +268,55 @@ def _beats_near_natural(e: Evidence) -> Findings:
 # Regimes -----------------------------------------------------------------------------------
 
 
-def _regimes(e: Evidence, row: int) -> tuple[list[str], str]:
+def _regimes(e: ClaimEvidence, row: int) -> tuple[list[str], str]:
     """Regimes at the three temperatures, and the evidence for them."""
-    found = e.regimes.isel(prestress=row).transpose("temperature", ...)
-    known = [str(name) for name in found["regime"].values]
+    motions = e.regimes.isel(prestress=row).transpose("temperature", ...)
+    names = [str(name) for name in motions["regime"].values]
     exponents = ", ".join(
-        f"{float(one):.1e} ± {float(error):.1e}"
-        for one, error in zip(found["exponent"], found["exponent_error"], strict=True)
+        f"{float(exponent):.1e} ± {float(error):.1e}"
+        for exponent, error in zip(motions["exponent"], motions["exponent_error"], strict=True)
     )
-    return known, (
+    return names, (
         f"At S = {PRESTRESSES[row]:g}, ω = {FREQUENCIES[row]:g}, T = 250, 350, 400 K the motion is "
-        f"{', '.join(known)}, judged after {_list(found['run_periods'].values, '.0f')} drive "
+        f"{', '.join(names)}, judged after {_list(motions['run_periods'].values, '.0f')} drive "
         f"periods. Lyapunov exponents {exponents}; weighted averages agree to "
-        f"{_list(found['digits'].values, '.1f')} digits; turns per period "
-        f"{_list(found['rotation_number'].values)}, known to "
-        f"{_list(found['rotation_digits'].values, '.1f')} digits. The weakest evidence clears "
-        f"its line by the factors {_list(found['margin'].values, '.2f')}."
+        f"{_list(motions['digits'].values, '.1f')} digits; turns per period "
+        f"{_list(motions['rotation_number'].values)}, known to "
+        f"{_list(motions['rotation_digits'].values, '.1f')} digits. The weakest evidence clears "
+        f"its line by the factors {_list(motions['margin'].values, '.2f')}."
     )
 
 
-def _aperiodic_at_resonance(row: int, e: Evidence) -> Findings:
-    known, numbers = _regimes(e, row)
-    return _one(known[1] == "chaotic", numbers)
+def _aperiodic_at_resonance(row: int, e: ClaimEvidence) -> Findings:
+    names, numbers = _regimes(e, row)
+    return _single(names[1] == "chaotic", numbers)
 
 
-def _quasi_periodic_elsewhere(row: int, e: Evidence) -> Findings:
-    known, numbers = _regimes(e, row)
-    return _one(known[0] == known[2] == "quasi-periodic", numbers)
+def _quasi_periodic_elsewhere(row: int, e: ClaimEvidence) -> Findings:
+    names, numbers = _regimes(e, row)
+    return _single(names[0] == names[2] == "quasi-periodic", numbers)
 
 
-def _transition(e: Evidence) -> Findings:
-    known = [_regimes(e, row)[0] for row in range(len(PRESTRESSES))]
-    counts = Counter(name for row in known for name in row)
-    holds = all(row == ["quasi-periodic", "chaotic", "quasi-periodic"] for row in known)
-    said = ", ".join(f"{number} {name}" for name, number in counts.most_common())
-    return _one(
-        holds, f"Of the six motions: {said}. Temperature moves them from one curve to another."
+def _transition(e: ClaimEvidence) -> Findings:
+    rows = [_regimes(e, row)[0] for row in range(len(PRESTRESSES))]
+    counts = Counter(name for row in rows for name in row)
+    holds = all(row == ["quasi-periodic", "chaotic", "quasi-periodic"] for row in rows)
+    summary = ", ".join(f"{number} {name}" for name, number in counts.most_common())
+    return _single(
+        holds, f"Of the six motions: {summary}. Temperature moves them from one curve to another."
     )
 
 
-def _settles_faster(e: Evidence) -> Findings:
+def _settles_faster(e: ClaimEvidence) -> Findings:
     ratio = measures.decay(e.constant)
-    return _one(
-        (ratio[0] < 0.9).all() and (ratio[0] < ratio[1]).all(),
+    return _single(
+        (ratio[0] < _SETTLED).all() and (ratio[0] < ratio[1]).all(),
         f"Range in the last quarter over that in the first: {_by_prestress(ratio, '.6f')}. "
         "Neither settles.",
     )
 
 
-def _bounded_is_stable(e: Evidence) -> Findings:
+def _bounded_is_stable(e: ClaimEvidence) -> Findings:
     growth = measures.separation_growth(e.section, e.neighbour)
     ratio = measures.decay(e.motion)
     largest = float(e.section["stretch"].max())
@@ -323,28 +331,30 @@ def _bounded_is_stable(e: Evidence) -> Findings:
             f"{_by_prestress(growth, '.2f')} from the first half to the whole.",
         ),
         "stable means that disturbances die out": Finding(
-            bool((ratio < 0.9).all()),
+            bool((ratio < _SETTLED).all()),
             f"Range in the last quarter over that in the first: {_by_prestress(ratio, '.2f')}; "
             "an area-preserving map has no attractors.",
         ),
     }
 
 
-_HOT = "as the temperature rises"
+#: How claims say that they compare temperatures.
+_HEATING: Final = "as the temperature rises"
+#: Every claim that is audited, in the order of [Thermal].
 CLAIMS: tuple[Claim, ...] = (
     Claim("1", "Under constant load the motion is a closed orbit for every temperature and S.",
           _closed_orbits, "figure_3"),
     Claim("2", "The actuator oscillates towards a final equilibrium and settles there.",
           _settles, "figure_2"),
-    Claim("3a", f"The oscillation amplitude falls {_HOT}, S = 0.",
+    Claim("3a", f"The oscillation amplitude falls {_HEATING}, S = 0.",
           partial(_amplitude_falls, 0), "landscapes"),
-    Claim("3b", f"The oscillation amplitude falls {_HOT}, S = 1.",
+    Claim("3b", f"The oscillation amplitude falls {_HEATING}, S = 1.",
           partial(_amplitude_falls, 1), "landscapes"),
     Claim("4", "Without prestress the block thickens (λ₃ > 1), with S = 1 it thins (λ₃ < 1).",
           _expansion_and_compression, "figure_3"),
-    Claim("5", f"The elastic modulus falls {_HOT}.", _modulus_falls, "landscapes"),
+    Claim("5", f"The elastic modulus falls {_HEATING}.", _modulus_falls, "landscapes"),
     *(
-        Claim(f"6{letter}", f"The thickness stretch at {kind} falls {_HOT}, S = {s:g}.",
+        Claim(f"6{letter}", f"The thickness stretch at {kind} falls {_HEATING}, S = {s:g}.",
               partial(_thickness_falls, row, kind), "landscapes")
         for letter, (row, s, kind) in zip("abcd", [
             (row, s, kind) for row, s in enumerate(PRESTRESSES)
@@ -352,11 +362,12 @@ CLAIMS: tuple[Claim, ...] = (
     ),
     Claim("7", "With prestress the block deforms more at equilibrium, at every temperature.",
           _prestress_deforms_more, "landscapes"),
-    Claim("8a", f"The resonance frequency rises {_HOT}.", _resonance_rises, "figure_4"),
+    Claim("8a", f"The resonance frequency rises {_HEATING}.", _resonance_rises, "figure_4"),
     Claim("8b", "The resonances are 1.05, 1.25, 1.35 (S = 0) and 0.85, 1.08, 1.19 (S = 1).",
           _six_frequencies, "figure_4"),
-    Claim("9", f"The intensity at resonance falls {_HOT}, S = 0.", _intensity_falls, "figure_4"),
-    Claim("10", f"The intensity at resonance first rises, then falls {_HOT}, S = 1.",
+    Claim("9", f"The intensity at resonance falls {_HEATING}, S = 0.",
+          _intensity_falls, "figure_4"),
+    Claim("10", f"The intensity at resonance first rises, then falls {_HEATING}, S = 1.",
           _intensity_rises_then_falls, "figure_4"),
     Claim("11", "The peak at S = 0 is above that at S = 1 at 250 and 400 K, below it at 350 K.",
           _peaks_compared, "figure_4"),

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from remanent.plots import style
 from remanent.report import dynamics_figures, evidence_figures, figures
 from remanent.report.dynamics import NEAR
-from remanent.report.evidence import DRAWN
+from remanent.report.evidence import SECTION_PERIODS
 from remanent.report.settings import PRESTRESSES
 
 Data = Mapping[str, xr.Dataset]
@@ -34,7 +34,7 @@ def _driven(row: int) -> Drawing:
 
     def drawn(data: Data) -> Figure:
         at = {"prestress": PRESTRESSES[row]}
-        section = data["sections"].sel(at).isel(period=slice(0, DRAWN + 1))
+        section = data["sections"].sel(at).isel(period=slice(0, SECTION_PERIODS + 1))
         return figures.figure_5_or_6(data["periodic_load"].sel(at), section)
 
     return Drawing(drawn, ("periodic_load", "sections"))

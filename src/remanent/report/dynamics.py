@@ -18,19 +18,36 @@ from remanent.studies.orbits.response_diagram import response_diagram
 from remanent.studies.regimes.regime_chart import regime_chart
 from remanent.studies.response.frequency_response import frequency_response
 
-#: Frequencies over which branches are followed, and at how many of them they are looked for.
-_RANGE, _SLICES = (0.7, 1.5), 3
+#: Frequencies between which branches are followed.
+_OMEGA_RANGE: Final = (0.7, 1.5)
+#: Number of frequencies at which branches are looked for.
+_SLICES: Final = 3
 #: The case whose fold and jump are located: the published resonance at 1.25.
 NEAR: Final = {"prestress": 0.0, "temperature": 350.0}
-#: The jump is looked for from so far below the resonance to so far above it.
-_AROUND = (0.005, 0.001)
-#: Width of its last bracket; distance of the motions drawn beside it, and their periods.
-_WIDTH, _BESIDE, _PERIODS = 1e-9, 1e-6, 160
-#: Frequencies drawn around the jump, from so far below it to the fold.
-_BELOW, _POINTS = 0.02, 241
-#: The chart of regimes, at the reference temperature.
-_AMPLITUDES, _FREQUENCIES = np.array([0.5, 1.0, 1.5, 2.0, 3.0, 4.0]), np.linspace(0.75, 3.0, 10)
-_CHART_PERIODS, _CHART_TOLERANCE = 400, 1e-6
+#: Distance below the resonance from which the jump is looked for.
+_JUMP_BELOW: Final = 0.005
+#: Distance above the resonance up to which the jump is looked for.
+_JUMP_ABOVE: Final = 0.001
+#: Width of the last bracket of the jump.
+_JUMP_WIDTH: Final = 1e-9
+#: Distance in frequency from the jump of the two motions that are drawn beside it.
+_SECTION_DISTANCE: Final = 1e-6
+#: Drive periods of these motions.
+_SECTION_PERIODS: Final = 160
+#: Distance in frequency to which the response is drawn on both sides of the jump.
+_RESPONSE_DISTANCE: Final = 0.02
+#: Number of frequencies of that response.
+_RESPONSE_POINTS: Final = 241
+#: Tolerance of what is only drawn.
+_DRAWING_TOLERANCE: Final = 1e-6
+#: Amplitudes b of the chart of regimes, at the reference temperature.
+_CHART_AMPLITUDES: Final = np.array([0.5, 1.0, 1.5, 2.0, 3.0, 4.0])
+#: Frequencies of the chart of regimes, at the reference temperature.
+_CHART_OMEGAS: Final = np.linspace(0.75, 3.0, 10)
+#: Drive periods after which its regimes are judged.
+_CHART_PERIODS: Final = 400
+#: Tolerance of its motions.
+_CHART_TOLERANCE: Final = 1e-6
 
 Data = dict[str, xr.Dataset]
 
@@ -40,15 +57,15 @@ def orbits(resonance: xr.DataArray) -> Data:
 
     Parameters
     ----------
-    resonance
-        ω of the largest amplitude (prestress, temperature).
+    resonance : xarray.DataArray (prestress, temperature)
+        ω of the largest amplitude.
     """
     actuator, drive = REFERENCE.actuator, REFERENCE.drive(1.0)
     omega = xr.DataArray(
         resonance.transpose("prestress", "temperature").values, dims=("prestress", "temperature")
     )
     return {
-        "branches": response_diagram(actuator, drive, _RANGE, over=CASES, slices=_SLICES),
+        "branches": response_diagram(actuator, drive, _OMEGA_RANGE, over=CASES, slices=_SLICES),
         "resonance_orbits": periodic_orbits(actuator, drive, over={**CASES, "omega": omega}),
     }
 
@@ -58,24 +75,25 @@ def jump(resonance: xr.DataArray) -> Data:
 
     Parameters
     ----------
-    resonance
-        As for :func:`orbits`.
+    resonance : xarray.DataArray (prestress, temperature)
+        ω of the largest amplitude.
     """
     actuator, drive = REFERENCE.actuator.replace(**NEAR), REFERENCE.drive(1.0)
     peak = float(resonance.sel(NEAR))
     crossing = manifold_crossing(
-        actuator, drive, "omega", (peak - _AROUND[0], peak + _AROUND[1]), width=_WIDTH
+        actuator, drive, "omega", (peak - _JUMP_BELOW, peak + _JUMP_ABOVE), width=_JUMP_WIDTH
     )
-    at = float(crossing["omega"])
-    beside = poincare_section(
-        actuator, drive, periods=_PERIODS, over={"omega": [at - _BESIDE, at + _BESIDE]},
-        tolerance=1e-6,
+    omega = float(crossing["omega"])
+    sections = poincare_section(
+        actuator, drive, periods=_SECTION_PERIODS,
+        over={"omega": [omega - _SECTION_DISTANCE, omega + _SECTION_DISTANCE]},
+        tolerance=_DRAWING_TOLERANCE,
     )  # fmt: skip
-    near = frequency_response(
-        actuator, drive, np.linspace(at - _BELOW, at + _BELOW, _POINTS),
-        duration=REFERENCE.window, tolerance=1e-6,
-    )  # fmt: skip
-    return {"jump": crossing, "jump_sections": beside, "jump_response": near}
+    omegas = np.linspace(omega - _RESPONSE_DISTANCE, omega + _RESPONSE_DISTANCE, _RESPONSE_POINTS)
+    response = frequency_response(
+        actuator, drive, omegas, duration=REFERENCE.window, tolerance=_DRAWING_TOLERANCE
+    )
+    return {"jump": crossing, "jump_sections": sections, "jump_response": response}
 
 
 def chart() -> Data:
@@ -85,12 +103,12 @@ def chart() -> Data:
     ``chart_cases`` says the places of the published ones.
     """
     actuator, drive = REFERENCE.actuator, REFERENCE.drive(1.0)
-    found = regime_chart(
-        actuator, drive, {"b": _AMPLITUDES, "omega": _FREQUENCIES},
+    regimes = regime_chart(
+        actuator, drive, {"b": _CHART_AMPLITUDES, "omega": _CHART_OMEGAS},
         periods=_CHART_PERIODS, tolerance=_CHART_TOLERANCE,
     )  # fmt: skip
     root = np.sqrt(np.array(TEMPERATURES) / REFERENCE.reference_temperature)
-    paper = build.dataset(
+    published = build.dataset(
         {
             "omega": (("temperature",), FREQUENCIES[0] / root),
             "b": (("temperature",), REFERENCE.b / root),
@@ -98,7 +116,7 @@ def chart() -> Data:
         {"temperature": (("temperature",), np.array(TEMPERATURES))},
         {},
     )
-    return {"chart": found, "chart_cases": paper}
+    return {"chart": regimes, "chart_cases": published}
 
 
 def summarise(data: Mapping[str, xr.Dataset]) -> dict[str, Any]:
@@ -121,7 +139,8 @@ def _cases(dataset: xr.Dataset) -> list[tuple[dict[str, float], xr.Dataset]]:
     ]
 
 
-_EVIDENCE = (
+#: Variables of the evidence for a regime that programs read.
+_EVIDENCE: Final = (
     "exponent", "exponent_error", "rotation_number", "rotation_digits", "digits", "zero_one",
     "margin",
 )  # fmt: skip
@@ -129,45 +148,45 @@ _EVIDENCE = (
 
 def _regimes(dataset: xr.Dataset) -> list[dict[str, Any]]:
     return [
-        at
-        | {"omega": float(one["omega"]), "regime": str(one["regime"].values)}
-        | {"periods": int(one["run_periods"])}
-        | {name: _number(one[name]) for name in _EVIDENCE}
-        for at, one in _cases(dataset)
+        case
+        | {"omega": float(motion["omega"]), "regime": str(motion["regime"].values)}
+        | {"periods": int(motion["run_periods"])}
+        | {name: _number(motion[name]) for name in _EVIDENCE}
+        for case, motion in _cases(dataset)
     ]
 
 
 def _orbits(dataset: xr.Dataset) -> list[dict[str, Any]]:
-    found = []
-    for at, one in _cases(dataset):
-        for k in np.flatnonzero(np.isfinite(one["residual"].values)):
-            orbit = one.isel(orbit=k)
-            found.append(
-                at
-                | {"omega": float(one["omega"]), "stability": str(orbit["stability"].values)}
+    rows = []
+    for case, coexisting in _cases(dataset):
+        for k in np.flatnonzero(np.isfinite(coexisting["residual"].values)):
+            orbit = coexisting.isel(orbit=k)
+            rows.append(
+                case
+                | {"omega": float(coexisting["omega"]), "stability": str(orbit["stability"].values)}
                 | {name: _number(orbit[name]) for name in ("amplitude", "residual")}
                 | {"initial": [float(v) for v in orbit["initial"].values]}
                 | {"multipliers": [[m.real, m.imag] for m in orbit["multipliers"].values.tolist()]}
             )
-    return found
+    return rows
 
 
 def folds(branches: xr.Dataset) -> list[dict[str, float]]:
     """Every fold on the branches, with its error."""
     return [
-        at
+        case
         | {
-            "omega": float(one["special_omega"][k]),
-            "error": float(one["special_error"][k]),
-            "stretch": float(one["special_stretch"][k]),
+            "omega": float(branch["special_omega"][k]),
+            "error": float(branch["special_error"][k]),
+            "stretch": float(branch["special_stretch"][k]),
         }
-        for at, one in _cases(branches)
-        for k in np.flatnonzero(one["special_kind"].values == "fold")
+        for case, branch in _cases(branches)
+        for k in np.flatnonzero(branch["special_kind"].values == "fold")
     ]
 
 
-def _jump(crossing: xr.Dataset, known: list[dict[str, float]]) -> dict[str, Any]:
-    fold = next(one for one in known if all(one[k] == v for k, v in NEAR.items()))
+def _jump(crossing: xr.Dataset, located: list[dict[str, float]]) -> dict[str, Any]:
+    fold = next(fold for fold in located if all(fold[k] == v for k, v in NEAR.items()))
     return {
         **NEAR,
         "omega": float(crossing["omega"]),
@@ -179,7 +198,7 @@ def _jump(crossing: xr.Dataset, known: list[dict[str, float]]) -> dict[str, Any]
     }
 
 
-def _chaos(dataset: xr.Dataset, paper: xr.Dataset) -> dict[str, Any]:
+def _chaos(dataset: xr.Dataset, published: xr.Dataset) -> dict[str, Any]:
     kinds, counts = np.unique(dataset["regime"].values, return_counts=True)
     points: list[dict[str, Any]] = [
         {name: float(dataset[name][j]) for name, j in (("b", k[0]), ("omega", k[1]))}
@@ -193,10 +212,13 @@ def _chaos(dataset: xr.Dataset, paper: xr.Dataset) -> dict[str, Any]:
         "omega": [float(v) for v in dataset["omega"].values],
         "counts": dict(zip(kinds.tolist(), counts.tolist(), strict=True)),
         "chaotic": points,
-        "least_b": min((one["b"] for one in points), default=None),
+        "least_b": min((point["b"] for point in points), default=None),
         "paper": [
-            {name: float(paper[name].sel(temperature=t)) for name in ("temperature", "b", "omega")}
-            for t in paper["temperature"].values
+            {
+                name: float(published[name].sel(temperature=t))
+                for name in ("temperature", "b", "omega")
+            }
+            for t in published["temperature"].values
         ],
     }
 

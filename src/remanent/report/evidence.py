@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Final
 
 import numpy as np
 import xarray as xr
@@ -24,19 +25,19 @@ from remanent.studies.response.frequency_response import frequency_response
 from remanent.studies.statics.equilibria import equilibria
 
 #: All combinations, prestress first as in the published panels.
-CASES = {"prestress": PRESTRESSES, "temperature": TEMPERATURES}
+CASES: Final = {"prestress": PRESTRESSES, "temperature": TEMPERATURES}
 #: Frequencies at which responses are tabulated before the largest is refined.
-OMEGAS = np.linspace(0.5, 2.0, 601)
+OMEGAS: Final = np.linspace(0.5, 2.0, 601)
 #: Drive periods in sections: so many until the slowest of the six curves closes.
-DRAWN = 1000
+SECTION_PERIODS: Final = 1000
 #: Drive periods after which regimes are judged; the next where one is still undecided.
-JUDGED = (500, 1000, 2000, 8000)
-#: Distance of the neighbour whose separation is followed.
-NUDGE = 1e-6
+REGIME_PERIODS: Final = (500, 1000, 2000, 8000)
+#: Distance in stretch of the neighbour whose separation is followed.
+NEIGHBOUR_DISTANCE: Final = 1e-6
 
 
 @dataclass(frozen=True)
-class Evidence:
+class ClaimEvidence:
     """Results for one setting; dimensions are (prestress, temperature, ...) throughout.
 
     Attributes
@@ -56,7 +57,7 @@ class Evidence:
         length of the run it took, ``run_periods``; empty until :func:`regimes` is asked.
     section, neighbour
         Sections at every drive period, of the motion from rest and of one that starts
-        at a stretch larger by :data:`NUDGE`.
+        at a stretch larger by :data:`NEIGHBOUR_DISTANCE`.
     misfits
         Least misfit of the six resonances that each forcing law reaches, by its name;
         empty where the reconstruction was not made.
@@ -75,17 +76,21 @@ class Evidence:
     misfits: Mapping[str, float] = field(default_factory=dict)
 
 
-def gather(setting: Setting, tolerance: float = 1e-8, every: int = 1) -> Evidence:
+def compute_evidence(setting: Setting, tolerance: float = 1e-8, every: int = 1) -> ClaimEvidence:
     """Compute everything that verdicts need, for one setting.
 
     Parameters
     ----------
-    every
+    setting : Setting
+        What [Thermal] leaves unstated.
+    tolerance : float
+        Asked of every result.
+    every : int
         Tabulate responses at every so many of :data:`OMEGAS` only, before refining.
     """
     actuator, m = setting.actuator, setting.b**2
     section, neighbour = sections(setting, tolerance)
-    return Evidence(
+    return ClaimEvidence(
         setting=setting,
         constant=simulate(
             actuator, Constant(m), duration=setting.window, over=CASES, tolerance=tolerance
@@ -102,13 +107,13 @@ def gather(setting: Setting, tolerance: float = 1e-8, every: int = 1) -> Evidenc
 
 def responses(setting: Setting, tolerance: float, every: int = 1) -> xr.Dataset:
     """Figure 4, with the published resonances beside the computed ones."""
-    found = frequency_response(
+    response = frequency_response(
         setting.actuator, setting.drive(1.0), OMEGAS[::every], duration=setting.window,
         over=CASES, tolerance=tolerance,
     )  # fmt: skip
     dims = ("prestress", "temperature")
     published = build.dataset({"published": (dims, np.array(PUBLISHED))}, {}, {})
-    return found.assign(published=published["published"])
+    return response.assign(published=published["published"])
 
 
 def motions(setting: Setting, tolerance: float) -> xr.Dataset:
@@ -125,50 +130,50 @@ def regimes(settings: Sequence[Setting], tolerance: float) -> list[xr.Dataset]:
     Runs are made longer where it is still undecided.
     """
     cases = _driven() | {
-        name: xr.DataArray([getattr(one, name) for one in settings], dims="setting")
+        name: xr.DataArray([getattr(setting, name) for setting in settings], dims="setting")
         for name in ("reference_temperature", "b")
     }
     order = ("setting", "prestress", "temperature")
-    found = _judged(settings[0], cases, JUDGED[0], tolerance).transpose(*order)
-    for periods in JUDGED[1:]:
-        left = np.nonzero(found["regime"].values == "undecided")
-        if not left[0].size:
+    judged = _classified(settings[0], cases, REGIME_PERIODS[0], tolerance).transpose(*order)
+    for periods in REGIME_PERIODS[1:]:
+        undecided = np.nonzero(judged["regime"].values == "undecided")
+        if not undecided[0].size:
             break
-        some = {
-            name: xr.DataArray(_everywhere(values, found)[left], dims="case")
+        remaining = {
+            name: xr.DataArray(_everywhere(values, judged)[undecided], dims="case")
             for name, values in cases.items()
         }
-        again = _judged(settings[0], some, periods, tolerance)
-        for name in again.data_vars:
-            found[name].values[left] = again[name].values
-    return [found.isel(setting=k) for k in range(len(settings))]
+        longer = _classified(settings[0], remaining, periods, tolerance)
+        for name in longer.data_vars:
+            judged[name].values[undecided] = longer[name].values
+    return [judged.isel(setting=k) for k in range(len(settings))]
 
 
-def _judged(
-    like: Setting, over: Mapping[str, xr.DataArray], periods: int, tolerance: float
+def _classified(
+    setting: Setting, over: Mapping[str, xr.DataArray], periods: int, tolerance: float
 ) -> xr.Dataset:
-    found = classify(
-        like.actuator, like.drive(1.0), periods=periods, over=over, tolerance=tolerance
+    classes = classify(
+        setting.actuator, setting.drive(1.0), periods=periods, over=over, tolerance=tolerance
     )
-    regime = found["regime"]
+    regime = classes["regime"]
     length = {"run_periods": (tuple(map(str, regime.dims)), np.full(regime.shape, periods))}
-    return found.assign(build.dataset(length, {}, {}))
+    return classes.assign(build.dataset(length, {}, {}))
 
 
-def _everywhere(values: xr.DataArray, found: xr.Dataset) -> np.ndarray:
+def _everywhere(values: xr.DataArray, judged: xr.Dataset) -> np.ndarray:
     """Values of a field for every motion, in the shape of the regimes."""
-    regime = found["regime"].reset_coords(drop=True).drop_vars(list(found["regime"].indexes))
+    regime = judged["regime"].reset_coords(drop=True).drop_vars(list(judged["regime"].indexes))
     return np.asarray(values.broadcast_like(regime).transpose(*regime.dims).values)
 
 
 def sections(setting: Setting, tolerance: float) -> tuple[xr.Dataset, xr.Dataset]:
     """Sections of each motion and of a neighbour."""
-    start = xr.DataArray([1.0, 1.0 + NUDGE], dims="start")
-    found = poincare_section(
-        setting.actuator, setting.drive(1.0), periods=DRAWN,
-        over={**_driven(), "initial.stretch": start}, tolerance=tolerance,
+    starts = xr.DataArray([1.0, 1.0 + NEIGHBOUR_DISTANCE], dims="start")
+    both = poincare_section(
+        setting.actuator, setting.drive(1.0), periods=SECTION_PERIODS,
+        over={**_driven(), "initial.stretch": starts}, tolerance=tolerance,
     )  # fmt: skip
-    return found.isel(start=0), found.isel(start=1)
+    return both.isel(start=0), both.isel(start=1)
 
 
 def _driven() -> dict[str, xr.DataArray]:

@@ -7,7 +7,7 @@ footer.  Panels are lettered as in [Thermal].
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 import xarray as xr
@@ -28,7 +28,8 @@ __all__ = [
     "per_prestress",
 ]
 
-_ODD = style.OKABE_ITO["blue"]
+#: Colour of points at odd drive periods.
+_ODD_COLOUR: Final = style.OKABE_ITO["blue"]
 
 
 def figure_2(dataset: xr.Dataset) -> Figure:
@@ -177,7 +178,13 @@ def _motion_row(axes: Sequence[Axes], history: xr.Dataset, section: xr.Dataset) 
     even, odd = section.isel(period=second), section.isel(period=~second)
     plots.section(even, ax=axes[1], color=style.INK, zorder=4)
     plots.section(
-        odd, ax=axes[2], color=None, facecolors="none", edgecolors=_ODD, s=4.5, linewidths=0.5
+        odd,
+        ax=axes[2],
+        color=None,
+        facecolors="none",
+        edgecolors=_ODD_COLOUR,
+        s=4.5,
+        linewidths=0.5,
     )
     plots.section(even, ax=axes[2], color=style.INK, s=1.5, zorder=4)
     axes[2].set_ylabel("")
@@ -187,7 +194,7 @@ def _period_handles() -> list[Line2D]:
     looks: dict[str, Any] = {"linestyle": "", "marker": "o"}
     return [
         Line2D([], [], color=style.INK, ms=2.2, label="even drive periods", **looks),
-        Line2D([], [], color=_ODD, mfc="none", ms=4, label="odd drive periods", **looks),
+        Line2D([], [], color=_ODD_COLOUR, mfc="none", ms=4, label="odd drive periods", **looks),
     ]
 
 

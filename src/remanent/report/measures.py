@@ -15,8 +15,9 @@ def separation_growth(section: xr.Dataset, neighbour: xr.Dataset) -> FloatArray:
     time, exponentially large where the motion is chaotic.
     """
     order = ("prestress", "temperature", "period")
-    x, z = (one["stretch"].transpose(*order).values for one in (section, neighbour))
-    v, w = (one["stretch_rate"].transpose(*order).values for one in (section, neighbour))
+    sections = (section, neighbour)
+    x, z = (dataset["stretch"].transpose(*order).values for dataset in sections)
+    v, w = (dataset["stretch_rate"].transpose(*order).values for dataset in sections)
     distance = np.hypot(x - z, v - w)
     half = distance.shape[-1] // 2
     return np.asarray(distance.max(axis=-1) / distance[..., :half].max(axis=-1))
@@ -30,12 +31,12 @@ def local_amplitudes(thickness: FloatArray) -> FloatArray:
 
 def beating(history: xr.Dataset, prestress: float) -> FloatArray:
     """Depth of the modulation of each motion (temperature,): 0 steady, 1 down to rest."""
-    found = []
+    depths = []
     values = history["thickness_stretch"].sel(prestress=prestress)
     for row in values.transpose("temperature", "time").values:
         a = local_amplitudes(row)
-        found.append((a.max() - a.min()) / (a.max() + a.min()))
-    return np.array(found)
+        depths.append((a.max() - a.min()) / (a.max() + a.min()))
+    return np.array(depths)
 
 
 def energy_change(history: xr.Dataset) -> FloatArray:
@@ -59,6 +60,6 @@ def swing(history: xr.Dataset) -> FloatArray:
 
 def table(dataset: xr.Dataset, name: str) -> FloatArray:
     """A variable as an array (prestress, temperature); the first along other dimensions."""
-    found = dataset[name]
-    extra = {d: 0 for d in found.dims if d not in ("prestress", "temperature")}
-    return np.asarray(found.isel(extra).transpose("prestress", "temperature").values)
+    array = dataset[name]
+    extra = {dim: 0 for dim in array.dims if dim not in ("prestress", "temperature")}
+    return np.asarray(array.isel(extra).transpose("prestress", "temperature").values)

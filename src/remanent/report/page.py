@@ -7,14 +7,15 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from functools import partial
-from typing import Any
+from typing import Any, Final
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from remanent.report.contents import Paper
 from remanent.report.settings import AGREEMENT, LAWS
 
-_WORDS = {"supported": "Supported", "contradicted": "Contradicted", "depends": "Depends"}
+#: Verdicts as the page writes them.
+_WORDS: Final = {"supported": "Supported", "contradicted": "Contradicted", "depends": "Depends"}
 
 
 def render(paper: Paper, summary: Mapping[str, Any], drawings: Mapping[str, str]) -> str:

@@ -12,13 +12,13 @@ from typing import Any
 import xarray as xr
 
 from remanent.report import dynamics, page, reconstruction, tolerance
-from remanent.report.audit import Verdict, audit
+from remanent.report.audit import ClaimVerdict, audit
 from remanent.report.contents import Paper
 from remanent.report.drawings import DRAWINGS, draw
-from remanent.report.evidence import Evidence, gather, regimes
+from remanent.report.evidence import ClaimEvidence, compute_evidence, regimes
 from remanent.report.processes import pool
-from remanent.report.settings import LAWS, PRESTRESSES, REFERENCE, TEMPERATURES
-from remanent.results import store
+from remanent.report.settings import LAWS, PRESTRESSES, REFERENCE, TEMPERATURES, Setting
+from remanent.results import netcdf
 
 #: Called with the name of a stage and the share of the whole that is done.
 Report = Callable[[str, float], None]
@@ -33,62 +33,67 @@ def reproduce(report: Report = _silent, *, processes: int = 1) -> Paper:
 
     Parameters
     ----------
-    report
+    report : callable
         Called with the name of a stage and the share of the whole that is done.
-    processes
+    processes : int
         See :func:`remanent.report.processes.pool`.
     """
     report("figures 2 to 6", 0.0)
-    reference = gather(REFERENCE)
+    reference = compute_evidence(REFERENCE)
     data = _measured(reference)
     resonance = reference.response["resonance"]
-    with pool(processes) as aside:
-        apart = [
-            aside.submit(_scripts, reference),
-            aside.submit(dynamics.chart),
-            aside.submit(dynamics.orbits, resonance),
-            aside.submit(dynamics.jump, resonance),
+    with pool(processes) as executor:
+        pending = [
+            executor.submit(_scripts, reference),
+            executor.submit(dynamics.chart),
+            executor.submit(dynamics.orbits, resonance),
+            executor.submit(dynamics.jump, resonance),
         ]
-        drawn = _start(aside, data, ())
+        drawn = _start(executor, data, ())
         valleys = _reconstruct(report)
         report("audit", 0.6)
         verdicts, reference = _audited(reference, valleys)
         ready = tuple(data)
         data |= _reconstructed(valleys) | {"regimes": reference.regimes}
-        for one in apart:
-            data |= one.result()
-        drawn |= _start(aside, data, ready)
+        for future in pending:
+            data |= future.result()
+        drawn |= _start(executor, data, ready)
         report("pictures", 0.8)
         pictures = {name: drawn[name].result() for name in DRAWINGS}
     return Paper(reference, verdicts, data, pictures)
 
 
 def _start(
-    aside: Executor, data: Mapping[str, xr.Dataset], before: Sequence[str]
+    executor: Executor, data: Mapping[str, xr.Dataset], before: Sequence[str]
 ) -> dict[str, Future[dict[str, bytes]]]:
     """Have those pictures drawn for which the last data have just come."""
     return {
-        name: aside.submit(draw, name, {k: data[k] for k in drawing.needs})
+        name: executor.submit(draw, name, {k: data[k] for k in drawing.needs})
         for name, drawing in DRAWINGS.items()
         if set(drawing.needs) <= set(data) and not set(drawing.needs) <= set(before)
     }
 
 
 def _audited(
-    reference: Evidence, valleys: Mapping[str, xr.Dataset]
-) -> tuple[list[Verdict], Evidence]:
+    reference: ClaimEvidence, valleys: Mapping[str, xr.Dataset]
+) -> tuple[list[ClaimVerdict], ClaimEvidence]:
     """Verdicts, and the evidence with what the reconstruction adds to it."""
     least = {law: float(valley["misfit"].min()) for law, valley in valleys.items()}
     reference = replace(reference, misfits=least)
     settings = reconstruction.admissible(valleys["sin2"], "sin2")
     with ThreadPoolExecutor(max_workers=2) as together:
-        known = together.submit(regimes, [REFERENCE, *settings], 1e-8)
-        others = list(together.map(lambda setting: gather(setting, 1e-7, every=3), settings))
+        judged = together.submit(regimes, [REFERENCE, *settings], 1e-8)
+        others = list(together.map(_coarse_evidence, settings))
     reference, *others = [
-        replace(evidence, regimes=own)
-        for evidence, own in zip([reference, *others], known.result(), strict=True)
+        replace(evidence, regimes=motions)
+        for evidence, motions in zip([reference, *others], judged.result(), strict=True)
     ]
     return audit(reference, others), reference
+
+
+def _coarse_evidence(setting: Setting) -> ClaimEvidence:
+    """The evidence for a further setting, of which only the verdicts are used."""
+    return compute_evidence(setting, 1e-7, every=3)
 
 
 def write(paper: Paper, out: Path) -> Path:
@@ -99,7 +104,7 @@ def write(paper: Paper, out: Path) -> Path:
         for suffix, content in files.items():
             (out / "figures" / f"{name}{suffix}").write_bytes(content)
     for name, dataset in paper.datasets.items():
-        store.write(dataset, out / "data" / f"{name}.nc")
+        netcdf.write(dataset, out / "data" / f"{name}.nc")
     summary = summarise(paper)
     (out / "report.json").write_text(
         json.dumps(summary, indent=2, ensure_ascii=False) + "\n", encoding="utf-8"
@@ -144,7 +149,7 @@ def summarise(paper: Paper) -> dict[str, Any]:
     }
 
 
-def _scripts(reference: Evidence) -> dict[str, xr.Dataset]:
+def _scripts(reference: ClaimEvidence) -> dict[str, xr.Dataset]:
     return {
         "tolerance_sections": tolerance.section_story(reference),
         "tolerance_energy": tolerance.energy_story(REFERENCE),
@@ -155,7 +160,7 @@ def _reconstruct(report: Report) -> dict[str, xr.Dataset]:
     """Misfits of every law; the published reading over every window."""
     windows = dict.fromkeys(LAWS, (100.0,)) | {"sin2": reconstruction.WINDOWS}
     total, done = sum(map(len, windows.values())), 0
-    found = {}
+    misfits = {}
     for law, lengths in windows.items():
 
         def step() -> None:
@@ -164,18 +169,18 @@ def _reconstruct(report: Report) -> dict[str, xr.Dataset]:
             report("reconstruction of what is unstated", 0.1 + 0.5 * done / total)
 
         every = 1 if law == "sin2" else 2
-        found[law] = reconstruction.misfits(law, lengths, step, every=every)
-    return found
+        misfits[law] = reconstruction.misfits(law, lengths, step, every=every)
+    return misfits
 
 
-def _measured(e: Evidence) -> dict[str, xr.Dataset]:
+def _measured(evidence: ClaimEvidence) -> dict[str, xr.Dataset]:
     return {
-        "constant_load": e.constant,
-        "landscape": e.landscape,
-        "frequency_response": e.response,
-        "periodic_load": e.motion,
-        "sections": e.section,
-        "neighbours": e.neighbour,
+        "constant_load": evidence.constant,
+        "landscape": evidence.landscape,
+        "frequency_response": evidence.response,
+        "periodic_load": evidence.motion,
+        "sections": evidence.section,
+        "neighbours": evidence.neighbour,
     }
 
 

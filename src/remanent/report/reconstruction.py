@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Final
 
 import numpy as np
 import xarray as xr
@@ -12,15 +13,20 @@ from remanent.report.settings import AGREEMENT, LAWS, PRESTRESSES, PUBLISHED, TE
 from remanent.results import build, provenance
 from remanent.studies.response.frequency_response import frequency_response
 
-#: The grid on which the misfit is computed.
-REFERENCE_TEMPERATURES = np.arange(287.0, 304.0, 2.0)
-AMPLITUDES = np.round(np.arange(0.34, 0.4401, 0.01), 2)
-WINDOWS = (50.0, 100.0, 150.0)
-#: Frequencies searched; m = b₀² sin ωτ resonates at twice the published ones.
-_RANGE = {"sin2": (0.7, 1.5, 41), "cos2": (0.7, 1.5, 41), "sin": (0.7, 3.0, 116)}
-#: A resonance is read to this width, two parts of eight of a step of the table, with room for
-#: rounding; amplitudes need no smaller error than this.
-_TOLERANCE, _WIDTH = 1e-4, 5.1e-3
+#: Reference temperatures T0 at which the misfit is computed, K.
+REFERENCE_TEMPERATURES: Final = np.arange(287.0, 304.0, 2.0)
+#: Amplitudes b0 at which the misfit is computed.
+AMPLITUDES: Final = np.round(np.arange(0.34, 0.4401, 0.01), 2)
+#: Lengths of the response window at which the misfit is computed.
+WINDOWS: Final = (50.0, 100.0, 150.0)
+#: Frequencies searched by law: first, last, count; m = b₀² sin ωτ resonates at twice the
+#: published ones.
+_OMEGAS: Final = {"sin2": (0.7, 1.5, 41), "cos2": (0.7, 1.5, 41), "sin": (0.7, 3.0, 116)}
+#: Error of amplitudes that places a maximum within the width below.
+_TOLERANCE: Final = 1e-4
+#: Width to which a resonance is read: two parts of eight of a step of the table, with room
+#: for rounding.
+_WIDTH: Final = 5.1e-3
 
 
 def misfits(
@@ -30,13 +36,13 @@ def misfits(
 
     Parameters
     ----------
-    law
+    law : str
         Name in :data:`~remanent.report.settings.LAWS`.
-    windows
+    windows : tuple of float
         Lengths of the response window.
-    report
+    report : callable
         Called after each window.
-    every
+    every : int
         Use every so many values of T₀ and b₀ only.
 
     Returns
@@ -45,14 +51,15 @@ def misfits(
         ``misfit`` (law, window, reference_temperature, b) and the ``resonance``
         (law, window, reference_temperature, b, temperature, prestress) behind it.
     """
-    found = []
+    tables = []
     for window in windows:
-        found.append(_resonances(law, window, REFERENCE_TEMPERATURES[::every], AMPLITUDES[::every]))
+        grid = REFERENCE_TEMPERATURES[::every], AMPLITUDES[::every]
+        tables.append(_resonances(law, window, *grid))
         report()
-    resonance = np.stack(found)[None]
+    resonance = np.stack(tables)[None]
     misfit = np.abs(resonance - np.array(PUBLISHED).T).max(axis=(-2, -1))
     dims = ("law", "window", "reference_temperature", "b")
-    whole = Setting(law=law)
+    setting = Setting(law=law)
     return build.dataset(
         {
             "misfit": (dims, misfit),
@@ -67,7 +74,7 @@ def misfits(
             "prestress": (("prestress",), np.array(PRESTRESSES)),
         },
         provenance.attributes(
-            whole.actuator, whole.drive(1.0), _TOLERANCE, over=dims[1:], width=_WIDTH
+            setting.actuator, setting.drive(1.0), _TOLERANCE, over=dims[1:], width=_WIDTH
         ),
     )
 
@@ -80,7 +87,7 @@ def _resonances(
     response = frequency_response(
         Setting().actuator,
         LAWS[law].drive(0.4, 1.0),
-        np.linspace(*_RANGE[law]),
+        np.linspace(*_OMEGAS[law]),
         duration=window,
         tolerance=_TOLERANCE,
         resonance_width=_WIDTH,
@@ -98,11 +105,11 @@ def _resonances(
 def admissible(misfit: xr.Dataset, law: str) -> list[Setting]:
     """Settings that bring all six resonances back: the best of each window."""
     values = misfit["misfit"].isel(law=0).transpose("window", "reference_temperature", "b").values
-    good = np.argwhere(values <= AGREEMENT)
-    best = [good[good[:, 0] == w] for w in range(values.shape[0])]
-    picks = [rows[np.argmin(values[tuple(rows.T)])] for rows in best if rows.size]
+    agreeing = np.argwhere(values <= AGREEMENT)
+    by_window = [agreeing[agreeing[:, 0] == w] for w in range(values.shape[0])]
+    best = [rows[np.argmin(values[tuple(rows.T)])] for rows in by_window if rows.size]
     settings = [
         Setting(float(AMPLITUDES[j]), float(REFERENCE_TEMPERATURES[i]), float(WINDOWS[w]), law)
-        for w, i, j in picks
+        for w, i, j in best
     ]
     return list(dict.fromkeys(settings))

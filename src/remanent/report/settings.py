@@ -13,14 +13,16 @@ from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.models.drives.waves import Sine, SineSquared
 
-#: Temperatures, kelvin, and prestresses of every figure.
+#: Temperatures of every figure, K.
 TEMPERATURES: Final = (250.0, 350.0, 400.0)
+#: Prestresses of every figure.
 PRESTRESSES: Final = (0.0, 1.0)
 #: Drive frequency of the motions in figures 5 (S = 0) and 6 (S = 1).
 FREQUENCIES: Final = (1.25, 1.08)
 #: Published resonance frequencies, one row per prestress, one column per temperature.
 PUBLISHED: Final = ((1.05, 1.25, 1.35), (0.85, 1.08, 1.19))
-#: Two digits after the point are published, and the maximum is read off a curve.
+#: Largest difference that counts as agreement: two digits after the point are published,
+#: and the maximum is read off a curve.
 AGREEMENT: Final = 0.01
 
 
@@ -86,6 +88,7 @@ class Law:
         return ("m", b**2) if self.phase is None else ("b", b)
 
 
+#: The readings of "periodic magnetic flux" by name.
 LAWS: Final[Mapping[str, Law]] = MappingProxyType(
     {
         "sin2": Law("m = (b₀ sin ωτ)²", r"$(b_0\sin\omega\tau)^2$", 0.0),
@@ -93,4 +96,5 @@ LAWS: Final[Mapping[str, Law]] = MappingProxyType(
         "sin": Law("m = b₀² sin ωτ", r"$b_0^2\sin\omega\tau$", None),
     }
 )
+#: The setting that brings the published resonances back, with which figures are drawn.
 REFERENCE: Final = Setting()

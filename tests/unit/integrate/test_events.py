@@ -8,14 +8,16 @@ from scipy.special import ellipk
 from tests.unit.integrate.handmade import SINE, Oscillator, Q, problem
 
 import remanent as rm
-from remanent.integrate.events import Crossings, crossings
+from remanent.integrate.events import Crossings, find_crossings
 
 HARMONIC = Oscillator(-Q, {})
 
 
 def of_cosine(value: float, end: float = 50.0) -> Crossings:
     """Crossings of cos tau."""
-    found, _ = crossings(problem(HARMONIC, (1.0, 0.0), end), "position", value, tolerance=1e-10)
+    found, _ = find_crossings(
+        problem(HARMONIC, (1.0, 0.0), end), "position", value, tolerance=1e-10
+    )
     return found
 
 
@@ -50,7 +52,7 @@ def test_a_miss_is_a_miss() -> None:
 def test_a_start_on_the_value_is_no_crossing() -> None:
     """sin tau from 0: the first crossing is at pi, also for a start that moves at once."""
     asked = problem(HARMONIC, [(0.0, 1.0), (0.0, -1.0)], 4.0)
-    found, _ = crossings(asked, "position", 0.0, tolerance=1e-10)
+    found, _ = find_crossings(asked, "position", 0.0, tolerance=1e-10)
     np.testing.assert_allclose(found.time, [np.pi, np.pi], rtol=0.0, atol=1e-10)
     assert found.direction.tolist() == [-1, 1]
 
@@ -59,12 +61,12 @@ def test_crossings_at_ends_of_steps_are_found_once() -> None:
     """q'' = 0 passes whole numbers exactly at ends of steps of a load with period 1."""
     asked = problem(Oscillator(0.0 * Q, {}), (-3.0, 1.0), 8.0, period=1.0)
     for value in (-2.0, 0.0, 4.0):
-        found, _ = crossings(asked, "position", value, tolerance=1e-10)
+        found, _ = find_crossings(asked, "position", value, tolerance=1e-10)
         np.testing.assert_allclose(found.time, [value + 3.0], rtol=0.0, atol=1e-14)
 
 
 def test_no_crossing_beyond_the_end() -> None:
-    found, _ = crossings(problem(HARMONIC, [(1.0, 0.0)] * 3, [1.5, 1.6, 5.0], period=0.7),
+    found, _ = find_crossings(problem(HARMONIC, [(1.0, 0.0)] * 3, [1.5, 1.6, 5.0], period=0.7),
                          "position", 0.0, tolerance=1e-10)  # fmt: skip
     assert found.trajectory.tolist() == [1, 2, 2]
 
@@ -80,7 +82,7 @@ def test_rates_of_the_motion_cross_zero_at_its_extremes() -> None:
 def test_the_drive_itself_is_refused() -> None:
     asked = problem(Oscillator(-Q + SINE, {}), (1.0, 0.0), 1.0, period=1.0)
     with pytest.raises(ValueError, match="drive"):
-        crossings(asked, "acceleration", 0.0, tolerance=1e-9)
+        find_crossings(asked, "acceleration", 0.0, tolerance=1e-9)
 
 
 def test_periods_between_crossings_are_those_of_the_orbit() -> None:
@@ -99,7 +101,7 @@ def test_the_backbone_of_duffings_oscillator() -> None:
     e, amplitude = 2.0, np.linspace(0.01, 3.0, 16)
     starts = np.column_stack([amplitude, np.zeros(16)])
     duffing = Oscillator(-Q - e * Q**3, {})
-    found, outcome = crossings(problem(duffing, starts, 4.0), "v", 0.0, tolerance=1e-10)
+    found, outcome = find_crossings(problem(duffing, starts, 4.0), "v", 0.0, tolerance=1e-10)
     _, first = np.unique(found.trajectory, return_index=True)
     w = np.sqrt(1.0 + e * amplitude**2)
     half = 2.0 * ellipk(e * amplitude**2 / (2.0 * w**2)) / w

@@ -87,7 +87,7 @@ def test_states_between_steps_have_the_order_of_a_step() -> None:
             small = {"span": s / parts, "time": part * h / parts}
             for k in range(parts):
                 now = {**a, "states": y, "phase": a["phase"] + k * s / parts}
-                y = dense.between(field, default_method(), wave, **now, **small)
+                y = dense.partial_step(field, default_method(), wave, **now, **small)
             return y
 
         errors.append(np.abs(advanced(1) - advanced(16)).max(axis=1))
@@ -100,7 +100,7 @@ def test_a_state_at_the_end_of_a_step_is_kept_exactly() -> None:
     values = {**ACTUATOR.parameters(), **DRIVE.parameters()}
     states = np.array([[1.0 / 3.0, -0.1], [1e300, np.inf]])
     zero = np.zeros(2)
-    found = dense.between(
+    found = dense.partial_step(
         field,
         default_method(),
         DRIVE.timeline({}, np.ones(1)).waveform,

@@ -1,4 +1,4 @@
-"""The decisions of refinement, one row each: history and evidence to what follows."""
+"""The decisions of refinement, one row each: history and summary to what follows."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ import pytest
 
 from remanent._status import Status
 from remanent.integrate.ensemble.refinement import (
+    AttemptSummary,
     Decision,
-    Evidence,
     History,
     RefinementPolicy,
     Trajectories,
@@ -41,7 +41,7 @@ class Row:
     best_resolution: int = 16
     stalls: int = 0
     status_before: Status = Status.HORIZON
-    # evidence
+    # summary
     resolution: int = 32
     met: bool = False
     horizon: float = 40.0
@@ -131,7 +131,7 @@ def decide(rows: list[Row]) -> Decision:
             column("stalls"),
             column("status_before").astype(np.int8),
         ),
-        Evidence(
+        AttemptSummary(
             resolution,
             column("met"),
             column("horizon"),

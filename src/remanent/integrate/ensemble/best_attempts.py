@@ -14,8 +14,8 @@ from remanent.integrate.ensemble.counts import NOMINAL, cycle_counts, step_count
 from remanent.integrate.ensemble.pool import Pending
 from remanent.integrate.ensemble.problem import Outcome, Problem, Request
 from remanent.integrate.ensemble.refinement import (
+    AttemptSummary,
     Decision,
-    Evidence,
     History,
     RefinementPolicy,
     Trajectories,
@@ -80,7 +80,7 @@ class BestAttempts:
     def settle(self, policy: RefinementPolicy, chunk: Chunk, attempt: Attempt) -> Pending:
         """Take in the attempt of a chunk; tell which of its trajectories to try again."""
         indices = chunk.indices
-        evidence = Evidence(
+        summary = AttemptSummary(
             chunk.resolution,
             attempt.within_tolerance,
             attempt.horizon,
@@ -88,7 +88,7 @@ class BestAttempts:
             attempt.largest_error,
             attempt.size,
         )
-        decision = policy.decide(self.trajectories(indices), self.history(indices), evidence)
+        decision = policy.decide(self.trajectories(indices), self.history(indices), summary)
         self._keep(chunk, attempt, decision)
         return Pending(indices[decision.refine], decision.resolution[decision.refine])
 

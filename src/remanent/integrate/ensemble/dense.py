@@ -18,7 +18,7 @@ from remanent._typing import FloatArray
 from remanent.integrate.methods.runge_kutta import RungeKutta
 
 
-def between(
+def partial_step(
     field: Field,
     method: RungeKutta,
     waveform: Callable[[FloatArray], FloatArray],
@@ -29,12 +29,16 @@ def between(
     span: FloatArray,
     time: FloatArray,
 ) -> FloatArray:
-    """The states a little later, by one step for each, with NumPy.
+    """The states within a step, by one shorter step for each, with NumPy.
 
     Parameters
     ----------
-    field, method, waveform
-        What moves, how it is integrated, and the waveforms of its load.
+    field : Field
+        What moves.
+    method : RungeKutta
+        How it is integrated.
+    waveform : callable
+        ``waveform(phase)``: the field's waveforms, array (waveform, *phase.shape).
     states : array (sample, state)
         To start from.
     parameters : sequence of array (sample,)

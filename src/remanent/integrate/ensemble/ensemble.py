@@ -72,7 +72,7 @@ def integrate(
 
     See Also
     --------
-    remanent.integrate.events.crossings : Where an observable passes through a value.
+    remanent.integrate.events.find_crossings : Where an observable passes through a value.
     remanent.integrate.maps.period_map.PeriodMap : The map over whole drive periods.
     """
     tolerance = min(tolerance, LOOSEST_TOLERANCE)

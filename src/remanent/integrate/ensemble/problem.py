@@ -145,7 +145,7 @@ def latest_trusted_time(horizon: FloatArray) -> FloatArray:
     return horizon * (1.0 + _HORIZON_ROUNDING)
 
 
-def gathered(count: int, parts: Iterable[tuple[slice, Outcome]]) -> Outcome:
+def merge_outcomes(count: int, parts: Iterable[tuple[slice, Outcome]]) -> Outcome:
     """The outcome of `count` trajectories from those of their parts.
 
     Each part is put in its place and forgotten, so that memory is needed for all parts once and

@@ -67,7 +67,7 @@ class History:
 
 
 @dataclass(frozen=True)
-class Evidence:
+class AttemptSummary:
     """What one attempt of some trajectories, at one resolution, came to.
 
     Attributes
@@ -168,7 +168,9 @@ class RefinementPolicy:
     jump_share: float = 0.05
     escape_size: float = 1e6
 
-    def decide(self, trajectories: Trajectories, history: History, evidence: Evidence) -> Decision:
+    def decide(
+        self, trajectories: Trajectories, history: History, summary: AttemptSummary
+    ) -> Decision:
         """What follows from an attempt, for every trajectory by itself.
 
         Parameters
@@ -176,25 +178,25 @@ class RefinementPolicy:
         trajectories : Trajectories
         history : History
             Before the attempt.
-        evidence : Evidence
+        summary : AttemptSummary
             Of the attempt.
 
         Returns
         -------
         Decision
         """
-        met = evidence.within_tolerance
-        horizon = np.where(met, trajectories.duration, evidence.horizon)
+        met = summary.within_tolerance
+        horizon = np.where(met, trajectories.duration, summary.horizon)
         # Before the first attempt the horizon is NaN, so that nothing has stalled.
         stalled = horizon <= self.stall_growth * history.horizon
-        stalls = self._stalls(stalled, history, evidence)
+        stalls = self._stalls(stalled, history, summary)
         improved = met | (history.resolution == 0) | (horizon > history.horizon)
         # Steps that are too long run away as well, but not twice to the same time.
-        escaped = ~met & stalled & (evidence.size > self.escape_size)
-        singular = ~met & (horizon <= 0.0) & np.isnan(evidence.largest_error)
+        escaped = ~met & stalled & (summary.size > self.escape_size)
+        singular = ~met & (horizon <= 0.0) & np.isnan(summary.largest_error)
         in_vain = ~met & self._exhausted(trajectories, horizon, stalls)
         unfinished = ~met & ~in_vain & ~escaped
-        resolution = self._next_resolution(evidence)
+        resolution = self._next_resolution(summary)
         affordable = resolution <= self.max_resolution * trajectories.slowness
         status = np.where(improved, np.where(met, Status.OK, Status.HORIZON), history.status)
         status = np.where(escaped, Status.ESCAPED, status)
@@ -214,20 +216,20 @@ class RefinementPolicy:
             status.astype(np.int8),
         )
 
-    def _next_resolution(self, evidence: Evidence) -> IntArray:
+    def _next_resolution(self, summary: AttemptSummary) -> IntArray:
         """What the order of the method predicts from the error of the attempt."""
         return refine_resolution(
-            evidence.resolution,
-            evidence.largest_error,
+            summary.resolution,
+            summary.largest_error,
             self.tolerance,
             self.order,
             asymptotic_limit=ASYMPTOTIC_LIMIT,
         )
 
-    def _stalls(self, stalled: BoolArray, history: History, evidence: Evidence) -> IntArray:
+    def _stalls(self, stalled: BoolArray, history: History, summary: AttemptSummary) -> IntArray:
         """How many attempts in a row have stalled and tell something."""
-        jumped = evidence.error_to_horizon < self.jump_share * self.tolerance
-        finer = evidence.resolution >= self.telling_refinement * history.resolution
+        jumped = summary.error_to_horizon < self.jump_share * self.tolerance
+        finer = summary.resolution >= self.telling_refinement * history.resolution
         telling = stalled & ~jumped & finer
         return np.asarray(np.where(stalled, history.stalls + telling, 0))
 

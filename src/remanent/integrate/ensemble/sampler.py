@@ -170,7 +170,7 @@ class Sampler:
             row, column = trajectory[block], sample[block]
             step = np.floor(position[row, column]).astype(np.int64)
             part = position[row, column] - step
-            self.states[row, column] = dense.between(
+            self.states[row, column] = dense.partial_step(
                 self.run.problem.field,
                 default_method(),
                 self.run.problem.timeline.waveform,

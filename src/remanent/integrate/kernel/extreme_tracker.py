@@ -27,13 +27,13 @@ from remanent.integrate.kernel.extrema import (
 from remanent.integrate.kernel.field_code import FieldCode, Load, LoadTable
 from remanent.integrate.kernel.group import Cycle, RunConstants, TrajectoryCells, VectorCells
 from remanent.integrate.kernel.lanes import (
+    Cell,
     Lanes,
     Mask,
-    Variable,
     Writer,
     larger,
     larger_or_nan,
-    quotient,
+    reciprocal_quotient,
     smaller,
 )
 
@@ -105,16 +105,16 @@ class KeptStep:
     ----------
     vectors : tuple of VectorCells
         In the order of :meth:`DoubleStep.vectors`.
-    start, diverged : Variable
+    start, diverged : Cell
         As in :class:`DoubleStep`.
-    waiting : Variable
+    waiting : Cell
         1 where a double step waits, else 0.
     """
 
     vectors: tuple[VectorCells, ...]
-    start: Variable
-    diverged: Variable
-    waiting: Variable
+    start: Cell
+    diverged: Cell
+    waiting: Cell
 
     @classmethod
     def empty(cls, writer: Writer, states: int, columns: int, *, coarse: bool) -> Self:
@@ -164,7 +164,7 @@ class ExtremeTracker:
     ----------
     loads : LoadTable
         Of the fine solution.
-    direction : Variable
+    direction : Cell
         A quantity with the sign of the observable's rate, at the end of the last double step.
     kept : KeptStep
         Double steps that wait to be worked out.
@@ -176,7 +176,7 @@ class ExtremeTracker:
     cells: TrajectoryCells
     loads: LoadTable
     monitor: ErrorMonitor
-    direction: Variable
+    direction: Cell
     kept: KeptStep
     coarse_solution: bool
 
@@ -329,7 +329,7 @@ def _turning_point(polynomial: list[Any], near: Lanes, far: Lanes, shift: Lanes)
     """Where the derivative vanishes in [shift, shift + 1], by Newton from a secant."""
     slope = derivative(polynomial)
     curvature = derivative(slope)
-    s = quotient(near, near - far) + shift
+    s = reciprocal_quotient(near, near - far) + shift
     for _ in range(_NEWTON_STEPS):
         inverse = s.writer.reciprocal(horner(curvature, s))
         s = _within(s - horner(slope, s) * inverse, shift)

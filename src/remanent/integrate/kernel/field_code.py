@@ -11,7 +11,7 @@ from llvmlite import ir
 from remanent._field import Field, Program
 from remanent.integrate.kernel.extrema import TimeDerivatives
 from remanent.integrate.kernel.group import GroupSlots
-from remanent.integrate.kernel.lanes import LaneFunctions, Lanes, Writer, quotient
+from remanent.integrate.kernel.lanes import LaneFunctions, Lanes, Writer, reciprocal_quotient
 from remanent.integrate.kernel.options import Method, Options
 from remanent.integrate.kernel.outline import LONG, Outlined
 from remanent.integrate.methods.runge_kutta import RungeKutta
@@ -92,7 +92,9 @@ class FieldCode:
             function.prepare(parameters)
         return cls(field, slots.writer, parameters, outlined)
 
-    def rates(self, y: Sequence[Lanes], load: Load, divide: Divide = quotient) -> list[Lanes]:
+    def rates(
+        self, y: Sequence[Lanes], load: Load, divide: Divide = reciprocal_quotient
+    ) -> list[Lanes]:
         """The rates of all state variables, or of the first ones, on which no others act."""
         if self.outlined:
             return self.outlined[len(y)](load[0], y, load[1:])
@@ -111,7 +113,7 @@ class FieldCode:
         return self._run(self.field.watched, y, load)[3]
 
     def _run(
-        self, program: Program, y: Sequence[Lanes], load: Load, divide: Divide = quotient
+        self, program: Program, y: Sequence[Lanes], load: Load, divide: Divide = reciprocal_quotient
     ) -> list[Lanes]:
         return program(
             [load[0], *y, *self.parameters, *load[1:]],

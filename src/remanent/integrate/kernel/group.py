@@ -12,7 +12,7 @@ from typing import Self
 
 from llvmlite import ir
 
-from remanent.integrate.kernel.lanes import Lanes, Mask, Variable, Writer
+from remanent.integrate.kernel.lanes import Cell, Lanes, Mask, Writer
 from remanent.integrate.kernel.layout import CONSTANTS, RESULTS, STATES, Layout
 
 
@@ -98,7 +98,7 @@ class Cycle:
 class VectorCells:
     """One mutable cell for each component of a vector."""
 
-    cells: tuple[Variable, ...]
+    cells: tuple[Cell, ...]
 
     @classmethod
     def holding(cls, writer: Writer, values: Sequence[Lanes]) -> Self:
@@ -132,18 +132,18 @@ class TrajectoryCells:
     compensation: VectorCells
     coarse: VectorCells
     at_horizon: VectorCells
-    within_tolerance: Variable
-    horizon: Variable
-    error_to_horizon: Variable
-    largest_error: Variable
-    maximum: Variable
-    minimum: Variable
+    within_tolerance: Cell
+    horizon: Cell
+    error_to_horizon: Cell
+    largest_error: Cell
+    maximum: Cell
+    minimum: Cell
 
     @classmethod
     def load(cls, slots: GroupSlots) -> Self:
         """Read the cells from the slots of a group."""
 
-        def cell(name: str) -> Variable:
+        def cell(name: str) -> Cell:
             return slots.writer.variable(slots.read(name))
 
         def vector(kind: str) -> VectorCells:

@@ -82,12 +82,12 @@ class Writer:
     def load_scalar(self, pointer: ir.Value, index: ir.Value) -> ir.Value:
         return self.builder.load(self.builder.gep(pointer, [index]))
 
-    def cell(self) -> Variable:
+    def cell(self) -> Cell:
         """A mutable cell without a value; the optimiser turns it into registers."""
         with self.builder.goto_entry_block():
-            return Variable(self, self.builder.alloca(self.vector))
+            return Cell(self, self.builder.alloca(self.vector))
 
-    def variable(self, initial: Lanes) -> Variable:
+    def variable(self, initial: Lanes) -> Cell:
         """A mutable cell."""
         cell = self.cell()
         cell.set(initial)
@@ -158,17 +158,17 @@ class Writer:
 
 
 @dataclass(frozen=True)
-class Variable:
+class Cell:
     """A mutable cell of lanes."""
 
     writer: Writer
-    cell: ir.Value
+    address: ir.Value
 
     def get(self) -> Lanes:
-        return Lanes(self.writer, self.writer.builder.load(self.cell))
+        return Lanes(self.writer, self.writer.builder.load(self.address))
 
     def set(self, value: Lanes) -> None:
-        self.writer.builder.store(value.value, self.cell)
+        self.writer.builder.store(value.value, self.address)
 
     def set_where(self, where: Mask, value: Lanes) -> None:
         """Replace the numbers of some lanes."""
@@ -271,7 +271,7 @@ def _lanes(first: int, count: int) -> ir.Constant:
     return ir.Constant(ir.VectorType(_INDEX, count), list(range(first, first + count)))
 
 
-def quotient(a: Lanes, b: Lanes) -> Lanes:
+def reciprocal_quotient(a: Lanes, b: Lanes) -> Lanes:
     """a/b by the reciprocal of b."""
     return a * b.writer.reciprocal(b)
 

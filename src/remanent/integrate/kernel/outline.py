@@ -13,7 +13,13 @@ from dataclasses import replace
 from llvmlite import ir
 
 from remanent._field import Field, Program
-from remanent.integrate.kernel.lanes import DOUBLE, LaneFunctions, Lanes, Writer, quotient
+from remanent.integrate.kernel.lanes import (
+    DOUBLE,
+    LaneFunctions,
+    Lanes,
+    Writer,
+    reciprocal_quotient,
+)
 
 #: Rates with more instructions than this are called.
 LONG = 200
@@ -114,7 +120,9 @@ def _function(program: Program, kernel: Writer, name: str) -> ir.Function:
         argument.add_attribute("noalias")
     w = replace(kernel, builder=ir.IRBuilder(function.append_basic_block("entry")))
     values = [w.load(function.args[0], w.integer(i * w.width)) for i in range(len(program.inputs))]
-    outputs = program(values, functions=LaneFunctions(w), constant=w.constant, divide=quotient)
+    outputs = program(
+        values, functions=LaneFunctions(w), constant=w.constant, divide=reciprocal_quotient
+    )
     _store(w, outputs, function.args[1], 0)
     w.builder.ret_void()
     return function

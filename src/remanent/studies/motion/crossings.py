@@ -114,7 +114,7 @@ def crossings(
     ens = lay_out(system, drive, over, initial)
     require_choice("variable", variable, [*ens.field.watched_names, *ens.field.state])
     problem = initial_value_problem(ens, durations(ens, duration, periods))
-    passages, outcome = events.crossings(
+    passages, outcome = events.find_crossings(
         problem, variable, value, tolerance=tolerance, progress=report
     )
     variables = _table(ens, passages, np.isin(passages.direction, _DIRECTIONS[direction]))

@@ -77,7 +77,7 @@ def free_oscillations(ens: Ensemble, tolerance: float) -> FreeOscillations:
         if not missing.any():
             break
         problem = initial_value_problem(ens, np.full(ens.count, duration))
-        turns, outcome = events.crossings(problem, "stretch_rate", 0.0, tolerance=tolerance)
+        turns, outcome = events.find_crossings(problem, "stretch_rate", 0.0, tolerance=tolerance)
         rows, first = np.unique(turns.trajectory, return_index=True)
         acceleration = _acceleration(problem, rows, turns.states[first])
         half[rows] = turns.time[first]

@@ -13,7 +13,7 @@ from remanent._errors import InputError
 from remanent._typing import ArrayLike, FloatArray, IntArray
 from remanent.analysis.response.subdivision import Maximum, refine_maximum
 from remanent.integrate.ensemble.ensemble import integrate
-from remanent.integrate.ensemble.problem import Outcome, Request, gathered
+from remanent.integrate.ensemble.problem import Outcome, Request, merge_outcomes
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.results.build import Labelled
@@ -182,7 +182,7 @@ def response_extremes(
             problem = initial_value_problem(batch, durations(batch, duration, periods))
             yield part, integrate(problem, request, tolerance=tolerance, progress=report)
 
-    return gathered(ens.count, parts())
+    return merge_outcomes(ens.count, parts())
 
 
 def _amplitude(outcome: Outcome) -> FloatArray:
