@@ -18,93 +18,109 @@ from remanent.studies.orbits.response_diagram import response_diagram
 from remanent.studies.regimes.regime_chart import regime_chart
 from remanent.studies.response.frequency_response import frequency_response
 
-#: Frequencies between which branches are followed.
-_OMEGA_RANGE: Final = (0.7, 1.5)
-#: Number of frequencies at which branches are looked for.
-_SLICES: Final = 3
+#: Frequencies over which branches are followed.
+_BRANCH_RANGE = (0.7, 1.5)
+#: Frequencies at which branches are looked for.
+_BRANCH_SLICES = 3
 #: The case whose fold and jump are located: the published resonance at 1.25.
-NEAR: Final = {"prestress": 0.0, "temperature": 350.0}
-#: Distance below the resonance from which the jump is looked for.
-_JUMP_BELOW: Final = 0.005
-#: Distance above the resonance up to which the jump is looked for.
-_JUMP_ABOVE: Final = 0.001
+JUMP_CASE: Final = {"prestress": 0.0, "temperature": 350.0}
+#: The jump is looked for from so far below the resonance.
+_JUMP_BELOW = 0.005
+#: The jump is looked for up to so far above the resonance.
+_JUMP_ABOVE = 0.001
 #: Width of the last bracket of the jump.
-_JUMP_WIDTH: Final = 1e-9
-#: Distance in frequency from the jump of the two motions that are drawn beside it.
-_SECTION_DISTANCE: Final = 1e-6
-#: Drive periods of these motions.
-_SECTION_PERIODS: Final = 160
-#: Distance in frequency to which the response is drawn on both sides of the jump.
-_RESPONSE_DISTANCE: Final = 0.02
-#: Number of frequencies of that response.
-_RESPONSE_POINTS: Final = 241
-#: Tolerance of what is only drawn.
-_DRAWING_TOLERANCE: Final = 1e-6
-#: Amplitudes b of the chart of regimes, at the reference temperature.
-_CHART_AMPLITUDES: Final = np.array([0.5, 1.0, 1.5, 2.0, 3.0, 4.0])
-#: Frequencies of the chart of regimes, at the reference temperature.
-_CHART_OMEGAS: Final = np.linspace(0.75, 3.0, 10)
-#: Drive periods after which its regimes are judged.
-_CHART_PERIODS: Final = 400
-#: Tolerance of its motions.
-_CHART_TOLERANCE: Final = 1e-6
-
-Data = dict[str, xr.Dataset]
+_JUMP_WIDTH = 1e-9
+#: Distance in frequency from the jump of the two motions drawn beside it.
+_JUMP_OFFSET = 1e-6
+#: Drive periods of these two motions.
+_JUMP_PERIODS = 160
+#: Half of the interval of frequencies drawn around the jump.
+_RESPONSE_HALF_WIDTH = 0.02
+#: Frequencies in that interval.
+_RESPONSE_POINTS = 241
+#: Tolerance of the motions and the response around the jump.
+_JUMP_TOLERANCE = 1e-6
+#: Roots of the peak load of the chart of regimes, at the reference temperature.
+_CHART_B = np.array([0.5, 1.0, 1.5, 2.0, 3.0, 4.0])
+#: Drive frequencies of the chart.
+_CHART_OMEGA = np.linspace(0.75, 3.0, 10)
+#: Drive periods after which the motions of the chart are judged.
+_CHART_PERIODS = 400
+#: Tolerance of the motions of the chart.
+_CHART_TOLERANCE = 1e-6
 
 
-def orbits(resonance: xr.DataArray) -> Data:
+def orbits_at_resonance(resonance: xr.DataArray) -> dict[str, xr.Dataset]:
     """All branches of forced response, and the orbits that coexist at each resonance.
 
     Parameters
     ----------
-    resonance : xarray.DataArray (prestress, temperature)
-        ω of the largest amplitude.
+    resonance : xarray.DataArray
+        ω of the largest amplitude (prestress, temperature).
+
+    Returns
+    -------
+    dict of str to xarray.Dataset
+        ``branches`` and ``resonance_orbits``.
     """
     actuator, drive = REFERENCE.actuator, REFERENCE.drive(1.0)
     omega = xr.DataArray(
         resonance.transpose("prestress", "temperature").values, dims=("prestress", "temperature")
     )
     return {
-        "branches": response_diagram(actuator, drive, _OMEGA_RANGE, over=CASES, slices=_SLICES),
+        "branches": response_diagram(
+            actuator, drive, _BRANCH_RANGE, over=CASES, slices=_BRANCH_SLICES
+        ),
         "resonance_orbits": periodic_orbits(actuator, drive, over={**CASES, "omega": omega}),
     }
 
 
-def jump(resonance: xr.DataArray) -> Data:
+def locate_jump(resonance: xr.DataArray) -> dict[str, xr.Dataset]:
     """Where the motion from rest crosses the saddle's stable manifold, and what it does there.
 
     Parameters
     ----------
-    resonance : xarray.DataArray (prestress, temperature)
-        ω of the largest amplitude.
+    resonance : xarray.DataArray
+        ω of the largest amplitude (prestress, temperature).
+
+    Returns
+    -------
+    dict of str to xarray.Dataset
+        ``jump``, the crossing; ``jump_sections``, a motion on either side of it;
+        ``jump_response``, the response from rest around it.
     """
-    actuator, drive = REFERENCE.actuator.replace(**NEAR), REFERENCE.drive(1.0)
-    peak = float(resonance.sel(NEAR))
+    actuator, drive = REFERENCE.actuator.replace(**JUMP_CASE), REFERENCE.drive(1.0)
+    peak = float(resonance.sel(JUMP_CASE))
     crossing = manifold_crossing(
         actuator, drive, "omega", (peak - _JUMP_BELOW, peak + _JUMP_ABOVE), width=_JUMP_WIDTH
     )
     omega = float(crossing["omega"])
     sections = poincare_section(
-        actuator, drive, periods=_SECTION_PERIODS,
-        over={"omega": [omega - _SECTION_DISTANCE, omega + _SECTION_DISTANCE]},
-        tolerance=_DRAWING_TOLERANCE,
+        actuator, drive, periods=_JUMP_PERIODS,
+        over={"omega": [omega - _JUMP_OFFSET, omega + _JUMP_OFFSET]}, tolerance=_JUMP_TOLERANCE,
     )  # fmt: skip
-    omegas = np.linspace(omega - _RESPONSE_DISTANCE, omega + _RESPONSE_DISTANCE, _RESPONSE_POINTS)
     response = frequency_response(
-        actuator, drive, omegas, duration=REFERENCE.window, tolerance=_DRAWING_TOLERANCE
-    )
+        actuator, drive,
+        np.linspace(omega - _RESPONSE_HALF_WIDTH, omega + _RESPONSE_HALF_WIDTH, _RESPONSE_POINTS),
+        duration=REFERENCE.window, tolerance=_JUMP_TOLERANCE,
+    )  # fmt: skip
     return {"jump": crossing, "jump_sections": sections, "jump_response": response}
 
 
-def chart() -> Data:
+def chaos_chart() -> dict[str, xr.Dataset]:
     """Regimes from rest over the plane of frequency and load, without prestress.
 
     At the reference temperature; with ω/√θ and b/√θ it is that of every temperature, where
     ``chart_cases`` says the places of the published ones.
+
+    Returns
+    -------
+    dict of str to xarray.Dataset
+        ``chart`` (b, omega) and ``chart_cases`` (temperature).
     """
     actuator, drive = REFERENCE.actuator, REFERENCE.drive(1.0)
     regimes = regime_chart(
-        actuator, drive, {"b": _CHART_AMPLITUDES, "omega": _CHART_OMEGAS},
+        actuator, drive, {"b": _CHART_B, "omega": _CHART_OMEGA},
         periods=_CHART_PERIODS, tolerance=_CHART_TOLERANCE,
     )  # fmt: skip
     root = np.sqrt(np.array(TEMPERATURES) / REFERENCE.reference_temperature)
@@ -119,19 +135,31 @@ def chart() -> Data:
     return {"chart": regimes, "chart_cases": published}
 
 
-def summarise(data: Mapping[str, xr.Dataset]) -> dict[str, Any]:
-    """What programs read of all this, and of the regimes."""
+def summarise_dynamics(data: Mapping[str, xr.Dataset]) -> dict[str, Any]:
+    """What programs read of orbits, the jump, chaos and the regimes.
+
+    Parameters
+    ----------
+    data : mapping of str to xarray.Dataset
+        Results by name.
+
+    Returns
+    -------
+    dict
+        Plain data, which JSON can hold.
+    """
+    folds = list_folds(data["branches"])
     return {
         "regimes": _regimes(data["regimes"]),
         "orbits": _orbits(data["resonance_orbits"]),
-        "folds": folds(data["branches"]),
-        "jump": _jump(data["jump"], folds(data["branches"])),
+        "folds": folds,
+        "jump": _jump(data["jump"], folds),
         "chaos": _chaos(data["chart"], data["chart_cases"]),
     }
 
 
 def _cases(dataset: xr.Dataset) -> list[tuple[dict[str, float], xr.Dataset]]:
-    """The six cases, each with what is known of it."""
+    """The six cases by their coordinates, each with its part of a Dataset."""
     return [
         ({"temperature": float(t), "prestress": float(s)}, dataset.sel(prestress=s, temperature=t))
         for s in dataset["prestress"].values
@@ -139,8 +167,8 @@ def _cases(dataset: xr.Dataset) -> list[tuple[dict[str, float], xr.Dataset]]:
     ]
 
 
-#: Variables of the evidence for a regime that programs read.
-_EVIDENCE: Final = (
+#: Numbers that a regime is reported with.
+_REGIME_EVIDENCE = (
     "exponent", "exponent_error", "rotation_number", "rotation_digits", "digits", "zero_one",
     "margin",
 )  # fmt: skip
@@ -148,47 +176,47 @@ _EVIDENCE: Final = (
 
 def _regimes(dataset: xr.Dataset) -> list[dict[str, Any]]:
     return [
-        case
-        | {"omega": float(motion["omega"]), "regime": str(motion["regime"].values)}
-        | {"periods": int(motion["run_periods"])}
-        | {name: _number(motion[name]) for name in _EVIDENCE}
-        for case, motion in _cases(dataset)
+        at
+        | {"omega": float(case["omega"]), "regime": str(case["regime"].values)}
+        | {"periods": int(case["run_periods"])}
+        | {name: _number(case[name]) for name in _REGIME_EVIDENCE}
+        for at, case in _cases(dataset)
     ]
 
 
 def _orbits(dataset: xr.Dataset) -> list[dict[str, Any]]:
-    rows = []
-    for case, coexisting in _cases(dataset):
-        for k in np.flatnonzero(np.isfinite(coexisting["residual"].values)):
-            orbit = coexisting.isel(orbit=k)
-            rows.append(
-                case
-                | {"omega": float(coexisting["omega"]), "stability": str(orbit["stability"].values)}
+    orbits = []
+    for at, case in _cases(dataset):
+        for k in np.flatnonzero(np.isfinite(case["residual"].values)):
+            orbit = case.isel(orbit=k)
+            orbits.append(
+                at
+                | {"omega": float(case["omega"]), "stability": str(orbit["stability"].values)}
                 | {name: _number(orbit[name]) for name in ("amplitude", "residual")}
                 | {"initial": [float(v) for v in orbit["initial"].values]}
                 | {"multipliers": [[m.real, m.imag] for m in orbit["multipliers"].values.tolist()]}
             )
-    return rows
+    return orbits
 
 
-def folds(branches: xr.Dataset) -> list[dict[str, float]]:
-    """Every fold on the branches, with its error."""
+def list_folds(branches: xr.Dataset) -> list[dict[str, float]]:
+    """Every fold on the branches: its case, its frequency with its error, its stretch."""
     return [
-        case
+        at
         | {
-            "omega": float(branch["special_omega"][k]),
-            "error": float(branch["special_error"][k]),
-            "stretch": float(branch["special_stretch"][k]),
+            "omega": float(case["special_omega"][k]),
+            "error": float(case["special_error"][k]),
+            "stretch": float(case["special_stretch"][k]),
         }
-        for case, branch in _cases(branches)
-        for k in np.flatnonzero(branch["special_kind"].values == "fold")
+        for at, case in _cases(branches)
+        for k in np.flatnonzero(case["special_kind"].values == "fold")
     ]
 
 
-def _jump(crossing: xr.Dataset, located: list[dict[str, float]]) -> dict[str, Any]:
-    fold = next(fold for fold in located if all(fold[k] == v for k, v in NEAR.items()))
+def _jump(crossing: xr.Dataset, folds: list[dict[str, float]]) -> dict[str, Any]:
+    fold = next(f for f in folds if all(f[name] == v for name, v in JUMP_CASE.items()))
     return {
-        **NEAR,
+        **JUMP_CASE,
         "omega": float(crossing["omega"]),
         "error": float(crossing["omega_error"]),
         "saddle": [float(crossing["stretch"]), float(crossing["stretch_rate"])],
@@ -224,5 +252,5 @@ def _chaos(dataset: xr.Dataset, published: xr.Dataset) -> dict[str, Any]:
 
 
 def _number(value: xr.DataArray) -> float | None:
-    """A number as JSON knows it."""
+    """A number, or None where JSON has none for it."""
     return float(value) if np.isfinite(value) else None

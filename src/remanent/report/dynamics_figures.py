@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -13,18 +13,18 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from remanent import plots
-from remanent.plots import branches as branch_plots
+from remanent.plots import branches as branch_plot
 from remanent.plots import footer, maps, style
 from remanent.report.figures import only_outer_labels, panels
 
-__all__ = ["chaos", "jump", "resonance_orbits"]
+__all__ = ["chaos", "jump_at_resonance", "resonance_orbits"]
 
-#: Colour of the response from rest.
-_REST_COLOUR: Final = style.OKABE_ITO["orange"]
-#: Colours of the motions on both sides of the jump.
-_SIDE_COLOURS: Final = (style.OKABE_ITO["blue"], style.OKABE_ITO["vermillion"])
+#: Colour of the motion from rest.
+_REST = style.OKABE_ITO["orange"]
+#: Colours of the motions below and above the jump.
+_SIDES = (style.OKABE_ITO["blue"], style.OKABE_ITO["vermillion"])
 #: Colour of the line at the jump.
-_JUMP_COLOUR: Final = style.OKABE_ITO["vermillion"]
+_MARK = style.OKABE_ITO["vermillion"]
 
 
 def resonance_orbits(branches: xr.Dataset, response: xr.Dataset, orbits: xr.Dataset) -> Figure:
@@ -56,17 +56,15 @@ def resonance_orbits(branches: xr.Dataset, response: xr.Dataset, orbits: xr.Data
             title = ", ".join(style.title(branches[n], branches[n].values[at[n]]) for n in at)
             style.panel_title(axes, "abcdefgh"[k], title)
         only_outer_labels(grid, x=True, y=True)
-        handles = [
-            Line2D([], [], color=_REST_COLOUR, linewidth=0.8, label="from rest"),
-            _orbit_handle(),
-        ]
-        style.legend_above(figure, [*branch_plots.entries(branches), *handles])
+        rest = Line2D([], [], color=_REST, linewidth=0.8, label="from rest")
+        style.legend_above(figure, [*branch_plot.entries(branches), rest, _orbit_handle()])
         footer.add(figure, branches, hide=("omega",))
     return figure
 
 
-def jump(branches: xr.Dataset, response: xr.Dataset, sections: xr.Dataset,
-         crossing: xr.Dataset) -> Figure:  # fmt: skip
+def jump_at_resonance(
+    branches: xr.Dataset, response: xr.Dataset, sections: xr.Dataset, crossing: xr.Dataset
+) -> Figure:
     """Draw why the response from rest jumps: on which side of a saddle the motion passes.
 
     Parameters
@@ -91,10 +89,10 @@ def jump(branches: xr.Dataset, response: xr.Dataset, sections: xr.Dataset,
         left, right = grid[0]
         plots.branch(branches, ax=left, legend=False)
         low, high = float(response["omega"].min()), float(response["omega"].max())
-        left.plot(response["omega"], response["amplitude"], color=_REST_COLOUR, linewidth=0.9)
-        left.axvline(float(crossing["omega"]), color=_JUMP_COLOUR, linewidth=0.8, linestyle=":")
+        left.plot(response["omega"], response["amplitude"], color=_REST, linewidth=0.9)
+        left.axvline(float(crossing["omega"]), color=_MARK, linewidth=0.8, linestyle=":")
         left.set(xlim=(low, high), ylim=(0.0, 1.1 * float(response["amplitude"].max())))
-        for k, colour in enumerate(_SIDE_COLOURS):
+        for k, colour in enumerate(_SIDES):
             motion = sections.isel(omega=k)
             x, y = motion["stretch"].values, motion["stretch_rate"].values
             right.plot(x, y, color=colour, linewidth=0.4, alpha=0.6)
@@ -107,7 +105,7 @@ def jump(branches: xr.Dataset, response: xr.Dataset, sections: xr.Dataset,
         style.panel_title(left, "a", "response from rest and branches")
         style.panel_title(right, "b", "from rest, once per drive period")
         style.legend_above(
-            figure, [*branch_plots.entries(branches), *_sides(sections["omega"], crossing)]
+            figure, [*branch_plot.entries(branches), *_sides(sections["omega"], crossing)]
         )
         footer.add(figure, sections)
     return figure
@@ -150,14 +148,14 @@ def chaos(chart: xr.Dataset, cases: xr.Dataset) -> Figure:
 
 def _resonance(axes: Axes, branches: xr.Dataset, response: xr.Dataset, orbits: xr.Dataset) -> None:
     colour = style.temperature_colours([float(branches["temperature"])])[0]
-    axes.plot(response["omega"], response["amplitude"], color=_REST_COLOUR, linewidth=0.8)
+    axes.plot(response["omega"], response["amplitude"], color=_REST, linewidth=0.8)
     plots.branch(branches, ax=axes, legend=False)
     omega = float(orbits["omega"])
     axes.axvline(omega, color=style.FAINT, linewidth=0.5, linestyle=":")
-    amplitudes = orbits["amplitude"].values[np.isfinite(orbits["amplitude"].values)]
+    amplitude = orbits["amplitude"].values[np.isfinite(orbits["amplitude"].values)]
     axes.plot(
-        np.full(amplitudes.size, omega), amplitudes, "o", ms=3.2, color=colour, mec="white",
-        mew=0.5, zorder=6,
+        np.full(amplitude.size, omega), amplitude, "o", ms=3.2, color=colour, mec="white", mew=0.5,
+        zorder=6,
     )  # fmt: skip
     axes.set_xlim(float(branches["omega"].min()), float(branches["omega"].max()))
 
@@ -171,12 +169,12 @@ def _sides(omega: xr.DataArray, crossing: xr.Dataset) -> list[Line2D]:
     gap = float(omega[1] - omega[0]) / 2.0
     looks: dict[str, Any] = {"marker": "o", "ms": 3, "linewidth": 0.5}
     return [
-        Line2D([], [], color=_REST_COLOUR, linewidth=0.9, label="from rest"),
+        Line2D([], [], color=_REST, linewidth=0.9, label="from rest"),
         *(
             Line2D([], [], color=colour, label=rf"$\omega^* {sign} {style.number(gap)}$", **looks)
-            for colour, sign in zip(_SIDE_COLOURS, "-+", strict=True)
+            for colour, sign in zip(_SIDES, "-+", strict=True)
         ),
-        Line2D([], [], color=_JUMP_COLOUR, linewidth=0.8, linestyle=":",
+        Line2D([], [], color=_MARK, linewidth=0.8, linestyle=":",
                label=rf"$\omega^* = {float(crossing['omega']):.8f}$"),
         Line2D([], [], color=style.INK, marker="X", mec="white", ms=6, linestyle="",
                label="saddle, strobed"),

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Final
 
 import numpy as np
 import xarray as xr
@@ -24,16 +23,16 @@ from remanent.studies.regimes.classify import classify
 from remanent.studies.response.frequency_response import frequency_response
 from remanent.studies.statics.equilibria import equilibria
 
-#: All combinations, prestress first as in the published panels.
-CASES: Final = {"prestress": PRESTRESSES, "temperature": TEMPERATURES}
+#: The six cases, all combinations of these; prestress first as in the published panels.
+CASES = {"prestress": PRESTRESSES, "temperature": TEMPERATURES}
 #: Frequencies at which responses are tabulated before the largest is refined.
-OMEGAS: Final = np.linspace(0.5, 2.0, 601)
+OMEGAS = np.linspace(0.5, 2.0, 601)
 #: Drive periods in sections: so many until the slowest of the six curves closes.
-SECTION_PERIODS: Final = 1000
+SECTION_PERIODS = 1000
 #: Drive periods after which regimes are judged; the next where one is still undecided.
-REGIME_PERIODS: Final = (500, 1000, 2000, 8000)
-#: Distance in stretch of the neighbour whose separation is followed.
-NEIGHBOUR_DISTANCE: Final = 1e-6
+CLASSIFIED_PERIODS = (500, 1000, 2000, 8000)
+#: Difference in stretch between a motion and the neighbour whose separation is followed.
+NEIGHBOUR_OFFSET = 1e-6
 
 
 @dataclass(frozen=True)
@@ -54,10 +53,10 @@ class ClaimEvidence:
         Histories under the periodic load (figures 5 and 6).
     regimes
         What kind of motion that is, with the evidence (``remanent.classify``), and the
-        length of the run it took, ``run_periods``; empty until :func:`regimes` is asked.
+        length of the run it took, ``run_periods``; empty until :func:`regimes` has computed it.
     section, neighbour
         Sections at every drive period, of the motion from rest and of one that starts
-        at a stretch larger by :data:`NEIGHBOUR_DISTANCE`.
+        at a stretch larger by :data:`NEIGHBOUR_OFFSET`.
     misfits
         Least misfit of the six resonances that each forcing law reaches, by its name;
         empty where the reconstruction was not made.
@@ -76,17 +75,22 @@ class ClaimEvidence:
     misfits: Mapping[str, float] = field(default_factory=dict)
 
 
-def compute_evidence(setting: Setting, tolerance: float = 1e-8, every: int = 1) -> ClaimEvidence:
+def gather_evidence(setting: Setting, tolerance: float = 1e-8, every: int = 1) -> ClaimEvidence:
     """Compute everything that verdicts need, for one setting.
 
     Parameters
     ----------
     setting : Setting
-        What [Thermal] leaves unstated.
+        A choice of what [Thermal] leaves unstated.
     tolerance : float
-        Asked of every result.
+        Largest error of the integrated motions.
     every : int
         Tabulate responses at every so many of :data:`OMEGAS` only, before refining.
+
+    Returns
+    -------
+    ClaimEvidence
+        Without regimes and misfits, which are found for all settings together.
     """
     actuator, m = setting.actuator, setting.b**2
     section, neighbour = sections(setting, tolerance)
@@ -128,52 +132,66 @@ def regimes(settings: Sequence[Setting], tolerance: float) -> list[xr.Dataset]:
     """What kind of motion each is, for settings of one law, all judged together.
 
     Runs are made longer where it is still undecided.
+
+    Parameters
+    ----------
+    settings : sequence of Setting
+        Choices of what [Thermal] leaves unstated, with one forcing law.
+    tolerance : float
+        Largest error of a motion in one drive period.
+
+    Returns
+    -------
+    list of xarray.Dataset
+        Regimes (prestress, temperature), with their evidence, for each setting.
     """
     cases = _driven() | {
         name: xr.DataArray([getattr(setting, name) for setting in settings], dims="setting")
         for name in ("reference_temperature", "b")
     }
     order = ("setting", "prestress", "temperature")
-    judged = _classified(settings[0], cases, REGIME_PERIODS[0], tolerance).transpose(*order)
-    for periods in REGIME_PERIODS[1:]:
-        undecided = np.nonzero(judged["regime"].values == "undecided")
+    first, *longer = CLASSIFIED_PERIODS
+    outcome = _classified(settings[0], cases, first, tolerance).transpose(*order)
+    for periods in longer:
+        undecided = np.nonzero(outcome["regime"].values == "undecided")
         if not undecided[0].size:
             break
-        remaining = {
-            name: xr.DataArray(_everywhere(values, judged)[undecided], dims="case")
+        subset = {
+            name: xr.DataArray(_everywhere(values, outcome)[undecided], dims="case")
             for name, values in cases.items()
         }
-        longer = _classified(settings[0], remaining, periods, tolerance)
-        for name in longer.data_vars:
-            judged[name].values[undecided] = longer[name].values
-    return [judged.isel(setting=k) for k in range(len(settings))]
+        repeated = _classified(settings[0], subset, periods, tolerance)
+        for name in repeated.data_vars:
+            outcome[name].values[undecided] = repeated[name].values
+    return [outcome.isel(setting=k) for k in range(len(settings))]
 
 
 def _classified(
     setting: Setting, over: Mapping[str, xr.DataArray], periods: int, tolerance: float
 ) -> xr.Dataset:
-    classes = classify(
+    """Regimes after runs of one length, which ``run_periods`` holds."""
+    outcome = classify(
         setting.actuator, setting.drive(1.0), periods=periods, over=over, tolerance=tolerance
     )
-    regime = classes["regime"]
+    regime = outcome["regime"]
     length = {"run_periods": (tuple(map(str, regime.dims)), np.full(regime.shape, periods))}
-    return classes.assign(build.dataset(length, {}, {}))
+    return outcome.assign(build.dataset(length, {}, {}))
 
 
-def _everywhere(values: xr.DataArray, judged: xr.Dataset) -> np.ndarray:
+def _everywhere(values: xr.DataArray, outcome: xr.Dataset) -> np.ndarray:
     """Values of a field for every motion, in the shape of the regimes."""
-    regime = judged["regime"].reset_coords(drop=True).drop_vars(list(judged["regime"].indexes))
+    regime = outcome["regime"].reset_coords(drop=True).drop_vars(list(outcome["regime"].indexes))
     return np.asarray(values.broadcast_like(regime).transpose(*regime.dims).values)
 
 
 def sections(setting: Setting, tolerance: float) -> tuple[xr.Dataset, xr.Dataset]:
     """Sections of each motion and of a neighbour."""
-    starts = xr.DataArray([1.0, 1.0 + NEIGHBOUR_DISTANCE], dims="start")
-    both = poincare_section(
+    start = xr.DataArray([1.0, 1.0 + NEIGHBOUR_OFFSET], dims="start")
+    section = poincare_section(
         setting.actuator, setting.drive(1.0), periods=SECTION_PERIODS,
-        over={**_driven(), "initial.stretch": starts}, tolerance=tolerance,
+        over={**_driven(), "initial.stretch": start}, tolerance=tolerance,
     )  # fmt: skip
-    return both.isel(start=0), both.isel(start=1)
+    return section.isel(start=0), section.isel(start=1)
 
 
 def _driven() -> dict[str, xr.DataArray]:

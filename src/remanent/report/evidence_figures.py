@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import product
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -21,11 +21,11 @@ from remanent.report.figures import only_outer_labels, panels, per_prestress
 __all__ = ["landscapes", "tolerance_story", "valley"]
 
 #: Misfits whose contour lines are drawn: the published rounding, and what the audit reaches.
-_CONTOURS: Final = (0.01, 0.025, 0.1)
-#: Colour of the converged section, behind the other.
-_BACKGROUND: Final = "#bdbdbd"
-#: Colour of the mark at the least misfit.
-_LEAST_COLOUR: Final = style.OKABE_ITO["vermillion"]
+_CONTOURS = (0.01, 0.025, 0.1)
+#: Colour of the converged section behind the other.
+_BEHIND = "#bdbdbd"
+#: Colour of the dot at the least misfit.
+_MARK = style.OKABE_ITO["vermillion"]
 
 
 def landscapes(dataset: xr.Dataset) -> Figure:
@@ -78,7 +78,7 @@ def tolerance_story(sections: xr.Dataset, drift: xr.Dataset) -> Figure:
         below = [figure.add_subplot(grid[rows, 2 * k : 2 * k + 2]) for k in range(columns // 2)]
         _drifts(below, drift)
         members = ensemble.members(drift.isel(prestress=0), ("energy_drift",), ("time",))
-        behind = Line2D([], [], color=_BACKGROUND, linestyle="", marker="o", ms=3,
+        behind = Line2D([], [], color=_BEHIND, linestyle="", marker="o", ms=3,
                         label=f"{sections['solver'].values[0]}, behind the other")  # fmt: skip
         style.legend_above(figure, [*ensemble.handles(members), behind])
         footer.add(figure, sections)
@@ -126,16 +126,16 @@ def _pair(figure: Figure, grid: GridSpec, dataset: xr.Dataset, row: int, column:
     last = row == grid.nrows - 2
     temperature = style.title(dataset["temperature"], dataset["temperature"].item())
     rate = style.label(dataset["thickness_stretch_rate"], words=False)
-    plots.section(dataset.isel(solver=0), ax=second, color=_BACKGROUND)
+    plots.section(dataset.isel(solver=0), ax=second, color=_BEHIND)
     for k, ax in enumerate((first, second)):
         plots.section(dataset.isel(solver=k), ax=ax)
         ax.set(xlabel=style.label(dataset["thickness_stretch"], words=False) if last else "")
         ax.set(ylabel=(f"{temperature}\n{rate}" if column == 0 else rate) if k == 0 else "")
         ax.tick_params(labelleft=k == 0, labelsize=6.5)
     if row == 0:
-        coords = [dataset[name] for name in ("prestress", "omega") if name in dataset.coords]
-        place = ", ".join(style.title(array, array.item()) for array in coords)
-        first.set_title(f"{place}\n{dataset['solver'].values[0]}")
+        coordinates = [dataset[n] for n in ("prestress", "omega") if n in dataset.coords]
+        case = ", ".join(style.title(value, value.item()) for value in coordinates)
+        first.set_title(f"{case}\n{dataset['solver'].values[0]}")
         second.set_title(f"\n{dataset['solver'].values[1]}")
 
 
@@ -163,7 +163,7 @@ def _misfit(ax: Axes, dataset: xr.Dataset, scale: LogNorm) -> Any:
     lines = ax.contour(x.values, y.values, z, levels=_CONTOURS, colors=style.INK, linewidths=0.6)
     ax.clabel(lines, fmt=lambda level: f"{level:g}", fontsize=6.5, inline_spacing=2)
     i, j = np.unravel_index(np.nanargmin(z), z.shape)
-    ax.plot(x.values[j], y.values[i], "o", color=_LEAST_COLOUR, mec="white", mew=0.7, ms=4.5)
+    ax.plot(x.values[j], y.values[i], "o", color=_MARK, mec="white", mew=0.7, ms=4.5)
     ax.text(0.03, 0.04, f"least {z[i, j]:.2g}", transform=ax.transAxes, color="white")
     ax.set(xlabel=style.label(x, words=False), ylabel=style.label(y, words=False))
     return drawn

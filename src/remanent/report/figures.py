@@ -7,7 +7,7 @@ footer.  Panels are lettered as in [Thermal].
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -29,7 +29,7 @@ __all__ = [
 ]
 
 #: Colour of points at odd drive periods.
-_ODD_COLOUR: Final = style.OKABE_ITO["blue"]
+_ODD = style.OKABE_ITO["blue"]
 
 
 def figure_2(dataset: xr.Dataset) -> Figure:
@@ -45,7 +45,7 @@ def figure_2(dataset: xr.Dataset) -> Figure:
     matplotlib.figure.Figure
         Panel (a), (b) ... per prestress, one below the other.
     """
-    names = ensemble.handles(_of_first(dataset, "thickness_stretch", "time"))
+    names = ensemble.handles(_members(dataset, "thickness_stretch", "time"))
     return per_prestress(dataset, plots.history, (style.DOUBLE, 4.1), names, stacked=True)
 
 
@@ -63,7 +63,7 @@ def figure_3(dataset: xr.Dataset) -> Figure:
     matplotlib.figure.Figure
         Panel (a), (b) ... per prestress, side by side.
     """
-    names = ensemble.handles(_of_first(dataset, "thickness_stretch", "time"))
+    names = ensemble.handles(_members(dataset, "thickness_stretch", "time"))
     return per_prestress(dataset, plots.phase, (style.DOUBLE, 3.6), names)
 
 
@@ -74,15 +74,15 @@ def figure_4(dataset: xr.Dataset) -> Figure:
     ----------
     dataset
         ``amplitude`` (prestress, temperature, omega); ``resonance``,
-        ``resonance_error`` and, if wanted, ``resonance_amplitude`` and ``published``
-        (prestress, temperature).
+        ``resonance_error`` and, where they are to be drawn, ``resonance_amplitude`` and
+        ``published`` (prestress, temperature).
 
     Returns
     -------
     matplotlib.figure.Figure
         Panel (a), (b) ... per prestress, side by side, on one scale.
     """
-    names = ensemble.handles(_of_first(dataset, "amplitude", "omega"))
+    names = ensemble.handles(_members(dataset, "amplitude", "omega"))
     entries = [*names, *forced.mark_handles(dataset)]
     return per_prestress(dataset, plots.response, (style.DOUBLE, 3.4), entries, sharey=True)
 
@@ -165,9 +165,9 @@ def per_prestress(
     return figure
 
 
-def _of_first(dataset: xr.Dataset, variable: str, along: str) -> list[ensemble.Member]:
+def _members(dataset: xr.Dataset, variable: str, dimension: str) -> list[ensemble.Member]:
     """Members of the first panel, which stand for all in the legend."""
-    return ensemble.members(dataset.isel(prestress=0), (variable,), (along,))
+    return ensemble.members(dataset.isel(prestress=0), (variable,), (dimension,))
 
 
 def _motion_row(axes: Sequence[Axes], history: xr.Dataset, section: xr.Dataset) -> None:
@@ -178,13 +178,7 @@ def _motion_row(axes: Sequence[Axes], history: xr.Dataset, section: xr.Dataset) 
     even, odd = section.isel(period=second), section.isel(period=~second)
     plots.section(even, ax=axes[1], color=style.INK, zorder=4)
     plots.section(
-        odd,
-        ax=axes[2],
-        color=None,
-        facecolors="none",
-        edgecolors=_ODD_COLOUR,
-        s=4.5,
-        linewidths=0.5,
+        odd, ax=axes[2], color=None, facecolors="none", edgecolors=_ODD, s=4.5, linewidths=0.5
     )
     plots.section(even, ax=axes[2], color=style.INK, s=1.5, zorder=4)
     axes[2].set_ylabel("")
@@ -194,7 +188,7 @@ def _period_handles() -> list[Line2D]:
     looks: dict[str, Any] = {"linestyle": "", "marker": "o"}
     return [
         Line2D([], [], color=style.INK, ms=2.2, label="even drive periods", **looks),
-        Line2D([], [], color=_ODD_COLOUR, mfc="none", ms=4, label="odd drive periods", **looks),
+        Line2D([], [], color=_ODD, mfc="none", ms=4, label="odd drive periods", **looks),
     ]
 
 

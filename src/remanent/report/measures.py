@@ -9,16 +9,17 @@ from remanent._typing import FloatArray
 
 
 def separation_growth(section: xr.Dataset, neighbour: xr.Dataset) -> FloatArray:
-    """How much further neighbours part over the whole than over the first half.
+    """How much further neighbours part over the full run than over its first half.
 
     Array (prestress, temperature): about 2 where their separation grows in proportion to
     time, exponentially large where the motion is chaotic.
     """
     order = ("prestress", "temperature", "period")
-    sections = (section, neighbour)
-    x, z = (dataset["stretch"].transpose(*order).values for dataset in sections)
-    v, w = (dataset["stretch_rate"].transpose(*order).values for dataset in sections)
-    distance = np.hypot(x - z, v - w)
+    stretch, rate = (
+        (section[name] - neighbour[name]).transpose(*order).values
+        for name in ("stretch", "stretch_rate")
+    )
+    distance = np.hypot(stretch, rate)
     half = distance.shape[-1] // 2
     return np.asarray(distance.max(axis=-1) / distance[..., :half].max(axis=-1))
 
@@ -45,8 +46,8 @@ def energy_change(history: xr.Dataset) -> FloatArray:
     return np.asarray(np.abs(energy - energy[..., :1]).max(axis=-1))
 
 
-def decay(history: xr.Dataset) -> FloatArray:
-    """Amplitude in the last quarter over that in the first, (prestress, temperature)."""
+def late_range_ratio(history: xr.Dataset) -> FloatArray:
+    """Range of λ₃ in the last quarter over that in the first, array (prestress, temperature)."""
     x = history["thickness_stretch"].transpose("prestress", "temperature", "time").values
     quarter = x.shape[-1] // 4
     return np.asarray(np.ptp(x[..., -quarter:], axis=-1) / np.ptp(x[..., :quarter], axis=-1))
@@ -60,6 +61,6 @@ def swing(history: xr.Dataset) -> FloatArray:
 
 def table(dataset: xr.Dataset, name: str) -> FloatArray:
     """A variable as an array (prestress, temperature); the first along other dimensions."""
-    array = dataset[name]
-    extra = {dim: 0 for dim in array.dims if dim not in ("prestress", "temperature")}
-    return np.asarray(array.isel(extra).transpose("prestress", "temperature").values)
+    variable = dataset[name]
+    extra = {d: 0 for d in variable.dims if d not in ("prestress", "temperature")}
+    return np.asarray(variable.isel(extra).transpose("prestress", "temperature").values)

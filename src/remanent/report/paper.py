@@ -15,49 +15,65 @@ from remanent.report import dynamics, page, reconstruction, tolerance
 from remanent.report.audit import ClaimVerdict, audit
 from remanent.report.contents import Paper
 from remanent.report.drawings import DRAWINGS, draw
-from remanent.report.evidence import ClaimEvidence, compute_evidence, regimes
+from remanent.report.evidence import ClaimEvidence, gather_evidence, regimes
 from remanent.report.processes import pool
-from remanent.report.settings import LAWS, PRESTRESSES, REFERENCE, TEMPERATURES, Setting
+from remanent.report.settings import FORCING_LAWS, PRESTRESSES, REFERENCE, TEMPERATURES, Setting
 from remanent.results import netcdf
 
-#: Called with the name of a stage and the share of the whole that is done.
-Report = Callable[[str, float], None]
+#: Called with the name of a stage and the share of all work that is done.
+ProgressReport = Callable[[str, float], None]
+#: Tolerance of the reference setting.
+_REFERENCE_TOLERANCE = 1e-8
+#: Tolerance of the further settings.
+_ALTERNATIVE_TOLERANCE = 1e-7
+#: Further settings tabulate responses at every so many frequencies.
+_ALTERNATIVE_EVERY = 3
+#: Length of the response window for which forcing laws are compared.
+_LAW_WINDOW = 100.0
+#: Name of the forcing law that is mapped over every window.
+_PUBLISHED_LAW = "sin2"
 
 
 def _silent(_stage: str, _share: float) -> None:
     pass
 
 
-def reproduce(report: Report = _silent, *, processes: int = 1) -> Paper:
+def reproduce(report: ProgressReport = _silent, *, processes: int = 1) -> Paper:
     """Compute the data of all figures, the reconstruction and the audit.
 
     Parameters
     ----------
     report : callable
-        Called with the name of a stage and the share of the whole that is done.
+        Called with the name of a stage and the share of all work that is done, 0 to 1.
     processes : int
-        See :func:`remanent.report.processes.pool`.
+        How many share the work; 1 means a thread of this process.  With more, a script that
+        calls this must guard its own start with ``if __name__ == "__main__"``.
+
+    Returns
+    -------
+    Paper
+        The evidence, the verdicts, the data and the pictures.
     """
     report("figures 2 to 6", 0.0)
-    reference = compute_evidence(REFERENCE)
+    reference = gather_evidence(REFERENCE, _REFERENCE_TOLERANCE)
     data = _measured(reference)
     resonance = reference.response["resonance"]
     with pool(processes) as executor:
-        pending = [
+        futures = [
             executor.submit(_scripts, reference),
-            executor.submit(dynamics.chart),
-            executor.submit(dynamics.orbits, resonance),
-            executor.submit(dynamics.jump, resonance),
+            executor.submit(dynamics.chaos_chart),
+            executor.submit(dynamics.orbits_at_resonance, resonance),
+            executor.submit(dynamics.locate_jump, resonance),
         ]
         drawn = _start(executor, data, ())
         valleys = _reconstruct(report)
         report("audit", 0.6)
         verdicts, reference = _audited(reference, valleys)
-        ready = tuple(data)
+        names_before = tuple(data)
         data |= _reconstructed(valleys) | {"regimes": reference.regimes}
-        for future in pending:
+        for future in futures:
             data |= future.result()
-        drawn |= _start(executor, data, ready)
+        drawn |= _start(executor, data, names_before)
         report("pictures", 0.8)
         pictures = {name: drawn[name].result() for name in DRAWINGS}
     return Paper(reference, verdicts, data, pictures)
@@ -80,23 +96,23 @@ def _audited(
     """Verdicts, and the evidence with what the reconstruction adds to it."""
     least = {law: float(valley["misfit"].min()) for law, valley in valleys.items()}
     reference = replace(reference, misfits=least)
-    settings = reconstruction.admissible(valleys["sin2"], "sin2")
+    settings = reconstruction.admissible(valleys[_PUBLISHED_LAW], _PUBLISHED_LAW)
     with ThreadPoolExecutor(max_workers=2) as together:
-        judged = together.submit(regimes, [REFERENCE, *settings], 1e-8)
-        others = list(together.map(_coarse_evidence, settings))
-    reference, *others = [
-        replace(evidence, regimes=motions)
-        for evidence, motions in zip([reference, *others], judged.result(), strict=True)
+        classified = together.submit(regimes, [REFERENCE, *settings], _REFERENCE_TOLERANCE)
+        alternatives = list(together.map(_alternative, settings))
+    reference, *alternatives = [
+        replace(evidence, regimes=dataset)
+        for evidence, dataset in zip([reference, *alternatives], classified.result(), strict=True)
     ]
-    return audit(reference, others), reference
+    return audit(reference, alternatives), reference
 
 
-def _coarse_evidence(setting: Setting) -> ClaimEvidence:
-    """The evidence for a further setting, of which only the verdicts are used."""
-    return compute_evidence(setting, 1e-7, every=3)
+def _alternative(setting: Setting) -> ClaimEvidence:
+    """Evidence for a further setting, whose numbers are not reported: a coarser one will do."""
+    return gather_evidence(setting, _ALTERNATIVE_TOLERANCE, every=_ALTERNATIVE_EVERY)
 
 
-def write(paper: Paper, out: Path) -> Path:
+def write_report(paper: Paper, out: Path) -> Path:
     """Write page, JSON, pictures and data into a folder; return the page's path."""
     for folder in ("figures", "data"):
         (out / folder).mkdir(parents=True, exist_ok=True)
@@ -145,7 +161,7 @@ def summarise(paper: Paper) -> dict[str, Any]:
         "versions": paper.evidence.response.attrs["versions"],
         "resonances": resonances,
         "claims": claims,
-        **dynamics.summarise(paper.datasets),
+        **dynamics.summarise_dynamics(paper.datasets),
     }
 
 
@@ -156,11 +172,11 @@ def _scripts(reference: ClaimEvidence) -> dict[str, xr.Dataset]:
     }
 
 
-def _reconstruct(report: Report) -> dict[str, xr.Dataset]:
+def _reconstruct(report: ProgressReport) -> dict[str, xr.Dataset]:
     """Misfits of every law; the published reading over every window."""
-    windows = dict.fromkeys(LAWS, (100.0,)) | {"sin2": reconstruction.WINDOWS}
+    windows = dict.fromkeys(FORCING_LAWS, (_LAW_WINDOW,)) | {_PUBLISHED_LAW: reconstruction.WINDOWS}
     total, done = sum(map(len, windows.values())), 0
-    misfits = {}
+    valleys = {}
     for law, lengths in windows.items():
 
         def step() -> None:
@@ -168,25 +184,25 @@ def _reconstruct(report: Report) -> dict[str, xr.Dataset]:
             done += 1
             report("reconstruction of what is unstated", 0.1 + 0.5 * done / total)
 
-        every = 1 if law == "sin2" else 2
-        misfits[law] = reconstruction.misfits(law, lengths, step, every=every)
-    return misfits
+        every = 1 if law == _PUBLISHED_LAW else 2
+        valleys[law] = reconstruction.misfits(law, lengths, step, every=every)
+    return valleys
 
 
-def _measured(evidence: ClaimEvidence) -> dict[str, xr.Dataset]:
+def _measured(e: ClaimEvidence) -> dict[str, xr.Dataset]:
     return {
-        "constant_load": evidence.constant,
-        "landscape": evidence.landscape,
-        "frequency_response": evidence.response,
-        "periodic_load": evidence.motion,
-        "sections": evidence.section,
-        "neighbours": evidence.neighbour,
+        "constant_load": e.constant,
+        "landscape": e.landscape,
+        "frequency_response": e.response,
+        "periodic_load": e.motion,
+        "sections": e.section,
+        "neighbours": e.neighbour,
     }
 
 
 def _reconstructed(valleys: Mapping[str, xr.Dataset]) -> dict[str, xr.Dataset]:
-    laws = [valleys[law].sel(window=[100.0]) for law in LAWS]
+    laws = [valleys[law].sel(window=[_LAW_WINDOW]) for law in FORCING_LAWS]
     return {
-        "valley_windows": valleys["sin2"],
+        "valley_windows": valleys[_PUBLISHED_LAW],
         "valley_laws": xr.concat(laws, "law", join="inner", combine_attrs="override"),
     }

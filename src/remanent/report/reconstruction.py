@@ -3,30 +3,36 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Final
 
 import numpy as np
 import xarray as xr
 
 from remanent._typing import FloatArray
-from remanent.report.settings import AGREEMENT, LAWS, PRESTRESSES, PUBLISHED, TEMPERATURES, Setting
+from remanent.report.settings import (
+    AGREEMENT,
+    FORCING_LAWS,
+    PRESTRESSES,
+    PUBLISHED,
+    TEMPERATURES,
+    Setting,
+)
 from remanent.results import build, provenance
 from remanent.studies.response.frequency_response import frequency_response
 
-#: Reference temperatures T0 at which the misfit is computed, K.
-REFERENCE_TEMPERATURES: Final = np.arange(287.0, 304.0, 2.0)
-#: Amplitudes b0 at which the misfit is computed.
-AMPLITUDES: Final = np.round(np.arange(0.34, 0.4401, 0.01), 2)
-#: Lengths of the response window at which the misfit is computed.
-WINDOWS: Final = (50.0, 100.0, 150.0)
-#: Frequencies searched by law: first, last, count; m = b₀² sin ωτ resonates at twice the
+#: Reference temperatures T₀ for which the misfit is computed, kelvin.
+REFERENCE_TEMPERATURES = np.arange(287.0, 304.0, 2.0)
+#: Amplitudes b₀ for which the misfit is computed.
+AMPLITUDES = np.round(np.arange(0.34, 0.4401, 0.01), 2)
+#: Lengths of the response window for which the misfit is computed, tau.
+WINDOWS = (50.0, 100.0, 150.0)
+#: First, last and number of frequencies searched, by law; m = b₀² sin ωτ resonates at twice the
 #: published ones.
-_OMEGAS: Final = {"sin2": (0.7, 1.5, 41), "cos2": (0.7, 1.5, 41), "sin": (0.7, 3.0, 116)}
-#: Error of amplitudes that places a maximum within the width below.
-_TOLERANCE: Final = 1e-4
-#: Width to which a resonance is read: two parts of eight of a step of the table, with room
-#: for rounding.
-_WIDTH: Final = 5.1e-3
+_FREQUENCY_GRIDS = {"sin2": (0.7, 1.5, 41), "cos2": (0.7, 1.5, 41), "sin": (0.7, 3.0, 116)}
+#: Tolerance of amplitudes, as small as the width of a resonance needs.
+_TOLERANCE = 1e-4
+#: Width to which a resonance is read: two parts of eight of a step of the table, with room for
+#: rounding.
+_RESONANCE_WIDTH = 5.1e-3
 
 
 def misfits(
@@ -36,13 +42,13 @@ def misfits(
 
     Parameters
     ----------
-    law : str
-        Name in :data:`~remanent.report.settings.LAWS`.
-    windows : tuple of float
+    law
+        Name in :data:`~remanent.report.settings.FORCING_LAWS`.
+    windows
         Lengths of the response window.
-    report : callable
+    report
         Called after each window.
-    every : int
+    every
         Use every so many values of T₀ and b₀ only.
 
     Returns
@@ -51,12 +57,13 @@ def misfits(
         ``misfit`` (law, window, reference_temperature, b) and the ``resonance``
         (law, window, reference_temperature, b, temperature, prestress) behind it.
     """
-    tables = []
+    resonances = []
     for window in windows:
-        grid = REFERENCE_TEMPERATURES[::every], AMPLITUDES[::every]
-        tables.append(_resonances(law, window, *grid))
+        resonances.append(
+            _resonances(law, window, REFERENCE_TEMPERATURES[::every], AMPLITUDES[::every])
+        )
         report()
-    resonance = np.stack(tables)[None]
+    resonance = np.stack(resonances)[None]
     misfit = np.abs(resonance - np.array(PUBLISHED).T).max(axis=(-2, -1))
     dims = ("law", "window", "reference_temperature", "b")
     setting = Setting(law=law)
@@ -66,7 +73,7 @@ def misfits(
             "resonance": ((*dims, "temperature", "prestress"), resonance),
         },
         {
-            "law": (("law",), np.array([LAWS[law].symbol])),
+            "law": (("law",), np.array([FORCING_LAWS[law].symbol])),
             "window": (("window",), np.array(windows)),
             "reference_temperature": (("reference_temperature",), REFERENCE_TEMPERATURES[::every]),
             "b": (("b",), AMPLITUDES[::every]),
@@ -74,7 +81,7 @@ def misfits(
             "prestress": (("prestress",), np.array(PRESTRESSES)),
         },
         provenance.attributes(
-            setting.actuator, setting.drive(1.0), _TOLERANCE, over=dims[1:], width=_WIDTH
+            setting.actuator, setting.drive(1.0), _TOLERANCE, over=dims[1:], width=_RESONANCE_WIDTH
         ),
     )
 
@@ -83,14 +90,14 @@ def _resonances(
     law: str, window: float, temperatures: FloatArray, amplitudes: FloatArray
 ) -> FloatArray:
     """Array (reference_temperature, b, temperature, prestress)."""
-    field, values = LAWS[law].field(amplitudes)
+    field, values = FORCING_LAWS[law].field(amplitudes)
     response = frequency_response(
         Setting().actuator,
-        LAWS[law].drive(0.4, 1.0),
-        np.linspace(*_OMEGAS[law]),
+        FORCING_LAWS[law].drive(0.4, 1.0),
+        np.linspace(*_FREQUENCY_GRIDS[law]),
         duration=window,
         tolerance=_TOLERANCE,
-        resonance_width=_WIDTH,
+        resonance_width=_RESONANCE_WIDTH,
         over={
             "reference_temperature": temperatures,
             field: values,
@@ -103,10 +110,23 @@ def _resonances(
 
 
 def admissible(misfit: xr.Dataset, law: str) -> list[Setting]:
-    """Settings that bring all six resonances back: the best of each window."""
+    """Settings that bring all six resonances back: the best of each window.
+
+    Parameters
+    ----------
+    misfit : xarray.Dataset
+        From :func:`misfits`, for one law on the full grid.
+    law : str
+        Its name in :data:`~remanent.report.settings.FORCING_LAWS`.
+
+    Returns
+    -------
+    list of Setting
+        At most one for each window.
+    """
     values = misfit["misfit"].isel(law=0).transpose("window", "reference_temperature", "b").values
-    agreeing = np.argwhere(values <= AGREEMENT)
-    by_window = [agreeing[agreeing[:, 0] == w] for w in range(values.shape[0])]
+    admitted = np.argwhere(values <= AGREEMENT)
+    by_window = [admitted[admitted[:, 0] == w] for w in range(values.shape[0])]
     best = [rows[np.argmin(values[tuple(rows.T)])] for rows in by_window if rows.size]
     settings = [
         Setting(float(AMPLITUDES[j]), float(REFERENCE_TEMPERATURES[i]), float(WINDOWS[w]), law)

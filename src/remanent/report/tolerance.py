@@ -6,7 +6,6 @@ import math
 from collections.abc import Callable
 from functools import partial
 from itertools import product
-from typing import Final
 
 import numpy as np
 import xarray as xr
@@ -20,19 +19,19 @@ from remanent.results import build, provenance
 from remanent.studies.motion.simulate import simulate
 
 #: MATLAB's default relative tolerance of ode45.
-RELATIVE_TOLERANCE: Final = 1e-3
+RELATIVE_TOLERANCE = 1e-3
 #: MATLAB's default absolute tolerance of ode45.
-ABSOLUTE_TOLERANCE: Final = 1e-6
+ABSOLUTE_TOLERANCE = 1e-6
 #: How the two solvers are called in figures.
-SOLVERS: Final = ("converged", "ode45 defaults")
-#: Length of the runs whose energy is followed, in units of time.
-_ENERGY_DURATION: Final = 500.0
-#: Number of instants at which that energy is compared.
-_ENERGY_POINTS: Final = 1001
-#: Tolerance of the converged run whose energy is followed.
-_ENERGY_TOLERANCE: Final = 1e-11
+SOLVERS = ("converged", "ode45 defaults")
+#: Length of the runs whose energy is followed, tau.
+_ENERGY_DURATION = 500.0
+#: Times at which their energy is taken.
+_ENERGY_POINTS = 1001
+#: Tolerance of the converged one of these runs.
+_CONVERGED_TOLERANCE = 1e-11
 #: Drive periods of sections by both solvers, of which one is slow.
-_SECTION_PERIODS: Final = 500
+_SECTION_PERIODS = 500
 
 
 def at_defaults(
@@ -50,13 +49,13 @@ def at_defaults(
     Parameters
     ----------
     setting : Setting
-        What [Thermal] leaves unstated.
+        A choice of what [Thermal] leaves unstated.
     temperature, prestress : float
-        T in kelvin, and S.
+        Of the case, in kelvin, and dimensionless.
     load : callable
         The magnetic load m at a time.
-    times : array (time,) of float
-        From 0 on.
+    times : array (time,)
+        When states are taken; the run ends at the last.
     """
     theta = temperature / setting.reference_temperature
 
@@ -109,7 +108,7 @@ def energy_story(setting: Setting) -> xr.Dataset:
     drive = Constant(setting.b**2)
     times = np.linspace(0.0, _ENERGY_DURATION, _ENERGY_POINTS)
     converged = simulate(
-        setting.actuator, drive, times=times, over=CASES, tolerance=_ENERGY_TOLERANCE
+        setting.actuator, drive, times=times, over=CASES, tolerance=_CONVERGED_TOLERANCE
     )
     energy = np.empty((2, len(PRESTRESSES), len(TEMPERATURES), _ENERGY_POINTS))
     energy[0] = converged["energy"].values
@@ -132,7 +131,7 @@ def energy_story(setting: Setting) -> xr.Dataset:
             "time": (("time",), times),
         },
         provenance.attributes(
-            setting.actuator, drive, _ENERGY_TOLERANCE, over=CASES, duration=_ENERGY_DURATION
+            setting.actuator, drive, _CONVERGED_TOLERANCE, over=CASES, duration=_ENERGY_DURATION
         ),
     )
 
