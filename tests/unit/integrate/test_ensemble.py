@@ -102,14 +102,7 @@ def test_bits_do_not_depend_on_the_threads(workers: int) -> None:
     [
         pytest.param(WorkSizes(chunk_steps=1), id="chunks"),
         pytest.param(WorkSizes(samples=13), id="samples"),
-        pytest.param(
-            WorkSizes(fewest_steps=64, most_steps=64),
-            id="segments",
-            marks=pytest.mark.xfail(
-                reason="the place of a sample in its step is counted from the start of its segment,"
-                " so that the last digits of states at given times depend on the cuts",
-            ),
-        ),
+        pytest.param(WorkSizes(fewest_steps=64, most_steps=64), id="segments"),
     ],
 )
 def test_bits_do_not_depend_on_work_sizes(sizes: WorkSizes) -> None:
