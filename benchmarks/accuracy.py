@@ -16,8 +16,8 @@ LIMIT = 1e-8
 
 
 @dataclass(frozen=True)
-class Achieved:
-    """What one setting of a tool gives.
+class Accuracy:
+    """Errors of a tool at one setting.
 
     Attributes
     ----------
@@ -26,7 +26,7 @@ class Achieved:
     median, worst
         Error over the checked frequencies that have a value.
     missing
-        How many have none.
+        How many of them have none.
     compiling
         Seconds that the first run took more than the second.
     """
@@ -43,33 +43,34 @@ class Achieved:
         return self.worst <= LIMIT and not self.missing
 
 
-def achieved(tool: Tool, run: Run, job: Job, truth: Reference, setting: float) -> Achieved:
+def accuracy(tool: Tool, run: Run, job: Job, truth: Reference, setting: float) -> Accuracy:
     """Errors of a tool at one setting."""
     checked = tool.checked(job)
     omegas = job.omegas[job.subset][checked]
     answers = [run(omegas, setting) for _ in range(1 + tool.compiles)]
     error = truth.error(tool.gives, answers[-1].values, checked)
     compiling = max(answers[0].seconds - answers[-1].seconds, 0.0) if tool.compiles else 0.0
-    known = error[~np.isnan(error)]
-    median, worst = (
-        (float(np.median(known)), float(known.max())) if known.size else (np.inf, np.inf)
-    )
-    return Achieved(setting, median, worst, error.size - known.size, compiling)
+    errors = error[~np.isnan(error)]
+    missing = error.size - errors.size
+    if not errors.size:
+        return Accuracy(setting, np.inf, np.inf, missing, compiling)
+    return Accuracy(setting, float(np.median(errors)), float(errors.max()), missing, compiling)
 
 
-def settled(tool: Tool, run: Run, job: Job, truth: Reference) -> Achieved:
+def cheapest(tool: Tool, run: Run, job: Job, truth: Reference) -> Accuracy:
     """The cheapest setting within the limit, or the one with the smallest worst error.
 
     A tool that compiles anew for every setting is charged for one.
     """
-    tried = list(_until_met(tool, run, job, truth))
-    best = tried[-1] if tried[-1].met else min(tried, key=lambda one: (one.missing, one.worst))
-    return replace(best, compiling=max(one.compiling for one in tried))
+    trials = list(_until_met(tool, run, job, truth))
+    best = trials[-1] if trials[-1].met else min(trials, key=lambda t: (t.missing, t.worst))
+    return replace(best, compiling=max(trial.compiling for trial in trials))
 
 
-def _until_met(tool: Tool, run: Run, job: Job, truth: Reference) -> Iterator[Achieved]:
+def _until_met(tool: Tool, run: Run, job: Job, truth: Reference) -> Iterator[Accuracy]:
+    """Settings from the cheapest on, until one is within the limit."""
     for setting in tool.settings:
-        found = achieved(tool, run, job, truth, setting)
-        yield found
-        if found.met:
+        trial = accuracy(tool, run, job, truth, setting)
+        yield trial
+        if trial.met:
             return

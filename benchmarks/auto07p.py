@@ -24,13 +24,24 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from tests.literature.auto import runner
 
+from benchmarks.jobs import REFERENCE_TEMPERATURE
 from remanent._typing import FloatArray
 
+#: Points of the branch.
 POINTS = 500
-TEMPERATURE, OMEGA, STRETCH, B = 350.0, 1.6, 0.9649531659050434, 0.4
-THETA = TEMPERATURE / 293.0
+#: Temperature, kelvin.
+TEMPERATURE = 350.0
+#: Temperature over that of the reference configuration.
+THETA = TEMPERATURE / REFERENCE_TEMPERATURE
+#: Root of the peak load.
+B = 0.4
+#: Drive frequency at which the branch starts.
+OMEGA = 1.6
+#: Stretch at phase 0 of the orbit it starts from, whose rate is 0 there.
+STRETCH = 0.9649531659050434
 #: One orbit of so many is stored to see how well it closes.
 _STORED = 5
+#: AUTO's constants, under its own names.
 CONSTANTS: dict[str, Any] = {
     "ICP": [1], "NTST": 60, "NCOL": 4, "EPSL": 1e-8, "EPSU": 1e-8, "EPSS": 1e-6,
     "NMX": POINTS, "NPR": POINTS, "DS": -0.002, "DSMAX": 0.004, "ITNW": 7, "NWTN": 1,
@@ -38,33 +49,55 @@ CONSTANTS: dict[str, Any] = {
 }  # fmt: skip
 
 
-def versions() -> str:
-    """What is timed."""
-    return f"AUTO-07p {runner.AUTO_VERSION} (Debian), gfortran -O3"
+class Auto:
+    """AUTO-07p's object files with a Fortran compiler, as a source of a tool."""
+
+    def missing(self) -> str:
+        if runner.installed():
+            return ""
+        return (
+            "AUTO-07p or gfortran is not installed; "
+            "install both with `apt install auto-07p gfortran` on Debian or Ubuntu"
+        )
+
+    def version(self) -> str:
+        return f"AUTO-07p {runner.AUTO_VERSION} (Debian), gfortran -O3"
+
+
+SOURCE = Auto()
 
 
 def seconds_per_point(repeats: int = 3, **changes: Any) -> float | None:
-    """Processor time of one point, the median of some runs, starting and reading included."""
+    """Processor time of one point, the median of runs, with AUTO's start and its files.
+
+    Parameters
+    ----------
+    repeats
+        Number of runs.
+    **changes
+        Constants of AUTO that differ from :data:`CONSTANTS`.
+    """
     if not runner.installed():
         return None
     with tempfile.TemporaryDirectory() as scratch:
         executable = runner.compile_equations("actuator", Path(scratch))
         _start(Path(scratch))
-        return statistics.median(_once(executable, **changes) for _ in range(repeats))
+        return statistics.median(_timed(executable, **changes) for _ in range(repeats))
 
 
 def orbits() -> tuple[FloatArray, FloatArray] | None:
-    """Some of its orbits: states at phase 0, array (point, 2), and frequencies."""
+    """Every fifth of its orbits: states at phase 0, array (point, 2), and frequencies."""
     if not runner.installed():
         return None
     with tempfile.TemporaryDirectory() as scratch:
         executable = runner.compile_equations("actuator", Path(scratch))
         _start(Path(scratch))
-        found = runner.run(executable, "actuator", **{**CONSTANTS, "NPR": _STORED}).solutions
-    return np.array([one.u[0, :2] for one in found]), np.array([one.par[0] for one in found])
+        stored = runner.run(executable, "actuator", **{**CONSTANTS, "NPR": _STORED}).solutions
+    return np.array([orbit.u[0, :2] for orbit in stored]), np.array([o.par[0] for o in stored])
 
 
-def _once(executable: Path, **changes: Any) -> float:
+def _timed(executable: Path, **changes: Any) -> float:
+    """Processor time of a point in one run."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     run = runner.run(executable, "actuator", **{**CONSTANTS, **changes})
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -91,4 +124,4 @@ def _start(directory: Path) -> None:
 
 if __name__ == "__main__":
     cost = seconds_per_point()
-    print(versions(), "is not installed" if cost is None else f"{1e3 * cost:.3f} ms per point")
+    print(SOURCE.missing() if cost is None else f"{SOURCE.version()}: {1e3 * cost:.3f} ms a point")

@@ -11,6 +11,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -31,12 +32,25 @@ from remanent.models.drives.base import Drive
 from remanent.studies.ensemble.layout import lay_out
 from remanent.studies.ensemble.problem import initial_value_problem
 
+#: Results and pages are written below it.
 ROOT = Path(__file__).parent.parent
-#: Trajectories that go through the engine together, and samples of each.
-TOGETHER, SAMPLES = 16, 257
-#: Longest run, tau; entries of the tables; how often runs start from rest, undamped.
-LONGEST, ENTRIES, AT_REST, UNDAMPED = 100.0, 33, 0.5, 0.5
+#: Trajectories of a group, which go through the engine together.
+GROUP_SIZE = 16
+#: States of a trajectory whose error is measured.
+SAMPLES = 257
+#: Longest run, tau.
+LONGEST = 100.0
+#: Entries of a table of loads.
+TABLE_ENTRIES = 33
+#: Largest load of any drive but a sampled one.
+LARGEST_LOAD = 3.0
+#: Share of trajectories that start from rest.
+AT_REST = 0.5
+#: Share of groups without damping.
+UNDAMPED = 0.5
+#: Reference temperature, kelvin.
 T0 = 293.0
+#: Numeric fields by name, an array (trajectory,) each.
 Values = dict[str, FloatArray]
 
 
@@ -51,17 +65,17 @@ class Kind:
 
 def _waves(rng: np.random.Generator) -> Values:
     """Amplitude and mean of loads of up to 3, frequencies around the natural ones."""
-    mean = rng.uniform(-1.5, 1.5, TOGETHER)
-    m = rng.uniform(-1.0, 1.0, TOGETHER) * (3.0 - np.abs(mean))
-    return {"m": m, "mean": mean, "phase": rng.uniform(0.0, 2.0 * np.pi, TOGETHER)}
+    mean = rng.uniform(-1.5, 1.5, GROUP_SIZE)
+    m = rng.uniform(-1.0, 1.0, GROUP_SIZE) * (LARGEST_LOAD - np.abs(mean))
+    return {"m": m, "mean": mean, "phase": rng.uniform(0.0, 2.0 * np.pi, GROUP_SIZE)}
 
 
 def _constant(rng: np.random.Generator) -> tuple[Drive, Values]:
-    return rm.Constant(0.0), {"m": rng.uniform(-3.0, 3.0, TOGETHER)}
+    return rm.Constant(0.0), {"m": rng.uniform(-LARGEST_LOAD, LARGEST_LOAD, GROUP_SIZE)}
 
 
 def _squared(rng: np.random.Generator) -> tuple[Drive, Values]:
-    b, phase = rng.uniform(0.0, 3.0**0.5, TOGETHER), rng.uniform(0.0, np.pi, TOGETHER)
+    b, phase = rng.uniform(0.0, LARGEST_LOAD**0.5, GROUP_SIZE), rng.uniform(0.0, np.pi, GROUP_SIZE)
     return rm.SineSquared(0.4, 1.0), {"b": b, "omega": _frequencies(rng), "phase": phase}
 
 
@@ -70,33 +84,34 @@ def _sine(rng: np.random.Generator) -> tuple[Drive, Values]:
 
 
 def _chirp(rng: np.random.Generator) -> tuple[Drive, Values]:
-    ends = {name: rng.uniform(0.0, 5.0, TOGETHER) for name in ("start", "stop")}
-    sweep = rng.uniform(0.1, 1.2, TOGETHER) * LONGEST
+    ends = {name: rng.uniform(0.0, 5.0, GROUP_SIZE) for name in ("start", "stop")}
+    sweep = rng.uniform(0.1, 1.2, GROUP_SIZE) * LONGEST
     return rm.Chirp(0.1, 1.0, 2.0, 3.0), {**_waves(rng), **ends, "duration": sweep}
 
 
 def _frequencies(rng: np.random.Generator) -> FloatArray:
-    return np.asarray(10.0 ** rng.uniform(-0.5, 0.7, TOGETHER))
+    return np.asarray(10.0 ** rng.uniform(-0.5, 0.7, GROUP_SIZE))
 
 
 def _table(
     kind: type[Any], largest: float
 ) -> Callable[[np.random.Generator], tuple[Drive, Values]]:
     def make(rng: np.random.Generator) -> tuple[Drive, Values]:
-        inner = np.sort(rng.uniform(0.0, LONGEST, ENTRIES - 2))
-        even = np.linspace(0.0, LONGEST, ENTRIES)
+        inner = np.sort(rng.uniform(0.0, LONGEST, TABLE_ENTRIES - 2))
+        even = np.linspace(0.0, LONGEST, TABLE_ENTRIES)
         times = even if kind is rm.Sampled else np.array([0.0, *inner, LONGEST])
-        return kind(times, rng.uniform(-largest, largest, ENTRIES)), {}
+        return kind(times, rng.uniform(-largest, largest, TABLE_ENTRIES)), {}
 
     return make
 
 
+#: Everything that trajectories are made of; the place in it is part of a trajectory's name.
 KINDS = (
     Kind("Constant", _constant),
     Kind("SineSquared", _squared),
     Kind("Sine", _sine),
-    Kind("Steps", _table(rm.Steps, 3.0)),
-    Kind("Ramp", _table(rm.Ramp, 3.0)),
+    Kind("Steps", _table(rm.Steps, LARGEST_LOAD)),
+    Kind("Ramp", _table(rm.Ramp, LARGEST_LOAD)),
     Kind("Chirp", _chirp),
     Kind("Sampled", _table(rm.Sampled, 2.0)),  # the spline overshoots its samples
     Kind("SineSquared, extremes", _squared, extremes=True),
@@ -106,7 +121,15 @@ KINDS = (
 
 @dataclass(frozen=True)
 class Group:
-    """Trajectories that share a drive and a tolerance; all that is random about them."""
+    """Trajectories that share a kind of drive and a tolerance; all that is random about them.
+
+    Attributes
+    ----------
+    values
+        Fields that differ between trajectories, arrays (trajectory,).
+    duration : array (trajectory,)
+        Length of each run, tau.
+    """
 
     kind: Kind
     actuator: rm.Actuator
@@ -117,13 +140,13 @@ class Group:
 
     def motion(self, k: int) -> taylor.Motion:
         """Trajectory `k`, for the reference."""
-        own = {**self.actuator.parameters(), **self.drive.parameters()}
-        values = own | {name: float(v[k]) for name, v in self.values.items()}
+        common = {**self.actuator.parameters(), **self.drive.parameters()}
+        values = common | {name: float(v[k]) for name, v in self.values.items()}
         start = values["initial.stretch"], values["initial.stretch_rate"]
         return taylor.Motion(self.drive, values, start)
 
     def times(self) -> FloatArray:
-        """When states are wanted, an array (trajectory, time)."""
+        """Times of the states whose error is measured, array (trajectory, time)."""
         grid = np.linspace(0.0, 1.0, SAMPLES) * self.duration[:, None]
         grid[:, -1] = self.duration
         return np.asarray(grid)
@@ -135,38 +158,50 @@ class Group:
     def computed(self) -> Outcome:
         """What the package answers."""
         over = {name: xr.DataArray(v, dims="case") for name, v in self.values.items()}
-        asked = initial_value_problem(lay_out(self.actuator, self.drive, over), self.duration)
+        problem = initial_value_problem(lay_out(self.actuator, self.drive, over), self.duration)
         request = Request(times=self.times())
         if self.kind.extremes:
             request = Request(extremes=True, begin=self.begin())
-        return integrate(asked, request, tolerance=self.tolerance)
+        return integrate(problem, request, tolerance=self.tolerance)
 
 
 def group(seed: int, kind: int, number: int) -> Group:
     """The same trajectories for the same three numbers."""
     rng = np.random.default_rng([seed, kind, number])
     drive, values = KINDS[kind].make(rng)
-    resting = rng.uniform(size=TOGETHER) < AT_REST
+    resting = rng.uniform(size=GROUP_SIZE) < AT_REST
     values |= {
-        "c": 10.0 ** rng.uniform(-3.0, 0.0, TOGETHER),
-        "temperature": T0 * rng.uniform(0.5, 2.0, TOGETHER),
-        "prestress": rng.uniform(-1.0, 3.0, TOGETHER),
-        "initial.stretch": np.where(resting, 1.0, rng.uniform(0.8, 1.3, TOGETHER)),
-        "initial.stretch_rate": np.where(resting, 0.0, rng.uniform(-0.5, 0.5, TOGETHER)),
+        "c": 10.0 ** rng.uniform(-3.0, 0.0, GROUP_SIZE),
+        "temperature": T0 * rng.uniform(0.5, 2.0, GROUP_SIZE),
+        "prestress": rng.uniform(-1.0, 3.0, GROUP_SIZE),
+        "initial.stretch": np.where(resting, 1.0, rng.uniform(0.8, 1.3, GROUP_SIZE)),
+        "initial.stretch_rate": np.where(resting, 0.0, rng.uniform(-0.5, 0.5, GROUP_SIZE)),
     }
     damped = rng.uniform() >= UNDAMPED
     if damped:
-        values["dissipation.0.eta"] = 10.0 ** rng.uniform(-3.0, 0.0, TOGETHER)
+        values["dissipation.0.eta"] = 10.0 ** rng.uniform(-3.0, 0.0, GROUP_SIZE)
     body = rm.Actuator(
         temperature=T0, reference_temperature=T0, dissipation=rm.Rayleigh(0.1) if damped else ()
     )
-    duration = rng.uniform(1.0, LONGEST, TOGETHER)
+    duration = rng.uniform(1.0, LONGEST, GROUP_SIZE)
     return Group(KINDS[kind], body, drive, values, duration, 10.0 ** rng.uniform(-12.0, -4.0))
 
 
 @dataclass(frozen=True)
 class Case:
-    """One trajectory: where it comes from, what was reported, what was true."""
+    """One trajectory: where it comes from, its reported error and its true one.
+
+    Attributes
+    ----------
+    seed, kind, group, index
+        Make the trajectory again: seed of all, number in :data:`KINDS`, group, trajectory.
+    horizon, duration
+        Time up to which the tolerance was met, and length of the run, tau.
+    resolution
+        Double steps per cycle that were needed.
+    reported, true
+        Error as the package reports it, and against the reference.
+    """
 
     seed: int
     kind: int
@@ -187,67 +222,72 @@ class Case:
 
 def cases(seed: int, kind: int, number: int) -> Iterator[Case]:
     """Every trajectory of a group, measured."""
-    some = group(seed, kind, number)
-    outcome = some.computed()
-    for k in range(TOGETHER):
+    trajectories = group(seed, kind, number)
+    outcome = trajectories.computed()
+    for k in range(GROUP_SIZE):
         yield Case(
-            seed, kind, number, k, some.tolerance, Status(int(outcome.status[k])),
-            float(outcome.horizon[k]), float(some.duration[k]), int(outcome.resolution[k]),
-            float(outcome.error[k]), true_error(some, outcome, k),
+            seed, kind, number, k, trajectories.tolerance, Status(int(outcome.status[k])),
+            float(outcome.horizon[k]), float(trajectories.duration[k]), int(outcome.resolution[k]),
+            float(outcome.error[k]), true_error(trajectories, outcome, k),
         )  # fmt: skip
 
 
-def true_error(some: Group, outcome: Outcome, k: int) -> float:
+def true_error(trajectories: Group, outcome: Outcome, k: int) -> float:
     """Largest error of what was returned of trajectory `k`; NaN if nothing was."""
-    if some.kind.extremes:
+    motion = trajectories.motion(k)
+    if trajectories.kind.extremes:
         if outcome.status[k] != Status.OK:
             return float("nan")
-        found = outcome.maximum[k], outcome.minimum[k]
-        exact = taylor.extremes(some.motion(k), float(some.begin()[k]), float(some.duration[k]))
-        return float(np.abs(np.subtract(found, exact)).max())
-    times = some.times()[k]
+        begin, end = trajectories.begin()[k], trajectories.duration[k]
+        exact = taylor.extremes(motion, float(begin), float(end))
+        return float(np.abs(np.subtract((outcome.maximum[k], outcome.minimum[k]), exact)).max())
+    times = trajectories.times()[k]
     times = times[times <= outcome.horizon[k]]
     if times.size < 2 or outcome.states is None:
         return float("nan")
-    difference = outcome.states[k, : times.size] - taylor.states(some.motion(k), times)
+    difference = outcome.states[k, : times.size] - taylor.states(motion, times)
     return float(np.abs(difference).max())
 
 
-def summary(some: list[Case]) -> dict[str, Any]:
-    """Coverage, looseness and statuses of some trajectories.
+def summary(trajectories: list[Case]) -> dict[str, Any]:
+    """Coverage, looseness and statuses of trajectories.
 
     Trajectories that met the tolerance to their end are judged; those that did not are
-    judged apart, up to their horizon.
+    judged apart, up to their horizon.  ``coverage_at_least`` is the lower limit of Clopper and
+    Pearson at 95 % confidence.
     """
-    ok = [case for case in some if case.status == Status.OK]
-    part = [case for case in some if case.status != Status.OK and np.isfinite(case.true)]
+    count = len(trajectories)
+    ok = [case for case in trajectories if case.status == Status.OK]
+    partial = [c for c in trajectories if c.status != Status.OK and np.isfinite(c.true)]
     covered = sum(case.covered for case in ok)
     ratios = [case.reported / max(case.true, 1e-300) for case in ok]
     return {
-        "cases": len(some),
-        "ok": len(ok) / len(some),
-        "horizon": sum(case.status == Status.HORIZON for case in some) / len(some),
+        "cases": count,
+        "ok": len(ok) / count,
+        "horizon": sum(case.status == Status.HORIZON for case in trajectories) / count,
         "coverage": covered / len(ok),
         "coverage_at_least": float(beta.ppf(0.05, covered, len(ok) - covered + 1)),
-        "coverage_up_to_horizon": sum(c.covered for c in part) / len(part) if part else None,
+        "coverage_up_to_horizon": (
+            sum(case.covered for case in partial) / len(partial) if partial else None
+        ),
         "median_ratio": float(np.median(ratios)),
         "uncovered": len(ok) - covered,
     }
 
 
-def report(found: list[Case], seed: int) -> dict[str, Any]:
+def report(trajectories: list[Case], seed: int) -> dict[str, Any]:
     """Everything worth keeping, in plain data."""
 
     def where(test: Callable[[Case], bool]) -> dict[str, Any]:
-        return summary([case for case in found if test(case)])
+        return summary([case for case in trajectories if test(case)])
 
-    bad = [case for case in found if np.isfinite(case.true) and not case.covered]
-    points = [case for case in found if case.status == Status.OK]
+    uncovered = [case for case in trajectories if np.isfinite(case.true) and not case.covered]
+    points = [case for case in trajectories if case.status == Status.OK]
     return {
         "remanent": version("remanent"),
         "reference": f"heyoka.py {version('heyoka')}, extended precision",
         "seed": seed,
-        "total": summary(found),
+        "total": summary(trajectories),
         "decades": {
             f"1e{d}": where(lambda case, d=d: d <= np.log10(case.tolerance) < d + 1)  # type: ignore[misc]
             for d in range(-12, -4)
@@ -256,33 +296,36 @@ def report(found: list[Case], seed: int) -> dict[str, Any]:
             kind.name: where(lambda case, k=k: case.kind == k)  # type: ignore[misc]
             for k, kind in enumerate(KINDS)
         },
-        "slenderness": slenderness(found),
-        "uncovered": [_listed(case) for case in sorted(bad, key=lambda c: c.reported / c.true)],
+        "slenderness": slenderness(trajectories),
+        "uncovered": [
+            _listed(case) for case in sorted(uncovered, key=lambda c: c.reported / c.true)
+        ],
         # for the picture: log10 of true and of reported errors
         "points": [[_log(case.true), _log(case.reported)] for case in points],
     }
 
 
-def slenderness(found: list[Case]) -> dict[str, Any]:
-    """The same by decade of c."""
-    c = {case: float(_group(case).values["c"][case.index]) for case in found}
+def slenderness(trajectories: list[Case]) -> dict[str, Any]:
+    """Summaries by decade of the slenderness c."""
+    c = {case: float(_group(case).values["c"][case.index]) for case in trajectories}
     return {
-        f"1e{d}": summary([case for case in found if d <= np.log10(c[case]) < d + 1])
+        f"1e{d}": summary([case for case in trajectories if d <= np.log10(c[case]) < d + 1])
         for d in (-3, -2, -1)
     }
 
 
-_groups: dict[tuple[int, int, int], Group] = {}
+@cache
+def _group_again(seed: int, kind: int, number: int) -> Group:
+    return group(seed, kind, number)
 
 
 def _group(case: Case) -> Group:
-    key = case.seed, case.kind, case.group
-    if key not in _groups:
-        _groups[key] = group(*key)
-    return _groups[key]
+    """The group of a trajectory, made once."""
+    return _group_again(case.seed, case.kind, case.group)
 
 
 def _log(error: float) -> float:
+    """Decimal logarithm of an error, with two digits; no less than that of 1e-18."""
     return round(float(np.log10(max(error, 1e-18))), 2)
 
 
@@ -303,7 +346,7 @@ def _listed(case: Case) -> dict[str, Any]:
 
 def measured(count: int, seed: int) -> Iterable[Case]:
     """At least `count` trajectories, as many of every kind."""
-    groups = -(-count // (len(KINDS) * TOGETHER))
+    groups = -(-count // (len(KINDS) * GROUP_SIZE))
     work = [(kind, number) for kind in range(len(KINDS)) for number in range(groups)]
     with click.progressbar(work, label="coverage") as bar:
         for kind, number in bar:
@@ -318,21 +361,21 @@ def measured(count: int, seed: int) -> Iterable[Case]:
 @click.option("--out", type=click.Path(path_type=Path), default=ROOT, help="Written below it.")
 def main(count: int, seed: int, one: str | None, redraw: bool, out: Path) -> None:
     """Measure the coverage of the reported error."""
-    kept = out / "benchmarks" / "results" / "coverage.json"
+    results = out / "benchmarks" / "results" / "coverage.json"
     if one is not None:
         kind, number, index = map(int, one.split(":"))
         click.echo(list(cases(seed, kind, number))[index])
         click.echo(group(seed, kind, number).motion(index))
         return
     if not redraw:
-        kept.parent.mkdir(parents=True, exist_ok=True)
-        kept.write_text(json.dumps(report(list(measured(count, seed)), seed)) + "\n")
-    found = json.loads(kept.read_text())
+        results.parent.mkdir(parents=True, exist_ok=True)
+        results.write_text(json.dumps(report(list(measured(count, seed)), seed)) + "\n")
+    saved = json.loads(results.read_text())
     pages = out / "docs" / "results"
     pages.mkdir(parents=True, exist_ok=True)
-    draw(found, pages / "coverage.svg")
-    write_page(found, pages / "coverage.md")
-    click.echo(json.dumps(found["total"], indent=1))
+    draw(saved, pages / "coverage.svg")
+    write_page(saved, pages / "coverage.md")
+    click.echo(json.dumps(saved["total"], indent=1))
 
 
 if __name__ == "__main__":

@@ -12,22 +12,25 @@ from matplotlib.figure import Figure
 
 from remanent.plots import style
 
-#: Looseness up to which a bound counts as useful, and coverage that is asked.
-LOOSE, ASKED = 100.0, 0.995
-_PAGE = """\
+#: Reported over true error up to which a bound counts as useful.
+LARGEST_USEFUL_RATIO = 100.0
+#: Coverage that is asked.
+ASKED_COVERAGE = 0.995
+#: Heading of a table.
+_HEADING = """\
 | {0} | trajectories | to the end | covered | at least | covered up to the horizon | median ratio |
 |---|---:|---:|---:|---:|---:|---:|
 """
 
 
-def draw(found: Mapping[str, Any], path: Path) -> Figure:
+def draw(results: Mapping[str, Any], path: Path) -> Figure:
     """Reported against true errors, and the share of them covered by decade of tolerance."""
     with style.context():
         figure = Figure(figsize=(style.DOUBLE, 3.1), layout="constrained")
         left, right = figure.subplots(1, 2, width_ratios=(1.25, 1.0))
-        _errors(left, np.array(found["points"], dtype=float))
-        _coverage(right, found["decades"], found["total"])
-        footer = f"seed {found['seed']}   remanent {found['remanent']}   {found['reference']}"
+        _errors(left, np.array(results["points"], dtype=float))
+        _coverage(right, results["decades"], results["total"])
+        footer = f"seed {results['seed']}   remanent {results['remanent']}   {results['reference']}"
         figure.supxlabel(footer, x=0.01, ha="left", fontsize=6.0, color=style.FAINT)
     style.save(figure, path)
     return figure
@@ -42,7 +45,7 @@ def _errors(ax: Axes, points: np.ndarray[Any, np.dtype[np.float64]]) -> None:
     ax.plot(true[~covered], reported[~covered], "x", ms=4.0, mew=0.9, clip_on=False,
             color=style.OKABE_ITO["vermillion"], label="not covered")  # fmt: skip
     ax.plot(ends, ends, "-", color=style.INK, lw=0.8)
-    ax.plot(ends, LOOSE * ends, color=style.INK, lw=0.8, ls=style.DASHES[1])
+    ax.plot(ends, LARGEST_USEFUL_RATIO * ends, color=style.INK, lw=0.8, ls=style.DASHES[1])
     ax.set(xscale="log", yscale="log", xlim=ends, ylim=ends)
     ax.set(xlabel="true error", ylabel="reported error")
     style.panel_title(ax, "a", f"{true.size} trajectories")
@@ -59,37 +62,37 @@ def _coverage(ax: Axes, decades: Mapping[str, Any], total: Mapping[str, Any]) ->
     ax.bar(powers + 0.5, missed, width=0.7, color=style.OKABE_ITO["blue"])
     ax.errorbar(powers + 0.5, missed, yerr=[0.0 * worst, worst - missed], fmt="none",
                 ecolor=style.INK, elinewidth=0.8, capsize=2.0)  # fmt: skip
-    asked = 100.0 * (1.0 - ASKED)
-    ax.axhline(asked, color=style.INK, lw=0.8, ls=style.DASHES[1])
-    ax.text(powers[0] + 0.1, asked, "asked", va="bottom", fontsize=7.5)
+    missed_limit = 100.0 * (1.0 - ASKED_COVERAGE)
+    ax.axhline(missed_limit, color=style.INK, lw=0.8, ls=style.DASHES[1])
+    ax.text(powers[0] + 0.1, missed_limit, "asked", va="bottom", fontsize=7.5)
     ticks = np.arange(powers[0], powers[-1] + 2, 2)
     ax.set_xticks(ticks, [f"$10^{{{k}}}$" for k in ticks])
     ax.set(xlabel="tolerance", ylabel="not covered (%)", xlim=(powers[0], powers[-1] + 1))
-    ax.set_ylim(0.0, 1.25 * max(asked, worst.max()))
+    ax.set_ylim(0.0, 1.25 * max(missed_limit, worst.max()))
     style.panel_title(ax, "b", f"covered in all: {100.0 * total['coverage']:.2f} %")
 
 
-def write_page(found: Mapping[str, Any], path: Path) -> None:
+def write_page(results: Mapping[str, Any], path: Path) -> None:
     """Tables in MyST, to be included in a page of the documentation."""
-    total = found["total"]
+    total = results["total"]
     parts = [
         "<!-- Written by `python -m benchmarks.coverage`; do not edit. -->\n",
         f"Of {total['cases']} random trajectories {_percent(total['ok'])} met the tolerance to "
         f"their end. The reported error covered the true one in {_percent(total['coverage'])} of "
         f"these (at least {_percent(total['coverage_at_least'])} at 95 % confidence) and was "
         f"{total['median_ratio']:.1f} times as large at the median. The true errors are "
-        f"differences from {found['reference']}.\n",
+        f"differences from {results['reference']}.\n",
         "```{figure} /results/coverage.svg\n"
         ":alt: Reported against true errors; share not covered\n\n"
         "Reported against true errors, and the share of trajectories whose reported error was\n"
         "smaller than the true one, by decade of the tolerance, with limits at 95 % confidence.\n"
         "```\n",
-        _table("tolerance", {_decade(name): row for name, row in found["decades"].items()}),
-        _table("drive", found["drives"]),
-        _table("slenderness c", {_decade(n): row for n, row in found["slenderness"].items()}),
+        _table("tolerance", {_decade(name): row for name, row in results["decades"].items()}),
+        _table("drive", results["drives"]),
+        _table("slenderness c", {_decade(n): row for n, row in results["slenderness"].items()}),
     ]
-    if found["uncovered"]:
-        parts.append(_uncovered(found["uncovered"]))
+    if results["uncovered"]:
+        parts.append(_uncovered(results["uncovered"]))
     path.write_text("\n".join(parts))
 
 
@@ -100,7 +103,7 @@ def _table(what: str, rows: Mapping[str, Any]) -> str:
         f"| {row['median_ratio']:.1f} |\n"
         for name, row in rows.items()
     ]
-    return _PAGE.format(what) + "".join(lines)
+    return _HEADING.format(what) + "".join(lines)
 
 
 def _uncovered(rows: list[dict[str, Any]]) -> str:

@@ -1,4 +1,4 @@
-"""The work that every tool is given: frequency responses of equation (16)."""
+"""The work that every tool is given: frequency responses of [Thermal, eq. 16]."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 
 from remanent._typing import FloatArray
 
+#: Temperature of the reference configuration, kelvin.
 REFERENCE_TEMPERATURE = 293.0
 
 
@@ -55,9 +56,14 @@ class Job:
         return replace(self, count=self.count // 8, checked=self.checked // 4)
 
     def acceleration(self, m: Any, x: Any, v: Any) -> Any:
-        """Equation (16) with its numbers written in, brought to one division.
+        """[Thermal, eq. 16] with its numbers written in, brought to one division.
 
-        Multiplied by x⁷, the fewest operations we found; numbers of any kind.
+        With the stretch x, its rate v and the magnetic load m,
+
+            x'' = (6 c v² − 3 (θ (x⁸ − x²) + m x⁴ − S x⁷)) / (x⁷ + 2 c x).
+
+        This is the equation multiplied by x⁷, the fewest operations of the forms tried.  It
+        takes numbers of any kind: floats, arrays, and expressions of other tools.
         """
         x2 = x * x
         x3, x4 = x2 * x, x2 * x2
@@ -68,8 +74,11 @@ class Job:
         return ((6.0 * self.c) * (v * v) - 3.0 * force) / (x7 + (2.0 * self.c) * x)
 
 
+#: A cube, as in [Thermal].
 RESPONSE = Job("response", 0.5, 2.0, b=0.4, c=1.0, prestress=0.0)
+#: A film: fast stretches of the motion, and steps that should differ a hundredfold.
 FILM = Job("film", 0.5, 4.0, b=0.9, c=0.01, prestress=1.0)
+#: All jobs by name.
 JOBS = {job.name: job for job in (RESPONSE, FILM)}
 
 

@@ -1,4 +1,8 @@
-"""The most arithmetic that a core can do: a loop of independent fused multiply-adds."""
+"""The most arithmetic that a core can do: a loop of independent fused multiply-adds.
+
+This is the yardstick of the row ``kernel``.  Its rate follows from the passes that the source
+asks for, so that it does not depend on how often LLVM unrolls the loop.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +17,8 @@ from remanent.integrate.kernel.compile import Target
 from remanent.integrate.kernel.lanes import DOUBLE, INTEGER, Writer
 
 #: Chains that wait for nothing but themselves: enough to hide the latency of one.
-_CHAINS = 6
+CHAINS = 6
+#: Passes of the loop that is timed.
 _PASSES = 4_000_000
 
 
@@ -28,10 +33,11 @@ def source(width: int) -> str:
     builder.position_at_end(begin)
     values, passes = function.args
     w = Writer(builder, width)
-    places = [w.integer(k * width) for k in range(_CHAINS + 2)]
+    places = [w.integer(k * width) for k in range(CHAINS + 2)]
     factor, term = w.load(values, places[-2]), w.load(values, places[-1])
     chains = [w.variable(w.load(values, k)) for k in places[:-2]]
     with w.loop(passes):
+        # One multiply-add of a vector for every chain.
         for chain in chains:
             chain.set(chain.get() * factor + term)
     for chain, k in zip(chains, places, strict=False):
@@ -41,7 +47,7 @@ def source(width: int) -> str:
 
 
 def lanes_per_second(target: Target, repeats: int) -> float:
-    """Multiply-adds of single numbers that one core does in a second."""
+    """Multiply-adds of single numbers that one core does in a second, the median of runs."""
     module = binding.parse_assembly(source(target.width))
     machine = target.machine()
     builder = binding.create_pass_builder(
@@ -51,10 +57,10 @@ def lanes_per_second(target: Target, repeats: int) -> float:
     engine = binding.create_mcjit_compiler(module, machine)
     signature = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_int64)
     loop = signature(engine.get_function_address("loop"))
-    values = np.full((_CHAINS + 2) * target.width, 0.5)
+    values = np.full((CHAINS + 2) * target.width, 0.5)
     times = []
-    for _ in range(repeats + 1):
+    for _ in range(repeats + 1):  # the first is for the caches
         begin = time.thread_time()
         loop(values.ctypes.data, _PASSES)
         times.append(time.thread_time() - begin)
-    return _PASSES * _CHAINS * target.width / statistics.median(times[1:])
+    return _PASSES * CHAINS * target.width / statistics.median(times[1:])

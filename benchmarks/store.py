@@ -9,6 +9,7 @@ from typing import Any
 
 from benchmarks.machine import environment
 
+#: Where results are kept, a file a row.
 FOLDER = Path(__file__).with_name("results")
 
 
@@ -23,6 +24,7 @@ def described(data: dict[str, Any], *, quick: bool, busy: float) -> dict[str, An
 
 
 def save(row: str, result: dict[str, Any]) -> None:
+    """Write the results of a row over those saved before."""
     FOLDER.mkdir(exist_ok=True)
     text = json.dumps(result, indent=1, ensure_ascii=False, allow_nan=False)
     (FOLDER / f"{row}.json").write_text(text + "\n", encoding="utf-8")

@@ -31,18 +31,19 @@ class Table:
 
 
 def number(x: float | None) -> str:
-    """Three digits, without an exponent where that is short."""
+    """Three digits, without an exponent where that is short; a dash for what is missing."""
     if x is None:
         return "–"
     return f"{x:.0f}" if abs(x) >= 100 else f"{x:.3g}"
 
 
 def error(x: float | None) -> str:
+    """One digit; none where no error was measured."""
     return "none" if x is None else f"{x:.0e}"
 
 
-def asked(results: Results) -> Table:
-    """What is asked against what was found."""
+def targets(results: Results) -> Table:
+    """What is asked against what was measured."""
     heading = ("work", "against", "measured", "at least", "aim", "met")
     rows = []
     for verdict in verdicts(results):
@@ -56,7 +57,7 @@ def asked(results: Results) -> Table:
 
 
 def work(data: Any) -> Table:
-    """Tools on one job."""
+    """Tools on one job, the fastest first."""
     tools = data["tools"]
     ours = tools["remanent"]["microseconds"] if "remanent" in tools else None
     heading = ("tool", "version", "µs", "ratio", "median error", "worst error",
@@ -85,6 +86,7 @@ def _setting(one: Any) -> str:
 
 
 def kernel(data: Any) -> Table:
+    """Operations of a step and lane, and the shares of the multiply-add loop."""
     heading = ("kernel", "method", "ns", "multiply–adds", "multiplications", "additions",
                "divisions", "share of slots", "share of operations")  # fmt: skip
     kinds = ("fma", "mul", "add", "div")
@@ -100,6 +102,7 @@ def kernel(data: Any) -> Table:
 
 
 def growth(data: Any) -> Table:
+    """Time and memory by number of trajectories."""
     heading = ("trajectories", "s", "µs each", "result, MiB", "memory beyond it, MiB")
     rows = [
         (
@@ -113,6 +116,7 @@ def growth(data: Any) -> Table:
 
 
 def branch(data: Any) -> Table:
+    """Time of a point, and how well orbits close."""
     heading = ("branches", "points", "µs a point", "worst closure of the one branch")
     rows = [
         (str(one["branches"]), str(one["points"]), number(one["microseconds"]), closure)
@@ -123,6 +127,7 @@ def branch(data: Any) -> Table:
 
 
 def lyapunov(data: Any) -> Table:
+    """Time of Lyapunov exponents, each program at equal error of a period."""
     tools = {"Remanent, two runs, with its error": (f"{data['side']} × {data['side']}", data)}
     if data["peer"]:
         tools[f"pynamicalsys {data['peer']['version']}"] = (
@@ -138,8 +143,9 @@ def lyapunov(data: Any) -> Table:
 
 
 def chart(data: Any) -> Table:
-    whole = data["side"] ** 2
-    shares = ", ".join(f"{name} {100 * n / whole:.1f} %" for name, n in data["regimes"].items())
+    """Time of a chart of regimes, and the shares of the regimes."""
+    motions = data["side"] ** 2
+    shares = ", ".join(f"{name} {100 * n / motions:.1f} %" for name, n in data["regimes"].items())
     rows = [(f"{data['side']} × {data['side']}", str(data["periods"]), number(data["seconds"]),
              number(data["processor_seconds"]), str(data["cores"]), shares)]  # fmt: skip
     heading = ("motions", "periods", "s", "s of processors", "cores", "regimes")
@@ -147,6 +153,7 @@ def chart(data: Any) -> Table:
 
 
 def biaxial(data: Any) -> Table:
+    """Time of frequency responses of a biaxial actuator."""
     rows = [
         (name, number(one["microseconds"]), error(one["worst"]), error(one["tolerance"]))
         for name, one in data["tools"].items()
@@ -155,15 +162,16 @@ def biaxial(data: Any) -> Table:
 
 
 def start(data: Any) -> Table:
+    """Time of whole processes."""
     rows = [(name, number(seconds)) for name, seconds in data["seconds"].items()]
     return Table(("a new process", "s"), rows)
 
 
 def environment(results: Iterable[dict[str, Any]]) -> Table:
-    """Hardware and versions; several where rows were taken apart."""
-    found: dict[str, list[str]] = {}
+    """Hardware and versions; several where rows were measured apart."""
+    values: dict[str, list[str]] = {}
     for result in results:
         for name, value in result["environment"].items():
-            if value not in found.setdefault(name, []):
-                found[name].append(value)
-    return Table(("", ""), [(name, ", ".join(values)) for name, values in found.items()])
+            if value not in values.setdefault(name, []):
+                values[name].append(value)
+    return Table(("", ""), [(name, ", ".join(several)) for name, several in values.items()])

@@ -8,8 +8,11 @@ from typing import Any
 
 #: Results by row.
 Results = dict[str, dict[str, Any]]
-_FIXED, _VERB = "remanent-fixed", "remanent"
-#: The end only, or extremes as if they cost nothing: whichever is faster.
+#: Our tool at one resolution, without a bound.
+_FIXED = "remanent-fixed"
+#: Our tool through the public verb.
+_VERB = "remanent"
+#: heyoka.py with the end only, or with extremes as if they cost nothing: the faster counts.
 _HEYOKA = ("heyoka", "heyoka-steps")
 
 
@@ -20,13 +23,13 @@ class Target:
     Attributes
     ----------
     row
-        Whose results it is judged by.
+        Name of the row whose results it is judged by.
     work, against
         In words.
     value
-        The number that counts, from the data of the row; may find nothing.
+        The number that counts, from the data of the row; None where it was not measured.
     least, aim
-        To be reached, and to be reached later.
+        What has to be reached, and what to reach later.
     unit
         Written after numbers.
     larger
@@ -67,66 +70,84 @@ class Verdict:
 def verdicts(results: Results) -> Iterator[Verdict]:
     """Judge every target by the rows at hand."""
     for target in TARGETS:
-        found = results.get(target.row)
-        yield Verdict(target, None if found is None else target.value(found["data"]))
+        result = results.get(target.row)
+        yield Verdict(target, None if result is None else target.value(result["data"]))
 
 
 def _faster(ours: str, *peers: str) -> Callable[[Any], float | None]:
-    """How many times faster ours is than the fastest of some; nothing unless it is as exact."""
+    """Time of the fastest peer over that of ours; None unless ours is as exact as asked."""
 
     def value(data: Any) -> float | None:
         tools = data["tools"]
         theirs = [tools[peer]["microseconds"] for peer in peers if peer in tools]
-        a = tools.get(ours)
-        return float(min(theirs) / a["microseconds"]) if a and a["met"] and theirs else None
+        tool = tools.get(ours)
+        if not tool or not tool["met"] or not theirs:
+            return None
+        return float(min(theirs) / tool["microseconds"])
 
     return value
 
 
 def _seconds(numerator: str, denominator: str) -> Callable[[Any], float | None]:
-    return lambda data: float(data["seconds"][numerator] / data["seconds"][denominator])
+    """Ratio of the times of two processes; None where one of them was left out."""
+
+    def value(data: Any) -> float | None:
+        seconds = data["seconds"]
+        if numerator not in seconds or denominator not in seconds:
+            return None
+        return float(seconds[numerator] / seconds[denominator])
+
+    return value
 
 
 def _cold(data: Any) -> float | None:
+    """Seconds that an empty cache of kernels adds to the first figure."""
     return float(data["seconds"]["first figure, cold"] - data["seconds"]["first figure"])
 
 
 def _linear(data: Any) -> float | None:
-    """Time of the last tenfold step, over ten."""
+    """Growth of time over growth of the number of trajectories, in the last step."""
     before, last = data["rows"][-2:]
-    more = last["trajectories"] / before["trajectories"]
-    return float(last["seconds"] / before["seconds"] / more)
+    trajectories = last["trajectories"] / before["trajectories"]
+    return float(last["seconds"] / before["seconds"] / trajectories)
 
 
 def _flat(data: Any) -> float | None:
     """Bytes beside the result that every further trajectory of the last step costs."""
     before, last = data["rows"][-2:]
-    grown = last["beyond"] - before["beyond"]
-    return float(grown / (last["trajectories"] - before["trajectories"]))
+    bytes_more = last["beyond"] - before["beyond"]
+    return float(bytes_more / (last["trajectories"] - before["trajectories"]))
 
 
 def _share(data: Any) -> float | None:
-    """Of the kernel of frequency responses."""
+    """Share of the multiply-add slots that the kernel of frequency responses fills, percent."""
     return 100.0 * float(data["kernels"]["extremes and bound"]["share"])
 
 
 def _points(name: str) -> Callable[[Any], float | None]:
+    """Time of a point of AUTO's over that of ours; None without AUTO."""
     return lambda data: data["auto"] and float(data["auto"] / data[name]["microseconds"])
 
 
-def _chaos(data: Any) -> float | None:
+def _exponents(data: Any) -> float | None:
+    """Time of pynamicalsys over ours, per trajectory and unit of tau; None without it."""
     return data["peer"] and float(data["peer"]["microseconds"] / data["microseconds"])
 
 
 _RESPONSE = "frequency response, one resolution, no bound"
+#: Everything that is asked, in the order of the page.
 TARGETS = (
     Target("response", _RESPONSE, "heyoka.py, per core", _faster(_FIXED, *_HEYOKA), 2.5, 10),
     Target("response", "the same with its error", "the same", _faster(_VERB, *_HEYOKA), 1.5, 5),
     Target("film", "the same, a film, c = 0.01", "the same", _faster(_VERB, *_HEYOKA), 1, 3),
     Target("response", _RESPONSE, "diffrax", _faster(_FIXED, "diffrax"), 12, 50),
-    Target("response", _RESPONSE, "SciPy DOP853", _faster(_FIXED, "scipy"), 1500, 5000),
+    Target(
+        "response", _RESPONSE, "SciPy DOP853, one by one", _faster(_FIXED, "scipy"), 1500, 5000
+    ),
     Target("kernel", "arithmetic of the kernel", "a multiply–add loop", _share, 55, 80, " %"),
-    Target("lyapunov", "Lyapunov exponents, a map", "pynamicalsys, per core", _chaos, 300, 1000),
+    Target(
+        "lyapunov", "Lyapunov exponents, a map", "pynamicalsys, per core", _exponents, 300, 1000
+    ),
     Target(
         "biaxial", "two directions with a Zener branch, extremes with error",
         "heyoka.py, per core, end only", _faster("remanent", "heyoka"), 1.5, 5,

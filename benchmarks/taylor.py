@@ -1,4 +1,4 @@
-"""Equation 16 by heyoka's Taylor series in extended precision: what errors are measured against.
+"""[Thermal, eq. 16] by heyoka.py in extended precision: what errors are measured against.
 
 The equation and the loads are written out here once more, from [Thermal] and from the
 documentation of the drives.  Of the package only the values of its own fields are used,
@@ -23,12 +23,17 @@ from remanent.models.drives.chirp import Chirp
 from remanent.models.drives.piecewise import Table
 from remanent.models.drives.waves import Constant, Sine, SineSquared
 
+#: Extended precision, 64 bits of mantissa on x86.
 LONG = np.longdouble
 #: Relative error of a step.
 PRECISION = 1e-19
-#: Load laws of the numbers a0 ... a3 and the time t since the piece began: the cubic
-#: a0 + a1 t + a2 t^2 + a3 t^3; mean + a3 sin(a0 + a1 t + a2 t^2); and (a3 sin(...))^2.
-CUBIC, WAVE, SQUARED = "cubic", "wave", "squared"
+# Load laws of the numbers a0 ... a3 and the time t since the piece began.
+#: a0 + a1 t + a2 t² + a3 t³.
+CUBIC = "cubic"
+#: mean + a3 sin(a0 + a1 t + a2 t²).
+WAVE = "wave"
+#: (a3 sin(a0 + a1 t + a2 t²))².
+SQUARED = "squared"
 
 
 @dataclass(frozen=True)
@@ -63,7 +68,7 @@ class Motion:
 
 
 def law(drive: Drive) -> str:
-    """Which of the three load laws a drive follows."""
+    """The name of the load law that a drive follows."""
     if isinstance(drive, SineSquared):
         return SQUARED
     return WAVE if isinstance(drive, Sine | Chirp) else CUBIC
@@ -97,8 +102,8 @@ def _swept(v: Mapping[str, Any], end: Any) -> list[Piece]:
 
 
 @cache
-def _engine(kind: str, turns: bool) -> tuple[Any, list[Any]]:
-    """An integrator of one load law, and where it notes the stretch when it turns."""
+def _engine(kind: str, events: bool) -> tuple[Any, list[Any]]:
+    """An integrator of a load law, and the list in which it notes stretches that turn."""
     import heyoka as hy
 
     x, v = hy.make_vars("x", "v")
@@ -113,18 +118,17 @@ def _engine(kind: str, turns: bool) -> tuple[Any, list[Any]]:
     x4, x7 = x2 * x2, x2 * x2 * x2 * x
     force = theta * (x4 * x4 - x2) - prestress * x7 + m * x4 + eta * v * x7
     rate = (6.0 * c * v * v - 3.0 * force) / (x7 + 2.0 * c * x)
-    found: list[Any] = []
+    turning_points: list[Any] = []
 
-    def note(ta: Any, time: Any, _sign: int) -> None:
+    def record(ta: Any, time: Any, _sign: int) -> None:
         ta.update_d_output(time)
-        found.append(ta.d_output[0])
+        turning_points.append(ta.d_output[0])
 
-    events = [hy.nt_event(v, note, fp_type=LONG)] if turns else []
     engine = hy.taylor_adaptive(
         [(x, v), (v, rate)], np.array([1, 0], dtype=LONG), fp_type=LONG,
-        tol=LONG(PRECISION), nt_events=events,
+        tol=LONG(PRECISION), nt_events=[hy.nt_event(v, record, fp_type=LONG)] if events else [],
     )  # fmt: skip
-    return engine, found
+    return engine, turning_points
 
 
 def states(motion: Motion, times: FloatArray) -> FloatArray:
@@ -135,29 +139,30 @@ def states(motion: Motion, times: FloatArray) -> FloatArray:
     for piece in pieces(motion.drive, motion.values, float(times[-1])):
         _begin(engine, motion, piece)
         inside = np.flatnonzero((times >= piece.begin) & (times <= piece.end))
-        wanted = times[inside].astype(LONG) - piece.begin
-        grid = np.unique(np.array([LONG(0), *wanted, piece.end - piece.begin]))
-        found = engine.propagate_grid(grid)[-1]
-        result[inside] = found[np.searchsorted(grid, wanted)]
-        engine.state[:] = found[-1]
+        # The ends of a piece are in its grid too: the next piece starts from the last state.
+        local = times[inside].astype(LONG) - piece.begin
+        grid = np.unique(np.array([LONG(0), *local, piece.end - piece.begin]))
+        path = engine.propagate_grid(grid)[-1]
+        result[inside] = path[np.searchsorted(grid, local)]
+        engine.state[:] = path[-1]
     return result
 
 
 def extremes(motion: Motion, begin: float, end: float) -> tuple[float, float]:
     """Largest and smallest thickness stretch between `begin` and `end`."""
-    engine, found = _engine(law(motion.drive), True)
+    engine, turning_points = _engine(law(motion.drive), True)
     engine.state[:] = motion.initial
-    seen: list[Any] = []
+    stretches: list[Any] = []
     for piece in pieces(motion.drive, motion.values, end):
         _begin(engine, motion, piece)
         if piece.begin < begin:
             engine.propagate_until(min(LONG(begin), piece.end) - piece.begin)
         if piece.end > begin:
-            found.clear()
+            turning_points.clear()
             start = engine.state[0]
             engine.propagate_until(piece.end - piece.begin)
-            seen += [start, *found, engine.state[0]]
-    thickness = np.array(seen, dtype=LONG) ** -2
+            stretches += [start, *turning_points, engine.state[0]]
+    thickness = np.array(stretches, dtype=LONG) ** -2
     return float(thickness.max()), float(thickness.min())
 
 

@@ -10,12 +10,14 @@ import numpy as np
 
 import remanent as rm
 
+#: Where the pictures are written.
 STATIC = Path(__file__).parent / "_static"
-OKABE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00")
+#: Colours of Okabe and Ito, blue first.
+OKABE_ITO = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00")
 
 
 def two_directions() -> Any:
-    """Growth of the difference of the stretches over frequency and load."""
+    """Draw the growth of the difference of the stretches over frequency and load."""
     omega, b = np.linspace(0.5, 2.7, 133), np.linspace(0.1, 1.3, 73)
     ds = rm.symmetry_check(
         rm.Actuator(),
@@ -30,28 +32,32 @@ def two_directions() -> Any:
         omega, b, growth.clip(0.0), cmap="magma_r", shading="nearest", rasterized=True
     )
     figure.colorbar(drawn, label=r"exponent of $\lambda_1 - \lambda_2$ per unit of $\tau$")
-    for line in (6.0**0.5, 0.5 * 6.0**0.5):
-        axes.axvline(line, color="0.3", linestyle="--", linewidth=0.8)
+    # Small oscillations of the difference have the natural frequency sqrt(6 θ), whatever c; the
+    # load oscillates at 2 omega, so parametric resonance starts from these two.
+    for frequency in (6.0**0.5, 0.5 * 6.0**0.5):
+        axes.axvline(frequency, color="0.3", linestyle="--", linewidth=0.8)
     axes.set(xlabel=r"drive frequency $\omega$", ylabel=r"root of the peak load $b$")
     note(figure, r"$c = 1$, $S = 0$, $\theta = 1$; from rest, 150 periods of the load")
     return figure
 
 
 def viscosity() -> Any:
-    """Responses for several relaxation times, and the loss of a period."""
+    """Draw responses for several relaxation times, and the energy lost in a period."""
     figure, (left, right) = plt.subplots(1, 2, figsize=(7.4, 3.4), layout="constrained")
     omega = np.linspace(0.6, 2.0, 141)
     styles = ("-", "--", "-.", ":")
-    for t, colour, style in zip((0.03, 0.3, 1.0, 10.0), OKABE, styles, strict=False):
-        body = rm.Actuator(dissipation=rm.Zener(0.5, t))
+    for relaxation_time, colour, style in zip(
+        (0.03, 0.3, 1.0, 10.0), OKABE_ITO, styles, strict=False
+    ):
+        body = rm.Actuator(dissipation=rm.Zener(0.5, relaxation_time))
         ds = rm.frequency_response(
             body, rm.SineSquared(0.6, 1.0), omega, duration=400.0, discard=280.0, tolerance=1e-7
         )
-        left.plot(omega, ds.amplitude, style, color=colour, label=rf"$t_r = {t:g}$")
+        left.plot(omega, ds.amplitude, style, color=colour, label=rf"$t_r = {relaxation_time:g}$")
     left.set(xlabel=r"drive frequency $\omega$", ylabel=r"amplitude $\lambda_3^a$")
     left.legend(frameon=False)
     times = np.geomspace(0.02, 20.0, 41)
-    for w, colour, style in zip((0.8, 1.25, 1.8), OKABE, styles, strict=False):
+    for w, colour, style in zip((0.8, 1.25, 1.8), OKABE_ITO, styles, strict=False):
         ds = rm.cycle_losses(
             rm.Actuator(dissipation=rm.Zener(0.5, 1.0)),
             rm.SineSquared(0.6, w),
@@ -70,10 +76,10 @@ def viscosity() -> Any:
 
 
 def heat() -> Any:
-    """A body that warms up under its own damping, and the warmth that comes and goes."""
+    """Draw the temperature of a body that its own damping warms, and its thermoelastic part."""
     figure, (left, right) = plt.subplots(1, 2, figsize=(7.4, 3.4), layout="constrained")
     drive, styles = rm.SineSquared(0.8, 1.35), ("-", "--", "-.")
-    for exchange, colour, style in zip((0.0, 0.005, 0.05), OKABE, styles, strict=False):
+    for exchange, colour, style in zip((0.0, 0.005, 0.05), OKABE_ITO, styles, strict=False):
         body = rm.Actuator(dissipation=rm.Zener(0.5, 0.5), heat=rm.Heat(2e-4, exchange))
         ds = rm.simulate(body, drive, times=np.linspace(0.0, 250.0, 5001), tolerance=1e-8)
         warmth = ds.body_temperature - 293.0
@@ -99,13 +105,13 @@ def heat() -> Any:
 
 
 def note(figure: Any, text: str) -> None:
-    """Parameters under the picture."""
+    """Write parameters and the version under the picture."""
     figure.supxlabel(
         f"{text}   remanent {rm.__version__}", x=0.01, ha="left", fontsize=6, color="0.4"
     )
 
 
 if __name__ == "__main__":
-    names = {"two-directions": two_directions, "viscosity": viscosity, "heat": heat}
-    for name, draw in names.items():
+    pictures = {"two-directions": two_directions, "viscosity": viscosity, "heat": heat}
+    for name, draw in pictures.items():
         draw().savefig(STATIC / f"{name}.png", dpi=160)

@@ -1,4 +1,9 @@
-"""Branches of periodic orbits beside AUTO-07p: one, and a family of 64 together."""
+"""Branches of periodic orbits beside AUTO-07p: one, and a family of 64 together.
+
+Measured is the processor time of a point of a branch with its Floquet multipliers, in
+microseconds, the median of repeats.  Ours has the loosest tolerance with which its orbits
+close after a period as well as AUTO's do.
+"""
 
 from __future__ import annotations
 
@@ -23,44 +28,65 @@ from remanent.analysis.orbits.stability import floquet_multipliers
 from remanent.studies.ensemble.layout import lay_out
 from remanent.studies.orbits._period_map import StroboscopicMap
 
-#: As many points as AUTO's, on the same stretch of the branch.
-_POINTS, _STEP = 500, 0.00126
+#: Step along the branch, with which as many points as AUTO's cover the same part of it.
+_STEP = 0.00126
+#: Tolerances that are tried, loosest first.
 _TOLERANCES = (1e-8, 3e-9, 1e-9, 3e-10, 1e-10, 3e-11)
-_TEMPERATURES, _PRESTRESSES = np.linspace(250.0, 400.0, 8), np.linspace(0.0, 1.0, 8)
-_LOW, _HIGH = 0.6, 1.6
+#: Temperatures of the family, kelvin.
+_TEMPERATURES = np.linspace(250.0, 400.0, 8)
+#: Prestresses of the family.
+_PRESTRESSES = np.linspace(0.0, 1.0, 8)
+#: Lowest drive frequency that a branch may reach.
+_LOW = 0.6
+#: Drive frequency at which branches start.
+_HIGH = auto07p.OMEGA
+#: Points of the one branch that are predicted and corrected together.
+_SINGLE_BLOCK = 32
+#: Points of each branch of the family that are predicted and corrected together.
+_FAMILY_BLOCK = 16
+#: Tolerance of the period map by which orbits are judged.
+_JUDGING_TOLERANCE = 1e-13
 
 
 def measure(plan: Plan) -> dict[str, Any]:
     """Processor time of a point, with its multipliers."""
-    found: dict[str, Any] = {}
-    one = np.array([[auto07p.TEMPERATURE, 0.0]])
-    grid = np.stack(np.meshgrid(_TEMPERATURES, _PRESTRESSES), axis=-1).reshape(-1, 2)
+    single = np.array([[auto07p.TEMPERATURE, 0.0]])
+    family = np.stack(np.meshgrid(_TEMPERATURES, _PRESTRESSES), axis=-1).reshape(-1, 2)
+    if reason := auto07p.SOURCE.missing():
+        plan.say(f"branch: left out, {reason}")
+    rows: dict[str, Any] = {}
     with one_core():
         orbits = auto07p.orbits()
         theirs = None if orbits is None else _defect(*orbits)
-        tolerance, worst = _as_good(one, theirs)
-        for name, cases, block, often in (("one", one, 32, 3), ("family", grid, 16, 1)):
-            work = partial(_traced, cases, block, tolerance)
-            found[name] = _timed(work, often * plan.repeats)
-            plan.say(f"branch: {name}: {found[name]['microseconds']:.0f} µs a point")
+        tolerance, worst = _loosest(single, theirs)
+        for name, cases, block, repeats in (
+            ("one", single, _SINGLE_BLOCK, 3 * plan.repeats),
+            ("family", family, _FAMILY_BLOCK, plan.repeats),
+        ):
+            rows[name] = _timed(partial(_traced, cases, block, tolerance), repeats)
+            plan.say(f"branch: {name}: {rows[name]['microseconds']:.0f} µs a point")
         seconds = auto07p.seconds_per_point(3 * plan.repeats)
-    found |= {"tolerance": tolerance, "defect": worst, "auto_defect": theirs}
-    found["auto"] = None if seconds is None else 1e6 * seconds
-    found["auto_version"] = auto07p.versions()
-    return found
+    return {
+        **rows,
+        "tolerance": tolerance,
+        "defect": worst,
+        "auto_defect": theirs,
+        "auto": None if seconds is None else 1e6 * seconds,
+        "auto_version": auto07p.SOURCE.version(),
+    }
 
 
 def _defect(states: FloatArray, omega: FloatArray) -> float:
-    """How far orbits of the actuator of one branch are from closing, at the most."""
+    """Largest distance between the ends of an orbit of the single branch after a period."""
     ens = lay_out(rm.Actuator(temperature=auto07p.TEMPERATURE), rm.SineSquared(auto07p.B, _HIGH))
-    image = StroboscopicMap(ens, ("omega",), 1e-13).run(states, omega[:, None], 1)
+    image = StroboscopicMap(ens, ("omega",), _JUDGING_TOLERANCE).run(states, omega[:, None], 1)
     return float(np.abs(image.state - states).max())
 
 
-def _as_good(one: FloatArray, theirs: float | None) -> tuple[float, float]:
-    """The loosest tolerance with which our orbits close as well as AUTO's."""
+def _loosest(case: FloatArray, theirs: float | None) -> tuple[float, float]:
+    """The loosest tolerance with which our orbits close as well as AUTO's, and how well."""
     for tolerance in _TOLERANCES:
-        (curve,) = _traced(one, 32, tolerance)
+        (curve,) = _traced(case, _SINGLE_BLOCK, tolerance)
         worst = _defect(curve.points.unknown[:, :2], curve.points.unknown[:, -1])
         if theirs is None or worst <= theirs:
             return tolerance, worst
@@ -68,7 +94,8 @@ def _as_good(one: FloatArray, theirs: float | None) -> tuple[float, float]:
 
 
 def _timed(work: Callable[[], list[Curve]], repeats: int) -> dict[str, Any]:
-    work()
+    """Microseconds of processor time a point, and the largest error of an orbit."""
+    work()  # kernels are compiled here
     times, points, worst = [], 0, 0.0
     for _ in range(repeats):
         begin = time.process_time()
@@ -78,8 +105,8 @@ def _timed(work: Callable[[], list[Curve]], repeats: int) -> dict[str, Any]:
         times.append(time.process_time() - begin)
         points = sum(len(curve.points) for curve in curves)
         worst = max(float((c.points.residual + c.points.error).max()) for c in curves)
-    spent = 1e6 * statistics.median(times) / points
-    return {"microseconds": spent, "points": points, "worst": worst, "branches": len(curves)}
+    microseconds = 1e6 * statistics.median(times) / points
+    return {"microseconds": microseconds, "points": points, "worst": worst, "branches": len(curves)}
 
 
 def _traced(cases: FloatArray, block: int, tolerance: float) -> list[Curve]:
@@ -97,7 +124,7 @@ def _traced(cases: FloatArray, block: int, tolerance: float) -> list[Curve]:
     settings = ContinuationSettings(
         np.array([0.3, -8.0, 0.0, -9.0, _LOW]), np.array([4.0, 8.0, 999.0, 9.0, _HIGH + 1e-9]),
         scale, first_step=_STEP, max_step=_STEP, tolerance=tolerance, block=block,
-        max_points=_POINTS, held=(2, 3),
+        max_points=auto07p.POINTS, held=(2, 3),
     )  # fmt: skip
     return continue_curves(equations, starts.subset(reached), settings)
 

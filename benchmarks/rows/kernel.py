@@ -3,7 +3,11 @@
 Counted are the instructions that go through the multiply-add units (fused
 multiply-adds, multiplications, additions, subtractions, each one slot per lane) of the
 part of a double step that is always done.  Divisions, comparisons, turns and loads of
-tables take time and count for nothing.
+tables take time and count for nothing.  The share of slots is
+
+    operations of a double step / (seconds of a double step × multiply-adds a second),
+
+a number from 0 to 1; the share of floating-point operations counts a multiply-add as two.
 """
 
 from __future__ import annotations
@@ -32,7 +36,17 @@ from remanent.integrate.kernel.options import Method, Options
 from remanent.integrate.kernel.tables import CycleTables
 from remanent.integrate.methods.runge_kutta import default_method
 
-_RESOLUTION, _GROUPS, _TOLERANCE, _NO_LIMIT = 64, 64, 1e-9, 1.0
+#: Double steps per cycle, the same for every trajectory.
+_RESOLUTION = 64
+#: Groups of trajectories that are timed together.
+_GROUPS = 64
+#: Tolerance by which the method is chosen.
+_TOLERANCE = 1e-9
+#: Error that no trajectory exceeds, so that all are integrated to their end.
+_ERROR_CEILING = 1.0
+#: Neighbouring frequencies, whose motions have equally many cycles.
+_OMEGA = (1.25, 1.2501)
+#: Kernels by name: what is asked of a run, and what its kernel holds.
 _CASES = {
     "extremes and bound": (Request(extremes=True), Options(extremes=True)),
     "extremes alone": (Request(extremes=True), Options(extremes=True, coarse_solution=False)),
@@ -42,7 +56,11 @@ _CASES = {
 
 @dataclass
 class _Timed:
-    """A kernel that counts its double steps, and the processor time they take."""
+    """A kernel that adds up its double steps, and the processor time they take.
+
+    It stands where :class:`~remanent.integrate.kernel.compile.Kernel` is expected.  Every
+    call adds to `seconds` and `passes`.
+    """
 
     kernel: Kernel
     seconds: float = 0.0
@@ -74,7 +92,7 @@ def measure(plan: Plan) -> dict[str, Any]:
 
 
 def _row(method: Method, options: Options, repeats: int, peak: float) -> dict[str, Any]:
-    work = _work(method, options)
+    work = _operations(method, options)
     seconds = _seconds_per_pass(method, options, repeats)
     slots = work["fma"] + work["mul"] + work["add"]
     return {
@@ -87,25 +105,26 @@ def _row(method: Method, options: Options, repeats: int, peak: float) -> dict[st
     }
 
 
-def _work(method: Method, options: Options) -> Counter[str]:
-    field = ours.asked(RESPONSE, RESPONSE.omegas[:1]).field
+def _operations(method: Method, options: Options) -> Counter[str]:
+    """Operations of a double step of one group of lanes, by kind."""
+    field = ours.response_problem(RESPONSE, RESPONSE.omegas[:1]).field
     return work_per_pass(assembly(host().source(field, method, options), host()))
 
 
 def _seconds_per_pass(method: Method, options: Options, repeats: int) -> float:
-    """Of one double step of one group, by trajectories with equally many cycles."""
-    problem = ours.asked(RESPONSE, np.linspace(1.25, 1.2501, _GROUPS * host().width))
+    """Processor time of one double step of one group, the median of runs."""
+    problem = ours.response_problem(RESPONSE, np.linspace(*_OMEGA, _GROUPS * host().width))
     start = compiled(problem.field, default_method(), options)
-    found = []
-    for _ in range(repeats + 1):
+    seconds = []
+    for _ in range(repeats + 1):  # the first is for the caches
         timed = _Timed(compiled(problem.field, method, options))
         run = Run(
             problem,
             Request(extremes=options.extremes),
             Kernels(start, timed),  # type: ignore[arg-type]
-            _NO_LIMIT,
+            _ERROR_CEILING,
             CycleTables(problem.timeline.waveform),
         )
         attempt(run, Chunk(_RESOLUTION, np.arange(problem.duration.size)))
-        found.append(timed.seconds / timed.passes)
-    return statistics.median(found[1:])
+        seconds.append(timed.seconds / timed.passes)
+    return statistics.median(seconds[1:])

@@ -12,7 +12,7 @@ from benchmarks.reference import Reference, reference
 
 @dataclass(frozen=True)
 class Plan:
-    """Of one run of the benchmarks.
+    """Sizes of one run of the benchmarks, and where it tells its progress.
 
     Attributes
     ----------

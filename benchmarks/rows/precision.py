@@ -1,11 +1,15 @@
-"""Work against precision: error and time of several tools over their settings."""
+"""Work against precision: error and time of several tools over their settings.
+
+Measured is the fastest of a few runs on one core, in microseconds per trajectory and unit of
+dimensionless time, against the worst and the median error of the thickness stretch.
+"""
 
 from __future__ import annotations
 
 from dataclasses import asdict
 from typing import Any
 
-from benchmarks.accuracy import achieved
+from benchmarks.accuracy import accuracy
 from benchmarks.jobs import Job
 from benchmarks.machine import one_core
 from benchmarks.reference import Reference
@@ -13,10 +17,18 @@ from benchmarks.rows.plan import Plan
 from benchmarks.tools import heyoka_batch, ours, scipy_dop853
 from benchmarks.tools.tool import Tool
 
+#: Tools whose curves are drawn.
 TOOLS = (ours.FIXED, ours.VERB, heyoka_batch.END, scipy_dop853.TOOL)
-_LOOSEST, _TIGHTEST = 1e-5, 1e-12
-#: Errors that tell nothing, and times that nobody waits for, are left out.
-_USELESS, _SLOWEST = 1.0, 30.0
+#: Loosest tolerance of a curve.
+_LOOSEST = 1e-5
+#: Tightest tolerance of a curve, and the error with which it ends.
+_TIGHTEST = 1e-12
+#: Worst error above which a setting is left out, since it tells nothing.
+_LARGEST_ERROR = 1.0
+#: Microseconds per trajectory and tau with which a curve ends, so that nobody waits for more.
+_LONGEST_TIME = 30.0
+#: Runs of a setting, of which the fastest counts; slow tools, timed on a sample, run once.
+_REPEATS = 3
 
 
 def measure(plan: Plan, name: str) -> dict[str, Any]:
@@ -33,13 +45,14 @@ def measure(plan: Plan, name: str) -> dict[str, Any]:
 
 
 def _points(plan: Plan, tool: Tool, job: Job, truth: Reference) -> list[dict[str, float]]:
+    """Error and time at each setting, the loosest first."""
     run = tool.build(job)
     omegas = tool.omegas(job)
-    repeats = 1 if tool.sample else 3
+    repeats = 1 if tool.sample else _REPEATS
     points = []
     for setting in _settings(plan, tool):
-        at = achieved(tool, run, job, truth, setting)
-        if at.worst > _USELESS:
+        at = accuracy(tool, run, job, truth, setting)
+        if at.worst > _LARGEST_ERROR:
             continue
         seconds = min(run(omegas, setting).seconds for _ in range(repeats))
         microseconds = seconds / omegas.size / job.window * 1e6
@@ -48,7 +61,7 @@ def _points(plan: Plan, tool: Tool, job: Job, truth: Reference) -> list[dict[str
             f"{microseconds:.3g} µs"
         )
         points.append({**asdict(at), "microseconds": microseconds})
-        if at.worst < _TIGHTEST or (microseconds > _SLOWEST and not tool.sample):
+        if at.worst < _TIGHTEST or (microseconds > _LONGEST_TIME and not tool.sample):
             break
     return points
 

@@ -1,4 +1,8 @@
-"""diffrax: Dopri8 through jit and vmap, in double precision."""
+"""diffrax: Dopri8 through jit and vmap, in double precision.
+
+The form is the fastest of those tried with diffrax 0.7.2.  Groups of 64 or 1024, the load as a
+cosine of twice the frequency, ``scan_kind="lax"`` and no limit of steps gained nothing.
+"""
 
 from __future__ import annotations
 
@@ -10,10 +14,12 @@ from remanent._typing import FloatArray
 
 #: Neighbouring frequencies that step together; a batch takes as many steps as its slowest.
 _BATCH = 256
+#: Steps after which diffrax gives up: never here.
 _MAX_STEPS = 1_000_000
 
 
 def build(job: Job) -> Run:
+    """The thickness stretch at the end, by groups of neighbouring frequencies."""
     import diffrax
     import jax
     import jax.numpy as jnp
@@ -25,7 +31,7 @@ def build(job: Job) -> Run:
         load = job.b * jnp.sin(omega * tau)  # type: ignore[operator]
         return v, job.acceleration(load * load, x, v)
 
-    def one(omega: object, tolerance: object) -> object:
+    def end(omega: object, tolerance: object) -> object:
         solution = diffrax.diffeqsolve(
             diffrax.ODETerm(rates), diffrax.Dopri8(), 0.0, job.window, None,
             (jnp.asarray(1.0), jnp.asarray(0.0)), omega,
@@ -34,7 +40,7 @@ def build(job: Job) -> Run:
         )  # fmt: skip
         return thickness_stretch(solution.ys[0][-1])
 
-    batch = jax.jit(jax.vmap(one, in_axes=(0, None)))
+    batch = jax.jit(jax.vmap(end, in_axes=(0, None)))
 
     def run(omegas: FloatArray, tolerance: float) -> FloatArray:
         padded = np.append(omegas, np.full(-omegas.size % _BATCH, omegas[-1]))

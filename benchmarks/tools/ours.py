@@ -15,16 +15,18 @@ from remanent.studies.ensemble.problem import initial_value_problem
 
 
 def actuator(job: Job) -> rm.Actuator:
+    """The actuator of a job."""
     return rm.Actuator(temperature=job.temperature, prestress=job.prestress, c=job.c)
 
 
-def asked(job: Job, omegas: FloatArray) -> Problem:
-    """The work in plain arrays."""
+def response_problem(job: Job, omegas: FloatArray) -> Problem:
+    """The initial value problems of a job, in plain arrays."""
     ens = lay_out(actuator(job), rm.SineSquared(job.b, 1.0), {"omega": omegas})
     return initial_value_problem(ens, np.full(omegas.size, job.window))
 
 
 def build_verb(job: Job) -> Run:
+    """Extremes of the thickness stretch through the public verb, which bounds their error."""
     drive = rm.SineSquared(job.b, 1.0)
 
     def run(omegas: FloatArray, tolerance: float) -> FloatArray:
@@ -37,11 +39,14 @@ def build_verb(job: Job) -> Run:
 
 
 def build_fixed(job: Job) -> Run:
-    """One resolution for all, without the coarse solution that the bound needs."""
+    """Extremes at one resolution for all, without the coarse solution that the bound needs."""
 
     def run(omegas: FloatArray, resolution: float) -> FloatArray:
         outcome = integrate_unbounded(
-            asked(job, omegas), Request(extremes=True), resolution=int(resolution), workers=1
+            response_problem(job, omegas),
+            Request(extremes=True),
+            resolution=int(resolution),
+            workers=1,
         )
         return np.column_stack([outcome.maximum, outcome.minimum])
 

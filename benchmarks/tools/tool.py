@@ -40,20 +40,26 @@ class Source(Protocol):
     """Where a tool comes from."""
 
     def missing(self) -> str:
-        """Why it cannot run here; empty if it can."""
+        """Why it cannot run here and how to install it, in one line; empty if it can."""
 
     def version(self) -> str:
         """Of what is installed."""
 
 
+#: Installs every peer that is a Python package, from a checkout.
+INSTALL_PEERS = "pip install -e '.[bench]' -c constraints.txt"
+
+
 @dataclass(frozen=True)
 class Package:
-    """A Python package."""
+    """A Python package that the extra ``bench`` of this one names."""
 
     name: str
 
     def missing(self) -> str:
-        return "" if find_spec(self.name) else f"{self.name} is not installed"
+        if find_spec(self.name):
+            return ""
+        return f"{self.name} is not installed; install it with `{INSTALL_PEERS}`"
 
     def version(self) -> str:
         return version(self.name)

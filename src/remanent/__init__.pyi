@@ -85,6 +85,8 @@ from .studies.inference.uncertainty import uncertainty as uncertainty
 # Family: Results and units
 from .results.si import to_si as to_si
 from .results.rescale import rescale as rescale
+from .results.files import save as save
+from .results.files import load as load
 
 # Family: Status codes
 from ._status import Status as Status

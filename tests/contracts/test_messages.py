@@ -127,9 +127,7 @@ SOUND: Mapping[str, Callable[[], dict[str, Any]]] = {
         "actuator": rm.Actuator(prestress=2.2), "parameter": "m", "parameter_range": (1.0, 4.0),
     },
     "step_response": lambda: {"system": DAMPED, "drive": STEP, "duration": 5.0},
-    "switch_branch": lambda: {
-        "system": BARELY_DAMPED, "drive": FAST, "branch": branch(), "special": 1, "max_points": 2,
-    },
+    "switch_branch": lambda: {"branch": branch(), "max_points": 2},
     "symmetry_check": lambda: {"system": DAMPED, "drive": DRIVE, "periods": 50},
     "to_si": lambda: {"dataset": rm.simulate(SIZED, DRIVE, duration=1.0)},
     "uncertainty": lambda: {
@@ -231,7 +229,6 @@ BAD: Mapping[str, tuple[Any, ...]] = {
     "smallest": (*NO_NUMBER, -1.0, 1.0),
     "sobol": (1.0, "yes", [], object()),
     "special_point": ("1", NAN, -1, 1.5, [], True, 99),
-    "special": ("1", NAN, -1, 1.5, [], True, 99),
     "state_box": NO_BOX,
     "step": (*NO_NUMBER, 0.0, -1.0),
     "stretch": ("text", [], [1j], ["1"], [None], {}, object()),

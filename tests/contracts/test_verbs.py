@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,7 @@ from remanent._errors import InputError
 from remanent._typing import FloatArray
 from remanent.codegen import reference
 from remanent.codegen.field import field_for
+from remanent.results import provenance
 
 DRIVE = rm.SineSquared(0.4, 1.25)
 PERIOD = np.pi / 1.25
@@ -251,6 +253,23 @@ PHYSICAL: dict[str, tuple[Callable[[rm.Actuator], xr.Dataset], dict[str, Any]]] 
 }  # fmt: skip
 #: What a unit of the result becomes where lengths, and so the unit of time, are doubled.
 DOUBLED = {"ms": 2.0, "Hz": 0.5, "s-1": 0.5, "s-2": 0.25, "Pa s": 2.0}
+
+
+@pytest.mark.parametrize(("verb", "parts"), PHYSICAL.values(), ids=PHYSICAL.keys())
+def test_a_result_outlives_the_session(
+    verb: Callable[[rm.Actuator], xr.Dataset], parts: dict[str, Any], tmp_path: Path
+) -> None:
+    """A file gives back the result, and the result the system and the drive that made it."""
+    body = block(1.0, **parts)
+    result = verb(body)
+    for ending in (".nc", ".mat"):
+        loaded = rm.load(rm.save(result, tmp_path / f"result{ending}"))
+        xr.testing.assert_identical(loaded, result)
+        rebuilt = provenance.read_system(loaded)
+        assert rebuilt == body
+        assert rebuilt.scales == body.scales
+        if "drive_text" in loaded.attrs:
+            assert repr(provenance.read_drive(loaded)) == loaded.attrs["drive_text"]
 
 
 @pytest.mark.parametrize(("verb", "parts"), PHYSICAL.values(), ids=PHYSICAL.keys())

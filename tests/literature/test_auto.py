@@ -251,7 +251,7 @@ def test_a_doubled_branch_is_that_of_a_direct_search() -> None:
     """At a frequency inside the tongue the search without a guess finds the same orbit."""
     body, drive = rm.Actuator(dissipation=rm.Rayleigh(0.01)), rm.SineSquared(0.8, 2.4)
     forced = rm.continue_orbit(body, drive, "omega", (2.31, 2.45))
-    doubled = rm.switch_branch(body, drive, forced)
+    doubled = rm.switch_branch(forced)
     assert doubled.attrs["orbit_period"] == 2
     k = int(np.abs(doubled.omega.values - 2.32).argmin())
     found = rm.periodic_orbits(body, drive.replace(omega=float(doubled.omega[k])), orbit_period=2)
@@ -269,4 +269,4 @@ def test_a_fold_is_no_place_to_switch() -> None:
     body, drive = rm.Actuator(temperature=350), rm.SineSquared(0.4, 1.25)
     branch = rm.continue_orbit(body, drive, "omega", (1.2, 1.3), initial=(1.433, 0.0))
     with pytest.raises(rm.InputError, match="period doubling"):
-        rm.switch_branch(body, drive, branch)
+        rm.switch_branch(branch)

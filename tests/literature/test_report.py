@@ -6,16 +6,18 @@ import json
 import re
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import h5py
 import numpy as np
 import pytest
+from matplotlib.image import imread
 
 import remanent as rm
 from remanent.report import reconstruction
 from remanent.report.contents import Paper
 from remanent.report.drawings import DRAWINGS
-from remanent.report.paper import reproduce, write
+from remanent.report.paper import reproduce, write_report
 
 VERDICTS = {"supported", "contradicted", "depends"}
 SPLIT = {"3", "6", "8", "12", "14", "16", "17"}
@@ -23,7 +25,7 @@ SPLIT = {"3", "6", "8", "12", "14", "16", "17"}
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Paper, Path]:
-    """The whole report, on a coarser map of the unstated choices."""
+    """The report and its folder, on a coarser map of the unstated choices."""
     with pytest.MonkeyPatch.context() as patch:
         coarse = {
             "REFERENCE_TEMPERATURES": [289.0, 293.0, 297.0],
@@ -32,10 +34,10 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Paper, Path]:
         }
         for name, values in coarse.items():
             patch.setattr(reconstruction, name, np.array(values))
-        found = reproduce()
+        reproduction = reproduce()
     out = tmp_path_factory.mktemp("paper")
-    write(found, out)
-    return found, out
+    write_report(reproduction, out)
+    return reproduction, out
 
 
 @pytest.fixture(scope="module")
@@ -45,11 +47,12 @@ def summary(made: tuple[Paper, Path]) -> Any:
 
 def verdict(summary: Any, number: str) -> str:
     """The verdict on one claim."""
-    (found,) = [c["verdict"] for c in summary["claims"] if c["id"] == number]
-    return str(found)
+    (text,) = [c["verdict"] for c in summary["claims"] if c["id"] == number]
+    return str(text)
 
 
 def test_six_resonances_agree_with_the_published_ones(summary: Any) -> None:
+    """All six are within 0.01 of the published digits; the table says by how much they differ."""
     assert len(summary["resonances"]) == 6
     for r in summary["resonances"]:
         assert abs(r["omega"] - r["published"]) <= 0.01
@@ -57,6 +60,7 @@ def test_six_resonances_agree_with_the_published_ones(summary: Any) -> None:
 
 
 def test_every_claim_has_one_verdict_with_evidence(summary: Any) -> None:
+    """The twenty statements of [Thermal] are all judged, each once, by numbers."""
     ids = [c["id"] for c in summary["claims"]]
     assert len(set(ids)) == len(ids)
     assert {re.sub(r"[a-z]$", "", i) for i in ids} == {str(n) for n in range(1, 21)}
@@ -79,14 +83,17 @@ def test_every_claim_has_one_verdict_with_evidence(summary: Any) -> None:
     ],
 )
 def test_verdicts_that_follow_from_identities(summary: Any, number: str, expected: str) -> None:
+    """Law: energy balance without dissipation, closed forms of statics, modulus = θ μ."""
     assert verdict(summary, number) == expected
 
 
 def test_opposite_statements_do_not_both_hold(summary: Any) -> None:
+    """Of a statement and its opposite one is supported and one contradicted."""
     assert {verdict(summary, "12a"), verdict(summary, "12b")} == {"supported", "contradicted"}
 
 
 def test_the_page_needs_nothing_else(made: tuple[Paper, Path]) -> None:
+    """Every picture is inside the page, and every claim has its place and its picture."""
     html = (made[1] / "report.html").read_text(encoding="utf-8")
     sources = re.findall(r"(?:src|href)=\"([^\"]*)\"", html)
     assert sources
@@ -100,9 +107,13 @@ def test_the_page_needs_nothing_else(made: tuple[Paper, Path]) -> None:
 
 
 def test_pictures_come_as_vectors_and_as_points(made: tuple[Paper, Path]) -> None:
+    """Each picture is a well-formed SVG and a PNG."""
     for name in DRAWINGS:
-        assert (made[1] / "figures" / f"{name}.svg").stat().st_size > 1000
-        assert (made[1] / "figures" / f"{name}.png").stat().st_size > 1000
+        root = ElementTree.parse(made[1] / "figures" / f"{name}.svg").getroot()
+        assert root.tag == "{http://www.w3.org/2000/svg}svg"
+        assert len(list(root.iter("{http://www.w3.org/2000/svg}path"))) > 10
+        pixels = imread(made[1] / "figures" / f"{name}.png")
+        assert pixels[..., :3].std() > 0.01  # not one colour
 
 
 def test_matlab_can_read_the_data(made: tuple[Paper, Path]) -> None:
@@ -126,10 +137,10 @@ def test_converged_and_default_tolerances_tell_different_stories(made: tuple[Pap
 def test_all_six_motions_are_quasi_periodic_with_evidence(summary: Any) -> None:
     """Claims 15 to 18 rest on labels that independent indicators agree on."""
     assert len(summary["regimes"]) == 6
-    for one in summary["regimes"]:
-        assert one["regime"] == "quasi-periodic"
-        assert one["margin"] > 1.0
-        assert abs(one["exponent"]) < 0.01
+    for motion in summary["regimes"]:
+        assert motion["regime"] == "quasi-periodic"
+        assert motion["margin"] > 1.0
+        assert abs(motion["exponent"]) < 0.01
     for number in ("15", "17a", "18"):
         assert verdict(summary, number) == "contradicted"
     for number in ("16", "17b"):
@@ -139,16 +150,16 @@ def test_all_six_motions_are_quasi_periodic_with_evidence(summary: Any) -> None:
 def test_two_centres_and_a_saddle_stand_behind_every_peak(summary: Any) -> None:
     """Undamped, multipliers of each orbit are a pair whose product is 1."""
     for peak in summary["resonances"]:
-        here = [
-            one
-            for one in summary["orbits"]
-            if all(one[name] == peak[name] for name in ("temperature", "prestress", "omega"))
+        orbits = [
+            orbit
+            for orbit in summary["orbits"]
+            if all(orbit[name] == peak[name] for name in ("temperature", "prestress", "omega"))
         ]
-        assert sorted(one["stability"] for one in here) == ["elliptic", "elliptic", "saddle"]
-        for one in here:
-            first, second = (complex(*pair) for pair in one["multipliers"])
+        assert sorted(orbit["stability"] for orbit in orbits) == ["elliptic", "elliptic", "saddle"]
+        for orbit in orbits:
+            first, second = (complex(*pair) for pair in orbit["multipliers"])
             assert abs(first * second - 1.0) < 1e-8
-            assert one["residual"] < 1e-8
+            assert orbit["residual"] < 1e-8
 
 
 def test_the_jump_lies_between_bounds_below_the_fold(summary: Any) -> None:
@@ -170,26 +181,26 @@ def test_folds_scale_with_temperature(summary: Any) -> None:
 
     Law: Reversal and scaling.
     """
-    found = [f for f in summary["folds"] if f["prestress"] == 0.0]
-    assert len(found) == 3
-    for one in found:
-        theta = one["temperature"] / 293.0
+    folds = [f for f in summary["folds"] if f["prestress"] == 0.0]
+    assert len(folds) == 3
+    for fold in folds:
+        theta = fold["temperature"] / 293.0
         at = rm.continue_orbit(
             rm.Actuator(),
-            rm.SineSquared(0.4 / theta**0.5, (one["omega"] - 0.005) / theta**0.5),
+            rm.SineSquared(0.4 / theta**0.5, (fold["omega"] - 0.005) / theta**0.5),
             "omega",
-            ((one["omega"] - 0.01) / theta**0.5, (one["omega"] + 0.01) / theta**0.5),
-            initial=(one["stretch"], 0.0),
+            ((fold["omega"] - 0.01) / theta**0.5, (fold["omega"] + 0.01) / theta**0.5),
+            initial=(fold["stretch"], 0.0),
         )
-        assert float(at.special_omega[0]) * theta**0.5 == pytest.approx(one["omega"], abs=1e-8)
+        assert float(at.special_omega[0]) * theta**0.5 == pytest.approx(fold["omega"], abs=1e-8)
 
 
-def test_chaos_is_far_from_the_papers_motions(summary: Any) -> None:
+def test_chaos_is_far_from_the_published_motions(summary: Any) -> None:
     """Each chaotic point has an exponent above its error; their least load is well above."""
     chaos = summary["chaos"]
     assert sum(chaos["counts"].values()) == len(chaos["b"]) * len(chaos["omega"])
     assert chaos["chaotic"]
-    for one in chaos["chaotic"]:
-        assert one["exponent"] > one["exponent_error"] > 0.0
-        assert one["margin"] > 1.0
-    assert chaos["least_b"] > 2.0 * max(one["b"] for one in chaos["paper"])
+    for point in chaos["chaotic"]:
+        assert point["exponent"] > point["exponent_error"] > 0.0
+        assert point["margin"] > 1.0
+    assert chaos["least_b"] > 2.0 * max(motion["b"] for motion in chaos["paper"])

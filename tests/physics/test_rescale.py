@@ -28,8 +28,8 @@ def compared(scaled: xr.Dataset, direct: xr.Dataset, tolerance: float) -> None:
             np.testing.assert_allclose(ours, theirs, rtol=tolerance, atol=tolerance, err_msg=name)
         elif ours.dtype.kind not in "fc":
             np.testing.assert_array_equal(ours, theirs)
-    assert _rounded(scaled.attrs["actuator"]) == _rounded(direct.attrs["actuator"])
-    assert _rounded(scaled.attrs["drive"]) == _rounded(direct.attrs["drive"])
+    assert _rounded(scaled.attrs["system_text"]) == _rounded(direct.attrs["system_text"])
+    assert _rounded(scaled.attrs["drive_text"]) == _rounded(direct.attrs["drive_text"])
 
 
 def _rounded(text: str) -> list[str]:

@@ -10,6 +10,11 @@ import click
 
 from remanent._errors import RemanentError
 
+#: Share of all work that is done when the page is written.
+_SHARE_BEFORE_PAGE = 0.95
+#: Exit code of a program that the user interrupts, by convention of shells.
+_INTERRUPTED = 130
+
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(package_name="remanent")
@@ -29,7 +34,7 @@ def paper(out: Path) -> None:
     """Reproduce the published figures and audit the claims."""
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
-    from remanent.report.paper import reproduce, write
+    from remanent.report.paper import reproduce, write_report
 
     columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
     with Progress(*columns) as display:
@@ -38,12 +43,11 @@ def paper(out: Path) -> None:
         def report(stage: str, share: float) -> None:
             display.update(task, description=stage, completed=share)
 
-        processes = os.cpu_count() or 1
-        found = reproduce(report, processes=processes)
-        report("page", 0.95)
-        target = write(found, out)
+        reproduction = reproduce(report, processes=os.cpu_count() or 1)
+        report("page", _SHARE_BEFORE_PAGE)
+        target = write_report(reproduction, out)
         report("done", 1.0)
-    for v in found.verdicts:
+    for v in reproduction.verdicts:
         click.echo(f"{v.claim.id:>4}  {v.verdict:<12}  {v.claim.claim}")
     click.echo(f"\n{target}")
 
@@ -57,7 +61,7 @@ def main() -> None:
         sys.exit(error.exit_code)
     except (click.exceptions.Abort, KeyboardInterrupt):
         click.echo("interrupted", err=True)
-        sys.exit(130)
+        sys.exit(_INTERRUPTED)
     except (RemanentError, OSError) as error:
         click.echo(f"remanent: {error}", err=True)
         sys.exit(1)

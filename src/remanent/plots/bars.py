@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 import xarray as xr
@@ -17,7 +17,9 @@ from remanent.results.schema import describe
 __all__ = ["bars"]
 
 #: Share of the distance between fields that their bars take together.
-_FILLED = 0.8
+_FILLED: Final = 0.8
+#: Share of its place that a bar covers, so that bars side by side are told apart.
+_COVERED: Final = 0.9
 
 
 def bars(
@@ -32,16 +34,16 @@ def bars(
 
     Parameters
     ----------
-    dataset
+    dataset : xarray.Dataset
         With `variables` along ``field`` and at most one more dimension, a bar for each of its
         entries; ``<variable>_error``, where present, is a line at the end of the bar.
-    variables
+    variables : str or sequence of str
         What to draw; several lie side by side.
-    ax
+    ax : matplotlib.axes.Axes, optional
         Axes to draw in; a new figure, with its footer, if None.
-    legend
+    legend : bool
         Whether to name the colours above the axes.
-    **bar
+    **bar : Any
         Passed to matplotlib's ``barh``.
 
     Returns
@@ -60,38 +62,36 @@ def bars(
                 fix="Select values first, or name others.",
             )
     rows = [row for name in names for row in _rows(dataset, name)]
-    place = np.arange(dataset.sizes["field"])
-    thick = _FILLED / len(rows)
+    positions = np.arange(dataset.sizes["field"])
+    thickness = _FILLED / len(rows)
     with style.context():
         axes = style.owned_axes(ax)
         artists = []
         for k, (label, values, errors) in enumerate(rows):
             colour = list(style.OKABE_ITO.values())[k % len(style.OKABE_ITO)]
-            y = place - 0.5 * _FILLED + (k + 0.5) * thick
-            looks = {"color": colour, "height": 0.9 * thick, "label": label, **bar}
+            y = positions - 0.5 * _FILLED + (k + 0.5) * thickness
+            looks = {"color": colour, "height": _COVERED * thickness, "label": label, **bar}
             artists.append(axes.barh(y, values, xerr=errors, error_kw={"lw": 0.8}, **looks))
         axes.axvline(0.0, color=style.INK, lw=0.6)
-        shown = [describe(str(name)) for name in dataset["field"].values]
-        axes.set_yticks(place, [f"{row.long_name}, ${row.symbol}$" for row in shown])
+        fields = [describe(str(name)) for name in dataset["field"].values]
+        axes.set_yticks(positions, [f"{field.long_name}, ${field.symbol}$" for field in fields])
         axes.tick_params(axis="y", length=0)
         axes.invert_yaxis()
         row = describe(names[0])
         axes.set_xlabel(f"{row.long_name}, ${row.symbol}$" if len(names) == 1 else "")
-        if legend and len(rows) > 1:
-            style.legend_above(axes, artists)  # type: ignore[arg-type]
-        if ax is None:
-            footer.add(axes.get_figure(root=True), dataset)  # type: ignore[arg-type]
+        entries = artists if legend and len(rows) > 1 else []
+        footer.finish(axes, ax, dataset, entries)  # type: ignore[arg-type]
     return artists
 
 
 def _rows(dataset: xr.Dataset, name: str) -> list[tuple[str, Any, Any]]:
     """Label, values and errors of each set of bars."""
     values, error = dataset[name], dataset.get(f"{name}_error")
-    other = next((d for d in values.dims if d != "field"), None)
-    if other is None:
+    second = next((dim for dim in values.dims if dim != "field"), None)
+    if second is None:
         return [(describe(name).long_name, values, error)]
     return [
-        (str(dataset[other].values[k]), values.isel({other: k}),
-         None if error is None else error.isel({other: k}))
-        for k in range(values.sizes[other])
+        (str(dataset[second].values[k]), values.isel({second: k}),
+         None if error is None else error.isel({second: k}))
+        for k in range(values.sizes[second])
     ]  # fmt: skip

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 import xarray as xr
@@ -20,8 +20,8 @@ from remanent.plots import footer, maps, style
 
 __all__ = ["basins"]
 
-#: Basins are this much paler than the marks of their attractors.
-_PALE = 0.45
+#: Share of the colour of an attractor that its basin keeps; the rest is white.
+_BASIN_TINT: Final = 0.45
 
 
 def basins(
@@ -31,17 +31,17 @@ def basins(
 
     Parameters
     ----------
-    dataset
+    dataset : xarray.Dataset
         A result of ``basins`` over two state variables; the first runs to the right.  With
         ``basin`` each attractor has a colour, its point a mark, and the legend its share of
         the initial states; initial states of no known attractor are grey.  Without, cells
         are shaded as by :func:`remanent.plots.map`: tori by their rotation number, chaos by
         its exponent.
-    ax
+    ax : matplotlib.axes.Axes, optional
         Axes to draw in; a new figure, with its footer, if None.
-    legend
+    legend : bool
         Whether to name attractors, or to draw colour bars.
-    **mesh
+    **mesh : Any
         Passed to matplotlib's ``pcolormesh``.
 
     Returns
@@ -56,13 +56,10 @@ def basins(
         axes = style.owned_axes(ax, width=style.SINGLE, height=3.1)
         x, y = dataset[across], dataset[down]
         looks = {"shading": "nearest", "rasterized": True, **mesh}
-        artist = axes.pcolormesh(x.values, y.values, _painted(upright), **looks)
-        _marked(axes, dataset, across, down)
+        artist = axes.pcolormesh(x.values, y.values, _cell_colours(upright), **looks)
+        _mark_attractors(axes, dataset, across, down)
         axes.set(xlabel=style.label(x), ylabel=style.label(y))
-        if legend:
-            style.legend_above(axes, _entries(dataset))
-        if ax is None:
-            footer.add(axes.get_figure(root=True), dataset)  # type: ignore[arg-type]
+        footer.finish(axes, ax, dataset, _entries(dataset) if legend else [])
     return artist
 
 
@@ -87,15 +84,15 @@ def _colours(count: int) -> FloatArray:
     return np.asarray(colormaps["turbo"](np.linspace(0.05, 0.95, count)))[:, :3]
 
 
-def _painted(dataset: xr.Dataset) -> FloatArray:
+def _cell_colours(dataset: xr.Dataset) -> FloatArray:
     """Colours of every cell, array (y, x, 3)."""
     basin = dataset["basin"].values
-    tones = 1.0 - _PALE * (1.0 - _colours(dataset.sizes["attractor"]))
+    tones = 1.0 - _BASIN_TINT * (1.0 - _colours(dataset.sizes["attractor"]))
     unknown = np.array([to_rgb(maps.UNDECIDED)])
     return np.asarray(np.concatenate([tones, unknown])[basin])
 
 
-def _marked(axes: Axes, dataset: xr.Dataset, across: Hashable, down: Hashable) -> None:
+def _mark_attractors(axes: Axes, dataset: xr.Dataset, across: Hashable, down: Hashable) -> None:
     """A point of each attractor, within the grid."""
     box = axes.get_xlim(), axes.get_ylim()
     points = dataset["attractor_state"].transpose("attractor", "state")
@@ -109,15 +106,15 @@ def _marked(axes: Axes, dataset: xr.Dataset, across: Hashable, down: Hashable) -
 def _entries(dataset: xr.Dataset) -> list[Artist]:
     """Legend entries: what each attractor is, and its share."""
     tones = _colours(dataset.sizes["attractor"])
-    found: list[Artist] = [
-        Patch(color=tone, label=_said(dataset.isel(attractor=k))) for k, tone in enumerate(tones)
+    entries: list[Artist] = [
+        Patch(color=tone, label=_caption(dataset.isel(attractor=k))) for k, tone in enumerate(tones)
     ]
     if (dataset["basin"].values < 0).any():
-        found.append(Patch(color=maps.UNDECIDED, label="undecided or escaped"))
-    return found
+        entries.append(Patch(color=maps.UNDECIDED, label="undecided or escaped"))
+    return entries
 
 
-def _said(attractor: xr.Dataset) -> str:
+def _caption(attractor: xr.Dataset) -> str:
     kind, period = str(attractor["attractor_regime"].values), int(attractor["attractor_period"])
     name = f"period {period}" if kind == "periodic" else kind
     share, error = (100.0 * float(attractor[n]) for n in ("fraction", "fraction_error"))

@@ -6,7 +6,7 @@ import itertools
 from collections.abc import Mapping
 from dataclasses import replace
 from types import MappingProxyType
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 import xarray as xr
@@ -20,7 +20,7 @@ from remanent.plots import ensemble, footer, style
 __all__ = ["branch", "entries", "multipliers"]
 
 #: Line styles of what multipliers say; a double line is a broad one with a white core.
-_LOOKS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
+_LINES: Final[Mapping[str, Mapping[str, Any]]] = MappingProxyType(
     {
         "stable": {"linestyle": "-", "linewidth": 1.3},
         "elliptic": {"linestyle": "-", "linewidth": 2.2},
@@ -29,10 +29,12 @@ _LOOKS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
         "undecided": {"linestyle": "-", "linewidth": 0.6},
     }
 )
-_MARKS = MappingProxyType(
+#: Markers of special points.
+_MARKERS: Final[Mapping[str, str]] = MappingProxyType(
     {"fold": "o", "period doubling": "s", "Neimark-Sacker": "D", "branch point": "^"}
 )
-_CORE = 0.8
+#: Width of the white core of a double line, in points.
+_CORE_WIDTH: Final = 0.8
 
 
 def branch(
@@ -48,18 +50,18 @@ def branch(
 
     Parameters
     ----------
-    dataset
+    dataset : xarray.Dataset
         A result of ``continue_orbit`` or ``response_diagram``, with at most two dimensions
         of ``over``.
-    variable
+    variable : str
         What to draw: ``amplitude``, ``maximum``, ``minimum`` or a state variable.
-    parameter
+    parameter : str, optional
         Against what; by default the parameter that was followed.
-    ax
+    ax : matplotlib.axes.Axes, optional
         Axes to draw in; a new figure, with its footer, if None.
-    legend
+    legend : bool
         Whether to name lines and marks above the axes.
-    **line
+    **line : Any
         Passed to matplotlib's ``plot``.
 
     Returns
@@ -72,19 +74,17 @@ def branch(
         axes = style.owned_axes(ax)
         marks = [name for name in (f"special_{x}", f"special_{variable}") if name in dataset]
         names = (x, variable, "stability", "special_kind", *marks)
-        found = ensemble.members(dataset, names, ("branch", "point", "special"))
+        members = ensemble.members(dataset, names, ("branch", "point", "special"))
         artists: list[Line2D] = []
-        for one in found:
-            artists += _drawn(axes, one, x, variable, line)
-            _marked(axes, one, x, variable)
+        for member in members:
+            artists += _draw(axes, member, x, variable, line)
+            _mark_special_points(axes, member, x, variable)
         axes.set(xlabel=style.label(dataset[x]), ylabel=style.label(dataset[variable]))
         axes.margins(x=0.0)
         if variable == "amplitude":
             axes.set_ylim(bottom=0.0)
-        if legend:
-            style.legend_above(axes, [*ensemble.handles(found), *entries(dataset)])
-        if ax is None:
-            footer.add(axes.get_figure(root=True), dataset, hide=(x,))  # type: ignore[arg-type]
+        named = [*ensemble.handles(members), *entries(dataset)] if legend else []
+        footer.finish(axes, ax, dataset, named, hide=(x,))
     return artists
 
 
@@ -103,9 +103,16 @@ def multipliers(
 
     Parameters
     ----------
-    dataset, parameter, ax, legend
-        As for :func:`branch`.
-    **line
+    dataset : xarray.Dataset
+        A result of ``continue_orbit`` or ``response_diagram``, with at most two dimensions
+        of ``over``.
+    parameter : str, optional
+        Against what; by default the parameter that was followed.
+    ax : matplotlib.axes.Axes, optional
+        Axes to draw in; a new figure, with its footer, if None.
+    legend : bool
+        Whether to name lines and marks above the axes.
+    **line : Any
         Passed to matplotlib's ``plot``.
 
     Returns
@@ -117,22 +124,21 @@ def multipliers(
     with style.context():
         axes = style.owned_axes(ax, height=2.0)
         names = (x, "multipliers", "stability", "special_kind", f"special_{x}")
-        found = ensemble.members(dataset, names, ("branch", "point", "special", "multiplier"))
+        members = ensemble.members(dataset, names, ("branch", "point", "special", "multiplier"))
         axes.axhline(1.0, color=style.FAINT, linewidth=0.5)
         artists: list[Line2D] = []
-        for one in found:
-            sizes = one.data.assign(multipliers=abs(one.data["multipliers"]))
-            for k in range(sizes.sizes["multiplier"]):
-                own = replace(one, data=sizes.isel(multiplier=k))
-                artists += _drawn(axes, own, x, "multipliers", line)
-            _marked(axes, replace(one, data=_on_circle(one.data)), x, "multipliers")
-        symbol = dataset["multipliers"].attrs["symbol"]
+        for member in members:
+            moduli = member.data.assign(multipliers=abs(member.data["multipliers"]))
+            for k in range(moduli.sizes["multiplier"]):
+                single = replace(member, data=moduli.isel(multiplier=k))
+                artists += _draw(axes, single, x, "multipliers", line)
+            on_circle = replace(member, data=_on_circle(member.data))
+            _mark_special_points(axes, on_circle, x, "multipliers")
+        symbol = style.symbol(dataset["multipliers"]).strip("$")
         axes.set(xlabel=style.label(dataset[x]), ylabel=f"modulus of multipliers, $|{symbol}|$")
         axes.margins(x=0.0)
-        if legend:
-            style.legend_above(axes, [*ensemble.handles(found), *entries(dataset)])
-        if ax is None:
-            footer.add(axes.get_figure(root=True), dataset, hide=(x,))  # type: ignore[arg-type]
+        named = [*ensemble.handles(members), *entries(dataset)] if legend else []
+        footer.finish(axes, ax, dataset, named, hide=(x,))
     return artists
 
 
@@ -148,67 +154,66 @@ def _followed(dataset: xr.Dataset) -> str:
         return name
     raise InputError(
         "dataset",
-        must="be branches of orbits",
+        must="say which parameter was followed",
         got=", ".join(map(str, dataset.data_vars)),
-        why="It has no parameter with special points.",
-        fix="Pass the result of continue_orbit or response_diagram.",
+        why="Arithmetic drops the attribute `parameter`; a branch has special points of it.",
+        fix="Pass parameter=..., or the result of continue_orbit or response_diagram.",
     )
 
 
-def _drawn(
-    axes: Axes, one: ensemble.Member, x: str, variable: str, line: dict[str, Any]
+def _draw(
+    axes: Axes, member: ensemble.Member, x: str, variable: str, line: dict[str, Any]
 ) -> list[Line2D]:
-    data = one.data if "branch" in one.data.dims else one.data.expand_dims("branch")
+    data = member.data if "branch" in member.data.dims else member.data.expand_dims("branch")
     artists = []
     for k in range(data.sizes["branch"]):
         row = data.isel(branch=k)
-        kinds = row["stability"].values
+        stabilities = row["stability"].values
         finite = np.isfinite(row[x].values)
-        for first, last in _runs(kinds, int(finite.sum())):
-            looks = {"color": one.colour, **_LOOKS[str(kinds[first])], **line}
+        for first, last in _runs(stabilities, int(finite.sum())):
+            looks = {"color": member.colour, **_LINES[str(stabilities[first])], **line}
             # A stretch begins where the one before it ends, so that no gap is seen.
-            some = slice(max(first - 1, 0), last)
+            points = slice(max(first - 1, 0), last)
             (artist,) = axes.plot(
-                row[x].values[some], row[variable].values[some], solid_capstyle="butt", **looks
+                row[x].values[points], row[variable].values[points], solid_capstyle="butt", **looks
             )
-            if kinds[first] == "elliptic":
+            if stabilities[first] == "elliptic":
                 artist.set_path_effects(_double("elliptic"))
             artists.append(artist)
     return artists
 
 
-def _runs(kinds: Any, count: int) -> list[tuple[int, int]]:
+def _runs(stabilities: Any, count: int) -> list[tuple[int, int]]:
     """Stretches of equal stability among the first `count` points."""
-    edges = np.flatnonzero(kinds[1:count] != kinds[: max(count - 1, 0)]) + 1
-    cuts = [0, *edges.tolist(), count]
+    changes = np.flatnonzero(stabilities[1:count] != stabilities[: max(count - 1, 0)]) + 1
+    cuts = [0, *changes.tolist(), count]
     return [(a, b) for a, b in itertools.pairwise(cuts) if b > a]
 
 
-def _marked(axes: Axes, one: ensemble.Member, x: str, variable: str) -> None:
-    data, name = one.data, f"special_{variable}"
+def _mark_special_points(axes: Axes, member: ensemble.Member, x: str, variable: str) -> None:
+    data, name = member.data, f"special_{variable}"
     if name not in data:
         return
-    for kind, marker in _MARKS.items():
-        chosen = data["special_kind"].values == kind
-        where, height = data[f"special_{x}"].values[chosen], data[name].values[chosen]
+    for kind, marker in _MARKERS.items():
+        of_kind = data["special_kind"].values == kind
         axes.plot(
-            where, height, marker, ms=4.0, mfc="white",
-            mec=one.colour, mew=1.0, zorder=5, linestyle="",
+            data[f"special_{x}"].values[of_kind], data[name].values[of_kind], marker, ms=4.0,
+            mfc="white", mec=member.colour, mew=1.0, zorder=5, linestyle="",
         )  # fmt: skip
 
 
 def entries(dataset: xr.Dataset) -> list[Line2D]:
     """Legend entries of the kinds of stability and of special points that occur."""
-    seen = set(np.unique(dataset["stability"].values.astype(str)))
+    stabilities = set(np.unique(dataset["stability"].values.astype(str)))
     lines = [
         Line2D([], [], color=style.INK, label=name, path_effects=_double(name), **looks)
-        for name, looks in _LOOKS.items()
-        if name in seen
+        for name, looks in _LINES.items()
+        if name in stabilities
     ]
     kinds = set(np.unique(dataset["special_kind"].values.astype(str)))
     marks = [
         Line2D([], [], color=style.INK, mfc="white", marker=marker, ms=4, linestyle="", label=kind)
-        for kind, marker in _MARKS.items()
+        for kind, marker in _MARKERS.items()
         if kind in kinds
     ]
     return lines + marks
@@ -217,4 +222,4 @@ def entries(dataset: xr.Dataset) -> list[Line2D]:
 def _double(name: str) -> Any:
     if name != "elliptic":
         return None
-    return [patheffects.Normal(), patheffects.Stroke(linewidth=_CORE, foreground="white")]
+    return [patheffects.Normal(), patheffects.Stroke(linewidth=_CORE_WIDTH, foreground="white")]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 import xarray as xr
@@ -12,6 +12,9 @@ from matplotlib.lines import Line2D
 from remanent.plots import ensemble, footer, style
 
 __all__ = ["curve"]
+
+#: Opacity of the band between the outermost quantiles.
+_BAND_OPACITY: Final = 0.22
 
 
 def curve(
@@ -28,18 +31,18 @@ def curve(
 
     Parameters
     ----------
-    dataset
+    dataset : xarray.Dataset
         With `variable` over the dimension of `x` and at most two more.  Along a dimension
         ``quantile`` the outermost values bound a band, and the middle one is the line.
-    variable, x
+    variable, x : str
         What to draw, and against what.
-    ax
+    ax : matplotlib.axes.Axes, optional
         Axes to draw in; a new figure, with its footer, if None.
-    legend
+    legend : bool
         Whether to name the lines above the axes.
-    log
+    log : bool
         Whether the vertical axis is logarithmic.
-    **line
+    **line : Any
         Passed to matplotlib's ``plot``.
 
     Returns
@@ -50,26 +53,25 @@ def curve(
     along = str(dataset[x].dims[-1]) if x in dataset.variables else x
     with style.context():
         axes = style.owned_axes(ax)
-        found = ensemble.members(dataset, (variable, x), (along, "quantile"))
-        artists = [_curve(axes, one, variable, x, line) for one in found]
+        members = ensemble.members(dataset, (variable, x), (along, "quantile"))
+        artists = [_curve(axes, member, variable, x, line) for member in members]
         axes.set(xlabel=style.label(dataset[x]), ylabel=style.label(dataset[variable]))
         if log:
             axes.set_yscale("log")
         axes.margins(x=0.0)
-        if legend:
-            style.legend_above(axes, ensemble.handles(found))
-        if ax is None:
-            footer.add(axes.get_figure(root=True), dataset)  # type: ignore[arg-type]
+        footer.finish(axes, ax, dataset, ensemble.handles(members) if legend else [])
     return artists
 
 
-def _curve(axes: Axes, one: ensemble.Member, variable: str, x: str, line: dict[str, Any]) -> Line2D:
-    values, at = one.data[variable], one.data[x].values
+def _curve(
+    axes: Axes, member: ensemble.Member, variable: str, x: str, line: dict[str, Any]
+) -> Line2D:
+    values, at = member.data[variable], member.data[x].values
     if "quantile" in values.dims:
         values = values.sortby("quantile")
         low, high = values.isel(quantile=0), values.isel(quantile=-1)
-        axes.fill_between(at, low, high, color=one.colour, alpha=0.22, linewidth=0.0)
+        axes.fill_between(at, low, high, color=member.colour, alpha=_BAND_OPACITY, linewidth=0.0)
         values = values.isel(quantile=values.sizes["quantile"] // 2)
-    looks = {"color": one.colour, "linestyle": one.dashes, "label": one.label, **line}
+    looks = {"color": member.colour, "linestyle": member.dashes, "label": member.label, **line}
     (artist,) = axes.plot(at, np.asarray(values), **looks)
     return artist

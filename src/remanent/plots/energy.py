@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 import xarray as xr
@@ -13,7 +13,8 @@ from remanent.plots import ensemble, footer, style
 
 __all__ = ["landscape", "mark_handles"]
 
-_EXTRA = (
+#: Variables that are drawn beside the potential, where a result has them.
+_EXTRA: Final = (
     "equilibrium_stretch",
     "equilibrium_potential",
     "stability",
@@ -21,6 +22,15 @@ _EXTRA = (
     "turning_lower",
     "turning_upper",
 )
+
+#: Room above the highest level, in depths of the well.
+_ROOM_ABOVE: Final = 0.9
+#: Room below the well, over the height of what is shown.
+_ROOM_BELOW: Final = 0.12
+#: Room beside the turning points, over their distance.
+_ROOM_BESIDE: Final = 0.3
+#: Depth that a well has at least, so that the axis has a height.
+_SMALLEST_DEPTH: Final = 1e-12
 
 
 def landscape(
@@ -33,18 +43,18 @@ def landscape(
 
     Parameters
     ----------
-    dataset
+    dataset : xarray.Dataset
         ``potential`` over the coordinate ``thickness_stretch``, and at most two more
         dimensions.  Drawn where present, with the same more dimensions:
         ``equilibrium_stretch``, ``equilibrium_potential`` and ``stability`` (the words
         ``stable`` or ``unstable``) over ``equilibrium``, NaN where there are fewer;
         ``level``, the energy of a motion, between ``turning_lower`` and
         ``turning_upper``.
-    ax
+    ax : matplotlib.axes.Axes, optional
         Axes to draw in; a new figure, with its footer, if None.
-    legend
+    legend : bool
         Whether to name the lines above the axes.
-    **line
+    **line : Any
         Passed to matplotlib's ``plot``.
 
     Returns
@@ -56,27 +66,26 @@ def landscape(
     along = ("thickness_stretch", "equilibrium")
     with style.context():
         axes = style.owned_axes(ax, height=2.9)
-        found = ensemble.members(dataset, ("potential", "thickness_stretch", *extra), along)
-        artists = [_curve(axes, one, line) for one in found]
-        for one in sorted(found, key=_reach, reverse=True):  # the shorter on the longer
-            _level(axes, one)
-            _equilibria(axes, one)
-        _name_level(axes, found)
+        members = ensemble.members(dataset, ("potential", "thickness_stretch", *extra), along)
+        artists = [_curve(axes, member, line) for member in members]
+        # Shorter levels lie on longer ones, so that all are seen.
+        for member in sorted(members, key=_reach, reverse=True):
+            _draw_level(axes, member)
+            _draw_equilibria(axes, member)
+        _name_level(axes, members)
         axes.set(
             xlabel=style.label(dataset["thickness_stretch"]),
             ylabel=style.label(dataset["potential"]),
         )
-        _limits(axes, found)
-        if legend:
-            style.legend_above(axes, [*ensemble.handles(found), *mark_handles(dataset)])
-        if ax is None:
-            footer.add(axes.get_figure(root=True), dataset)  # type: ignore[arg-type]
+        _limit_axes(axes, members)
+        entries = [*ensemble.handles(members), *mark_handles(dataset)]
+        footer.finish(axes, ax, dataset, entries if legend else [])
     return artists
 
 
-def _curve(axes: Axes, one: ensemble.Member, line: dict[str, Any]) -> Line2D:
-    looks = {"color": one.colour, "linestyle": one.dashes, "label": one.label, **line}
-    x, y = one.data["thickness_stretch"].values, one.data["potential"].values
+def _curve(axes: Axes, member: ensemble.Member, line: dict[str, Any]) -> Line2D:
+    looks = {"color": member.colour, "linestyle": member.dashes, "label": member.label, **line}
+    x, y = member.data["thickness_stretch"].values, member.data["potential"].values
     (artist,) = axes.plot(x, y, **looks)
     return artist
 
@@ -93,61 +102,62 @@ def mark_handles(dataset: xr.Dataset) -> list[Line2D]:
     ]
 
 
-def _reach(one: ensemble.Member) -> float:
+def _reach(member: ensemble.Member) -> float:
     """How far apart the turning points are."""
-    if not _has_level(one):
+    if not _has_level(member):
         return 0.0
-    return float(one.data["turning_upper"]) - float(one.data["turning_lower"])
+    return float(member.data["turning_upper"]) - float(member.data["turning_lower"])
 
 
-def _has_level(one: ensemble.Member) -> bool:
-    return {"level", "turning_lower", "turning_upper"} <= set(one.data)
+def _has_level(member: ensemble.Member) -> bool:
+    return {"level", "turning_lower", "turning_upper"} <= set(member.data)
 
 
-def _level(axes: Axes, one: ensemble.Member) -> None:
+def _draw_level(axes: Axes, member: ensemble.Member) -> None:
     """Draw the energy of the motion and its turning points."""
-    if not _has_level(one):
+    if not _has_level(member):
         return
-    ends = [float(one.data["turning_lower"]), float(one.data["turning_upper"])]
-    height = float(one.data["level"])
-    axes.plot(ends, [height, height], color=one.colour, lw=1.6, zorder=1.6, solid_capstyle="butt")
-    axes.plot(ends, [height, height], "|", color=one.colour, ms=7, mew=1.2, zorder=4)
+    ends = [float(member.data["turning_lower"]), float(member.data["turning_upper"])]
+    levels = 2 * [float(member.data["level"])]
+    axes.plot(ends, levels, color=member.colour, lw=1.6, zorder=1.6, solid_capstyle="butt")
+    axes.plot(ends, levels, "|", color=member.colour, ms=7, mew=1.2, zorder=4)
 
 
-def _name_level(axes: Axes, found: list[ensemble.Member]) -> None:
+def _name_level(axes: Axes, members: list[ensemble.Member]) -> None:
     """Write the symbol of the energy outside the widest well."""
-    widest = max(found, key=_reach)
+    widest = max(members, key=_reach)
     if _has_level(widest):
         axes.annotate(
-            f"${widest.data['level'].attrs['symbol']}$",
+            style.symbol(widest.data["level"]),
             (float(widest.data["turning_upper"]), float(widest.data["level"])),
             xytext=(5, -1), textcoords="offset points", va="top",
         )  # fmt: skip
 
 
-def _equilibria(axes: Axes, one: ensemble.Member) -> None:
+def _draw_equilibria(axes: Axes, member: ensemble.Member) -> None:
     """Mark equilibria: a full circle where stable, an empty one where not."""
-    if "equilibrium_stretch" not in one.data:
+    if "equilibrium_stretch" not in member.data:
         return
-    x = np.atleast_1d(one.data["equilibrium_stretch"].values)
-    y = np.atleast_1d(one.data["equilibrium_potential"].values)
-    words = np.atleast_1d(one.data["stability"].values)
-    for px, py, word in zip(x, y, words, strict=True):
-        inside = one.colour if word == "stable" else "white"
-        axes.plot(px, py, "o", ms=4.2, mfc=inside, mec=one.colour, mew=0.9, zorder=5)
+    x = np.atleast_1d(member.data["equilibrium_stretch"].values)
+    y = np.atleast_1d(member.data["equilibrium_potential"].values)
+    stabilities = np.atleast_1d(member.data["stability"].values)
+    for stretch, potential, stability in zip(x, y, stabilities, strict=True):
+        inside = member.colour if stability == "stable" else "white"
+        axes.plot(stretch, potential, "o", ms=4.2, mfc=inside, mec=member.colour, mew=0.9, zorder=5)
 
 
-def _limits(axes: Axes, found: list[ensemble.Member]) -> None:
+def _limit_axes(axes: Axes, members: list[ensemble.Member]) -> None:
     """Show the wells: up to somewhat above the energy levels, not up the walls."""
-    if not all("level" in one.data for one in found):
+    if not all("level" in member.data for member in members):
         return
-    bottom = min(float(one.data["potential"].min()) for one in found)
-    top = max(float(one.data["level"]) for one in found)
-    room = 0.9 * max(top - bottom, 1e-12)
-    axes.set_ylim(bottom - 0.12 * (top - bottom + room), top + room)
-    ends = [float(one.data[n]) for one in found for n in ("turning_lower", "turning_upper")
-            if n in one.data]  # fmt: skip
+    bottom = min(float(member.data["potential"].min()) for member in members)
+    top = max(float(member.data["level"]) for member in members)
+    # The smallest room keeps the axis from having no height at rest.
+    room = _ROOM_ABOVE * max(top - bottom, _SMALLEST_DEPTH)
+    axes.set_ylim(bottom - _ROOM_BELOW * (top - bottom + room), top + room)
+    ends = [float(m.data[n]) for m in members for n in ("turning_lower", "turning_upper")
+            if n in m.data]  # fmt: skip
     if ends:
-        wide = 0.3 * (max(ends) - min(ends))
-        axes.set_xlim(min(ends) - wide, max(ends) + wide)
+        margin = _ROOM_BESIDE * (max(ends) - min(ends))
+        axes.set_xlim(min(ends) - margin, max(ends) + margin)
     axes.locator_params(axis="x", nbins=7)

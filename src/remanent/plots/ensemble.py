@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 import xarray as xr
@@ -16,6 +16,9 @@ from remanent.plots import style
 
 __all__ = ["Member", "handles", "members", "point_handles"]
 
+#: Share of the colour map that many members use: its end is too light for lines on white.
+_BRIGHTEST: Final = 0.85
+
 
 @dataclass(frozen=True)
 class Member:
@@ -23,11 +26,11 @@ class Member:
 
     Attributes
     ----------
-    data
+    data : xarray.Dataset
         The Dataset with only the dimensions that are drawn along.
-    colour, dashes, marker
-        How it is drawn.
-    colour_label, style_label
+    colour, dashes, marker : Any, Any, str
+        How it is drawn, as Matplotlib understands it.
+    colour_label, style_label : str
         What its colour and its line style mean; empty where they mean nothing.
     """
 
@@ -53,11 +56,11 @@ def members(dataset: xr.Dataset, names: Iterable[str], along: Iterable[str]) -> 
 
     Parameters
     ----------
-    dataset
+    dataset : xarray.Dataset
         A result with any of the dimensions of ``over``.
-    names
+    names : iterable of str
         Variables that will be drawn.
-    along
+    along : iterable of str
         Dimensions a line runs along.
 
     Returns
@@ -70,8 +73,8 @@ def members(dataset: xr.Dataset, names: Iterable[str], along: Iterable[str]) -> 
     InputError
         A variable is missing, or more than two dimensions are left over.
     """
-    chosen = _chosen(dataset, tuple(names))
-    free = [dim for dim in chosen.dims if dim not in set(along)]
+    subset = _with_variables(dataset, tuple(names))
+    free = [dim for dim in subset.dims if dim not in set(along)]
     if len(free) > 2:
         raise InputError(
             "dataset",
@@ -80,33 +83,33 @@ def members(dataset: xr.Dataset, names: Iterable[str], along: Iterable[str]) -> 
             why="Lines differ by colour and by line style, which are two.",
             fix=f"Select values first, for example dataset.isel({free[0]}=0).",
         )
-    colour_dim = _colour_dim(chosen, free)
-    colours = _colours(chosen, colour_dim)
-    found = []
-    for place in product(*(range(chosen.sizes[dim]) for dim in free)):
-        at: dict[Hashable, int] = dict(zip(free, place, strict=True))
-        style_dim = next((dim for dim in free if dim != colour_dim), None)
-        second = at[style_dim] if style_dim is not None else 0
-        found.append(
+    colour_dim = _colour_dim(subset, free)
+    style_dim = next((dim for dim in free if dim != colour_dim), None)
+    colours = _colours(subset, colour_dim)
+    drawn = []
+    for numbers in product(*(range(subset.sizes[dim]) for dim in free)):
+        indices: dict[Hashable, int] = dict(zip(free, numbers, strict=True))
+        second = indices[style_dim] if style_dim is not None else 0
+        drawn.append(
             Member(
-                data=chosen.isel(at),
-                colour=colours[at[colour_dim] if colour_dim is not None else 0],
+                data=subset.isel(indices),
+                colour=colours[indices[colour_dim] if colour_dim is not None else 0],
                 dashes=style.DASHES[second % len(style.DASHES)],
                 marker=style.MARKERS[second % len(style.MARKERS)],
-                colour_label=_name(chosen, colour_dim, at) if colour_dim in free else "",
-                style_label=_name(chosen, style_dim, at),
+                colour_label=_name(subset, colour_dim, indices) if colour_dim in free else "",
+                style_label=_name(subset, style_dim, indices),
             )
         )
-    return sorted(found, key=_temperature)
+    return sorted(drawn, key=_temperature)
 
 
-def handles(found: Sequence[Member]) -> list[Line2D]:
+def handles(drawn: Sequence[Member]) -> list[Line2D]:
     """Legend entries of lines: one per colour and, where they differ too, one per line style.
 
     Parameters
     ----------
-    found
-        Members in the order they were drawn.
+    drawn : sequence of Member
+        In the order they were drawn.
 
     Returns
     -------
@@ -114,29 +117,31 @@ def handles(found: Sequence[Member]) -> list[Line2D]:
         Empty for a single member without a name.
     """
     return [
-        Line2D([], [], color=colour, linestyle=one.dashes if colour == style.INK else "-", label=n)
-        for colour, one, n in _entries(found)
-    ]
-
-
-def point_handles(found: Sequence[Member]) -> list[Line2D]:
-    """Legend entries of points: one per colour and, where they differ too, one per marker."""
-    return [
-        Line2D([], [], color=colour, linestyle="", ms=3.5, label=name,
-               marker=one.marker if colour == style.INK else "o")
-        for colour, one, name in _entries(found)
+        Line2D([], [], color=colour, label=name,
+               linestyle=member.dashes if colour == style.INK else "-")
+        for colour, member, name in _entries(drawn)
     ]  # fmt: skip
 
 
-def _entries(found: Sequence[Member]) -> list[tuple[Any, Member, str]]:
-    colours = {one.colour_label: one for one in found if one.colour_label}
-    styles = {one.style_label: one for one in found if one.style_label}
-    return [(one.colour, one, name) for name, one in colours.items()] + [
-        (style.INK, one, name) for name, one in styles.items() if len(styles) > 1
+def point_handles(drawn: Sequence[Member]) -> list[Line2D]:
+    """Legend entries of points: one per colour and, where they differ too, one per marker."""
+    return [
+        Line2D([], [], color=colour, linestyle="", ms=3.5, label=name,
+               marker=member.marker if colour == style.INK else "o")
+        for colour, member, name in _entries(drawn)
+    ]  # fmt: skip
+
+
+def _entries(drawn: Sequence[Member]) -> list[tuple[Any, Member, str]]:
+    """Colour, member and name of each colour, then of each style where there are several."""
+    colours = {member.colour_label: member for member in drawn if member.colour_label}
+    styles = {member.style_label: member for member in drawn if member.style_label}
+    return [(member.colour, member, name) for name, member in colours.items()] + [
+        (style.INK, member, name) for name, member in styles.items() if len(styles) > 1
     ]
 
 
-def _chosen(dataset: xr.Dataset, names: tuple[str, ...]) -> xr.Dataset:
+def _with_variables(dataset: xr.Dataset, names: tuple[str, ...]) -> xr.Dataset:
     missing = [name for name in names if name not in dataset.variables]
     if missing:
         raise InputError(
@@ -164,21 +169,21 @@ def _colours(dataset: xr.Dataset, dim: Hashable | None) -> list[Any]:
         return wheel[:count]
     from matplotlib import colormaps
 
-    return [colormaps["cividis"](x) for x in np.linspace(0.0, 0.85, count)]
+    return [colormaps["cividis"](x) for x in np.linspace(0.0, _BRIGHTEST, count)]
 
 
-def _name(dataset: xr.Dataset, dim: Hashable | None, at: Mapping[Hashable, int]) -> str:
+def _name(dataset: xr.Dataset, dim: Hashable | None, indices: Mapping[Hashable, int]) -> str:
     """Say where along one dimension a member is, by every coordinate that has just it."""
     if dim is None:
         return ""
-    along = [array for array in dataset.coords.values() if array.dims == (dim,)]
-    if not along:
-        return f"{dim} {at[dim]}"
+    coords = [array for array in dataset.coords.values() if array.dims == (dim,)]
+    if not coords:
+        return f"{dim} {indices[dim]}"
     return ", ".join(
-        style.title(array, np.asarray(array.values[at[dim]]).item()) for array in along
+        style.title(array, np.asarray(array.values[indices[dim]]).item()) for array in coords
     )
 
 
 def _temperature(member: Member) -> float:
-    found = member.data.coords.get("temperature")
-    return float(found) if found is not None and found.ndim == 0 else 0.0
+    coordinate = member.data.coords.get("temperature")
+    return float(coordinate) if coordinate is not None and coordinate.ndim == 0 else 0.0

@@ -29,17 +29,17 @@ def fit(
 
     Parameters
     ----------
-    dataset
+    dataset : xarray.Dataset
         A result of ``fit``.
-    quantity
+    quantity : str, optional
         Which of the measured variables; the first by default.
-    ax
+    ax : matplotlib.axes.Axes, optional
         Axes to draw in; a new figure, with its footer, if None.
-    legend
+    legend : bool
         Whether to name points and curve above the axes.
-    residuals
+    residuals : bool
         Draw observed − predicted instead.
-    **line
+    **line : Any
         Passed to matplotlib's ``plot`` for the points.
 
     Returns
@@ -72,8 +72,5 @@ def fit(
         )
         words = f"residual of ${row.symbol}$" if residuals else f"{row.long_name}, ${row.symbol}$"
         axes.set(xlabel=style.label(data[x]), ylabel=words)
-        if legend:
-            style.legend_above(axes, [*points, *curve])
-        if ax is None:
-            footer.add(axes.get_figure(root=True), dataset)  # type: ignore[arg-type]
+        footer.finish(axes, ax, dataset, [*points, *curve] if legend else [])
     return [*points, *curve]

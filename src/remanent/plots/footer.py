@@ -2,34 +2,77 @@
 
 from __future__ import annotations
 
-import ast
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from types import MappingProxyType
+from typing import Any, Final
 
 import xarray as xr
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from remanent._errors import InputError
-from remanent.plots.style import FAINT, number, title
+from remanent.plots.style import FAINT, legend_above, number, title
+from remanent.results import provenance
 from remanent.results.schema import describe
 
-__all__ = ["add", "text"]
+__all__ = ["add", "finish", "text"]
 
 #: Fields that say nothing at this value.
-_NEUTRAL = {
-    "entropic_fraction": 1.0,
-    "temperature_coefficient": 0.0,
-    "phase": 0.0,
-    "mean": 0.0,
-    "heat": None,
-    "discard": 0.0,
-    "every": 1,
-    "section_phase": 0.0,
-}
+_NEUTRAL: Final[Mapping[str, object]] = MappingProxyType(
+    {
+        "entropic_fraction": 1.0,
+        "temperature_coefficient": 0.0,
+        "phase": 0.0,
+        "mean": 0.0,
+        "discard": 0.0,
+        "every": 1,
+        "section_phase": 0.0,
+    }
+)
 #: Fields that may be two numbers, each with a name of its own.
-_PAIRS = frozenset({"prestress", "edges"})
-_SEPARATOR = "   "
-_POINTS, _WIDTH = 6.0, 0.43  # font size; width of a letter in units of it, on average
+_PAIRS: Final = frozenset({"prestress", "edges"})
+#: Parts of which a figure says nothing: the units, which the axes show.
+_UNSAID: Final = frozenset({"scales"})
+#: The kind of a magnet, which is named only where it has something to say.
+_PLAIN_MAGNET: Final = "Magnet"
+#: What parts the pieces of the footer.
+_SEPARATOR: Final = "   "
+#: Size of its letters, in points.
+_FONT_SIZE: Final = 6.0
+#: Width of a letter over its size, on average.
+_LETTER_WIDTH: Final = 0.43
+#: Longest description that is shown where a system or a drive is no plain data.
+_LONGEST: Final = 90
+
+
+def finish(
+    axes: Axes,
+    given: Axes | None,
+    dataset: xr.Dataset,
+    entries: Sequence[Artist] = (),
+    *,
+    hide: Iterable[str] = (),
+) -> None:
+    """Add the legend and, to a figure of our own, the footer: the end of every plot.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        What was drawn in.
+    given : matplotlib.axes.Axes or None
+        What the user asked to draw in; None where the figure is ours.
+    dataset : xarray.Dataset
+        The result that was drawn.
+    entries : sequence of matplotlib.artist.Artist
+        What the legend names; fewer than two need none.
+    hide : iterable of str
+        Fields that the footer leaves out, see :func:`add`.
+    """
+    legend_above(axes, entries)
+    if given is None:
+        add(axes.get_figure(root=True), dataset, hide=hide)  # type: ignore[arg-type]
 
 
 def add(figure: Figure, dataset: xr.Dataset, *, hide: Iterable[str] = ()) -> None:
@@ -37,20 +80,21 @@ def add(figure: Figure, dataset: xr.Dataset, *, hide: Iterable[str] = ()) -> Non
 
     Parameters
     ----------
-    figure
+    figure : matplotlib.figure.Figure
         A figure with constrained layout, which makes room for it.
-    dataset
+    dataset : xarray.Dataset
         The result that was drawn.
-    hide
+    hide : iterable of str
         Fields that took many values on the way to what is drawn; ``"drive"`` leaves
         the whole drive out.
     """
-    found = text(dataset, hide=hide)
-    if found:
-        letters = figure.get_figwidth() * 72.0 / (_POINTS * _WIDTH)
+    line = text(dataset, hide=hide)
+    if line:
+        letters = figure.get_figwidth() * 72.0 / (_FONT_SIZE * _LETTER_WIDTH)
         figure.supxlabel(
-            _wrap(found, letters), x=0.01, ha="left", fontsize=_POINTS, color=FAINT, linespacing=1.3
-        )
+            _wrap(line, letters), x=0.01, ha="left", fontsize=_FONT_SIZE, color=FAINT,
+            linespacing=1.3,
+        )  # fmt: skip
 
 
 def text(dataset: xr.Dataset, *, hide: Iterable[str] = ()) -> str:
@@ -58,10 +102,12 @@ def text(dataset: xr.Dataset, *, hide: Iterable[str] = ()) -> str:
 
     Parameters
     ----------
-    dataset
-        A result with the attributes of :mod:`remanent.results.provenance`.
-    hide
-        As in :func:`add`.
+    dataset : xarray.Dataset
+        A result with the attributes of :mod:`remanent.results.provenance`; what is missing
+        among them is left out.
+    hide : iterable of str
+        Fields that took many values on the way to what is drawn; ``"drive"`` leaves the
+        whole drive out.
 
     Returns
     -------
@@ -71,13 +117,12 @@ def text(dataset: xr.Dataset, *, hide: Iterable[str] = ()) -> str:
     attrs = dataset.attrs
     given = [*map(str, dataset.coords), *str(attrs.get("over", "")).split()]
     shown = {name.split(".")[-1] for name in [*given, *hide]}
-    drive = "" if "drive" in shown else str(attrs.get("drive", ""))
     single = [array for array in dataset.coords.values() if array.ndim == 0]
-    settings = str(attrs.get("settings", "")).split()
+    settings = [name for name in str(attrs.get("settings", "")).split() if name in attrs]
     pieces = [
         *(title(array, array.item()) for array in single),
-        *_call(str(attrs.get("actuator", "")), shown, name_it=False),
-        *_call(drive, shown, name_it=True),
+        *_described(dataset, provenance.SYSTEM, shown),
+        *([] if "drive" in shown else _described(dataset, provenance.DRIVE, shown)),
         *(_setting(key, attrs[key]) for key in settings if not _neutral(key, attrs[key])),
     ]
     if "tolerance" in attrs and "tolerance" not in dataset.dims:
@@ -86,52 +131,55 @@ def text(dataset: xr.Dataset, *, hide: Iterable[str] = ()) -> str:
     return _SEPARATOR.join([*pieces, version[0] if version else ""]).strip()
 
 
-def _call(source: str, shown: set[str], *, name_it: bool) -> list[str]:
-    """Say a ``repr`` in symbols: the number fields by symbol, the parts by name."""
-    if not source:
-        return []
-    try:
-        tree = ast.parse(source, mode="eval").body
-    except SyntaxError:
-        return [_short(source)]
-    if not isinstance(tree, ast.Call):
-        return [_short(source)]
-    said = [*_fields(tree, shown)]
-    name = ast.unparse(tree.func)
-    return [f"{name}: {', '.join(said)}" if said else name] if name_it else said
+def _described(dataset: xr.Dataset, name: str, shown: set[str]) -> list[str]:
+    """Say a system or a drive in symbols: the number fields by symbol, the parts by name."""
+    table = provenance.plain(dataset, name)
+    if table is None:
+        source = str(dataset.attrs.get(f"{name}_text", ""))
+        return [_shortened(source)] if source else []
+    fields = [*_fields(table, shown)]
+    if name == provenance.SYSTEM:
+        return fields
+    return [f"{_kind(table)}: {', '.join(fields)}" if fields else _kind(table)]
 
 
-def _fields(tree: ast.Call, shown: set[str], owner: str = "") -> Iterator[str]:
-    for keyword in tree.keywords:
-        name = str(keyword.arg)
-        if isinstance(keyword.value, ast.Call):
-            yield from _part(keyword.value, shown, name)
-            continue
-        if isinstance(keyword.value, (ast.Tuple, ast.List)):
-            for k, item in enumerate(keyword.value.elts):
-                if isinstance(item, ast.Call):
-                    yield from _part(item, shown, f"{name}.{k}")
-                elif name in _PAIRS and f"{name}_{k + 1}" not in shown:
-                    yield _setting(f"{name}_{k + 1}", ast.literal_eval(item))
-            continue
-        try:
-            value = ast.literal_eval(keyword.value)
-        except ValueError:
-            continue
-        if name in shown or _neutral(name, value):
-            continue
-        if isinstance(value, (int, float)) and not isinstance(value, bool):
-            yield _setting(f"{owner}.{name}" if owner else name, value)
+def _fields(table: Mapping[str, Any], shown: set[str], owner: str = "") -> Iterator[str]:
+    """The fields of a table of plain data, those of parts within it in brackets."""
+    for name, content in table.items():
+        if isinstance(content, dict) and "kind" in content and name not in _UNSAID:
+            yield from _part(content, shown, name)
+        elif isinstance(content, list):
+            yield from _entries(name, content, shown)
+        elif _is_number(content) and name not in shown and not _neutral(name, content):
+            yield _setting(f"{owner}.{name}" if owner else name, content)
+
+
+def _is_number(content: object) -> bool:
+    return isinstance(content, int | float) and not isinstance(content, bool)
+
+
+def _entries(name: str, entries: list[Any], shown: set[str]) -> Iterator[str]:
+    """The parts of a list, and the numbers of a pair."""
+    for k, entry in enumerate(entries):
+        if isinstance(entry, dict):
+            yield from _part(entry, shown, f"{name}.{k}")
+        elif name in _PAIRS and f"{name}_{k + 1}" not in shown:
+            yield _setting(f"{name}_{k + 1}", entry)
 
 
 def _neutral(name: str, value: object) -> bool:
-    return name in _NEUTRAL and value == _NEUTRAL[name]
+    return name in _NEUTRAL and bool(value == _NEUTRAL[name])
 
 
-def _part(tree: ast.Call, shown: set[str], owner: str) -> Iterator[str]:
-    name, said = ast.unparse(tree.func), list(_fields(tree, shown, owner))
-    if said or name != "Magnet":
-        yield f"{name} ({', '.join(said)})" if said else name
+def _part(table: Mapping[str, Any], shown: set[str], owner: str) -> Iterator[str]:
+    kind, fields = _kind(table), list(_fields(table, shown, owner))
+    if fields or kind != _PLAIN_MAGNET:
+        yield f"{kind} ({', '.join(fields)})" if fields else kind
+
+
+def _kind(table: Mapping[str, Any]) -> str:
+    """The name of a class, without its module."""
+    return str(table.get("kind", "")).rpartition(".")[2]
 
 
 def _setting(name: str, value: object) -> str:
@@ -139,21 +187,21 @@ def _setting(name: str, value: object) -> str:
         return f"{name.replace('_', ' ')} {value}"
     try:
         row = describe(name)
-    except InputError:
+    except InputError:  # a field of the user's own
         return f"{name.replace('_', ' ')} ${number(value)}$"
     unit = f" {row.units}" if row.units == "K" else ""
     return f"${row.symbol} = {number(value)}${unit}"
 
 
-def _short(source: str, limit: int = 90) -> str:
+def _shortened(source: str) -> str:
     flat = " ".join(source.split()).replace("$", r"\$")
-    return flat if len(flat) <= limit else f"{flat[: limit - 1]}…"
+    return flat if len(flat) <= _LONGEST else f"{flat[: _LONGEST - 1]}…"
 
 
-def _wrap(found: str, letters: float) -> str:
+def _wrap(line: str, letters: float) -> str:
     """Break between pieces where a line would be longer than the figure."""
     lines = [""]
-    for piece in found.split(_SEPARATOR):
+    for piece in line.split(_SEPARATOR):
         longer = f"{lines[-1]}{_SEPARATOR}{piece}".strip()
         if lines[-1] and _length(longer) > letters:
             lines.append(piece)
@@ -162,6 +210,6 @@ def _wrap(found: str, letters: float) -> str:
     return "\n".join(lines)
 
 
-def _length(found: str) -> int:
+def _length(line: str) -> int:
     """Letters once typeset, roughly: a LaTeX command counts as one."""
-    return len(re.sub(r"\\mathrm|[${}^_]", "", re.sub(r"\\(?!mathrm)[A-Za-z]+", "x", found)))
+    return len(re.sub(r"\\mathrm|[${}^_]", "", re.sub(r"\\(?!mathrm)[A-Za-z]+", "x", line)))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 import xarray as xr
@@ -13,6 +13,9 @@ from remanent._typing import FloatArray
 from remanent.plots import ensemble, footer, style
 
 __all__ = ["mark_handles", "response"]
+
+#: Variables that are drawn beside the amplitude, where a result has them.
+_MARKED: Final = ("resonance", "resonance_error", "resonance_amplitude", "published")
 
 
 def response(
@@ -28,21 +31,21 @@ def response(
 
     Parameters
     ----------
-    dataset
+    dataset : xarray.Dataset
         A result of ``frequency_response``: `variable` over ``omega`` and at most two
         more dimensions.  With the amplitude, ``resonance``, where present, is marked
         at ``resonance_amplitude`` (at the largest drawn value without it), with
         ``resonance_error`` as a horizontal bar, and the curve is led through that
         point; ``published``, where present, is marked on the upper edge.
-    variable
+    variable : str
         What to draw: ``amplitude``, ``maximum`` or ``minimum``.
-    ax
+    ax : matplotlib.axes.Axes, optional
         Axes to draw in; a new figure, with its footer, if None.
-    legend
+    legend : bool
         Whether to name the lines above the axes.
-    resonances
+    resonances : bool
         Whether to mark resonances.
-    **line
+    **line : Any
         Passed to matplotlib's ``plot``.
 
     Returns
@@ -54,23 +57,17 @@ def response(
     extra = [name for name in _MARKED if marked and name in dataset]
     with style.context():
         axes = style.owned_axes(ax)
-        found = ensemble.members(dataset, (variable, "omega", *extra), ("omega",))
-        artists = [_curve(axes, one, variable, line) for one in found]
-        for one in found:
-            _mark(axes, one, variable)
+        members = ensemble.members(dataset, (variable, "omega", *extra), ("omega",))
+        artists = [_curve(axes, member, variable, line) for member in members]
+        for member in members:
+            _mark(axes, member, variable)
         axes.set(xlabel=style.label(dataset["omega"]), ylabel=style.label(dataset[variable]))
         axes.margins(x=0.0)
         if variable == "amplitude":
             _rest_on_zero(axes, artists)
-        if legend:
-            marks = mark_handles(dataset[extra])
-            style.legend_above(axes, [*ensemble.handles(found), *marks])
-        if ax is None:
-            footer.add(axes.get_figure(root=True), dataset)  # type: ignore[arg-type]
+        entries = [*ensemble.handles(members), *mark_handles(dataset[extra])]
+        footer.finish(axes, ax, dataset, entries if legend else [])
     return artists
-
-
-_MARKED = ("resonance", "resonance_error", "resonance_amplitude", "published")
 
 
 def mark_handles(dataset: xr.Dataset) -> list[Line2D]:
@@ -84,9 +81,9 @@ def mark_handles(dataset: xr.Dataset) -> list[Line2D]:
     ]
 
 
-def _curve(axes: Axes, one: ensemble.Member, variable: str, line: dict[str, Any]) -> Line2D:
-    looks = {"color": one.colour, "linestyle": one.dashes, "label": one.label, **line}
-    (artist,) = axes.plot(*_through_resonance(one.data, variable), **looks)
+def _curve(axes: Axes, member: ensemble.Member, variable: str, line: dict[str, Any]) -> Line2D:
+    looks = {"color": member.colour, "linestyle": member.dashes, "label": member.label, **line}
+    (artist,) = axes.plot(*_through_resonance(member.data, variable), **looks)
     return artist
 
 
@@ -95,11 +92,11 @@ def _through_resonance(data: xr.Dataset, variable: str) -> tuple[FloatArray, Flo
     x, y = data["omega"].values, data[variable].values
     if not {"resonance", "resonance_amplitude"} <= set(data):
         return x, y
-    where, height = float(data["resonance"]), float(data["resonance_amplitude"])
-    if not np.isfinite(where):
+    resonance, height = float(data["resonance"]), float(data["resonance_amplitude"])
+    if not np.isfinite(resonance):
         return x, y
-    place = np.searchsorted(x, where)
-    return np.insert(x, place, where), np.insert(y, place, height)
+    index = np.searchsorted(x, resonance)
+    return np.insert(x, index, resonance), np.insert(y, index, height)
 
 
 def _rest_on_zero(axes: Axes, curves: list[Line2D]) -> None:
@@ -110,19 +107,20 @@ def _rest_on_zero(axes: Axes, curves: list[Line2D]) -> None:
     axes.autoscale_view()
 
 
-def _mark(axes: Axes, one: ensemble.Member, variable: str) -> None:
-    data = one.data
+def _mark(axes: Axes, member: ensemble.Member, variable: str) -> None:
+    """Mark the resonance with its bracket, and the published one on the upper edge."""
+    data = member.data
     if "published" in data:
         axes.plot(
-            float(data["published"]), 1.0, marker="v", ms=5, mfc="white", mec=one.colour, mew=0.9,
-            transform=axes.get_xaxis_transform(), clip_on=False, zorder=6, linestyle="",
+            float(data["published"]), 1.0, marker="v", ms=5, mfc="white", mec=member.colour,
+            mew=0.9, transform=axes.get_xaxis_transform(), clip_on=False, zorder=6, linestyle="",
         )  # fmt: skip
     if "resonance" not in data or not np.isfinite(data["resonance"]):
         return
     top = data["resonance_amplitude"] if "resonance_amplitude" in data else data[variable].max()
-    where, height = float(data["resonance"]), float(top)
+    resonance, height = float(data["resonance"]), float(top)
     bracket = float(data["resonance_error"]) if "resonance_error" in data else 0.0
     axes.errorbar(
-        where, height, xerr=bracket or None, fmt="o", ms=3.6, color=one.colour,
+        resonance, height, xerr=bracket or None, fmt="o", ms=3.6, color=member.colour,
         mfc="white", mew=1.0, elinewidth=0.8, capsize=1.5, zorder=5,
     )  # fmt: skip

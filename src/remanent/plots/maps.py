@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 import xarray as xr
@@ -12,7 +12,7 @@ from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import QuadMesh
-from matplotlib.colors import Normalize, to_rgb
+from matplotlib.colors import ListedColormap, Normalize, to_rgb
 from matplotlib.patches import Patch
 
 from remanent._errors import InputError
@@ -21,14 +21,40 @@ from remanent.plots import footer, style
 
 __all__ = ["UNDECIDED", "map"]
 
-UNDECIDED = "#9a9a9a"
-#: Regimes of one tone; the others are shaded by what is known of them.
-_TONES: Mapping[str, str] = MappingProxyType({"undecided": UNDECIDED, "escaped": "#101018"})
-#: Of periodic motion by its period, 1 to 6, and longer.
-_PERIODS = ("#f4f1e8", "#e9c46a", "#7fb7a6", "#e07a5f", "#81709c", "#4f8a5b", "#a8546b")
-#: Shades: of tori by their rotation number, of chaos by its exponent.
-_TORUS, _CHAOS = "cool", "inferno"
-_COOL = ((0.04, 0.10, 0.22), (0.10, 0.33, 0.49), (0.27, 0.62, 0.68), (0.80, 0.92, 0.88))
+#: Colour of motion whose regime is not decided.
+UNDECIDED: Final = "#9a9a9a"
+#: Regimes of one colour; the others are shaded by what is known of them.
+_PLAIN_COLOURS: Final[Mapping[str, str]] = MappingProxyType(
+    {"undecided": UNDECIDED, "escaped": "#101018"}
+)
+#: Colours of periodic motion by its period, 1 to 6, and longer.
+_PERIOD_COLOURS: Final = (
+    "#f4f1e8",
+    "#e9c46a",
+    "#7fb7a6",
+    "#e07a5f",
+    "#81709c",
+    "#4f8a5b",
+    "#a8546b",
+)
+#: Matplotlib's colour map of chaos, by its exponent.
+_CHAOS_MAP: Final = "inferno"
+#: Share of that map at an exponent of zero: chaos is never as dark as an escape.
+_CHAOS_FLOOR: Final = 0.35
+#: Share of that map from an exponent of zero to the largest.
+_CHAOS_SPAN: Final = 0.6
+#: Smallest exponent at the bright end of that map, so that noise is not shown as strong chaos.
+_SMALLEST_RANGE: Final = 1e-3
+#: Colours of tori by their rotation number, from 0 to one half: red, green and blue channels
+#: at evenly spaced places.
+_TORUS_CHANNELS: Final = (
+    (0.04, 0.10, 0.22),
+    (0.10, 0.33, 0.49),
+    (0.27, 0.62, 0.68),
+    (0.80, 0.92, 0.88),
+)
+#: Number of colours in the colour bars of tori and of chaos.
+_MAP_LEVELS: Final = 256
 
 
 def map(
@@ -43,18 +69,18 @@ def map(
 
     Parameters
     ----------
-    dataset
+    dataset : xarray.Dataset
         A result with two dimensions of ``over``, such as that of ``regime_chart`` or
         ``basins``.
-    variable
+    variable : str
         ``regime`` is coloured by the period where periodic, and shaded by the exponent where
         chaotic and by the rotation number where quasi-periodic; other texts get a colour each;
         numbers get a colour bar.
-    ax
+    ax : matplotlib.axes.Axes, optional
         Axes to draw in; a new figure, with its footer, if None.
-    legend
+    legend : bool
         Whether to draw colour bars and name colours.
-    **mesh
+    **mesh : Any
         Passed to matplotlib's ``pcolormesh``.
 
     Returns
@@ -76,7 +102,7 @@ def map(
         x, y = dataset[across].values, dataset[down].values
         looks = {"shading": "nearest", "rasterized": True, **mesh}
         if array.dtype.kind in "US":
-            colours = _painted(dataset, variable)
+            colours = _cell_colours(dataset, variable)
             artist = axes.pcolormesh(x, y, colours, **looks)
             if legend:
                 _explain(axes, dataset, variable)
@@ -85,12 +111,11 @@ def map(
             if legend:
                 _bar(axes, artist, style.label(array))
         axes.set(xlabel=style.label(dataset[across]), ylabel=style.label(dataset[down]))
-        if ax is None:
-            footer.add(axes.get_figure(root=True), dataset)  # type: ignore[arg-type]
+        footer.finish(axes, ax, dataset)
     return artist
 
 
-def _painted(dataset: xr.Dataset, variable: str) -> FloatArray:
+def _cell_colours(dataset: xr.Dataset, variable: str) -> FloatArray:
     """Colours of every cell, array (y, x, 3)."""
     values = dataset[variable].values
     colours = np.ones((*values.shape, 3))
@@ -99,25 +124,26 @@ def _painted(dataset: xr.Dataset, variable: str) -> FloatArray:
         for k, name in enumerate(sorted(set(values.ravel().tolist()))):
             colours[values == name] = to_rgb(wheel[k % len(wheel)])
         return colours
-    for name, tone in _TONES.items():
+    for name, tone in _PLAIN_COLOURS.items():
         colours[values == name] = to_rgb(tone)
     regular = {"periodic": _periods(dataset), "quasi-periodic": _tori(dataset)}
     for name, shades in {**regular, "chaotic": _chaos(dataset)}.items():
-        chosen = values == name
-        colours[chosen] = shades[chosen]
+        cells = values == name
+        colours[cells] = shades[cells]
     return colours
 
 
-def _cool(share: FloatArray) -> FloatArray:
+def _torus_colours(share: FloatArray) -> FloatArray:
     """Dark blue to pale green, evenly."""
-    at = np.linspace(0.0, 1.0, len(_COOL))
-    return np.stack([np.interp(share, at, channel) for channel in np.transpose(_COOL)], axis=-1)
+    places = np.linspace(0.0, 1.0, len(_TORUS_CHANNELS))
+    channels = np.transpose(_TORUS_CHANNELS)
+    return np.stack([np.interp(share, places, channel) for channel in channels], axis=-1)
 
 
 def _periods(dataset: xr.Dataset) -> FloatArray:
     """By the period, all alike from one on."""
-    tones = np.array([to_rgb(tone) for tone in _PERIODS])
-    return np.asarray(tones[_period(dataset).clip(1, len(_PERIODS)) - 1])
+    tones = np.array([to_rgb(tone) for tone in _PERIOD_COLOURS])
+    return np.asarray(tones[_period(dataset).clip(1, len(_PERIOD_COLOURS)) - 1])
 
 
 def _period(dataset: xr.Dataset) -> IntArray:
@@ -131,7 +157,7 @@ def _tori(dataset: xr.Dataset) -> FloatArray:
     turns = dataset["rotation_number"].values if "rotation_number" in dataset else np.nan
     folded = 2.0 * np.minimum(np.mod(turns, 1.0), 1.0 - np.mod(turns, 1.0))
     shape = dataset["regime"].shape
-    return _cool(np.broadcast_to(np.where(np.isfinite(folded), folded, 0.5), shape))
+    return _torus_colours(np.broadcast_to(np.where(np.isfinite(folded), folded, 0.5), shape))
 
 
 def _chaos(dataset: xr.Dataset) -> FloatArray:
@@ -139,55 +165,57 @@ def _chaos(dataset: xr.Dataset) -> FloatArray:
     exponent = dataset["exponent"].values if "exponent" in dataset else np.ones(())
     shape = dataset["regime"].shape
     share = np.broadcast_to(exponent / _largest(dataset), shape).clip(0.0, 1.0)
-    return np.asarray(colormaps[_CHAOS](0.35 + 0.6 * share))[..., :3]
+    return np.asarray(colormaps[_CHAOS_MAP](_CHAOS_FLOOR + _CHAOS_SPAN * share))[..., :3]
 
 
 def _largest(dataset: xr.Dataset) -> float:
     if "exponent" not in dataset:
         return 1.0
-    found = dataset["exponent"].values[dataset["regime"].values == "chaotic"]
-    return float(np.nanmax(found, initial=1e-3))
+    exponents = dataset["exponent"].values[dataset["regime"].values == "chaotic"]
+    return float(np.nanmax(exponents, initial=_SMALLEST_RANGE))
 
 
 def _explain(axes: Axes, dataset: xr.Dataset, variable: str) -> None:
-    seen = sorted(set(dataset[variable].values.ravel().tolist()))
+    values = sorted(set(dataset[variable].values.ravel().tolist()))
     if variable != "regime":
         wheel = list(style.OKABE_ITO.values())
-        entries = [Patch(color=wheel[k % len(wheel)], label=n) for k, n in enumerate(seen)]
+        entries = [Patch(color=wheel[k % len(wheel)], label=n) for k, n in enumerate(values)]
         style.legend_above(axes, entries)
         return
-    tones = _seen_periods(dataset) | {n: tone for n, tone in _TONES.items() if n in seen}
+    plain = {name: colour for name, colour in _PLAIN_COLOURS.items() if name in values}
     entries = [
-        Patch(facecolor=tone, edgecolor=style.FAINT, linewidth=0.5, label=name)
-        for name, tone in tones.items()
+        Patch(facecolor=colour, edgecolor=style.FAINT, linewidth=0.5, label=name)
+        for name, colour in (_period_colours(dataset) | plain).items()
     ]
     if entries:
         style.legend_above(axes, entries)
-    if "chaotic" in seen and "exponent" in dataset:
-        scale = ScalarMappable(Normalize(0.0, _largest(dataset)), _part(_CHAOS))
+    if "chaotic" in values and "exponent" in dataset:
+        scale = ScalarMappable(Normalize(0.0, _largest(dataset)), _chaos_map())
         _bar(axes, scale, "chaotic: exponent $\\Lambda$")
-    if "quasi-periodic" in seen and "rotation_number" in dataset:
-        scale = ScalarMappable(Normalize(0.0, 0.5), _part(_TORUS))
+    if "quasi-periodic" in values and "rotation_number" in dataset:
+        scale = ScalarMappable(Normalize(0.0, 0.5), _torus_map())
         _bar(axes, scale, "quasi-periodic: rotation number $\\nu$")
 
 
-def _seen_periods(dataset: xr.Dataset) -> dict[str, str]:
+def _period_colours(dataset: xr.Dataset) -> dict[str, str]:
     """Names and colours of the periods of a chart; of one alone, its regime is the name."""
-    found = _period(dataset)[dataset["regime"].values == "periodic"].clip(1, len(_PERIODS))
-    periods = [int(k) for k in np.unique(found)]
+    shown = _period(dataset)[dataset["regime"].values == "periodic"].clip(1, len(_PERIOD_COLOURS))
+    periods = [int(k) for k in np.unique(shown)]
     if periods == [1]:
-        return {"periodic": _PERIODS[0]}
-    names = {k: f"period {k}" for k in periods} | {len(_PERIODS): f"period {len(_PERIODS)} up"}
-    return {names[k]: _PERIODS[k - 1] for k in periods}
+        return {"periodic": _PERIOD_COLOURS[0]}
+    names = {k: f"period {k}" for k in periods} | {
+        len(_PERIOD_COLOURS): f"period {len(_PERIOD_COLOURS)} up"
+    }
+    return {names[k]: _PERIOD_COLOURS[k - 1] for k in periods}
 
 
-def _part(name: str) -> Any:
-    from matplotlib.colors import ListedColormap
+def _torus_map() -> ListedColormap:
+    return ListedColormap(_torus_colours(np.linspace(0.0, 1.0, _MAP_LEVELS)))
 
-    share = np.linspace(0.0, 1.0, 256)
-    if name == _TORUS:
-        return ListedColormap(_cool(share))
-    return ListedColormap(colormaps[name](0.35 + 0.6 * share))
+
+def _chaos_map() -> ListedColormap:
+    share = np.linspace(0.0, 1.0, _MAP_LEVELS)
+    return ListedColormap(colormaps[_CHAOS_MAP](_CHAOS_FLOOR + _CHAOS_SPAN * share))
 
 
 def _bar(axes: Axes, artist: Any, text: str) -> None:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable, Iterable
+from typing import Any, Final, TypeVar
 
 import numpy as np
 import xarray as xr
@@ -15,7 +16,17 @@ from remanent.plots import ensemble, footer, style
 __all__ = ["history", "phase", "section"]
 
 #: Lines with more points than this are drawn as pixels: as vectors they only make files heavy.
-_MANY = 20_000
+_RASTER_POINTS: Final = 20_000
+#: Area of all points of a cloud together, in square points: few points are drawn large.
+_CLOUD_AREA: Final = 900.0
+#: Smallest area of a point, in square points, at which it can still be seen.
+_SMALLEST_POINT: Final = 0.6
+#: Largest area of a point, in square points, that still shows structure.
+_LARGEST_POINT: Final = 6.0
+#: Dimensions along which a motion runs.
+_ALONG: Final = ("time", "cycle")
+
+_Drawn = TypeVar("_Drawn", Line2D, PathCollection)
 
 
 def history(
@@ -30,17 +41,17 @@ def history(
 
     Parameters
     ----------
-    dataset
+    dataset : xarray.Dataset
         A result of ``simulate``: `variable` over ``time`` (or over ``cycle``, with
         ``time`` a two-dimensional coordinate) and at most two more dimensions.
         One line per member, coloured by temperature.
-    variable
+    variable : str
         What to draw.
-    ax
+    ax : matplotlib.axes.Axes, optional
         Axes to draw in; a new figure, with its footer, if None.
-    legend
+    legend : bool
         Whether to name the lines above the axes.
-    **line
+    **line : Any
         Passed to matplotlib's ``plot``.
 
     Returns
@@ -50,11 +61,9 @@ def history(
     """
     with style.context():
         axes = style.owned_axes(ax, width=style.DOUBLE, height=2.2)
-        found = ensemble.members(dataset, (variable, "time"), ("time", "cycle"))
-        artists = [_line(axes, one, "time", variable, line) for one in found]
-        axes.set(xlabel=style.label(dataset["time"]), ylabel=style.label(dataset[variable]))
+        members, artists = _draw(axes, dataset, "time", variable, _ALONG, _line, line)
         axes.margins(x=0.0)
-        _finish(axes, ax, dataset, ensemble.handles(found) if legend else [])
+        footer.finish(axes, ax, dataset, ensemble.handles(members) if legend else [])
     return artists
 
 
@@ -72,15 +81,17 @@ def phase(
 
     Parameters
     ----------
-    dataset
+    dataset : xarray.Dataset
         A result of ``simulate`` with `x` and `y` along ``time`` or ``cycle``.
-    x, y
+    x, y : str
         The variables of the plane.
-    ax, legend
-        As in :func:`history`.
-    start
+    ax : matplotlib.axes.Axes, optional
+        Axes to draw in; a new figure, with its footer, if None.
+    legend : bool
+        Whether to name members above the axes.
+    start : bool
         Whether to mark where each orbit starts.
-    **line
+    **line : Any
         Passed to matplotlib's ``plot``.
 
     Returns
@@ -90,13 +101,13 @@ def phase(
     """
     with style.context():
         axes = style.owned_axes(ax, height=3.1)
-        found = ensemble.members(dataset, (x, y), ("time", "cycle"))
-        artists = [_line(axes, one, x, y, line) for one in found]
+        members, artists = _draw(axes, dataset, x, y, _ALONG, _line, line)
         if start:
-            for place in {(float(o.data[x][0]), float(o.data[y][0])) for o in found}:
-                axes.plot(*place, "o", ms=3.2, mfc="white", mec=style.INK, mew=0.7, zorder=5)
-        axes.set(xlabel=style.label(dataset[x]), ylabel=style.label(dataset[y]))
-        _finish(axes, ax, dataset, ensemble.handles(found) if legend else [])
+            # In the order of the members: that of a set of NaN would change from run to run.
+            starts = dict.fromkeys((float(m.data[x][0]), float(m.data[y][0])) for m in members)
+            for point in starts:
+                axes.plot(*point, "o", ms=3.2, mfc="white", mec=style.INK, mew=0.7, zorder=5)
+        footer.finish(axes, ax, dataset, ensemble.handles(members) if legend else [])
     return artists
 
 
@@ -113,13 +124,15 @@ def section(
 
     Parameters
     ----------
-    dataset
+    dataset : xarray.Dataset
         A result of ``poincare_section`` or ``bifurcation_diagram``: `y` along ``period``.
-    x, y
+    x, y : str
         The variables of the plane; `x` may be the parameter of a ``bifurcation_diagram``.
-    ax, legend
-        As in :func:`history`.
-    **points
+    ax : matplotlib.axes.Axes, optional
+        Axes to draw in; a new figure, with its footer, if None.
+    legend : bool
+        Whether to name members above the axes.
+    **points : Any
         Passed to matplotlib's ``scatter``.
 
     Returns
@@ -129,41 +142,48 @@ def section(
     """
     with style.context():
         axes = style.owned_axes(ax, height=3.1)
-        found = ensemble.members(dataset, (x, y), {"period", x} & set(dataset.dims))
-        artists = [_cloud(axes, one, x, y, points) for one in found]
-        axes.set(xlabel=style.label(dataset[x]), ylabel=style.label(dataset[y]))
-        _finish(axes, ax, dataset, ensemble.point_handles(found) if legend else [])
+        along = {"period", x} & set(map(str, dataset.dims))
+        members, artists = _draw(axes, dataset, x, y, along, _cloud, points)
+        footer.finish(axes, ax, dataset, ensemble.point_handles(members) if legend else [])
     return artists
 
 
-def _line(axes: Axes, one: ensemble.Member, x: str, y: str, line: dict[str, Any]) -> Line2D:
-    looks = {"color": one.colour, "linestyle": one.dashes, "label": one.label, **line}
-    (artist,) = axes.plot(one.data[x].values, one.data[y].values, **looks)
-    if one.data[y].size > _MANY:
+def _draw(
+    axes: Axes,
+    dataset: xr.Dataset,
+    x: str,
+    y: str,
+    along: Iterable[str],
+    draw: Callable[[Axes, ensemble.Member, str, str, dict[str, Any]], _Drawn],
+    looks: dict[str, Any],
+) -> tuple[list[ensemble.Member], list[_Drawn]]:
+    """Draw `y` against `x` for every member, and label the axes: what all three plots share."""
+    members = ensemble.members(dataset, (y, x), along)
+    artists = [draw(axes, member, x, y, looks) for member in members]
+    axes.set(xlabel=style.label(dataset[x]), ylabel=style.label(dataset[y]))
+    return members, artists
+
+
+def _line(axes: Axes, member: ensemble.Member, x: str, y: str, line: dict[str, Any]) -> Line2D:
+    looks = {"color": member.colour, "linestyle": member.dashes, "label": member.label, **line}
+    (artist,) = axes.plot(member.data[x].values, member.data[y].values, **looks)
+    if member.data[y].size > _RASTER_POINTS:
         artist.set_rasterized(True)
     return artist
 
 
 def _cloud(
-    axes: Axes, one: ensemble.Member, x: str, y: str, points: dict[str, Any]
+    axes: Axes, member: ensemble.Member, x: str, y: str, points: dict[str, Any]
 ) -> PathCollection:
-    # Area of a point in square points: small enough to show structure, large enough to see few.
-    across, up = xr.broadcast(one.data[x], one.data[y])
-    area = float(np.clip(900.0 / max(up.size, 1), 0.6, 6.0))
+    across, up = xr.broadcast(member.data[x], member.data[y])
+    area = float(np.clip(_CLOUD_AREA / max(up.size, 1), _SMALLEST_POINT, _LARGEST_POINT))
     looks: dict[str, Any] = {
         "s": area,
-        "color": one.colour,
-        "marker": one.marker,
+        "color": member.colour,
+        "marker": member.marker,
         "linewidths": 0.0,
-        "label": one.label,
+        "label": member.label,
         "rasterized": True,
         **points,
     }
     return axes.scatter(across.values, up.values, **looks)
-
-
-def _finish(axes: Axes, given: Axes | None, dataset: xr.Dataset, marks: list[Line2D]) -> None:
-    """Add the legend and, to a figure of our own, the footer."""
-    style.legend_above(axes, marks)
-    if given is None:
-        footer.add(axes.get_figure(root=True), dataset)  # type: ignore[arg-type]

@@ -18,7 +18,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import Any, Final
 
 import matplotlib as mpl
 import numpy as np
@@ -28,6 +28,9 @@ from matplotlib.axes import Axes
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
+from remanent._errors import InputError
+from remanent.results.schema import describe
+
 __all__ = [
     "DOUBLE",
     "OKABE_ITO",
@@ -36,15 +39,18 @@ __all__ = [
     "label",
     "owned_axes",
     "save",
+    "symbol",
     "temperature_colours",
     "title",
 ]
 
-#: Widths of a journal's single and double column, in inches (89 mm and 183 mm).
-SINGLE, DOUBLE = 3.5, 7.2
+#: Width of a journal's single column, in inches (89 mm).
+SINGLE: Final = 3.5
+#: Width of a journal's double column, in inches (183 mm).
+DOUBLE: Final = 7.2
 
 #: Okabe and Ito's colours, without yellow (too light for lines on white).
-OKABE_ITO: Mapping[str, str] = MappingProxyType(
+OKABE_ITO: Final[Mapping[str, str]] = MappingProxyType(
     {
         "blue": "#0072B2",
         "vermillion": "#D55E00",
@@ -57,17 +63,29 @@ OKABE_ITO: Mapping[str, str] = MappingProxyType(
 )
 
 #: Line styles for a second dimension of an ensemble; solid first.
-DASHES = ("-", (0, (4, 1.6)), (0, (1, 1.2)), (0, (5, 1.4, 1, 1.4)))
+DASHES: Final = ("-", (0, (4, 1.6)), (0, (1, 1.2)), (0, (5, 1.4, 1, 1.4)))
 #: Markers for the same.
-MARKERS = ("o", "D", "s", "^")
-INK, FAINT = "#1a1a1a", "#767676"
+MARKERS: Final = ("o", "D", "s", "^")
+#: Colour of text, axes and what belongs to no member.
+INK: Final = "#1a1a1a"
+#: Colour of what is read last: the footer, lines of reference.
+FAINT: Final = "#767676"
 
-#: Points that a letter and a sample with its space take in a legend.
-_LETTER, _HANDLE = 3.6, 24.0
-_TEMPERATURE_MAP, _CUT = "plasma", (0.03, 0.76)
-_TEMPERATURE_RANGE, _CLOSE = (240.0, 410.0), 40.0
+#: Width of a letter in a legend, in points.
+_LETTER_WIDTH: Final = 3.6
+#: Width of a sample with its space in a legend, in points.
+_SAMPLE_WIDTH: Final = 24.0
+#: Matplotlib's colour map of temperature.
+_TEMPERATURE_MAP: Final = "plasma"
+#: Part of that map that is used, from its dark end to the lightest tone readable on white.
+_MAP_CUT: Final = (0.03, 0.76)
+#: Temperatures at its ends, K, so that a colour means a temperature in every figure.
+_TEMPERATURE_RANGE: Final = (240.0, 410.0)
+#: Temperatures that differ by less, K, are told apart on a scale of their own.
+_CLOSE_TEMPERATURES: Final = 40.0
 
-_RC: Mapping[str, Any] = MappingProxyType(
+#: Matplotlib's settings of the house style.
+_SETTINGS: Final[Mapping[str, Any]] = MappingProxyType(
     {
         "font.family": "STIXGeneral",
         "mathtext.fontset": "stix",
@@ -125,7 +143,7 @@ def context() -> AbstractContextManager[None]:
     >>> inside, mpl.rcParams["xtick.direction"] == before
     ('in', True)
     """
-    return mpl.rc_context(dict(_RC))  # type: ignore[arg-type]  # keys are checked when set
+    return mpl.rc_context(dict(_SETTINGS))  # type: ignore[arg-type]  # keys are checked when set
 
 
 def owned_axes(ax: Axes | None, *, width: float = SINGLE, height: float = 2.6) -> Axes:
@@ -133,9 +151,9 @@ def owned_axes(ax: Axes | None, *, width: float = SINGLE, height: float = 2.6) -
 
     Parameters
     ----------
-    ax
+    ax : matplotlib.axes.Axes or None
         Axes to draw in; None makes a figure known to pyplot, so that a notebook shows it.
-    width, height
+    width, height : float
         Size of a new figure in inches.
 
     Returns
@@ -154,9 +172,10 @@ def label(array: xr.DataArray | xr.Variable, *, words: bool = True) -> str:
 
     Parameters
     ----------
-    array
-        A variable with the attributes of the schema.
-    words
+    array : xarray.DataArray or xarray.Variable
+        A variable with the attributes of the schema; those that arithmetic dropped are
+        looked up by its name.
+    words : bool
         Whether the meaning is spelt out before the symbol.
 
     Returns
@@ -170,10 +189,24 @@ def label(array: xr.DataArray | xr.Variable, *, words: bool = True) -> str:
     >>> label(xr.Variable((), 0.0, attrs))
     'time, $t$ (ms)'
     """
-    symbol = f"${array.attrs['symbol']}$"
-    text = f"{array.attrs['long_name']}, {symbol}" if words else symbol
+    sign = symbol(array)
+    name = _attribute(array, "long_name")
+    text = ", ".join(filter(None, (name, sign))) if words else sign or name
     units = _units(array)
     return f"{text} ({units})" if units else text
+
+
+def symbol(array: xr.DataArray | xr.Variable) -> str:
+    """Return the symbol between dollar signs; empty where there is none.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> symbol(xr.DataArray(0.0, name="b"))
+    '$b$'
+    """
+    text = _attribute(array, "symbol")
+    return f"${text}$" if text else ""
 
 
 def title(array: xr.DataArray | xr.Variable, value: object) -> str:
@@ -188,7 +221,7 @@ def title(array: xr.DataArray | xr.Variable, value: object) -> str:
     if isinstance(value, str):
         return value
     units = _units(array)
-    text = f"${array.attrs.get('symbol', '')} = {number(value)}$"
+    text = f"${_attribute(array, 'symbol')} = {number(value)}$"
     return f"{text} {units}" if units else text
 
 
@@ -207,7 +240,7 @@ def temperature_colours(temperatures: Iterable[float]) -> list[tuple[float, ...]
 
     Parameters
     ----------
-    temperatures
+    temperatures : iterable of float
         In kelvin, in any order.
 
     Returns
@@ -215,7 +248,7 @@ def temperature_colours(temperatures: Iterable[float]) -> list[tuple[float, ...]
     list of RGBA
         Lightness rises with temperature.
     """
-    values, (low, high) = list(temperatures), _CUT
+    values, (low, high) = list(temperatures), _MAP_CUT
     scale, colours = _temperature_scale(values), mpl.colormaps[_TEMPERATURE_MAP]
     return [tuple(map(float, colours(low + (high - low) * float(scale(t))))) for t in values]
 
@@ -225,9 +258,9 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> Path:
 
     Parameters
     ----------
-    figure
+    figure : matplotlib.figure.Figure
         A finished figure.
-    path
+    path : str or path
         File whose suffix says the format: ``.svg``, ``.png`` or ``.pdf``.
 
     Returns
@@ -268,13 +301,26 @@ def _legend_columns(owner: Axes | Figure, names: Sequence[str]) -> int:
     inches = figure.get_figwidth() if figure is not None else SINGLE
     width = 72.0 * inches * (owner.get_position().width if isinstance(owner, Axes) else 1.0)
     letters = max(len(re.sub(r"\\[A-Za-z]+", "x", re.sub(r"[$^_{}]", "", name))) for name in names)
-    return min(len(names), max(1, int(width / (_LETTER * letters + _HANDLE))))
+    return min(len(names), max(1, int(width / (_LETTER_WIDTH * letters + _SAMPLE_WIDTH))))
+
+
+def _attribute(array: xr.DataArray | xr.Variable, key: str) -> str:
+    """An attribute of a variable; where it is missing, that of the schema, or the name."""
+    if key in array.attrs:
+        return str(array.attrs[key])
+    name = getattr(array, "name", None)
+    if name is None:
+        return ""
+    try:
+        return describe(str(name)).attributes()[key]
+    except InputError:  # a variable of the user's own
+        return str(name).replace("_", " ") if key == "long_name" else ""
 
 
 def _units(array: xr.DataArray | xr.Variable) -> str:
     """Units in mathtext; nothing where dimensionless (angles are)."""
-    units = str(array.attrs.get("units", "1"))
-    if units in {"1", "rad"}:
+    units = _attribute(array, "units")
+    if units in {"", "1", "rad"}:
         return ""
     return re.sub(r"(?<=[A-Za-z])(-?\d+)", r"$^{\1}$", units)
 
@@ -282,7 +328,7 @@ def _units(array: xr.DataArray | xr.Variable) -> str:
 def _temperature_scale(temperatures: Sequence[float]) -> Normalize:
     low, high = float(np.min(temperatures)), float(np.max(temperatures))
     inside = _TEMPERATURE_RANGE[0] <= low and high <= _TEMPERATURE_RANGE[1]
-    if inside and (high == low or high - low >= _CLOSE):
+    if inside and (high == low or high - low >= _CLOSE_TEMPERATURES):
         return Normalize(*_TEMPERATURE_RANGE)
     if inside:
         return Normalize(low, high)

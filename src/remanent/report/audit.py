@@ -1,4 +1,4 @@
-"""From findings to verdicts: every admissible setting votes."""
+"""From findings to verdicts: every admissible setting of what is unstated votes."""
 
 from __future__ import annotations
 
@@ -6,19 +6,21 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from remanent.report.claims import CLAIMS, Claim, Finding
-from remanent.report.evidence import Evidence
+from remanent.report.evidence import ClaimEvidence
 from remanent.report.settings import Setting
 
 
 @dataclass(frozen=True)
-class Verdict:
+class ClaimVerdict:
     """What the votes say of a claim.
 
     Attributes
     ----------
-    verdict
+    claim : Claim
+        The statement.
+    verdict : str
         ``supported``, ``contradicted`` or ``depends``.
-    evidence
+    evidence : str
         The numbers at the reference setting, and on which choice the verdict depends.
     """
 
@@ -27,23 +29,33 @@ class Verdict:
     evidence: str
 
 
-def audit(reference: Evidence, others: Sequence[Evidence]) -> list[Verdict]:
+def audit(reference: ClaimEvidence, alternatives: Sequence[ClaimEvidence]) -> list[ClaimVerdict]:
     """Decide every claim.
+
+    A claim is supported where it holds, or contradicted where it fails, for every setting and
+    every reading; else it depends on these.
 
     Parameters
     ----------
-    reference
+    reference : ClaimEvidence
         Evidence for the reference setting, whose numbers are reported.
-    others
+    alternatives : sequence of ClaimEvidence
         Evidence for further settings of what [Thermal] leaves unstated.
+
+    Returns
+    -------
+    list of ClaimVerdict
+        One for each of :data:`~remanent.report.claims.CLAIMS`, in their order.
     """
-    return [_decide(claim, reference, others) for claim in CLAIMS]
+    return [_decide(claim, reference, alternatives) for claim in CLAIMS]
 
 
-def _decide(claim: Claim, reference: Evidence, others: Sequence[Evidence]) -> Verdict:
+def _decide(
+    claim: Claim, reference: ClaimEvidence, alternatives: Sequence[ClaimEvidence]
+) -> ClaimVerdict:
     votes = [
         (e.setting, reading, finding)
-        for e in (reference, *others)
+        for e in (reference, *alternatives)
         for reading, finding in claim.test(e).items()
     ]
     numbers = " ".join(
@@ -53,16 +65,18 @@ def _decide(claim: Claim, reference: Evidence, others: Sequence[Evidence]) -> Ve
     )
     holds = [finding.holds for _, _, finding in votes]
     if all(holds):
-        return Verdict(claim, "supported", f"{numbers} {_count(others)}")
+        return ClaimVerdict(claim, "supported", f"{numbers} {_agreement(alternatives)}")
     if not any(holds):
-        return Verdict(claim, "contradicted", f"{numbers} {_count(others)}")
-    return Verdict(claim, "depends", f"{numbers} {_dependence(votes)}")
+        return ClaimVerdict(claim, "contradicted", f"{numbers} {_agreement(alternatives)}")
+    return ClaimVerdict(claim, "depends", f"{numbers} {_dependence(votes)}")
 
 
-def _count(others: Sequence[Evidence]) -> str:
-    if not others:
+def _agreement(alternatives: Sequence[ClaimEvidence]) -> str:
+    """At how many further settings the answer is the same."""
+    if not alternatives:
         return ""
-    return f"The same at {len(others)} further settings of what the article leaves unstated."
+    count = len(alternatives)
+    return f"The same at {count} further settings of what the article leaves unstated."
 
 
 def _dependence(votes: Sequence[tuple[Setting, str, Finding]]) -> str:
@@ -70,6 +84,7 @@ def _dependence(votes: Sequence[tuple[Setting, str, Finding]]) -> str:
     by_reading = {
         reading: {f.holds for _, r, f in votes if r == reading} for _, reading, _ in votes
     }
+    # Where each reading has one answer at all settings, the settings need no mention.
     if len(by_reading) > 1 and all(len(v) == 1 for v in by_reading.values()):
         yes = [r for r, v in by_reading.items() if True in v]
         no = [r for r, v in by_reading.items() if False in v]

@@ -17,11 +17,21 @@ import numpy as np
 
 from remanent._typing import FloatArray
 from remanent.report import measures
-from remanent.report.evidence import Evidence
-from remanent.report.settings import AGREEMENT, FREQUENCIES, LAWS, PRESTRESSES
+from remanent.report.evidence import ClaimEvidence
+from remanent.report.settings import AGREEMENT, FORCING_LAWS, FREQUENCIES, PRESTRESSES
 
 #: Depth of modulation from which a motion is said to beat.
-_BEATS = 0.5
+_BEATING_DEPTH = 0.5
+#: Late over early range of a history below which it is said to settle.
+_SETTLED_RATIO = 0.9
+#: Change of energy, in units of the estimated error, up to which it counts as none.
+_ENERGY_ERRORS = 100.0
+#: Excursion beyond the state of rest, in units of the estimated error, that counts as none.
+_STRETCH_ERRORS = 10.0
+#: Stretch below which a motion is said to be bounded.
+_BOUND = 10.0
+#: Growth of the separation of neighbours below which they are said to stay near.
+_SEPARATION_GROWTH = 1.1
 
 
 @dataclass(frozen=True)
@@ -47,18 +57,19 @@ class Claim:
     claim
         The statement, in our words.
     test
-        Evidence in, findings out.
+        ClaimEvidence in, findings out.
     figure
         Name of the picture that shows it.
     """
 
     id: str
     claim: str
-    test: Callable[[Evidence], Findings]
+    test: Callable[[ClaimEvidence], Findings]
     figure: str
 
 
-def _one(holds: bool | np.bool_, numbers: str) -> Findings:
+def _finding(holds: bool | np.bool_, numbers: str) -> Findings:
+    """The finding on a statement that can be read in one way."""
     return {"": Finding(bool(holds), numbers)}
 
 
@@ -79,11 +90,11 @@ def _by_prestress(values: FloatArray, digits: str = ".4f") -> str:
 # Free oscillation under constant load ------------------------------------------------
 
 
-def _closed_orbits(e: Evidence) -> Findings:
+def _closed_orbits(e: ClaimEvidence) -> Findings:
     change, error = measures.energy_change(e.constant), measures.table(e.constant, "error")
-    bound = 100.0 * error
+    bound = _ENERGY_ERRORS * error
     bounded = np.isfinite(measures.swing(e.constant)).all()
-    return _one(
+    return _finding(
         bounded and (change <= bound).all(),
         "One degree of freedom, bounded, and the energy returns: its largest change over the "
         f"window is {change.max():.1e} at an estimated state error of {error.max():.1e}, so "
@@ -91,88 +102,90 @@ def _closed_orbits(e: Evidence) -> Findings:
     )
 
 
-def _settles(e: Evidence) -> Findings:
-    ratio = measures.decay(e.constant)
-    return _one(
-        (ratio < 0.9).all(),
+def _settles(e: ClaimEvidence) -> Findings:
+    ratio = measures.late_range_ratio(e.constant)
+    return _finding(
+        (ratio < _SETTLED_RATIO).all(),
         "Range in the last quarter of the window over that in the first, T = 250, 350, 400 K: "
         f"{_by_prestress(ratio, '.6f')}. Nothing decays; the model has no dissipation.",
     )
 
 
-def _amplitude_falls(row: int, e: Evidence) -> Findings:
+def _amplitude_falls(row: int, e: ClaimEvidence) -> Findings:
     swing = measures.swing(e.constant)[row]
-    return _one(_falls(swing), f"(max λ₃ − min λ₃)/2 at 250, 350, 400 K: {_list(swing)}.")
+    return _finding(_falls(swing), f"(max λ₃ − min λ₃)/2 at 250, 350, 400 K: {_list(swing)}.")
 
 
-def _expansion_and_compression(e: Evidence) -> Findings:
+def _expansion_and_compression(e: ClaimEvidence) -> Findings:
     x = e.constant["thickness_stretch"]
     error = float(e.constant["error"].max())
     low = float(x.sel(prestress=0.0).min())
     high = float(x.sel(prestress=1.0).max())
-    return _one(
-        low >= 1.0 - 10 * error and high <= 1.0 + 10 * error,
+    return _finding(
+        low >= 1.0 - _STRETCH_ERRORS * error and high <= 1.0 + _STRETCH_ERRORS * error,
         f"From rest at λ₃ = 1 the least λ₃ at S = 0 is {low:.6f}, the largest at S = 1 is "
         f"{high:.6f}, over all temperatures.",
     )
 
 
-def _modulus_falls(e: Evidence) -> Findings:
+def _modulus_falls(e: ClaimEvidence) -> Findings:
     frequency = e.unloaded["natural_frequency"].isel(equilibrium=0).values
     modulus = frequency**2 * (1.0 + 2.0 * e.setting.actuator.c) / 18.0
-    return _one(
+    return _finding(
         _falls(modulus),
         "Small-strain shear modulus over μ, from the natural frequency of the unloaded block "
         f"at 250, 350, 400 K: {_list(modulus)} = T/T₀. An entropic elastomer stiffens.",
     )
 
 
-def _extreme(e: Evidence, row: int) -> FloatArray:
+def _extreme(e: ClaimEvidence, row: int) -> FloatArray:
+    """λ₃ farthest from 1 in each history, array (temperature,)."""
     x = e.constant["thickness_stretch"].isel(prestress=row).transpose("temperature", "time")
-    away = np.abs(x.values - 1.0).argmax(axis=-1)
-    return np.asarray(np.take_along_axis(x.values, away[:, None], axis=-1)[:, 0])
+    farthest = np.abs(x.values - 1.0).argmax(axis=-1)
+    return np.asarray(np.take_along_axis(x.values, farthest[:, None], axis=-1)[:, 0])
 
 
-def _thickness_falls(row: int, kind: str, e: Evidence) -> Findings:
-    found = (
+def _thickness_falls(row: int, kind: str, e: ClaimEvidence) -> Findings:
+    stretch = (
         measures.table(e.landscape, "equilibrium_stretch")[row]
         if kind == "equilibrium"
         else _extreme(e, row)
     )
-    return _one(_falls(found), f"λ₃ at {kind}, 250, 350, 400 K: {_list(found)}.")
+    return _finding(_falls(stretch), f"λ₃ at {kind}, 250, 350, 400 K: {_list(stretch)}.")
 
 
-def _prestress_deforms_more(e: Evidence) -> Findings:
-    away = np.abs(measures.table(e.landscape, "equilibrium_stretch") - 1.0)
-    return _one((away[1] > away[0]).all(), f"|λ₃ − 1| at equilibrium: {_by_prestress(away)}.")
+def _prestress_deforms_more(e: ClaimEvidence) -> Findings:
+    strain = np.abs(measures.table(e.landscape, "equilibrium_stretch") - 1.0)
+    holds = (strain[1] > strain[0]).all()
+    return _finding(holds, f"|λ₃ − 1| at equilibrium: {_by_prestress(strain)}.")
 
 
 # Resonances ------------------------------------------------------------------------------
 
 
-def _resonances(e: Evidence) -> FloatArray:
+def _resonances(e: ClaimEvidence) -> FloatArray:
     return measures.table(e.response, "resonance")
 
 
-def _peaks(e: Evidence) -> FloatArray:
+def _peaks(e: ClaimEvidence) -> FloatArray:
     return measures.table(e.response, "resonance_amplitude")
 
 
-def _resonance_rises(e: Evidence) -> Findings:
-    found = _resonances(e)
-    return _one(
-        (np.diff(found, axis=1) > 0).all(), f"ω of the largest λ₃ᵃ: {_by_prestress(found)}."
+def _resonance_rises(e: ClaimEvidence) -> Findings:
+    omega = _resonances(e)
+    return _finding(
+        (np.diff(omega, axis=1) > 0).all(), f"ω of the largest λ₃ᵃ: {_by_prestress(omega)}."
     )
 
 
-def _six_frequencies(e: Evidence) -> Findings:
+def _six_frequencies(e: ClaimEvidence) -> Findings:
     difference = _resonances(e) - measures.table(e.response, "published")
-    here = Finding(
+    reference = Finding(
         bool((np.abs(difference) <= AGREEMENT).all()),
         f"Computed minus published: {_by_prestress(difference, '+.4f')}.",
     )
-    others = {
-        f"forcing law {LAWS[law].text}": Finding(
+    alternatives = {
+        f"forcing law {FORCING_LAWS[law].text}": Finding(
             misfit <= AGREEMENT,
             f"The best choice of b₀, T₀ and window still misses by {misfit:.4f}."
             if misfit > AGREEMENT
@@ -181,37 +194,40 @@ def _six_frequencies(e: Evidence) -> Findings:
         for law, misfit in e.misfits.items()
         if law != e.setting.law
     }
-    return {f"forcing law {LAWS[e.setting.law].text}": here, **others}
+    return {f"forcing law {FORCING_LAWS[e.setting.law].text}": reference, **alternatives}
 
 
-def _intensity_falls(e: Evidence) -> Findings:
+def _intensity_falls(e: ClaimEvidence) -> Findings:
     peak = _peaks(e)[0]
-    return _one(_falls(peak), f"Largest λ₃ᵃ at 250, 350, 400 K: {_list(peak)}.")
+    return _finding(_falls(peak), f"Largest λ₃ᵃ at 250, 350, 400 K: {_list(peak)}.")
 
 
-def _intensity_rises_then_falls(e: Evidence) -> Findings:
+def _intensity_rises_then_falls(e: ClaimEvidence) -> Findings:
     peak = _peaks(e)[1]
     holds = peak[1] > peak[0] and peak[2] < peak[1]
-    return _one(holds, f"Largest λ₃ᵃ at 250, 350, 400 K: {_list(peak)}.")
+    return _finding(holds, f"Largest λ₃ᵃ at 250, 350, 400 K: {_list(peak)}.")
 
 
-def _peaks_compared(e: Evidence) -> Findings:
-    free, pulled = _peaks(e)
-    holds = free[0] > pulled[0] and free[1] < pulled[1] and free[2] > pulled[2]
-    return _one(holds, f"Largest λ₃ᵃ: {_by_prestress(np.array([free, pulled]))}.")
+def _peaks_compared(e: ClaimEvidence) -> Findings:
+    free, prestressed = _peaks(e)
+    holds = free[0] > prestressed[0] and free[1] < prestressed[1] and free[2] > prestressed[2]
+    return _finding(holds, f"Largest λ₃ᵃ: {_by_prestress(np.array([free, prestressed]))}.")
 
 
-def _higher_frequency(row: int, e: Evidence) -> Findings:
-    found = _resonances(e)
-    return _one((found[row] > found[1 - row]).all(), f"Resonances: {_by_prestress(found)}.")
+def _higher_frequency(row: int, e: ClaimEvidence) -> Findings:
+    omega = _resonances(e)
+    return _finding((omega[row] > omega[1 - row]).all(), f"Resonances: {_by_prestress(omega)}.")
 
 
-def _heat_damps(e: Evidence) -> Findings:
+def _heat_damps(e: ClaimEvidence) -> Findings:
     change, error = measures.energy_change(e.constant), measures.table(e.constant, "error")
     energy = e.constant["energy"].transpose("prestress", "temperature", "time").values
     lost = energy[..., 0] - energy[..., -1]
-    return _one(
-        bool((np.diff(lost, axis=1) > 0).all() and (lost[:, -1] > 100 * error[:, -1]).all()),
+    return _finding(
+        bool(
+            (np.diff(lost, axis=1) > 0).all()
+            and (lost[:, -1] > _ENERGY_ERRORS * error[:, -1]).all()
+        ),
         f"Energy lost over the window: {_by_prestress(lost, '.1e')}; largest change of either "
         f"sign {change.max():.1e}. The equation of motion has no dissipative term at any "
         "temperature; amplitudes fall because the entropic stiffness grows.",
@@ -221,26 +237,26 @@ def _heat_damps(e: Evidence) -> Findings:
 # Beating -----------------------------------------------------------------------------------
 
 
-def _beats_at_resonance(e: Evidence) -> Findings:
+def _beats_at_resonance(e: ClaimEvidence) -> Findings:
     depth = measures.beating(e.motion, 0.0)
-    return _one(
-        depth[1] >= _BEATS,
+    return _finding(
+        depth[1] >= _BEATING_DEPTH,
         f"Depth of modulation (a_max − a_min)/(a_max + a_min) of the local amplitude at 250, "
         f"350, 400 K, ω = {FREQUENCIES[0]:g}, S = 0: {_list(depth, '.2f')}.",
     )
 
 
-def _beats_nowhere_else(e: Evidence) -> Findings:
+def _beats_nowhere_else(e: ClaimEvidence) -> Findings:
     depth = measures.beating(e.motion, 0.0)
-    return _one(
-        max(depth[0], depth[2]) < _BEATS,
+    return _finding(
+        max(depth[0], depth[2]) < _BEATING_DEPTH,
         f"Depth of modulation at 250 and 400 K: {_list(depth[[0, 2]], '.2f')}"
         f", against {depth[1]:.2f} at 350 K. Undamped motion from rest holds the free "
         "oscillation beside the forced one and beats at every temperature.",
     )
 
 
-def _beats_near_natural(e: Evidence) -> Findings:
+def _beats_near_natural(e: ClaimEvidence) -> Findings:
     natural = measures.table(e.mean, "natural_frequency")[0]
     load = 2.0 * FREQUENCIES[0]
     detuning = np.abs(natural - load)
@@ -260,77 +276,79 @@ def _beats_near_natural(e: Evidence) -> Findings:
 # Regimes -----------------------------------------------------------------------------------
 
 
-def _regimes(e: Evidence, row: int) -> tuple[list[str], str]:
+def _regimes(e: ClaimEvidence, row: int) -> tuple[list[str], str]:
     """Regimes at the three temperatures, and the evidence for them."""
-    found = e.regimes.isel(prestress=row).transpose("temperature", ...)
-    known = [str(name) for name in found["regime"].values]
+    dataset = e.regimes.isel(prestress=row).transpose("temperature", ...)
+    regimes = [str(name) for name in dataset["regime"].values]
     exponents = ", ".join(
-        f"{float(one):.1e} ± {float(error):.1e}"
-        for one, error in zip(found["exponent"], found["exponent_error"], strict=True)
+        f"{float(exponent):.1e} ± {float(error):.1e}"
+        for exponent, error in zip(dataset["exponent"], dataset["exponent_error"], strict=True)
     )
-    return known, (
+    return regimes, (
         f"At S = {PRESTRESSES[row]:g}, ω = {FREQUENCIES[row]:g}, T = 250, 350, 400 K the motion is "
-        f"{', '.join(known)}, judged after {_list(found['run_periods'].values, '.0f')} drive "
+        f"{', '.join(regimes)}, judged after {_list(dataset['run_periods'].values, '.0f')} drive "
         f"periods. Lyapunov exponents {exponents}; weighted averages agree to "
-        f"{_list(found['digits'].values, '.1f')} digits; turns per period "
-        f"{_list(found['rotation_number'].values)}, known to "
-        f"{_list(found['rotation_digits'].values, '.1f')} digits. The weakest evidence clears "
-        f"its line by the factors {_list(found['margin'].values, '.2f')}."
+        f"{_list(dataset['digits'].values, '.1f')} digits; turns per period "
+        f"{_list(dataset['rotation_number'].values)}, known to "
+        f"{_list(dataset['rotation_digits'].values, '.1f')} digits. The weakest evidence clears "
+        f"its line by the factors {_list(dataset['margin'].values, '.2f')}."
     )
 
 
-def _aperiodic_at_resonance(row: int, e: Evidence) -> Findings:
-    known, numbers = _regimes(e, row)
-    return _one(known[1] == "chaotic", numbers)
+def _aperiodic_at_resonance(row: int, e: ClaimEvidence) -> Findings:
+    regimes, numbers = _regimes(e, row)
+    return _finding(regimes[1] == "chaotic", numbers)
 
 
-def _quasi_periodic_elsewhere(row: int, e: Evidence) -> Findings:
-    known, numbers = _regimes(e, row)
-    return _one(known[0] == known[2] == "quasi-periodic", numbers)
+def _quasi_periodic_elsewhere(row: int, e: ClaimEvidence) -> Findings:
+    regimes, numbers = _regimes(e, row)
+    return _finding(regimes[0] == regimes[2] == "quasi-periodic", numbers)
 
 
-def _transition(e: Evidence) -> Findings:
-    known = [_regimes(e, row)[0] for row in range(len(PRESTRESSES))]
-    counts = Counter(name for row in known for name in row)
-    holds = all(row == ["quasi-periodic", "chaotic", "quasi-periodic"] for row in known)
-    said = ", ".join(f"{number} {name}" for name, number in counts.most_common())
-    return _one(
-        holds, f"Of the six motions: {said}. Temperature moves them from one curve to another."
+def _transition(e: ClaimEvidence) -> Findings:
+    regimes = [_regimes(e, row)[0] for row in range(len(PRESTRESSES))]
+    counts = Counter(name for row in regimes for name in row)
+    holds = all(row == ["quasi-periodic", "chaotic", "quasi-periodic"] for row in regimes)
+    numbers = ", ".join(f"{number} {name}" for name, number in counts.most_common())
+    return _finding(
+        holds, f"Of the six motions: {numbers}. Temperature moves them from one curve to another."
     )
 
 
-def _settles_faster(e: Evidence) -> Findings:
-    ratio = measures.decay(e.constant)
-    return _one(
-        (ratio[0] < 0.9).all() and (ratio[0] < ratio[1]).all(),
+def _settles_faster(e: ClaimEvidence) -> Findings:
+    ratio = measures.late_range_ratio(e.constant)
+    return _finding(
+        (ratio[0] < _SETTLED_RATIO).all() and (ratio[0] < ratio[1]).all(),
         f"Range in the last quarter over that in the first: {_by_prestress(ratio, '.6f')}. "
         "Neither settles.",
     )
 
 
-def _bounded_is_stable(e: Evidence) -> Findings:
+def _bounded_is_stable(e: ClaimEvidence) -> Findings:
     growth = measures.separation_growth(e.section, e.neighbour)
-    ratio = measures.decay(e.motion)
+    ratio = measures.late_range_ratio(e.motion)
     largest = float(e.section["stretch"].max())
     return {
         "stable means bounded": Finding(
-            bool(np.isfinite(e.section["stretch"].values).all() and largest < 10.0),
+            bool(np.isfinite(e.section["stretch"].values).all() and largest < _BOUND),
             f"All six stay below λ = {largest:.3f} over {e.section.sizes['period'] - 1} periods.",
         ),
         "stable means that neighbours stay near": Finding(
-            bool((growth < 1.1).all()),
+            bool((growth < _SEPARATION_GROWTH).all()),
             f"The separation of neighbours grows without bound, in proportion to time: "
             f"{_by_prestress(growth, '.2f')} from the first half to the whole.",
         ),
         "stable means that disturbances die out": Finding(
-            bool((ratio < 0.9).all()),
+            bool((ratio < _SETTLED_RATIO).all()),
             f"Range in the last quarter over that in the first: {_by_prestress(ratio, '.2f')}; "
             "an area-preserving map has no attractors.",
         ),
     }
 
 
+#: Ends several claims.
 _HOT = "as the temperature rises"
+#: Every claim, in the order of [Thermal].
 CLAIMS: tuple[Claim, ...] = (
     Claim("1", "Under constant load the motion is a closed orbit for every temperature and S.",
           _closed_orbits, "figure_3"),

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import xarray as xr
 
-from remanent.report.audit import Verdict
-from remanent.report.evidence import Evidence
+from remanent.report.audit import ClaimVerdict
+from remanent.report.evidence import ClaimEvidence
 
 
 @dataclass(frozen=True)
@@ -17,9 +17,9 @@ class Paper:
 
     Attributes
     ----------
-    evidence : Evidence
+    evidence : ClaimEvidence
         For the reference setting.
-    verdicts : list of Verdict
+    verdicts : list of ClaimVerdict
         One for every claim.
     datasets : mapping of str to xarray.Dataset
         The data of the figures, by name.
@@ -27,7 +27,7 @@ class Paper:
         The files of each picture, by the picture's name and the file's suffix.
     """
 
-    evidence: Evidence
-    verdicts: list[Verdict]
+    evidence: ClaimEvidence
+    verdicts: list[ClaimVerdict]
     datasets: Mapping[str, xr.Dataset]
     pictures: Mapping[str, Mapping[str, bytes]]

@@ -14,33 +14,35 @@ from matplotlib.figure import Figure
 
 from remanent.plots import style
 from remanent.report import dynamics_figures, evidence_figures, figures
-from remanent.report.dynamics import NEAR
-from remanent.report.evidence import DRAWN
+from remanent.report.dynamics import JUMP_CASE
+from remanent.report.evidence import SECTION_PERIODS
 from remanent.report.settings import PRESTRESSES
 
-Data = Mapping[str, xr.Dataset]
+#: Results by name.
+Datasets = Mapping[str, xr.Dataset]
 
 
 @dataclass(frozen=True)
 class Drawing:
     """How a picture is drawn, and the names of the Datasets it needs."""
 
-    draw: Callable[[Data], Figure]
+    draw: Callable[[Datasets], Figure]
     needs: tuple[str, ...]
 
 
 def _driven(row: int) -> Drawing:
-    """Figure 5 or 6."""
+    """Figure 5 or 6, by the row of the prestress."""
 
-    def drawn(data: Data) -> Figure:
+    def drawn(data: Datasets) -> Figure:
         at = {"prestress": PRESTRESSES[row]}
-        section = data["sections"].sel(at).isel(period=slice(0, DRAWN + 1))
+        section = data["sections"].sel(at).isel(period=slice(0, SECTION_PERIODS + 1))
         return figures.figure_5_or_6(data["periodic_load"].sel(at), section)
 
     return Drawing(drawn, ("periodic_load", "sections"))
 
 
 def _single(function: Callable[[xr.Dataset], Figure], name: str) -> Drawing:
+    """A picture of one Dataset."""
     return Drawing(lambda data: function(data[name]), (name,))
 
 
@@ -62,8 +64,8 @@ DRAWINGS: Final[Mapping[str, Drawing]] = MappingProxyType(
             ("branches", "frequency_response", "resonance_orbits"),
         ),
         "jump": Drawing(
-            lambda data: dynamics_figures.jump(
-                data["branches"].sel(NEAR),
+            lambda data: dynamics_figures.jump_at_resonance(
+                data["branches"].sel(JUMP_CASE),
                 data["jump_response"],
                 data["jump_sections"],
                 data["jump"],
@@ -84,7 +86,7 @@ DRAWINGS: Final[Mapping[str, Drawing]] = MappingProxyType(
 )
 
 
-def draw(name: str, data: Data) -> dict[str, bytes]:
+def draw(name: str, data: Datasets) -> dict[str, bytes]:
     """Draw a picture; return its files by suffix, as vectors and as points."""
     figure = DRAWINGS[name].draw(data)
     with TemporaryDirectory() as folder:

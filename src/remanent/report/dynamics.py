@@ -18,79 +18,113 @@ from remanent.studies.orbits.response_diagram import response_diagram
 from remanent.studies.regimes.regime_chart import regime_chart
 from remanent.studies.response.frequency_response import frequency_response
 
-#: Frequencies over which branches are followed, and at how many of them they are looked for.
-_RANGE, _SLICES = (0.7, 1.5), 3
+#: Frequencies over which branches are followed.
+_BRANCH_RANGE = (0.7, 1.5)
+#: Frequencies at which branches are looked for.
+_BRANCH_SLICES = 3
 #: The case whose fold and jump are located: the published resonance at 1.25.
-NEAR: Final = {"prestress": 0.0, "temperature": 350.0}
-#: The jump is looked for from so far below the resonance to so far above it.
-_AROUND = (0.005, 0.001)
-#: Width of its last bracket; distance of the motions drawn beside it, and their periods.
-_WIDTH, _BESIDE, _PERIODS = 1e-9, 1e-6, 160
-#: Frequencies drawn around the jump, from so far below it to the fold.
-_BELOW, _POINTS = 0.02, 241
-#: The chart of regimes, at the reference temperature.
-_AMPLITUDES, _FREQUENCIES = np.array([0.5, 1.0, 1.5, 2.0, 3.0, 4.0]), np.linspace(0.75, 3.0, 10)
-_CHART_PERIODS, _CHART_TOLERANCE = 400, 1e-6
+JUMP_CASE: Final = {"prestress": 0.0, "temperature": 350.0}
+#: The jump is looked for from so far below the resonance.
+_JUMP_BELOW = 0.005
+#: The jump is looked for up to so far above the resonance.
+_JUMP_ABOVE = 0.001
+#: Width of the last bracket of the jump.
+_JUMP_WIDTH = 1e-9
+#: Distance in frequency from the jump of the two motions drawn beside it.
+_JUMP_OFFSET = 1e-6
+#: Drive periods of these two motions.
+_JUMP_PERIODS = 160
+#: Half of the interval of frequencies drawn around the jump.
+_RESPONSE_HALF_WIDTH = 0.02
+#: Frequencies in that interval.
+_RESPONSE_POINTS = 241
+#: Tolerance of the motions and the response around the jump.
+_JUMP_TOLERANCE = 1e-6
+#: Roots of the peak load of the chart of regimes, at the reference temperature.
+_CHART_B = np.array([0.5, 1.0, 1.5, 2.0, 3.0, 4.0])
+#: Drive frequencies of the chart.
+_CHART_OMEGA = np.linspace(0.75, 3.0, 10)
+#: Drive periods after which the motions of the chart are judged.
+_CHART_PERIODS = 400
+#: Tolerance of the motions of the chart.
+_CHART_TOLERANCE = 1e-6
 
-Data = dict[str, xr.Dataset]
 
-
-def orbits(resonance: xr.DataArray) -> Data:
+def orbits_at_resonance(resonance: xr.DataArray) -> dict[str, xr.Dataset]:
     """All branches of forced response, and the orbits that coexist at each resonance.
 
     Parameters
     ----------
-    resonance
+    resonance : xarray.DataArray
         ω of the largest amplitude (prestress, temperature).
+
+    Returns
+    -------
+    dict of str to xarray.Dataset
+        ``branches`` and ``resonance_orbits``.
     """
     actuator, drive = REFERENCE.actuator, REFERENCE.drive(1.0)
     omega = xr.DataArray(
         resonance.transpose("prestress", "temperature").values, dims=("prestress", "temperature")
     )
     return {
-        "branches": response_diagram(actuator, drive, _RANGE, over=CASES, slices=_SLICES),
+        "branches": response_diagram(
+            actuator, drive, _BRANCH_RANGE, over=CASES, slices=_BRANCH_SLICES
+        ),
         "resonance_orbits": periodic_orbits(actuator, drive, over={**CASES, "omega": omega}),
     }
 
 
-def jump(resonance: xr.DataArray) -> Data:
+def locate_jump(resonance: xr.DataArray) -> dict[str, xr.Dataset]:
     """Where the motion from rest crosses the saddle's stable manifold, and what it does there.
 
     Parameters
     ----------
-    resonance
-        As for :func:`orbits`.
+    resonance : xarray.DataArray
+        ω of the largest amplitude (prestress, temperature).
+
+    Returns
+    -------
+    dict of str to xarray.Dataset
+        ``jump``, the crossing; ``jump_sections``, a motion on either side of it;
+        ``jump_response``, the response from rest around it.
     """
-    actuator, drive = REFERENCE.actuator.replace(**NEAR), REFERENCE.drive(1.0)
-    peak = float(resonance.sel(NEAR))
+    actuator, drive = REFERENCE.actuator.replace(**JUMP_CASE), REFERENCE.drive(1.0)
+    peak = float(resonance.sel(JUMP_CASE))
     crossing = manifold_crossing(
-        actuator, drive, "omega", (peak - _AROUND[0], peak + _AROUND[1]), width=_WIDTH
+        actuator, drive, "omega", (peak - _JUMP_BELOW, peak + _JUMP_ABOVE), width=_JUMP_WIDTH
     )
-    at = float(crossing["omega"])
-    beside = poincare_section(
-        actuator, drive, periods=_PERIODS, over={"omega": [at - _BESIDE, at + _BESIDE]},
-        tolerance=1e-6,
+    omega = float(crossing["omega"])
+    sections = poincare_section(
+        actuator, drive, periods=_JUMP_PERIODS,
+        over={"omega": [omega - _JUMP_OFFSET, omega + _JUMP_OFFSET]}, tolerance=_JUMP_TOLERANCE,
     )  # fmt: skip
-    near = frequency_response(
-        actuator, drive, np.linspace(at - _BELOW, at + _BELOW, _POINTS),
-        duration=REFERENCE.window, tolerance=1e-6,
+    response = frequency_response(
+        actuator, drive,
+        np.linspace(omega - _RESPONSE_HALF_WIDTH, omega + _RESPONSE_HALF_WIDTH, _RESPONSE_POINTS),
+        duration=REFERENCE.window, tolerance=_JUMP_TOLERANCE,
     )  # fmt: skip
-    return {"jump": crossing, "jump_sections": beside, "jump_response": near}
+    return {"jump": crossing, "jump_sections": sections, "jump_response": response}
 
 
-def chart() -> Data:
+def chaos_chart() -> dict[str, xr.Dataset]:
     """Regimes from rest over the plane of frequency and load, without prestress.
 
     At the reference temperature; with ω/√θ and b/√θ it is that of every temperature, where
     ``chart_cases`` says the places of the published ones.
+
+    Returns
+    -------
+    dict of str to xarray.Dataset
+        ``chart`` (b, omega) and ``chart_cases`` (temperature).
     """
     actuator, drive = REFERENCE.actuator, REFERENCE.drive(1.0)
-    found = regime_chart(
-        actuator, drive, {"b": _AMPLITUDES, "omega": _FREQUENCIES},
+    regimes = regime_chart(
+        actuator, drive, {"b": _CHART_B, "omega": _CHART_OMEGA},
         periods=_CHART_PERIODS, tolerance=_CHART_TOLERANCE,
     )  # fmt: skip
     root = np.sqrt(np.array(TEMPERATURES) / REFERENCE.reference_temperature)
-    paper = build.dataset(
+    published = build.dataset(
         {
             "omega": (("temperature",), FREQUENCIES[0] / root),
             "b": (("temperature",), REFERENCE.b / root),
@@ -98,22 +132,34 @@ def chart() -> Data:
         {"temperature": (("temperature",), np.array(TEMPERATURES))},
         {},
     )
-    return {"chart": found, "chart_cases": paper}
+    return {"chart": regimes, "chart_cases": published}
 
 
-def summarise(data: Mapping[str, xr.Dataset]) -> dict[str, Any]:
-    """What programs read of all this, and of the regimes."""
+def summarise_dynamics(data: Mapping[str, xr.Dataset]) -> dict[str, Any]:
+    """What programs read of orbits, the jump, chaos and the regimes.
+
+    Parameters
+    ----------
+    data : mapping of str to xarray.Dataset
+        Results by name.
+
+    Returns
+    -------
+    dict
+        Plain data, which JSON can hold.
+    """
+    folds = list_folds(data["branches"])
     return {
         "regimes": _regimes(data["regimes"]),
         "orbits": _orbits(data["resonance_orbits"]),
-        "folds": folds(data["branches"]),
-        "jump": _jump(data["jump"], folds(data["branches"])),
+        "folds": folds,
+        "jump": _jump(data["jump"], folds),
         "chaos": _chaos(data["chart"], data["chart_cases"]),
     }
 
 
 def _cases(dataset: xr.Dataset) -> list[tuple[dict[str, float], xr.Dataset]]:
-    """The six cases, each with what is known of it."""
+    """The six cases by their coordinates, each with its part of a Dataset."""
     return [
         ({"temperature": float(t), "prestress": float(s)}, dataset.sel(prestress=s, temperature=t))
         for s in dataset["prestress"].values
@@ -121,7 +167,8 @@ def _cases(dataset: xr.Dataset) -> list[tuple[dict[str, float], xr.Dataset]]:
     ]
 
 
-_EVIDENCE = (
+#: Numbers that a regime is reported with.
+_REGIME_EVIDENCE = (
     "exponent", "exponent_error", "rotation_number", "rotation_digits", "digits", "zero_one",
     "margin",
 )  # fmt: skip
@@ -130,46 +177,46 @@ _EVIDENCE = (
 def _regimes(dataset: xr.Dataset) -> list[dict[str, Any]]:
     return [
         at
-        | {"omega": float(one["omega"]), "regime": str(one["regime"].values)}
-        | {"periods": int(one["run_periods"])}
-        | {name: _number(one[name]) for name in _EVIDENCE}
-        for at, one in _cases(dataset)
+        | {"omega": float(case["omega"]), "regime": str(case["regime"].values)}
+        | {"periods": int(case["run_periods"])}
+        | {name: _number(case[name]) for name in _REGIME_EVIDENCE}
+        for at, case in _cases(dataset)
     ]
 
 
 def _orbits(dataset: xr.Dataset) -> list[dict[str, Any]]:
-    found = []
-    for at, one in _cases(dataset):
-        for k in np.flatnonzero(np.isfinite(one["residual"].values)):
-            orbit = one.isel(orbit=k)
-            found.append(
+    orbits = []
+    for at, case in _cases(dataset):
+        for k in np.flatnonzero(np.isfinite(case["residual"].values)):
+            orbit = case.isel(orbit=k)
+            orbits.append(
                 at
-                | {"omega": float(one["omega"]), "stability": str(orbit["stability"].values)}
+                | {"omega": float(case["omega"]), "stability": str(orbit["stability"].values)}
                 | {name: _number(orbit[name]) for name in ("amplitude", "residual")}
                 | {"initial": [float(v) for v in orbit["initial"].values]}
                 | {"multipliers": [[m.real, m.imag] for m in orbit["multipliers"].values.tolist()]}
             )
-    return found
+    return orbits
 
 
-def folds(branches: xr.Dataset) -> list[dict[str, float]]:
-    """Every fold on the branches, with its error."""
+def list_folds(branches: xr.Dataset) -> list[dict[str, float]]:
+    """Every fold on the branches: its case, its frequency with its error, its stretch."""
     return [
         at
         | {
-            "omega": float(one["special_omega"][k]),
-            "error": float(one["special_error"][k]),
-            "stretch": float(one["special_stretch"][k]),
+            "omega": float(case["special_omega"][k]),
+            "error": float(case["special_error"][k]),
+            "stretch": float(case["special_stretch"][k]),
         }
-        for at, one in _cases(branches)
-        for k in np.flatnonzero(one["special_kind"].values == "fold")
+        for at, case in _cases(branches)
+        for k in np.flatnonzero(case["special_kind"].values == "fold")
     ]
 
 
-def _jump(crossing: xr.Dataset, known: list[dict[str, float]]) -> dict[str, Any]:
-    fold = next(one for one in known if all(one[k] == v for k, v in NEAR.items()))
+def _jump(crossing: xr.Dataset, folds: list[dict[str, float]]) -> dict[str, Any]:
+    fold = next(f for f in folds if all(f[name] == v for name, v in JUMP_CASE.items()))
     return {
-        **NEAR,
+        **JUMP_CASE,
         "omega": float(crossing["omega"]),
         "error": float(crossing["omega_error"]),
         "saddle": [float(crossing["stretch"]), float(crossing["stretch_rate"])],
@@ -179,7 +226,7 @@ def _jump(crossing: xr.Dataset, known: list[dict[str, float]]) -> dict[str, Any]
     }
 
 
-def _chaos(dataset: xr.Dataset, paper: xr.Dataset) -> dict[str, Any]:
+def _chaos(dataset: xr.Dataset, published: xr.Dataset) -> dict[str, Any]:
     kinds, counts = np.unique(dataset["regime"].values, return_counts=True)
     points: list[dict[str, Any]] = [
         {name: float(dataset[name][j]) for name, j in (("b", k[0]), ("omega", k[1]))}
@@ -193,14 +240,17 @@ def _chaos(dataset: xr.Dataset, paper: xr.Dataset) -> dict[str, Any]:
         "omega": [float(v) for v in dataset["omega"].values],
         "counts": dict(zip(kinds.tolist(), counts.tolist(), strict=True)),
         "chaotic": points,
-        "least_b": min((one["b"] for one in points), default=None),
+        "least_b": min((point["b"] for point in points), default=None),
         "paper": [
-            {name: float(paper[name].sel(temperature=t)) for name in ("temperature", "b", "omega")}
-            for t in paper["temperature"].values
+            {
+                name: float(published[name].sel(temperature=t))
+                for name in ("temperature", "b", "omega")
+            }
+            for t in published["temperature"].values
         ],
     }
 
 
 def _number(value: xr.DataArray) -> float | None:
-    """A number as JSON knows it."""
+    """A number, or None where JSON has none for it."""
     return float(value) if np.isfinite(value) else None

@@ -13,14 +13,17 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from remanent import plots
-from remanent.plots import branches as drawn
+from remanent.plots import branches as branch_plot
 from remanent.plots import footer, maps, style
 from remanent.report.figures import only_outer_labels, panels
 
-__all__ = ["chaos", "jump", "resonance_orbits"]
+__all__ = ["chaos", "jump_at_resonance", "resonance_orbits"]
 
+#: Colour of the motion from rest.
 _REST = style.OKABE_ITO["orange"]
+#: Colours of the motions below and above the jump.
 _SIDES = (style.OKABE_ITO["blue"], style.OKABE_ITO["vermillion"])
+#: Colour of the line at the jump.
 _MARK = style.OKABE_ITO["vermillion"]
 
 
@@ -53,14 +56,15 @@ def resonance_orbits(branches: xr.Dataset, response: xr.Dataset, orbits: xr.Data
             title = ", ".join(style.title(branches[n], branches[n].values[at[n]]) for n in at)
             style.panel_title(axes, "abcdefgh"[k], title)
         only_outer_labels(grid, x=True, y=True)
-        known = [Line2D([], [], color=_REST, linewidth=0.8, label="from rest"), _orbit_handle()]
-        style.legend_above(figure, [*drawn.entries(branches), *known])
+        rest = Line2D([], [], color=_REST, linewidth=0.8, label="from rest")
+        style.legend_above(figure, [*branch_plot.entries(branches), rest, _orbit_handle()])
         footer.add(figure, branches, hide=("omega",))
     return figure
 
 
-def jump(branches: xr.Dataset, response: xr.Dataset, sections: xr.Dataset,
-         crossing: xr.Dataset) -> Figure:  # fmt: skip
+def jump_at_resonance(
+    branches: xr.Dataset, response: xr.Dataset, sections: xr.Dataset, crossing: xr.Dataset
+) -> Figure:
     """Draw why the response from rest jumps: on which side of a saddle the motion passes.
 
     Parameters
@@ -89,8 +93,8 @@ def jump(branches: xr.Dataset, response: xr.Dataset, sections: xr.Dataset,
         left.axvline(float(crossing["omega"]), color=_MARK, linewidth=0.8, linestyle=":")
         left.set(xlim=(low, high), ylim=(0.0, 1.1 * float(response["amplitude"].max())))
         for k, colour in enumerate(_SIDES):
-            one = sections.isel(omega=k)
-            x, y = one["stretch"].values, one["stretch_rate"].values
+            motion = sections.isel(omega=k)
+            x, y = motion["stretch"].values, motion["stretch_rate"].values
             right.plot(x, y, color=colour, linewidth=0.4, alpha=0.6)
             right.plot(x, y, "o", ms=2.0, mew=0.0, color=colour)
         saddle = float(crossing["stretch"]), float(crossing["stretch_rate"])
@@ -100,7 +104,9 @@ def jump(branches: xr.Dataset, response: xr.Dataset, sections: xr.Dataset,
                   ylabel=style.label(sections["stretch_rate"]))  # fmt: skip
         style.panel_title(left, "a", "response from rest and branches")
         style.panel_title(right, "b", "from rest, once per drive period")
-        style.legend_above(figure, [*drawn.entries(branches), *_sides(sections["omega"], crossing)])
+        style.legend_above(
+            figure, [*branch_plot.entries(branches), *_sides(sections["omega"], crossing)]
+        )
         footer.add(figure, sections)
     return figure
 
@@ -126,9 +132,9 @@ def chaos(chart: xr.Dataset, cases: xr.Dataset) -> Figure:
         entries: list[Artist] = [Patch(color=maps.UNDECIDED, label="undecided")]
         temperatures = cases["temperature"].values
         for colour, t in zip(style.temperature_colours(temperatures), temperatures, strict=True):
-            one = cases.sel(temperature=t)
+            case = cases.sel(temperature=t)
             entries += axes.plot(
-                float(one["omega"]), float(one["b"]), "o", ms=4.5, color=colour, mec="white",
+                float(case["omega"]), float(case["b"]), "o", ms=4.5, color=colour, mec="white",
                 mew=0.7, label=f"figure 5, {style.title(cases['temperature'], t)}",
             )  # fmt: skip
         axes.set(
@@ -146,9 +152,11 @@ def _resonance(axes: Axes, branches: xr.Dataset, response: xr.Dataset, orbits: x
     plots.branch(branches, ax=axes, legend=False)
     omega = float(orbits["omega"])
     axes.axvline(omega, color=style.FAINT, linewidth=0.5, linestyle=":")
-    found = orbits["amplitude"].values[np.isfinite(orbits["amplitude"].values)]
-    axes.plot(np.full(found.size, omega), found, "o", ms=3.2, color=colour, mec="white", mew=0.5,
-              zorder=6)  # fmt: skip
+    amplitude = orbits["amplitude"].values[np.isfinite(orbits["amplitude"].values)]
+    axes.plot(
+        np.full(amplitude.size, omega), amplitude, "o", ms=3.2, color=colour, mec="white", mew=0.5,
+        zorder=6,
+    )  # fmt: skip
     axes.set_xlim(float(branches["omega"].min()), float(branches["omega"].max()))
 
 

@@ -23,20 +23,20 @@ from remanent.studies.regimes.classify import classify
 from remanent.studies.response.frequency_response import frequency_response
 from remanent.studies.statics.equilibria import equilibria
 
-#: All combinations, prestress first as in the published panels.
+#: The six cases, all combinations of these; prestress first as in the published panels.
 CASES = {"prestress": PRESTRESSES, "temperature": TEMPERATURES}
 #: Frequencies at which responses are tabulated before the largest is refined.
 OMEGAS = np.linspace(0.5, 2.0, 601)
 #: Drive periods in sections: so many until the slowest of the six curves closes.
-DRAWN = 1000
+SECTION_PERIODS = 1000
 #: Drive periods after which regimes are judged; the next where one is still undecided.
-JUDGED = (500, 1000, 2000, 8000)
-#: Distance of the neighbour whose separation is followed.
-NUDGE = 1e-6
+CLASSIFIED_PERIODS = (500, 1000, 2000, 8000)
+#: Difference in stretch between a motion and the neighbour whose separation is followed.
+NEIGHBOUR_OFFSET = 1e-6
 
 
 @dataclass(frozen=True)
-class Evidence:
+class ClaimEvidence:
     """Results for one setting; dimensions are (prestress, temperature, ...) throughout.
 
     Attributes
@@ -53,10 +53,10 @@ class Evidence:
         Histories under the periodic load (figures 5 and 6).
     regimes
         What kind of motion that is, with the evidence (``remanent.classify``), and the
-        length of the run it took, ``run_periods``; empty until :func:`regimes` is asked.
+        length of the run it took, ``run_periods``; empty until :func:`regimes` has computed it.
     section, neighbour
         Sections at every drive period, of the motion from rest and of one that starts
-        at a stretch larger by :data:`NUDGE`.
+        at a stretch larger by :data:`NEIGHBOUR_OFFSET`.
     misfits
         Least misfit of the six resonances that each forcing law reaches, by its name;
         empty where the reconstruction was not made.
@@ -75,17 +75,26 @@ class Evidence:
     misfits: Mapping[str, float] = field(default_factory=dict)
 
 
-def gather(setting: Setting, tolerance: float = 1e-8, every: int = 1) -> Evidence:
+def gather_evidence(setting: Setting, tolerance: float = 1e-8, every: int = 1) -> ClaimEvidence:
     """Compute everything that verdicts need, for one setting.
 
     Parameters
     ----------
-    every
+    setting : Setting
+        A choice of what [Thermal] leaves unstated.
+    tolerance : float
+        Largest error of the integrated motions.
+    every : int
         Tabulate responses at every so many of :data:`OMEGAS` only, before refining.
+
+    Returns
+    -------
+    ClaimEvidence
+        Without regimes and misfits, which are found for all settings together.
     """
     actuator, m = setting.actuator, setting.b**2
     section, neighbour = sections(setting, tolerance)
-    return Evidence(
+    return ClaimEvidence(
         setting=setting,
         constant=simulate(
             actuator, Constant(m), duration=setting.window, over=CASES, tolerance=tolerance
@@ -102,13 +111,13 @@ def gather(setting: Setting, tolerance: float = 1e-8, every: int = 1) -> Evidenc
 
 def responses(setting: Setting, tolerance: float, every: int = 1) -> xr.Dataset:
     """Figure 4, with the published resonances beside the computed ones."""
-    found = frequency_response(
+    response = frequency_response(
         setting.actuator, setting.drive(1.0), OMEGAS[::every], duration=setting.window,
         over=CASES, tolerance=tolerance,
     )  # fmt: skip
     dims = ("prestress", "temperature")
     published = build.dataset({"published": (dims, np.array(PUBLISHED))}, {}, {})
-    return found.assign(published=published["published"])
+    return response.assign(published=published["published"])
 
 
 def motions(setting: Setting, tolerance: float) -> xr.Dataset:
@@ -123,52 +132,66 @@ def regimes(settings: Sequence[Setting], tolerance: float) -> list[xr.Dataset]:
     """What kind of motion each is, for settings of one law, all judged together.
 
     Runs are made longer where it is still undecided.
+
+    Parameters
+    ----------
+    settings : sequence of Setting
+        Choices of what [Thermal] leaves unstated, with one forcing law.
+    tolerance : float
+        Largest error of a motion in one drive period.
+
+    Returns
+    -------
+    list of xarray.Dataset
+        Regimes (prestress, temperature), with their evidence, for each setting.
     """
     cases = _driven() | {
-        name: xr.DataArray([getattr(one, name) for one in settings], dims="setting")
+        name: xr.DataArray([getattr(setting, name) for setting in settings], dims="setting")
         for name in ("reference_temperature", "b")
     }
     order = ("setting", "prestress", "temperature")
-    found = _judged(settings[0], cases, JUDGED[0], tolerance).transpose(*order)
-    for periods in JUDGED[1:]:
-        left = np.nonzero(found["regime"].values == "undecided")
-        if not left[0].size:
+    first, *longer = CLASSIFIED_PERIODS
+    outcome = _classified(settings[0], cases, first, tolerance).transpose(*order)
+    for periods in longer:
+        undecided = np.nonzero(outcome["regime"].values == "undecided")
+        if not undecided[0].size:
             break
-        some = {
-            name: xr.DataArray(_everywhere(values, found)[left], dims="case")
+        subset = {
+            name: xr.DataArray(_everywhere(values, outcome)[undecided], dims="case")
             for name, values in cases.items()
         }
-        again = _judged(settings[0], some, periods, tolerance)
-        for name in again.data_vars:
-            found[name].values[left] = again[name].values
-    return [found.isel(setting=k) for k in range(len(settings))]
+        repeated = _classified(settings[0], subset, periods, tolerance)
+        for name in repeated.data_vars:
+            outcome[name].values[undecided] = repeated[name].values
+    return [outcome.isel(setting=k) for k in range(len(settings))]
 
 
-def _judged(
-    like: Setting, over: Mapping[str, xr.DataArray], periods: int, tolerance: float
+def _classified(
+    setting: Setting, over: Mapping[str, xr.DataArray], periods: int, tolerance: float
 ) -> xr.Dataset:
-    found = classify(
-        like.actuator, like.drive(1.0), periods=periods, over=over, tolerance=tolerance
+    """Regimes after runs of one length, which ``run_periods`` holds."""
+    outcome = classify(
+        setting.actuator, setting.drive(1.0), periods=periods, over=over, tolerance=tolerance
     )
-    regime = found["regime"]
+    regime = outcome["regime"]
     length = {"run_periods": (tuple(map(str, regime.dims)), np.full(regime.shape, periods))}
-    return found.assign(build.dataset(length, {}, {}))
+    return outcome.assign(build.dataset(length, {}, {}))
 
 
-def _everywhere(values: xr.DataArray, found: xr.Dataset) -> np.ndarray:
+def _everywhere(values: xr.DataArray, outcome: xr.Dataset) -> np.ndarray:
     """Values of a field for every motion, in the shape of the regimes."""
-    regime = found["regime"].reset_coords(drop=True).drop_vars(list(found["regime"].indexes))
+    regime = outcome["regime"].reset_coords(drop=True).drop_vars(list(outcome["regime"].indexes))
     return np.asarray(values.broadcast_like(regime).transpose(*regime.dims).values)
 
 
 def sections(setting: Setting, tolerance: float) -> tuple[xr.Dataset, xr.Dataset]:
     """Sections of each motion and of a neighbour."""
-    start = xr.DataArray([1.0, 1.0 + NUDGE], dims="start")
-    found = poincare_section(
-        setting.actuator, setting.drive(1.0), periods=DRAWN,
+    start = xr.DataArray([1.0, 1.0 + NEIGHBOUR_OFFSET], dims="start")
+    section = poincare_section(
+        setting.actuator, setting.drive(1.0), periods=SECTION_PERIODS,
         over={**_driven(), "initial.stretch": start}, tolerance=tolerance,
     )  # fmt: skip
-    return found.isel(start=0), found.isel(start=1)
+    return section.isel(start=0), section.isel(start=1)
 
 
 def _driven() -> dict[str, xr.DataArray]:

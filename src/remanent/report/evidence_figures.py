@@ -22,7 +22,9 @@ __all__ = ["landscapes", "tolerance_story", "valley"]
 
 #: Misfits whose contour lines are drawn: the published rounding, and what the audit reaches.
 _CONTOURS = (0.01, 0.025, 0.1)
+#: Colour of the converged section behind the other.
 _BEHIND = "#bdbdbd"
+#: Colour of the dot at the least misfit.
 _MARK = style.OKABE_ITO["vermillion"]
 
 
@@ -75,10 +77,10 @@ def tolerance_story(sections: xr.Dataset, drift: xr.Dataset) -> Figure:
             _pair(figure, grid, sections.isel(temperature=row, prestress=column), row, column)
         below = [figure.add_subplot(grid[rows, 2 * k : 2 * k + 2]) for k in range(columns // 2)]
         _drifts(below, drift)
-        found = ensemble.members(drift.isel(prestress=0), ("energy_drift",), ("time",))
+        members = ensemble.members(drift.isel(prestress=0), ("energy_drift",), ("time",))
         behind = Line2D([], [], color=_BEHIND, linestyle="", marker="o", ms=3,
                         label=f"{sections['solver'].values[0]}, behind the other")  # fmt: skip
-        style.legend_above(figure, [*ensemble.handles(found), behind])
+        style.legend_above(figure, [*ensemble.handles(members), behind])
         footer.add(figure, sections)
     return figure
 
@@ -131,9 +133,9 @@ def _pair(figure: Figure, grid: GridSpec, dataset: xr.Dataset, row: int, column:
         ax.set(ylabel=(f"{temperature}\n{rate}" if column == 0 else rate) if k == 0 else "")
         ax.tick_params(labelleft=k == 0, labelsize=6.5)
     if row == 0:
-        known = [dataset[name] for name in ("prestress", "omega") if name in dataset.coords]
-        where = ", ".join(style.title(one, one.item()) for one in known)
-        first.set_title(f"{where}\n{dataset['solver'].values[0]}")
+        coordinates = [dataset[n] for n in ("prestress", "omega") if n in dataset.coords]
+        case = ", ".join(style.title(value, value.item()) for value in coordinates)
+        first.set_title(f"{case}\n{dataset['solver'].values[0]}")
         second.set_title(f"\n{dataset['solver'].values[1]}")
 
 
@@ -146,7 +148,7 @@ def _drifts(below: Sequence[Axes], drift: xr.Dataset) -> None:
         plots.history(drawn.isel(prestress=k), "energy_drift", ax=ax, legend=False, linewidth=0.7)
         value = drift["prestress"].values[k]
         ax.set_title(f"constant load, {style.title(drift['prestress'], value)}")
-        symbol = drift["energy_drift"].attrs["symbol"]
+        symbol = style.symbol(drift["energy_drift"]).strip("$")
         ax.set(
             yscale="log", xlim=(0.0, None), ylabel=rf"energy drift, $|{symbol}|$" if k == 0 else ""
         )

@@ -28,6 +28,7 @@ __all__ = [
     "per_prestress",
 ]
 
+#: Colour of points at odd drive periods.
 _ODD = style.OKABE_ITO["blue"]
 
 
@@ -44,7 +45,7 @@ def figure_2(dataset: xr.Dataset) -> Figure:
     matplotlib.figure.Figure
         Panel (a), (b) ... per prestress, one below the other.
     """
-    names = ensemble.handles(_of_first(dataset, "thickness_stretch", "time"))
+    names = ensemble.handles(_members(dataset, "thickness_stretch", "time"))
     return per_prestress(dataset, plots.history, (style.DOUBLE, 4.1), names, stacked=True)
 
 
@@ -62,7 +63,7 @@ def figure_3(dataset: xr.Dataset) -> Figure:
     matplotlib.figure.Figure
         Panel (a), (b) ... per prestress, side by side.
     """
-    names = ensemble.handles(_of_first(dataset, "thickness_stretch", "time"))
+    names = ensemble.handles(_members(dataset, "thickness_stretch", "time"))
     return per_prestress(dataset, plots.phase, (style.DOUBLE, 3.6), names)
 
 
@@ -73,15 +74,15 @@ def figure_4(dataset: xr.Dataset) -> Figure:
     ----------
     dataset
         ``amplitude`` (prestress, temperature, omega); ``resonance``,
-        ``resonance_error`` and, if wanted, ``resonance_amplitude`` and ``published``
-        (prestress, temperature).
+        ``resonance_error`` and, where they are to be drawn, ``resonance_amplitude`` and
+        ``published`` (prestress, temperature).
 
     Returns
     -------
     matplotlib.figure.Figure
         Panel (a), (b) ... per prestress, side by side, on one scale.
     """
-    names = ensemble.handles(_of_first(dataset, "amplitude", "omega"))
+    names = ensemble.handles(_members(dataset, "amplitude", "omega"))
     entries = [*names, *forced.mark_handles(dataset)]
     return per_prestress(dataset, plots.response, (style.DOUBLE, 3.4), entries, sharey=True)
 
@@ -164,9 +165,9 @@ def per_prestress(
     return figure
 
 
-def _of_first(dataset: xr.Dataset, variable: str, along: str) -> list[ensemble.Member]:
+def _members(dataset: xr.Dataset, variable: str, dimension: str) -> list[ensemble.Member]:
     """Members of the first panel, which stand for all in the legend."""
-    return ensemble.members(dataset.isel(prestress=0), (variable,), (along,))
+    return ensemble.members(dataset.isel(prestress=0), (variable,), (dimension,))
 
 
 def _motion_row(axes: Sequence[Axes], history: xr.Dataset, section: xr.Dataset) -> None:

@@ -9,15 +9,17 @@ from remanent._typing import FloatArray
 
 
 def separation_growth(section: xr.Dataset, neighbour: xr.Dataset) -> FloatArray:
-    """How much further neighbours part over the whole than over the first half.
+    """How much further neighbours part over the full run than over its first half.
 
     Array (prestress, temperature): about 2 where their separation grows in proportion to
     time, exponentially large where the motion is chaotic.
     """
     order = ("prestress", "temperature", "period")
-    x, z = (one["stretch"].transpose(*order).values for one in (section, neighbour))
-    v, w = (one["stretch_rate"].transpose(*order).values for one in (section, neighbour))
-    distance = np.hypot(x - z, v - w)
+    stretch, rate = (
+        (section[name] - neighbour[name]).transpose(*order).values
+        for name in ("stretch", "stretch_rate")
+    )
+    distance = np.hypot(stretch, rate)
     half = distance.shape[-1] // 2
     return np.asarray(distance.max(axis=-1) / distance[..., :half].max(axis=-1))
 
@@ -30,12 +32,12 @@ def local_amplitudes(thickness: FloatArray) -> FloatArray:
 
 def beating(history: xr.Dataset, prestress: float) -> FloatArray:
     """Depth of the modulation of each motion (temperature,): 0 steady, 1 down to rest."""
-    found = []
+    depths = []
     values = history["thickness_stretch"].sel(prestress=prestress)
     for row in values.transpose("temperature", "time").values:
         a = local_amplitudes(row)
-        found.append((a.max() - a.min()) / (a.max() + a.min()))
-    return np.array(found)
+        depths.append((a.max() - a.min()) / (a.max() + a.min()))
+    return np.array(depths)
 
 
 def energy_change(history: xr.Dataset) -> FloatArray:
@@ -44,8 +46,8 @@ def energy_change(history: xr.Dataset) -> FloatArray:
     return np.asarray(np.abs(energy - energy[..., :1]).max(axis=-1))
 
 
-def decay(history: xr.Dataset) -> FloatArray:
-    """Amplitude in the last quarter over that in the first, (prestress, temperature)."""
+def late_range_ratio(history: xr.Dataset) -> FloatArray:
+    """Range of λ₃ in the last quarter over that in the first, array (prestress, temperature)."""
     x = history["thickness_stretch"].transpose("prestress", "temperature", "time").values
     quarter = x.shape[-1] // 4
     return np.asarray(np.ptp(x[..., -quarter:], axis=-1) / np.ptp(x[..., :quarter], axis=-1))
@@ -59,6 +61,6 @@ def swing(history: xr.Dataset) -> FloatArray:
 
 def table(dataset: xr.Dataset, name: str) -> FloatArray:
     """A variable as an array (prestress, temperature); the first along other dimensions."""
-    found = dataset[name]
-    extra = {d: 0 for d in found.dims if d not in ("prestress", "temperature")}
-    return np.asarray(found.isel(extra).transpose("prestress", "temperature").values)
+    variable = dataset[name]
+    extra = {d: 0 for d in variable.dims if d not in ("prestress", "temperature")}
+    return np.asarray(variable.isel(extra).transpose("prestress", "temperature").values)

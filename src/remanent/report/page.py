@@ -12,8 +12,9 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from remanent.report.contents import Paper
-from remanent.report.settings import AGREEMENT, LAWS
+from remanent.report.settings import AGREEMENT, FORCING_LAWS
 
+#: Verdicts as the page shows them.
 _WORDS = {"supported": "Supported", "contradicted": "Contradicted", "depends": "Depends"}
 
 
@@ -22,12 +23,17 @@ def render(paper: Paper, summary: Mapping[str, Any], drawings: Mapping[str, str]
 
     Parameters
     ----------
-    paper
+    paper : Paper
         What was computed.
-    summary
-        From :func:`remanent.report.paper.summarise`.
-    drawings
+    summary : mapping of str to object
+        What programs read, from :func:`remanent.report.paper.summarise`.
+    drawings : mapping of str to str
         SVG text of every figure, by name.
+
+    Returns
+    -------
+    str
+        The page, from the template ``report.html``.
     """
     environment = Environment(
         loader=PackageLoader("remanent.report"), autoescape=True, undefined=StrictUndefined,
@@ -43,7 +49,7 @@ def render(paper: Paper, summary: Mapping[str, Any], drawings: Mapping[str, str]
         agreement=AGREEMENT,
         share=float((windows <= AGREEMENT).mean()),
         points=int(windows.size),
-        misfits={LAWS[law].text: value for law, value in paper.evidence.misfits.items()},
+        misfits={FORCING_LAWS[law].text: value for law, value in paper.evidence.misfits.items()},
         drawings={name: _data_address(svg) for name, svg in drawings.items()},
         worst=max(abs(r["difference"]) for r in summary["resonances"]),
         drift=_drifts(paper),
@@ -66,8 +72,8 @@ def _fold(folds: Sequence[Mapping[str, float]], orbit: Mapping[str, Any]) -> str
     """The folds of the saddle's branch at this setting; nothing for other orbits."""
     if orbit["stability"] != "saddle":
         return ""
-    here = [f for f in folds if all(f[n] == orbit[n] for n in ("temperature", "prestress"))]
-    return ", ".join(f"{one['omega']:.8f}" for one in here)
+    case = [f for f in folds if all(f[n] == orbit[n] for n in ("temperature", "prestress"))]
+    return ", ".join(f"{fold['omega']:.8f}" for fold in case)
 
 
 def _data_address(svg: str) -> str:

@@ -12,86 +12,107 @@ from typing import Any
 import xarray as xr
 
 from remanent.report import dynamics, page, reconstruction, tolerance
-from remanent.report.audit import Verdict, audit
+from remanent.report.audit import ClaimVerdict, audit
 from remanent.report.contents import Paper
 from remanent.report.drawings import DRAWINGS, draw
-from remanent.report.evidence import Evidence, gather, regimes
+from remanent.report.evidence import ClaimEvidence, gather_evidence, regimes
 from remanent.report.processes import pool
-from remanent.report.settings import LAWS, PRESTRESSES, REFERENCE, TEMPERATURES
-from remanent.results import store
+from remanent.report.settings import FORCING_LAWS, PRESTRESSES, REFERENCE, TEMPERATURES, Setting
+from remanent.results import netcdf
 
-#: Called with the name of a stage and the share of the whole that is done.
-Report = Callable[[str, float], None]
+#: Called with the name of a stage and the share of all work that is done.
+ProgressReport = Callable[[str, float], None]
+#: Tolerance of the reference setting.
+_REFERENCE_TOLERANCE = 1e-8
+#: Tolerance of the further settings.
+_ALTERNATIVE_TOLERANCE = 1e-7
+#: Further settings tabulate responses at every so many frequencies.
+_ALTERNATIVE_EVERY = 3
+#: Length of the response window for which forcing laws are compared.
+_LAW_WINDOW = 100.0
+#: Name of the forcing law that is mapped over every window.
+_PUBLISHED_LAW = "sin2"
 
 
 def _silent(_stage: str, _share: float) -> None:
     pass
 
 
-def reproduce(report: Report = _silent, *, processes: int = 1) -> Paper:
+def reproduce(report: ProgressReport = _silent, *, processes: int = 1) -> Paper:
     """Compute the data of all figures, the reconstruction and the audit.
 
     Parameters
     ----------
-    report
-        Called with the name of a stage and the share of the whole that is done.
-    processes
-        See :func:`remanent.report.processes.pool`.
+    report : callable
+        Called with the name of a stage and the share of all work that is done, 0 to 1.
+    processes : int
+        How many share the work; 1 means a thread of this process.  With more, a script that
+        calls this must guard its own start with ``if __name__ == "__main__"``.
+
+    Returns
+    -------
+    Paper
+        The evidence, the verdicts, the data and the pictures.
     """
     report("figures 2 to 6", 0.0)
-    reference = gather(REFERENCE)
+    reference = gather_evidence(REFERENCE, _REFERENCE_TOLERANCE)
     data = _measured(reference)
     resonance = reference.response["resonance"]
-    with pool(processes) as aside:
-        apart = [
-            aside.submit(_scripts, reference),
-            aside.submit(dynamics.chart),
-            aside.submit(dynamics.orbits, resonance),
-            aside.submit(dynamics.jump, resonance),
+    with pool(processes) as executor:
+        futures = [
+            executor.submit(_scripts, reference),
+            executor.submit(dynamics.chaos_chart),
+            executor.submit(dynamics.orbits_at_resonance, resonance),
+            executor.submit(dynamics.locate_jump, resonance),
         ]
-        drawn = _start(aside, data, ())
+        drawn = _start(executor, data, ())
         valleys = _reconstruct(report)
         report("audit", 0.6)
         verdicts, reference = _audited(reference, valleys)
-        ready = tuple(data)
+        names_before = tuple(data)
         data |= _reconstructed(valleys) | {"regimes": reference.regimes}
-        for one in apart:
-            data |= one.result()
-        drawn |= _start(aside, data, ready)
+        for future in futures:
+            data |= future.result()
+        drawn |= _start(executor, data, names_before)
         report("pictures", 0.8)
         pictures = {name: drawn[name].result() for name in DRAWINGS}
     return Paper(reference, verdicts, data, pictures)
 
 
 def _start(
-    aside: Executor, data: Mapping[str, xr.Dataset], before: Sequence[str]
+    executor: Executor, data: Mapping[str, xr.Dataset], before: Sequence[str]
 ) -> dict[str, Future[dict[str, bytes]]]:
     """Have those pictures drawn for which the last data have just come."""
     return {
-        name: aside.submit(draw, name, {k: data[k] for k in drawing.needs})
+        name: executor.submit(draw, name, {k: data[k] for k in drawing.needs})
         for name, drawing in DRAWINGS.items()
         if set(drawing.needs) <= set(data) and not set(drawing.needs) <= set(before)
     }
 
 
 def _audited(
-    reference: Evidence, valleys: Mapping[str, xr.Dataset]
-) -> tuple[list[Verdict], Evidence]:
+    reference: ClaimEvidence, valleys: Mapping[str, xr.Dataset]
+) -> tuple[list[ClaimVerdict], ClaimEvidence]:
     """Verdicts, and the evidence with what the reconstruction adds to it."""
     least = {law: float(valley["misfit"].min()) for law, valley in valleys.items()}
     reference = replace(reference, misfits=least)
-    settings = reconstruction.admissible(valleys["sin2"], "sin2")
+    settings = reconstruction.admissible(valleys[_PUBLISHED_LAW], _PUBLISHED_LAW)
     with ThreadPoolExecutor(max_workers=2) as together:
-        known = together.submit(regimes, [REFERENCE, *settings], 1e-8)
-        others = list(together.map(lambda setting: gather(setting, 1e-7, every=3), settings))
-    reference, *others = [
-        replace(evidence, regimes=own)
-        for evidence, own in zip([reference, *others], known.result(), strict=True)
+        classified = together.submit(regimes, [REFERENCE, *settings], _REFERENCE_TOLERANCE)
+        alternatives = list(together.map(_alternative, settings))
+    reference, *alternatives = [
+        replace(evidence, regimes=dataset)
+        for evidence, dataset in zip([reference, *alternatives], classified.result(), strict=True)
     ]
-    return audit(reference, others), reference
+    return audit(reference, alternatives), reference
 
 
-def write(paper: Paper, out: Path) -> Path:
+def _alternative(setting: Setting) -> ClaimEvidence:
+    """Evidence for a further setting, whose numbers are not reported: a coarser one will do."""
+    return gather_evidence(setting, _ALTERNATIVE_TOLERANCE, every=_ALTERNATIVE_EVERY)
+
+
+def write_report(paper: Paper, out: Path) -> Path:
     """Write page, JSON, pictures and data into a folder; return the page's path."""
     for folder in ("figures", "data"):
         (out / folder).mkdir(parents=True, exist_ok=True)
@@ -99,7 +120,7 @@ def write(paper: Paper, out: Path) -> Path:
         for suffix, content in files.items():
             (out / "figures" / f"{name}{suffix}").write_bytes(content)
     for name, dataset in paper.datasets.items():
-        store.write(dataset, out / "data" / f"{name}.nc")
+        netcdf.write(dataset, out / "data" / f"{name}.nc")
     summary = summarise(paper)
     (out / "report.json").write_text(
         json.dumps(summary, indent=2, ensure_ascii=False) + "\n", encoding="utf-8"
@@ -140,22 +161,22 @@ def summarise(paper: Paper) -> dict[str, Any]:
         "versions": paper.evidence.response.attrs["versions"],
         "resonances": resonances,
         "claims": claims,
-        **dynamics.summarise(paper.datasets),
+        **dynamics.summarise_dynamics(paper.datasets),
     }
 
 
-def _scripts(reference: Evidence) -> dict[str, xr.Dataset]:
+def _scripts(reference: ClaimEvidence) -> dict[str, xr.Dataset]:
     return {
         "tolerance_sections": tolerance.section_story(reference),
         "tolerance_energy": tolerance.energy_story(REFERENCE),
     }
 
 
-def _reconstruct(report: Report) -> dict[str, xr.Dataset]:
+def _reconstruct(report: ProgressReport) -> dict[str, xr.Dataset]:
     """Misfits of every law; the published reading over every window."""
-    windows = dict.fromkeys(LAWS, (100.0,)) | {"sin2": reconstruction.WINDOWS}
+    windows = dict.fromkeys(FORCING_LAWS, (_LAW_WINDOW,)) | {_PUBLISHED_LAW: reconstruction.WINDOWS}
     total, done = sum(map(len, windows.values())), 0
-    found = {}
+    valleys = {}
     for law, lengths in windows.items():
 
         def step() -> None:
@@ -163,12 +184,12 @@ def _reconstruct(report: Report) -> dict[str, xr.Dataset]:
             done += 1
             report("reconstruction of what is unstated", 0.1 + 0.5 * done / total)
 
-        every = 1 if law == "sin2" else 2
-        found[law] = reconstruction.misfits(law, lengths, step, every=every)
-    return found
+        every = 1 if law == _PUBLISHED_LAW else 2
+        valleys[law] = reconstruction.misfits(law, lengths, step, every=every)
+    return valleys
 
 
-def _measured(e: Evidence) -> dict[str, xr.Dataset]:
+def _measured(e: ClaimEvidence) -> dict[str, xr.Dataset]:
     return {
         "constant_load": e.constant,
         "landscape": e.landscape,
@@ -180,8 +201,8 @@ def _measured(e: Evidence) -> dict[str, xr.Dataset]:
 
 
 def _reconstructed(valleys: Mapping[str, xr.Dataset]) -> dict[str, xr.Dataset]:
-    laws = [valleys[law].sel(window=[100.0]) for law in LAWS]
+    laws = [valleys[law].sel(window=[_LAW_WINDOW]) for law in FORCING_LAWS]
     return {
-        "valley_windows": valleys["sin2"],
+        "valley_windows": valleys[_PUBLISHED_LAW],
         "valley_laws": xr.concat(laws, "law", join="inner", combine_attrs="override"),
     }

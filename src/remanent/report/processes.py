@@ -5,9 +5,14 @@ from __future__ import annotations
 import platform
 from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
 from multiprocessing import get_context
+from typing import Final
 
 #: Imported once and shared by all further processes, where the system can do that.
-_PRELOADED = ["remanent.report.drawings", "remanent.report.dynamics", "remanent.report.tolerance"]
+_PRELOADED: Final = [
+    "remanent.report.drawings",
+    "remanent.report.dynamics",
+    "remanent.report.tolerance",
+]
 
 
 def pool(processes: int) -> Executor:
@@ -15,7 +20,7 @@ def pool(processes: int) -> Executor:
 
     Parameters
     ----------
-    processes
+    processes : int
         How many; 1 means a thread of this process.  With more, a script that calls this
         must guard its own start with ``if __name__ == "__main__"``.
     """

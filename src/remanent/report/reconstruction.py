@@ -8,19 +8,31 @@ import numpy as np
 import xarray as xr
 
 from remanent._typing import FloatArray
-from remanent.report.settings import AGREEMENT, LAWS, PRESTRESSES, PUBLISHED, TEMPERATURES, Setting
+from remanent.report.settings import (
+    AGREEMENT,
+    FORCING_LAWS,
+    PRESTRESSES,
+    PUBLISHED,
+    TEMPERATURES,
+    Setting,
+)
 from remanent.results import build, provenance
 from remanent.studies.response.frequency_response import frequency_response
 
-#: The grid on which the misfit is computed.
+#: Reference temperatures T₀ for which the misfit is computed, kelvin.
 REFERENCE_TEMPERATURES = np.arange(287.0, 304.0, 2.0)
+#: Amplitudes b₀ for which the misfit is computed.
 AMPLITUDES = np.round(np.arange(0.34, 0.4401, 0.01), 2)
+#: Lengths of the response window for which the misfit is computed, tau.
 WINDOWS = (50.0, 100.0, 150.0)
-#: Frequencies searched; m = b₀² sin ωτ resonates at twice the published ones.
-_RANGE = {"sin2": (0.7, 1.5, 41), "cos2": (0.7, 1.5, 41), "sin": (0.7, 3.0, 116)}
-#: A resonance is read to this width, two parts of eight of a step of the table, with room for
-#: rounding; amplitudes need no smaller error than this.
-_TOLERANCE, _WIDTH = 1e-4, 5.1e-3
+#: First, last and number of frequencies searched, by law; m = b₀² sin ωτ resonates at twice the
+#: published ones.
+_FREQUENCY_GRIDS = {"sin2": (0.7, 1.5, 41), "cos2": (0.7, 1.5, 41), "sin": (0.7, 3.0, 116)}
+#: Tolerance of amplitudes, as small as the width of a resonance needs.
+_TOLERANCE = 1e-4
+#: Width to which a resonance is read: two parts of eight of a step of the table, with room for
+#: rounding.
+_RESONANCE_WIDTH = 5.1e-3
 
 
 def misfits(
@@ -31,7 +43,7 @@ def misfits(
     Parameters
     ----------
     law
-        Name in :data:`~remanent.report.settings.LAWS`.
+        Name in :data:`~remanent.report.settings.FORCING_LAWS`.
     windows
         Lengths of the response window.
     report
@@ -45,21 +57,23 @@ def misfits(
         ``misfit`` (law, window, reference_temperature, b) and the ``resonance``
         (law, window, reference_temperature, b, temperature, prestress) behind it.
     """
-    found = []
+    resonances = []
     for window in windows:
-        found.append(_resonances(law, window, REFERENCE_TEMPERATURES[::every], AMPLITUDES[::every]))
+        resonances.append(
+            _resonances(law, window, REFERENCE_TEMPERATURES[::every], AMPLITUDES[::every])
+        )
         report()
-    resonance = np.stack(found)[None]
+    resonance = np.stack(resonances)[None]
     misfit = np.abs(resonance - np.array(PUBLISHED).T).max(axis=(-2, -1))
     dims = ("law", "window", "reference_temperature", "b")
-    whole = Setting(law=law)
+    setting = Setting(law=law)
     return build.dataset(
         {
             "misfit": (dims, misfit),
             "resonance": ((*dims, "temperature", "prestress"), resonance),
         },
         {
-            "law": (("law",), np.array([LAWS[law].symbol])),
+            "law": (("law",), np.array([FORCING_LAWS[law].symbol])),
             "window": (("window",), np.array(windows)),
             "reference_temperature": (("reference_temperature",), REFERENCE_TEMPERATURES[::every]),
             "b": (("b",), AMPLITUDES[::every]),
@@ -67,7 +81,7 @@ def misfits(
             "prestress": (("prestress",), np.array(PRESTRESSES)),
         },
         provenance.attributes(
-            whole.actuator, whole.drive(1.0), _TOLERANCE, over=dims[1:], width=_WIDTH
+            setting.actuator, setting.drive(1.0), _TOLERANCE, over=dims[1:], width=_RESONANCE_WIDTH
         ),
     )
 
@@ -76,14 +90,14 @@ def _resonances(
     law: str, window: float, temperatures: FloatArray, amplitudes: FloatArray
 ) -> FloatArray:
     """Array (reference_temperature, b, temperature, prestress)."""
-    field, values = LAWS[law].field(amplitudes)
+    field, values = FORCING_LAWS[law].field(amplitudes)
     response = frequency_response(
         Setting().actuator,
-        LAWS[law].drive(0.4, 1.0),
-        np.linspace(*_RANGE[law]),
+        FORCING_LAWS[law].drive(0.4, 1.0),
+        np.linspace(*_FREQUENCY_GRIDS[law]),
         duration=window,
         tolerance=_TOLERANCE,
-        resonance_width=_WIDTH,
+        resonance_width=_RESONANCE_WIDTH,
         over={
             "reference_temperature": temperatures,
             field: values,
@@ -96,13 +110,26 @@ def _resonances(
 
 
 def admissible(misfit: xr.Dataset, law: str) -> list[Setting]:
-    """Settings that bring all six resonances back: the best of each window."""
+    """Settings that bring all six resonances back: the best of each window.
+
+    Parameters
+    ----------
+    misfit : xarray.Dataset
+        From :func:`misfits`, for one law on the full grid.
+    law : str
+        Its name in :data:`~remanent.report.settings.FORCING_LAWS`.
+
+    Returns
+    -------
+    list of Setting
+        At most one for each window.
+    """
     values = misfit["misfit"].isel(law=0).transpose("window", "reference_temperature", "b").values
-    good = np.argwhere(values <= AGREEMENT)
-    best = [good[good[:, 0] == w] for w in range(values.shape[0])]
-    picks = [rows[np.argmin(values[tuple(rows.T)])] for rows in best if rows.size]
+    admitted = np.argwhere(values <= AGREEMENT)
+    by_window = [admitted[admitted[:, 0] == w] for w in range(values.shape[0])]
+    best = [rows[np.argmin(values[tuple(rows.T)])] for rows in by_window if rows.size]
     settings = [
         Setting(float(AMPLITUDES[j]), float(REFERENCE_TEMPERATURES[i]), float(WINDOWS[w]), law)
-        for w, i, j in picks
+        for w, i, j in best
     ]
     return list(dict.fromkeys(settings))

@@ -13,8 +13,9 @@ from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.models.drives.waves import Sine, SineSquared
 
-#: Temperatures, kelvin, and prestresses of every figure.
+#: Temperatures of every figure, kelvin.
 TEMPERATURES: Final = (250.0, 350.0, 400.0)
+#: Prestresses of every figure.
 PRESTRESSES: Final = (0.0, 1.0)
 #: Drive frequency of the motions in figures 5 (S = 0) and 6 (S = 1).
 FREQUENCIES: Final = (1.25, 1.08)
@@ -37,7 +38,7 @@ class Setting:
     window
         Length of the response window, tau.
     law
-        Name in :data:`LAWS`.
+        Name in :data:`FORCING_LAWS`.
     """
 
     b: float = 0.4
@@ -48,7 +49,7 @@ class Setting:
     def __str__(self) -> str:
         return (
             f"b₀ = {self.b:g}, T₀ = {self.reference_temperature:g} K, "
-            f"window {self.window:g}, {LAWS[self.law].text}"
+            f"window {self.window:g}, {FORCING_LAWS[self.law].text}"
         )
 
     @property
@@ -58,17 +59,19 @@ class Setting:
 
     def drive(self, omega: float) -> Drive:
         """The periodic load at a frequency."""
-        return LAWS[self.law].drive(self.b, omega)
+        return FORCING_LAWS[self.law].drive(self.b, omega)
 
 
 @dataclass(frozen=True)
-class Law:
+class ForcingLaw:
     """A reading of "periodic magnetic flux".
 
     Attributes
     ----------
     text, symbol
         In plain text, and as mathtext.
+    phase
+        Phase of the sine that is squared; None where the load is a sine itself.
     """
 
     text: str
@@ -86,11 +89,13 @@ class Law:
         return ("m", b**2) if self.phase is None else ("b", b)
 
 
-LAWS: Final[Mapping[str, Law]] = MappingProxyType(
+#: Readings of the periodic load, by name.
+FORCING_LAWS: Final[Mapping[str, ForcingLaw]] = MappingProxyType(
     {
-        "sin2": Law("m = (b₀ sin ωτ)²", r"$(b_0\sin\omega\tau)^2$", 0.0),
-        "cos2": Law("m = (b₀ cos ωτ)²", r"$(b_0\cos\omega\tau)^2$", np.pi / 2),
-        "sin": Law("m = b₀² sin ωτ", r"$b_0^2\sin\omega\tau$", None),
+        "sin2": ForcingLaw("m = (b₀ sin ωτ)²", r"$(b_0\sin\omega\tau)^2$", 0.0),
+        "cos2": ForcingLaw("m = (b₀ cos ωτ)²", r"$(b_0\cos\omega\tau)^2$", np.pi / 2),
+        "sin": ForcingLaw("m = b₀² sin ωτ", r"$b_0^2\sin\omega\tau$", None),
     }
 )
+#: The setting whose numbers are reported.
 REFERENCE: Final = Setting()

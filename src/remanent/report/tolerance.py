@@ -13,19 +13,25 @@ from scipy.integrate import solve_ivp
 
 from remanent._typing import FloatArray
 from remanent.models.drives.waves import Constant
-from remanent.report.evidence import CASES, Evidence
+from remanent.report.evidence import CASES, ClaimEvidence
 from remanent.report.settings import FREQUENCIES, PRESTRESSES, TEMPERATURES, Setting
 from remanent.results import build, provenance
 from remanent.studies.motion.simulate import simulate
 
-#: MATLAB's default tolerances of ode45.
-RELATIVE, ABSOLUTE = 1e-3, 1e-6
+#: MATLAB's default relative tolerance of ode45.
+RELATIVE_TOLERANCE = 1e-3
+#: MATLAB's default absolute tolerance of ode45.
+ABSOLUTE_TOLERANCE = 1e-6
 #: How the two solvers are called in figures.
 SOLVERS = ("converged", "ode45 defaults")
-#: Length and number of points of the runs whose energy is followed.
-_LONG_RUN, _POINTS = 500.0, 1001
+#: Length of the runs whose energy is followed, tau.
+_ENERGY_DURATION = 500.0
+#: Times at which their energy is taken.
+_ENERGY_POINTS = 1001
+#: Tolerance of the converged one of these runs.
+_CONVERGED_TOLERANCE = 1e-11
 #: Drive periods of sections by both solvers, of which one is slow.
-_COMPARED = 500
+_SECTION_PERIODS = 500
 
 
 def at_defaults(
@@ -42,8 +48,14 @@ def at_defaults(
 
     Parameters
     ----------
-    load
+    setting : Setting
+        A choice of what [Thermal] leaves unstated.
+    temperature, prestress : float
+        Of the case, in kelvin, and dimensionless.
+    load : callable
         The magnetic load m at a time.
+    times : array (time,)
+        When states are taken; the run ends at the last.
     """
     theta = temperature / setting.reference_temperature
 
@@ -54,7 +66,7 @@ def at_defaults(
 
     solved = solve_ivp(
         equation_16, (0.0, float(times[-1])), [1.0, 0.0], method="RK45", t_eval=times,
-        rtol=RELATIVE, atol=ABSOLUTE,
+        rtol=RELATIVE_TOLERANCE, atol=ABSOLUTE_TOLERANCE,
     )  # fmt: skip
     return np.asarray(solved.y.T)
 
@@ -64,7 +76,7 @@ def _sine_squared(b: float, omega: float, tau: float) -> float:
     return (b * math.sin(omega * tau)) ** 2
 
 
-def section_story(evidence: Evidence) -> xr.Dataset:
+def section_story(evidence: ClaimEvidence) -> xr.Dataset:
     """Sections of the six motions by both solvers, at every second drive period.
 
     Returns
@@ -73,7 +85,7 @@ def section_story(evidence: Evidence) -> xr.Dataset:
         ``thickness_stretch``, ``thickness_stretch_rate`` (solver, prestress,
         temperature, period), ``omega`` (prestress).
     """
-    converged = evidence.section.sel(period=slice(0, _COMPARED, 2))
+    converged = evidence.section.sel(period=slice(0, _SECTION_PERIODS, 2))
     shape = (len(PRESTRESSES), len(TEMPERATURES), converged.sizes["period"], 2)
     script = np.empty(shape)
     for (i, s), (j, t) in product(enumerate(PRESTRESSES), enumerate(TEMPERATURES)):
@@ -94,9 +106,11 @@ def energy_story(setting: Setting) -> xr.Dataset:
         ``energy_drift`` (solver, prestress, temperature, time).
     """
     drive = Constant(setting.b**2)
-    times = np.linspace(0.0, _LONG_RUN, _POINTS)
-    converged = simulate(setting.actuator, drive, times=times, over=CASES, tolerance=1e-11)
-    energy = np.empty((2, len(PRESTRESSES), len(TEMPERATURES), _POINTS))
+    times = np.linspace(0.0, _ENERGY_DURATION, _ENERGY_POINTS)
+    converged = simulate(
+        setting.actuator, drive, times=times, over=CASES, tolerance=_CONVERGED_TOLERANCE
+    )
+    energy = np.empty((2, len(PRESTRESSES), len(TEMPERATURES), _ENERGY_POINTS))
     energy[0] = converged["energy"].values
     for (i, s), (j, t) in product(enumerate(PRESTRESSES), enumerate(TEMPERATURES)):
         x, v = at_defaults(setting, t, s, lambda _: drive.m, times).T
@@ -116,7 +130,9 @@ def energy_story(setting: Setting) -> xr.Dataset:
             "temperature": (("temperature",), np.array(TEMPERATURES)),
             "time": (("time",), times),
         },
-        provenance.attributes(setting.actuator, drive, 1e-11, over=CASES, duration=_LONG_RUN),
+        provenance.attributes(
+            setting.actuator, drive, _CONVERGED_TOLERANCE, over=CASES, duration=_ENERGY_DURATION
+        ),
     )
 
 

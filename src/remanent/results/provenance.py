@@ -1,4 +1,4 @@
-"""Attributes that say what made a Dataset; no clock time, so equal runs give equal results."""
+"""Attributes that say what made a Dataset, for people and for programs; no clock time."""
 
 from __future__ import annotations
 
@@ -6,18 +6,35 @@ import json
 from collections.abc import Iterable
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
-from typing import Any
+from typing import Any, Final
 
-from remanent.models.actuator import Actuator
+import numpy as np
+import xarray as xr
 
-__all__ = ["attributes", "versions"]
+from remanent._errors import InputError
+from remanent.models.drives.base import Drive
+from remanent.models.plain import from_plain, to_plain
+from remanent.models.system import System
+
+__all__ = [
+    "DRIVE", "ORIGIN", "SYSTEM", "attributes", "described", "has_drive", "plain", "read_drive",
+    "read_system", "varying", "versions",
+]  # fmt: skip
 
 #: Packages whose version can change a number.
-PACKAGES = ("remanent", "numpy", "llvmlite", "xarray")
+PACKAGES: Final = ("remanent", "numpy", "llvmlite", "xarray")
+#: Attribute with the system as JSON; with ``_text`` after it, that for people.
+SYSTEM: Final = "system"
+#: Attribute with the drive as JSON; with ``_text`` after it, that for people.
+DRIVE: Final = "drive"
+#: Attributes that say where numbers come from, whatever was done to them since.
+ORIGIN: Final = (SYSTEM, f"{SYSTEM}_text", DRIVE, f"{DRIVE}_text", "versions")
+#: Longest description of a value for people; tables of samples are cut there.
+LONGEST_TEXT: Final = 1000
 
 
 def attributes(
-    actuator: object,
+    system: object,
     drive: object,
     tolerance: float | None,
     *,
@@ -29,47 +46,180 @@ def attributes(
 
     Parameters
     ----------
-    actuator, drive
-        Values whose ``repr`` rebuilds them; `drive` may be None (equilibria).
-    tolerance
+    system, drive : System and Drive, or other frozen dataclasses
+        `drive` may be None (equilibria).  Text is kept as text for people.
+    tolerance : float or None
         The tolerance asked for; None where nothing was integrated.
-    over
-        Names of the fields that were given many values: their value in the ``repr``
+    over : iterable of str
+        Names of the fields that were given many values: their value in `system` or `drive`
         is not the one that was used.
-    scaled
+    scaled : bool
         Whether the numbers turn to SI by what the table says of their names, see
-        :func:`remanent.results.si.to_si`: the scales of the actuator are then kept.
-    **settings
-        What else decides the numbers (``duration``, ``every``, ``method``); numbers
-        and strings.  None is left out.
+        :func:`remanent.results.si.to_si`: the scales of the system are then kept.
+    **settings : float, int, str, sequence of float or None
+        What else decides the numbers (``duration``, ``every``, ``method``).  None is left out;
+        tables are kept flat, as attributes of netCDF have one dimension.
 
     Returns
     -------
     dict
-        Strings and numbers only, as netCDF wants.
+        Strings and numbers only, as netCDF wants: ``system`` and ``drive`` as JSON, which
+        :func:`read_system` and :func:`read_drive` read, ``system_text`` and ``drive_text``
+        for people, ``over``, the settings with their names in ``settings``, ``tolerance``,
+        ``versions``, ``scales``.  A value that is no plain data has its text only.
+
+    See Also
+    --------
+    read_system, read_drive : the values that made a Dataset.
+    remanent.models.plain.to_plain : what the JSON holds.
 
     Examples
     --------
-    >>> found = attributes("Actuator()", None, 1e-9, duration=100.0)
-    >>> found["settings"], found["duration"], found["tolerance"]
+    >>> from remanent import Constant
+    >>> attrs = attributes("a pendulum", Constant(0.1), 1e-9, duration=100.0)
+    >>> attrs["system_text"], attrs["drive"]
+    ('a pendulum', '{"kind": "Constant", "m": 0.1}')
+    >>> attrs["settings"], attrs["duration"], attrs["tolerance"]
     ('duration', 100.0, 1e-09)
     """
-    given = {name: value for name, value in settings.items() if value is not None}
-    found: dict[str, Any] = {
+    given = {name: _flat(value) for name, value in settings.items() if value is not None}
+    attrs: dict[str, Any] = {
         "Conventions": "CF-1.11",
         "versions": versions(),
-        **_present("actuator", _text(actuator)),
-        **_present("drive", _text(drive) if drive is not None else ""),
+        **described(SYSTEM, system),
+        **described(DRIVE, drive),
         **_present("over", " ".join(over)),
         **_present("settings", " ".join(given)),
         **given,
     }
     if tolerance is not None:
-        found["tolerance"] = float(tolerance)
-    if scaled and isinstance(actuator, Actuator) and actuator.scales is not None:
-        scales = actuator.scales.factors()
-        found["scales"] = json.dumps({k: float(v) for k, v in scales.items()}, sort_keys=True)
-    return found
+        attrs["tolerance"] = float(tolerance)
+    scales = getattr(system, "scales", None)
+    if scaled and scales is not None:
+        factors = {name: float(factor) for name, factor in scales.factors().items()}
+        attrs["scales"] = json.dumps(factors, sort_keys=True)
+    return attrs
+
+
+def described(name: str, value: object) -> dict[str, str]:
+    """The attributes `name`, JSON, and ``<name>_text``; nothing for None and empty text."""
+    if value is None or isinstance(value, str):
+        return _present(f"{name}_text", value or "")
+    text = repr(value)
+    if len(text) > LONGEST_TEXT:
+        text = f"{text[: LONGEST_TEXT - 1]}…"
+    try:
+        return {name: json.dumps(to_plain(value)), f"{name}_text": text}
+    except InputError:
+        return {f"{name}_text": text}
+
+
+def plain(dataset: xr.Dataset, name: str) -> dict[str, Any] | None:
+    """The table of the system or the drive, attribute `name`; None where there is none."""
+    try:
+        table = json.loads(str(dataset.attrs.get(name, "")))
+    except ValueError:
+        return None
+    return table if isinstance(table, dict) else None
+
+
+def read_system(dataset: xr.Dataset) -> System:
+    """The system that made a Dataset.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        A result, in memory or read from a file.
+
+    Returns
+    -------
+    System
+        As it was given to the verb.  Fields named in the attribute ``over`` have the value
+        that `dataset` was reduced to (``dataset.sel(temperature=350)``); where it still has
+        several, or dropped them, they keep the value from before, which was not used: see
+        :func:`varying`.
+
+    Raises
+    ------
+    InputError
+        The attribute is missing, as after arithmetic, or names a class that is not public.
+
+    Examples
+    --------
+    >>> import remanent as rm
+    >>> many = rm.equilibria(rm.Actuator(), 0.16, over={"temperature": [293.0, 350.0]})
+    >>> read_system(many.isel(temperature=1)).temperature
+    350.0
+    """
+    system: System = _read(dataset, SYSTEM)
+    return system
+
+
+def read_drive(dataset: xr.Dataset) -> Drive:
+    """The drive that made a Dataset; see :func:`read_system`.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        A result, in memory or read from a file.
+
+    Returns
+    -------
+    Drive
+        As it was given to the verb, with the values that `dataset` was reduced to.
+
+    Raises
+    ------
+    InputError
+        The attribute is missing, as after arithmetic, or names a class that is not public.
+    """
+    drive: Drive = _read(dataset, DRIVE)
+    return drive
+
+
+def has_drive(dataset: xr.Dataset) -> bool:
+    """Whether a Dataset says that it was made with a drive, readable or not."""
+    return DRIVE in dataset.attrs or f"{DRIVE}_text" in dataset.attrs
+
+
+def varying(dataset: xr.Dataset) -> list[str]:
+    """Fields that were given many values and are not reduced to one in this Dataset."""
+    names = str(dataset.attrs.get("over", "")).split()
+    return [name for name in names if name not in dataset.coords or dataset[name].ndim]
+
+
+def _read(dataset: xr.Dataset, name: str) -> Any:
+    table = plain(dataset, name)
+    if table is None:
+        raise InputError(
+            "dataset",
+            must=f"say which {name} made it",
+            got=dataset.attrs.get(f"{name}_text", "one without the attribute"),
+            why="Arithmetic drops attributes, and only plain data can be read back.",
+            fix=f"Pass {name}=... as well, or the result of a verb as it was.",
+        )
+    value = from_plain(table)
+    if not isinstance(value, System if name == SYSTEM else Drive):
+        raise InputError(
+            "dataset",
+            must=f"say which {name} made it",
+            got=repr(value),
+            why=f"Its attribute `{name}` holds something else.",
+            fix=f"Pass {name}=... as well.",
+        )
+    return _at_point(value, dataset)
+
+
+def _at_point(value: Any, dataset: xr.Dataset) -> Any:
+    """A system or a drive with the fields that a Dataset was reduced to."""
+    reduced = set(str(dataset.attrs.get("over", "")).split()) - set(varying(dataset))
+    for name in sorted(reduced & set(value.parameters())):
+        number = float(dataset[name])
+        if isinstance(value, Drive):
+            value = value.replace(**{name: number})
+        else:
+            value = value.with_parameter(name, number)
+    return value
 
 
 @cache
@@ -85,10 +235,10 @@ def _version(name: str) -> str:
         return "(not installed)"
 
 
+def _flat(value: Any) -> Any:
+    return tuple(np.ravel(value).tolist()) if isinstance(value, list | tuple) else value
+
+
 def _present(name: str, text: str) -> dict[str, str]:
     """Keep an entry unless it is empty: netCDF knows no empty text."""
     return {name: text} if text else {}
-
-
-def _text(value: object) -> str:
-    return value if isinstance(value, str) else repr(value)

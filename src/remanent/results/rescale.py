@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
-import ast
 import math
 from collections.abc import Mapping
+from dataclasses import fields, replace
 from types import MappingProxyType
-from typing import Any
+from typing import Any, Final, TypeVar
 
 import numpy as np
 import xarray as xr
 
-from remanent._checks import positive, require_real
+from remanent._checks import positive, require_instance, require_real, shortened
 from remanent._errors import InputError
+from remanent.models.actuator import Actuator
+from remanent.models.drives.base import Drive
+from remanent.models.parts import Part
+from remanent.models.system import System
+from remanent.results import provenance
 from remanent.results.checks import require_dataset
 from remanent.results.schema import TABLE, Kind, describe
 
@@ -38,31 +43,49 @@ _OF_BRANCHES: Mapping[str, float] = MappingProxyType({"modulus": 0.0, "relaxatio
 _OF_MATERIALS = frozenset({"moduli", "exponents", "constants"})
 #: Errors of states, which hold stretches beside rates: grown with the rates, never shrunk.
 _ERRORS = frozenset({"error", "local_error", "residual", "tolerance"})
-_RULE = positive("Temperatures are absolute.", "Pass kelvin.")
+#: Fields that say what the units are: those of the reference temperature.
+_UNSCALED: Final = frozenset({"scales"})
+_RULE: Final = positive("Temperatures are absolute.", "Pass kelvin.")
+
+_Model = TypeVar("_Model", bound=Actuator | Part)
 
 
-def rescale(dataset: xr.Dataset, *, temperature: float) -> xr.Dataset:
+def rescale(
+    dataset: xr.Dataset,
+    *,
+    temperature: float,
+    system: System | None = None,
+    drive: Drive | None = None,
+) -> xr.Dataset:
     """Turn a result for one temperature into that for another, without computing it again.
 
     Parameters
     ----------
-    dataset
+    dataset : xarray.Dataset
         A result for one temperature of an actuator whose stress is entropic, without heat
         balance and with a remanence that does not depend on temperature.
-    temperature
+    temperature : float
         The other temperature, K.
+    system, drive : Actuator and Drive, optional
+        Those that made `dataset`; by default they are read from its attributes, which
+        arithmetic drops.
 
     Returns
     -------
     xarray.Dataset
         The same motions at that temperature, under loads, prestress, frequencies and
-        viscosities that have changed in proportion; the attributes ``actuator`` and ``drive``
+        viscosities that have changed in proportion; the attributes ``system`` and ``drive``
         say which.
 
     Raises
     ------
     InputError
-        Several temperatures, or an actuator or a drive that does not scale.
+        Several temperatures, an actuator or a drive that does not scale, or a Dataset that
+        does not say which actuator made it.
+
+    See Also
+    --------
+    remanent.to_si : the same result in SI units.
 
     Notes
     -----
@@ -84,76 +107,63 @@ def rescale(dataset: xr.Dataset, *, temperature: float) -> xr.Dataset:
     1.4142
     """
     require_dataset("dataset", dataset)
-    wanted = require_real("temperature", temperature, _RULE)
-    actuator = _parsed(dataset, "actuator")
-    _require_entropic(dataset, actuator)
-    ratio = wanted / _temperature(dataset, actuator)
+    target = require_real("temperature", temperature, _RULE)
+    source = _actuator(provenance.read_system(dataset) if system is None else system)
+    _require_entropic(dataset, source)
+    ratio = target / _temperature(dataset, source)
     scaled = dataset.copy()
     for name in dataset.variables:
-        variable = _scaled(str(name), dataset[name], ratio, wanted)
+        variable = _scaled(str(name), dataset[name], ratio, target)
         put = scaled.assign_coords if name in dataset.coords else scaled.assign
         scaled = put({name: variable})
     scaled.attrs = _attributes(dataset.attrs, ratio)
-    scaled.attrs["actuator"] = ast.unparse(_changed(actuator, ratio, wanted))
-    if "drive" in dataset.attrs:
-        scaled.attrs["drive"] = ast.unparse(_changed(_parsed(dataset, "drive"), ratio, wanted))
+    scaled.attrs.update(provenance.described("system", _changed(source, ratio, target)))
+    if drive is None and provenance.has_drive(dataset):
+        drive = provenance.read_drive(dataset)
+    if drive is not None:
+        require_instance("drive", drive, Drive, "Constant(0.1)")
+        scaled.attrs.update(provenance.described("drive", _changed(drive, ratio, target)))
     return scaled
 
 
-def _parsed(dataset: xr.Dataset, name: str) -> ast.Call:
-    try:
-        tree = ast.parse(str(dataset.attrs.get(name, "")), mode="eval").body
-    except SyntaxError:
-        tree = None
-    if not isinstance(tree, ast.Call):
+def _actuator(system: object) -> Actuator:
+    """The system, if it is one whose numbers are known to scale with temperature."""
+    if not isinstance(system, Actuator):
         raise InputError(
-            "dataset",
-            must=f"say which {name} made it",
-            got=dataset.attrs.get(name),
-            why="Its own values scale with the result.",
-            fix="Pass the result of a verb.",
+            "system",
+            must="be an Actuator",
+            got=shortened(system),
+            why="It is not known how other systems scale with temperature.",
+            fix="Compute the result at the other temperature.",
         )
-    return tree
+    return system
 
 
-def _require_entropic(dataset: xr.Dataset, actuator: ast.Call) -> None:
+def _require_entropic(dataset: xr.Dataset, system: Actuator) -> None:
     """Refuse what does not scale with temperature."""
-    fields = dict(_numbers(actuator))
-    wrong = [
-        f"{name} = {fields[name]}"
-        for name, needed in (("entropic_fraction", 1.0), ("temperature_coefficient", 0.0))
-        if fields.get(name, needed) != needed
+    numbers = system.parameters()
+    needed = {"material.entropic_fraction": 1.0, "magnet.temperature_coefficient": 0.0}
+    obstacles = [
+        f"{name.partition('.')[2]} = {numbers[name]}"
+        for name, value in needed.items()
+        if numbers.get(name, value) != value
     ]
-    nodes = [k for call in _calls(actuator) for k in call.keywords if k.arg in ("heat", "shift")]
-    found = [f"{k.arg} = {text}" for k in nodes if (text := ast.unparse(k.value)) != "None"]
-    varied = {"material.entropic_fraction", "magnet.temperature_coefficient"}
-    wrong += found + sorted(varied & set(map(str, dataset.coords)))
-    if wrong:
+    if system.heat is not None:
+        obstacles.append(f"heat = {system.heat}")
+    shifts = (getattr(element, "shift", None) for element in system.elements())
+    obstacles += [f"shift = {shift}" for shift in shifts if shift is not None]
+    obstacles += sorted(set(needed) & set(map(str, dataset.coords)))
+    if obstacles:
         raise InputError(
             "dataset",
             must="be of an actuator that scales with temperature",
-            got=", ".join(wrong),
+            got=", ".join(obstacles),
             why="Only entropic stress, a constant remanence and viscosity do, and no heat balance.",
             fix="Compute it again at the other temperature.",
         )
 
 
-def _calls(call: ast.Call) -> list[ast.Call]:
-    """A call, and the calls in it."""
-    return [node for node in ast.walk(call) if isinstance(node, ast.Call)]
-
-
-def _numbers(call: ast.Call) -> list[tuple[str, Any]]:
-    """Fields of a call, and of the calls in it, that are literals."""
-    keywords = [k for one in _calls(call) for k in one.keywords]
-    return [
-        (str(k.arg), ast.literal_eval(k.value))
-        for k in keywords
-        if isinstance(k.value, ast.Constant | ast.UnaryOp)
-    ]
-
-
-def _temperature(dataset: xr.Dataset, actuator: ast.Call) -> float:
+def _temperature(dataset: xr.Dataset, system: Actuator) -> float:
     """The temperature of the result."""
     for name in ("temperature", "reference_temperature"):
         if name in dataset.coords and dataset[name].ndim:
@@ -166,7 +176,7 @@ def _temperature(dataset: xr.Dataset, actuator: ast.Call) -> float:
             )
     if "temperature" in dataset.coords:
         return float(dataset["temperature"])
-    return float(dict(_numbers(actuator))["temperature"])
+    return system.temperature
 
 
 def _power(name: str) -> float:
@@ -184,13 +194,13 @@ def _factor(name: str, ratio: float) -> float:
     return max(1.0, math.sqrt(ratio)) if name in _ERRORS else ratio ** _power(name)
 
 
-def _scaled(name: str, array: xr.DataArray, ratio: float, wanted: float) -> xr.Variable:
+def _scaled(name: str, array: xr.DataArray, ratio: float, temperature: float) -> xr.Variable:
     variable = array.variable.copy(deep=True)
     if name == "temperature":
-        return variable.copy(data=np.full(variable.shape, wanted))
+        return variable.copy(data=np.full(variable.shape, temperature))
     if "state" in array.dims and name != "state":
-        states = [str(one) for one in array["state"].values]
-        factors = xr.Variable(("state",), [_factor(one, ratio) for one in states])
+        states = map(str, array["state"].values)
+        factors = xr.Variable(("state",), [_factor(state, ratio) for state in states])
         scaled = (variable * factors).transpose(*variable.dims)
         return xr.Variable(scaled.dims, scaled.values, variable.attrs)
     factor = _factor(name, ratio)
@@ -199,49 +209,42 @@ def _scaled(name: str, array: xr.DataArray, ratio: float, wanted: float) -> xr.V
     return xr.Variable(variable.dims, variable.values * factor, variable.attrs)
 
 
-def _changed(call: ast.Call, ratio: float, wanted: float) -> ast.Call:
-    """The call with its numbers at the other temperature."""
-    if call.args:  # arrays, whose numbers have no names
-        raise _unknown(ast.unparse(call))
-    keywords = [
-        ast.keyword(k.arg, _value(str(k.arg), k.value, ratio, wanted)) for k in call.keywords
-    ]
-    return ast.Call(call.func, call.args, keywords)
+def _changed(value: _Model, ratio: float, temperature: float) -> _Model:
+    """A system, a drive or a part with its numbers at the other temperature."""
+    contents = {field.name: getattr(value, field.name) for field in fields(value)}
+    return replace(
+        value,
+        **{
+            name: _changed_field(name, content, ratio, temperature)
+            for name, content in contents.items()
+            if name not in _UNSCALED
+        },
+    )
 
 
-def _value(name: str, node: ast.expr, ratio: float, wanted: float) -> ast.expr:
-    if isinstance(node, ast.Call):
-        return _changed(node, ratio, wanted)
-    if isinstance(node, ast.Tuple | ast.List):
-        parts = [_value(name, one, ratio, wanted) for one in node.elts]
-        return type(node)(parts, ast.Load())
-    try:
-        value = ast.literal_eval(node)
-    except ValueError:
-        return node
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        return node
-    if name == "temperature":
-        return ast.Constant(wanted)
-    return ast.Constant(value * ratio ** _own_power(name))
+def _changed_field(name: str, content: Any, ratio: float, temperature: float) -> Any:
+    """A field at the other temperature: a number, a part, or a table of these."""
+    if isinstance(content, Part):
+        return _changed(content, ratio, temperature)
+    if isinstance(content, tuple):
+        return tuple(_changed_field(name, item, ratio, temperature) for item in content)
+    if isinstance(content, bool) or not isinstance(content, int | float):
+        return content
+    return temperature if name == "temperature" else content * ratio ** _power_of_field(name)
 
 
-def _own_power(name: str) -> float:
+def _power_of_field(name: str) -> float:
     """Of a field of the actuator or the drive, which must be known."""
     if name in _OF_MATERIALS:
         return 0.0
     parts = ("dissipation", "material", "magnet")
-    for known in (name, f"{name}_1", *(f"{part}.{name}" for part in parts)):
-        if known in TABLE:
-            return _power(known)
-    raise _unknown(name)
-
-
-def _unknown(what: str) -> InputError:
-    return InputError(
+    for candidate in (name, f"{name}_1", *(f"{part}.{name}" for part in parts)):
+        if candidate in TABLE:
+            return _power(candidate)
+    raise InputError(
         "dataset",
         must="have fields whose unit is known",
-        got=what,
+        got=name,
         why="It is not known how this one scales.",
         fix="Compute the result at the other temperature.",
     )
@@ -250,14 +253,14 @@ def _unknown(what: str) -> InputError:
 def _attributes(attrs: Mapping[Any, Any], ratio: float) -> dict[Any, Any]:
     """Settings that are quantities, such as a duration, and the tolerance."""
     names = {*str(attrs.get("settings", "")).split(), "tolerance"}
-    found = dict(attrs)
+    scaled = dict(attrs)
     for name in names & set(attrs):
         value = attrs[name]
         if isinstance(value, int | float) and not isinstance(value, bool):
             factor = _factor(name, ratio)
-            found[name] = value if factor == 1.0 else value * factor
-    if "parameter_range" in found:
+            scaled[name] = value if factor == 1.0 else value * factor
+    if "parameter_range" in scaled:
         factor = _factor(str(attrs.get("parameter", "omega")), ratio)
-        values = np.ravel(found["parameter_range"])
-        found["parameter_range"] = tuple(float(value) * factor for value in values)
-    return found
+        values = np.ravel(scaled["parameter_range"])
+        scaled["parameter_range"] = tuple(float(value) * factor for value in values)
+    return scaled

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from remanent._errors import InputError
 from remanent.results.checks import require_dataset
-from remanent.results.schema import Kind, Variable, describe
+from remanent.results.schema import Description, Kind, describe
 
 __all__ = ["to_si"]
 
@@ -102,7 +102,7 @@ def to_si(dataset: xr.Dataset) -> xr.Dataset:
     return converted
 
 
-def _convert(variable: xr.Variable, row: Variable, scales: _Scales) -> xr.Variable:
+def _convert(variable: xr.Variable, row: Description, scales: _Scales) -> xr.Variable:
     rule = _RULES[row.kind]
     row = replace(
         row,

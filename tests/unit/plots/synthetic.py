@@ -11,17 +11,14 @@ import numpy as np
 import xarray as xr
 from scipy.integrate import solve_ivp
 
+import remanent as rm
 from remanent._typing import FloatArray
 from remanent.results import build, provenance
 
 T0 = 293.0
 TEMPERATURES = np.array([250.0, 350.0, 400.0])
 PRESTRESSES = np.array([0.0, 1.0])
-ACTUATOR = (
-    "Actuator(c=1.0, temperature=293.0, reference_temperature=293.0, prestress=0.0, "
-    "material=NeoHookean(entropic_fraction=1.0), dissipation=(), heat=None, "
-    "magnet=Magnet(temperature_coefficient=0.0, law='deformation-gradient'))"
-)
+ACTUATOR = rm.Actuator()
 LOOSE: dict[str, Any] = {"method": "RK45", "rtol": 1e-3, "atol": 1e-6}
 Load = Callable[[float], FloatArray | float]
 
@@ -88,9 +85,7 @@ def constant(duration: float = 20.0, points: int = 1001) -> xr.Dataset:
     return build.dataset(
         {name: (dims, values.reshape(2, 3, -1)) for name, values in found.items()},
         _coords(time=(("time",), times)),
-        provenance.attributes(
-            ACTUATOR, "Constant(m=0.16)", 1e-9, over=["prestress", "temperature"]
-        ),
+        provenance.attributes(ACTUATOR, rm.Constant(0.16), 1e-9, over=["prestress", "temperature"]),
     )
 
 
@@ -117,7 +112,7 @@ def frequency_response(points: int = 61, duration: float = 50.0) -> xr.Dataset:
         },
         _coords(omega=(("omega",), omega)),
         provenance.attributes(
-            ACTUATOR, "SineSquared(b=0.4, omega=1.0, phase=0.0)", 1e-9,
+            ACTUATOR, rm.SineSquared(0.4, 1.0), 1e-9,
             over=["prestress", "temperature"], duration=duration,
         ),
     )  # fmt: skip
@@ -139,8 +134,8 @@ def forced(prestress: float, omega: float, duration: float = 100.0) -> xr.Datase
         {"time": (("time",), times), "temperature": (("temperature",), TEMPERATURES),
          "prestress": ((), np.array(prestress)), "omega": ((), np.array(omega))},
         provenance.attributes(
-            ACTUATOR.replace("prestress=0.0", f"prestress={prestress}"),
-            f"SineSquared(b=0.4, omega={omega}, phase=0.0)", 1e-9, over=["temperature"],
+            ACTUATOR.replace(prestress=prestress),
+            rm.SineSquared(0.4, omega), 1e-9, over=["temperature"],
         ),
     )  # fmt: skip
 
@@ -157,8 +152,8 @@ def sections(prestress: float, omega: float, periods: int = 200) -> xr.Dataset:
         {"period": (("period",), numbers), "temperature": (("temperature",), TEMPERATURES),
          "prestress": ((), np.array(prestress)), "omega": ((), np.array(omega))},
         provenance.attributes(
-            ACTUATOR.replace("prestress=0.0", f"prestress={prestress}"),
-            f"SineSquared(b=0.4, omega={omega}, phase=0.0)", 1e-9, over=["temperature"],
+            ACTUATOR.replace(prestress=prestress),
+            rm.SineSquared(0.4, omega), 1e-9, over=["temperature"],
             periods=periods,
         ),
     )  # fmt: skip
@@ -190,7 +185,7 @@ def potential(m: float = 0.16) -> xr.Dataset:
             "stability": ((*two, "equilibrium"), np.full((2, 3, 1), "stable")),
         },
         _coords(thickness_stretch=(("thickness_stretch",), x)),
-        provenance.attributes(ACTUATOR, f"Constant(m={m})", 1e-9),
+        provenance.attributes(ACTUATOR, rm.Constant(m), 1e-9),
     )
 
 
@@ -219,7 +214,7 @@ def two_tolerances(periods: int = 200) -> xr.Dataset:
             period=(("period",), np.arange(periods + 1)),
             omega=(("prestress",), np.array([1.25, 1.08])),
         ),
-        provenance.attributes(ACTUATOR, "SineSquared(b=0.4, omega=1.0, phase=0.0)", None,
+        provenance.attributes(ACTUATOR, rm.SineSquared(0.4, 1.0), None,
                               over=["prestress", "temperature", "omega"], periods=periods),
     )  # fmt: skip
 
@@ -239,7 +234,7 @@ def drift(duration: float = 100.0) -> xr.Dataset:
     return build.dataset(
         {"energy_drift": (("solver", "prestress", "temperature", "time"), out)},
         _coords(solver=(("solver",), np.array(solvers())), time=(("time",), times)),
-        provenance.attributes(ACTUATOR, "Constant(m=0.16)", None),
+        provenance.attributes(ACTUATOR, rm.Constant(0.16), None),
     )
 
 
@@ -260,7 +255,7 @@ def valley() -> xr.Dataset:
             "reference_temperature": (("reference_temperature",), t0),
             "b": (("b",), b),
         },
-        provenance.attributes(ACTUATOR, "SineSquared(b=0.4, omega=1.0, phase=0.0)", 1e-6,
+        provenance.attributes(ACTUATOR, rm.SineSquared(0.4, 1.0), 1e-6,
                               over=["b", "reference_temperature"]),
     )  # fmt: skip
 
@@ -279,7 +274,7 @@ def two_wells() -> xr.Dataset:
             "stability": (("equilibrium",), words),
         },
         {"thickness_stretch": (("thickness_stretch",), x), "prestress": ((), np.array(s))},
-        provenance.attributes(ACTUATOR, f"Constant(m={m})", 1e-9),
+        provenance.attributes(ACTUATOR, rm.Constant(m), 1e-9),
     )
 
 
@@ -304,7 +299,7 @@ def basins_of_two() -> xr.Dataset:
             grid[1]: ((grid[1],), v),
             "state": (("state",), np.array(["stretch", "stretch_rate"])),
         },
-        provenance.attributes(ACTUATOR, "SineSquared(b=0.4, omega=1.2)", 1e-9, over=grid),
+        provenance.attributes(ACTUATOR, rm.SineSquared(0.4, 1.2), 1e-9, over=grid),
     )
     return found.rename({name: name.removeprefix("initial.") for name in grid})
 
@@ -325,7 +320,7 @@ def fold() -> xr.Dataset:
             "special_amplitude": (("special",), np.array([1.0])),
         },
         {},
-        provenance.attributes(ACTUATOR, "SineSquared(b=0.4, omega=1.0)", 1e-9),
+        provenance.attributes(ACTUATOR, rm.SineSquared(0.4, 1.0), 1e-9),
     )
 
 
@@ -350,7 +345,7 @@ def diagram() -> xr.Dataset:
             "special_amplitude": (spot, everywhere([0.6], 1)),
         },
         _coords(),
-        provenance.attributes(ACTUATOR, "SineSquared(b=0.4, omega=1.0)", 1e-9),
+        provenance.attributes(ACTUATOR, rm.SineSquared(0.4, 1.0), 1e-9),
     )
 
 
@@ -360,7 +355,7 @@ def resonance_orbits() -> xr.Dataset:
     return build.dataset(
         {"amplitude": ((*at, "orbit"), np.tile([0.4, 0.8, np.nan], (2, 3, 1)))},
         _coords(omega=(at, np.full((2, 3), 1.15))),
-        provenance.attributes(ACTUATOR, "SineSquared(b=0.4, omega=1.0)", 1e-9),
+        provenance.attributes(ACTUATOR, rm.SineSquared(0.4, 1.0), 1e-9),
     )
 
 
@@ -372,7 +367,7 @@ def beside_a_saddle() -> xr.Dataset:
         {"stretch": (("omega", "period"), x), "stretch_rate": (("omega", "period"), 1.4 - x)},
         {"omega": (("omega",), 1.15 + 1e-6 * np.array([-1.0, 1.0])),
          "period": (("period",), np.arange(30))},
-        provenance.attributes(ACTUATOR, "SineSquared(b=0.4, omega=1.0)", 1e-6, over=("omega",)),
+        provenance.attributes(ACTUATOR, rm.SineSquared(0.4, 1.0), 1e-6, over=("omega",)),
     )  # fmt: skip
 
 
@@ -393,7 +388,7 @@ def regimes() -> xr.Dataset:
             "rotation_number": (at, np.array([[0.1, np.nan, np.nan, 0.4]] * 2)),
         },
         {"b": (("b",), np.array([0.5, 3.0])), "omega": (("omega",), np.arange(1.0, 5.0))},
-        provenance.attributes(ACTUATOR, "SineSquared(b=0.4, omega=1.0)", 1e-6, over=at),
+        provenance.attributes(ACTUATOR, rm.SineSquared(0.4, 1.0), 1e-6, over=at),
     )
 
 

@@ -71,3 +71,21 @@ def test_multipliers_are_drawn_by_their_modulus() -> None:
         1.0,
         1.0,
     )
+
+
+def test_a_branch_without_attributes_is_drawn_against_a_parameter_that_is_named() -> None:
+    """What was followed is an attribute, omega without it; another one has to be passed."""
+    branch = synthetic.fold().drop_attrs()
+    other = branch.rename(omega="b", special_omega="special_b")
+    named = other.assign_attrs(parameter="b")
+    labels = []
+    for dataset, parameter in ((branch, None), (other, "b"), (named, None)):
+        axes = Figure().add_subplot()
+        plots.branch(dataset, parameter=parameter, ax=axes)
+        labels.append(axes.get_xlabel().rpartition(", ")[2])
+    assert labels == ["$\\omega$", "$b$", "$b$"]
+    with pytest.raises(InputError, match="Pass parameter="):
+        plots.branch(other)
+    axes = Figure().add_subplot()
+    plots.multipliers(branch, ax=axes)
+    assert axes.get_ylabel().startswith("modulus")

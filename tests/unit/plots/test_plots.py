@@ -87,6 +87,15 @@ def test_one_artist_per_member_with_its_colour(kind: str) -> None:
 
 
 @every_plot
+def test_attributes_may_be_missing(kind: str) -> None:
+    """What arithmetic drops is looked up by name, or left out; no picture needs it."""
+    draw, dataset = case(kind)
+    bare, full = (figure_of(draw(ds)).axes[0] for ds in (dataset.drop_attrs(), dataset))
+    assert bare.get_xlabel() == full.get_xlabel()
+    assert bare.get_ylabel() == full.get_ylabel()
+
+
+@every_plot
 def test_global_style_is_untouched(kind: str) -> None:
     """The house style applies inside a plot only."""
     before = dict(mpl.rcParams)

@@ -12,8 +12,10 @@ import pytest
 import xarray as xr
 from tests.unit.plots import synthetic
 
+import remanent as rm
 from remanent import plots
 from remanent.plots import footer, style
+from remanent.results import provenance
 
 
 def luminance(colour: tuple[float, ...]) -> float:
@@ -118,11 +120,10 @@ def test_footer_shows_the_selected_value() -> None:
 
 def test_footer_shows_parts_that_matter() -> None:
     """A part with values of its own is named with them; a neutral one is not."""
-    actuator = (
-        "Actuator(c=0.01, material=Gent(jm=30.0, entropic_fraction=0.9), "
-        "dissipation=(Rayleigh(eta=0.1), Rayleigh(eta=0.2)), magnet=Magnet())"
+    actuator = rm.Actuator(
+        c=0.01, material=rm.Gent(30.0, 0.9), dissipation=(rm.Rayleigh(0.1), rm.Rayleigh(0.2))
     )
-    found = footer.text(xr.Dataset(attrs={"actuator": actuator, "drive": "Constant(m=0.1)"}))
+    found = footer.text(xr.Dataset(attrs=provenance.attributes(actuator, rm.Constant(0.1), None)))
     assert "Gent ($J_m = 30$, $f = 0.9$)" in found
     assert r"Rayleigh ($\eta_{0} = 0.1$)" in found
     assert r"Rayleigh ($\eta_{1} = 0.2$)" in found
@@ -130,11 +131,13 @@ def test_footer_shows_parts_that_matter() -> None:
 
 
 def test_footer_survives_anything() -> None:
-    """What is not a call is written as it is, and never run."""
-    attrs = {"actuator": "Actuator(x=[1, 2], y=array([1.]))", "drive": "lambda $ not python"}
+    """What is no plain data is written as it is, and never run; nothing has to be there."""
+    attrs = {"system": "not JSON", "system_text": "x = [1, 2]", "drive_text": "lambda $ m"}
     found = footer.text(xr.Dataset(attrs=attrs))
+    assert "x = [1, 2]" in found
     assert r"\$" in found
     assert footer.text(xr.Dataset()) == ""
+    assert footer.text(xr.Dataset(attrs={"settings": "duration", "system": "[1]"})) == ""
 
 
 def test_footer_hides_what_was_varied_on_the_way() -> None:

@@ -39,7 +39,7 @@ KINDS: dict[str, tuple[Callable[..., Figure], Make, int]] = {
         6,
     ),
     "jump": (
-        dynamics_figures.jump,
+        dynamics_figures.jump_at_resonance,
         lambda: [
             synthetic.diagram().isel(prestress=0, temperature=1),
             synthetic.frequency_response(7, 10.0).isel(prestress=0, temperature=1),
@@ -59,14 +59,14 @@ def test_figures_render_and_change_nothing(kind: str) -> None:
     """Each renders without a warning, leaves its Datasets and the global style alone."""
     draw, make, panels = KINDS[kind]
     datasets = make()
-    before, rc = [one.copy(deep=True) for one in datasets], dict(mpl.rcParams)
+    before, rc = [dataset.copy(deep=True) for dataset in datasets], dict(mpl.rcParams)
     figure = draw(*datasets)
     figure.set_dpi(50)
     figure.canvas.draw()
     assert len(figure.axes) == panels
     assert dict(mpl.rcParams) == rc
-    for one, copy in zip(datasets, before, strict=True):
-        xr.testing.assert_identical(one, copy)
+    for dataset, copy in zip(datasets, before, strict=True):
+        xr.testing.assert_identical(dataset, copy)
 
 
 @every_figure
@@ -90,7 +90,7 @@ def test_nothing_sticks_out(kind: str) -> None:
     assert box.y1 <= height + 0.02
 
 
-def test_panels_of_figure_5_are_lettered_as_in_the_paper() -> None:
+def test_panels_of_figure_5_are_lettered_as_published() -> None:
     """Rows are temperatures; (a, c, e) are histories and (b, d, f) phase planes."""
     figure = figures.figure_5_or_6(
         synthetic.forced(0.0, 1.25, 10.0), synthetic.sections(0.0, 1.25, 12)
@@ -134,7 +134,7 @@ def test_pairs_of_sections_share_their_scale() -> None:
 
 def test_both_motions_beside_the_jump_and_the_saddle_are_drawn() -> None:
     """Panel (b) holds each motion in its colour, and the saddle where it is."""
-    axes = dynamics_figures.jump(
+    axes = dynamics_figures.jump_at_resonance(
         synthetic.diagram().isel(prestress=0, temperature=1),
         synthetic.frequency_response(7, 10.0).isel(prestress=0, temperature=1),
         synthetic.beside_a_saddle(),
@@ -146,12 +146,12 @@ def test_both_motions_beside_the_jump_and_the_saddle_are_drawn() -> None:
     assert float(np.ravel(saddle.get_xdata())[0]) == 1.4
 
 
-def test_the_papers_motions_lie_in_the_chart() -> None:
+def test_the_published_motions_lie_in_the_chart() -> None:
     """Their places are those of their own Dataset, within the axes."""
     cases = synthetic.cases()
     axes = dynamics_figures.chaos(synthetic.regimes(), cases).axes[0]
-    drawn = [(float(np.ravel(one.get_xdata())[0]), float(np.ravel(one.get_ydata())[0]))
-             for one in axes.lines]  # fmt: skip
+    drawn = [(float(np.ravel(line.get_xdata())[0]), float(np.ravel(line.get_ydata())[0]))
+             for line in axes.lines]  # fmt: skip
     assert drawn == list(zip(cases["omega"].values, cases["b"].values, strict=True))
     for x, y in drawn:
         assert axes.get_xlim()[0] < x < axes.get_xlim()[1]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from remanent._errors import InputError
-from remanent.results import build, provenance
+from remanent.results import build
 
 
 def test_everything_is_labelled() -> None:
@@ -48,22 +48,3 @@ def test_wrong_input_is_refused(variables: dict[str, build.Labelled], match: str
     """An unknown name or a wrong shape raises, naming it."""
     with pytest.raises(InputError, match=match):
         build.dataset(variables, {"time": (("time",), np.arange(3.0))}, {})
-
-
-def test_equal_runs_have_equal_provenance() -> None:
-    """Nothing in the attributes depends on when they were made."""
-    first = provenance.attributes("Actuator()", "Constant(0.1)", 1e-9, over=["omega"], every=2)
-    second = provenance.attributes("Actuator()", "Constant(0.1)", 1e-9, over=["omega"], every=2)
-    assert first == second
-    assert not {"time", "date", "history", "created"} & set(first)
-
-
-def test_provenance_says_what_made_it() -> None:
-    """Actuator, drive, tolerance, versions and settings are all there."""
-    found = provenance.attributes(
-        "A()", "D()", 1e-6, over=["b", "omega"], duration=100.0, every=None
-    )
-    assert (found["actuator"], found["drive"], found["tolerance"]) == ("A()", "D()", 1e-6)
-    assert (found["over"], found["settings"], found["duration"]) == ("b omega", "duration", 100.0)
-    assert {"remanent", "numpy", "llvmlite"} <= set(found["versions"].replace(",", "").split())
-    assert "every" not in found

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import csv
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,6 +12,7 @@ from matplotlib.mathtext import MathTextParser
 
 from remanent._errors import InputError
 from remanent._status import Status
+from remanent.results import schema
 from remanent.results.schema import FLAGS, TABLE, Kind, describe, flag_attributes
 
 UNITS = {"1", "rad", "K", "K-1"}
@@ -23,6 +26,16 @@ def test_every_row_has_unit_meaning_and_symbol(name: str) -> None:
     assert row.units in UNITS
     assert re.fullmatch(r"[A-Za-z0-9 ,-]+", row.long_name)
     assert row.symbol
+
+
+def test_every_name_has_one_line() -> None:
+    """No name stands twice in the file, and no line has a column too few or too many."""
+    text = Path(str(schema.__file__)).with_name("variables.csv").read_text("utf-8")
+    lines = [line for line in text.splitlines() if not line.startswith("#")]
+    rows = list(csv.reader(lines, skipinitialspace=True))
+    assert rows[0] == ["name", "units", "kind", "dims", "symbol", "long_name"]
+    assert {len(row) for row in rows} == {6}
+    assert [row[0] for row in rows[1:]] == list(TABLE)
 
 
 @pytest.mark.parametrize("name", TABLE)
@@ -83,7 +96,7 @@ def test_numbered_parts_have_different_symbols() -> None:
 @pytest.mark.parametrize("name", ["strech", "stretch_errors", "nonsense.eta", ""])
 def test_an_unknown_name_is_refused(name: str) -> None:
     """A misspelt variable raises, and the message says where the table is."""
-    with pytest.raises(InputError, match=r"results/schema\.py"):
+    with pytest.raises(InputError, match=r"results/variables\.csv"):
         describe(name)
 
 

@@ -11,7 +11,7 @@ from remanent._checks import Rule, require_real, shortened
 from remanent._errors import InputError
 from remanent._typing import FloatArray
 from remanent.analysis.inference.ringdown import DecayFit, fit_decay
-from remanent.results import build
+from remanent.results import build, provenance
 from remanent.results.build import Labelled
 from remanent.results.checks import require_dataset
 
@@ -30,8 +30,6 @@ _NAMES = (
     "damping_ratio",
     "damping_ratio_error",
 )
-#: Attributes of the history that hold for its decay too.
-_KEPT_ATTRIBUTES = ("actuator", "drive", "versions")
 
 
 def logarithmic_decrement(
@@ -99,7 +97,7 @@ def logarithmic_decrement(
     coords: dict[str, Labelled] = {
         str(d): ((str(d),), history[d].values) for d in motion_dims if d in history.coords
     }
-    attributes = {k: v for k, v in history.attrs.items() if k in _KEPT_ATTRIBUTES}
+    attributes = {k: v for k, v in history.attrs.items() if k in provenance.ORIGIN}
     return build.dataset(variables, coords, attributes)
 
 

@@ -4,35 +4,41 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 import xarray as xr
 
 from remanent._errors import InputError
-from remanent._typing import FloatArray
+from remanent._typing import ArrayLike, FloatArray
 from remanent.analysis.orbits.periodic_orbits import Orbits
 from remanent.analysis.orbits.switching import crossing_branch_point
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
+from remanent.results import provenance
 from remanent.results.checks import require_dataset
+from remanent.studies.ensemble.checks import require_parameter, require_range
 from remanent.studies.ensemble.durations import require_count
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.layout import lay_out
 from remanent.studies.orbits._branch_tables import describe_branches, label_branches
 from remanent.studies.orbits._tracing import Branch, Tracing, TracingOptions, trace_through
 
-#: Kinds of special points where other branches start, and how many times longer the period of
-#: their orbits is.
-_PERIOD_FACTORS = MappingProxyType({"period doubling": 2, "branch point": 1})
+#: Where other branches start, and how many times longer the period of their orbits is.
+_PERIOD_FACTORS: Final[Mapping[str, int]] = MappingProxyType(
+    {"period doubling": 2, "branch point": 1}
+)
 
 
 def switch_branch(
-    system: System,
-    drive: Drive,
     branch: xr.Dataset,
-    special: int = 0,
+    special_point: int = 0,
     *,
+    system: System | None = None,
+    drive: Drive | None = None,
+    parameter: str | None = None,
+    parameter_range: ArrayLike | None = None,
+    orbit_period: int | None = None,
     state_box: Mapping[str, Any] | None = None,
     max_points: int = 1000,
     tolerance: float = 1e-9,
@@ -41,19 +47,27 @@ def switch_branch(
 
     Parameters
     ----------
-    system, drive : System, Drive
-        Those of the branch.
     branch : xarray.Dataset
-        A result of :func:`remanent.continue_orbit`, without `over`, or of this verb.
-    special : int
-        Number of a special point of `branch`: a ``period doubling``, where the branch of twice
-        the period starts, or a ``branch point``, where another of the same period does (the
-        pair of orbits that break a symmetry).
-    state_box : mapping of name to (lower, upper), optional
-        Range of each state variable at phase 0, such as ``{"stretch": (0.3, 4.0)}``; the
+        A result of :func:`remanent.continue_orbit` or of this verb.
+    special_point : int
+        The number of one of its special points: a ``period doubling``, where the branch of
+        twice the period starts, or a ``branch point``, where another of the same period does
+        (the pair of orbits that break a symmetry).
+    system, drive : System and Drive, optional
+        Those of the branch; by default they are read from its attributes, which arithmetic
+        drops.
+    parameter : str, optional
+        The field that changes along the branch; by default read from its attributes.
+    parameter_range : (float, float), optional
+        The lowest and the highest value of that field on the new branch; by default those of
+        `branch`.
+    orbit_period : int, optional
+        Of the orbits on `branch`, in drive periods; by default read from its attributes.
+    state_box : mapping of str to (float, float), optional
+        Range of each state variable at phase 0, such as ``{"stretch": (0.3, 4.0)}``; the new
         branch ends where it leaves the box.
     max_points : int
-        In each direction from the special point.
+        The largest number of points in each direction from the special point.
     tolerance : float
         Of the residual: the distance of the orbit's point from its image.
 
@@ -61,19 +75,19 @@ def switch_branch(
     -------
     xarray.Dataset
         The same variables as of :func:`remanent.continue_orbit`: along ``point`` the parameter,
-        within the range of the first branch, the state at phase 0, ``multipliers``,
-        ``stability`` and extremes; along ``special`` its special points; along ``end`` why it
-        ended.
+        the state at phase 0, ``multipliers``, ``stability`` and extremes; along ``special`` its
+        special points; along ``end`` why it ended.
 
     Raises
     ------
     InputError
-        A bad argument, another kind of special point, or a branch that is not reached.
+        A bad argument, another kind of special point, a branch that does not say what made
+        it, or no other branch that is reached.
 
     See Also
     --------
-    continue_orbit : Follow the first branch.
-    periodic_orbits : Find orbits of any period without a branch.
+    remanent.continue_orbit : the branch to start from.
+    remanent.periodic_orbits : orbits of any period, without a branch.
 
     Notes
     -----
@@ -87,52 +101,95 @@ def switch_branch(
     >>> forced = rm.continue_orbit(damped, drive, "omega", (2.25, 2.45))
     >>> forced.special_kind.values.tolist()
     ['period doubling', 'period doubling']
-    >>> doubled = rm.switch_branch(damped, drive, forced, 1)
+    >>> doubled = rm.switch_branch(forced, 1)
     >>> doubled.attrs["orbit_period"], set(doubled.stability.values.tolist()) >= {"stable"}
     (2, True)
     """
-    kind = _require_switch(branch, special)
-    parameter = str(branch.attrs.get("parameter", "omega"))
-    period = int(branch.attrs["orbit_period"]) * _PERIOD_FACTORS[kind]
+    kind, number = _require_switch(branch, special_point)
+    system, drive = _made_by(branch, system, drive)
+    parameter = _given(branch, "parameter", parameter)
+    single_period = require_count(
+        "orbit_period",
+        _given(branch, "orbit_period", orbit_period),
+        "Orbits close after whole drive periods.",
+    )
     ens = lay_out(system, drive)
-    low, high = branch.attrs["parameter_range"]
-    limits = (float(low), float(high))
+    require_parameter("parameter", parameter, ens)
+    limits = require_range(
+        "parameter_range",
+        _given(branch, "parameter_range", parameter_range),
+        parameter,
+        ens,
+        "The branch is followed between them.",
+    )
+    period = single_period * _PERIOD_FACTORS[kind]
     options = TracingOptions(parameter, limits, state_box, period, max_points, tolerance)
     options.check(ens)
-    crossing = _crossing(branch, special, ens, parameter)
+    crossing = _crossing(branch, number, ens, parameter)
     branches = _cross(options.tracing(ens), crossing, kind)
     tables = [describe_branches(ens, branches, options)]
     return label_branches(ens, tables, options, single=True, parameter=parameter)
 
 
-def _require_switch(branch: xr.Dataset, special: int) -> str:
-    """The kind of a special point, where another branch starts there."""
+def _require_switch(branch: xr.Dataset, special_point: int) -> tuple[str, int]:
+    """The kind and the number of a special point at which another branch starts."""
+    number = require_count("special_point", special_point, "It is the number of one.", 0)
     if "special_kind" not in require_dataset("branch", branch):
         raise InputError(
             "branch",
             must="have special points",
             got=f"variables {', '.join(map(str, branch.data_vars)) or 'none'}",
-            why="The other branch starts at one of them.",
-            fix="Pass a result of continue_orbit.",
+            why="Another branch starts at one of them.",
+            fix="Pass the result of continue_orbit.",
         )
     kinds = [str(kind) for kind in branch["special_kind"].values.ravel()]
-    number = require_count("special", special, "It is the number of a special point.", 0)
-    known = number < len(kinds) and kinds[number] in _PERIOD_FACTORS
-    if not known or "orbit_period" not in branch.attrs:
+    if number >= len(kinds) or kinds[number] not in _PERIOD_FACTORS:
         raise InputError(
-            "special",
+            "special_point",
             must="be the number of a period doubling or of a branch point",
-            got=special,
+            got=number,
             why=f"The special points are {kinds}.",
-            fix="Pass one of these, of a result of continue_orbit.",
+            fix="Pass the number of such a point, from 0.",
         )
-    return kinds[number]
+    return kinds[number], number
 
 
-def _crossing(branch: xr.Dataset, special: int, ens: Ensemble, parameter: str) -> FloatArray:
+def _made_by(
+    branch: xr.Dataset, system: System | None, drive: Drive | None
+) -> tuple[System, Drive]:
+    """The system and the drive of a branch, unless they are given."""
+    several = provenance.varying(branch)
+    if several and (system is None or drive is None):
+        raise InputError(
+            "branch",
+            must="be that of one system and one drive",
+            got=f"several values of {several}",
+            why="A branch is followed for one value of every other field.",
+            fix="Select one, branch.isel(...) without drop=True, or pass system=... and drive=....",
+        )
+    return (
+        provenance.read_system(branch) if system is None else system,
+        provenance.read_drive(branch) if drive is None else drive,
+    )
+
+
+def _given(branch: xr.Dataset, name: str, value: Any) -> Any:
+    """A setting of the branch: as it is given, else from the attributes."""
+    if value is None and name not in branch.attrs:
+        raise InputError(
+            name,
+            must="be given, or be an attribute of the branch",
+            got="neither",
+            why="Arithmetic drops attributes.",
+            fix=f"Pass {name}=... as it was for the branch.",
+        )
+    return branch.attrs[name] if value is None else value
+
+
+def _crossing(branch: xr.Dataset, number: int, ens: Ensemble, parameter: str) -> FloatArray:
     """Where the branches cross, array (state + 1,)."""
     names = [f"special_{name}" for name in (*ens.field.state, parameter)]
-    return np.array([float(branch[name].values.ravel()[special]) for name in names])
+    return np.array([float(branch[name].values.ravel()[number]) for name in names])
 
 
 def _cross(tracing: Tracing, crossing: FloatArray, kind: str) -> list[Branch]:
@@ -142,7 +199,7 @@ def _cross(tracing: Tracing, crossing: FloatArray, kind: str) -> list[Branch]:
     )
     if point is None:
         raise InputError(
-            "special",
+            "special_point",
             must="have another branch beside it",
             got=kind,
             why="No point of one was reached by short steps across the branch.",

@@ -72,10 +72,10 @@ class ExponentEstimator:
     def __call__(self, indices: IntArray, cancelled: Callable[[], bool]) -> dict[str, np.ndarray]:
         """Exponents of a subset of the trajectories, by name.
 
-        Several exponents are judged with their tangents, since their sums are known better
-        than each of them.  One exponent is estimated from steps that suit the state, which
-        are cheaper; where these turn out to matter more than chance, the trajectory is
-        followed again with steps that suit the tangent too.
+        For several exponents the tangents take part in the choice of steps, since their sums
+        are known better than each of them.  One exponent is estimated from steps that suit
+        the state, which are cheaper; where these turn out to matter more than chance, the
+        trajectory is followed again with steps that suit the tangent too.
         """
         if self.count > 1:
             return _with_total_error(self._estimate(indices, "all", cancelled))

@@ -20,17 +20,20 @@ import json
 import os
 from collections.abc import Hashable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Final, Literal
 
 import numpy as np
 import xarray as xr
 
 from remanent._errors import InputError
+from remanent.results.atomic import replaced_whole
 
 __all__ = ["read", "write"]
 
-_DTYPE = "remanent_dtype"
-_LABELS = ("flag_values", "flag_meanings", "flag_labels")
+#: Attribute with the type that a variable had, where the file holds another.
+_DTYPE: Final = "remanent_dtype"
+#: Attributes that say which words the codes of a variable stand for.
+_LABELS: Final = ("flag_values", "flag_meanings", "flag_labels")
 
 
 def write(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
@@ -38,9 +41,9 @@ def write(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
 
     Parameters
     ----------
-    dataset
+    dataset : xarray.Dataset
         Any result of this package.
-    path
+    path : str or path
         The file; an existing one is replaced in one step.
 
     Returns
@@ -53,16 +56,21 @@ def write(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
         A variable holds objects, or integers too large for a float64.
     """
     path = Path(path)
-    part = path.with_name(f"{path.name}.part")
     plain = _plain(dataset)
-    plain.to_netcdf(
-        part,
-        engine="h5netcdf",
-        format="NETCDF4_CLASSIC",
-        encoding={name: {"_FillValue": None} for name in plain.variables},
-    )
-    part.replace(path)
+    with replaced_whole(path) as part:
+        plain.to_netcdf(
+            part,
+            engine="h5netcdf",
+            format=_format(plain),
+            encoding={name: {"_FillValue": None} for name in plain.variables},
+        )
     return path
+
+
+def _format(dataset: xr.Dataset) -> Literal["NETCDF4", "NETCDF4_CLASSIC"]:
+    """The classic model, unless several dimensions are empty: it has one such at most."""
+    empty = [dim for dim, length in dataset.sizes.items() if length == 0]
+    return "NETCDF4" if len(empty) > 1 else "NETCDF4_CLASSIC"
 
 
 def read(path: str | os.PathLike[str]) -> xr.Dataset:
@@ -70,7 +78,7 @@ def read(path: str | os.PathLike[str]) -> xr.Dataset:
 
     Parameters
     ----------
-    path
+    path : str or path
         The file; it is closed again before this returns.
 
     Returns
@@ -123,9 +131,11 @@ def _join_complex(variables: Mapping[str, xr.Variable]) -> dict[str, xr.Variable
             joined[name] = variable
         elif name.endswith("_real"):
             base = name.removesuffix("_real")
-            values = variable.values + 1j * variables[f"{base}_imag"].values
+            # Not real + 1j*imag, which loses signs of zeros and makes infinities NaN.
+            values = np.empty(variable.shape, dtype=kind)
+            values.real, values.imag = variable.values, variables[f"{base}_imag"].values
             attrs = {k: v for k, v in variable.attrs.items() if k != _DTYPE}
-            joined[base] = xr.Variable(variable.dims, values.astype(kind), attrs)
+            joined[base] = xr.Variable(variable.dims, values, attrs)
     return joined
 
 
@@ -211,6 +221,14 @@ def _attribute(value: Any) -> Any:
     if isinstance(value, str):
         return value or " "
     number = np.asarray(value)
+    if number.dtype.kind not in "biufU":
+        raise InputError(
+            "attrs",
+            must="hold text and numbers",
+            got=repr(value)[:80],
+            why="Other programs read them.",
+            fix="Remove that attribute, or write it as text.",
+        )
     if number.dtype.kind in "biu" and number.dtype not in (np.int8, np.int16, np.int32):
         number = number.astype(np.int8) if number.dtype.kind == "b" else _narrow("attrs", number)
     return number if number.ndim else number[()]

@@ -1,0 +1,103 @@
+"""Laws of values as plain data."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from dataclasses import fields
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from tests.contracts.test_drives import DRIVES
+from tests.contracts.test_elements import ELEMENTS
+from tests.contracts.test_materials import MATERIALS
+
+import remanent as rm
+from remanent.models.plain import from_plain, to_plain
+
+PARTS: dict[str, Any] = {
+    **MATERIALS,
+    **ELEMENTS,
+    **DRIVES,
+    "heat": rm.Heat(1e-3, 0.1),
+    "magnet": rm.Magnet(-1e-3, "rotation", 0.163),
+    "actuator": rm.Actuator(prestress=(0.1, 1 / 3), edges=(1, 2), heat=rm.Heat(), c=0.1),
+}
+POSITIVE = st.floats(min_value=1e-300, max_value=1e300, allow_subnormal=False)
+
+
+@pytest.mark.parametrize("value", PARTS.values(), ids=PARTS.keys())
+def test_every_kind_of_part_comes_back(value: Any) -> None:
+    """from_plain(to_plain(x)) = x, through JSON, with the same repr and the same equations."""
+    rebuilt = from_plain(json.loads(json.dumps(to_plain(value))))
+    assert type(rebuilt) is type(value)
+    assert rebuilt == value
+    assert repr(rebuilt) == repr(value)
+    assert rebuilt.structure() == value.structure()
+    for field in fields(value):
+        assert getattr(rebuilt, field.name) == getattr(value, field.name)
+
+
+@given(POSITIVE, st.floats(allow_nan=False, allow_infinity=False), st.lists(POSITIVE, min_size=1))
+def test_numbers_come_back_bit_for_bit(omega: float, m: float, loads: list[float]) -> None:
+    """JSON writes the shortest decimal that is read as the same float."""
+    sines = rm.Sines(loads, range(1, len(loads) + 1), omega, mean=m)
+    rebuilt = from_plain(json.loads(json.dumps(to_plain(sines))))
+    assert rebuilt.loads == sines.loads
+    assert (rebuilt.omega.hex(), rebuilt.mean.hex()) == (sines.omega.hex(), sines.mean.hex())
+
+
+def test_a_study_file_holds_the_same_table() -> None:
+    """The tables of a TOML file, with their `kind`, are those of `to_plain`."""
+    text = """
+    kind = "Actuator"
+    temperature = 350
+    dissipation = [{ kind = "Rayleigh", eta = 0.05 }]
+    material = { kind = "Gent", jm = 50 }
+    """
+    system = from_plain(tomllib.loads(text))
+    assert system == rm.Actuator(
+        temperature=350.0, dissipation=rm.Rayleigh(0.05), material=rm.Gent(50.0)
+    )
+    table = to_plain(system)
+    assert table["material"] == {"kind": "Gent", "jm": 50.0, "entropic_fraction": 1.0}
+    assert None not in table.values()
+
+
+@pytest.mark.parametrize(
+    ("table", "match"),
+    [
+        ({}, "`kind` must be one of Actuator"),
+        ({"kind": "simulate"}, "'simulate'"),
+        ({"kind": "Material"}, "'Material'"),
+        ({"kind": "os.system"}, "os.system"),
+        ({"kind": "Gent"}, "`jm` must be given for Gent"),
+        ({"kind": "Gent", "jm": 50, "jn": 1}, "`jn` must be a field of Gent"),
+        ({"kind": "Gent", "jm": -1}, "greater than 0"),
+        ({"kind": "Actuator", "material": {"jm": 50}}, "`material` must be a Material"),
+        ({"kind": "Actuator", "material": {"kind": "Rayleigh", "eta": 1}}, "be a Material"),
+        ([], "`kind`"),
+    ],
+)
+def test_wrong_tables_are_refused_in_words(table: Any, match: str) -> None:
+    """Unknown kinds and fields, missing fields and broken rules raise, naming the field."""
+    with pytest.raises(rm.InputError, match=match):
+        from_plain(table)
+
+
+def test_a_class_of_the_same_name_is_told_apart() -> None:
+    """A class of somebody's own never stands for the public one."""
+    own = type("Gent", (rm.Gent,), {})(50.0)
+    kind = to_plain(own)["kind"]
+    assert kind != "Gent"
+    with pytest.raises(rm.InputError, match="of your own"):
+        from_plain({"kind": kind, "jm": 50.0})
+
+
+@pytest.mark.parametrize("value", [3.0, rm.Gent, None, {"kind": "Gent"}])
+def test_only_values_of_a_model_have_a_table(value: Any) -> None:
+    """A number or a class is no part of a model."""
+    with pytest.raises(rm.InputError, match="plain data only"):
+        to_plain(value)
