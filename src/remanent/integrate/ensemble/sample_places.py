@@ -71,8 +71,13 @@ class SamplePlaces:
 
     def subset(self, where: BoolArray) -> Self:
         """Some of the places."""
-        columns = (self.row, self.column, self.time, self.step, self.part)
-        return type(self)(*(values[where] for values in columns))
+        return type(self)(
+            self.row[where],
+            self.column[where],
+            self.time[where],
+            self.step[where],
+            self.part[where],
+        )
 
     def up_to(self, horizon: FloatArray) -> Self:
         """Those not beyond the horizons of their trajectories, array (trajectory,)."""

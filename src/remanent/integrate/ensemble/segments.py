@@ -72,7 +72,7 @@ class Segment:
     @property
     def first_step(self) -> int:
         """Fine steps of the piece before the segment."""
-        return 2 * (self.first * self.resolution + self.part.start)
+        return int(2 * (self.first * self.resolution + self.part.start))
 
     @property
     def step(self) -> FloatArray:
