@@ -27,7 +27,7 @@ class InputError(RemanentError, ValueError):
         The remedy, a sentence.  An argument it names stands in backticks.
     """
 
-    def __init__(self, name: str, must: str, got: object, why: str, fix: str) -> None:
+    def __init__(self, name: str, *, must: str, got: object, why: str, fix: str) -> None:
         self.name, self.must, self.got, self.why, self.fix = name, must, got, why, fix
         super().__init__(f"`{name}` must {must}; got {got}. {why} {fix}")
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from typing import Any
 
 import numpy as np
@@ -98,15 +99,49 @@ def test_bits_depend_on_nothing_but_the_trajectory(kind: type[Drive], asked: str
     assert_same(run(drive, asked, everybody, workers=3, sizes=sizes), reference, everybody)
 
 
-@pytest.mark.parametrize("asked", ["strobe", "extremes"])
-def test_bits_do_not_depend_on_the_length_of_segments(asked: str) -> None:
+@pytest.mark.parametrize(("kind", "asked"), kinds())
+def test_bits_do_not_depend_on_the_length_of_segments(kind: type[Drive], asked: str) -> None:
     """Determinism: a run cut into kernel calls of any length."""
-    drive = rm.Sine(0.5, 3.0, 0.1)
+    drive = random_drive(kind, np.random.default_rng([7, DRIVES.index(kind)]), LONGEST)
     everybody = np.arange(COUNT)
     reference = run(drive, asked, everybody)
     for steps in (64, 300):
         sizes = WorkSizes(fewest_steps=steps, most_steps=steps)
         assert_same(run(drive, asked, everybody, sizes=sizes), reference, everybody)
+
+
+def answers(verb: str, drive: Drive, over: dict[str, Any]) -> xr.Dataset:
+    """What a verb says of the motion under a drive."""
+    body = rm.Actuator(dissipation=rm.Rayleigh(0.1))
+    if verb == "simulate":
+        return rm.simulate(body, drive, times=np.linspace(0.0, 30.0, 77), over=over)
+    if verb == "crossings":
+        return rm.crossings(body, drive, "thickness_stretch_rate", 0.0, duration=30.0, over=over)
+    return rm.energy_balance(body, drive, duration=30.0, over=over)
+
+
+@pytest.mark.parametrize("drive", [rm.Sine(0.5, 3.0, 0.1), rm.Constant(0.2)], ids=["sine", "level"])
+@pytest.mark.parametrize("verb", ["simulate", "crossings", "energy_balance"])
+def test_verbs_do_not_depend_on_the_size_of_over(verb: str, drive: Drive) -> None:
+    """Determinism: one case, 8 cases, and 2048 cases of ``over`` agree bit for bit."""
+    count = 2048
+    rng = np.random.default_rng(4)
+    values = {
+        "c": 10.0 ** rng.uniform(-3.0, 0.0, count),
+        "temperature": 293.0 * rng.uniform(0.5, 2.0, count),
+        "prestress": rng.uniform(-1.0, 2.0, count),
+    }
+
+    def over(rows: IntArray) -> dict[str, Any]:
+        return {name: xr.DataArray(v[rows], dims="case") for name, v in values.items()}
+
+    large = answers(verb, drive, over(np.arange(count)))
+    order = rng.permutation(count)
+    for rows in (order[:8], order[8:9]):
+        small = answers(verb, drive, over(rows))
+        # The table of crossings is as wide as the longest row needs.
+        select: dict[Hashable, Any] = {name: slice(0, n) for name, n in small.sizes.items()}
+        xr.testing.assert_equal(small, large.isel({**select, "case": rows}))
 
 
 def test_verbs_are_deterministic_in_any_order() -> None:

@@ -74,10 +74,10 @@ def equations(system: System) -> Equations:
     if not isinstance(system, Actuator):
         raise InputError(
             "system",
-            "be an actuator",
-            repr(system)[:80],
-            "Only its equations can be typeset.",
-            "Pass for example rm.Actuator().",
+            must="be an actuator",
+            got=repr(system)[:80],
+            why="Only its equations can be typeset.",
+            fix="Pass for example rm.Actuator().",
         )
     motion = block.motion(system, None)
     rows = second_order(motion)

@@ -217,18 +217,19 @@ class _Steps:
         k = number.astype(np.int64)
         i, j = self.row[k], self.step[k]
         window, finder = self.window, self.finder
+        span = part * window.segment.span
         parameters = window.parameters[:, i]
         states = dense.partial_step(
             finder.field, default_method(), finder.waveform,
             states=window.states[i, j], parameters=list(parameters),
-            phase=window.phase[j], span=part * window.span, time=part * window.step[i],
+            phase=window.phase[j], span=span, time=part * window.segment.step[i],
         )  # fmt: skip
-        phase = window.phase[j] + part * window.span
+        phase = window.phase[j] + span
         return *finder.observed(list(states.T), parameters, phase), states
 
     def time(self, part: FloatArray) -> FloatArray:
         """Time at a fraction of each step, tau."""
-        return self.window.start[self.row] + (self.step + part) * self.window.step[self.row]
+        return self.window.segment.time(self.step, part, self.row)
 
     def passages(self, low: FloatArray, high: FloatArray) -> Crossings:
         """The passage in each of the steps, between two fractions of it."""

@@ -289,12 +289,13 @@ def _regimes(e: ClaimEvidence, row: int) -> tuple[list[str], str]:
     return regimes, (
         f"At S = {PRESTRESSES[row]:g}, ω = {FREQUENCIES[row]:g}, T = 250, 350, 400 K the motion is "
         f"{', '.join(regimes)}, judged after "
-        f"{_format_list(dataset['run_periods'].values, '.0f')} drive periods. Lyapunov exponents {exponents}; weighted averages agree to "
+        f"{_format_list(dataset['run_periods'].values, '.0f')} drive periods. "
+        f"Lyapunov exponents {exponents}; weighted averages agree to "
         f"{_format_list(dataset['digits'].values, '.1f')} digits; turns per period "
         f"{_format_list(dataset['rotation_number'].values)}, known to "
         f"{_format_list(dataset['rotation_digits'].values, '.1f')} digits. "
-        "The weakest evidence clears "
-        f"its line by the factors {_format_list(dataset['margin'].values, '.2f')}."
+        "The weakest evidence clears its line by the factors "
+        f"{_format_list(dataset['margin'].values, '.2f')}."
     )
 
 

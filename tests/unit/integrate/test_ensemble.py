@@ -15,6 +15,7 @@ from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Outcome, Problem, Request
 from remanent.integrate.ensemble.resolution import round_up_resolution
 from remanent.integrate.ensemble.work_sizes import WorkSizes
+from remanent.integrate.events import find_crossings
 
 DRIVEN = Oscillator(-sp.sin(Q) + sp.Symbol("a") * SINE, {"a": 0.0})
 RUNAWAY = Oscillator(Q**3, {})
@@ -27,6 +28,15 @@ def driven(count: int = 24) -> Problem:
     start = np.column_stack([rng.uniform(-3.0, 3.0, count), rng.uniform(-1.0, 1.0, count)])
     duration = rng.uniform(40.0, 120.0, count)
     return problem(DRIVEN, start, duration, period=3.0, a=np.linspace(0.0, 2.0, count))
+
+
+def crowd(count: int) -> Problem:
+    """Pendulums whose periods, resolutions and durations all differ."""
+    rng = np.random.default_rng(15)
+    start = np.column_stack([rng.uniform(-3.0, 3.0, count), rng.uniform(-1.0, 1.0, count)])
+    period, load = rng.uniform(1.0, 9.0, count), rng.uniform(0.0, 2.0, count)
+    everybody = problem(DRIVEN, start, rng.uniform(5.0, 60.0, count), period=1.0, a=load)
+    return replace(everybody, timeline=replace(everybody.timeline, lengths=period[None]))
 
 
 def subset(whole: Problem, which: np.ndarray) -> Problem:
@@ -63,6 +73,28 @@ def assert_same(a: list[np.ndarray], b: list[np.ndarray]) -> None:
         np.testing.assert_array_equal(x, y)
 
 
+def assert_same_states(
+    outcome: Outcome,
+    reference: Outcome,
+    problem: Problem,
+    request: Request,
+    rows: np.ndarray | slice = slice(None),
+) -> None:
+    """The states of the run of each trajectory, up to its horizon."""
+    if outcome.states is None or reference.states is None:
+        assert outcome.states is reference.states
+        return
+    count = outcome.states.shape[1]
+    if request.times is not None:
+        times = request.times[rows]
+    else:
+        times = request.strobe * problem.timeline.lengths[0][:, None] * np.arange(count)
+    end = np.minimum(outcome.horizon, problem.duration)
+    inside = times <= end[:, None]
+    assert np.isfinite(outcome.states[inside]).all()
+    np.testing.assert_array_equal(outcome.states[inside], reference.states[rows, :count][inside])
+
+
 @pytest.mark.parametrize("kind", [0, 1, 2], ids=["times", "strobe", "extremes"])
 def test_bits_do_not_depend_on_the_company(kind: int) -> None:
     """Alone, in any order, and in parts of any size: the same bits (law: Determinism)."""
@@ -97,30 +129,84 @@ def test_bits_do_not_depend_on_the_threads(workers: int) -> None:
     np.testing.assert_array_equal(seen(found, request.times), seen(reference, request.times))
 
 
+@pytest.mark.parametrize("kind", [0, 1, 2], ids=["times", "strobe", "extremes"])
 @pytest.mark.parametrize(
     "sizes",
     [
         pytest.param(WorkSizes(chunk_steps=1), id="chunks"),
         pytest.param(WorkSizes(samples=13), id="samples"),
-        pytest.param(
-            WorkSizes(fewest_steps=64, most_steps=64),
-            id="segments",
-            marks=pytest.mark.xfail(
-                reason="the place of a sample in its step is counted from the start of its segment,"
-                " so that the last digits of states at given times depend on the cuts",
-            ),
-        ),
+        pytest.param(WorkSizes(fewest_steps=64, most_steps=64), id="segments"),
+        pytest.param(WorkSizes(fewest_steps=300, most_steps=300), id="longer-segments"),
     ],
 )
-def test_bits_do_not_depend_on_work_sizes(sizes: WorkSizes) -> None:
+def test_bits_do_not_depend_on_work_sizes(sizes: WorkSizes, kind: int) -> None:
     """Chunks, segments and blocks of samples of any size: the same bits."""
-    whole = driven(12)
-    request = requests(whole)[0]
-    reference = integrate(whole, request, tolerance=1e-9)
-    found = integrate(whole, request, tolerance=1e-9, sizes=sizes)
-    assert_same(columns(found), columns(reference))
-    assert request.times is not None
-    np.testing.assert_array_equal(seen(found, request.times), seen(reference, request.times))
+    everybody = crowd(12)
+    request = requests(everybody)[kind]
+    reference = integrate(everybody, request, tolerance=1e-9)
+    again = integrate(everybody, request, tolerance=1e-9, sizes=sizes)
+    assert_same(columns(again), columns(reference))
+    assert_same_states(again, reference, everybody, request)
+
+
+@pytest.fixture(scope="module")
+def large() -> Problem:
+    """So many trajectories that the default sizes cut their runs into many kernel calls."""
+    return crowd(4096)
+
+
+@pytest.mark.parametrize("kind", [0, 1, 2], ids=["times", "strobe", "extremes"])
+def test_bits_do_not_depend_on_thousands_of_others(large: Problem, kind: int) -> None:
+    """Alone, among 8, among 4096, and there with other sizes and workers: the same bits.
+
+    Law: Determinism.
+    """
+    request = requests(large)[kind]
+    reference = integrate(large, request, tolerance=1e-8)
+    assert np.unique(reference.resolution).size > 4
+    sizes = WorkSizes(chunk_steps=2.0**19, segment_records=2**15, samples=1000)
+    again = integrate(large, request, tolerance=1e-8, workers=3, sizes=sizes)
+    assert_same(columns(again), columns(reference))
+    assert_same_states(again, reference, large, request)
+    rows = np.random.default_rng(9).permutation(4096)[:13]
+    for part in (rows[:8], *rows[8:, None]):
+        times = None if request.times is None else request.times[part]
+        few = subset(large, part)
+        outcome = integrate(few, replace(request, times=times), tolerance=1e-8)
+        assert_same(columns(outcome), columns(reference, part))
+        assert_same_states(outcome, reference, few, request, part)
+
+
+def test_crossings_do_not_depend_on_thousands_of_others(large: Problem) -> None:
+    """Times, states and directions alone, among 8, and among 4096 (law: Determinism)."""
+    passages, _ = find_crossings(large, "position", 0.3, tolerance=1e-8)
+    rows = np.random.default_rng(10).permutation(4096)[:13]
+    for part in (rows[:8], *rows[8:, None]):
+        few, _ = find_crossings(subset(large, part), "position", 0.3, tolerance=1e-8, workers=1)
+        for k, row in enumerate(part):
+            mine, reference = few.trajectory == k, passages.trajectory == row
+            for name in ("time", "states", "direction"):
+                np.testing.assert_array_equal(
+                    getattr(few, name)[mine], getattr(passages, name)[reference]
+                )
+
+
+def test_times_at_the_ends_of_cycles_are_all_reached() -> None:
+    """A state for every time within rounding of the end of a cycle, wherever a run is cut."""
+    count = 8
+    turns = np.arange(1, 400)
+    everybody = crowd(count)
+    period = everybody.timeline.lengths[0]
+    everybody = replace(everybody, duration=400 * period, initial=0.1 * everybody.initial)
+    ends = period[:, None] * turns
+    grids = [np.nextafter(ends, 0.0), ends, np.nextafter(ends, np.inf)]
+    times = np.stack(grids, axis=-1).reshape(count, -1)
+    for sizes in (WorkSizes(), WorkSizes(fewest_steps=64, most_steps=64)):
+        outcome = integrate(everybody, Request(times=times), tolerance=1e-6, sizes=sizes)
+        assert outcome.states is not None
+        reached = times <= outcome.horizon[:, None]
+        assert reached.any(axis=1).all()
+        np.testing.assert_array_equal(np.isfinite(outcome.states).all(axis=2), reached)
 
 
 def test_states_beyond_the_horizon_are_not_given() -> None:

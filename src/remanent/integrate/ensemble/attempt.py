@@ -65,7 +65,10 @@ def _set_segment(memory: LaneMemory, run: Run, segment: Segment) -> None:
     """Write down when a segment begins, its steps, and the parameters that hold in it."""
     memory.set_column("cycle", segment.length)
     memory.set_column("step", segment.step)
-    memory.set_column("start", segment.start)
+    memory.set_column("start", segment.piece_start)
+    if run.request.extremes and segment.begins_piece:
+        # Rates may have jumped since the end of the piece before.
+        memory.set_column("direction", np.full(segment.length.size, np.nan))
     for name, values in segment.parameters.items():
         index = run.problem.field.parameters.index(name)
         memory.set_column(f"parameter.{index}", values)

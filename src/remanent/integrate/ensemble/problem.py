@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from remanent._field import Field
 from remanent._timeline import Timeline
 from remanent._typing import BoolArray, FloatArray, IntArray
+from remanent.integrate.ensemble.segments import Segment
 
 #: Times that exceed the horizon by less than this, relative to it, are at it.
 _HORIZON_ROUNDING = 1e-12
@@ -55,12 +56,10 @@ class Window:
         Numbers of the trajectories.
     states : array (trajectory, node, state)
         At the ends of the steps, the first at the beginning.
-    start, step : array (trajectory,)
-        Time of the first node and distance of the nodes, tau.
+    segment : Segment
+        Times and phases of the steps.
     phase : array (node,)
         Phase of the drive, or fraction of the piece, at the nodes.
-    span : float
-        Its change from node to node.
     parameters : array (parameter, trajectory)
         In the order of ``field.parameters``.
     steps : array (trajectory,)
@@ -69,10 +68,8 @@ class Window:
 
     indices: IntArray
     states: FloatArray
-    start: FloatArray
-    step: FloatArray
+    segment: Segment
     phase: FloatArray
-    span: float
     parameters: FloatArray
     steps: IntArray
 

@@ -10,15 +10,13 @@ import numpy as np
 from remanent._typing import FloatArray, IntArray
 from remanent.integrate.ensemble import dense
 from remanent.integrate.ensemble.counts import cycle_counts
-from remanent.integrate.ensemble.problem import Window, latest_trusted_time
+from remanent.integrate.ensemble.problem import Window
 from remanent.integrate.ensemble.run import Run
+from remanent.integrate.ensemble.sample_places import SamplePlaces
 from remanent.integrate.ensemble.segments import Segment
 from remanent.integrate.kernel.compile import Kernel
 from remanent.integrate.kernel.memory import LaneMemory
 from remanent.integrate.methods.runge_kutta import default_method
-
-#: A time this close to the end of a step, in steps, is that end: rounding in the time.
-_STEP_SLACK = 1e-9
 
 
 @dataclass(frozen=True)
@@ -73,11 +71,20 @@ class Sampler:
         segment: Segment,
     ) -> None:
         """Run one segment and take in what is asked for."""
-        every = self._every(segment)
+        places = self._places(segment)
+        every = self._every(segment, places)
         before = memory.snapshot("fine").copy()
-        count = 2 * segment.double_steps * segment.cycles // every if every else 0
+        count = segment.fine_steps // every if every else 0
         record = np.full((count, *before.shape[1:]), np.nan)
-        kernel(memory.values, tables, record, cycles=segment.cycles, every=every)
+        kernel(
+            memory.values,
+            tables,
+            record,
+            cycles=segment.cycles,
+            every=every,
+            first_cycle=segment.first,
+            first_step=2 * segment.part.start,
+        )
         if self.run.request.strobe:
             self._strobe(memory, record, every, segment)
         elif count:
@@ -86,23 +93,17 @@ class Sampler:
                 self.findings.append(
                     self.run.request.inspect(self._window(states, memory, segment))
                 )
-            if self.times is not None:
-                self._interpolate(self.times, states, memory, segment)
+            if places is not None:
+                self._interpolate(places, states, memory, segment)
 
-    def _every(self, segment: Segment) -> int:
+    def _every(self, segment: Segment, places: SamplePlaces | None) -> int:
         """Fine steps between the states that the kernel records in a segment; 0 for none."""
         request = self.run.request
         if request.strobe:
             return self._strobe_interval(segment)
         if request.inspect is not None:
             return 1
-        if self.times is None:
-            return 0
-        slack = _STEP_SLACK * segment.step
-        begin = segment.start - slack
-        steps = 2 * segment.double_steps * segment.cycles
-        end = segment.start + segment.step * steps + slack
-        return int(((self.times >= begin[:, None]) & (self.times <= end[:, None])).any())
+        return int(places is not None and places.row.size > 0)
 
     def _strobe_interval(self, segment: Segment) -> int:
         """Every step in a start, which may end within a stride; else every stride."""
@@ -135,10 +136,8 @@ class Sampler:
         return Window(
             self.indices,
             states,
-            segment.start,
-            segment.step,
+            segment,
             segment.phase(nodes),
-            1.0 / (2 * segment.resolution),
             memory.parameters(),
             self._steps(segment),
         )
@@ -148,29 +147,27 @@ class Sampler:
         cycles = (self.cycles - segment.first).clip(0, segment.cycles)
         return np.asarray(2 * segment.double_steps * cycles)
 
+    def _places(self, segment: Segment) -> SamplePlaces | None:
+        """Where the times lie that belong to a segment."""
+        if self.times is None:
+            return None
+        cycles = self.cycles if segment.periodic else np.ones_like(self.cycles)
+        return SamplePlaces.within(segment, self.times, cycles)
+
     def _interpolate(
-        self, times: FloatArray, states: FloatArray, memory: LaneMemory, segment: Segment
+        self, places: SamplePlaces, states: FloatArray, memory: LaneMemory, segment: Segment
     ) -> None:
         """Fill in the states at those times that lie in a segment, up to the horizon."""
         assert self.states is not None
-        steps = self._steps(segment)
-        with np.errstate(all="ignore"):  # a piece may be empty for some trajectories
-            position = (times - segment.start[:, None]) / segment.step[:, None]
-            near = np.rint(position)
-            position = np.where(np.abs(position - near) < _STEP_SLACK, near, position)
-            inside = (position >= 0.0) & (position <= steps[:, None])
-        trusted = times <= latest_trusted_time(memory.column("horizon"))[:, None]
-        trajectory, sample = np.nonzero(inside & trusted & (steps > 0)[:, None])
+        places = places.up_to(memory.column("horizon"))
         parameters = memory.parameters()
         size = self.run.sizes.samples
-        for first in range(0, trajectory.size, size):
+        for first in range(0, places.row.size, size):
             if self.run.cancelled():
                 return
             block = slice(first, first + size)
-            row, column = trajectory[block], sample[block]
-            step = np.floor(position[row, column]).astype(np.int64)
-            part = position[row, column] - step
-            self.states[row, column] = dense.partial_step(
+            row, step, part = places.row[block], places.step[block], places.part[block]
+            self.states[row, places.column[block]] = dense.partial_step(
                 self.run.problem.field,
                 default_method(),
                 self.run.problem.timeline.waveform,

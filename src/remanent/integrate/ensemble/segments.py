@@ -23,10 +23,10 @@ class Segment:
     ----------
     length : array (trajectory,)
         Of one cycle, tau.
-    start : array (trajectory,)
-        When the segment begins, tau.
+    piece_start : array (trajectory,)
+        When the piece begins that the segment is cut from, tau.
     cycles, first : int
-        How many cycles; how many came before them.
+        How many cycles; how many of the piece came before them.
     resolution : int
         Double steps in a whole cycle.
     part : slice
@@ -35,16 +35,24 @@ class Segment:
         Whether rates of enough earlier steps are available.
     parameters : mapping of name to array (trajectory,)
         That hold during this segment.
+    periodic : bool
+        Whether the end of a cycle is the start of the next one.
     """
 
     length: FloatArray
-    start: FloatArray
+    piece_start: FloatArray
     cycles: int
     first: int
     resolution: int
     part: slice
     has_past: bool
     parameters: Mapping[str, FloatArray]
+    periodic: bool
+
+    @property
+    def begins_piece(self) -> bool:
+        """Whether nothing of the piece comes before."""
+        return self.first == 0 and self.part.start == 0
 
     @property
     def end(self) -> int:
@@ -57,14 +65,55 @@ class Segment:
         return int(self.part.stop - self.part.start)
 
     @property
+    def fine_steps(self) -> int:
+        """Fine steps of the segment."""
+        return 2 * self.double_steps * self.cycles
+
+    @property
+    def first_step(self) -> int:
+        """Fine steps of the piece before the segment."""
+        return int(2 * (self.first * self.resolution + self.part.start))
+
+    @property
     def step(self) -> FloatArray:
         """Length of a fine step, tau, array (trajectory,)."""
         return self.length / (2 * self.resolution)
 
+    @property
+    def span(self) -> float:
+        """Change of the phase in a fine step."""
+        return 1.0 / (2 * self.resolution)
+
     def phase(self, steps: IntArray | int) -> FloatArray:
         """Phase of the cycle after so many fine steps of the segment."""
-        within = steps if self.cycles == 1 else np.remainder(steps, 2 * self.double_steps)
-        return np.asarray((2 * self.part.start + within) / (2 * self.resolution))
+        within = np.asarray(2 * self.part.start + steps)
+        if self.periodic:
+            within = np.remainder(within, 2 * self.resolution)
+        return np.asarray(within / (2 * self.resolution))
+
+    def time(
+        self,
+        steps: IntArray | int,
+        part: FloatArray | float = 0.0,
+        rows: IntArray | slice = slice(None),
+    ) -> FloatArray:
+        """Time, tau, of some trajectories at a fraction of fine steps of the segment.
+
+        It is counted from the start of the cycle, as kernels count it, and not from that of
+        the segment: where a run is cut must not change a digit.
+
+        Parameters
+        ----------
+        steps : array (n,)
+            Fine steps of the segment before.
+        part : array (n,) or float
+            Fraction of the next step.
+        rows : array (n,) or slice
+            Trajectories.
+        """
+        cycle, within = np.divmod(self.first_step + steps, 2 * self.resolution)
+        start = self.piece_start[rows] + cycle * self.length[rows]
+        return np.asarray(start + (within + part) * self.step[rows])
 
     def tables(self, cycle_tables: tuple[FloatArray, FloatArray]) -> tuple[FloatArray, FloatArray]:
         """Those rows of the tables of a whole cycle that belong to the part."""
@@ -82,7 +131,8 @@ def segments(
 ) -> Iterator[Segment]:
     """Cut the run of some trajectories into segments of at most `most_steps` fine steps.
 
-    The cuts change nothing in what a trajectory undergoes.
+    The cuts change nothing in what a trajectory undergoes, nor in the times and phases that
+    are told of it.
 
     Parameters
     ----------
@@ -107,8 +157,17 @@ def segments(
         for first, count, part, has_past in _cuts(
             total, resolution, strobe, most_steps, single=not timeline.periodic
         ):
-            begin = start + (first + part.start / double_steps[k]) * lengths
-            yield Segment(lengths, begin, count, first, resolution, part, has_past, parameters)
+            yield Segment(
+                lengths,
+                start,
+                count,
+                first,
+                resolution,
+                part,
+                has_past,
+                parameters,
+                timeline.periodic,
+            )
         start = start + lengths
 
 

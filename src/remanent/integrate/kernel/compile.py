@@ -20,7 +20,7 @@ from remanent.integrate.kernel.kernel import NAME, kernel_source
 from remanent.integrate.kernel.layout import Layout
 from remanent.integrate.kernel.options import Method, Options, layout_of
 
-_SIGNATURE = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 4, *[ctypes.c_int64] * 4)
+_SIGNATURE = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 4, *[ctypes.c_int64] * 6)
 _LOCK = threading.Lock()
 
 
@@ -52,6 +52,8 @@ class Kernel:
         *,
         cycles: int,
         every: int = 0,
+        first_cycle: int = 0,
+        first_step: int = 0,
     ) -> None:
         """Advance all groups by at most `cycles` cycles, in place, without the GIL.
 
@@ -68,6 +70,9 @@ class Kernel:
         record : array (record, group, state, lane), optional
             Filled with the state of the fine solution after every `every` fine steps of this
             call.
+        first_cycle, first_step : int
+            Cycles of the piece before this call, and fine steps of each cycle before those in
+            the tables.  Times are counted from the start of the piece.
         """
         fine, coarse = tables
         groups, double_steps = lanes.shape[0], coarse.shape[0]
@@ -83,7 +88,7 @@ class Kernel:
                 raise ValueError(f"record holds {record.shape[0]} states; {needed} are needed")
         pointers = (lanes, fine, coarse, lanes if record is None else record)
         addresses = (array.__array_interface__["data"][0] for array in pointers)
-        self._call(*addresses, groups, cycles, double_steps, every)
+        self._call(*addresses, groups, cycles, double_steps, every, first_cycle, first_step)
 
 
 @dataclass(frozen=True)

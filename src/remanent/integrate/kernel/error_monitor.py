@@ -61,7 +61,7 @@ class ErrorMonitor:
 
     def active(self, cycle: Cycle) -> Mask:
         """Which trajectories take part in a cycle."""
-        return self.below_ceiling() & (cycle.start < self.run.end)
+        return self.below_ceiling() & (cycle.time(self.writer.integer(0)) < self.run.end)
 
     def compare_states(
         self, left: Sequence[Lanes], fine: Sequence[Lanes], coarse: Sequence[Lanes], t0: Lanes

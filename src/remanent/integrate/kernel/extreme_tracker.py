@@ -164,8 +164,6 @@ class ExtremeTracker:
     ----------
     loads : LoadTable
         Of the fine solution.
-    direction : Cell
-        A quantity with the sign of the observable's rate, at the end of the last double step.
     kept : KeptStep
         Double steps that wait to be worked out.
     """
@@ -176,7 +174,6 @@ class ExtremeTracker:
     cells: TrajectoryCells
     loads: LoadTable
     monitor: ErrorMonitor
-    direction: Cell
     kept: KeptStep
     coarse_solution: bool
 
@@ -191,13 +188,16 @@ class ExtremeTracker:
         *,
         coarse_solution: bool,
     ) -> Self:
-        """A tracker at the beginning of a run."""
+        """A tracker at the beginning of a call."""
         w = code.writer
         states = len(code.field.state)
         kept = KeptStep.empty(w, states, loads.columns, coarse=coarse_solution)
         state, load = cells.fine.get(), loads.row(w.integer(0))(0)
-        direction = w.variable(code.direction(state, load))
-        return cls(w, code, run, cells, loads, monitor, direction, kept, coarse_solution)
+        # The end of the call before is the same instant, but the phase there may be 1 instead
+        # of 0, with other last digits: what was seen there is taken up.
+        saved = cells.direction.get()
+        cells.direction.set((abs(saved) <= math.inf).choose(saved, code.direction(state, load)))
+        return cls(w, code, run, cells, loads, monitor, kept, coarse_solution)
 
     def near_an_end(self, cycle: Cycle) -> ir.Value:
         """Whether one of the group begins or ends to be followed in this cycle or next to it.
@@ -233,10 +233,10 @@ class ExtremeTracker:
         row, end_row = self.loads.row(first), self.loads.row(second)
         right_load = end_row(last_node)
         left_load, middle_load = row(0), row(last_node)
-        before = self.direction.get()
+        before = self.cells.direction.get()
         between = self.code.direction(states.middle, middle_load)
         after = self.code.direction(states.right, right_load)
-        self.direction.set(after)
+        self.cells.direction.set(after)
         turned = (before * between <= 0.0) | (between * after <= 0.0)
         diverged = turned.without(turned)
         if states.coarse_right is not None:

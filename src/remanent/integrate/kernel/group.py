@@ -83,15 +83,20 @@ class Cycle:
         How many cycles of this call came before.
     start, step : Lanes
         Time of its beginning, and length of a fine step, tau.
+    first_step : ir.Value
+        Fine steps of the cycle that come before those of this call.
     """
 
     number: ir.Value
     start: Lanes
     step: Lanes
+    first_step: ir.Value
 
     def time(self, step: ir.Value) -> Lanes:
-        """Time, tau, at the beginning of a fine step of the cycle."""
-        return self.start + self.start.writer.spread_integer(step) * self.step
+        """Time, tau, at the beginning of a fine step of the call in the cycle."""
+        # Counted from the start of the cycle, so that no digit depends on where calls begin.
+        w = self.start.writer
+        return self.start + w.spread_integer(w.builder.add(self.first_step, step)) * self.step
 
 
 @dataclass(frozen=True)
@@ -138,6 +143,7 @@ class TrajectoryCells:
     largest_error: Cell
     maximum: Cell
     minimum: Cell
+    direction: Cell
 
     @classmethod
     def load(cls, slots: GroupSlots) -> Self:
@@ -160,6 +166,7 @@ class TrajectoryCells:
             largest_error=cell("largest_error"),
             maximum=cell("maximum"),
             minimum=cell("minimum"),
+            direction=cell("direction"),
         )
 
     def save(self, slots: GroupSlots) -> None:

@@ -49,6 +49,9 @@ class Arguments:
     groups, cycles, double_steps, every : integer
         Number of groups, of cycles, of double steps per cycle, and of fine steps between
         records (0: none).
+    first_cycle, first_step : integer
+        Cycles of the piece before this call, and fine steps of each cycle before those that
+        are taken.
     """
 
     lanes: ir.Value
@@ -59,6 +62,8 @@ class Arguments:
     cycles: ir.Value
     double_steps: ir.Value
     every: ir.Value
+    first_cycle: ir.Value
+    first_step: ir.Value
 
 
 def kernel_source(
@@ -81,7 +86,7 @@ def kernel_source(
     """
     module = ir.Module(name="remanent")
     pointer = DOUBLE.as_pointer()
-    signature = ir.FunctionType(ir.VoidType(), [pointer] * 4 + [INTEGER] * 4)
+    signature = ir.FunctionType(ir.VoidType(), [pointer] * 4 + [INTEGER] * 6)
     function = ir.Function(module, signature, NAME)
     # Cells are allocated in a block of their own, which is run once.
     builder = ir.IRBuilder(function.append_basic_block("entry"))
@@ -168,7 +173,10 @@ class GroupKernel:
         """Write the loops over cycles and over the double steps of a cycle."""
         w, run = self.writer, self.run
         with w.loop(self.arguments.cycles) as (number, leave_if):
-            cycle = Cycle(number, run.start + w.spread_integer(number) * run.cycle, run.step)
+            # Counted from the start of the piece, so that no digit depends on where calls begin.
+            count = w.spread_integer(w.builder.add(self.arguments.first_cycle, number))
+            start = run.start + count * run.cycle
+            cycle = Cycle(number, start, run.step, self.arguments.first_step)
             leave_if(w.builder.not_(self.monitor.active(cycle).any()))
             if self.options.error_per_cycle:
                 self.solutions.restart_coarse()

@@ -16,7 +16,7 @@ PAST = 8
 CONSTANTS = (
     "step",  # length of a fine step, tau
     "cycle",  # length of a cycle (a drive period or a piece), tau
-    "start",  # tau at the beginning of the call
+    "start",  # tau at the beginning of the piece
     "begin",  # extremes are followed from here
     "end",  # to here
     "tolerance",  # of the controlled error
@@ -30,6 +30,7 @@ RESULTS = (
     "largest_error",  # its largest value so far
     "maximum",  # extremes of the watched observable from begin to the horizon
     "minimum",
+    "direction",  # sign of the rate of the observable at the end of the call; NaN before the first
 )
 #: Scalars that a kernel keeps for every trajectory, beside states and parameters.
 SCALARS = (*CONSTANTS, *RESULTS)

@@ -41,13 +41,23 @@ def require_state_box(name: str, box: Mapping[str, Any] | None, ens: Ensemble) -
         By default a temperature is looked for around that of its first valid trajectory.
     """
     if box is not None and not isinstance(box, Mapping):
-        raise InputError(name, must="be a mapping of state variables to pairs of numbers",
-                         got=shortened(box), why=_WHY, fix=_FIX)  # fmt: skip
+        raise InputError(
+            name,
+            must="be a mapping of state variables to pairs of numbers",
+            got=shortened(box),
+            why=_WHY,
+            fix=_FIX,
+        )
     given, state = dict(box or {}), ens.field.state
     for variable in given:
         if variable not in state:
-            raise InputError(name, must=f"name state variables, {', '.join(state)}",
-                             got=shortened(variable), why=_WHY, fix=_FIX)  # fmt: skip
+            raise InputError(
+                name,
+                must=f"name state variables, {', '.join(state)}",
+                got=shortened(variable),
+                why=_WHY,
+                fix=_FIX,
+            )
     return np.array(
         [
             _pair(name, variable, given[variable.name])

@@ -88,25 +88,69 @@ class StroboscopicMap:
         half : bool
             Whether half of the map follows.
         """
-        values = self._columns(parameters)
-        own, lengths = self._parameters(values, len(states)), self._lengths(values, len(states))
 
         def pilot(x: FloatArray, p: FloatArray, resolution: IntArray) -> Image:
-            columns = self._columns(p)
             # Any error will do, so each point is run once, at the resolution it is told.
-            return self._flow(
-                x, self._parameters(columns, len(x)), self._lengths(columns, len(x)),
-                tolerance=np.inf, cycles=iterate, half=half, resolution=resolution,
-                max_resolution=0,
-            )  # fmt: skip
+            return self._apply(x, p, iterate, half, resolution, tolerance=np.inf, finest=0)
 
-        image = self._flow(
-            states, own, lengths, tolerance=self.tolerance, cycles=iterate, half=half,
-            resolution=self._resolution(pilot, states, parameters, iterate=iterate, half=half),
-            max_resolution=self.finest,
+        resolution = self._resolution(pilot, states, parameters, iterate=iterate, half=half)
+        image = self._apply(
+            states, parameters, iterate, half, resolution,
+            tolerance=self.tolerance, finest=self.finest,
         )  # fmt: skip
+        return self._map_image(image, parameters, iterate)
+
+    def run_from(
+        self, resolution: IntArray, states: FloatArray, parameters: FloatArray, iterate: int
+    ) -> tuple[MapImage, IntArray]:
+        """Apply the map, beginning with given resolutions.
+
+        For iterations that stay near where they were: what one step tells about the
+        resolution is passed to the next.
+
+        Parameters
+        ----------
+        resolution : array (point,) of int
+            Double steps per period to begin with.
+        states : array (point, state)
+        parameters : array (point, parameter)
+        iterate : int
+
+        Returns
+        -------
+        MapImage
+        array (point,) of int
+            Resolutions that would have been enough.
+        """
+        image = self._apply(
+            states, parameters, iterate, False, resolution,
+            tolerance=self.tolerance, finest=self.finest,
+        )  # fmt: skip
+        return self._map_image(image, parameters, iterate), self._resolution.enough(image)
+
+    def _apply(
+        self,
+        states: FloatArray,
+        parameters: FloatArray,
+        iterate: int,
+        half: bool,
+        resolution: IntArray,
+        *,
+        tolerance: float,
+        finest: int,
+    ) -> Image:
+        """The flow over some periods, with the resolutions to begin with and at most."""
+        values = self._columns(parameters)
+        return self._flow(
+            states, self._parameters(values, len(states)), self._lengths(values, len(states)),
+            tolerance=tolerance, cycles=iterate, half=half, resolution=resolution,
+            max_resolution=finest,
+        )  # fmt: skip
+
+    def _map_image(self, image: Image, parameters: FloatArray, iterate: int) -> MapImage:
+        """What analysis wants of an image."""
         jacobian = np.moveaxis(image.tangent[:, : self.dimension], 1, 2)
-        slope = self._slope(image, values)
+        slope = self._slope(image, self._columns(parameters))
         return MapImage(image.state, jacobian, slope, image.error * max(iterate, 1))
 
     def _slope(self, image: Image, values: dict[str, FloatArray]) -> FloatArray:

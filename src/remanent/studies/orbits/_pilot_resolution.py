@@ -30,6 +30,8 @@ _MAX_EXTRAPOLATION = 8.0
 _MIN_REFINEMENT = 2.0
 #: Largest factor from one pilot run to the next.
 _MAX_REFINEMENT = 4.0
+#: Smallest factor of coarsening after a run that was finer than needed.
+_MIN_COARSENING = 0.25
 #: Resolution that is foreseen where no pilot run comes near the tolerance: points of such a
 #: cell may be better off than its centre, so they begin coarsely.
 _UNRELIABLE_RESOLUTION = 32
@@ -102,6 +104,14 @@ class PilotResolution:
             wanted = self._pilot(run, *np.split(rows, [states.shape[1]], axis=1))
             self.cache.update(zip(unseen, wanted.tolist(), strict=True))
         return np.array([self.cache[cell] for cell in cells], dtype=np.int64)
+
+    def enough(self, image: Image) -> IntArray:
+        """Resolutions that would have been enough for an image, array (point,)."""
+        with np.errstate(all="ignore"):
+            factor = (image.error / (_TARGET_ERROR * self.tolerance)) ** (1.0 / self.order)
+        factor = np.where(np.isfinite(factor), factor, 1.0).clip(_MIN_COARSENING, 1.0)
+        foreseen = round_up_resolution(np.maximum(image.resolution * factor, FIRST_RESOLUTION))
+        return np.asarray(np.minimum(foreseen, self.finest))
 
     def _pilot(self, run: PilotRun, states: FloatArray, parameters: FloatArray) -> IntArray:
         """Resolutions that the errors of pilot runs ask for, array (point,)."""

@@ -9,13 +9,15 @@ import numpy as np
 
 from remanent._field import Role
 from remanent._roots import find_root
-from remanent._typing import FloatArray
+from remanent._typing import FloatArray, IntArray
+from remanent.analysis.orbits.maps import MapImage
 from remanent.analysis.orbits.periodic_orbits import Orbits, distinct_orbits, newton_fixed_points
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.initial import rest_values
 from remanent.studies.orbits._period_map import StroboscopicMap
+from remanent.studies.orbits._pilot_resolution import FIRST_RESOLUTION
 
 #: Error of a period in the first search.
 _ROUGH_TOLERANCE = 1e-6
@@ -108,12 +110,44 @@ def _orbits_from(
     search: Search, map_: StroboscopicMap, guesses: FloatArray, row: FloatArray, tolerance: float
 ) -> Orbits:
     """Different orbits that Newton's method reaches from guesses."""
+    guess_map = _GuessMap(map_, np.full(len(guesses), FIRST_RESOLUTION))
+    numbered = np.column_stack([np.tile(row, (len(guesses), 1)), np.arange(len(guesses))])
     orbits = newton_fixed_points(
-        map_, guesses, np.tile(row, (len(guesses), 1)),
-        iterate=search.orbit_period, tolerance=tolerance, box=search.box,
-        max_error=_ROUGH_RESIDUAL,
+        guess_map, guesses, numbered, iterate=search.orbit_period, tolerance=tolerance,
+        box=search.box, max_error=_ROUGH_RESIDUAL,
     )  # fmt: skip
     return distinct_orbits(map_, orbits, row, iterate=search.orbit_period)
+
+
+@dataclass(frozen=True)
+class _GuessMap:
+    """The map of one search, whose points are Newton's steps from numbered guesses.
+
+    Each step begins with the resolution that was enough for the one before it from the same
+    guess.  That is the only thing that changes, and one guess does not see another.
+
+    Attributes
+    ----------
+    map : StroboscopicMap
+    resolution : array (guess,) of int
+        Changed in place.
+    """
+
+    map: StroboscopicMap
+    resolution: IntArray
+
+    @property
+    def dimension(self) -> int:
+        """Number of state variables."""
+        return self.map.dimension
+
+    def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> MapImage:
+        """Apply the map; the last parameter is the number of the guess."""
+        guess = parameters[:, -1].astype(np.int64)
+        image, self.resolution[guess] = self.map.run_from(
+            self.resolution[guess], states, parameters[:, :-1], iterate
+        )
+        return image
 
 
 def _box_guesses(search: Search) -> FloatArray:

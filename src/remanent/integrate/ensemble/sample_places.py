@@ -1,0 +1,107 @@
+"""Where given times lie in the steps of a run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+
+from remanent._typing import BoolArray, FloatArray, IntArray
+from remanent.integrate.ensemble.problem import latest_trusted_time
+from remanent.integrate.ensemble.segments import Segment
+
+#: A time this close to the end of a step, in steps, is that end: rounding in the time.
+_STEP_SLACK = 1e-9
+#: Rounding in the time of a step, relative to that time.
+_TIME_ROUNDING = 4.0 * np.finfo(float).eps
+
+
+@dataclass(frozen=True)
+class SamplePlaces:
+    """Those of the given times that lie in a segment, and where in it.
+
+    Which step a time lies in, and where in the step, follows from the trajectory alone: from
+    the start of its cycle.  A segment only selects, since its cuts depend on the company.
+
+    Attributes
+    ----------
+    row, column : array (sample,)
+        Trajectory, and number of the time.
+    time : array (sample,)
+        The time, tau.
+    step : array (sample,)
+        Fine steps of the segment before the time.
+    part : array (sample,)
+        Fraction of the next step, in [0, 1).
+    """
+
+    row: IntArray
+    column: IntArray
+    time: FloatArray
+    step: IntArray
+    part: FloatArray
+
+    @classmethod
+    def within(cls, segment: Segment, times: FloatArray, cycles: IntArray) -> Self:
+        """The places in a segment.
+
+        Parameters
+        ----------
+        segment : Segment
+        times : array (trajectory, time)
+            When states are wanted, tau.
+        cycles : array (trajectory,)
+            Cycles of the run of each; 1 where the piece is no cycle.
+        """
+        # The comparison of times selects generously, by a step; the places decide.
+        with np.errstate(invalid="ignore"):  # a piece that never ends
+            begin = segment.time(0) - segment.step
+            end = segment.time(segment.fine_steps) + segment.step
+        # A piece may be empty for some trajectories, and the run of others may be over.
+        end[(segment.step <= 0.0) | (cycles <= segment.first)] = np.nan
+        row, column = np.nonzero((times >= begin[:, None]) & (times <= end[:, None]))
+        time = times[row, column]
+        step, part = _place(segment, time, row, cycles[row])
+        step -= segment.first_step
+        count = segment.fine_steps
+        # A time at the very end belongs to it and, if there is one, to the next segment.
+        inside = (step >= 0) & ((step < count) | ((step == count) & (part == 0.0)))
+        return cls(row, column, time, step, part).subset(inside)
+
+    def subset(self, where: BoolArray) -> Self:
+        """Some of the places."""
+        return type(self)(
+            self.row[where],
+            self.column[where],
+            self.time[where],
+            self.step[where],
+            self.part[where],
+        )
+
+    def up_to(self, horizon: FloatArray) -> Self:
+        """Those not beyond the horizons of their trajectories, array (trajectory,)."""
+        trusted = self.time <= latest_trusted_time(horizon)[self.row]
+        return self if trusted.all() else self.subset(trusted)
+
+
+def _place(
+    segment: Segment, time: FloatArray, row: IntArray, cycles: IntArray
+) -> tuple[IntArray, FloatArray]:
+    """Fine steps of the piece before each time, and the fraction of the next one.
+
+    Steps are -1 where the time is not in the piece.
+    """
+    start, length, step = segment.piece_start[row], segment.length[row], segment.step[row]
+    per_cycle = 2 * segment.resolution
+    cycle = np.floor((time - start) / length).clip(0, cycles - 1)
+    position = (time - (start + cycle * length)) / step
+    # Rounding may put a time just outside the piece, or a time between two cycles in neither.
+    reach = _STEP_SLACK + _TIME_ROUNDING * time / step
+    outside = (position < -reach) | (position > per_cycle + reach)
+    position = position.clip(0.0, per_cycle)
+    near = np.rint(position)
+    position = np.where(np.abs(position - near) < _STEP_SLACK, near, position)
+    before = np.floor(position)
+    steps = cycle.astype(np.int64) * per_cycle + before.astype(np.int64)
+    return np.where(outside, -1, steps), position - before
