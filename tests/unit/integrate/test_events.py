@@ -7,7 +7,6 @@ import pytest
 from scipy.special import ellipk
 from tests.unit.integrate.handmade import SINE, Oscillator, Q, problem
 
-import remanent as rm
 from remanent.integrate.events import Crossings, find_crossings
 
 HARMONIC = Oscillator(-Q, {})
@@ -71,29 +70,10 @@ def test_no_crossing_beyond_the_end() -> None:
     assert found.trajectory.tolist() == [1, 2, 2]
 
 
-def test_rates_of_the_motion_cross_zero_at_its_extremes() -> None:
-    drive = rm.SineSquared(0.4, 1.25)
-    extremes = rm.crossings(rm.Actuator(), drive, "thickness_stretch_rate", 0.0, duration=100.0)
-    largest = (extremes.stretch**-2).max()
-    response = rm.frequency_response(rm.Actuator(), drive, [1.0, 1.25])
-    assert float(largest) == pytest.approx(float(response.maximum[1]), abs=1e-9)
-
-
 def test_the_drive_itself_is_refused() -> None:
     asked = problem(Oscillator(-Q + SINE, {}), (1.0, 0.0), 1.0, period=1.0)
     with pytest.raises(ValueError, match="drive"):
         find_crossings(asked, "acceleration", 0.0, tolerance=1e-9)
-
-
-def test_periods_between_crossings_are_those_of_the_orbit() -> None:
-    """A constant load: successive crossings in one direction are one period apart."""
-    ds = rm.crossings(rm.Actuator(c=0.1), rm.Constant(0.5), "thickness_stretch", 1.1,
-                      direction="up", duration=60.0, over={"prestress": [-0.2, 0.0]})  # fmt: skip
-    for p in range(2):
-        times = ds.crossing_time[p].values
-        gaps = np.diff(times[np.isfinite(times)])
-        assert gaps.size > 5
-        assert np.ptp(gaps) < 1e-8
 
 
 def test_the_backbone_of_duffings_oscillator() -> None:

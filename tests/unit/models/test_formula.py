@@ -18,7 +18,6 @@ from hypothesis import strategies as st
 import remanent as rm
 from remanent._errors import InputError
 from remanent.models.formula import MAX_CHARACTERS, from_sympy, parse
-from remanent.models.materials.second_order_ad import DualFunctions, SecondOrderDual
 
 ATTACKS = {
     "attribute": "I1.__class__",
@@ -162,17 +161,6 @@ def test_size_is_bounded() -> None:
     for text in ("x" + " " * MAX_CHARACTERS, "(x**8)**9", "x**-65"):
         with pytest.raises(InputError):
             parse(text)
-
-
-@pytest.mark.parametrize(
-    "text", ["x**3/(1 + x) - 2*x", "exp(-x)*sin(x) + cos(2*x)", "log(x)**2/sqrt(x)", "x**-1.5 + 4"]
-)
-def test_dual_numbers_carry_two_derivatives(text: str) -> None:
-    x, at = sp.Symbol("x"), 1.3
-    dual = parse(text)({"x": SecondOrderDual(np.float64(at), 1.0, 0.0)}, DualFunctions(np))
-    exact = parse(text)({"x": x}, sp)
-    for k, value in enumerate((dual.value, dual.first, dual.second)):
-        assert value == pytest.approx(float(sp.diff(exact, x, k).subs(x, at)), rel=1e-13)
 
 
 def test_a_formula_that_is_known_needs_no_sympy(tmp_path: Path) -> None:

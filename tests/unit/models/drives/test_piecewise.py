@@ -1,4 +1,4 @@
-"""Each drive's own law, and what it refuses."""
+"""Steps, ramps and samples: what holds between their entries, and what they refuse."""
 
 from __future__ import annotations
 
@@ -8,24 +8,9 @@ import numpy as np
 import pytest
 
 from remanent._errors import InputError
-from remanent.models.drives.chirp import Chirp
 from remanent.models.drives.piecewise import Ramp, Sampled, Steps
-from remanent.models.drives.waves import Constant, Sine, SineSquared
 
 TAU = np.linspace(0.0, 6.0, 61)
-
-
-def test_laws() -> None:
-    np.testing.assert_array_equal(Constant(0.2)(TAU), 0.2)
-    np.testing.assert_allclose(SineSquared(0.4, 1.25)(TAU), (0.4 * np.sin(1.25 * TAU)) ** 2)
-    np.testing.assert_allclose(Sine(0.4, 1.2, 0.1, 0.3)(TAU), 0.1 + 0.4 * np.sin(1.2 * TAU + 0.3))
-
-
-def test_periods_are_those_of_the_load() -> None:
-    """pi/omega for the square of the sine, 2 pi/omega for the sine."""
-    assert SineSquared(0.4, 2.0).period == pytest.approx(np.pi / 2.0)
-    assert Sine(0.4, 2.0).period == pytest.approx(np.pi)
-    assert Constant(0.1).period is None
 
 
 def test_steps_hold_from_their_time_on() -> None:
@@ -65,14 +50,6 @@ def test_samples_do_not_reach_beyond_the_last() -> None:
     assert drive.timeline({}, np.array([2.0])).lengths.tolist() == [[1.0], [1.0]]
 
 
-def test_chirp_sweeps_the_frequency() -> None:
-    """Its angle has the slope start at 0, stop at the end of the sweep and after it."""
-    drive = Chirp(1.0, 0.5, 2.0, 4.0)
-    swept = 0.5 * TAU + 1.5 * TAU**2 / 8.0
-    held = 0.5 * 4.0 + 1.5 * 2.0 + 2.0 * (TAU - 4.0)
-    np.testing.assert_allclose(drive(TAU), np.sin(np.where(TAU < 4.0, swept, held)), atol=1e-15)
-
-
 TABLE = [
     ([0.0, 2.0, 1.0], [1.0, 2.0, 3.0], "`times` must increase"),
     ([0.0, 1.0, 1.0], [1.0, 2.0, 3.0], "`times` must increase"),
@@ -98,17 +75,3 @@ def test_tables_are_checked(kind: Any, times: Any, loads: Any, message: str) -> 
 def test_one_sample_is_too_few() -> None:
     with pytest.raises(InputError, match="`times` must have at least 2 entries; got 1"):
         Sampled([0.0], [1.0])
-
-
-@pytest.mark.parametrize(
-    ("make", "message"),
-    [
-        (lambda: SineSquared(0.4, 0.0), "`omega` must be a finite number greater than 0; got 0.0"),
-        (lambda: Sine(0.4, -1.0), "`omega` must be a finite number greater than 0; got -1.0"),
-        (lambda: Chirp(0.1, -1.0, 1.0, 1.0), "`start` must be a finite number, at least 0"),
-        (lambda: Chirp(0.1, 1.0, 1.0, 0.0), "`duration` must be a finite number greater than 0"),
-    ],
-)
-def test_frequencies_are_checked(make: Any, message: str) -> None:
-    with pytest.raises(InputError, match=message):
-        make()
