@@ -266,6 +266,7 @@ def test_a_doubled_branch_is_that_of_a_direct_search() -> None:
 
 
 def test_a_fold_is_no_place_to_switch() -> None:
+    """A branch with a fold and no period doubling has no other branch to switch to."""
     body, drive = rm.Actuator(temperature=350), rm.SineSquared(0.4, 1.25)
     branch = rm.continue_orbit(body, drive, "omega", (1.2, 1.3), initial=(1.433, 0.0))
     with pytest.raises(rm.InputError, match="period doubling"):

@@ -30,6 +30,7 @@ def slope_of_balance(x: float, S: float) -> float:
 
 @pytest.mark.parametrize("S", [1.9, 2.2, 2.6])
 def test_folds_over_the_load_are_extremes_of_the_balancing_load(S: float) -> None:
+    """Equilibria fold where the load that balances a stretch has an extreme."""
     ds = rm.equilibria(rm.Actuator(prestress=S), over={"m": np.linspace(0.5, 6.0, 12)})
     peak = max(np.linspace(0.8, 2.0, 400), key=lambda x: slope_of_balance(x, S))
     roots = [
@@ -61,6 +62,7 @@ def test_folds_end_in_the_cusp() -> None:
 
 
 def test_there_is_no_fold_without_prestress_or_under_the_rotation_law() -> None:
+    """Without prestress, or without a magnetic load, there is one equilibrium at every load."""
     loads = {"m": np.linspace(-5.0, 5.0, 5)}
     turned = rm.Actuator(prestress=2.2, magnet=rm.Magnet(law="rotation"))
     for actuator in (rm.Actuator(), turned):
@@ -108,6 +110,7 @@ def energy(x: FloatArray | float, S: float, m: float) -> FloatArray | float:
 
 
 def test_threshold_is_where_the_saddle_has_the_energy_of_the_start() -> None:
+    """A step from rest passes the saddle from the load on at which their energies are equal."""
     S = 2.2
     thin = brentq(lambda x: x - x**-5 - S, 1.5, 3.0, xtol=1e-14)
     ds = rm.snap_through(rm.Actuator(prestress=S), "m", (1.0, 4.0), initial=thin)
@@ -146,5 +149,6 @@ def test_a_start_on_the_saddle_itself() -> None:
 
 
 def test_nothing_snaps_without_prestress() -> None:
+    """With one equilibrium at every load there is nothing to snap to."""
     ds = rm.snap_through(rm.Actuator(), "m", (-3.0, 10.0))
     assert (ds.sizes["fold"], ds.sizes["snap"]) == (0, 0)

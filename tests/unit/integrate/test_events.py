@@ -22,6 +22,7 @@ def of_cosine(value: float, end: float = 50.0) -> Crossings:
 
 @pytest.mark.parametrize("value", [0.0, 0.5, -0.99, 0.999999])
 def test_crossings_of_a_cosine(value: float) -> None:
+    """Every crossing is found once, at its time, with its direction."""
     found = of_cosine(value)
     angle, turns = np.arccos(value), 2.0 * np.pi * np.arange(9)
     expected = np.sort(np.concatenate([turns + angle, turns - angle]))
@@ -39,12 +40,14 @@ def test_two_crossings_within_one_step() -> None:
 
 @pytest.mark.parametrize("value", [-1.0, -1.0 - 1e-12])
 def test_a_touch_is_found_once(value: float) -> None:
+    """A touch is one crossing without a direction, also where rounding parts it from the value."""
     found = of_cosine(value)
     np.testing.assert_allclose(found.time, np.pi * np.arange(1, 16, 2), rtol=0.0, atol=1e-5)
     assert not found.direction.any()
 
 
 def test_a_miss_is_a_miss() -> None:
+    """A value a little beyond the extreme is not crossed."""
     assert of_cosine(-1.0 - 1e-9).time.size == 0
 
 
@@ -65,12 +68,14 @@ def test_crossings_at_ends_of_steps_are_found_once() -> None:
 
 
 def test_no_crossing_beyond_the_end() -> None:
+    """A crossing after the end of a trajectory, within its last step, is not told."""
     found, _ = find_crossings(problem(HARMONIC, [(1.0, 0.0)] * 3, [1.5, 1.6, 5.0], period=0.7),
                          "position", 0.0, tolerance=1e-10)  # fmt: skip
     assert found.trajectory.tolist() == [1, 2, 2]
 
 
 def test_the_drive_itself_is_refused() -> None:
+    """An observable that depends on the drive directly has no rate to find crossings with."""
     asked = problem(Oscillator(-Q + SINE, {}), (1.0, 0.0), 1.0, period=1.0)
     with pytest.raises(ValueError, match="drive"):
         find_crossings(asked, "acceleration", 0.0, tolerance=1e-9)

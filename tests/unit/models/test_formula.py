@@ -103,6 +103,7 @@ def test_anything_but_arithmetic_is_refused(name: str) -> None:
 
 @given(st.text(max_size=60))
 def test_any_text_is_read_or_refused(text: str) -> None:
+    """Any text is refused with an InputError, or has a canonical form that is read as itself."""
     try:
         formula = parse(text)
     except InputError:
@@ -115,6 +116,7 @@ TOKENS = st.sampled_from(["I1", "l1", "2", "0.5", "+", "-", "*", "/", "**", "(",
 
 @given(st.lists(TOKENS, max_size=25).map("".join))
 def test_what_is_read_has_the_value_that_python_gives(text: str) -> None:
+    """A formula that is read has the value of the same expression in Python."""
     try:
         formula = parse(text)
     except InputError:
@@ -138,6 +140,7 @@ def test_numbers_are_taken_as_they_are_written() -> None:
 
 
 def test_sympy_expressions_become_text() -> None:
+    """Text made of an expression is read as that expression; what has no text is refused."""
     x, y = sp.symbols("x y")
     expression = sp.sqrt(x) * sp.exp(-y / 3) + 0.1 * x ** sp.Rational(3, 2) + sp.pi - 1 / y
     again = parse(from_sympy(expression))({"x": x, "y": y}, sp)
@@ -156,6 +159,7 @@ def test_parts_with_a_sign_are_known() -> None:
 
 
 def test_size_is_bounded() -> None:
+    """Length of the text and size of the exponents have limits, which are themselves allowed."""
     assert parse("x" + " " * (MAX_CHARACTERS - 1)).text == "x"
     assert parse("(x**8)**8").text == "(x ** 8) ** 8"
     for text in ("x" + " " * MAX_CHARACTERS, "(x**8)**9", "x**-65"):
@@ -183,4 +187,5 @@ def test_a_formula_that_is_known_needs_no_sympy(tmp_path: Path) -> None:
 
 
 def test_pi_is_known() -> None:
+    """The name `pi` is the number."""
     assert parse("2*pi")({}, math) == 2.0 * math.pi

@@ -14,34 +14,40 @@ TAU = np.linspace(0.0, 6.0, 61)
 
 
 def test_steps_hold_from_their_time_on() -> None:
+    """A load holds from its time, that instant included, to the next."""
     drive = Steps([0.0, 1.0, 3.0], [0.1, 0.2, 0.3])
     assert drive([0.0, 0.999, 1.0, 2.9, 3.0, 100.0]).tolist() == [0.1, 0.1, 0.2, 0.2, 0.3, 0.3]
 
 
 def test_steps_are_cut_at_the_end_of_the_run() -> None:
+    """Pieces end with the run; those after its end have no length."""
     line = Steps([0.0, 1.0, 3.0], [0.1, 0.2, 0.3]).timeline({}, np.array([2.5, 0.5]))
     assert line.lengths.tolist() == [[1.0, 0.5], [1.5, 0.0]]
     assert line.parameters["piece.0"][:, 0].tolist() == [0.1, 0.2]
 
 
 def test_ramp_is_straight_and_then_held() -> None:
+    """A ramp is linear between its entries, and constant after the last."""
     drive = Ramp([0.0, 2.0, 3.0], [0.0, 1.0, -1.0])
     expected = np.interp(TAU, [0.0, 2.0, 3.0], [0.0, 1.0, -1.0])
     np.testing.assert_allclose(drive(TAU), expected, atol=1e-15)
 
 
 def test_samples_of_a_cubic_give_the_cubic() -> None:
+    """Interpolation is exact for a cubic."""
     times = np.array([0.0, 1.0, 2.5, 4.0, 6.0])
     drive = Sampled(times, times**3 - 2.0 * times)
     np.testing.assert_allclose(drive(TAU), np.asarray(TAU**3 - 2.0 * TAU), atol=1e-12)
 
 
 def test_samples_are_met() -> None:
+    """The interpolation passes through its samples."""
     times, loads = np.arange(6.0), np.array([0.1, -0.3, 0.2, 0.9, 0.0, 0.4])
     np.testing.assert_allclose(Sampled(times, loads)(times), loads, atol=1e-15)
 
 
 def test_samples_do_not_reach_beyond_the_last() -> None:
+    """Samples are not extrapolated, neither in a value nor in a run."""
     drive = Sampled([0.0, 1.0, 2.0], [0.0, 1.0, 0.0])
     with pytest.raises(InputError, match="`tau` must not go beyond the last entry"):
         drive(2.1)
@@ -68,10 +74,12 @@ TABLE = [
 @pytest.mark.parametrize("kind", [Steps, Ramp, Sampled])
 @pytest.mark.parametrize(("times", "loads", "message"), TABLE)
 def test_tables_are_checked(kind: Any, times: Any, loads: Any, message: str) -> None:
+    """The message names the column, and says what it must be."""
     with pytest.raises(InputError, match=message):
         kind(times, loads)
 
 
 def test_one_sample_is_too_few() -> None:
+    """One sample defines no interpolation."""
     with pytest.raises(InputError, match="`times` must have at least 2 entries; got 1"):
         Sampled([0.0], [1.0])

@@ -13,7 +13,8 @@ from remanent.models.drives.waves import Constant, Sine, SineSquared
 TAU = np.linspace(0.0, 6.0, 61)
 
 
-def test_laws() -> None:
+def test_loads_have_the_values_of_their_formulas() -> None:
+    """Loads are b0, (b sin omega tau)^2 and mean + b sin(omega tau + phase)."""
     np.testing.assert_array_equal(Constant(0.2)(TAU), 0.2)
     np.testing.assert_allclose(SineSquared(0.4, 1.25)(TAU), (0.4 * np.sin(1.25 * TAU)) ** 2)
     np.testing.assert_allclose(Sine(0.4, 1.2, 0.1, 0.3)(TAU), 0.1 + 0.4 * np.sin(1.2 * TAU + 0.3))
@@ -34,5 +35,6 @@ def test_periods_are_those_of_the_load() -> None:
     ],
 )
 def test_frequencies_are_checked(make: Any, message: str) -> None:
+    """A frequency that is not greater than 0 is refused."""
     with pytest.raises(InputError, match=message):
         make()

@@ -14,6 +14,7 @@ from remanent.models.materials.second_order_ad import DualFunctions, SecondOrder
     "text", ["x**3/(1 + x) - 2*x", "exp(-x)*sin(x) + cos(2*x)", "log(x)**2/sqrt(x)", "x**-1.5 + 4"]
 )
 def test_dual_numbers_carry_two_derivatives(text: str) -> None:
+    """Value and two derivatives are those of the symbolic expression."""
     x, at = sp.Symbol("x"), 1.3
     dual = parse(text)({"x": SecondOrderDual(np.float64(at), 1.0, 0.0)}, DualFunctions(np))
     exact = parse(text)({"x": x}, sp)

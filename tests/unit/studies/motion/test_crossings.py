@@ -9,6 +9,7 @@ import remanent as rm
 
 
 def test_rates_of_the_motion_cross_zero_at_its_extremes() -> None:
+    """The largest stretch at a zero of its rate is the maximum of the response."""
     drive = rm.SineSquared(0.4, 1.25)
     extremes = rm.crossings(rm.Actuator(), drive, "thickness_stretch_rate", 0.0, duration=100.0)
     largest = (extremes.stretch**-2).max()

@@ -29,6 +29,7 @@ def test_padding_keeps_kinds_and_leaves_no_number() -> None:
 
 
 def test_a_missing_table_is_all_padding() -> None:
+    """A member without a table has NaN in its place, and the others keep theirs."""
     stacked = stack_tables([None, {"x": np.array([1.0])}], {"x": np.empty(0)})
     np.testing.assert_array_equal(stacked["x"], [[np.nan], [1.0]])
 

@@ -10,6 +10,7 @@ import remanent as rm
 
 
 def test_folds_are_found_for_each_of_the_other_fields() -> None:
+    """Folds over one field are those of each set of the other fields alone."""
     loads = np.linspace(0.5, 6.0, 4)
     over: dict[str, Any] = {"m": loads, "prestress": [1.0, 1.9, 2.2], "temperature": [293.0]}
     ds = rm.equilibria(rm.Actuator(), over=over)

@@ -10,6 +10,7 @@ from remanent._errors import InputError
 
 
 def test_thresholds_over_other_fields() -> None:
+    """Each set has its own threshold, which does not depend on inertia."""
     over = {"prestress": [-1.0, 1.9, 2.2], "c": [0.1, 1.0]}
     ds = rm.snap_through(rm.Actuator(), "m", (1.0, 4.0), over=over, initial=1.9)
     assert ds.snap_m.dims == ("prestress", "c", "snap")
@@ -28,6 +29,7 @@ def test_thresholds_over_other_fields() -> None:
     ],
 )
 def test_bad_arguments_are_explained(fields: dict[str, object], message: str) -> None:
+    """The message names the argument, and says what it must be."""
     given = {"actuator": rm.Actuator(), "parameter": "m", "parameter_range": (0.0, 1.0), **fields}
     with pytest.raises(InputError, match=message):
         rm.snap_through(**given)  # type: ignore[arg-type]
