@@ -178,6 +178,7 @@ def test_unknown_fields_are_refused(drive: Drive) -> None:
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf, "1", None, True, [1.0], 1j])
 def test_every_number_is_checked(drive: Drive, bad: Any) -> None:
     """Whatever is not a finite number is refused, in each parameter, by its name."""
+    assert drive.parameters() or drive.piece_parameters
     for name in drive.parameters():
         with pytest.raises(InputError, match=f"^`{name}` must be"):
             drive.replace(**{name: bad})
@@ -186,6 +187,7 @@ def test_every_number_is_checked(drive: Drive, bad: Any) -> None:
 @every
 def test_batch_check_agrees_with_single_check(drive: Drive) -> None:
     """A batch marks as invalid exactly the values that a single drive refuses."""
+    assert drive.parameters() or drive.piece_parameters
     values = np.array([np.nan, np.inf, -1.0, -0.0, 0.0, 5e-324, 1.0, 1e308])
     for name in drive.parameters():
         expected = [refused(drive, name, value) for value in values]

@@ -229,6 +229,7 @@ def test_two_equal_stretches_move_as_one() -> None:
     for rate in (two.rates[1], two.rates[3]):
         difference = written_out(rate, two).subs(equal) - written_out(one.rates[1], one)
         assert sp.simplify(difference) == 0
+    assert "energy" in one.observables
     for name, observable in one.observables.items():
         both = written_out(two.observables[name], two).subs(equal)
         assert sp.simplify(both - written_out(observable, one)) == 0
@@ -246,6 +247,7 @@ def test_lagrange_equations_of_two_stretches() -> None:
     on_path = dict(zip(motion.coordinates, path, strict=True))
     on_path |= dict(zip(motion.rates, (sp.diff(q, tau) for q in path), strict=True))
     dotted = {sp.Symbol(f"{v.name}'", real=True): sp.diff(on_path[v], tau) for v in motion.rates}
+    assert len(motion.coordinates) == 2
     for q, v, row in zip(motion.coordinates, motion.rates, second_order(motion), strict=True):
         momentum = sp.diff(kinetic, v).subs(on_path)
         force = sp.diff(kinetic - potential, q).subs(on_path)

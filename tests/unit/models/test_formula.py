@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import sympy as sp
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 import remanent as rm
@@ -102,6 +102,7 @@ def test_anything_but_arithmetic_is_refused(name: str) -> None:
 
 
 @given(st.text(max_size=60))
+@example("I1**2 - 3")
 def test_any_text_is_read_or_refused(text: str) -> None:
     """Any text is refused with an InputError, or has a canonical form that is read as itself."""
     try:
@@ -115,6 +116,8 @@ TOKENS = st.sampled_from(["I1", "l1", "2", "0.5", "+", "-", "*", "/", "**", "(",
 
 
 @given(st.lists(TOKENS, max_size=25).map("".join))
+@example("(I1 - 2)**2/l1 + log(I1)")
+@example("-l1**-2*0.5")
 def test_what_is_read_has_the_value_that_python_gives(text: str) -> None:
     """A formula that is read has the value of the same expression in Python."""
     try:

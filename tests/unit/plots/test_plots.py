@@ -199,7 +199,9 @@ def test_history_takes_times_of_each_trajectory() -> None:
     times = np.outer([1.0, 2.0, 3.0], dataset["time"].values)
     attrs = dataset["time"].attrs
     dataset = dataset.drop_vars("time").assign_coords(time=(("temperature", "cycle"), times, attrs))
-    for k, artist in enumerate(plots.history(dataset)):
+    lines = plots.history(dataset)
+    assert len(lines) == len(times)
+    for k, artist in enumerate(lines):
         np.testing.assert_array_equal(artist.get_xdata(), times[k])
 
 
@@ -252,7 +254,9 @@ def test_curves_pass_through_their_resonance() -> None:
     dataset = synthetic.frequency_response(7, 10.0).isel(prestress=0)
     shape = dataset["resonance"]
     dataset["resonance_amplitude"] = shape.copy(data=np.full(shape.shape, 9.0))
-    for artist in plots.response(dataset):
+    curves = plots.response(dataset)
+    assert len(curves) == shape.size
+    for artist in curves:
         assert np.max(np.asarray(artist.get_ydata())) == 9.0
         assert (np.diff(np.asarray(artist.get_xdata())) >= 0).all()
 

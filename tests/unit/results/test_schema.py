@@ -57,6 +57,7 @@ def test_symbols_tell_the_coordinates_of_one_figure_apart() -> None:
 
 def test_frequencies_and_temperatures_have_their_units() -> None:
     """Kind and unit agree."""
+    assert {Kind.TEMPERATURE, Kind.FREQUENCY} <= {row.kind for row in TABLE.values()}
     for row in TABLE.values():
         assert (row.units == "K") == (row.kind is Kind.TEMPERATURE), row.name
         if row.kind is Kind.FREQUENCY:

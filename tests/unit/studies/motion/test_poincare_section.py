@@ -13,7 +13,7 @@ def test_sections_do_not_depend_on_their_neighbours() -> None:
     drive = rm.SineSquared(0.9, 1.0)
     body = rm.Actuator(c=0.1, temperature=350.0)
     whole = rm.poincare_section(body, drive, periods=40, over={"omega": omega})
-    assert set(whole.status.values.tolist()) <= {1, 2}
+    assert (whole.status == rm.Status.OK).all()
     for part in (slice(0, 5), slice(7, 8), slice(9, 24)):
         some = rm.poincare_section(body, drive, periods=40, over={"omega": omega[part]})
         for name in ("stretch", "stretch_rate", "error", "horizon", "status"):

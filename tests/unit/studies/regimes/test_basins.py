@@ -49,7 +49,7 @@ def test_slightly_damped_motion_is_sorted_by_the_orbits_it_is_on_the_way_to() ->
         body, drive, {"stretch": [0.62, 1.0, 1.1], "stretch_rate": [0.0, 0.15]},
         periods=200, tolerance=1e-7,
     )  # fmt: skip
-    assert ds.attractor.size == 2
+    assert ds.attractor_state.shape == (2, 2)
     assert (ds.basin.values >= 0).any(axis=1).all()
     for state in ds.attractor_state.values:
         assert np.abs(stable - state).max(axis=1).min() < 1e-7
@@ -72,6 +72,7 @@ def test_basins_over_a_field_are_the_single_ones() -> None:
             periods=100,
         )  # fmt: skip
         here, count = ds.isel({"dissipation.0.eta": 1, "mean": k}), alone.sizes["attractor"]
+        assert {"basin", "fraction"} <= set(alone.data_vars)
         for name in alone.data_vars:
             own = here[name]
             if "attractor" in own.dims:

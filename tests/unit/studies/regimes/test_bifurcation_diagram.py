@@ -41,6 +41,7 @@ def test_sweeps_over_a_field_are_the_single_ones() -> None:
     for temperature in temperatures:
         body = DAMPED.replace(temperature=temperature)
         alone = rm.bifurcation_diagram(body, DRIVE, "b", values, **options)
+        assert {"stretch", "thickness_stretch"} <= set(alone.data_vars)
         for name in alone.data_vars:
             here = ds[name].sel(temperature=temperature)
             np.testing.assert_array_equal(here, alone[name], err_msg=str(name))

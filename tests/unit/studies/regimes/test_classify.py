@@ -49,6 +49,7 @@ def test_labels_do_not_depend_on_company() -> None:
     body = rm.Actuator(dissipation=rm.Rayleigh(0.02))
     whole = rm.classify(body, DRIVE, periods=150, over={"omega": omega})
     alone = rm.classify(body, DRIVE.replace(omega=omega[4]), periods=150)
+    assert {"regime", "exponent"} <= set(alone.data_vars)
     for name in alone.data_vars:
         np.testing.assert_array_equal(whole[name][4], alone[name])
 
