@@ -296,11 +296,17 @@ def test_gaps_and_empty_members_draw() -> None:
         dataset[name].values[0, 0] = np.nan
         dataset[name].values[1, 1, 30:] = np.nan
     for draw in (plots.history, plots.phase):
-        png(figure_of(draw(dataset)))
+        lines = draw(dataset)
+        png(figure_of(lines))
+        drawn = [int(np.isfinite(np.asarray(line.get_ydata())).sum()) for line in lines]
+        assert drawn == [0, 61, 61, 30, 61, 61]
     response: Any = synthetic.frequency_response(7, 10.0).copy(deep=True)
     response["amplitude"].values[0, 0] = np.nan
     response["resonance"].values[0, 0] = np.nan
-    png(figure_of(plots.response(response)))
+    curves = plots.response(response)
+    png(figure_of(curves))
+    empty = [bool(np.isnan(np.asarray(curve.get_ydata())).all()) for curve in curves]
+    assert empty == [True, False, False, False, False, False]
 
 
 def test_a_curve_has_the_band_of_its_quantiles() -> None:
