@@ -14,7 +14,7 @@ from remanent.codegen import build as codegen_build
 from remanent.derivation import lagrange
 from remanent.derivation.motion import Motion
 from remanent.report.settings import AGREEMENT, PRESTRESSES, PUBLISHED, TEMPERATURES
-from remanent.studies.ensemble import ensemble
+from remanent.studies.ensemble import layout
 
 OMEGAS = np.linspace(0.6, 1.6, 201)
 #: A mutation must move a resonance by more than this.
@@ -81,7 +81,7 @@ def test_a_mutated_equation_moves_a_resonance(
 
     monkeypatch.setattr(lagrange, "accelerations", mutated)
     field = codegen_build.build(rm.Actuator(), rm.SineSquared(0.4, 1.0))
-    monkeypatch.setattr(ensemble, "field_for", lambda *_: field)
+    monkeypatch.setattr(layout, "field_for", lambda *_: field)
     assert np.nanmax(np.abs(resonances(rm.Actuator()) - right)) > SEEN
 
 
