@@ -161,7 +161,7 @@ class Group:
         problem = initial_value_problem(lay_out(self.actuator, self.drive, over), self.duration)
         request = Request(times=self.times())
         if self.kind.extremes:
-            request = Request(extremes=True, begin=self.begin())
+            request = Request(wants_extremes=True, extremes_begin=self.begin())
         return integrate(problem, request, tolerance=self.tolerance)
 
 

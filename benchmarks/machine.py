@@ -54,6 +54,6 @@ def one_core() -> Iterator[None]:
 
 
 def _vectors() -> str:
-    from remanent.integrate.kernel.compile import host
+    from remanent.integrate.kernel.compile import host_processor
 
-    return f"{32 * host().width} bits"
+    return f"{32 * host_processor().width} bits"

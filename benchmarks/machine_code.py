@@ -19,7 +19,7 @@ from dataclasses import dataclass, field
 
 from llvmlite import binding
 
-from remanent.integrate.kernel.compile import Target
+from remanent.integrate.kernel.compile import TargetProcessor
 
 _LABEL = re.compile(r"^(\.?\w+):")
 _JUMP = re.compile(r"^\s+(j\w+)\s+(\.?\w+)")
@@ -36,7 +36,7 @@ class Block:
     following: list[int] = field(default_factory=list)
 
 
-def assembly(source: str, target: Target, *, unroll: bool = False) -> str:
+def assembly(source: str, target: TargetProcessor, *, unroll: bool = False) -> str:
     """Assembly of LLVM source, made by the passes that kernels are compiled with.
 
     Parameters
@@ -44,7 +44,7 @@ def assembly(source: str, target: Target, *, unroll: bool = False) -> str:
     unroll
         Whether loops may be unrolled, as in the code that runs; off, so that a pass is a step.
     """
-    machine = target.machine()
+    machine = target.create_target_machine()
     module = binding.parse_assembly(source)
     tuning = binding.create_pipeline_tuning_options(speed_level=3)
     tuning.loop_unrolling = unroll

@@ -13,8 +13,8 @@ import time
 import numpy as np
 from llvmlite import binding, ir
 
-from remanent.integrate.kernel.compile import Target
-from remanent.integrate.kernel.lanes import DOUBLE, INTEGER, Writer
+from remanent.integrate.kernel.compile import TargetProcessor
+from remanent.integrate.kernel.lanes import DOUBLE_TYPE, INTEGER_TYPE, Writer
 
 #: Chains that wait for nothing but themselves: enough to hide the latency of one.
 CHAINS = 6
@@ -25,7 +25,7 @@ _PASSES = 4_000_000
 def source(width: int) -> str:
     """LLVM assembly of ``void loop(double *values, long passes)``."""
     module = ir.Module(name="multiply_add")
-    signature = ir.FunctionType(ir.VoidType(), [DOUBLE.as_pointer(), INTEGER])
+    signature = ir.FunctionType(ir.VoidType(), [DOUBLE_TYPE.as_pointer(), INTEGER_TYPE])
     function = ir.Function(module, signature, "loop")
     builder = ir.IRBuilder(function.append_basic_block("entry"))
     begin = function.append_basic_block("begin")
@@ -33,23 +33,23 @@ def source(width: int) -> str:
     builder.position_at_end(begin)
     values, passes = function.args
     w = Writer(builder, width)
-    places = [w.integer(k * width) for k in range(CHAINS + 2)]
-    factor, term = w.load(values, places[-2]), w.load(values, places[-1])
-    chains = [w.variable(w.load(values, k)) for k in places[:-2]]
+    places = [w.integer_constant(k * width) for k in range(CHAINS + 2)]
+    factor, term = w.load_lanes(values, places[-2]), w.load_lanes(values, places[-1])
+    chains = [w.new_cell_with(w.load_lanes(values, k)) for k in places[:-2]]
     with w.loop(passes):
         # One multiply-add of a vector for every chain.
         for chain in chains:
             chain.set(chain.get() * factor + term)
     for chain, k in zip(chains, places, strict=False):
-        w.store(chain.get(), values, k)
+        w.store_lanes(chain.get(), values, k)
     builder.ret_void()
     return str(module)
 
 
-def lanes_per_second(target: Target, repeats: int) -> float:
+def lanes_per_second(target: TargetProcessor, repeats: int) -> float:
     """Multiply-adds of single numbers that one core does in a second, the median of runs."""
     module = binding.parse_assembly(source(target.width))
-    machine = target.machine()
+    machine = target.create_target_machine()
     builder = binding.create_pass_builder(
         machine, binding.create_pipeline_tuning_options(speed_level=3)
     )

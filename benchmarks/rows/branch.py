@@ -101,10 +101,10 @@ def _timed(work: Callable[[], list[Curve]], repeats: int) -> dict[str, Any]:
         begin = time.process_time()
         curves = work()
         for curve in curves:
-            floquet_multipliers(curve.points.extra["jacobian"], curve.points.error)
+            floquet_multipliers(curve.points.extra["jacobian"], curve.points.residual_error)
         times.append(time.process_time() - begin)
         points = sum(len(curve.points) for curve in curves)
-        worst = max(float((c.points.residual + c.points.error).max()) for c in curves)
+        worst = max(float((c.points.residual + c.points.residual_error).max()) for c in curves)
     microseconds = 1e6 * statistics.median(times) / points
     return {"microseconds": microseconds, "points": points, "worst": worst, "branches": len(curves)}
 
@@ -123,8 +123,8 @@ def _traced(cases: FloatArray, block: int, tolerance: float) -> list[Curve]:
     starts, reached = correct_points(equations, guess, down, scale=scale, tolerance=tolerance)
     settings = ContinuationSettings(
         np.array([0.3, -8.0, 0.0, -9.0, _LOW]), np.array([4.0, 8.0, 999.0, 9.0, _HIGH + 1e-9]),
-        scale, first_step=_STEP, max_step=_STEP, tolerance=tolerance, block=block,
-        max_points=auto07p.POINTS, held=(2, 3),
+        scale, first_step=_STEP, max_step=_STEP, tolerance=tolerance, block_size=block,
+        max_points=auto07p.POINTS, held_unknown_indices=(2, 3),
     )  # fmt: skip
     return continue_curves(equations, starts.subset(reached), settings)
 

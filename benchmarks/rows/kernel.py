@@ -27,12 +27,12 @@ from benchmarks.multiply_add import lanes_per_second
 from benchmarks.rows.plan import Plan
 from benchmarks.tools import ours
 from remanent._typing import FloatArray
-from remanent.integrate.ensemble.attempt import attempt
+from remanent.integrate.ensemble.attempt import attempt_chunk
 from remanent.integrate.ensemble.problem import Request
-from remanent.integrate.ensemble.resolution import method_for
+from remanent.integrate.ensemble.resolution import choose_method
 from remanent.integrate.ensemble.run import Chunk, Run
-from remanent.integrate.kernel.compile import Kernel, Kernels, compiled, host
-from remanent.integrate.kernel.options import Method, Options
+from remanent.integrate.kernel.compile import Kernel, KernelPair, compiled_kernel, host_processor
+from remanent.integrate.kernel.options import KernelOptions, Method
 from remanent.integrate.kernel.tables import CycleTables
 from remanent.integrate.methods.runge_kutta import default_method
 
@@ -48,9 +48,12 @@ _ERROR_CEILING = 1.0
 _OMEGA = (1.25, 1.2501)
 #: Kernels by name: what is asked of a run, and what its kernel holds.
 _CASES = {
-    "extremes and bound": (Request(extremes=True), Options(extremes=True)),
-    "extremes alone": (Request(extremes=True), Options(extremes=True, coarse_solution=False)),
-    "states and bound": (Request(), Options()),
+    "extremes and bound": (Request(wants_extremes=True), KernelOptions(follows_extremes=True)),
+    "extremes alone": (
+        Request(wants_extremes=True),
+        KernelOptions(follows_extremes=True, has_coarse_solution=False),
+    ),
+    "states and bound": (Request(), KernelOptions()),
 }
 
 
@@ -80,51 +83,55 @@ class _Timed:
 
 def measure(plan: Plan) -> dict[str, Any]:
     """Share of the multiply-add loop that every kernel reaches."""
-    target = host()
+    target = host_processor()
     with one_core():
         rows, peaks = {}, []
         for name, (request, options) in _CASES.items():
-            method = method_for(request, _TOLERANCE)
+            method = choose_method(request, _TOLERANCE)
             peaks.append(lanes_per_second(target, plan.repeats))
             rows[name] = _row(method, options, plan.repeats, peaks[-1])
             plan.say(f"kernel: {name}: {rows[name]['share']:.0%} of the multiply-add loop")
     return {"peak": statistics.median(peaks), "kernels": rows}
 
 
-def _row(method: Method, options: Options, repeats: int, peak: float) -> dict[str, Any]:
+def _row(method: Method, options: KernelOptions, repeats: int, peak: float) -> dict[str, Any]:
     work = _operations(method, options)
     seconds = _seconds_per_pass(method, options, repeats)
     slots = work["fma"] + work["mul"] + work["add"]
     return {
         "method": method.name,
         "work": dict(work),
-        "lanes": host().width,
+        "lanes": host_processor().width,
         "nanoseconds": seconds * 1e9,
         "share": slots / seconds / peak,
         "flops_share": (slots + work["fma"]) / seconds / (2.0 * peak),
     }
 
 
-def _operations(method: Method, options: Options) -> Counter[str]:
+def _operations(method: Method, options: KernelOptions) -> Counter[str]:
     """Operations of a double step of one group of lanes, by kind."""
     field = ours.response_problem(RESPONSE, RESPONSE.omegas[:1]).field
-    return work_per_pass(assembly(host().source(field, method, options), host()))
+    return work_per_pass(
+        assembly(host_processor().kernel_source(field, method, options), host_processor())
+    )
 
 
-def _seconds_per_pass(method: Method, options: Options, repeats: int) -> float:
+def _seconds_per_pass(method: Method, options: KernelOptions, repeats: int) -> float:
     """Processor time of one double step of one group, the median of runs."""
-    problem = ours.response_problem(RESPONSE, np.linspace(*_OMEGA, _GROUPS * host().width))
-    start = compiled(problem.field, default_method(), options)
+    problem = ours.response_problem(
+        RESPONSE, np.linspace(*_OMEGA, _GROUPS * host_processor().width)
+    )
+    start = compiled_kernel(problem.field, default_method(), options)
     seconds = []
     for _ in range(repeats + 1):  # the first is for the caches
-        timed = _Timed(compiled(problem.field, method, options))
+        timed = _Timed(compiled_kernel(problem.field, method, options))
         run = Run(
             problem,
-            Request(extremes=options.extremes),
-            Kernels(start, timed),  # type: ignore[arg-type]
+            Request(wants_extremes=options.follows_extremes),
+            KernelPair(start, timed),  # type: ignore[arg-type]
             _ERROR_CEILING,
             CycleTables(problem.timeline.waveform),
         )
-        attempt(run, Chunk(_RESOLUTION, np.arange(problem.duration.size)))
+        attempt_chunk(run, Chunk(_RESOLUTION, np.arange(problem.duration.size)))
         seconds.append(timed.seconds / timed.passes)
     return statistics.median(seconds[1:])

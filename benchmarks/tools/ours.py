@@ -8,7 +8,7 @@ import remanent as rm
 from benchmarks.jobs import Job
 from benchmarks.tools.tool import TOLERANCES, Package, Run, Tool, clocked
 from remanent._typing import FloatArray
-from remanent.integrate.ensemble.ensemble import integrate_unbounded
+from remanent.integrate.ensemble.ensemble import integrate_without_error_bound
 from remanent.integrate.ensemble.problem import Problem, Request
 from remanent.studies.ensemble.layout import lay_out
 from remanent.studies.ensemble.problem import initial_value_problem
@@ -42,9 +42,9 @@ def build_fixed(job: Job) -> Run:
     """Extremes at one resolution for all, without the coarse solution that the bound needs."""
 
     def run(omegas: FloatArray, resolution: float) -> FloatArray:
-        outcome = integrate_unbounded(
+        outcome = integrate_without_error_bound(
             response_problem(job, omegas),
-            Request(extremes=True),
+            Request(wants_extremes=True),
             resolution=int(resolution),
             workers=1,
         )

@@ -47,8 +47,10 @@ class ForcedOscillator:
         image = self._flow(
             states, columns, 2.0 * np.pi / omega, tolerance=self.tolerance, cycles=iterate
         )
-        by_free = image.tangent[:, 2]
+        by_free = image.tangents[:, 2]
         if self.free == "omega":
-            by_free = image.tangent[:, -1] / -omega[:, None]
-        jacobian = np.moveaxis(image.tangent[:, :2], 1, 2)
-        return MapImage(image.state, jacobian, by_free[:, :, None], image.error * iterate)
+            by_free = image.tangents[:, -1] / -omega[:, None]
+        jacobian = np.moveaxis(image.tangents[:, :2], 1, 2)
+        return MapImage(
+            image.state, jacobian, by_free[:, :, None], image.largest_period_error * iterate
+        )

@@ -21,7 +21,7 @@ from remanent.analysis.orbits.continuation import ContinuationSettings, continue
 from remanent.analysis.orbits.correction import unit_tangents
 from remanent.analysis.orbits.curves import CurvePoints
 from remanent.analysis.orbits.orbit_equations import orbit_equations
-from remanent.analysis.orbits.switching import crossing_branch_point
+from remanent.analysis.orbits.switching import find_point_on_crossing_branch
 
 HERE = Path(__file__).parent / "auto" / "reference"
 KINDS = {"LP": "fold", "PD": "period doubling", "TR": "Neimark-Sacker", "BP": "branch point"}
@@ -151,7 +151,7 @@ def specials(
         unknown,
         unit_tangents(here.derivative, ahead, scale),
         np.abs(here.value).max(axis=1),
-        here.error,
+        here.value_error,
         here.extra,
     )
     settings = ContinuationSettings(
@@ -161,7 +161,7 @@ def specials(
         first_step=0.005,
         max_step=0.02,
         tolerance=1e-11,
-        block=8,
+        block_size=8,
     )
     (curve,) = continue_curves(equations, start, settings)
     return find_special_points(
@@ -196,15 +196,15 @@ def test_special_points_of_forced_oscillators(name: str, marked: dict[str, int])
             near = [
                 one for one in found
                 if one.kind == KINDS[mark["kind"]]
-                and abs(one.points.unknown[0, 2] - mark[free]) < 1e-8
+                and abs(one.point.unknown[0, 2] - mark[free]) < 1e-8
             ]  # fmt: skip
             assert near, (
                 label,
                 mark["kind"],
                 mark[free],
-                [(f.kind, f.points.unknown) for f in found],
+                [(f.kind, f.point.unknown) for f in found],
             )
-            assert abs(near[0].points.unknown[0, 2] - mark[free]) <= near[0].error + 1e-15
+            assert abs(near[0].point.unknown[0, 2] - mark[free]) <= near[0].parameter_error + 1e-15
 
 
 def test_doublings_lead_to_the_next_branch() -> None:
@@ -218,7 +218,7 @@ def test_doublings_lead_to_the_next_branch() -> None:
         scale = np.array([1.0, 1.0, 0.05])
         equations = orbit_equations(map_, period)
         crossing = np.array([mark["x"], mark["v"], mark["F"]])
-        start = crossing_branch_point(equations, crossing, scale=scale, tolerance=1e-11)
+        start = find_point_on_crossing_branch(equations, crossing, scale=scale, tolerance=1e-11)
         assert start is not None
         low, high = min(branches[period]["F"]) - 1e-4, max(branches[period]["F"]) + 1e-4
         settings = ContinuationSettings(
@@ -228,7 +228,7 @@ def test_doublings_lead_to_the_next_branch() -> None:
             first_step=0.005,
             max_step=0.02,
             tolerance=1e-11,
-            block=8,
+            block_size=8,
         )
         (curve,) = continue_curves(equations, start, settings)
         ours = [curve.points.unknown]
@@ -244,7 +244,7 @@ def test_doublings_lead_to_the_next_branch() -> None:
             equations, curve.points, scale=scale, tolerance=1e-11, conservative=False
         )
         following = marks[marks.index(mark) + 1]["F"]
-        doublings = [s.points.unknown[0, 2] for s in nearest if s.kind == "period doubling"]
+        doublings = [s.point.unknown[0, 2] for s in nearest if s.kind == "period doubling"]
         assert min(abs(value - following) for value in doublings) < 1e-8
 
 

@@ -27,7 +27,7 @@ from remanent.analysis.regimes.decision import decide_regimes
 from remanent.analysis.regimes.labels import Regime
 from remanent.analysis.regimes.long_runs import LongRun, TangentMap, propagate_tangents
 from remanent.analysis.regimes.problem import RegimeProblem
-from remanent.integrate.maps.advance import Advancer, Step
+from remanent.integrate.maps.advance import BlockAdvancer, BlockImage
 from remanent.integrate.maps.period_map import PeriodMap
 from remanent.models.actuator import Actuator
 from remanent.models.dissipation import Rayleigh
@@ -47,7 +47,7 @@ LATER = "settled"
 class Rolling:
     """A pendulum's angle stays within a turn, where its error is small."""
 
-    flow: Advancer
+    flow: BlockAdvancer
 
     def __call__(
         self,
@@ -57,7 +57,7 @@ class Rolling:
         periods: int,
         *,
         every: bool,
-    ) -> Step:
+    ) -> BlockImage:
         wound = states.copy()
         wound[:, 0] = np.remainder(wound[:, 0] + np.pi, 2.0 * np.pi) - np.pi
         return self.flow(which, wound, tangents, periods, every=every)
@@ -65,11 +65,11 @@ class Rolling:
 
 def forced(
     acceleration: Any, names: str, par: FloatArray, tolerance: float, count: int
-) -> Advancer:
+) -> BlockAdvancer:
     """q'' = acceleration, driven at the frequency that comes first among the parameters."""
     field = Oscillator(acceleration, dict.fromkeys(names.split()[1:], 0.0)).field()
     flow = PeriodMap(field, turning, directions=count)
-    return Advancer(flow, np.ascontiguousarray(par[:, 1:]), 2.0 * np.pi / par[:, 0], tolerance)
+    return BlockAdvancer(flow, np.ascontiguousarray(par[:, 1:]), 2.0 * np.pi / par[:, 0], tolerance)
 
 
 def oscillator(par: FloatArray, tolerance: float, count: int) -> TangentMap:
@@ -91,7 +91,7 @@ def actuator(par: FloatArray, tolerance: float, count: int) -> TangentMap:
     asked, length = initial_value_problem(ens, np.ones(ens.count)), ens.periods()
     assert length is not None
     flow = PeriodMap(asked.field, asked.timeline.waveform, directions=count)
-    return Advancer(flow, asked.parameters, length, tolerance)
+    return BlockAdvancer(flow, asked.parameters, length, tolerance)
 
 
 def plain_map(step: Any) -> Callable[..., TangentMap]:
@@ -138,13 +138,13 @@ def label(cases: list[dict[str, Any]], periods: int) -> list[tuple[str, int]]:
     def iterate(which: IntArray, states: FloatArray, period: int) -> tuple[FloatArray, FloatArray]:
         unit = np.tile(np.eye(dimension), (which.size, 1, 1))
         image = finest(which, states, unit, period, every=False)
-        return image.visited[:, -1], np.moveaxis(image.tangents, 1, 2)
+        return image.visited_states[:, -1], np.moveaxis(image.tangents, 1, 2)
 
     problem = RegimeProblem(
         run,
         len(cases),
         damped=np.array([case["dissipative"] for case in cases]),
-        iterate=iterate,
+        iterate_with_jacobian=iterate,
         observables=observables,
     )
     verdict, _ = decide_regimes(problem)

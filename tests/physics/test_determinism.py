@@ -14,7 +14,7 @@ import remanent as rm
 from remanent._typing import FloatArray, IntArray
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Outcome, Request
-from remanent.integrate.ensemble.work_sizes import DEFAULT_SIZES, WorkSizes
+from remanent.integrate.ensemble.work_sizes import DEFAULT_WORK_SIZES, WorkSizes
 from remanent.models.drives.base import Drive
 from remanent.studies.ensemble.layout import lay_out
 from remanent.studies.ensemble.problem import initial_value_problem
@@ -40,7 +40,7 @@ def run(
     asked: str,
     which: IntArray,
     workers: int = 2,
-    sizes: WorkSizes = DEFAULT_SIZES,
+    sizes: WorkSizes = DEFAULT_WORK_SIZES,
 ) -> list[Any]:
     """Everything that is answered of some of the trajectories, each as long as its own."""
     rng = np.random.default_rng(12)
@@ -50,8 +50,8 @@ def run(
     end = duration[which]
     request = {
         "times": Request(times=np.linspace(0.0, 1.0, 23) * end[:, None]),
-        "strobe": Request(strobe=2),
-        "extremes": Request(extremes=True, begin=0.3 * end),
+        "strobe": Request(strobe_cycles=2),
+        "extremes": Request(wants_extremes=True, extremes_begin=0.3 * end),
     }[asked]
     whole = initial_value_problem(lay_out(body, drive, over), end)
     outcome = integrate(whole, request, tolerance=1e-8, workers=workers, sizes=sizes)
@@ -95,7 +95,7 @@ def test_bits_depend_on_nothing_but_the_trajectory(kind: type[Drive], asked: str
     for which in (mixed, mixed[:9], mixed[9:], mixed[:1]):
         assert_same(run(drive, asked, which), reference, which)
     assert_same(run(drive, asked, everybody, workers=1), reference, everybody)
-    sizes = WorkSizes(chunk_steps=1, samples=7)
+    sizes = WorkSizes(steps_per_chunk=1, samples_per_block=7)
     assert_same(run(drive, asked, everybody, workers=3, sizes=sizes), reference, everybody)
 
 
@@ -106,7 +106,7 @@ def test_bits_do_not_depend_on_the_length_of_segments(kind: type[Drive], asked: 
     everybody = np.arange(COUNT)
     reference = run(drive, asked, everybody)
     for steps in (64, 300):
-        sizes = WorkSizes(fewest_steps=steps, most_steps=steps)
+        sizes = WorkSizes(min_steps_per_segment=steps, max_steps_per_segment=steps)
         assert_same(run(drive, asked, everybody, sizes=sizes), reference, everybody)
 
 

@@ -10,9 +10,9 @@ from remanent._errors import InputError
 from remanent._typing import ComplexArray, FloatArray
 from remanent.analysis.response.harmonics import (
     ResonantHarmonic,
+    classify_resonance,
+    find_resonant_harmonic,
     fourier_amplitudes,
-    resonance_kind,
-    resonant_harmonic,
 )
 
 
@@ -26,10 +26,12 @@ def test_harmonics_of_a_sum_of_cosines_are_its_coefficients() -> None:
 
 def test_the_harmonic_that_resonates_is_the_one_nearest_to_the_free_oscillation() -> None:
     """Its share is of the energy of all harmonics, its detuning relative to the free frequency."""
-    found = resonant_harmonic(np.array([[1.0, 3.0, 4.0j, 0.0]]), np.array([1.0]), np.array([2.05]))
-    assert found.harmonic.tolist() == [2]
-    assert found.share[0] == pytest.approx(16.0 / 25.0)
-    assert found.detuning[0] == pytest.approx(2.0 / 2.05 - 1.0)
+    found = find_resonant_harmonic(
+        np.array([[1.0, 3.0, 4.0j, 0.0]]), np.array([1.0]), np.array([2.05])
+    )
+    assert found.harmonic_number.tolist() == [2]
+    assert found.power_share[0] == pytest.approx(16.0 / 25.0)
+    assert found.relative_detuning[0] == pytest.approx(2.0 / 2.05 - 1.0)
 
 
 @pytest.mark.parametrize(
@@ -49,14 +51,14 @@ def test_orders_have_their_names(
 ) -> None:
     """The resonant harmonic and the period of the orbit decide the name of a resonance."""
     found = ResonantHarmonic(np.array([harmonic]), np.array([0.01]), np.array([0.9]))
-    assert resonance_kind(found, 0, period, doubled=doubled) == expected
+    assert classify_resonance(found, 0, period, doubled=doubled) == expected
 
 
 @pytest.mark.parametrize(("detuning", "share"), [(0.2, 0.9), (-0.2, 0.9), (0.0, 0.01), (np.nan, 1)])
 def test_what_the_evidence_does_not_carry_is_undecided(detuning: float, share: float) -> None:
     """A harmonic far from the free frequency, or with a small share, has no name."""
     found = ResonantHarmonic(np.array([1]), np.array([detuning]), np.array([share]))
-    assert resonance_kind(found, 0, 1, doubled=False) == ("undecided", 0, 0)
+    assert classify_resonance(found, 0, 1, doubled=False) == ("undecided", 0, 0)
 
 
 def test_a_small_load_finds_the_linear_resonance() -> None:

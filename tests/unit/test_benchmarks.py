@@ -23,9 +23,9 @@ from benchmarks.tools import heyoka_batch, ours, scipy_dop853
 from benchmarks.tools.tool import TOLERANCES, Answer, Run
 
 from remanent.integrate.ensemble.problem import Request
-from remanent.integrate.ensemble.resolution import method_for
-from remanent.integrate.kernel.compile import Target, host
-from remanent.integrate.kernel.options import Options
+from remanent.integrate.ensemble.resolution import choose_method
+from remanent.integrate.kernel.compile import TargetProcessor, host_processor
+from remanent.integrate.kernel.options import KernelOptions
 
 RESULTS = sorted((Path(__file__).parents[2] / "benchmarks" / "results").glob("*.json"))
 
@@ -60,15 +60,16 @@ PROCESSORS = {
     "skylake-avx512": "+avx,+avx2,+fma,+avx512f,+avx512vl",
     "haswell": "+avx,+avx2,+fma",
 }
-TARGETS_X86 = [Target("x86_64-unknown-linux-gnu", *item) for item in PROCESSORS.items()]
+TARGETS_X86 = [TargetProcessor("x86_64-unknown-linux-gnu", *item) for item in PROCESSORS.items()]
 x86 = pytest.mark.skipif(
-    not host().triple.startswith("x86_64"), reason="LLVM makes code for its own processor only"
+    not host_processor().triple.startswith("x86_64"),
+    reason="LLVM makes code for its own processor only",
 )
 
 
 @x86
 @pytest.mark.parametrize("target", TARGETS_X86, ids=lambda target: target.cpu)
-def test_the_yardstick_is_one_multiply_add_per_chain(target: Target) -> None:
+def test_the_yardstick_is_one_multiply_add_per_chain(target: TargetProcessor) -> None:
     """A pass is one multiply-add of each chain and lane, however often LLVM would unroll it."""
     work = work_per_pass(assembly(source(target.width), target))
     assert work == {"fma": CHAINS * target.width}
@@ -77,10 +78,14 @@ def test_the_yardstick_is_one_multiply_add_per_chain(target: Target) -> None:
 @x86
 def test_operations_of_a_step_do_not_depend_on_the_processor() -> None:
     """Per lane a kernel does the same arithmetic on processors of one vector width."""
-    method = method_for(Request(extremes=True), 1e-9)
+    method = choose_method(Request(wants_extremes=True), 1e-9)
     field = ours.response_problem(RESPONSE, RESPONSE.omegas[:1]).field
     counts = [
-        work_per_pass(assembly(target.source(field, method, Options(extremes=True)), target))
+        work_per_pass(
+            assembly(
+                target.kernel_source(field, method, KernelOptions(follows_extremes=True)), target
+            )
+        )
         for target in TARGETS_X86[:2]
     ]
     assert counts[0] == counts[1]

@@ -12,7 +12,11 @@ import remanent as rm
 from remanent._field import Field, Role, StateVariable
 from remanent.codegen import reference
 from remanent.codegen.field import field_for
-from remanent.integrate.variations import tangent, transverse_field, with_integrals
+from remanent.integrate.variations import (
+    field_with_integrals,
+    field_with_tangents,
+    transverse_field,
+)
 
 DRIVE = rm.Constant(0.0)
 ACTUATORS: dict[str, rm.Actuator] = {
@@ -102,11 +106,11 @@ def test_what_a_variable_names_exists(wrong: dict[str, Any]) -> None:
 def test_variations_are_marked() -> None:
     """Derivatives and differences of the state belong to what they vary; integrals to nothing."""
     both = field_for(ACTUATORS["two coordinates"], DRIVE)
-    tangents = tangent(both, directions=2).variables[len(both.state) :]
+    tangents = field_with_tangents(both, directions=2).variables[len(both.state) :]
     assert [v.belongs_to for v in tangents] == 2 * [*both.state]
     difference = transverse_field(
         both, {"stretch_1": "stretch_2", "stretch_1_rate": "stretch_2_rate"}
     )
     assert [v.belongs_to for v in difference.variables[2:]] == ["stretch_1", "stretch_1_rate"]
     assert {v.role for v in (*tangents, *difference.variables[2:])} == {Role.VARIATION}
-    assert with_integrals(both, ["drive_power"]).variables[-1].role is Role.INTEGRAL
+    assert field_with_integrals(both, ["drive_power"]).variables[-1].role is Role.INTEGRAL

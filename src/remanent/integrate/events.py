@@ -12,16 +12,16 @@ from remanent._field import Field, Program
 from remanent._roots import find_root
 from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.integrate.ensemble import dense
-from remanent.integrate.ensemble.ensemble import Progress, integrate
+from remanent.integrate.ensemble.ensemble import ProgressCallback, integrate
 from remanent.integrate.ensemble.problem import (
     Outcome,
     Problem,
     Request,
-    Window,
+    StepWindow,
     latest_trusted_time,
 )
 from remanent.integrate.methods.runge_kutta import default_method
-from remanent.integrate.variations import derivatives
+from remanent.integrate.variations import observable_derivatives
 
 #: A root is located to the last digits of the fraction of a step.
 _ROOT_TOLERANCES = {"xatol": 0.0, "xrtol": 4.0 * np.finfo(float).eps, "fatol": 0.0, "frtol": 0.0}
@@ -47,7 +47,7 @@ class Crossings:
     direction: IntArray
 
     @classmethod
-    def joined(cls, parts: Sequence[Crossings], dimension: int) -> Self:
+    def concatenated(cls, parts: Sequence[Crossings], dimension: int) -> Self:
         """Several lists as one, in the order of the parts.
 
         Parameters
@@ -79,7 +79,7 @@ def find_crossings(
     *,
     tolerance: float,
     workers: int | None = None,
-    progress: Progress | None = None,
+    progress: ProgressCallback | None = None,
 ) -> tuple[Crossings, Outcome]:
     """Every passage of an observable through a value, up to the horizon.
 
@@ -115,46 +115,46 @@ def find_crossings(
     --------
     remanent.integrate.ensemble.ensemble.integrate : States at given times, and extremes.
     """
-    finder = _Finder.of(problem, name, value, tolerance)
-    request = Request(inspect=finder.look)
+    finder = _CrossingFinder.for_observable(problem, name, value, tolerance)
+    request = Request(inspect_window=finder.find_in_window)
     outcome = integrate(problem, request, tolerance=tolerance, workers=workers, progress=progress)
-    parts = [part for part in outcome.findings if part is not None]
+    parts = [part for part in outcome.inspection_results if part is not None]
     ends = np.minimum(outcome.horizon, problem.duration)
-    joined = Crossings.joined(parts, problem.initial.shape[1])
+    joined = Crossings.concatenated(parts, problem.initial_states.shape[1])
     return joined.sorted_up_to(ends), outcome
 
 
 @dataclass(frozen=True)
-class _Finder:
+class _CrossingFinder:
     """Looks for crossings in windows of steps.
 
     Attributes
     ----------
-    program : Program
+    observable_program : Program
         The observable and its derivatives by the state.
     """
 
     field: Field
     waveform: Callable[[FloatArray], FloatArray]
-    program: Program
+    observable_program: Program
     crossed_value: float
     tolerance: float
 
     @classmethod
-    def of(cls, problem: Problem, name: str, value: float, tolerance: float) -> Self:
+    def for_observable(cls, problem: Problem, name: str, value: float, tolerance: float) -> Self:
         """A finder for one observable."""
-        program = derivatives(problem.field, name, problem.field.state)
+        program = observable_derivatives(problem.field, name, problem.field.state)
         if _depends_on_drive(program, problem.field):
             raise ValueError(f"{name} depends on the drive itself, not only on the state")
         return cls(problem.field, problem.timeline.waveform, program, value, tolerance)
 
-    def look(self, window: Window) -> Crossings | None:
+    def find_in_window(self, window: StepWindow) -> Crossings | None:
         """The crossings in a window."""
         nodes = window.states.shape[1]
-        level, rate = self.observed(
+        level, rate = self.level_and_rate(
             np.moveaxis(window.states, 2, 0), window.parameters[:, :, None], window.phase
         )
-        inside = np.arange(nodes - 1) < window.steps[:, None]
+        inside = np.arange(nodes - 1) < window.counted_steps[:, None]
         before, after = level[:, :-1], level[:, 1:]
         # A step that starts on the value goes to the side it moves to.
         side = np.where(before == 0.0, np.sign(rate[:, :-1]), np.sign(before))
@@ -164,19 +164,19 @@ class _Finder:
         turns = inside & ~passed & (rate[:, :-1] * rate[:, 1:] < 0.0) & (side * rate[:, :-1] < 0.0)
         parts: list[Crossings] = []
         if passed.any():
-            steps = _Steps(self, window, *np.nonzero(passed))
-            parts.append(steps.passages(np.zeros(steps.count), np.ones(steps.count)))
+            steps = _WindowSteps(self, window, *np.nonzero(passed))
+            parts.append(steps.locate_passages(np.zeros(steps.count), np.ones(steps.count)))
         if turns.any():
-            parts += _Steps(self, window, *np.nonzero(turns)).turns(side)
-        return Crossings.joined(parts, window.states.shape[2]) if parts else None
+            parts += _WindowSteps(self, window, *np.nonzero(turns)).locate_turns(side)
+        return Crossings.concatenated(parts, window.states.shape[2]) if parts else None
 
-    def observed(
+    def level_and_rate(
         self, states: Any, parameters: FloatArray, phase: Any
     ) -> tuple[FloatArray, FloatArray]:
         """The observable less the value, and its rate."""
         inputs = [phase, *states, *parameters, *self.waveform(np.asarray(phase))]
         with np.errstate(all="ignore"):
-            level, *slopes = self.program(inputs, functions=np)
+            level, *slopes = self.observable_program(inputs, functions=np)
             rates = self.field.rates(inputs, functions=np)
             rate = sum(a * b for a, b in zip(slopes, rates, strict=True))
         shape = np.shape(states[0])
@@ -184,70 +184,76 @@ class _Finder:
 
 
 @dataclass(frozen=True)
-class _Steps:
+class _WindowSteps:
     """Some steps of a window, in which an observable is looked at more closely.
 
     Attributes
     ----------
-    row, step : array (n,)
+    trajectory_rows, step_numbers : array (n,)
         Trajectory and step in the window.
     """
 
-    finder: _Finder
-    window: Window
-    row: IntArray
-    step: IntArray
+    finder: _CrossingFinder
+    window: StepWindow
+    trajectory_rows: IntArray
+    step_numbers: IntArray
 
     @property
     def count(self) -> int:
         """How many steps there are."""
-        return int(self.row.size)
+        return int(self.trajectory_rows.size)
 
     @property
-    def number(self) -> FloatArray:
+    def member_numbers(self) -> FloatArray:
         """Numbers of the steps, as a root finder hands them on."""
         return np.arange(self.count, dtype=np.float64)
 
-    def subset(self, where: BoolArray) -> _Steps:
+    def subset(self, where: BoolArray) -> _WindowSteps:
         """Some of the steps."""
-        return _Steps(self.finder, self.window, self.row[where], self.step[where])
+        return _WindowSteps(
+            self.finder, self.window, self.trajectory_rows[where], self.step_numbers[where]
+        )
 
-    def at(self, part: FloatArray, number: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def evaluate_at(
+        self, part: FloatArray, number: FloatArray
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Observable, rate and state at fractions of steps with these numbers."""
         k = number.astype(np.int64)
-        i, j = self.row[k], self.step[k]
+        i, j = self.trajectory_rows[k], self.step_numbers[k]
         window, finder = self.window, self.finder
-        span = part * window.segment.span
+        span = part * window.segment.phase_change_per_fine_step
         parameters = window.parameters[:, i]
         states = dense.partial_step(
             finder.field, default_method(), finder.waveform,
             states=window.states[i, j], parameters=list(parameters),
-            phase=window.phase[j], span=span, time=part * window.segment.step[i],
+            phase=window.phase[j], span=span, time=part * window.segment.fine_step_length[i],
         )  # fmt: skip
         phase = window.phase[j] + span
-        return *finder.observed(list(states.T), parameters, phase), states
+        return *finder.level_and_rate(list(states.T), parameters, phase), states
 
-    def time(self, part: FloatArray) -> FloatArray:
+    def time_at(self, part: FloatArray) -> FloatArray:
         """Time at a fraction of each step, tau."""
-        return self.window.segment.time(self.step, part, self.row)
+        return self.window.segment.time_after(self.step_numbers, part, self.trajectory_rows)
 
-    def passages(self, low: FloatArray, high: FloatArray) -> Crossings:
+    def locate_passages(self, low: FloatArray, high: FloatArray) -> Crossings:
         """The passage in each of the steps, between two fractions of it."""
         # The root at the beginning of a step that starts on the value is none.
         start = np.nextafter(low, 1.0, where=low == 0.0, out=low.copy())
         root = find_root(
-            lambda s, k: self.at(s, k)[0],
+            lambda s, k: self.evaluate_at(s, k)[0],
             (start, high),
-            args=(self.number,),
+            args=(self.member_numbers,),
             tolerances=_ROOT_TOLERANCES,
         )
         # Where rounding hides the change of sign, the crossing is at the end of the step.
         part = np.where(root.success, root.x, high)
-        _, rate, states = self.at(part, self.number)
+        _, rate, states = self.evaluate_at(part, self.member_numbers)
         direction = np.sign(rate).astype(np.int64)
-        return Crossings(self.window.indices[self.row], self.time(part), states, direction)
+        return Crossings(
+            self.window.indices[self.trajectory_rows], self.time_at(part), states, direction
+        )
 
-    def turns(self, side: FloatArray) -> list[Crossings]:
+    def locate_turns(self, side: FloatArray) -> list[Crossings]:
         """Two passages, or a touch, in steps in which the observable turns towards the value.
 
         Parameters
@@ -256,24 +262,26 @@ class _Steps:
             Sign of the observable less the value at the beginning of each step.
         """
         turn = find_root(
-            lambda s, k: self.at(s, k)[1],
+            lambda s, k: self.evaluate_at(s, k)[1],
             (np.zeros(self.count), np.ones(self.count)),
-            args=(self.number,),
+            args=(self.member_numbers,),
         )
-        level, _, states = self.at(turn.x, self.number)
+        level, _, states = self.evaluate_at(turn.x, self.member_numbers)
         touches = turn.success & (np.abs(level) <= self.finder.tolerance)
-        passes_twice = turn.success & ~touches & (level * side[self.row, self.step] < 0.0)
+        passes_twice = (
+            turn.success & ~touches & (level * side[self.trajectory_rows, self.step_numbers] < 0.0)
+        )
         parts: list[Crossings] = []
         if touches.any():
             touched = self.subset(touches)
             direction = np.zeros(touched.count, dtype=np.int64)
-            trajectory = self.window.indices[touched.row]
-            time = touched.time(turn.x[touches])
+            trajectory = self.window.indices[touched.trajectory_rows]
+            time = touched.time_at(turn.x[touches])
             parts.append(Crossings(trajectory, time, states[touches], direction))
         if passes_twice.any():
             steps, part = self.subset(passes_twice), turn.x[passes_twice]
-            parts.append(steps.passages(np.zeros(part.size), part))
-            parts.append(steps.passages(part, np.ones(part.size)))
+            parts.append(steps.locate_passages(np.zeros(part.size), part))
+            parts.append(steps.locate_passages(part, np.ones(part.size)))
         return parts
 
 

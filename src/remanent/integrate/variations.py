@@ -14,11 +14,12 @@ from typing import Any
 from remanent._field import Field, Program, Role, StateVariable
 from remanent._instructions import Instructions, Signed
 
-#: Stands among `parameters` of :func:`tangent` for the logarithm of the length of a cycle.
+#: Stands among `parameters` of :func:`field_with_tangents` for the logarithm of the length of
+#: a cycle.
 LOG_PERIOD = "log_period"
 
 
-def tangent(field: Field, *, directions: int, parameters: Sequence[str] = ()) -> Field:
+def field_with_tangents(field: Field, *, directions: int, parameters: Sequence[str] = ()) -> Field:
     """A field whose state also holds derivatives of the state.
 
     Equations, with f the rates, J = df/dy: w' = J w for each direction, and
@@ -46,7 +47,7 @@ def tangent(field: Field, *, directions: int, parameters: Sequence[str] = ()) ->
         for k in range(columns)
         for name in field.state
     )
-    inputs = _inputs(field, added)
+    inputs = _widened_inputs(field, added)
     into = Instructions(inputs)
     values = [_Dual(into, into.input(name), (None,) * columns) for name in field.inputs]
     for i, name in enumerate(field.state):
@@ -57,14 +58,14 @@ def tangent(field: Field, *, directions: int, parameters: Sequence[str] = ()) ->
             at = field.inputs.index(name)
             unit = tuple(into.constant(1.0) if j == k else None for j in range(columns))
             values[at] = replace(values[at], slopes=unit)
-    rates = _run(field.rates, values, into, columns)
-    outputs = [rate.value for rate in rates]
+    rates = _run_with_duals(field.rates, values, into, columns)
+    outputs = [rate.recorded_value for rate in rates]
     for k in range(columns):
         itself = k >= directions and parameters[k - directions] == LOG_PERIOD
         for rate in rates:
             slope = rate.slopes[k] or into.constant(0.0)
-            outputs.append(into.add(slope, rate.value) if itself else slope)
-    return _widened(field, added, into.program(outputs))
+            outputs.append(into.add(slope, rate.recorded_value) if itself else slope)
+    return _widened_field(field, added, into.program(outputs))
 
 
 def transverse_field(field: Field, pairs: Mapping[str, str]) -> Field:
@@ -102,11 +103,11 @@ def transverse_field(field: Field, pairs: Mapping[str, str]) -> Field:
         representative = first_of.get(name, name)
         # Along (1, -1): a change of the first by the difference, of the second by its negative.
         difference = into.input(f"transverse.{representative}") if representative in pairs else None
-        slope = difference and (_minus(difference) if name in first_of else difference)
+        slope = difference and (_negated(difference) if name in first_of else difference)
         values.append(_Dual(into, into.input(representative), (slope,)))
-    rates = dict(zip(field.state, _run(field.rates, values, into, 1), strict=True))
+    rates = dict(zip(field.state, _run_with_duals(field.rates, values, into, 1), strict=True))
     zero = into.constant(0.0)
-    outputs = [rates[variable.name].value for variable in kept]
+    outputs = [rates[variable.name].recorded_value for variable in kept]
     outputs += [rates[name].slopes[0] or zero for name in pairs]
     names = {name: first_of.get(name, name) for name in field.inputs}
     return Field(
@@ -116,12 +117,14 @@ def transverse_field(field: Field, pairs: Mapping[str, str]) -> Field:
         waveforms=field.waveforms,
         rates=into.program(outputs),
         observable=field.observable,
-        watched=_with_inputs(field.watched, inputs, names),
-        observables={k: _with_inputs(p, inputs, names) for k, p in field.observables.items()},
+        watched=_program_with_inputs(field.watched, inputs, names),
+        observables={
+            k: _program_with_inputs(p, inputs, names) for k, p in field.observables.items()
+        },
     )
 
 
-def with_integrals(field: Field, names: Sequence[str]) -> Field:
+def field_with_integrals(field: Field, names: Sequence[str]) -> Field:
     """A field whose state also holds integrals over time of some of its observables.
 
     Parameters
@@ -137,14 +140,18 @@ def with_integrals(field: Field, names: Sequence[str]) -> Field:
         State ``(*y, "integral.NAME", ...)``.
     """
     added = tuple(StateVariable(f"integral.{name}", Role.INTEGRAL) for name in names)
-    into = Instructions(_inputs(field, added))
+    into = Instructions(_widened_inputs(field, added))
     values = [_Dual(into, into.input(name), ()) for name in field.inputs]
     programs = (field.rates, *(field.observables[name] for name in names))
-    outputs = [rate.value for program in programs for rate in _run(program, values, into, 0)]
-    return _widened(field, added, into.program(outputs))
+    outputs = [
+        rate.recorded_value
+        for program in programs
+        for rate in _run_with_duals(program, values, into, 0)
+    ]
+    return _widened_field(field, added, into.program(outputs))
 
 
-def derivatives(field: Field, name: str, variables: Sequence[str]) -> Program:
+def observable_derivatives(field: Field, name: str, variables: Sequence[str]) -> Program:
     """An observable, or a state variable, and its partial derivatives.
 
     Parameters
@@ -169,27 +176,27 @@ def derivatives(field: Field, name: str, variables: Sequence[str]) -> Program:
     if name in field.state:
         value = values[field.inputs.index(name)]
     else:
-        (value,) = _run(field.observables[name], values, into, columns)
-    return into.program([value.value, *(s or into.constant(0.0) for s in value.slopes)])
+        (value,) = _run_with_duals(field.observables[name], values, into, columns)
+    return into.program([value.recorded_value, *(s or into.constant(0.0) for s in value.slopes)])
 
 
-def _inputs(field: Field, added: Sequence[StateVariable]) -> tuple[str, ...]:
+def _widened_inputs(field: Field, added: Sequence[StateVariable]) -> tuple[str, ...]:
     names = (variable.name for variable in added)
     return ("drive_phase", *field.state, *names, *field.parameters, *field.waveforms)
 
 
-def _run(
+def _run_with_duals(
     program: Program, values: Sequence[_Dual], into: Instructions, columns: int
 ) -> list[_Dual]:
     return program(
         values,
-        functions=_Functions,
+        functions=_DualFunctions,
         constant=lambda x: _Dual(into, into.constant(x), (None,) * columns),
     )
 
 
-def _widened(field: Field, added: tuple[StateVariable, ...], rates: Program) -> Field:
-    inputs = _inputs(field, added)
+def _widened_field(field: Field, added: tuple[StateVariable, ...], rates: Program) -> Field:
+    inputs = _widened_inputs(field, added)
     return Field(
         variables=(*field.variables, *added),
         loads=field.loads,
@@ -197,12 +204,14 @@ def _widened(field: Field, added: tuple[StateVariable, ...], rates: Program) -> 
         waveforms=field.waveforms,
         rates=rates,
         observable=field.observable,
-        watched=_with_inputs(field.watched, inputs),
-        observables={name: _with_inputs(p, inputs) for name, p in field.observables.items()},
+        watched=_program_with_inputs(field.watched, inputs),
+        observables={
+            name: _program_with_inputs(p, inputs) for name, p in field.observables.items()
+        },
     )
 
 
-def _with_inputs(
+def _program_with_inputs(
     program: Program, inputs: tuple[str, ...], names: Mapping[str, str] = MappingProxyType({})
 ) -> Program:
     """The same code for another list of inputs, of which some have other names."""
@@ -226,86 +235,113 @@ def _with_inputs(
 class _Dual:
     """A recorded value and its derivative along each direction; None stands for zero."""
 
-    into: Instructions
-    value: Signed
+    instructions: Instructions
+    recorded_value: Signed
     slopes: tuple[Signed | None, ...]
 
     def __add__(self, other: _Dual) -> _Dual:
-        return self._with(self.into.add(self.value, other.value), other, self._sum)
+        return self._combined(
+            self.instructions.add(self.recorded_value, other.recorded_value), other, self._slope_sum
+        )
 
     def __sub__(self, other: _Dual) -> _Dual:
         return self + -other
 
     def __neg__(self) -> _Dual:
-        return _Dual(self.into, _minus(self.value), tuple(s and _minus(s) for s in self.slopes))
+        return _Dual(
+            self.instructions,
+            _negated(self.recorded_value),
+            tuple(s and _negated(s) for s in self.slopes),
+        )
 
     def __mul__(self, other: _Dual) -> _Dual:
         def slope(a: Signed | None, b: Signed | None) -> Signed | None:
-            return self._sum(self._times(other.value, a), self._times(self.value, b))
+            return self._slope_sum(
+                self._scaled_slope(other.recorded_value, a),
+                self._scaled_slope(self.recorded_value, b),
+            )
 
-        return self._with(self.into.mul(self.value, other.value), other, slope)
+        return self._combined(
+            self.instructions.mul(self.recorded_value, other.recorded_value), other, slope
+        )
 
     def __truediv__(self, other: _Dual) -> _Dual:
         """a/b by the reciprocal of b, which its derivative (a' - (a/b) b')/b needs too."""
         if not any((*self.slopes, *other.slopes)):
-            return replace(self, value=self.into.div(self.value, other.value))
-        inverse = self.into.div(self.into.constant(1.0), other.value)
-        quotient = self.into.mul(self.value, inverse)
+            return replace(
+                self,
+                recorded_value=self.instructions.div(self.recorded_value, other.recorded_value),
+            )
+        inverse = self.instructions.div(self.instructions.constant(1.0), other.recorded_value)
+        quotient = self.instructions.mul(self.recorded_value, inverse)
 
         def slope(a: Signed | None, b: Signed | None) -> Signed | None:
-            change = self._times(quotient, b)
-            return self._times(inverse, self._sum(a, change and _minus(change)))
+            change = self._scaled_slope(quotient, b)
+            return self._scaled_slope(inverse, self._slope_sum(a, change and _negated(change)))
 
-        return self._with(quotient, other, slope)
+        return self._combined(quotient, other, slope)
 
-    def mapped(self, value: Signed, factor: Signed) -> _Dual:
+    def with_chain_rule(self, value: Signed, factor: Signed) -> _Dual:
         """A function of this value with the derivative `factor`."""
-        return _Dual(self.into, value, tuple(self._times(factor, s) for s in self.slopes))
+        return _Dual(
+            self.instructions, value, tuple(self._scaled_slope(factor, s) for s in self.slopes)
+        )
 
-    def _with(self, value: Signed, other: _Dual, slope: Any) -> _Dual:
+    def _combined(self, value: Signed, other: _Dual, slope: Any) -> _Dual:
         pairs = zip(self.slopes, other.slopes, strict=True)
-        return _Dual(self.into, value, tuple(slope(a, b) for a, b in pairs))
+        return _Dual(self.instructions, value, tuple(slope(a, b) for a, b in pairs))
 
-    def _times(self, factor: Signed, slope: Signed | None) -> Signed | None:
-        return None if slope is None else self.into.mul(factor, slope)
+    def _scaled_slope(self, factor: Signed, slope: Signed | None) -> Signed | None:
+        return None if slope is None else self.instructions.mul(factor, slope)
 
-    def _sum(self, a: Signed | None, b: Signed | None) -> Signed | None:
+    def _slope_sum(self, a: Signed | None, b: Signed | None) -> Signed | None:
         if a is None or b is None:
             return b if a is None else a
-        return self.into.add(a, b)
+        return self.instructions.add(a, b)
 
 
-def _minus(a: Signed) -> Signed:
+def _negated(a: Signed) -> Signed:
     return -a[0], a[1]
 
 
-class _Functions:
+class _DualFunctions:
     """The functions of programs, with their derivatives."""
 
     @staticmethod
     def sqrt(x: _Dual) -> _Dual:
-        root = x.into.call("sqrt", x.value)
-        return x.mapped(root, x.into.div(x.into.constant(0.5), root))
+        root = x.instructions.call("sqrt", x.recorded_value)
+        return x.with_chain_rule(root, x.instructions.div(x.instructions.constant(0.5), root))
 
     @staticmethod
     def exp(x: _Dual) -> _Dual:
-        value = x.into.call("exp", x.value)
-        return x.mapped(value, value)
+        value = x.instructions.call("exp", x.recorded_value)
+        return x.with_chain_rule(value, value)
 
     @staticmethod
     def log(x: _Dual) -> _Dual:
-        return x.mapped(x.into.call("log", x.value), x.into.div(x.into.constant(1.0), x.value))
+        return x.with_chain_rule(
+            x.instructions.call("log", x.recorded_value),
+            x.instructions.div(x.instructions.constant(1.0), x.recorded_value),
+        )
 
     @staticmethod
     def sin(x: _Dual) -> _Dual:
-        return x.mapped(x.into.call("sin", x.value), x.into.call("cos", x.value))
+        return x.with_chain_rule(
+            x.instructions.call("sin", x.recorded_value),
+            x.instructions.call("cos", x.recorded_value),
+        )
 
     @staticmethod
     def cos(x: _Dual) -> _Dual:
-        return x.mapped(x.into.call("cos", x.value), _minus(x.into.call("sin", x.value)))
+        return x.with_chain_rule(
+            x.instructions.call("cos", x.recorded_value),
+            _negated(x.instructions.call("sin", x.recorded_value)),
+        )
 
     @staticmethod
     def atan(x: _Dual) -> _Dual:
-        one = x.into.constant(1.0)
-        slope = x.into.div(one, x.into.add(one, x.into.mul(x.value, x.value)))
-        return x.mapped(x.into.call("atan", x.value), slope)
+        one = x.instructions.constant(1.0)
+        slope = x.instructions.div(
+            one, x.instructions.add(one, x.instructions.mul(x.recorded_value, x.recorded_value))
+        )
+        return x.with_chain_rule(x.instructions.call("atan", x.recorded_value), slope)

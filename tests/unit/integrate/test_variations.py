@@ -14,7 +14,12 @@ from remanent._typing import FloatArray
 from remanent.codegen.field import field_for
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Problem, Request
-from remanent.integrate.variations import LOG_PERIOD, derivatives, tangent, with_integrals
+from remanent.integrate.variations import (
+    LOG_PERIOD,
+    field_with_integrals,
+    field_with_tangents,
+    observable_derivatives,
+)
 from remanent.models.actuator import Actuator
 from remanent.models.dissipation import Rayleigh
 from remanent.models.drives.waves import SineSquared
@@ -47,7 +52,7 @@ def test_tangents_are_complex_step_derivatives(field: Field) -> None:
     """
     rng = np.random.default_rng(5)
     n, p = len(field.state), field.parameters[0]
-    carried = tangent(field, directions=2, parameters=(p, LOG_PERIOD))
+    carried = field_with_tangents(field, directions=2, parameters=(p, LOG_PERIOD))
     for _ in range(50):
         base = values_of(field, rng)
         w = rng.normal(size=(4, n))
@@ -72,7 +77,7 @@ def test_tangents_are_complex_step_derivatives(field: Field) -> None:
 def test_derivatives_of_an_observable() -> None:
     """Derivatives by states and parameters are those of a complex step."""
     field = field_for(Actuator(), SineSquared(0.4, 1.2))
-    program = derivatives(field, "energy", ["stretch", "stretch_rate", "c"])
+    program = observable_derivatives(field, "energy", ["stretch", "stretch_rate", "c"])
     values = values_of(field, np.random.default_rng(2))
     found = program([x.real for x in values], functions=np)
     for name, got in zip(("stretch", "stretch_rate", "c"), found[1:], strict=True):
@@ -83,7 +88,7 @@ def test_derivatives_of_an_observable() -> None:
 
 
 def carried(asked: Problem, field: Field, extra: FloatArray) -> Problem:
-    return replace(asked, field=field, initial=np.hstack([asked.initial, extra]))
+    return replace(asked, field=field, initial_states=np.hstack([asked.initial_states, extra]))
 
 
 def test_tangents_of_a_linear_oscillator_are_its_matrix_exponential() -> None:
@@ -91,7 +96,7 @@ def test_tangents_of_a_linear_oscillator_are_its_matrix_exponential() -> None:
     w, end = 1.7, 5.0
     omega = sp.Symbol("w", real=True)
     asked = problem(Oscillator(-(omega**2) * Q + SINE, {"w": w}), (0.3, -0.2), end, period=1.0)
-    field = tangent(asked.field, directions=2)
+    field = field_with_tangents(asked.field, directions=2)
     out = integrate(
         carried(asked, field, np.array([[1.0, 0.0, 0.0, 1.0]])),
         Request(times=np.array([[end]])),
@@ -111,11 +116,11 @@ def test_the_period_enters_by_its_logarithm() -> None:
         asked = problem(oscillator, (1.0, 0.0), 3.0 * period, period=period)
         if field is not None:
             asked = carried(asked, field, np.zeros((1, 2)))
-        out = integrate(asked, Request(strobe=3), tolerance=1e-12)
+        out = integrate(asked, Request(strobe_cycles=3), tolerance=1e-12)
         assert out.states is not None
         return np.asarray(out.states[0, -1])
 
-    field = tangent(problem(oscillator, (1.0, 0.0), 1.0).field, directions=0,
+    field = field_with_tangents(problem(oscillator, (1.0, 0.0), 1.0).field, directions=0,
                     parameters=(LOG_PERIOD,))  # fmt: skip
     h, period = 1e-4, 2.2
     difference = (end(period * np.exp(h)) - end(period * np.exp(-h))) / (2.0 * h)
@@ -125,7 +130,7 @@ def test_the_period_enters_by_its_logarithm() -> None:
 def test_an_integral_is_the_integral() -> None:
     """The integral of q for q = cos tau is sin tau."""
     asked = problem(Oscillator(-Q, {}), (1.0, 0.0), 20.0)
-    field = with_integrals(asked.field, ["position"])
+    field = field_with_integrals(asked.field, ["position"])
     assert field.state == ("q", "v", "integral.position")
     times = np.linspace(0.0, 20.0, 33)[None]
     out = integrate(carried(asked, field, np.zeros((1, 1))), Request(times=times), tolerance=1e-11)

@@ -10,7 +10,7 @@ import numpy as np
 from remanent._typing import FloatArray, IntArray
 
 #: ``response(t)`` with times (case, instant) gives the response and its rate there.
-Response = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
+ResponseAndRateFunction = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 #: Newton steps from the middle between two samples, of which a period has many.
 _NEWTON_STEPS = 5
 
@@ -29,7 +29,7 @@ class LevelCrossings:
     rate: FloatArray
 
 
-def first_above(response: FloatArray, level: float) -> IntArray:
+def first_index_at_or_above(response: FloatArray, level: float) -> IntArray:
     """Number of the first sample at or above a level.
 
     Parameters
@@ -46,7 +46,7 @@ def first_above(response: FloatArray, level: float) -> IntArray:
     return np.where(above.any(axis=1), above.argmax(axis=1), -1)
 
 
-def last_outside(response: FloatArray, low: float, high: float) -> IntArray:
+def last_index_outside_band(response: FloatArray, low: float, high: float) -> IntArray:
     """Number of the last sample outside a band.
 
     Parameters
@@ -65,8 +65,8 @@ def last_outside(response: FloatArray, low: float, high: float) -> IntArray:
     return np.where(outside.any(axis=1), last, -1)
 
 
-def level_crossings(
-    response: Response, times: FloatArray, before: IntArray, levels: FloatArray
+def locate_level_crossings(
+    response: ResponseAndRateFunction, times: FloatArray, before: IntArray, levels: FloatArray
 ) -> LevelCrossings:
     """Where a response passes levels between a sample and the next, by Newton's method.
 

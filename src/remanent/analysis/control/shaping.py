@@ -15,20 +15,22 @@ from remanent._typing import ComplexArray, FloatArray
 #: ``arrive(loads, durations)``: how far from rest the system is after steps of these loads
 #: and durations, arrays (step,), an array (condition,), and the derivatives by the loads and
 #: by the durations, arrays (condition, step).
-TerminalResidual = Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray, FloatArray]]
+TerminalResidualFunction = Callable[
+    [FloatArray, FloatArray], tuple[FloatArray, FloatArray, FloatArray]
+]
 
 #: Directions that the input moves less than this, relative to others, are not controllable.
 _MIN_CONTROLLABILITY = 1e-7
 #: Factor between the durations of a solution and those of the guess, at most.
-_MAX_DURATION_FACTOR = 3.0
+_MAX_DURATION_CHANGE_FACTOR = 3.0
 #: Roots that differ by less than this, relative to their size, are one.
-_MIN_ROOT_DISTANCE = 1e-6
+_MIN_RELATIVE_ROOT_DISTANCE = 1e-6
 #: Poles with a smaller imaginary part, relative to their size, do not oscillate.
-_MIN_IMAGINARY_SHARE = 1e-6
+_MIN_OSCILLATORY_IMAGINARY_SHARE = 1e-6
 #: Relative change of the unknowns at which least squares stop.
-_LEAST_SQUARES_TOLERANCE = 1e-15
+_LEAST_SQUARES_XTOL = 1e-15
 #: Evaluations of least squares, at most.
-_MAX_EVALUATIONS = 30
+_MAX_LEAST_SQUARES_EVALUATIONS = 30
 
 
 @dataclass(frozen=True)
@@ -38,16 +40,16 @@ class StepSequence:
     Attributes
     ----------
     loads, durations : array (step,)
-    residual : float
+    largest_terminal_residual : float
         Largest condition that is left.
-    error : float
+    total_duration_error : float
         Of the sum of the durations, for conditions known to the tolerance.
     """
 
     loads: FloatArray
     durations: FloatArray
-    residual: float = np.inf
-    error: float = np.inf
+    largest_terminal_residual: float = np.inf
+    total_duration_error: float = np.inf
 
 
 def controllable_poles(a: FloatArray, b: FloatArray) -> ComplexArray:
@@ -82,7 +84,7 @@ def impulse_spacing(poles: ComplexArray) -> float:
         Of a linear system.
     """
     size = np.abs(poles)
-    frequencies = np.abs(poles.imag[np.abs(poles.imag) > _MIN_IMAGINARY_SHARE * size])
+    frequencies = np.abs(poles.imag[np.abs(poles.imag) > _MIN_OSCILLATORY_IMAGINARY_SHARE * size])
     if frequencies.size:
         return float(np.pi / frequencies.min())
     return float(1.0 / np.abs(poles.real).min())
@@ -116,14 +118,14 @@ def impulse_amplitudes(poles: ComplexArray, spacing: float, multiplicity: int = 
     distinct = [
         z
         for i, z in enumerate(roots)
-        if (np.abs(roots[:i] - z) > _MIN_ROOT_DISTANCE * abs(z)).all()
+        if (np.abs(roots[:i] - z) > _MIN_RELATIVE_ROOT_DISTANCE * abs(z)).all()
     ]
     parts = np.real(np.poly(np.repeat(distinct, multiplicity)))[::-1]
     return np.asarray(parts / parts.sum())
 
 
 def solve_step_sequence(
-    arrive: TerminalResidual, guess: StepSequence, *, scale: float, tolerance: float
+    arrive: TerminalResidualFunction, guess: StepSequence, *, scale: float, tolerance: float
 ) -> StepSequence:
     """Loads and durations from which the system arrives at rest, near a guess.
 
@@ -167,7 +169,7 @@ def solve_step_sequence(
     if not np.isfinite(at_guess).all():
         return guess
     start = np.concatenate([guess.loads / scale, np.log(guess.durations)])
-    reach = np.repeat([np.inf, np.log(_MAX_DURATION_FACTOR)], n)
+    reach = np.repeat([np.inf, np.log(_MAX_DURATION_CHANGE_FACTOR)], n)
     if n >= at_guess.size:  # the loads alone can meet all conditions
         start, reach = start[:n], reach[:n]
     solution = least_squares(
@@ -175,10 +177,10 @@ def solve_step_sequence(
         start,
         jac=jacobian,
         bounds=(start - reach, start + reach),
-        xtol=_LEAST_SQUARES_TOLERANCE,
+        xtol=_LEAST_SQUARES_XTOL,
         ftol=None,
         gtol=None,
-        max_nfev=_MAX_EVALUATIONS,
+        max_nfev=_MAX_LEAST_SQUARES_EVALUATIONS,
     )
     loads, durations = unpack(solution.x)
     # The pseudoinverse says how each unknown moves with each condition; the rows of durations

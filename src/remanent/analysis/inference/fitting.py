@@ -13,25 +13,25 @@ from remanent._errors import InputError
 from remanent._typing import BoolArray, FloatArray
 
 #: ``model(x)`` with candidates (candidate, parameter) gives predictions (candidate, datum).
-Model = Callable[[FloatArray], FloatArray]
+PredictionFunction = Callable[[FloatArray], FloatArray]
 
 #: Step of a difference, relative to the parameter or its scale, on either side.
-_DIFFERENCE_STEP = 1e-4
+_RELATIVE_DIFFERENCE_STEP = 1e-4
 #: Distance from the estimate up to which the end of a profile is looked for, in half widths of
 #: the linear interval.
-_MAX_HALF_WIDTHS = 8.0
+_MAX_PROFILE_HALF_WIDTHS = 8.0
 #: Places on each side at which a profile is tried before its end is located.
-_PROFILE_PLACES = 4
+_PROFILE_TRIALS_PER_SIDE = 4
 #: Tolerance of the end of a profile, in half widths of the linear interval.
-_PROFILE_TOLERANCE = 1e-3
+_PROFILE_END_TOLERANCE = 1e-3
 #: Condition number of the curvature above which the data do not determine the parameters.
-_MAX_CONDITION = 1e14
+_MAX_CONDITION_NUMBER = 1e14
 #: Relative change of the parameters at which least squares stop.
-_PARAMETER_TOLERANCE = 1e-10
+_LEAST_SQUARES_PARAMETER_TOLERANCE = 1e-10
 #: Relative change of the sum of squares at which they stop.
-_SQUARES_TOLERANCE = 1e-12
+_LEAST_SQUARES_COST_TOLERANCE = 1e-12
 #: Evaluations of least squares, at most.
-_MAX_EVALUATIONS = 200
+_MAX_LEAST_SQUARES_EVALUATIONS = 200
 
 
 @dataclass(frozen=True)
@@ -40,16 +40,16 @@ class Observations:
 
     Attributes
     ----------
-    values : array (datum,)
-    deviation : array (datum,)
-        Standard deviations, up to a common factor where they are not `absolute`.
-    absolute : bool
+    measured_values : array (datum,)
+    standard_deviations : array (datum,)
+        Standard deviations, up to a common factor where they are not `has_absolute_deviations`.
+    has_absolute_deviations : bool
         Whether the deviations are true; else the scatter about the fit says how large they are.
     """
 
-    values: FloatArray
-    deviation: FloatArray
-    absolute: bool
+    measured_values: FloatArray
+    standard_deviations: FloatArray
+    has_absolute_deviations: bool
 
 
 @dataclass(frozen=True)
@@ -61,31 +61,31 @@ class LeastSquaresFit:
     estimate : array (parameter,)
     covariance : array (parameter, parameter)
         s^2 (J^T W J)^-1; s = 1 where deviations are known.
-    predicted : array (datum,)
+    predicted_values : array (datum,)
     chi_square : float
         Sum of squares of residuals over deviations.
-    variance : float
+    residual_variance : float
         s^2: 1, or chi_square over the degrees of freedom.
-    degrees : int
+    degrees_of_freedom : int
         Data less parameters.
     """
 
     estimate: FloatArray
     covariance: FloatArray
-    predicted: FloatArray
+    predicted_values: FloatArray
     chi_square: float
-    variance: float
-    degrees: int
+    residual_variance: float
+    degrees_of_freedom: int
 
     @property
-    def deviation(self) -> FloatArray:
+    def standard_errors(self) -> FloatArray:
         """Standard errors, array (parameter,)."""
         return np.asarray(np.sqrt(np.diag(self.covariance)))
 
-    def quantile(self, confidence: float) -> float:
+    def two_sided_t_quantile(self, confidence: float) -> float:
         """Half width of a two-sided interval in standard errors (Student's t)."""
         # Half the remaining probability lies beyond either end.
-        return float(student.ppf(0.5 * (1.0 + confidence), self.degrees))
+        return float(student.ppf(0.5 * (1.0 + confidence), self.degrees_of_freedom))
 
 
 @dataclass(frozen=True)
@@ -94,23 +94,23 @@ class ParameterBox:
 
     Attributes
     ----------
-    scale : array (parameter,)
+    scales : array (parameter,)
         Their units, for differences and for least squares.
-    lower, upper : array (parameter,)
+    lower_bounds, upper_bounds : array (parameter,)
         Infinite where there is no bound.
     """
 
-    scale: FloatArray
-    lower: FloatArray
-    upper: FloatArray
+    scales: FloatArray
+    lower_bounds: FloatArray
+    upper_bounds: FloatArray
 
     def subset(self, mask: BoolArray) -> ParameterBox:
         """The box of some of the parameters."""
-        return ParameterBox(self.scale[mask], self.lower[mask], self.upper[mask])
+        return ParameterBox(self.scales[mask], self.lower_bounds[mask], self.upper_bounds[mask])
 
 
 def fit_least_squares(
-    model: Model, data: Observations, guess: FloatArray, box: ParameterBox
+    model: PredictionFunction, data: Observations, guess: FloatArray, box: ParameterBox
 ) -> LeastSquaresFit:
     """Minimise sum [(model(x) - values)/deviation]^2 over x.
 
@@ -130,19 +130,19 @@ def fit_least_squares(
     InputError
         The guess cannot be computed, or the data do not determine the parameters.
     """
-    degrees = data.values.size - guess.size
+    degrees = data.measured_values.size - guess.size
     if degrees < 1:
         raise InputError(
             "data",
             must=f"have more than {guess.size} values",
-            got=data.values.size,
+            got=data.measured_values.size,
             why="As many parameters fit them whatever they are.",
             fix="Measure more, or fit fewer.",
         )
-    x, residual = _minimum(model, data, guess, box)
-    slope = difference_jacobian(model, x, box) / data.deviation[:, None]
-    curvature = slope.T @ slope * np.outer(box.scale, box.scale)
-    if not np.linalg.cond(curvature) < _MAX_CONDITION:
+    x, residual = _minimise_residuals(model, data, guess, box)
+    slope = difference_jacobian(model, x, box) / data.standard_deviations[:, None]
+    curvature = slope.T @ slope * np.outer(box.scales, box.scales)
+    if not np.linalg.cond(curvature) < _MAX_CONDITION_NUMBER:
         raise InputError(
             "parameters",
             must="each change the prediction in a way of its own",
@@ -151,14 +151,17 @@ def fit_least_squares(
             fix="Fit fewer of them.",
         )
     chi_square = float(residual @ residual)
-    variance = 1.0 if data.absolute else chi_square / degrees
-    inverse = np.linalg.inv(curvature) * np.outer(box.scale, box.scale)
-    predicted = data.values + residual * data.deviation
+    variance = 1.0 if data.has_absolute_deviations else chi_square / degrees
+    inverse = np.linalg.inv(curvature) * np.outer(box.scales, box.scales)
+    predicted = data.measured_values + residual * data.standard_deviations
     return LeastSquaresFit(x, variance * inverse, predicted, chi_square, variance, degrees)
 
 
 def difference_jacobian(
-    model: Model, x: FloatArray, box: ParameterBox, step: float = _DIFFERENCE_STEP
+    model: PredictionFunction,
+    x: FloatArray,
+    box: ParameterBox,
+    step: float = _RELATIVE_DIFFERENCE_STEP,
 ) -> FloatArray:
     """Derivatives of predictions by differences, central but at the bounds.
 
@@ -176,8 +179,8 @@ def difference_jacobian(
     -------
     array (datum, parameter)
     """
-    steps = step * np.diag(np.maximum(np.abs(x), box.scale))
-    ends = np.concatenate([x + steps, x - steps]).clip(box.lower, box.upper)
+    steps = step * np.diag(np.maximum(np.abs(x), box.scales))
+    ends = np.concatenate([x + steps, x - steps]).clip(box.lower_bounds, box.upper_bounds)
     values = model(ends)
     count = x.size
     width = np.diag(ends[:count] - ends[count:])
@@ -185,7 +188,7 @@ def difference_jacobian(
 
 
 def profile_interval(
-    model: Model,
+    model: PredictionFunction,
     data: Observations,
     best: LeastSquaresFit,
     box: ParameterBox,
@@ -215,7 +218,7 @@ def profile_interval(
     array (2,)
         An end that is not found within the bounds and eight half widths is infinite.
     """
-    threshold = best.variance * best.quantile(confidence) ** 2
+    threshold = best.residual_variance * best.two_sided_t_quantile(confidence) ** 2
     free = np.arange(best.estimate.size) != k
     rest = best.estimate[free]
 
@@ -227,35 +230,35 @@ def profile_interval(
             return model(np.insert(x, k, value, axis=1))
 
         if free.any():
-            rest, residual = _minimum(held, data, rest, box.subset(free))
+            rest, residual = _minimise_residuals(held, data, rest, box.subset(free))
         else:
-            residual = (held(np.empty((1, 0)))[0] - data.values) / data.deviation
+            residual = (held(np.empty((1, 0)))[0] - data.measured_values) / data.standard_deviations
         return float(residual @ residual) - best.chi_square - threshold
 
-    half = best.deviation[k] * best.quantile(confidence)
+    half = best.standard_errors[k] * best.two_sided_t_quantile(confidence)
     ends = []
-    for side, bound in ((-1.0, box.lower[k]), (1.0, box.upper[k])):
+    for side, bound in ((-1.0, box.lower_bounds[k]), (1.0, box.upper_bounds[k])):
         rest, inner, end = best.estimate[free], best.estimate[k], side * np.inf
-        for width in np.geomspace(1.0, _MAX_HALF_WIDTHS, _PROFILE_PLACES):
+        for width in np.geomspace(1.0, _MAX_PROFILE_HALF_WIDTHS, _PROFILE_TRIALS_PER_SIDE):
             outer = float(np.clip(best.estimate[k] + side * width * half, *sorted((inner, bound))))
             if excess(outer) > 0.0:
-                end = brentq(excess, inner, outer, xtol=_PROFILE_TOLERANCE * half)
+                end = brentq(excess, inner, outer, xtol=_PROFILE_END_TOLERANCE * half)
                 break
             inner = outer
         ends.append(end)
     return np.array(ends)
 
 
-def _minimum(
-    model: Model, data: Observations, guess: FloatArray, box: ParameterBox
+def _minimise_residuals(
+    model: PredictionFunction, data: Observations, guess: FloatArray, box: ParameterBox
 ) -> tuple[FloatArray, FloatArray]:
     """Best parameters, and residuals over deviations."""
 
     def residual(x: FloatArray) -> FloatArray:
-        return np.asarray((model(x[None])[0] - data.values) / data.deviation)
+        return np.asarray((model(x[None])[0] - data.measured_values) / data.standard_deviations)
 
     def slope(x: FloatArray) -> FloatArray:
-        return np.asarray(difference_jacobian(model, x, box) / data.deviation[:, None])
+        return np.asarray(difference_jacobian(model, x, box) / data.standard_deviations[:, None])
 
     if not np.isfinite(residual(guess)).all():
         raise InputError(
@@ -266,7 +269,8 @@ def _minimum(
             fix="Use earlier data, a larger tolerance, or a better guess.",
         )
     solution = least_squares(
-        residual, guess, jac=slope, bounds=(box.lower, box.upper), x_scale=box.scale,
-        xtol=_PARAMETER_TOLERANCE, ftol=_SQUARES_TOLERANCE, gtol=None, max_nfev=_MAX_EVALUATIONS,
+        residual, guess, jac=slope, bounds=(box.lower_bounds, box.upper_bounds), x_scale=box.scales,
+        xtol=_LEAST_SQUARES_PARAMETER_TOLERANCE, ftol=_LEAST_SQUARES_COST_TOLERANCE,
+        gtol=None, max_nfev=_MAX_LEAST_SQUARES_EVALUATIONS,
     )  # fmt: skip
     return np.asarray(solution.x), np.asarray(solution.fun)

@@ -11,7 +11,7 @@ from scipy.stats import linregress
 from remanent._typing import FloatArray
 
 #: Fewest swings through whose logarithms a line with an error can be laid.
-_MIN_SWINGS = 3
+_MIN_SWING_COUNT = 3
 
 
 @dataclass(frozen=True)
@@ -20,22 +20,24 @@ class DecayFit:
 
     Attributes
     ----------
-    decrement, decrement_error : float
+    logarithmic_decrement, logarithmic_decrement_error : float
         Of the logarithm per cycle, and its standard error about the line.
-    frequency, frequency_error : float
+    angular_frequency, angular_frequency_error : float
         Angular frequency, from the instants of the turning points.
-    swings : int
+    swing_count : int
         Half cycles that were used.
     """
 
-    decrement: float
-    decrement_error: float
-    frequency: float
-    frequency_error: float
-    swings: int
+    logarithmic_decrement: float
+    logarithmic_decrement_error: float
+    angular_frequency: float
+    angular_frequency_error: float
+    swing_count: int
 
 
-def fit_decay(time: FloatArray, values: FloatArray, *, prominence: float) -> DecayFit | None:
+def fit_exponential_decay(
+    time: FloatArray, values: FloatArray, *, prominence: float
+) -> DecayFit | None:
     """Fit an exponential to the swings between turning points; None for fewer than three.
 
     A swing, from one turning point to the next, does not depend on the level about which the
@@ -54,16 +56,16 @@ def fit_decay(time: FloatArray, values: FloatArray, *, prominence: float) -> Dec
     swings = np.abs(np.diff(heights))
     small = np.flatnonzero(swings < prominence * swings.max(initial=0.0))
     count = int(small[0]) if small.size else swings.size
-    if count < _MIN_SWINGS:
+    if count < _MIN_SWING_COUNT:
         return None
     number = np.arange(count)
     line = linregress(number, np.log(swings[:count]))
     clock = linregress(np.arange(count + 1), turns[: count + 1])
     frequency = np.pi / clock.slope
     return DecayFit(
-        decrement=-2.0 * float(line.slope),
-        decrement_error=2.0 * float(line.stderr),
-        frequency=float(frequency),
-        frequency_error=float(frequency * clock.stderr / clock.slope),
-        swings=count,
+        logarithmic_decrement=-2.0 * float(line.slope),
+        logarithmic_decrement_error=2.0 * float(line.stderr),
+        angular_frequency=float(frequency),
+        angular_frequency_error=float(frequency * clock.stderr / clock.slope),
+        swing_count=count,
     )

@@ -12,9 +12,9 @@ from scipy.stats import qmc, sobol_indices
 from remanent._typing import FloatArray
 
 #: ``function(x)`` with points (point, argument) gives values (point, number).
-Function = Callable[[FloatArray], FloatArray]
+PointwiseFunction = Callable[[FloatArray], FloatArray]
 #: Independently scrambled parts of a sample, whose scatter is the error of what they give.
-REPLICATES = 8
+REPLICATE_COUNT = 8
 
 
 class Distribution(Protocol):
@@ -49,14 +49,14 @@ class PropagatedStatistics:
 class SobolIndices:
     """Sobol' indices and their errors, arrays (argument, number)."""
 
-    first: FloatArray
-    first_error: FloatArray
-    total: FloatArray
-    total_error: FloatArray
+    first_order: FloatArray
+    first_order_error: FloatArray
+    total_effect: FloatArray
+    total_effect_error: FloatArray
 
 
 def propagate_distributions(
-    function: Function,
+    function: PointwiseFunction,
     distributions: Sequence[Distribution],
     quantiles: FloatArray,
     samples: int,
@@ -64,9 +64,9 @@ def propagate_distributions(
 ) -> PropagatedStatistics:
     """Propagate independent distributions through a function.
 
-    Sobol' points in :data:`REPLICATES` parts, each scrambled by itself (Owen 1998).  Results are
-    means over the parts, and their errors the standard errors of these means.  NaN where some
-    part knows no value.
+    Sobol' points in :data:`REPLICATE_COUNT` parts, each scrambled by itself (Owen 1998).
+    Results are means over the parts, and their errors the standard errors of these means.  NaN
+    where some part knows no value.
 
     Parameters
     ----------
@@ -81,11 +81,14 @@ def propagate_distributions(
     rng : numpy.random.Generator
         Scrambles the points.
     """
-    blocks = [_sobol_points(distributions, samples // REPLICATES, rng) for _ in range(REPLICATES)]
+    blocks = [
+        _draw_sobol_points(distributions, samples // REPLICATE_COUNT, rng)
+        for _ in range(REPLICATE_COUNT)
+    ]
     values = function(np.concatenate(blocks))
     finite = np.isfinite(values)
     values = np.where(finite, values, np.nan)
-    parts = values.reshape(REPLICATES, samples // REPLICATES, -1)
+    parts = values.reshape(REPLICATE_COUNT, samples // REPLICATE_COUNT, -1)
     # A statistic is given only where every replicate has a value for it.
     unknown = ~finite.reshape(parts.shape).any(axis=1).all(axis=0)
 
@@ -93,7 +96,7 @@ def propagate_distributions(
         statistic: Callable[[FloatArray], FloatArray],
     ) -> tuple[FloatArray, FloatArray]:
         by_part = np.stack([statistic(np.where(unknown, 0.0, part)) for part in parts])
-        error = by_part.std(axis=0, ddof=1) / np.sqrt(REPLICATES)
+        error = by_part.std(axis=0, ddof=1) / np.sqrt(REPLICATE_COUNT)
         return np.where(unknown, np.nan, by_part.mean(axis=0)), np.where(unknown, np.nan, error)
 
     def sample_quantiles(x: FloatArray) -> FloatArray:
@@ -109,14 +112,14 @@ def propagate_distributions(
 
 
 def estimate_sobol_indices(
-    function: Function,
+    function: PointwiseFunction,
     distributions: Sequence[Distribution],
     samples: int,
     rng: np.random.Generator,
 ) -> SobolIndices:
     """Shares of the variance that arguments account for alone, and with all others.
 
-    Saltelli's estimators (2010) as SciPy has them, for each of :data:`REPLICATES` parts
+    Saltelli's estimators (2010) as SciPy has them, for each of :data:`REPLICATE_COUNT` parts
     scrambled by itself; their mean, and its standard error.  (A bootstrap takes the points for
     independent, which they are not.)  ``samples * (arguments + 2)`` points, all in one call.
     NaN where the function is constant, or unknown somewhere.
@@ -132,14 +135,14 @@ def estimate_sobol_indices(
     rng : numpy.random.Generator
         Scrambles the points.
     """
-    count, size = len(distributions), samples // REPLICATES
-    sequence = [qmc.Sobol(2 * count, rng=rng).random(size) for _ in range(REPLICATES)]
-    rows = [_saltelli_rows(part[:, :count], part[:, count:]) for part in sequence]
-    values = function(_quantiles_at(distributions, np.concatenate(rows)))
-    values = values.reshape(REPLICATES, count + 2, size, -1).transpose(1, 0, 3, 2)
+    count, size = len(distributions), samples // REPLICATE_COUNT
+    sequence = [qmc.Sobol(2 * count, rng=rng).random(size) for _ in range(REPLICATE_COUNT)]
+    rows = [_saltelli_points(part[:, :count], part[:, count:]) for part in sequence]
+    values = function(_map_from_unit_cube(distributions, np.concatenate(rows)))
+    values = values.reshape(REPLICATE_COUNT, count + 2, size, -1).transpose(1, 0, 3, 2)
     usable = np.isfinite(values).all(axis=(0, 1, 3)) & (np.ptp(values, axis=(0, 1, 3)) > 0.0)
-    by_part = np.full((2, REPLICATES, count, len(usable)), np.nan)
-    for part in range(REPLICATES):
+    by_part = np.full((2, REPLICATE_COUNT, count, len(usable)), np.nan)
+    for part in range(REPLICATE_COUNT):
         # Less the mean, which changes no variance but saves digits.
         runs = values[:, part, usable] - values[:2, part, usable].mean(axis=(0, 2))[:, None]
         if usable.any():
@@ -150,23 +153,23 @@ def estimate_sobol_indices(
             for k, order in enumerate((shares.first_order, shares.total_order)):
                 by_part[k, part][:, usable] = np.reshape(order, (-1, count))[:-1].T
     first, total = by_part.mean(axis=1)
-    error = by_part.std(axis=1, ddof=1) / np.sqrt(REPLICATES)
+    error = by_part.std(axis=1, ddof=1) / np.sqrt(REPLICATE_COUNT)
     return SobolIndices(first, error[0], total, error[1])
 
 
-def _saltelli_rows(a: FloatArray, b: FloatArray) -> FloatArray:
+def _saltelli_points(a: FloatArray, b: FloatArray) -> FloatArray:
     """Points a, points b, and a with one column after the other from b."""
     columns = np.arange(a.shape[1])
     return np.concatenate([a, b, *(np.where(columns == k, b, a) for k in columns)])
 
 
-def _sobol_points(
+def _draw_sobol_points(
     distributions: Sequence[Distribution], count: int, rng: np.random.Generator
 ) -> FloatArray:
-    return _quantiles_at(distributions, qmc.Sobol(len(distributions), rng=rng).random(count))
+    return _map_from_unit_cube(distributions, qmc.Sobol(len(distributions), rng=rng).random(count))
 
 
-def _quantiles_at(distributions: Sequence[Distribution], shares: FloatArray) -> FloatArray:
+def _map_from_unit_cube(distributions: Sequence[Distribution], shares: FloatArray) -> FloatArray:
     """Points of the distributions, array (point, argument), from points of the unit cube."""
     # Scrambled points can fall on 0, where quantiles are infinite.
     inside = np.clip(shares, 0.5**54, 1.0 - 0.5**53)

@@ -24,17 +24,17 @@ from remanent.analysis.orbits.correction import correct_points
 from remanent.analysis.orbits.curves import CurveEquations, CurvePoints, interpolate_curve
 
 #: A test function is beyond zero if it is by this many times its error.
-_NOISE_FACTOR = 8.0
+_BEYOND_ZERO_ERROR_FACTOR = 8.0
 #: Tolerance of a root, relative to its place along the branch, which counts points.
-_ROOT_TOLERANCE = 1e-13
+_ROOT_POSITION_TOLERANCE = 1e-13
 #: Tolerance of a minimum along the branch.
-_MINIMUM_TOLERANCE = 1e-7
+_MINIMUM_POSITION_TOLERANCE = 1e-7
 #: Relative tolerance of the value of a minimum.
 _MINIMUM_VALUE_TOLERANCE = 1e-9
 #: Iterations of the search for a root or a minimum, at most.
 _MAX_ITERATIONS = 60
 #: Smallest imaginary part of a complex multiplier.
-_MIN_IMAGINARY_PART = 1e-6
+_MIN_COMPLEX_IMAGINARY_PART = 1e-6
 
 
 @dataclass(frozen=True)
@@ -45,35 +45,35 @@ class SpecialPoint:
     ----------
     kind : str
         ``fold``, ``period doubling``, ``Neimark-Sacker`` or ``branch point``.
-    segment : int
+    segment_index : int
         It lies between this point of the branch and the next.
-    points : CurvePoints
+    point : CurvePoints
         The point itself, of length 1.
-    error : float
+    parameter_error : float
         Estimated error of the parameter.
     """
 
     kind: str
-    segment: int
-    points: CurvePoints
-    error: float
+    segment_index: int
+    point: CurvePoints
+    parameter_error: float
 
 
 # Test functions: points (point,) and the units of the unknowns in, values (point,) out.
 
 
-def _fold(points: CurvePoints, _scale: FloatArray) -> FloatArray:
+def _fold_test(points: CurvePoints, _scale: FloatArray) -> FloatArray:
     """The part of the tangent along the parameter: at a fold the branch turns back."""
     return points.tangent[:, -1]
 
 
-def _doubling(points: CurvePoints, _scale: FloatArray) -> FloatArray:
+def _period_doubling_test(points: CurvePoints, _scale: FloatArray) -> FloatArray:
     """det(J + 1), the product of all multipliers plus one: zero where one of them is -1."""
     jacobian = points.extra["jacobian"]
     return np.asarray(np.linalg.det(jacobian + np.eye(jacobian.shape[1])))
 
 
-def _branch_point(points: CurvePoints, scale: FloatArray) -> FloatArray:
+def _branch_point_test(points: CurvePoints, scale: FloatArray) -> FloatArray:
     """Determinant of the equations' derivatives, bordered by the tangent.
 
     Along a branch the derivatives have one null vector, the tangent, and the border makes the
@@ -83,7 +83,7 @@ def _branch_point(points: CurvePoints, scale: FloatArray) -> FloatArray:
     return np.asarray(np.linalg.det(bordered))
 
 
-def _torus(points: CurvePoints, _scale: FloatArray) -> FloatArray:
+def _neimark_sacker_test(points: CurvePoints, _scale: FloatArray) -> FloatArray:
     """Product over all pairs of multipliers of (their product less one).
 
     A complex pair on the unit circle has product 1.  So have two real ones that are inverse
@@ -96,18 +96,18 @@ def _torus(points: CurvePoints, _scale: FloatArray) -> FloatArray:
 
 TestFunction = Callable[[CurvePoints, FloatArray], FloatArray]
 #: The test function of each kind; a further kind of bifurcation is a line here.
-TEST_FUNCTIONS: Mapping[str, TestFunction] = MappingProxyType(
+TEST_FUNCTION_OF_KIND: Mapping[str, TestFunction] = MappingProxyType(
     {
-        "fold": _fold,
-        "period doubling": _doubling,
-        "branch point": _branch_point,
-        "Neimark-Sacker": _torus,
+        "fold": _fold_test,
+        "period doubling": _period_doubling_test,
+        "branch point": _branch_point_test,
+        "Neimark-Sacker": _neimark_sacker_test,
     }
 )
 
 
 @dataclass(frozen=True)
-class _Branch:
+class _InterpolatedBranch:
     """A branch as a function of a real number: 2.5 lies midway between its third and fourth."""
 
     equations: CurveEquations
@@ -115,7 +115,7 @@ class _Branch:
     scale: FloatArray
     tolerance: float
 
-    def at(self, places: FloatArray) -> CurvePoints:
+    def points_at(self, places: FloatArray) -> CurvePoints:
         """Points of the branch itself, by Newton's method from the cubic between its points."""
         segment = np.clip(places.astype(np.int64), 0, len(self.points) - 2)
         guess, direction = interpolate_curve(self.points, segment, places - segment, self.scale)
@@ -149,27 +149,27 @@ def find_special_points(
     conservative : bool
         Products of multipliers are 1 throughout, so that no Neimark-Sacker point exists.
     """
-    branch = _Branch(equations, points, scale, tolerance)
+    branch = _InterpolatedBranch(equations, points, scale, tolerance)
     special: list[SpecialPoint] = []
-    for kind, test in TEST_FUNCTIONS.items():
+    for kind, test in TEST_FUNCTION_OF_KIND.items():
         if kind == "Neimark-Sacker" and conservative:
             continue
 
         def value(places: FloatArray, test: TestFunction = test) -> FloatArray:
-            return np.asarray(test(branch.at(places), scale), dtype=np.float64)
+            return np.asarray(test(branch.points_at(places), scale), dtype=np.float64)
 
         values = test(points, scale)
         with np.errstate(invalid="ignore"):
             crossed = np.flatnonzero(values[:-1] * values[1:] < 0.0)
-        middle, before, after = _hidden_crossings(value, values, points)
+        middle, before, after = _bracket_double_crossings(value, values, points)
         low = np.concatenate([crossed, before, middle]).astype(np.float64)
         high = np.concatenate([crossed + 1, middle, after]).astype(np.float64)
         if low.size:
-            special += _locate(kind, branch, value, low, high)
-    return sorted(special, key=lambda point: point.segment)
+            special += _locate_special_points(kind, branch, value, low, high)
+    return sorted(special, key=lambda point: point.segment_index)
 
 
-def _hidden_crossings(
+def _bracket_double_crossings(
     value: Callable[[FloatArray], FloatArray], values: FloatArray, points: CurvePoints
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Where a test function passes zero and comes back between points of one sign.
@@ -206,26 +206,28 @@ def _hidden_crossings(
         args=(side,),
         maxiter=_MAX_ITERATIONS,
         tolerances={
-            "xatol": _MINIMUM_TOLERANCE,
+            "xatol": _MINIMUM_POSITION_TOLERANCE,
             "xrtol": 0.0,
             "fatol": 0.0,
             "frtol": _MINIMUM_VALUE_TOLERANCE,
         },
     )
     # A function that only touches zero is beyond it by rounding: that is no crossing.
-    rounding = _NOISE_FACTOR * (points.error[k] + points.residual[k] + np.finfo(float).eps)
-    beyond = least.f_x < -rounding * _jacobian_sizes(points)[k]
+    rounding = _BEYOND_ZERO_ERROR_FACTOR * (
+        points.residual_error[k] + points.residual[k] + np.finfo(float).eps
+    )
+    beyond = least.f_x < -rounding * _largest_jacobian_entries(points)[k]
     return least.x[beyond], x[beyond] - 1.0, x[beyond] + 1.0
 
 
-def _jacobian_sizes(points: CurvePoints) -> FloatArray:
+def _largest_jacobian_entries(points: CurvePoints) -> FloatArray:
     """Largest entry of each Jacobian, at least 1: what errors of the state are magnified by."""
     return np.asarray(np.maximum(1.0, np.abs(points.extra["jacobian"]).max(axis=(1, 2))))
 
 
-def _locate(
+def _locate_special_points(
     kind: str,
-    branch: _Branch,
+    branch: _InterpolatedBranch,
     value: Callable[[FloatArray], FloatArray],
     low: FloatArray,
     high: FloatArray,
@@ -235,21 +237,21 @@ def _locate(
         value,
         (low, high),
         tolerances={
-            "xatol": _ROOT_TOLERANCE,
-            "xrtol": _ROOT_TOLERANCE,
+            "xatol": _ROOT_POSITION_TOLERANCE,
+            "xrtol": _ROOT_POSITION_TOLERANCE,
             "fatol": 0.0,
             "frtol": 0.0,
         },
         maxiter=_MAX_ITERATIONS,
     )
     scale = branch.scale
-    here, ends = branch.at(root.x), (branch.at(low), branch.at(high))
+    here, ends = branch.points_at(root.x), (branch.points_at(low), branch.points_at(high))
     steps = [np.linalg.norm((end.unknown - here.unknown) / scale, axis=1) for end in ends]
     # The slope is taken no steeper than towards either end: next to a turn it is half as steep.
     slope = np.minimum(*(np.abs(value(x)) / s for x, s in zip((low, high), steps, strict=True)))
-    error = (here.error + here.residual) * _jacobian_sizes(here)
+    error = (here.residual_error + here.residual) * _largest_jacobian_entries(here)
     shift = error / np.maximum(slope, 1e-300)
-    shift += 2.0 * _ROOT_TOLERANCE * (1.0 + root.x) * (steps[0] + steps[1]) / (high - low)
+    shift += 2.0 * _ROOT_POSITION_TOLERANCE * (1.0 + root.x) * (steps[0] + steps[1]) / (high - low)
     # A shift along the branch moves the parameter by the tangent's part; at a fold that part is
     # zero, and the shift itself tilts the tangent.
     uncertainty = scale[-1] * (error + shift * (np.abs(here.tangent[:, -1]) + shift))
@@ -266,4 +268,4 @@ def _is_bifurcation(kind: str, here: CurvePoints, k: int) -> bool:
         return True
     values = np.linalg.eigvals(here.extra["jacobian"][k])
     pair = min(combinations(values, 2), key=lambda two: abs(two[0] * two[1] - 1.0))
-    return bool(abs(pair[0].imag) > _MIN_IMAGINARY_PART)
+    return bool(abs(pair[0].imag) > _MIN_COMPLEX_IMAGINARY_PART)

@@ -20,31 +20,31 @@ from remanent.analysis.orbits.correction import correct_points
 from remanent.analysis.orbits.curves import Curve, CurveEquations, CurvePoints, concatenate_points
 
 #: Length of a correction relative to the step, beyond which a point is not what was predicted.
-_MAX_CORRECTION = 0.25
+_MAX_CORRECTION_SHARE = 0.25
 #: Cosine of the turn of the tangent from point to point, at least.
 _MIN_TURN_COSINE = 0.97
 #: Distance of neighbouring points relative to the step, at least.
-_MIN_GAP = 0.5
+_MIN_GAP_IN_STEPS = 0.5
 #: Distance of neighbouring points relative to the step, at most.
-_MAX_GAP = 2.0
+_MAX_GAP_IN_STEPS = 2.0
 #: The step grows if all corrections of a block are shorter than this share of it.
-_SMALL_CORRECTION = 0.02
+_MAX_CORRECTION_SHARE_FOR_GROWTH = 0.02
 #: Factor by which the step grows.
-_GROWTH = 1.5
+_STEP_GROWTH_FACTOR = 1.5
 #: Factor by which the step shrinks if less than half a block is kept.
-_SHRINKAGE = 0.5
+_STEP_SHRINK_FACTOR = 0.5
 #: Factor by which the step shrinks if nothing of a block is kept.
-_STRONG_SHRINKAGE = 0.25
+_STRONG_STEP_SHRINK_FACTOR = 0.25
 #: A step shorter than this share of the first ends the curve.
 _MIN_STEP_SHARE = 1e-7
 #: Fewest points of a curve that may be back at its start.
-_MIN_POINTS_OF_LOOP = 10
+_MIN_CLOSED_CURVE_POINTS = 10
 #: Distance from the start, in steps, within which a curve may be back at it.
-_HOME_DISTANCE = 2.0
+_MAX_CLOSURE_DISTANCE_IN_STEPS = 2.0
 #: Distance from the line through the start along its tangent, in steps, at most.
-_HOME_OFFSET = 0.5
+_MAX_CLOSURE_OFFSET_IN_STEPS = 0.5
 #: Cosine of the angle between the tangents there and at the start, at least.
-_HOME_COSINE = 0.9
+_MIN_CLOSURE_TANGENT_COSINE = 0.9
 
 
 @dataclass(frozen=True)
@@ -61,11 +61,11 @@ class ContinuationSettings:
         Along a curve, in scaled unknowns.
     tolerance : float
         Of the equations.
-    block : int
+    block_size : int
         Points predicted at once on each curve.
     max_points : int
         Of a curve, in each direction.
-    held : tuple of int
+    held_unknown_indices : tuple of int
         Unknowns that do not change along a curve.
     """
 
@@ -75,9 +75,9 @@ class ContinuationSettings:
     first_step: float = 0.01
     max_step: float = 0.05
     tolerance: float = 1e-10
-    block: int = 8
+    block_size: int = 8
     max_points: int = 1000
-    held: tuple[int, ...] = ()
+    held_unknown_indices: tuple[int, ...] = ()
 
 
 def continue_curves(
@@ -94,73 +94,75 @@ def continue_curves(
     settings : ContinuationSettings
     """
     count = len(starts)
-    heads = concatenate_points([starts, starts.reversed_tangents()])
+    heads = concatenate_points([starts, starts.with_reversed_tangents()])
     arms = _grow_arms(equations, heads, settings)
     return [_join_arms(arms[k], arms[k + count]) for k in range(count)]
 
 
 @dataclass
-class _Arm:
+class _CurveArm:
     """One direction of one curve while it grows.
 
-    Everything but `first_step` and `origin` changes: each block appends to `parts`, moves
-    `before` up to the last point but one, and sets the next `step`; `end` is empty until the
-    arm stops.
+    Everything but `first_step` and `scaled_start` changes: each block appends to
+    `point_blocks`, moves `point_before_last` up to the last point but one, and sets the next
+    `step`; `end_reason` is empty until the arm stops.
     """
 
-    parts: list[CurvePoints]
+    point_blocks: list[CurvePoints]
     step: float
     first_step: float
-    before: tuple[FloatArray, FloatArray]
-    origin: FloatArray
-    end: str = ""
-    total: int = 1
+    point_before_last: tuple[FloatArray, FloatArray]
+    scaled_start: FloatArray
+    end_reason: str = ""
+    point_count: int = 1
 
     @property
-    def head(self) -> tuple[FloatArray, FloatArray]:
+    def last_point(self) -> tuple[FloatArray, FloatArray]:
         """Unknowns and tangent of the last point."""
-        last = self.parts[-1]
+        last = self.point_blocks[-1]
         return last.unknown[-1], last.tangent[-1]
 
     @property
     def first_tangent(self) -> FloatArray:
         """Tangent at the start."""
-        return np.asarray(self.parts[0].tangent[0])
+        return np.asarray(self.point_blocks[0].tangent[0])
 
 
 def _grow_arms(
     equations: CurveEquations, heads: CurvePoints, settings: ContinuationSettings
-) -> list[_Arm]:
+) -> list[_CurveArm]:
     """Grow the arm from each head until it ends; arms k and k + count/2 are of one curve."""
-    arms = [_new_arm(heads.subset(slice(k, k + 1)), settings) for k in range(len(heads))]
+    arms = [_start_arm(heads.subset(slice(k, k + 1)), settings) for k in range(len(heads))]
     half = len(arms) // 2
-    while growing := [k for k, arm in enumerate(arms) if not arm.end]:
+    while growing := [k for k, arm in enumerate(arms) if not arm.end_reason]:
         subset = [arms[k] for k in growing]
-        guess, direction = _predict(subset, settings)
+        guess, direction = _predict_points(subset, settings)
         points, reached = correct_points(
             equations, guess, direction, scale=settings.scale, tolerance=settings.tolerance
         )
-        blocks = _inspect(subset, points, reached, guess, settings)
+        blocks = _inspect_blocks(subset, points, reached, guess, settings)
         for k, block in zip(growing, blocks, strict=True):
-            if arms[k].end:  # its other half came round just now
+            if arms[k].end_reason:  # its other half came round just now
                 continue
-            _extend(arms[k], points, block, settings)
-            if arms[k].end == "closed":
-                arms[(k + half) % len(arms)].end = "closed"
+            _extend_arm(arms[k], points, block, settings)
+            if arms[k].end_reason == "closed":
+                arms[(k + half) % len(arms)].end_reason = "closed"
     return arms
 
 
-def _new_arm(head: CurvePoints, settings: ContinuationSettings) -> _Arm:
+def _start_arm(head: CurvePoints, settings: ContinuationSettings) -> _CurveArm:
     """An arm of one point; the one before it is made up, on the tangent."""
     z, t = head.unknown[0], head.tangent[0]
     before = (z - settings.first_step * t * settings.scale, t)
     step = settings.first_step
-    return _Arm([head], step, step, before, z / settings.scale)
+    return _CurveArm([head], step, step, before, z / settings.scale)
 
 
-def _predict(arms: list[_Arm], settings: ContinuationSettings) -> tuple[FloatArray, FloatArray]:
+def _predict_points(
+    arms: list[_CurveArm], settings: ContinuationSettings
+) -> tuple[FloatArray, FloatArray]:
     """Points ahead of each arm on the cubic through its last two points with their tangents."""
-    before, head = zip(*((arm.before, arm.head) for arm in arms), strict=True)
+    before, head = zip(*((arm.point_before_last, arm.last_point) for arm in arms), strict=True)
     scaled0, scaled1 = (np.array([z for z, _ in ends]) / settings.scale for ends in (before, head))
     t0, t1 = (np.array([t for _, t in ends]) for ends in (before, head))
     gap = np.maximum(np.linalg.norm(scaled1 - scaled0, axis=1), 1e-300)[:, None]
@@ -169,30 +171,30 @@ def _predict(arms: list[_Arm], settings: ContinuationSettings) -> tuple[FloatArr
     curve2 = ((2.0 * t1 + t0 - 3.0 * secant) / gap)[:, None]
     curve3 = ((t1 + t0 - 2.0 * secant) / gap**2)[:, None]
     steps = np.array([arm.step for arm in arms])[:, None]
-    ahead = (steps * np.arange(1, settings.block + 1))[:, :, None]
+    ahead = (steps * np.arange(1, settings.block_size + 1))[:, :, None]
     guess = scaled1[:, None] + ahead * (t1[:, None] + ahead * (curve2 + ahead * curve3))
     direction = t1[:, None] + ahead * (2.0 * curve2 + 3.0 * ahead * curve3)
     length = np.linalg.norm(direction, axis=2, keepdims=True)
     guess = guess * settings.scale
-    for k in settings.held:  # extrapolated, their rounding would grow without bound
+    for k in settings.held_unknown_indices:  # extrapolated, their rounding would grow without bound
         guess[:, :, k] = np.array([z[k] for z, _ in head])[:, None]
     size = settings.scale.size
     return guess.reshape(-1, size), (direction / np.maximum(length, 1e-300)).reshape(-1, size)
 
 
 @dataclass(frozen=True)
-class _Block:
+class _BlockInspection:
     """What is seen of the points that were predicted on one arm.
 
     Attributes
     ----------
-    first : int
+    first_index : int
         Number of the first of them among all that were corrected together.
-    kept : int
+    kept_count : int
         How many are what was predicted.
-    outside : bool
+    leaves_box : bool
         The last of these is outside the box.
-    home : int or None
+    count_before_closure : int or None
         How many come before the curve is back at its start.
     largest_correction : float
         Of those that are kept, in scaled unknowns.
@@ -200,55 +202,55 @@ class _Block:
         Of all of them.
     """
 
-    first: int
-    kept: int
-    outside: bool
-    home: int | None
+    first_index: int
+    kept_count: int
+    leaves_box: bool
+    count_before_closure: int | None
     largest_correction: float
     least_turn_cosine: float
 
 
-def _inspect(
-    arms: list[_Arm],
+def _inspect_blocks(
+    arms: list[_CurveArm],
     points: CurvePoints,
     reached: BoolArray,
     guess: FloatArray,
     settings: ContinuationSettings,
-) -> list[_Block]:
+) -> list[_BlockInspection]:
     """How many points of every arm's block are what was predicted.
 
     Newton's method can land on another branch, or on this one far away.  A point counts only if
     it converged near its guess, its tangent is nearly that of the point before, and the
     distance from that point is about a step.  After the first that fails nothing counts.
     """
-    shape = (len(arms), settings.block)
+    shape = (len(arms), settings.block_size)
     correction = np.linalg.norm((points.unknown - guess) / settings.scale, axis=1).reshape(shape)
-    heads = np.array([arm.head[0] for arm in arms])[:, None]
-    head_tangents = np.array([arm.head[1] for arm in arms])[:, None]
+    heads = np.array([arm.last_point[0] for arm in arms])[:, None]
+    head_tangents = np.array([arm.last_point[1] for arm in arms])[:, None]
     unknown, tangent = (a.reshape(*shape, -1) for a in (points.unknown, points.tangent))
     chain = np.concatenate([heads, unknown], axis=1) / settings.scale
     before = np.concatenate([head_tangents, tangent[:, :-1]], axis=1)
     gap = np.linalg.norm(np.diff(chain, axis=1), axis=2)
     turn_cosine = np.einsum("kij,kij->ki", before, tangent)
     step = np.array([arm.step for arm in arms])[:, None]
-    near = correction < _MAX_CORRECTION * step
-    even = (gap > _MIN_GAP * step) & (gap < _MAX_GAP * step)
+    near = correction < _MAX_CORRECTION_SHARE * step
+    even = (gap > _MIN_GAP_IN_STEPS * step) & (gap < _MAX_GAP_IN_STEPS * step)
     good = reached.reshape(shape) & near & (turn_cosine > _MIN_TURN_COSINE) & even
     kept = np.cumprod(good, axis=1).sum(axis=1)
     inside = ((unknown >= settings.lower) & (unknown <= settings.upper)).all(axis=2)
     within = np.cumprod(inside, axis=1).sum(axis=1)
-    home = _points_before_home(arms, chain[:, 1:], tangent)
+    home = _count_points_before_closure(arms, chain[:, 1:], tangent)
     blocks = []
     for i in range(len(arms)):
         outside = bool(within[i] < kept[i])
         # The first point outside is kept: the end of the curve is between it and the one before.
         count = int(within[i]) + 1 if outside else int(kept[i])
         blocks.append(
-            _Block(
-                first=i * settings.block,
-                kept=count,
-                outside=outside,
-                home=int(home[i]) if home[i] < count and not outside else None,
+            _BlockInspection(
+                first_index=i * settings.block_size,
+                kept_count=count,
+                leaves_box=outside,
+                count_before_closure=int(home[i]) if home[i] < count and not outside else None,
                 largest_correction=float(correction[i, :count].max(initial=0.0)),
                 least_turn_cosine=float(turn_cosine[i].min()),
             )
@@ -256,7 +258,9 @@ def _inspect(
     return blocks
 
 
-def _points_before_home(arms: list[_Arm], chain: FloatArray, tangent: FloatArray) -> IntArray:
+def _count_points_before_closure(
+    arms: list[_CurveArm], chain: FloatArray, tangent: FloatArray
+) -> IntArray:
     """How many points of each block come before the curve is back at its start.
 
     It is back where it passes the start in the direction of the first tangent: near it, beside
@@ -267,41 +271,47 @@ def _points_before_home(arms: list[_Arm], chain: FloatArray, tangent: FloatArray
     chain, tangent : array (arm, point, n + 1)
         Of the points of the block, in scaled unknowns.
     """
-    start = np.array([arm.origin for arm in arms])[:, None]
+    start = np.array([arm.scaled_start for arm in arms])[:, None]
     towards = np.array([arm.first_tangent for arm in arms])
     step = np.array([arm.step for arm in arms])[:, None]
     away = chain - start
     along = np.einsum("kij,kj->ki", away, towards)
-    near = np.linalg.norm(away, axis=2) < _HOME_DISTANCE * step
-    parallel = np.einsum("kij,kj->ki", tangent, towards) > _HOME_COSINE
+    near = np.linalg.norm(away, axis=2) < _MAX_CLOSURE_DISTANCE_IN_STEPS * step
+    parallel = np.einsum("kij,kj->ki", tangent, towards) > _MIN_CLOSURE_TANGENT_COSINE
     across = np.linalg.norm(away - along[:, :, None] * towards[:, None], axis=2)
-    passed = near & parallel & (along >= 0.0) & (across < _HOME_OFFSET * step)
+    passed = near & parallel & (along >= 0.0) & (across < _MAX_CLOSURE_OFFSET_IN_STEPS * step)
     # Every curve is near its start when it begins.
-    passed &= np.array([arm.total >= _MIN_POINTS_OF_LOOP for arm in arms])[:, None]
+    passed &= np.array([arm.point_count >= _MIN_CLOSED_CURVE_POINTS for arm in arms])[:, None]
     return np.asarray(np.where(passed.any(axis=1), passed.argmax(axis=1), chain.shape[1]))
 
 
-def _extend(arm: _Arm, points: CurvePoints, block: _Block, settings: ContinuationSettings) -> None:
+def _extend_arm(
+    arm: _CurveArm, points: CurvePoints, block: _BlockInspection, settings: ContinuationSettings
+) -> None:
     """Append the points of a block that are what was predicted, and choose the next step."""
-    kept = block.kept if block.home is None else block.home
-    arm.end = "bounds" if block.outside else "closed" if block.home is not None else ""
+    kept = block.kept_count if block.count_before_closure is None else block.count_before_closure
+    arm.end_reason = (
+        "bounds" if block.leaves_box else "closed" if block.count_before_closure is not None else ""
+    )
     if kept:
-        part = points.subset(slice(block.first, block.first + kept))
+        part = points.subset(slice(block.first_index, block.first_index + kept))
         last_but_one = kept - 2
         if last_but_one >= 0:
-            arm.before = (part.unknown[last_but_one], part.tangent[last_but_one])
+            arm.point_before_last = (part.unknown[last_but_one], part.tangent[last_but_one])
         else:
-            arm.before = arm.head
-        arm.parts.append(part)
-        arm.total += kept
-    if not arm.end and arm.total >= settings.max_points:
-        arm.end = "points"
+            arm.point_before_last = arm.last_point
+        arm.point_blocks.append(part)
+        arm.point_count += kept
+    if not arm.end_reason and arm.point_count >= settings.max_points:
+        arm.end_reason = "points"
     arm.step = _next_step(arm.step, kept, block, settings)
-    if not arm.end and arm.step < _MIN_STEP_SHARE * arm.first_step:
-        arm.end = "lost"
+    if not arm.end_reason and arm.step < _MIN_STEP_SHARE * arm.first_step:
+        arm.end_reason = "lost"
 
 
-def _next_step(step: float, kept: int, block: _Block, settings: ContinuationSettings) -> float:
+def _next_step(
+    step: float, kept: int, block: _BlockInspection, settings: ContinuationSettings
+) -> float:
     """The step after a block.
 
     It grows only after a whole block with short corrections and gentle turns.  Less than half a
@@ -309,21 +319,31 @@ def _next_step(step: float, kept: int, block: _Block, settings: ContinuationSett
     that is lost at the end of a block costs less than a shorter step.
     """
     gentle = block.least_turn_cosine > _MIN_TURN_COSINE**0.5
-    if kept == settings.block and block.largest_correction < _SMALL_CORRECTION * step and gentle:
-        return min(_GROWTH * step, settings.max_step)
-    if kept < settings.block // 2:
-        return step * (_STRONG_SHRINKAGE if kept == 0 else _SHRINKAGE)
+    if (
+        kept == settings.block_size
+        and block.largest_correction < _MAX_CORRECTION_SHARE_FOR_GROWTH * step
+        and gentle
+    ):
+        return min(_STEP_GROWTH_FACTOR * step, settings.max_step)
+    if kept < settings.block_size // 2:
+        return step * (_STRONG_STEP_SHRINK_FACTOR if kept == 0 else _STEP_SHRINK_FACTOR)
     return step
 
 
-def _join_arms(forth: _Arm, back: _Arm) -> Curve:
+def _join_arms(forth: _CurveArm, back: _CurveArm) -> Curve:
     """Both arms as one curve, in the direction of the first."""
-    closed = forth.end == "closed" and back.end == "closed" and forth.total > 1
-    ahead = concatenate_points(forth.parts)
+    closed = forth.end_reason == "closed" and back.end_reason == "closed" and forth.point_count > 1
+    ahead = concatenate_points(forth.point_blocks)
     if closed:
         # Each arm went all the way round, or was told that the other did: the longer one did.
-        loop = ahead if forth.total >= back.total else concatenate_points(back.parts)
+        loop = (
+            ahead
+            if forth.point_count >= back.point_count
+            else concatenate_points(back.point_blocks)
+        )
         points = loop.subset(np.append(np.arange(len(loop)), 0))
         return Curve(points, True, ("closed", "closed"))
-    behind = concatenate_points(back.parts).subset(slice(None, 0, -1)).reversed_tangents()
-    return Curve(concatenate_points([behind, ahead]), False, (back.end, forth.end))
+    behind = (
+        concatenate_points(back.point_blocks).subset(slice(None, 0, -1)).with_reversed_tangents()
+    )
+    return Curve(concatenate_points([behind, ahead]), False, (back.end_reason, forth.end_reason))

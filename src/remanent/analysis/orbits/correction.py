@@ -10,7 +10,7 @@ from remanent.analysis.orbits.curves import CurveEquations, CurvePoints, Equatio
 #: Newton steps at most.
 _MAX_NEWTON_STEPS = 6
 #: A residual cannot be expected to fall below this many times the error of the equations.
-_ERROR_FACTOR = 4.0
+_RESIDUAL_ERROR_FACTOR = 4.0
 
 
 def unit_tangents(derivative: FloatArray, like: FloatArray, scale: FloatArray) -> FloatArray:
@@ -64,7 +64,7 @@ def correct_points(
     """
     z, here = guess.copy(), equations(guess)
     for _ in range(_MAX_NEWTON_STEPS - 1):
-        residual, reached, finite = _check(here, tolerance)
+        residual, reached, finite = _residuals_and_convergence(here, tolerance)
         # Points that have converged are left alone: each further evaluation costs a period map.
         moving = np.flatnonzero(finite & ~reached)
         if not moving.size:
@@ -74,23 +74,29 @@ def correct_points(
         )
         offset = np.einsum("ij,ij->i", direction[moving], (guess - z)[moving] / scale)
         right = np.concatenate([-here.value[moving], offset[:, None]], axis=1)
-        z[moving] += _solve(matrix, right) * scale
+        z[moving] += _solve_linear_systems(matrix, right) * scale
         here = here.with_rows(moving, equations(z[moving]))
-    residual, reached, finite = _check(here, tolerance)
+    residual, reached, finite = _residuals_and_convergence(here, tolerance)
     derivative = np.where(finite[:, None, None], here.derivative, 0.0)
     tangent = unit_tangents(derivative, direction, scale)
-    return CurvePoints(z, tangent, residual, here.error, here.extra), reached & finite
+    return CurvePoints(z, tangent, residual, here.value_error, here.extra), reached & finite
 
 
-def _check(here: EquationValues, tolerance: float) -> tuple[FloatArray, BoolArray, BoolArray]:
+def _residuals_and_convergence(
+    here: EquationValues, tolerance: float
+) -> tuple[FloatArray, BoolArray, BoolArray]:
     """Residuals, where they are small enough, and where all is finite."""
     with np.errstate(all="ignore"):
         residual = np.abs(here.value).max(axis=1)
     finite = np.isfinite(here.derivative).all(axis=(1, 2)) & np.isfinite(residual)
-    return residual, residual <= np.maximum(tolerance, _ERROR_FACTOR * here.error), finite
+    return (
+        residual,
+        residual <= np.maximum(tolerance, _RESIDUAL_ERROR_FACTOR * here.value_error),
+        finite,
+    )
 
 
-def _solve(matrix: FloatArray, right: FloatArray) -> FloatArray:
+def _solve_linear_systems(matrix: FloatArray, right: FloatArray) -> FloatArray:
     """Solutions of linear equations, of least squares if one matrix of them is singular."""
     with np.errstate(all="ignore"):
         try:

@@ -18,7 +18,7 @@ class EquationValues:
     ----------
     value : array (point, equation)
     derivative : array (point, equation, unknown)
-    error : array (point,)
+    value_error : array (point,)
         Estimated error of the value.
     extra : mapping of name to array (point, ...)
         Whatever else is to be kept with each point.
@@ -26,7 +26,7 @@ class EquationValues:
 
     value: FloatArray
     derivative: FloatArray
-    error: FloatArray
+    value_error: FloatArray
     extra: Mapping[str, FloatArray]
 
     def with_rows(self, indices: IntArray, rows: EquationValues) -> EquationValues:
@@ -40,7 +40,7 @@ class EquationValues:
         return EquationValues(
             put(self.value, rows.value),
             put(self.derivative, rows.derivative),
-            put(self.error, rows.error),
+            put(self.value_error, rows.value_error),
             {name: put(values, rows.extra[name]) for name, values in self.extra.items()},
         )
 
@@ -58,7 +58,7 @@ class CurvePoints:
     unknown : array (point, n + 1)
     tangent : array (point, n + 1)
         Of unit length in scaled unknowns.
-    residual, error : array (point,)
+    residual, residual_error : array (point,)
         Largest defect of the equations, and its estimated error.
     extra : mapping of name to array (point, ...)
         What the equations keep with each point.
@@ -67,7 +67,7 @@ class CurvePoints:
     unknown: FloatArray
     tangent: FloatArray
     residual: FloatArray
-    error: FloatArray
+    residual_error: FloatArray
     extra: Mapping[str, FloatArray]
 
     def __len__(self) -> int:
@@ -79,11 +79,11 @@ class CurvePoints:
             self.unknown[indices],
             self.tangent[indices],
             self.residual[indices],
-            self.error[indices],
+            self.residual_error[indices],
             {name: values[indices] for name, values in self.extra.items()},
         )
 
-    def reversed_tangents(self) -> CurvePoints:
+    def with_reversed_tangents(self) -> CurvePoints:
         """The same points, to be passed in the other direction."""
         return replace(self, tangent=-self.tangent)
 
@@ -96,16 +96,16 @@ class Curve:
     ----------
     points : CurvePoints
         In order along the curve; the first is repeated as the last where it is closed.
-    closed : bool
-    ends : two str
+    is_closed : bool
+    end_reasons : two str
         Why the curve ends before its first and after its last point: ``closed``; ``bounds``,
         it leaves the box; ``points``, as many as were asked for; ``lost``, the step became
         too short.
     """
 
     points: CurvePoints
-    closed: bool
-    ends: tuple[str, str]
+    is_closed: bool
+    end_reasons: tuple[str, str]
 
 
 def concatenate_points(parts: Sequence[CurvePoints]) -> CurvePoints:
@@ -114,7 +114,7 @@ def concatenate_points(parts: Sequence[CurvePoints]) -> CurvePoints:
         np.concatenate([part.unknown for part in parts]),
         np.concatenate([part.tangent for part in parts]),
         np.concatenate([part.residual for part in parts]),
-        np.concatenate([part.error for part in parts]),
+        np.concatenate([part.residual_error for part in parts]),
         {name: np.concatenate([part.extra[name] for part in parts]) for name in parts[0].extra},
     )
 

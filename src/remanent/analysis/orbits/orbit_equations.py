@@ -13,7 +13,7 @@ from remanent.analysis.orbits.maps import Map
 #: Half the distance over which a test function is differenced, in scaled unknowns.
 _DIFFERENCE_STEP = 1e-5
 #: The test function of each kind is det(J + sign 1).
-_SIGNS = MappingProxyType({"fold": -1.0, "period doubling": 1.0})
+_IDENTITY_SIGN_OF_KIND = MappingProxyType({"fold": -1.0, "period doubling": 1.0})
 
 
 def orbit_equations(map_: Map, iterate: int) -> CurveEquations:
@@ -71,7 +71,7 @@ def bifurcation_equations(map_: Map, iterate: int, kind: str, scale: FloatArray)
     scale : array (state + 2,)
         Units of the unknowns.
     """
-    sign = _SIGNS[kind]
+    sign = _IDENTITY_SIGN_OF_KIND[kind]
 
     def determinant(jacobian: FloatArray) -> FloatArray:
         return np.asarray(np.linalg.det(jacobian + sign * np.eye(jacobian.shape[-1])))

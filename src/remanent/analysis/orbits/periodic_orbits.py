@@ -12,23 +12,23 @@ from remanent.analysis.orbits.maps import Map
 #: Newton steps at most.
 _MAX_NEWTON_STEPS = 25
 #: Longest step of a component of the state: far from an orbit a whole step leads anywhere.
-_MAX_MOVE = 0.25
+_MAX_NEWTON_STEP_LENGTH = 0.25
 #: A residual cannot be expected to fall below this many times the error of the image.
-_RESIDUAL_FACTOR = 4.0
+_RESIDUAL_ERROR_FACTOR = 4.0
 #: Share of its width by which a point may lie outside the box, for rounding.
-_BOX_SLACK = 1e-9
+_BOX_SLACK_SHARE = 1e-9
 #: Orbits nearer to each other than this are one, whatever their errors.
-_MIN_DISTANCE = 1e-7
+_MIN_ORBIT_DISTANCE = 1e-7
 #: Orbits nearer to each other than this many times their errors are one, too.
-_DISTANCE_FACTOR = 10.0
+_ORBIT_DISTANCE_ERROR_FACTOR = 10.0
 #: Smallest singular value of 1 - J that an error of a point is divided by.
 _MIN_SINGULAR_VALUE = 1e-12
 #: Digits of the states by which orbits are put in order.
-_ORDER_DIGITS = 6
+_SORTING_DIGITS = 6
 
 
 @dataclass(frozen=True)
-class Orbits:
+class PeriodicOrbits:
     """Periodic orbits of a map, one point of each.
 
     Attributes
@@ -38,20 +38,20 @@ class Orbits:
         Of the iterate that closes the orbit.
     residual : array (orbit,)
         Distance of the point from its image.
-    error : array (orbit,)
+    image_error : array (orbit,)
         Estimated error of the image.
     """
 
     state: FloatArray
     jacobian: FloatArray
     residual: FloatArray
-    error: FloatArray
+    image_error: FloatArray
 
-    def subset(self, indices: IntArray | BoolArray) -> Orbits:
+    def subset(self, indices: IntArray | BoolArray) -> PeriodicOrbits:
         """Some of the orbits, in the order of the indices."""
-        return Orbits(
+        return PeriodicOrbits(
             self.state[indices], self.jacobian[indices], self.residual[indices],
-            self.error[indices],
+            self.image_error[indices],
         )  # fmt: skip
 
 
@@ -64,7 +64,7 @@ def newton_fixed_points(
     tolerance: float,
     box: FloatArray,
     max_error: float = 1e-6,
-) -> Orbits:
+) -> PeriodicOrbits:
     """Fixed points of an iterate of a map, from many guesses; those that were reached.
 
     Parameters
@@ -84,28 +84,30 @@ def newton_fixed_points(
     """
     x, p = guesses.copy(), parameters
     if not len(x):
-        return _concatenate([], map_.dimension)
+        return _concatenate_orbits([], map_.dimension)
     centre, width = box.mean(axis=1), box[:, 1] - box[:, 0]
-    parts: list[Orbits] = []
+    parts: list[PeriodicOrbits] = []
     for _ in range(_MAX_NEWTON_STEPS):
         image = map_(x, p, iterate)
-        move, residual = newton_step(x, image.state, image.jacobian, longest=_MAX_MOVE)
-        converged = residual <= np.maximum(tolerance, _RESIDUAL_FACTOR * image.error)
+        move, residual = newton_step(
+            x, image.state, image.jacobian, longest=_MAX_NEWTON_STEP_LENGTH
+        )
+        converged = residual <= np.maximum(tolerance, _RESIDUAL_ERROR_FACTOR * image.error)
         accurate = image.error <= max_error
-        reached = converged & accurate & _is_inside(x, box)
+        reached = converged & accurate & _is_inside_box(x, box)
         if reached.any():
-            points = Orbits(x, image.jacobian, residual, image.error)
+            points = PeriodicOrbits(x, image.jacobian, residual, image.error)
             parts.append(points.subset(reached))
         near = (np.abs(x + move - centre) <= width).all(axis=1)
         going_on = ~converged & accurate & np.isfinite(move).all(axis=1) & near
         if not going_on.any():
             break
         x, p = (x + move)[going_on], p[going_on]
-    return _concatenate(parts, map_.dimension)
+    return _concatenate_orbits(parts, map_.dimension)
 
 
-def _is_inside(x: FloatArray, box: FloatArray) -> BoolArray:
-    slack = _BOX_SLACK * (box[:, 1] - box[:, 0])
+def _is_inside_box(x: FloatArray, box: FloatArray) -> BoolArray:
+    slack = _BOX_SLACK_SHARE * (box[:, 1] - box[:, 0])
     return np.asarray(((x >= box[:, 0] - slack) & (x <= box[:, 1] + slack)).all(axis=1))
 
 
@@ -142,21 +144,25 @@ def newton_step(
     return np.asarray(move), np.where(np.isfinite(residual), residual, np.inf)
 
 
-def _concatenate(parts: list[Orbits], dimension: int) -> Orbits:
+def _concatenate_orbits(parts: list[PeriodicOrbits], dimension: int) -> PeriodicOrbits:
     if not parts:
         empty = np.empty((0, dimension))
-        return Orbits(empty, np.empty((0, dimension, dimension)), np.empty(0), np.empty(0))
-    names = ("state", "jacobian", "residual", "error")
-    return Orbits(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
+        return PeriodicOrbits(empty, np.empty((0, dimension, dimension)), np.empty(0), np.empty(0))
+    names = ("state", "jacobian", "residual", "image_error")
+    return PeriodicOrbits(
+        *(np.concatenate([getattr(part, name) for part in parts]) for name in names)
+    )
 
 
-def distinct_orbits(map_: Map, orbits: Orbits, parameter: FloatArray, *, iterate: int) -> Orbits:
+def distinct_orbits_of_least_period(
+    map_: Map, orbits: PeriodicOrbits, parameter: FloatArray, *, iterate: int
+) -> PeriodicOrbits:
     """Each orbit once, those only whose least period is `iterate`.
 
     Parameters
     ----------
     map_ : Map
-    orbits : Orbits
+    orbits : PeriodicOrbits
         Fixed points of the iterate: an orbit may be there several times, by several of its
         points, and orbits of shorter periods may be there.
     parameter : array (parameter,)
@@ -166,13 +172,13 @@ def distinct_orbits(map_: Map, orbits: Orbits, parameter: FloatArray, *, iterate
     """
     if not orbits.residual.size:
         return orbits
-    order = np.lexsort(np.round(orbits.state, _ORDER_DIGITS).T[::-1])
+    order = np.lexsort(np.round(orbits.state, _SORTING_DIGITS).T[::-1])
     orbits = orbits.subset(order)
     points = [orbits.state]
     for _ in range(iterate - 1):
         points.append(map_(points[-1], np.tile(parameter, (len(order), 1)), 1).state)
     path = np.stack(points)  # (iterate, orbit, state)
-    slack = _MIN_DISTANCE + _DISTANCE_FACTOR * _position_errors(orbits)
+    slack = _MIN_ORBIT_DISTANCE + _ORBIT_DISTANCE_ERROR_FACTOR * _position_errors(orbits)
     divisors = [j for j in range(1, iterate) if iterate % j == 0]
     kept: list[int] = []
     for k in range(len(order)):
@@ -187,7 +193,7 @@ def distinct_orbits(map_: Map, orbits: Orbits, parameter: FloatArray, *, iterate
     return orbits.subset(np.array(kept, dtype=np.int64))
 
 
-def _position_errors(orbits: Orbits) -> FloatArray:
+def _position_errors(orbits: PeriodicOrbits) -> FloatArray:
     """How far from the orbit a point with its residual may be, array (orbit,).
 
     The residual over the smallest singular value of 1 - J.  Near a fold that value vanishes,
@@ -195,7 +201,7 @@ def _position_errors(orbits: Orbits) -> FloatArray:
     """
     matrix = np.eye(orbits.state.shape[1]) - orbits.jacobian
     smallest = np.linalg.svd(matrix, compute_uv=False)[:, -1]
-    defect = orbits.residual + orbits.error
+    defect = orbits.residual + orbits.image_error
     return np.asarray(
         np.minimum(defect / np.maximum(smallest, _MIN_SINGULAR_VALUE), np.sqrt(defect))
     )

@@ -14,11 +14,11 @@ from remanent._typing import BoolArray, FloatArray, IntArray
 
 #: Motion has left the saddle when its coordinate along the unstable direction exceeds the rest
 #: of its displacement by this factor.
-_MIN_DEPARTURE = 2.0
+_MIN_DEPARTURE_RATIO = 2.0
 #: Least distance from the saddle relative to that at the start, for motion that comes near it.
-_MAX_APPROACH = 0.6
+_MAX_APPROACH_DISTANCE_RATIO = 0.6
 #: The sign of a coordinate counts if it exceeds its error by this factor.
-_MIN_CERTAINTY = 10.0
+_MIN_COORDINATE_OVER_ERROR = 10.0
 
 
 @dataclass(frozen=True)
@@ -31,18 +31,18 @@ class SaddlePassage:
         1 where motion leaves on the side of the saddle from which it started, −1 where on
         the other, 0 where it does not come near, does not leave within the run, or where an
         error could change the sign.
-    iterate : array (trajectory,)
+    departure_iterate : array (trajectory,)
         At which it has left.
-    nearest : array (trajectory,)
+    least_distance : array (trajectory,)
         Least distance from the saddle until then.
     """
 
     side: IntArray
-    iterate: IntArray
-    nearest: FloatArray
+    departure_iterate: IntArray
+    least_distance: FloatArray
 
 
-def unstable_direction(jacobian: FloatArray) -> tuple[FloatArray, FloatArray, BoolArray]:
+def unstable_directions(jacobian: FloatArray) -> tuple[FloatArray, FloatArray, BoolArray]:
     """The unstable direction of saddles, and the linear form that measures along it.
 
     Parameters
@@ -84,25 +84,25 @@ def saddle_passages(
     error : array (trajectory,)
         Of the states visited and of the saddle.
     """
-    direction, form, _ = unstable_direction(jacobian)
+    direction, form, _ = unstable_directions(jacobian)
     away = visited - saddle[:, None]
     along = np.einsum("ij,itj->it", form, away)
     rest = np.linalg.norm(away - along[..., None] * direction[:, None], axis=2)
     along *= np.where(along[:, :1] < 0.0, -1.0, 1.0)  # positive on the side of the start
     distance = np.linalg.norm(away, axis=2)
     with np.errstate(invalid="ignore"):
-        departed = _has_come_near(distance) & (np.abs(along) > _MIN_DEPARTURE * rest)
+        departed = _has_approached(distance) & (np.abs(along) > _MIN_DEPARTURE_RATIO * rest)
     first = departed.argmax(axis=1)
     row = np.arange(len(visited))
-    sure = departed[row, first] & (np.abs(along[row, first]) > _MIN_CERTAINTY * error)
+    sure = departed[row, first] & (np.abs(along[row, first]) > _MIN_COORDINATE_OVER_ERROR * error)
     side = np.where(sure, np.sign(along[row, first]), 0.0).astype(np.int64)
     return SaddlePassage(side, first, np.fmin.accumulate(distance, axis=1)[row, first])
 
 
-def _has_come_near(distance: FloatArray) -> BoolArray:
+def _has_approached(distance: FloatArray) -> BoolArray:
     """From the first near local minimum of the distance on, array (trajectory, iterate)."""
     least = np.zeros(distance.shape, dtype=np.bool_)
     inner = distance[:, 1:-1]
     least[:, 1:-1] = (inner < distance[:, :-2]) & (inner <= distance[:, 2:])
-    least &= distance < _MAX_APPROACH * distance[:, :1]
+    least &= distance < _MAX_APPROACH_DISTANCE_RATIO * distance[:, :1]
     return np.logical_or.accumulate(least, axis=1)

@@ -9,13 +9,13 @@ import numpy as np
 from remanent._typing import ComplexArray, FloatArray, IntArray
 
 #: Distance of complex multipliers of a conservative map from the unit circle, at most.
-_MAX_CIRCLE_DISTANCE = 1e-6
+_MAX_UNIT_CIRCLE_DISTANCE = 1e-6
 #: Smallest singular value of the eigenvectors below which two multipliers have met.
-_MIN_INDEPENDENCE = 1e-7
+_MIN_EIGENVECTOR_SINGULAR_VALUE = 1e-7
 #: Multipliers are told from 1 in size only beyond this many times their error.
-_ERROR_FACTOR = 4.0
+_MODULUS_ERROR_FACTOR = 4.0
 #: Of two conjugate multipliers, the one with the positive imaginary part comes first.
-_CONJUGATE_ORDER = 1e-9
+_CONJUGATE_SORTING_WEIGHT = 1e-9
 
 
 class Stability(IntEnum):
@@ -59,11 +59,11 @@ def floquet_multipliers(jacobian: FloatArray, error: FloatArray) -> tuple[Comple
     with np.errstate(all="ignore"):
         left = np.linalg.pinv(right)
         condition = np.linalg.norm(left, axis=2) * np.linalg.norm(right, axis=1)
-        met = np.linalg.svd(right, compute_uv=False)[:, -1] < _MIN_INDEPENDENCE
+        met = np.linalg.svd(right, compute_uv=False)[:, -1] < _MIN_EIGENVECTOR_SINGULAR_VALUE
         condition[met] = np.inf
         root = np.maximum(size, 1.0) ** (1.0 - 1.0 / d) * change ** (1.0 / d)
         errors = np.fmin(condition * change[:, None], root[:, None])
-    rank = -np.abs(values) - _CONJUGATE_ORDER * values.imag
+    rank = -np.abs(values) - _CONJUGATE_SORTING_WEIGHT * values.imag
     order = np.argsort(rank, axis=1, kind="stable")
     return np.take_along_axis(values, order, 1), np.take_along_axis(errors, order, 1)
 
@@ -83,12 +83,12 @@ def orbit_stability(values: ComplexArray, errors: FloatArray, *, conservative: b
     array (orbit,) of int
         Values of :class:`Stability`; undecided where an error could change the answer.
     """
-    size, slack = np.abs(values), _ERROR_FACTOR * errors
+    size, slack = np.abs(values), _MODULUS_ERROR_FACTOR * errors
     outside, inside = size > 1.0 + slack, size < 1.0 - slack
     if conservative:
         # Multipliers off the unit circle are real, but for quartets of four or more.
         elliptic = (np.abs(values.imag) > slack).all(axis=1) & (
-            np.abs(size - 1.0) <= np.maximum(slack, _MAX_CIRCLE_DISTANCE)
+            np.abs(size - 1.0) <= np.maximum(slack, _MAX_UNIT_CIRCLE_DISTANCE)
         ).all(axis=1)
         saddle = outside.any(axis=1) & inside.any(axis=1)
         kinds = [(elliptic, Stability.ELLIPTIC), (saddle, Stability.SADDLE)]

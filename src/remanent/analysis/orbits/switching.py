@@ -21,12 +21,12 @@ from remanent.analysis.orbits.curves import CurveEquations, CurvePoints
 _TRIAL_LENGTHS = (0.01, 0.003, 0.03, 0.001)
 #: A point that Newton's method leaves nearer than this share of the length to the crossing, along
 #: the second vector, is on the branch that is known.
-_MIN_DEPARTURE = 0.3
+_MIN_DEPARTURE_SHARE = 0.3
 #: A point farther than this many lengths from the crossing is on a third branch.
-_MAX_DISTANCE = 3.0
+_MAX_DISTANCE_IN_TRIAL_LENGTHS = 3.0
 
 
-def crossing_branch_point(
+def find_point_on_crossing_branch(
     equations: CurveEquations, crossing: FloatArray, *, scale: FloatArray, tolerance: float
 ) -> CurvePoints | None:
     """A point of the branch that crosses another one; None where none is reached.
@@ -60,8 +60,8 @@ def crossing_branch_point(
             equations, guess[None], across[None], scale=scale, tolerance=tolerance
         )
         away = (points.unknown[0] - crossing) / scale
-        departed = away @ across > _MIN_DEPARTURE * length
-        near = np.linalg.norm(away) < _MAX_DISTANCE * length
+        departed = away @ across > _MIN_DEPARTURE_SHARE * length
+        near = np.linalg.norm(away) < _MAX_DISTANCE_IN_TRIAL_LENGTHS * length
         if reached[0] and departed and near:
             return points
     return None

@@ -1,6 +1,7 @@
 """Which regime the evidence speaks for, and whether runs at several tolerances agree.
 
-A new regime, or a new way to recognise one, is a function here and a line in :data:`RULES`.
+A new regime, or a new way to recognise one, is a function here and a line in
+:data:`DEFAULT_REGIME_RULES`.
 """
 
 from __future__ import annotations
@@ -12,16 +13,18 @@ import numpy as np
 from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.analysis.regimes.evidence import EvidenceTable
 from remanent.analysis.regimes.labels import Regime
-from remanent.analysis.regimes.thresholds import Thresholds
+from remanent.analysis.regimes.thresholds import RegimeThresholds
 
 #: ``rule(evidence, damped, periods, thresholds)`` of a table, an array (orbit,) of bool that says
 #: where motion contracts, and the length of the run.  It says of each orbit whether it is of the
 #: regime, and by what factor the evidence clears its threshold: arrays (orbit,).
-RegimeRule = Callable[[EvidenceTable, BoolArray, int, Thresholds], tuple[BoolArray, FloatArray]]
+RegimeRule = Callable[
+    [EvidenceTable, BoolArray, int, RegimeThresholds], tuple[BoolArray, FloatArray]
+]
 
 
-def is_periodic(
-    e: EvidenceTable, damped: BoolArray, periods: int, t: Thresholds
+def periodic_rule(
+    e: EvidenceTable, damped: BoolArray, periods: int, t: RegimeThresholds
 ) -> tuple[BoolArray, FloatArray]:
     """The orbit closes, and its tangents do not grow.
 
@@ -29,75 +32,79 @@ def is_periodic(
     must shrink.  Without damping they may grow like n.
     """
     defect = np.where(damped, e.late_defect, e.defect)
-    quiet = np.where(damped, e.growth < 0.0, _grows_like_a_power(e, periods, t))
-    margin = np.log(defect) / np.log(t.max_closed_defect)
-    return (defect <= t.max_closed_defect) & quiet, margin
+    quiet = np.where(damped, e.log_growth < 0.0, _grows_at_most_like_a_power(e, periods, t))
+    margin = np.log(defect) / np.log(t.max_closed_return_defect)
+    return (defect <= t.max_closed_return_defect) & quiet, margin
 
 
-def is_quasi_periodic(
-    e: EvidenceTable, damped: BoolArray, periods: int, t: Thresholds
+def quasi_periodic_rule(
+    e: EvidenceTable, damped: BoolArray, periods: int, t: RegimeThresholds
 ) -> tuple[BoolArray, FloatArray]:
     """The orbit stays open, tangents grow like a power of n, and averages converge.
 
     Averages have to reach many digits; or fewer, where the rotation number converges and the
     other evidence is clearer than it need be otherwise.
     """
-    attracts = _stays_open(e, t) & (e["band_extent"] >= t.min_band_extent)
+    attracts = _stays_open(e, t) & (e["band_extent"] >= t.min_torus_band_extent)
     many_digits = (e["digits"] >= t.min_torus_digits) & ~(e["zero_one"] > t.max_torus_zero_one)
     fewer_digits = (
-        (e["digits"] >= t.min_digits_on_rotation)
-        & (e.rotation_digits >= t.min_rotation_digits)
-        & (e.late_growth <= t.max_late_growth_on_rotation)
-        & ~(e["zero_one"] > t.max_zero_one_on_rotation)
+        (e["digits"] >= t.min_torus_digits_if_rotation_converges)
+        & (e.rotation_digits >= t.min_torus_rotation_digits)
+        & (e.late_log_growth <= t.max_torus_late_log_growth_if_rotation_converges)
+        & ~(e["zero_one"] > t.max_torus_zero_one_if_rotation_converges)
     )
-    margin = e["digits"] / np.where(many_digits, t.min_torus_digits, t.min_digits_on_rotation)
-    torus = _is_open(e, t) & _grows_like_a_power(e, periods, t) & (~damped | attracts)
+    margin = e["digits"] / np.where(
+        many_digits, t.min_torus_digits, t.min_torus_digits_if_rotation_converges
+    )
+    torus = (
+        _does_not_close(e, t) & _grows_at_most_like_a_power(e, periods, t) & (~damped | attracts)
+    )
     return torus & (many_digits | fewer_digits), margin
 
 
-def is_chaotic(
-    e: EvidenceTable, _damped: BoolArray, periods: int, t: Thresholds
+def chaotic_rule(
+    e: EvidenceTable, _damped: BoolArray, periods: int, t: RegimeThresholds
 ) -> tuple[BoolArray, FloatArray]:
     """The exponent is positive, tangents grow throughout, and averages do not converge.
 
     The 0-1 test has no say: in thin chaotic layers it stays near 0.
     """
-    significance = e.exponent / (t.min_exponent_over_error * e.exponent_error)
-    least_growth = t.chaos_growth_power * np.log(periods) + t.min_chaos_growth_excess
+    significance = e.exponent / (t.min_chaos_exponent_over_error * e.exponent_error)
+    least_growth = t.min_chaos_growth_power * np.log(periods) + t.min_chaos_log_growth_excess
     chaotic = (
-        _is_open(e, t)
+        _does_not_close(e, t)
         & (significance > 1.0)
-        & (e.growth >= least_growth)
-        & (e.half_growths.min(axis=1) >= t.min_half_growth)
+        & (e.log_growth >= least_growth)
+        & (e.log_growth_of_halves.min(axis=1) >= t.min_chaos_log_growth_per_half)
         & (e["banded_digits"] <= t.max_chaos_digits)
     )
-    return chaotic, np.minimum(significance, e.growth / least_growth)
+    return chaotic, np.minimum(significance, e.log_growth / least_growth)
 
 
 #: Rules in the order in which they are asked; where several hold, the last one decides.
 RegimeRules = Sequence[tuple[Regime, RegimeRule]]
 #: The rule of each regime.
-RULES: RegimeRules = (
-    (Regime.PERIODIC, is_periodic),
-    (Regime.QUASI_PERIODIC, is_quasi_periodic),
-    (Regime.CHAOTIC, is_chaotic),
+DEFAULT_REGIME_RULES: RegimeRules = (
+    (Regime.PERIODIC, periodic_rule),
+    (Regime.QUASI_PERIODIC, quasi_periodic_rule),
+    (Regime.CHAOTIC, chaotic_rule),
 )
 
 
-def _is_open(e: EvidenceTable, t: Thresholds) -> BoolArray:
-    return np.asarray(np.maximum(e.defect, e.late_defect) >= t.min_open_defect)
+def _does_not_close(e: EvidenceTable, t: RegimeThresholds) -> BoolArray:
+    return np.asarray(np.maximum(e.defect, e.late_defect) >= t.min_open_return_defect)
 
 
-def _grows_like_a_power(e: EvidenceTable, periods: int, t: Thresholds) -> BoolArray:
+def _grows_at_most_like_a_power(e: EvidenceTable, periods: int, t: RegimeThresholds) -> BoolArray:
     """Tangents grow at most in proportion to time, and no faster at the end."""
-    bound = np.log(periods) + t.max_regular_growth_excess
-    return np.asarray((e.growth <= bound) & (e.late_growth <= t.max_late_growth))
+    bound = np.log(periods) + t.max_regular_log_growth_excess
+    return np.asarray((e.log_growth <= bound) & (e.late_log_growth <= t.max_torus_late_log_growth))
 
 
-def _stays_open(e: EvidenceTable, t: Thresholds) -> BoolArray:
+def _stays_open(e: EvidenceTable, t: RegimeThresholds) -> BoolArray:
     """The motion does not close in on a periodic orbit."""
-    lasting = e.late_growth >= t.min_late_growth
-    return np.asarray(lasting & (e.late_defect >= t.min_late_defect_share * e.defect))
+    lasting = e.late_log_growth >= t.min_torus_late_log_growth
+    return np.asarray(lasting & (e.late_defect >= t.min_torus_late_defect_share * e.defect))
 
 
 def regime_of_run(
@@ -105,8 +112,8 @@ def regime_of_run(
     *,
     damped: BoolArray,
     periods: int,
-    thresholds: Thresholds,
-    rules: RegimeRules = RULES,
+    thresholds: RegimeThresholds,
+    rules: RegimeRules = DEFAULT_REGIME_RULES,
 ) -> tuple[IntArray, FloatArray]:
     """The regime that one run speaks for, and the margin, arrays (orbit,)."""
     count = evidence.exponent.size
@@ -124,8 +131,8 @@ def agreed_regime(
     *,
     damped: BoolArray,
     periods: int,
-    thresholds: Thresholds | None = None,
-    rules: RegimeRules = RULES,
+    thresholds: RegimeThresholds | None = None,
+    rules: RegimeRules = DEFAULT_REGIME_RULES,
 ) -> tuple[IntArray, FloatArray]:
     """The regime that runs at all tolerances agree on, and the margin.
 
@@ -137,7 +144,7 @@ def agreed_regime(
         Where motion contracts.
     periods : int
         Length of the runs.
-    thresholds : Thresholds, optional
+    thresholds : RegimeThresholds, optional
     rules : sequence of (Regime, callable)
         Where several hold, the last one decides.
 
@@ -148,7 +155,7 @@ def agreed_regime(
     margin : array (orbit,)
         The least of the runs; NaN where nothing is decided.
     """
-    thresholds = thresholds or Thresholds()
+    thresholds = thresholds or RegimeThresholds()
     verdicts = [
         regime_of_run(run, damped=damped, periods=periods, thresholds=thresholds, rules=rules)
         for run in runs
@@ -157,7 +164,9 @@ def agreed_regime(
     agreed = np.all([label == regime for label, _ in verdicts[1:]], axis=0)
     exponents = np.array([run.exponent for run in runs])
     with np.errstate(invalid="ignore"):
-        alike = exponents.max(axis=0) <= thresholds.max_exponent_ratio * exponents.min(axis=0)
+        alike = exponents.max(
+            axis=0
+        ) <= thresholds.max_exponent_ratio_between_tolerances * exponents.min(axis=0)
     agreed = agreed & (alike | (regime != Regime.CHAOTIC))
     margin = np.min([clearance for _, clearance in verdicts], axis=0)
     regime = np.where(agreed, regime, Regime.UNDECIDED)

@@ -9,14 +9,14 @@ import numpy as np
 from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.analysis.regimes.birkhoff import weighted_average
 from remanent.analysis.regimes.labels import Regime
-from remanent.analysis.regimes.limit_orbits import IterateMap, find_limit_orbit
+from remanent.analysis.regimes.limit_orbits import IterateWithJacobian, find_limit_orbits
 
 #: Distance between two points of one periodic orbit, relative to the extent of all motion.
-_MAX_DISTANCE = 1e-4
+_MAX_RELATIVE_ORBIT_DISTANCE = 1e-4
 #: Difference of averages over one attractor of another kind, relative to their scatter.
-_MAX_AVERAGE_DIFFERENCE = 0.25
+_MAX_RELATIVE_AVERAGE_DIFFERENCE = 0.25
 #: Motion smaller than this counts as this large.
-_MIN_EXTENT = 1e-3
+_MIN_MOTION_EXTENT = 1e-3
 #: Number of no attractor.
 NO_ATTRACTOR = -1
 
@@ -27,14 +27,14 @@ class AttractorAssignment:
 
     Attributes
     ----------
-    attractor : array (orbit,) of int
+    attractor_number : array (orbit,) of int
         Number of the attractor of each orbit, :data:`NO_ATTRACTOR` where its regime has none.
-    representative : array (attractor,) of int
+    representative_orbit : array (attractor,) of int
         An orbit that ends on each; the most visited attractor first.
     """
 
-    attractor: IntArray
-    representative: IntArray
+    attractor_number: IntArray
+    representative_orbit: IntArray
 
 
 def assign_attractors(tails: FloatArray, regime: IntArray, period: IntArray) -> AttractorAssignment:
@@ -60,22 +60,22 @@ def assign_attractors(tails: FloatArray, regime: IntArray, period: IntArray) -> 
     representative: list[int] = []
     if bound.any():
         width = float(np.ptp(tails[bound].reshape(-1, tails.shape[2]), axis=0).max())
-        features = _features(tails)
+        features = _averages_and_scatter(tails)
     while (unassigned := np.flatnonzero(bound & (number < 0))).size:
         k = int(unassigned[0])
         alike = (regime[unassigned] == regime[k]) & (period[unassigned] == period[k])
         candidates = unassigned[alike]
-        distance = _MAX_DISTANCE * max(width, _MIN_EXTENT)
+        distance = _MAX_RELATIVE_ORBIT_DISTANCE * max(width, _MIN_MOTION_EXTENT)
         if regime[k] == Regime.PERIODIC:
-            same = _pass_through(tails[candidates], tails[k, -int(period[k]) :], distance)
+            same = _end_on_orbit(tails[candidates], tails[k, -int(period[k]) :], distance)
         else:
             same = _have_equal_averages(features, candidates, k, distance)
         number[candidates[same]] = number[k] = len(representative)
         representative.append(k)
-    return _most_visited_first(number, representative)
+    return _number_by_visits(number, representative)
 
 
-def _pass_through(tails: FloatArray, orbit: FloatArray, max_distance: float) -> BoolArray:
+def _end_on_orbit(tails: FloatArray, orbit: FloatArray, max_distance: float) -> BoolArray:
     """Whether motions (motion, iterate, state) end on a point of an orbit (point, state)."""
     distance = np.abs(tails[:, None, -1] - orbit[None]).max(axis=2)
     return np.asarray(distance.min(axis=1) <= max_distance)
@@ -87,16 +87,16 @@ def _have_equal_averages(
     """Whether averages agree with those of motion k."""
     mean, scatter = features
     difference = np.abs(mean[candidates] - mean[k]) / np.maximum(scatter[k], min_scatter)
-    return np.asarray(difference.max(axis=1) <= _MAX_AVERAGE_DIFFERENCE)
+    return np.asarray(difference.max(axis=1) <= _MAX_RELATIVE_AVERAGE_DIFFERENCE)
 
 
-def _features(tails: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _averages_and_scatter(tails: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Averages of coordinates and squares, and the scatter of what is averaged."""
     values = np.concatenate([tails, tails**2], axis=2)
     return weighted_average(np.moveaxis(values, 1, 2)), np.std(values, axis=1)
 
 
-def _most_visited_first(number: IntArray, representative: list[int]) -> AttractorAssignment:
+def _number_by_visits(number: IntArray, representative: list[int]) -> AttractorAssignment:
     count = len(representative)
     order = np.argsort([-(number == n).sum() for n in range(count)], kind="stable")
     rank = np.empty(count + 1, dtype=np.int64)
@@ -105,8 +105,8 @@ def _most_visited_first(number: IntArray, representative: list[int]) -> Attracto
     return AttractorAssignment(rank[number], np.array(representative, dtype=np.int64)[order])
 
 
-def extrapolate_tails(
-    iterate: IterateMap, tails: FloatArray, regime: IntArray, period: IntArray
+def replace_tails_by_limit_orbits(
+    iterate: IterateWithJacobian, tails: FloatArray, regime: IntArray, period: IntArray
 ) -> FloatArray:
     """The ends of orbits with the periodic orbits that they approach as their last points.
 
@@ -133,8 +133,8 @@ def extrapolate_tails(
     periodic = regime == Regime.PERIODIC
     for q in np.unique(period[periodic]).tolist():
         orbits = np.flatnonzero(periodic & (period == q))
-        ahead = find_limit_orbit(iterate, orbits, tails[orbits, -1], q)
-        stable = ahead.converged & (ahead.multiplier < 1.0)
+        ahead = find_limit_orbits(iterate, orbits, tails[orbits, -1], q)
+        stable = ahead.has_converged & (ahead.largest_multiplier_modulus < 1.0)
         settling, point = orbits[stable], ahead.state[stable]
         for k in range(q):
             ends[settling, -1 - k] = point

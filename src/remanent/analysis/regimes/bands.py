@@ -9,43 +9,43 @@ from __future__ import annotations
 import numpy as np
 
 from remanent._typing import FloatArray
-from remanent.analysis.regimes.birkhoff import overlapping_digits
+from remanent.analysis.regimes.birkhoff import birkhoff_convergence_digits
 from remanent.analysis.regimes.orbit_batch import OrbitBatch
 
 #: Numbers of bands that an orbit may visit in turn.
-_BAND_COUNTS = (2, 4, 8, 16, 3, 6, 12)
+_POSSIBLE_BAND_COUNTS = (2, 4, 8, 16, 3, 6, 12)
 #: Scatter within a band relative to that of all points, at most.
-_MAX_BAND_SCATTER = 0.5
+_MAX_RELATIVE_BAND_SCATTER = 0.5
 #: Fewest points that an average within a band is made of.
-_MIN_BAND_POINTS = 24
+_MIN_POINTS_PER_BAND = 24
 #: At the end of a cascade of doublings an orbit has many bands; every eighth point shows them.
-_MANY_BANDS = 8
+_BAND_EXTENT_STRIDE = 8
 
 
-def banded_digits(batch: OrbitBatch) -> FloatArray:
+def convergence_digits_within_bands(batch: OrbitBatch) -> FloatArray:
     """Digits to which averages agree within a band, the fewest over bands and observables.
 
     For an orbit without bands it is the number of digits of all its points.
     """
-    values = np.moveaxis(batch.points, 1, 2)
-    digits = overlapping_digits(values).min(axis=1)
+    values = np.moveaxis(batch.observable_values, 1, 2)
+    digits = birkhoff_convergence_digits(values).min(axis=1)
     extent = np.std(np.ascontiguousarray(values), axis=2)
-    for count in _BAND_COUNTS:
+    for count in _POSSIBLE_BAND_COUNTS:
         band = np.ascontiguousarray(values[..., ::count])
         with np.errstate(invalid="ignore"):
-            narrow = (np.std(band, axis=2) < _MAX_BAND_SCATTER * extent).any(axis=1)
-        if narrow.any() and band.shape[2] >= _MIN_BAND_POINTS:
-            within = overlapping_digits(band[narrow]).min(axis=1)
+            narrow = (np.std(band, axis=2) < _MAX_RELATIVE_BAND_SCATTER * extent).any(axis=1)
+        if narrow.any() and band.shape[2] >= _MIN_POINTS_PER_BAND:
+            within = birkhoff_convergence_digits(band[narrow]).min(axis=1)
             digits[narrow] = np.fmin(digits[narrow], within)
     return np.asarray(digits)
 
 
-def band_extent(batch: OrbitBatch) -> FloatArray:
+def relative_band_scatter(batch: OrbitBatch) -> FloatArray:
     """Scatter of every eighth point relative to that of all, the least over observables.
 
     About 1 on a torus and in chaos, small where the orbit lies in 2^k narrow bands.
     """
-    values = np.moveaxis(batch.points, 1, 2)
-    band, every = (np.ascontiguousarray(v) for v in (values[..., ::_MANY_BANDS], values))
+    values = np.moveaxis(batch.observable_values, 1, 2)
+    band, every = (np.ascontiguousarray(v) for v in (values[..., ::_BAND_EXTENT_STRIDE], values))
     with np.errstate(all="ignore"):
         return np.asarray(np.fmin.reduce(band.std(axis=2) / every.std(axis=2), axis=1))

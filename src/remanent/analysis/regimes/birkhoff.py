@@ -16,7 +16,7 @@ from remanent._typing import FloatArray
 #: Digits of two numbers that are equal.
 MAX_DIGITS = 16.0
 #: An orbit encircles a centre if no gap between the directions to its points is wider, turns.
-_MAX_ANGLE_GAP = 0.5
+_MAX_ANGLE_GAP_IN_TURNS = 0.5
 
 
 def weighted_average(values: FloatArray) -> FloatArray:
@@ -42,7 +42,7 @@ def weighted_average(values: FloatArray) -> FloatArray:
     return np.asarray(np.sum(values * (weight / weight.sum()), axis=-1))
 
 
-def overlapping_digits(values: FloatArray) -> FloatArray:
+def birkhoff_convergence_digits(values: FloatArray) -> FloatArray:
     """Decimal digits on which the averages of the first and the last two thirds agree.
 
     Windows of two thirds overlap, but their weights lie apart; and slow angles turn more often
@@ -59,14 +59,14 @@ def overlapping_digits(values: FloatArray) -> FloatArray:
         -log10 of the difference of the averages, relative to the standard deviation of the
         values; at most 16; NaN where a value is.
     """
-    first, last = _first_and_last(values)
+    first, last = _first_and_last_averages(values)
     spread = np.std(np.ascontiguousarray(values), axis=-1)
     with np.errstate(divide="ignore", invalid="ignore"):
         digits = -np.log10(np.abs(first - last) / spread)
     return np.asarray(np.where(spread == 0.0, MAX_DIGITS, np.minimum(digits, MAX_DIGITS)))
 
 
-def _first_and_last(values: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _first_and_last_averages(values: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Weighted averages over the first and the last two thirds."""
     window = -(-2 * values.shape[-1] // 3)
     return weighted_average(values[..., :window]), weighted_average(values[..., -window:])
@@ -81,12 +81,12 @@ class RotationNumbers:
     number : array (orbit,)
         Turns per iterate, clockwise, in [0, 1); NaN where the orbit does not encircle
         its centre.
-    digits : array (orbit,)
+    converged_digits : array (orbit,)
         Decimal digits on which the first and the last two thirds of the orbit agree.
     """
 
     number: FloatArray
-    digits: FloatArray
+    converged_digits: FloatArray
 
 
 def rotation_numbers(points: FloatArray, centre: FloatArray | None = None) -> RotationNumbers:
@@ -121,10 +121,10 @@ def rotation_numbers(points: FloatArray, centre: FloatArray | None = None) -> Ro
     # A fixed cut, at 0 say, could fall among the angles and split equal ones by a whole turn.
     cut, _ = _widest_gap(step)
     step = (step - cut[:, None]) % 1.0 + cut[:, None]
-    first, last = _first_and_last(step)
+    first, last = _first_and_last_averages(step)
     with np.errstate(divide="ignore"):
         digits = np.minimum(-np.log10(np.abs(first - last)), MAX_DIGITS)
-    encircles = (_widest_gap(turn % 1.0)[1] <= _MAX_ANGLE_GAP) & np.isfinite(first + last)
+    encircles = (_widest_gap(turn % 1.0)[1] <= _MAX_ANGLE_GAP_IN_TURNS) & np.isfinite(first + last)
     number = weighted_average(step) % 1.0
     return RotationNumbers(np.where(encircles, number, np.nan), np.where(encircles, digits, 0.0))
 

@@ -8,15 +8,15 @@ from types import MappingProxyType
 import numpy as np
 
 from remanent._typing import BoolArray, FloatArray, IntArray
-from remanent.analysis.regimes.bands import band_extent, banded_digits
-from remanent.analysis.regimes.birkhoff import overlapping_digits, rotation_numbers
+from remanent.analysis.regimes.bands import convergence_digits_within_bands, relative_band_scatter
+from remanent.analysis.regimes.birkhoff import birkhoff_convergence_digits, rotation_numbers
 from remanent.analysis.regimes.evidence import EvidenceTable
 from remanent.analysis.regimes.indicators import smaller_alignment_index, zero_one_test
 from remanent.analysis.regimes.long_runs import LongRun
-from remanent.analysis.regimes.lyapunov import TRANSIENT_SHARE, lyapunov_exponents
-from remanent.analysis.regimes.orbit_batch import Indicator, OrbitBatch
+from remanent.analysis.regimes.lyapunov import DEFAULT_TRANSIENT_SHARE, lyapunov_exponents
+from remanent.analysis.regimes.orbit_batch import IndicatorFunction, OrbitBatch
 from remanent.analysis.regimes.returns import find_best_returns
-from remanent.analysis.regimes.thresholds import MAX_CLOSED_DEFECT
+from remanent.analysis.regimes.thresholds import MAX_CLOSED_RETURN_DEFECT
 
 #: Share of a damped motion at the beginning that is left out.
 _DAMPED_TRANSIENT_SHARE = 0.4
@@ -24,7 +24,7 @@ _DAMPED_TRANSIENT_SHARE = 0.4
 _ORBITS_PER_BATCH = 128
 
 #: ``observables(states)`` of states (..., state) gives bounded numbers (..., observable).
-Observables = Callable[[FloatArray], FloatArray]
+ObservablesFunction = Callable[[FloatArray], FloatArray]
 
 
 def state_observables(states: FloatArray) -> FloatArray:
@@ -32,32 +32,34 @@ def state_observables(states: FloatArray) -> FloatArray:
     return states
 
 
-def _digits(batch: OrbitBatch) -> FloatArray:
+def _birkhoff_digits(batch: OrbitBatch) -> FloatArray:
     """Digits to which weighted averages agree, the fewest over the observables."""
-    return np.asarray(overlapping_digits(np.moveaxis(batch.points, 1, 2)).min(axis=1))
+    return np.asarray(
+        birkhoff_convergence_digits(np.moveaxis(batch.observable_values, 1, 2)).min(axis=1)
+    )
 
 
-def _zero_one(batch: OrbitBatch) -> FloatArray:
+def _zero_one_statistic(batch: OrbitBatch) -> FloatArray:
     """The 0-1 test of the first observable."""
-    return zero_one_test(batch.points[:, :, 0], rng=np.random.default_rng(batch.seed))
+    return zero_one_test(batch.observable_values[:, :, 0], rng=np.random.default_rng(batch.seed))
 
 
-def _sali(batch: OrbitBatch) -> FloatArray:
+def _final_alignment_index(batch: OrbitBatch) -> FloatArray:
     """Smaller alignment index at the end, NaN with one tangent."""
-    if batch.factors.shape[2] < 2:
-        return np.full(len(batch.factors), np.nan)
-    return smaller_alignment_index(batch.factors)[:, -1]
+    if batch.triangular_factors.shape[2] < 2:
+        return np.full(len(batch.triangular_factors), np.nan)
+    return smaller_alignment_index(batch.triangular_factors)[:, -1]
 
 
 #: The indicators, by the names of their columns.  A further one is a file with a function of
 #: an :class:`OrbitBatch` and a line here; the rules in `agreement.py` may then ask for it.
-INDICATOR_FUNCTIONS: Mapping[str, Indicator] = MappingProxyType(
+INDICATOR_FUNCTIONS: Mapping[str, IndicatorFunction] = MappingProxyType(
     {
-        "digits": _digits,
-        "banded_digits": banded_digits,
-        "band_extent": band_extent,
-        "zero_one": _zero_one,
-        "sali": _sali,
+        "digits": _birkhoff_digits,
+        "banded_digits": convergence_digits_within_bands,
+        "band_extent": relative_band_scatter,
+        "zero_one": _zero_one_statistic,
+        "sali": _final_alignment_index,
     }
 )
 
@@ -67,8 +69,8 @@ def collect_evidence(
     *,
     damped: BoolArray,
     seed: int = 0,
-    observables: Observables = state_observables,
-    indicators: Mapping[str, Indicator] = INDICATOR_FUNCTIONS,
+    observables: ObservablesFunction = state_observables,
+    indicators: Mapping[str, IndicatorFunction] = INDICATOR_FUNCTIONS,
 ) -> EvidenceTable:
     """Collect the evidence of one run.
 
@@ -88,7 +90,7 @@ def collect_evidence(
     """
     groups = (np.flatnonzero(~damped), 0.0), (np.flatnonzero(damped), _DAMPED_TRANSIENT_SHARE)
     batches = [
-        (batch, _batch_columns(run, batch, transient, seed, observables, indicators))
+        (batch, _evidence_columns(run, batch, transient, seed, observables, indicators))
         for orbits, transient in groups
         for batch in np.array_split(orbits, -(-orbits.size // _ORBITS_PER_BATCH) or 1)
     ]
@@ -99,21 +101,21 @@ def collect_evidence(
     )
 
 
-def _batch_columns(
+def _evidence_columns(
     run: LongRun,
     orbits: IntArray,
     transient: float,
     seed: int,
-    observables: Observables,
-    indicators: Mapping[str, Indicator],
+    observables: ObservablesFunction,
+    indicators: Mapping[str, IndicatorFunction],
 ) -> dict[str, FloatArray | IntArray]:
     """The columns of some orbits, the first `transient` of whose run is left out."""
-    assert run.visited is not None
-    points = observables(run.visited[orbits, int(transient * run.periods) :])
-    batch = OrbitBatch(points, run.factors[orbits], seed)
+    assert run.visited_states is not None
+    points = observables(run.visited_states[orbits, int(transient * run.periods) :])
+    batch = OrbitBatch(points, run.triangular_factors[orbits], seed)
     return {
-        **_growth_columns(run.growth[orbits], run.block_lengths, transient),
-        **_return_columns(points),
+        **_growth_columns(run.log_growth[orbits], run.block_lengths, transient),
+        **_return_and_rotation_columns(points),
         **{name: indicator(batch) for name, indicator in indicators.items()},
     }
 
@@ -124,7 +126,7 @@ def _growth_columns(
     """Exponent and growth of the first tangent."""
     # Tangents need a while to turn to the direction that grows, damped or not.
     statistics = lyapunov_exponents(
-        growth[:, :, :1], lengths, transient=max(transient, TRANSIENT_SHARE)
+        growth[:, :, :1], lengths, transient=max(transient, DEFAULT_TRANSIENT_SHARE)
     )
     logs = np.cumsum(growth[:, int(transient * lengths.size) :, 0], axis=1)
     quarter = max(logs.shape[1] // 4, 1)
@@ -132,26 +134,29 @@ def _growth_columns(
     return {
         "exponent": statistics.mean[:, 0],
         "exponent_error": statistics.error[:, 0],
-        "growth": logs[:, -1],
-        "half_growths": np.column_stack([half, logs[:, -1] - half]),
-        "late_growth": (
+        "log_growth": logs[:, -1],
+        "log_growth_of_halves": np.column_stack([half, logs[:, -1] - half]),
+        "late_log_growth": (
             logs[:, -quarter:].mean(axis=1) - logs[:, quarter : 2 * quarter].mean(axis=1)
         ),
     }
 
 
-def _return_columns(points: FloatArray) -> dict[str, FloatArray | IntArray]:
+def _return_and_rotation_columns(points: FloatArray) -> dict[str, FloatArray | IntArray]:
     """How the orbits return, and how they turn about their middle."""
-    best = find_best_returns(points, closed=MAX_CLOSED_DEFECT)
+    best = find_best_returns(points, closed=MAX_CLOSED_RETURN_DEFECT)
     columns: dict[str, FloatArray | IntArray] = {
         "period": best.period,
-        "defect": best.defect,
-        "late_defect": best.late_defect,
+        "defect": best.return_defect,
+        "late_defect": best.late_return_defect,
         "extent": best.extent,
         "rotation_number": np.full(len(points), np.nan),
         "rotation_digits": np.zeros(len(points)),
     }
     if points.shape[2] > 1:
         rotation = rotation_numbers(points[:, :, :2])
-        columns |= {"rotation_number": rotation.number, "rotation_digits": rotation.digits}
+        columns |= {
+            "rotation_number": rotation.number,
+            "rotation_digits": rotation.converged_digits,
+        }
     return columns

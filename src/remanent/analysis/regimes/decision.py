@@ -17,19 +17,19 @@ import numpy as np
 from remanent._typing import FloatArray, IntArray
 from remanent.analysis.regimes.evidence import EvidenceTable
 from remanent.analysis.regimes.labels import Regime, RegimeLabels
-from remanent.analysis.regimes.limit_orbits import IterateMap, settling_periods
+from remanent.analysis.regimes.limit_orbits import IterateWithJacobian, settling_periods
 from remanent.analysis.regimes.long_runs import LongRun
 from remanent.analysis.regimes.problem import RegimeProblem
-from remanent.analysis.regimes.transients import LOOSEST, chaos_lasts
+from remanent.analysis.regimes.transients import LOOSEST_TOLERANCE_INDEX, chaos_lasts
 
 #: An orbit that returns worse than this, relative to its extent, is not settling yet.
-_MAX_SETTLING_DEFECT = 0.5
+_MAX_SETTLING_RETURN_DEFECT = 0.5
 #: An orbit that returns better than this, relative to its extent, has settled.
-_MAX_SETTLED_DEFECT = 1e-10
+_MAX_SETTLED_RETURN_DEFECT = 1e-10
 
 
 @dataclass(frozen=True)
-class Labelling:
+class PartialLabelling:
     """Labels as far as the steps have come; every step returns a new one.
 
     Attributes
@@ -51,7 +51,7 @@ class Labelling:
     exponent_spread: FloatArray
     run: LongRun
 
-    def labels(self) -> RegimeLabels:
+    def to_regime_labels(self) -> RegimeLabels:
         """The labels with their evidence."""
         error = np.hypot(self.evidence.exponent_error, self.exponent_spread)
         return RegimeLabels(self.regime, self.period, self.margin, self.evidence, error)
@@ -76,23 +76,25 @@ def decide_regimes(problem: RegimeProblem) -> tuple[RegimeLabels, LongRun]:
     Most orbits of a chart are regular, and two loose tolerances suffice to see that.  So all
     orbits are screened at these two, and the finest tolerance is kept for the others.
     """
-    labelling, loosest, disputed = screen(problem)
-    labelling = refine_disputed(problem, labelling, loosest, disputed)
-    labelling = confirm_chaos(problem, labelling)
-    labelling = withhold_untrusted(labelling)
-    labelling = read_periods(labelling)
-    labelling = find_settling_orbits(problem, labelling)
-    labelling = reduce_periods(problem, labelling)
-    labelling = mark_escapes(labelling)
-    return labelling.labels(), labelling.run
+    labelling, loosest, disputed = screen_at_loose_tolerances(problem)
+    labelling = rerun_disputed_orbits(problem, labelling, loosest, disputed)
+    labelling = reject_transient_chaos(problem, labelling)
+    labelling = unlabel_untrusted_orbits(labelling)
+    labelling = take_periods_from_returns(labelling)
+    labelling = label_settling_orbits(problem, labelling)
+    labelling = reduce_multiple_periods(problem, labelling)
+    labelling = label_escaped_orbits(labelling)
+    return labelling.to_regime_labels(), labelling.run
 
 
-def screen(problem: RegimeProblem) -> tuple[Labelling, EvidenceTable, IntArray]:
+def screen_at_loose_tolerances(
+    problem: RegimeProblem,
+) -> tuple[PartialLabelling, EvidenceTable, IntArray]:
     """Follow every orbit at the two loosest tolerances.
 
     Returns
     -------
-    labelling : Labelling
+    labelling : PartialLabelling
         What both tolerances agree on, with the evidence of the finer.
     loosest : EvidenceTable
         The evidence at the loosest tolerance.
@@ -100,23 +102,23 @@ def screen(problem: RegimeProblem) -> tuple[Labelling, EvidenceTable, IntArray]:
         Orbits that need the finest tolerance: those that escape in one run alone, and those
         that both runs do not call regular.
     """
-    everyone = np.arange(problem.count)
-    first = problem.run(everyone, LOOSEST)
-    loosest = problem.evidence(first, everyone)
+    everyone = np.arange(problem.orbit_count)
+    first = problem.run_at_tolerance(everyone, LOOSEST_TOLERANCE_INDEX)
+    loosest = problem.evidence_of_run(first, everyone)
     # An orbit whose error was not met at the loosest tolerance will not meet a finer one.
-    trusted = np.flatnonzero(first.trusted)
-    second = problem.run(trusted, LOOSEST - 1)
-    evidence = loosest.with_rows(trusted, problem.evidence(second, trusted))
-    regime, margin = problem.agreed([evidence, loosest], everyone, first.periods)
+    trusted = np.flatnonzero(first.error_bound_met)
+    second = problem.run_at_tolerance(trusted, LOOSEST_TOLERANCE_INDEX - 1)
+    evidence = loosest.with_rows(trusted, problem.evidence_of_run(second, trusted))
+    regime, margin = problem.agreed_regime([evidence, loosest], everyone, first.periods)
     run = first.with_rows(trusted, second)
 
     regular = np.isin(regime[trusted], (Regime.PERIODIC, Regime.QUASI_PERIODIC))
     unclear = (first.escaped[trusted] != second.escaped) | (~run.escaped[trusted] & ~regular)
-    disputed = trusted[unclear & run.trusted[trusted]]
+    disputed = trusted[unclear & run.error_bound_met[trusted]]
 
-    labelling = Labelling(
+    labelling = PartialLabelling(
         regime=regime,
-        period=np.zeros(problem.count, dtype=np.int64),
+        period=np.zeros(problem.orbit_count, dtype=np.int64),
         margin=margin,
         evidence=evidence,
         exponent_spread=np.abs(evidence.exponent - loosest.exponent),
@@ -125,9 +127,9 @@ def screen(problem: RegimeProblem) -> tuple[Labelling, EvidenceTable, IntArray]:
     return labelling, loosest, disputed
 
 
-def refine_disputed(
-    problem: RegimeProblem, labelling: Labelling, loosest: EvidenceTable, disputed: IntArray
-) -> Labelling:
+def rerun_disputed_orbits(
+    problem: RegimeProblem, labelling: PartialLabelling, loosest: EvidenceTable, disputed: IntArray
+) -> PartialLabelling:
     """Follow the disputed orbits at the finest tolerance, and judge them again.
 
     The two finer runs have to agree.  Chaos needs all three: errors of integration can carry
@@ -141,104 +143,125 @@ def refine_disputed(
     """
     if not disputed.size:
         return labelling
-    run = problem.run(disputed, 0)
-    finest = problem.evidence(run, disputed)
+    run = problem.run_at_tolerance(disputed, 0)
+    finest = problem.evidence_of_run(run, disputed)
     runs = [finest, labelling.evidence.subset(disputed), loosest.subset(disputed)]
-    by_two, margin_by_two = problem.agreed(runs[:2], disputed, labelling.run.periods)
-    by_three, margin_by_three = problem.agreed(runs, disputed, labelling.run.periods)
+    by_two, margin_by_two = problem.agreed_regime(runs[:2], disputed, labelling.run.periods)
+    by_three, margin_by_three = problem.agreed_regime(runs, disputed, labelling.run.periods)
     chaotic = by_two == Regime.CHAOTIC
     exponents = np.array([evidence.exponent for evidence in runs])
     return replace(
         labelling,
-        regime=_put(labelling.regime, disputed, np.where(chaotic, by_three, by_two)),
-        margin=_put(labelling.margin, disputed, np.where(chaotic, margin_by_three, margin_by_two)),
+        regime=_with_replaced_values(
+            labelling.regime, disputed, np.where(chaotic, by_three, by_two)
+        ),
+        margin=_with_replaced_values(
+            labelling.margin, disputed, np.where(chaotic, margin_by_three, margin_by_two)
+        ),
         evidence=labelling.evidence.with_rows(disputed, finest),
-        exponent_spread=_put(labelling.exponent_spread, disputed, np.ptp(exponents, axis=0)),
+        exponent_spread=_with_replaced_values(
+            labelling.exponent_spread, disputed, np.ptp(exponents, axis=0)
+        ),
         run=labelling.run.with_rows(disputed, run),
     )
 
 
-def confirm_chaos(problem: RegimeProblem, labelling: Labelling) -> Labelling:
+def reject_transient_chaos(problem: RegimeProblem, labelling: PartialLabelling) -> PartialLabelling:
     """Take the label from damped chaos that ends within two more runs.
 
     Motion without damping has no attractor on which it could settle.
     """
     chaotic = np.flatnonzero(problem.damped & (labelling.regime == Regime.CHAOTIC))
     lasts = chaos_lasts(
-        problem.run, chaotic, labelling.run.last_state[chaotic], problem.thresholds.min_half_growth
+        problem.run_at_tolerance,
+        chaotic,
+        labelling.run.last_state[chaotic],
+        problem.thresholds.min_chaos_log_growth_per_half,
     )
     passing = chaotic[~lasts]
     return replace(
         labelling,
-        regime=_put(labelling.regime, passing, Regime.UNDECIDED),
-        margin=_put(labelling.margin, passing, np.nan),
+        regime=_with_replaced_values(labelling.regime, passing, Regime.UNDECIDED),
+        margin=_with_replaced_values(labelling.margin, passing, np.nan),
     )
 
 
-def withhold_untrusted(labelling: Labelling) -> Labelling:
+def unlabel_untrusted_orbits(labelling: PartialLabelling) -> PartialLabelling:
     """Say nothing of orbits whose error bound was not met."""
-    untrusted = np.flatnonzero(~labelling.run.trusted)
-    return replace(labelling, regime=_put(labelling.regime, untrusted, Regime.UNDECIDED))
+    untrusted = np.flatnonzero(~labelling.run.error_bound_met)
+    return replace(
+        labelling, regime=_with_replaced_values(labelling.regime, untrusted, Regime.UNDECIDED)
+    )
 
 
-def read_periods(labelling: Labelling) -> Labelling:
+def take_periods_from_returns(labelling: PartialLabelling) -> PartialLabelling:
     """Take the periods of periodic orbits from their best returns."""
     periodic = labelling.regime == Regime.PERIODIC
     return replace(labelling, period=np.where(periodic, labelling.evidence.period, 0))
 
 
-def find_settling_orbits(problem: RegimeProblem, labelling: Labelling) -> Labelling:
+def label_settling_orbits(problem: RegimeProblem, labelling: PartialLabelling) -> PartialLabelling:
     """Label damped motion that is seen to approach a stable periodic orbit.
 
     Only motion whose tangents shrink and that already returns to its neighbourhood is looked
     at: Newton's method from anywhere else would find orbits that have nothing to do with it.
     """
     run, evidence = labelling.run, labelling.evidence
-    if problem.iterate is None:
+    if problem.iterate_with_jacobian is None:
         return labelling
-    open_question = (labelling.regime == Regime.UNDECIDED) & ~run.escaped & run.trusted
-    contracting = (evidence.exponent < 0.0) & (evidence.late_defect < _MAX_SETTLING_DEFECT)
+    open_question = (labelling.regime == Regime.UNDECIDED) & ~run.escaped & run.error_bound_met
+    contracting = (evidence.exponent < 0.0) & (evidence.late_defect < _MAX_SETTLING_RETURN_DEFECT)
     candidates = np.flatnonzero(problem.damped & open_question & contracting)
-    period = _settling_periods(problem.iterate, run, candidates, evidence.period[candidates])
+    period = _settling_periods_of_run(
+        problem.iterate_with_jacobian, run, candidates, evidence.period[candidates]
+    )
     settling = candidates[period > 0]
     return replace(
         labelling,
-        regime=_put(labelling.regime, settling, Regime.PERIODIC),
-        period=_put(labelling.period, settling, period[period > 0]),
-        margin=_put(labelling.margin, settling, 1.0),
+        regime=_with_replaced_values(labelling.regime, settling, Regime.PERIODIC),
+        period=_with_replaced_values(labelling.period, settling, period[period > 0]),
+        margin=_with_replaced_values(labelling.margin, settling, 1.0),
     )
 
 
-def reduce_periods(problem: RegimeProblem, labelling: Labelling) -> Labelling:
+def reduce_multiple_periods(
+    problem: RegimeProblem, labelling: PartialLabelling
+) -> PartialLabelling:
     """Replace a multiple of the period by the period, where motion still settles.
 
     While the approach alternates between two sides of an orbit of period 1, every second point
     returns better than every point does.
     """
-    if problem.iterate is None:
+    if problem.iterate_with_jacobian is None:
         return labelling
-    unsettled = labelling.evidence.late_defect > _MAX_SETTLED_DEFECT
+    unsettled = labelling.evidence.late_defect > _MAX_SETTLED_RETURN_DEFECT
     candidates = np.flatnonzero(problem.damped & (labelling.period > 1) & unsettled)
     period = labelling.period[candidates]
-    found = _settling_periods(problem.iterate, labelling.run, candidates, period)
+    found = _settling_periods_of_run(
+        problem.iterate_with_jacobian, labelling.run, candidates, period
+    )
     period = np.where(found > 0, found, period)
-    return replace(labelling, period=_put(labelling.period, candidates, period))
+    return replace(labelling, period=_with_replaced_values(labelling.period, candidates, period))
 
 
-def mark_escapes(labelling: Labelling) -> Labelling:
+def label_escaped_orbits(labelling: PartialLabelling) -> PartialLabelling:
     """Label what left every bound."""
     escaped = np.flatnonzero(labelling.run.escaped)
-    return replace(labelling, regime=_put(labelling.regime, escaped, Regime.ESCAPED))
+    return replace(
+        labelling, regime=_with_replaced_values(labelling.regime, escaped, Regime.ESCAPED)
+    )
 
 
-def _settling_periods(
-    iterate: IterateMap, run: LongRun, orbits: IntArray, candidates: IntArray
+def _settling_periods_of_run(
+    iterate: IterateWithJacobian, run: LongRun, orbits: IntArray, candidates: IntArray
 ) -> IntArray:
-    assert run.visited is not None
-    return settling_periods(run.visited[orbits], orbits, candidates, iterate)
+    assert run.visited_states is not None
+    return settling_periods(run.visited_states[orbits], orbits, candidates, iterate)
 
 
-def _put(values: np.ndarray, indices: IntArray, new: np.ndarray | float) -> np.ndarray:
+def _with_replaced_values(
+    values: np.ndarray, indices: IntArray, new: np.ndarray | float
+) -> np.ndarray:
     """A copy with new values at some places."""
     changed = values.copy()
     changed[indices] = new

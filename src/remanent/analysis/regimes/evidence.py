@@ -20,11 +20,11 @@ class EvidenceTable:
     ----------
     exponent, exponent_error
         Largest Lyapunov exponent per period, and its standard error.
-    growth
+    log_growth
         Logarithm of the tangent's growth over the run, without the transient.
-    half_growths : array (orbit, 2)
+    log_growth_of_halves : array (orbit, 2)
         The same over the two halves of that.
-    late_growth
+    late_log_growth
         Its mean over the last quarter less that over the second.
     rotation_number, rotation_digits
         Turns per period about the middle of the orbit, and how many of their digits agree.
@@ -41,9 +41,9 @@ class EvidenceTable:
 
     exponent: FloatArray
     exponent_error: FloatArray
-    growth: FloatArray
-    half_growths: FloatArray
-    late_growth: FloatArray
+    log_growth: FloatArray
+    log_growth_of_halves: FloatArray
+    late_log_growth: FloatArray
     rotation_number: FloatArray
     rotation_digits: FloatArray
     period: IntArray
@@ -62,7 +62,7 @@ class EvidenceTable:
         )
 
     @property
-    def columns(self) -> dict[str, FloatArray | IntArray]:
+    def column_of_name(self) -> dict[str, FloatArray | IntArray]:
         """All columns by name."""
         names = (f.name for f in fields(self) if f.name != "indicators")
         return {**{name: getattr(self, name) for name in names}, **self.indicators}
@@ -73,11 +73,11 @@ class EvidenceTable:
 
     def subset(self, indices: IntArray | BoolArray) -> EvidenceTable:
         """The rows of some orbits."""
-        return self.from_columns({name: c[indices] for name, c in self.columns.items()})
+        return self.from_columns({name: c[indices] for name, c in self.column_of_name.items()})
 
     def with_rows(self, indices: IntArray, rows: EvidenceTable) -> EvidenceTable:
         """A table in which the rows of some orbits are replaced."""
-        changed = {name: column.copy() for name, column in self.columns.items()}
+        changed = {name: column.copy() for name, column in self.column_of_name.items()}
         for name, column in changed.items():
             column[indices] = rows[name]
         return self.from_columns(changed)

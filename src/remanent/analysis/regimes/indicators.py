@@ -19,9 +19,9 @@ _MAX_TEST_FREQUENCY = 4.0 * np.pi / 5.0
 #: Longest lag of the mean-square displacement, as a share of the series.
 _MAX_LAG_SHARE = 0.1
 #: Products phi(j + a) phi(j + b) in memory at once.
-_MAX_PRODUCTS = 2**17
+_MAX_PRODUCTS_IN_MEMORY = 2**17
 #: Smallest index that is returned: the angle between tangents that lined up is rounding.
-_MIN_INDEX = 1e-300
+_MIN_ALIGNMENT_INDEX = 1e-300
 
 
 def smaller_alignment_index(factors: FloatArray) -> FloatArray:
@@ -52,7 +52,7 @@ def smaller_alignment_index(factors: FloatArray) -> FloatArray:
             along = r[:, 0, 0] * along + r[:, 0, 1] * across
             across = r[:, 1, 1] * across
             size = np.hypot(along, across)
-            along, across = along / size, np.maximum(across / size, _MIN_INDEX)
+            along, across = along / size, np.maximum(across / size, _MIN_ALIGNMENT_INDEX)
             # 2 sin(angle/2) = sin(angle)/cos(angle/2)
             index[:, k] = across / np.sqrt(0.5 * (1.0 + np.abs(along)))
     return index
@@ -87,13 +87,13 @@ def zero_one_test(
     lags = max(int(_MAX_LAG_SHARE * values.shape[1]), 2)
     n = np.arange(1.0, lags + 1)
     oscillation = (1.0 - np.cos(np.outer(n, c))) / (1.0 - np.cos(c))
-    batch = max(_MAX_PRODUCTS // lags**2, 1)
+    batch = max(_MAX_PRODUCTS_IN_MEMORY // lags**2, 1)
     result = np.empty(values.shape[0])
     for first in range(0, values.shape[0], batch):
         series = np.ascontiguousarray(values[first : first + batch])
         mean = np.mean(series, axis=1)[:, None, None]
         displacement = _mean_square_displacement(series, c, lags) - mean**2 * oscillation
-        result[first : first + batch] = np.median(_correlation(n, displacement), axis=1)
+        result[first : first + batch] = np.median(_correlation_with_time(n, displacement), axis=1)
     return result
 
 
@@ -119,7 +119,7 @@ def _mean_square_displacement(series: FloatArray, c: FloatArray, lags: int) -> F
     return np.cumsum(products @ turned, axis=1)
 
 
-def _correlation(n: FloatArray, displacement: FloatArray) -> FloatArray:
+def _correlation_with_time(n: FloatArray, displacement: FloatArray) -> FloatArray:
     """Correlation of displacements (orbit, n, frequency) with n, array (orbit, frequency)."""
     a = n - n.mean()
     b = np.moveaxis(displacement - displacement.mean(axis=1, keepdims=True), 1, 2)

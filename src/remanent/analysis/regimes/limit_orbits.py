@@ -18,21 +18,21 @@ from remanent.analysis.orbits.periodic_orbits import newton_step
 #: Newton steps from the last state of a run.
 _NEWTON_STEPS = 6
 #: Distance of a point of a periodic orbit from its image, at most.
-_MAX_RESIDUAL = 1e-8
+_MAX_ORBIT_RESIDUAL = 1e-8
 #: Fewest distances from the orbit that show a rate of approach.
-_MIN_DISTANCES = 6
+_MIN_DISTANCE_COUNT = 6
 #: Difference of the rate seen from that of the multiplier, relative to the latter, at most.
-_MAX_RATE_DIFFERENCE = 0.15
+_MAX_RELATIVE_RATE_DIFFERENCE = 0.15
 #: e-folds by which the distance must have fallen.
-_MIN_APPROACH = 1.2
+_MIN_APPROACH_IN_E_FOLDS = 1.2
 
 #: ``iterate(orbits, states, periods)`` gives the images (orbit, state) and Jacobians (orbit,
 #: state, state) of the maps of some orbits, given by number, after a number of periods.
-IterateMap = Callable[[IntArray, FloatArray, int], tuple[FloatArray, FloatArray]]
+IterateWithJacobian = Callable[[IntArray, FloatArray, int], tuple[FloatArray, FloatArray]]
 
 
 @dataclass(frozen=True)
-class LimitOrbit:
+class LimitOrbits:
     """The periodic orbit that motions tend to.
 
     Attributes
@@ -41,23 +41,23 @@ class LimitOrbit:
         A point of it; NaN where Newton's method did not get there.
     residual : array (orbit,)
         Distance of the point from its image.
-    multiplier : array (orbit,)
+    largest_multiplier_modulus : array (orbit,)
         Size of the largest multiplier over the whole period.
     """
 
     state: FloatArray
     residual: FloatArray
-    multiplier: FloatArray
+    largest_multiplier_modulus: FloatArray
 
     @property
-    def converged(self) -> BoolArray:
+    def has_converged(self) -> BoolArray:
         """Whether Newton's method reached the orbit, array (orbit,)."""
-        return self.residual <= _MAX_RESIDUAL
+        return self.residual <= _MAX_ORBIT_RESIDUAL
 
 
-def find_limit_orbit(
-    iterate: IterateMap, orbits: IntArray, states: FloatArray, period: int
-) -> LimitOrbit:
+def find_limit_orbits(
+    iterate: IterateWithJacobian, orbits: IntArray, states: FloatArray, period: int
+) -> LimitOrbits:
     """Periodic orbits near some states, by a few steps of Newton's method.
 
     Parameters
@@ -80,7 +80,7 @@ def find_limit_orbit(
         safe = np.where(finite[:, None, None], jacobian, 0.0)
         largest = np.where(finite, np.abs(np.linalg.eigvals(safe)).max(axis=1), np.inf)
         x = x + move
-    return LimitOrbit(x, residual, largest)
+    return LimitOrbits(x, residual, largest)
 
 
 def approaches_limit(
@@ -107,7 +107,7 @@ def approaches_limit(
     """
     distance = np.sqrt(((points[:, ::-1][:, ::period] - end[:, None]) ** 2).sum(axis=2))
     count = distance.shape[1]
-    if count < _MIN_DISTANCES:
+    if count < _MIN_DISTANCE_COUNT:
         return np.zeros(len(points), dtype=np.bool_)
     with np.errstate(all="ignore"):
         size = np.log(distance[:, ::-1])
@@ -115,14 +115,14 @@ def approaches_limit(
         slope = ((n - n.mean()) * (size - size.mean(axis=1, keepdims=True))).sum(axis=1)
         slope = slope / ((n - n.mean()) ** 2).sum()
         approach = -slope * n[-1]
-        agrees = np.abs(slope - rate) <= _MAX_RATE_DIFFERENCE * np.abs(rate)
+        agrees = np.abs(slope - rate) <= _MAX_RELATIVE_RATE_DIFFERENCE * np.abs(rate)
         # Distances run backwards in time: motion must end nearer than its first quarter was.
         nearer = distance[:, 0] <= distance[:, -max(count // 4, 1) :].min(axis=1)
-    return np.asarray((approach >= _MIN_APPROACH) & agrees & nearer)
+    return np.asarray((approach >= _MIN_APPROACH_IN_E_FOLDS) & agrees & nearer)
 
 
 def settling_periods(
-    visited: FloatArray, orbits: IntArray, candidates: IntArray, iterate: IterateMap
+    visited: FloatArray, orbits: IntArray, candidates: IntArray, iterate: IterateWithJacobian
 ) -> IntArray:
     """Periods of the stable orbits that motions are seen to approach.
 
@@ -150,10 +150,10 @@ def settling_periods(
         if not subset.size:
             continue
         states = visited[subset]
-        ahead = find_limit_orbit(iterate, orbits[subset], states[:, -1], q)
+        ahead = find_limit_orbits(iterate, orbits[subset], states[:, -1], q)
         with np.errstate(invalid="ignore"):
-            rate = np.log(np.maximum(ahead.multiplier, 1e-300)) / q
-            stable = ahead.converged & (rate < 0.0)
+            rate = np.log(np.maximum(ahead.largest_multiplier_modulus, 1e-300)) / q
+            stable = ahead.has_converged & (rate < 0.0)
         approached = approaches_limit(states[:, half:], ahead.state, q, rate)
         period[subset[stable & approached]] = q
     return period

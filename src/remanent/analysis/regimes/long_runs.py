@@ -19,20 +19,20 @@ from remanent.analysis.regimes.orthonormalisation import orthonormalise
 #: A state beyond this has escaped.
 ESCAPE_BOUND = 1e6
 #: Periods between renormalisations of a single tangent, which must not overflow, at most.
-_MAX_BLOCK_OF_ONE_TANGENT = 16
+_MAX_BLOCK_PERIODS_OF_ONE_TANGENT = 16
 #: Periods between renormalisations of several tangents, which must not line up, at most.
-_MAX_BLOCK_OF_SEVERAL = 4
+_MAX_BLOCK_PERIODS_OF_SEVERAL_TANGENTS = 4
 #: Blocks that even a short run has, since statistics are made of them.
-_MIN_BLOCKS = 32
+_MIN_BLOCK_COUNT = 32
 #: Seed of the tangents' first directions.
-_FRAME_SEED = 7
+_INITIAL_TANGENTS_SEED = 7
 
 
 class TangentImage(Protocol):
     """Where some points and their tangents went."""
 
     @property
-    def visited(self) -> FloatArray:
+    def visited_states(self) -> FloatArray:
         """States after each period, or after the last alone: (point, period, state)."""
 
     @property
@@ -40,11 +40,11 @@ class TangentImage(Protocol):
         """Tangents after the last period, array (point, direction, state)."""
 
     @property
-    def error(self) -> FloatArray:
+    def largest_period_error(self) -> FloatArray:
         """Largest error of the state that one period added, array (point,)."""
 
     @property
-    def trusted(self) -> BoolArray:
+    def error_bound_met(self) -> BoolArray:
         """Whether the error that was asked for was met, array (point,)."""
 
 
@@ -84,72 +84,79 @@ class LongRun:
     ----------
     periods : int
         How many were asked for.
-    block : int
+    block_periods : int
         Periods between renormalisations.
-    factors : array (point, block, direction, direction)
+    triangular_factors : array (point, block, direction, direction)
         Upper triangles R of the tangents' factorisation Q R after each block; NaN after
         the end of a point.
     last_state : array (point, state)
         Where the points ended.
-    visited : array (point, period + 1, state), optional
+    visited_states : array (point, period + 1, state), optional
         All states, the start included; NaN after the end.
     escaped : array (point,) of bool
         The state exceeded :data:`ESCAPE_BOUND` or became NaN.
-    trusted : array (point,) of bool
+    error_bound_met : array (point,) of bool
         Every period met its error.
     completed_periods : array (point,) of int
         Whole periods before the point escaped or could not be trusted.
-    error : array (point,)
+    largest_period_error : array (point,)
         Largest error of one period.
     horizon : array (point,)
         Periods over which errors, magnified as tangents are, stay below what was asked.
     """
 
     periods: int
-    block: int
-    factors: FloatArray
+    block_periods: int
+    triangular_factors: FloatArray
     last_state: FloatArray
-    visited: FloatArray | None
+    visited_states: FloatArray | None
     escaped: BoolArray
-    trusted: BoolArray
+    error_bound_met: BoolArray
     completed_periods: IntArray
-    error: FloatArray
+    largest_period_error: FloatArray
     horizon: FloatArray
 
     @property
-    def growth(self) -> FloatArray:
+    def log_growth(self) -> FloatArray:
         """Logarithms of the tangents' growth in each block, array (point, block, direction)."""
         with np.errstate(divide="ignore", invalid="ignore"):
-            return np.log(np.diagonal(self.factors, axis1=2, axis2=3))
+            return np.log(np.diagonal(self.triangular_factors, axis1=2, axis2=3))
 
     @property
     def block_lengths(self) -> IntArray:
         """Periods of each block, of which the last may be shorter, array (block,)."""
-        return np.diff(_block_ends(self.periods, self.block), prepend=0)
+        return np.diff(_block_ends(self.periods, self.block_periods), prepend=0)
 
     def with_rows(self, points: IntArray, rows: LongRun) -> LongRun:
         """A run in which some points are replaced by those of another; it has no tangents."""
         names = (
-            "last_state", "visited", "escaped", "trusted", "completed_periods", "error", "horizon",
+            "last_state", "visited_states", "escaped", "error_bound_met", "completed_periods",
+            "largest_period_error", "horizon",
         )  # fmt: skip
         values = {name: getattr(self, name).copy() for name in names}
         for name, value in values.items():
             value[points] = getattr(rows, name)
-        return replace(self, factors=self.factors[:, :0], **values)
+        return replace(self, triangular_factors=self.triangular_factors[:, :0], **values)
 
 
 def block_lengths(periods: int, directions: int, block: int | None = None) -> IntArray:
     """Periods of each block of a run, array (block,); the last may be shorter."""
-    return np.diff(_block_ends(periods, block or _default_block(periods, directions)), prepend=0)
+    return np.diff(
+        _block_ends(periods, block or _default_block_periods(periods, directions)), prepend=0
+    )
 
 
 def _block_ends(periods: int, block: int) -> IntArray:
     return np.append(np.arange(block, periods, block), periods)
 
 
-def _default_block(periods: int, directions: int) -> int:
-    longest = _MAX_BLOCK_OF_ONE_TANGENT if directions <= 1 else _MAX_BLOCK_OF_SEVERAL
-    return min(max(periods // _MIN_BLOCKS, 1), longest)
+def _default_block_periods(periods: int, directions: int) -> int:
+    longest = (
+        _MAX_BLOCK_PERIODS_OF_ONE_TANGENT
+        if directions <= 1
+        else _MAX_BLOCK_PERIODS_OF_SEVERAL_TANGENTS
+    )
+    return min(max(periods // _MIN_BLOCK_COUNT, 1), longest)
 
 
 def propagate_tangents(
@@ -189,14 +196,14 @@ def propagate_tangents(
         Asked before each block; if it says so, the rest is left out.
     """
     count, dimension = states.shape
-    block = block or _default_block(periods, directions)
+    block = block or _default_block_periods(periods, directions)
     ends = _block_ends(periods, block)
     factors = np.full((count, ends.size, directions, directions), np.nan)
     visited = np.full((count, periods + 1, dimension), np.nan) if every else None
     if visited is not None:
         visited[:, 0] = states
     now = states.copy()
-    frame = np.tile(_first_frame(width or dimension)[:directions], (count, 1, 1))
+    frame = np.tile(_initial_tangents(width or dimension)[:directions], (count, 1, 1))
     escaped, trusted = np.zeros(count, dtype=np.bool_), np.ones(count, dtype=np.bool_)
     completed, error = np.zeros(count, dtype=np.int64), np.zeros(count)
     accumulated, horizon = np.zeros(count), np.full(count, np.inf)
@@ -205,21 +212,21 @@ def propagate_tangents(
         if not active.size or cancelled():
             break
         image = advance(active, now[active], frame[active], end - done, every=every)
-        out = ~(np.abs(image.visited) < ESCAPE_BOUND).all(axis=(1, 2))
+        out = ~(np.abs(image.visited_states) < ESCAPE_BOUND).all(axis=(1, 2))
         # A point that escapes is beyond its error bound too; that is no reason for distrust.
-        escaped[active], trusted[active] = out, image.trusted | out
-        going_on = np.flatnonzero(~out & image.trusted)
+        escaped[active], trusted[active] = out, image.error_bound_met | out
+        going_on = np.flatnonzero(~out & image.error_bound_met)
         points = active[going_on]
         if visited is not None:
-            visited[points, done + 1 : end + 1] = image.visited[going_on]
-        now[points], completed[points] = image.visited[going_on, -1], end
-        error[points] = np.maximum(error[points], image.error[going_on])
+            visited[points, done + 1 : end + 1] = image.visited_states[going_on]
+        now[points], completed[points] = image.visited_states[going_on, -1], end
+        error[points] = np.maximum(error[points], image.largest_period_error[going_on])
         frame[points], factors[points, k] = orthonormalise(image.tangents[going_on])
         if directions:
             # The error so far grows as the first tangent does, and each period adds its own.
             growth = np.maximum(factors[points, k, 0, 0], 1.0)
             with np.errstate(over="ignore"):
-                added = image.error[going_on] * (end - done)
+                added = image.largest_period_error[going_on] * (end - done)
                 accumulated[points] = accumulated[points] * growth + added
             known = accumulated[points] <= max_state_error
             horizon[points] = np.where(known, np.inf, np.minimum(horizon[points], done))
@@ -230,7 +237,7 @@ def propagate_tangents(
     )
 
 
-def _first_frame(dimension: int) -> FloatArray:
+def _initial_tangents(dimension: int) -> FloatArray:
     """Orthonormal directions with no preference for any coordinate, the same every time."""
-    random = np.random.default_rng(_FRAME_SEED).normal(size=(1, dimension, dimension))
+    random = np.random.default_rng(_INITIAL_TANGENTS_SEED).normal(size=(1, dimension, dimension))
     return np.asarray(orthonormalise(random)[0][0])

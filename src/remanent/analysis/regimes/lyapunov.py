@@ -15,9 +15,9 @@ import numpy as np
 from remanent._typing import FloatArray, IntArray
 
 #: Share of a run that is left out: tangents are still turning to the direction that grows.
-TRANSIENT_SHARE = 0.1
+DEFAULT_TRANSIENT_SHARE = 0.1
 #: Numbers of batches from whose scatter the error is estimated.
-_BATCH_COUNTS = (10, 20)
+_BATCH_COUNTS_FOR_ERROR = (10, 20)
 
 
 @dataclass(frozen=True)
@@ -30,17 +30,17 @@ class LyapunovExponents:
         Largest first.
     error : array (orbit, direction)
         Standard error of the mean.
-    history : array (orbit, block, direction)
+    running_mean : array (orbit, block, direction)
         The mean over the blocks so far, the transient included.
     """
 
     mean: FloatArray
     error: FloatArray
-    history: FloatArray
+    running_mean: FloatArray
 
 
 def lyapunov_exponents(
-    growth: FloatArray, lengths: IntArray, *, transient: float = TRANSIENT_SHARE
+    growth: FloatArray, lengths: IntArray, *, transient: float = DEFAULT_TRANSIENT_SHARE
 ) -> LyapunovExponents:
     """Average the growth of tangents.
 
@@ -85,10 +85,14 @@ def batch_means_error(values: FloatArray) -> FloatArray:
         Infinite with fewer than ten samples.
     """
     largest = np.zeros(values.shape[:-1])
-    for batches in _BATCH_COUNTS:
+    for batches in _BATCH_COUNTS_FOR_ERROR:
         length = values.shape[-1] // batches
         if length == 0:
-            return largest if batches > _BATCH_COUNTS[0] else np.full(values.shape[:-1], np.inf)
+            return (
+                largest
+                if batches > _BATCH_COUNTS_FOR_ERROR[0]
+                else np.full(values.shape[:-1], np.inf)
+            )
         latest = values[..., values.shape[-1] - batches * length :]
         means = latest.reshape(*latest.shape[:-1], batches, length).mean(axis=-1)
         error = np.std(means, axis=-1, ddof=1) / np.sqrt(batches)

@@ -14,19 +14,19 @@ class OrbitBatch:
 
     Attributes
     ----------
-    points : array (orbit, iterate, observable)
+    observable_values : array (orbit, iterate, observable)
         Bounded functions of the states, without the transient.
-    factors : array (orbit, block, direction, direction)
+    triangular_factors : array (orbit, block, direction, direction)
         Upper triangles of the tangents' factorisations over the whole run.
     seed : int
         For what is drawn at random, the same for every orbit.
     """
 
-    points: FloatArray
-    factors: FloatArray
+    observable_values: FloatArray
+    triangular_factors: FloatArray
     seed: int
 
 
 #: An indicator gives a number (orbit,) for each orbit of a batch, NaN where it says nothing.
 #: What it gives must not depend on the other orbits.
-Indicator = Callable[[OrbitBatch], FloatArray]
+IndicatorFunction = Callable[[OrbitBatch], FloatArray]

@@ -7,7 +7,7 @@ import numpy as np
 from remanent._typing import FloatArray
 
 #: A vector with less than this share of its length left after the projections is rounding.
-_MIN_REMAINDER = 1e-15
+_MIN_REMAINDER_SHARE = 1e-15
 
 
 def orthonormalise(vectors: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -33,8 +33,8 @@ def orthonormalise(vectors: FloatArray) -> tuple[FloatArray, FloatArray]:
         for j in range(count):
             length = _lengths(q[:, j])
             for _ in range(2):  # once more restores what cancellation took
-                _project_out(q, r, j)
-            rounding = _MIN_REMAINDER * length
+                _project_out_earlier_rows(q, r, j)
+            rounding = _MIN_REMAINDER_SHARE * length
             lined_up = _lengths(q[:, j]) <= rounding
             if lined_up.any():
                 q[lined_up, j] = _orthogonal_vectors(q[lined_up], j)
@@ -47,7 +47,7 @@ def _lengths(vectors: FloatArray) -> FloatArray:
     return np.asarray(np.sqrt(np.einsum("ps,ps->p", vectors, vectors)))
 
 
-def _project_out(q: FloatArray, r: FloatArray, j: int) -> None:
+def _project_out_earlier_rows(q: FloatArray, r: FloatArray, j: int) -> None:
     """Take from vector j what lies along the rows before it."""
     for i in range(j):
         along = np.einsum("ps,ps->p", q[:, i], q[:, j])
@@ -61,5 +61,5 @@ def _orthogonal_vectors(q: FloatArray, j: int) -> FloatArray:
     q = q.copy()
     q[:, j] = np.eye(q.shape[2])[least]
     for _ in range(2):
-        _project_out(q, np.zeros((q.shape[0], j + 1, j + 1)), j)
+        _project_out_earlier_rows(q, np.zeros((q.shape[0], j + 1, j + 1)), j)
     return np.asarray(q[:, j])

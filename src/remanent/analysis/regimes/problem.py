@@ -6,18 +6,18 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from remanent._typing import BoolArray, FloatArray, IntArray
-from remanent.analysis.regimes.agreement import RULES, RegimeRules, agreed_regime
+from remanent.analysis.regimes.agreement import DEFAULT_REGIME_RULES, RegimeRules, agreed_regime
 from remanent.analysis.regimes.collection import (
     INDICATOR_FUNCTIONS,
-    Observables,
+    ObservablesFunction,
     collect_evidence,
     state_observables,
 )
 from remanent.analysis.regimes.evidence import EvidenceTable
-from remanent.analysis.regimes.limit_orbits import IterateMap
+from remanent.analysis.regimes.limit_orbits import IterateWithJacobian
 from remanent.analysis.regimes.long_runs import LongRun
-from remanent.analysis.regimes.orbit_batch import Indicator
-from remanent.analysis.regimes.thresholds import Thresholds
+from remanent.analysis.regimes.orbit_batch import IndicatorFunction
+from remanent.analysis.regimes.thresholds import RegimeThresholds
 from remanent.analysis.regimes.transients import RunAtTolerance
 
 
@@ -27,13 +27,13 @@ class RegimeProblem:
 
     Attributes
     ----------
-    run : RunAtTolerance
+    run_at_tolerance : RunAtTolerance
         Follows some of the orbits at one of three tolerances.
-    count : int
+    orbit_count : int
         How many orbits there are.
     damped : array (orbit,) of bool
         Where motion contracts.
-    iterate : callable, optional
+    iterate_with_jacobian : callable, optional
         Images and Jacobians of the orbits' maps; without it nothing is said of motion that
         has not settled.
     seed : int
@@ -44,21 +44,21 @@ class RegimeProblem:
         What is computed from the orbits.
     rules : sequence of (Regime, callable)
         What the evidence is judged by.
-    thresholds : Thresholds
+    thresholds : RegimeThresholds
         What it is compared with.
     """
 
-    run: RunAtTolerance
-    count: int
+    run_at_tolerance: RunAtTolerance
+    orbit_count: int
     damped: BoolArray
-    iterate: IterateMap | None = None
+    iterate_with_jacobian: IterateWithJacobian | None = None
     seed: int = 0
-    observables: Observables = state_observables
-    indicators: Mapping[str, Indicator] = field(default_factory=lambda: INDICATOR_FUNCTIONS)
-    rules: RegimeRules = RULES
-    thresholds: Thresholds = field(default_factory=Thresholds)
+    observables: ObservablesFunction = state_observables
+    indicators: Mapping[str, IndicatorFunction] = field(default_factory=lambda: INDICATOR_FUNCTIONS)
+    rules: RegimeRules = DEFAULT_REGIME_RULES
+    thresholds: RegimeThresholds = field(default_factory=RegimeThresholds)
 
-    def evidence(self, run: LongRun, orbits: IntArray) -> EvidenceTable:
+    def evidence_of_run(self, run: LongRun, orbits: IntArray) -> EvidenceTable:
         """The evidence of a run of some orbits."""
         return collect_evidence(
             run,
@@ -68,7 +68,7 @@ class RegimeProblem:
             indicators=self.indicators,
         )
 
-    def agreed(
+    def agreed_regime(
         self, runs: list[EvidenceTable], orbits: IntArray, periods: int
     ) -> tuple[IntArray, FloatArray]:
         """The regime that runs of some orbits agree on, and the margin."""

@@ -9,13 +9,13 @@ import numpy as np
 from remanent._typing import FloatArray, IntArray
 
 #: Longest period that is looked for.
-LONGEST_PERIOD = 128
+MAX_RETURN_PERIOD = 128
 #: Orbits smaller than this count as this large.
-_MIN_EXTENT = 1e-3
+_MIN_ORBIT_EXTENT = 1e-3
 #: Of distances up to this factor above the least, the one with the shortest period counts.
-_ALIKE_FACTOR = 10.0
+_NEARLY_LEAST_FACTOR = 10.0
 #: Distances this small are rounding.
-_ROUNDING = 1e-15
+_ROUNDING_DISTANCE = 1e-15
 #: Orbits looked at together, so that their points stay in the cache.
 _ORBITS_PER_BATCH = 128
 
@@ -27,17 +27,17 @@ class BestReturns:
     Attributes
     ----------
     period : array (orbit,) of int
-    defect : array (orbit,)
+    return_defect : array (orbit,)
         Largest distance of a point from the point a period later, relative to the extent.
-    late_defect : array (orbit,)
+    late_return_defect : array (orbit,)
         The same over the last quarter of the points.
     extent : array (orbit,)
         Of the orbit: the widest of its coordinates.
     """
 
     period: IntArray
-    defect: FloatArray
-    late_defect: FloatArray
+    return_defect: FloatArray
+    late_return_defect: FloatArray
     extent: FloatArray
 
 
@@ -53,17 +53,21 @@ def find_best_returns(points: FloatArray, *, closed: float = 0.0) -> BestReturns
         period that reaches it is the best.
     """
     length = points.shape[1]
-    extent = np.maximum(np.ptp(points, axis=1).max(axis=1), _MIN_EXTENT)
-    longest = max(min(LONGEST_PERIOD, length // 2), 1)
+    extent = np.maximum(np.ptp(points, axis=1).max(axis=1), _MIN_ORBIT_EXTENT)
+    longest = max(min(MAX_RETURN_PERIOD, length // 2), 1)
     starts = range(0, max(len(points), 1), _ORBITS_PER_BATCH)
     late = np.concatenate(
-        [_late_distances(points[i : i + _ORBITS_PER_BATCH], longest) for i in starts]
+        [_late_return_distances(points[i : i + _ORBITS_PER_BATCH], longest) for i in starts]
     )
     late /= extent[:, None]
     # A multiple of the period returns as well as the period, but for rounding: so the first
     # of the distances that are nearly the least is taken.
     with np.errstate(invalid="ignore"):
-        alike = late <= _ALIKE_FACTOR * np.nanmin(late, axis=1, initial=np.inf)[:, None] + _ROUNDING
+        alike = (
+            late
+            <= _NEARLY_LEAST_FACTOR * np.nanmin(late, axis=1, initial=np.inf)[:, None]
+            + _ROUNDING_DISTANCE
+        )
     alike |= late <= closed
     best = np.argmax(alike, axis=1)
     defect = np.full(len(points), np.inf)
@@ -75,7 +79,7 @@ def find_best_returns(points: FloatArray, *, closed: float = 0.0) -> BestReturns
     return BestReturns(best + 1, defect / extent, late_defect, extent)
 
 
-def _late_distances(points: FloatArray, longest: int) -> FloatArray:
+def _late_return_distances(points: FloatArray, longest: int) -> FloatArray:
     """Largest distance after 1, 2 ... `longest` iterates over the last quarter of orbits."""
     # Orbits last, so that the inner loops run over them.
     x = np.ascontiguousarray(np.moveaxis(points, 0, 2))

@@ -14,15 +14,15 @@ from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.analysis.regimes.long_runs import LongRun
 
 #: Number of the loosest tolerance; 0 is the finest.
-LOOSEST = 2
+LOOSEST_TOLERANCE_INDEX = 2
 #: Further runs in which damped motion has to stay chaotic.
-_CONFIRMING_RUNS = 2
+_CONFIRMING_RUN_COUNT = 2
 #: Motions that start beside it, the motion itself included, and have to stay chaotic too.
-_NEIGHBOURS = 16
+_NEIGHBOUR_COUNT = 16
 #: Neighbour k starts at (1 + k times this) times the state.
-_NEIGHBOUR_OFFSET = 1e-9
+_RELATIVE_NEIGHBOUR_OFFSET = 1e-9
 #: Neighbours followed at once.
-_BATCH_SIZE = 4096
+_NEIGHBOUR_BATCH_SIZE = 4096
 
 
 class RunAtTolerance(Protocol):
@@ -67,18 +67,20 @@ def chaos_lasts(
     array (orbit,) of bool
     """
     lasts = np.ones(orbits.size, dtype=np.bool_)
-    factors = 1.0 + _NEIGHBOUR_OFFSET * np.arange(_NEIGHBOURS)
-    neighbours = np.repeat(states, _NEIGHBOURS, axis=0) * np.tile(factors, orbits.size)[:, None]
-    for _ in range(_CONFIRMING_RUNS):
+    factors = 1.0 + _RELATIVE_NEIGHBOUR_OFFSET * np.arange(_NEIGHBOUR_COUNT)
+    neighbours = (
+        np.repeat(states, _NEIGHBOUR_COUNT, axis=0) * np.tile(factors, orbits.size)[:, None]
+    )
+    for _ in range(_CONFIRMING_RUN_COUNT):
         # One neighbour that settles is enough: the others of that orbit are not followed again.
-        remaining = np.flatnonzero(np.repeat(lasts, _NEIGHBOURS))
-        batches = -(-remaining.size // _BATCH_SIZE)
+        remaining = np.flatnonzero(np.repeat(lasts, _NEIGHBOUR_COUNT))
+        batches = -(-remaining.size // _NEIGHBOUR_BATCH_SIZE)
         for batch in np.array_split(remaining, batches) if remaining.size else ():
-            orbit = batch // _NEIGHBOURS
-            outcome = run(orbits[orbit], LOOSEST, neighbours[batch])
-            growth = outcome.growth[..., 0]
+            orbit = batch // _NEIGHBOUR_COUNT
+            outcome = run(orbits[orbit], LOOSEST_TOLERANCE_INDEX, neighbours[batch])
+            growth = outcome.log_growth[..., 0]
             late = growth[:, growth.shape[1] // 2 :].sum(axis=1)
-            chaotic = outcome.trusted & ~outcome.escaped & (late >= min_half_growth)
+            chaotic = outcome.error_bound_met & ~outcome.escaped & (late >= min_half_growth)
             lasts[orbit[~chaotic]] = False
             neighbours[batch] = outcome.last_state
     return lasts

@@ -10,9 +10,9 @@ import numpy as np
 from remanent._typing import ComplexArray, FloatArray, IntArray
 
 #: Distance of a resonant harmonic from the free frequency, relative to that, at most.
-_MAX_DETUNING = 0.1
+_MAX_RELATIVE_DETUNING = 0.1
 #: Share of a resonant harmonic in the mean square of the oscillation, at least.
-_MIN_SHARE = 0.05
+_MIN_POWER_SHARE = 0.05
 
 
 @dataclass(frozen=True)
@@ -21,17 +21,17 @@ class ResonantHarmonic:
 
     Attributes
     ----------
-    harmonic : array (orbit,)
+    harmonic_number : array (orbit,)
         Its number, in units of the orbit's own frequency; at least 1.
-    detuning : array (orbit,)
+    relative_detuning : array (orbit,)
         Its frequency over the free one, less 1.
-    share : array (orbit,)
+    power_share : array (orbit,)
         Its part of the mean square of the oscillation.
     """
 
-    harmonic: IntArray
-    detuning: FloatArray
-    share: FloatArray
+    harmonic_number: IntArray
+    relative_detuning: FloatArray
+    power_share: FloatArray
 
 
 def fourier_amplitudes(samples: FloatArray, count: int) -> ComplexArray:
@@ -49,7 +49,7 @@ def fourier_amplitudes(samples: FloatArray, count: int) -> ComplexArray:
     return np.asarray(spectrum)
 
 
-def resonant_harmonic(
+def find_resonant_harmonic(
     amplitudes: ComplexArray, orbit_frequency: FloatArray, free_frequency: FloatArray
 ) -> ResonantHarmonic:
     """Find the harmonic whose frequency is nearest to that of the free oscillation.
@@ -79,7 +79,7 @@ def resonant_harmonic(
     return ResonantHarmonic(number, number * orbit_frequency / free_frequency - 1.0, share)
 
 
-def resonance_kind(
+def classify_resonance(
     resonance: ResonantHarmonic, k: int, period: int, *, doubled: bool
 ) -> tuple[str, int, int]:
     """Name a resonance, and give its order p:q in lowest terms.
@@ -105,8 +105,11 @@ def resonance_kind(
         ``undecided`` where no harmonic is near the free frequency.
     p, q : int
     """
-    number = int(resonance.harmonic[k])
-    if not abs(resonance.detuning[k]) <= _MAX_DETUNING or resonance.share[k] < _MIN_SHARE:
+    number = int(resonance.harmonic_number[k])
+    if (
+        not abs(resonance.relative_detuning[k]) <= _MAX_RELATIVE_DETUNING
+        or resonance.power_share[k] < _MIN_POWER_SHARE
+    ):
         return "undecided", 0, 0
     common = gcd(number, period)
     p, q = number // common, period // common

@@ -14,23 +14,23 @@ CaseFunction = Callable[[IntArray, FloatArray], FloatArray]
 
 
 @dataclass(frozen=True)
-class Maximum:
+class BracketedMaxima:
     """The largest value found for each case, and between which points it lies.
 
     Attributes
     ----------
     position, value : array (case,)
-    lower, upper : array (case,)
+    bracket_lower, bracket_upper : array (case,)
         Neighbours of `position` among all points tried: the last bracket.
     """
 
     position: FloatArray
     value: FloatArray
-    lower: FloatArray
-    upper: FloatArray
+    bracket_lower: FloatArray
+    bracket_upper: FloatArray
 
 
-def refine_maximum(
+def refine_maxima(
     x: FloatArray,
     values: FloatArray,
     function: CaseFunction,
@@ -38,7 +38,7 @@ def refine_maximum(
     width: float,
     candidates: int = 3,
     division: int = 8,
-) -> Maximum:
+) -> BracketedMaxima:
     """Refine the largest of tabulated values.
 
     The intervals on both sides of the `candidates` largest local maxima are divided,
@@ -61,9 +61,9 @@ def refine_maximum(
     division : int
         Parts that an interval is divided into.
     """
-    tables = [_Table(x, row).around_peaks(candidates) for row in values]
+    tables = [_CaseTable(x, row).restricted_to_peaks(candidates) for row in values]
     while True:
-        points = [t.refinement(width, candidates, division) for t in tables]
+        points = [t.refinement_points(width, candidates, division) for t in tables]
         case = np.repeat(np.arange(len(tables)), [p.size for p in points])
         if not case.size:
             break
@@ -73,17 +73,19 @@ def refine_maximum(
             for k, (t, p) in enumerate(zip(tables, points, strict=True))
         ]
         candidates = max(1, candidates - 1)
-    return Maximum(*(np.array(column) for column in zip(*(t.best() for t in tables), strict=True)))
+    return BracketedMaxima(
+        *(np.array(column) for column in zip(*(t.best_peak() for t in tables), strict=True))
+    )
 
 
 @dataclass(frozen=True)
-class _Table:
+class _CaseTable:
     """Values of one case at increasing places, arrays (point,)."""
 
     x: FloatArray
     values: FloatArray
 
-    def peaks(self) -> IntArray:
+    def peak_indices(self) -> IntArray:
         """Local maxima, ends included, largest first; beside NaN, what is finite is one."""
         is_peak = np.isfinite(self.values)
         is_peak[1:] &= ~(self.values[:-1] > self.values[1:])
@@ -91,44 +93,44 @@ class _Table:
         index = np.flatnonzero(is_peak)
         return index[np.argsort(-self.values[index], kind="stable")]
 
-    def around_peaks(self, count: int) -> _Table:
+    def restricted_to_peaks(self, count: int) -> _CaseTable:
         """The largest peaks and their neighbours: no other point is looked at again."""
-        near = (self.peaks()[:count, None] + np.array([-1, 0, 1])).clip(0, self.x.size - 1)
+        near = (self.peak_indices()[:count, None] + np.array([-1, 0, 1])).clip(0, self.x.size - 1)
         kept = np.unique(near)
-        return _Table(self.x[kept], self.values[kept])
+        return _CaseTable(self.x[kept], self.values[kept])
 
-    def bracket(self, k: int) -> tuple[float, float]:
+    def bracket_of_point(self, k: int) -> tuple[float, float]:
         """The neighbours of point k."""
         return float(self.x[max(k - 1, 0)]), float(self.x[min(k + 1, self.x.size - 1)])
 
-    def refinement(self, width: float, candidates: int, division: int) -> FloatArray:
+    def refinement_points(self, width: float, candidates: int, division: int) -> FloatArray:
         """New points around the largest peaks, or none if the best is narrow enough."""
-        peaks = self.peaks()
+        peaks = self.peak_indices()
         if not peaks.size or self.x.size < 2:
             return np.empty(0)
-        lower, upper = self.bracket(int(peaks[0]))
+        lower, upper = self.bracket_of_point(int(peaks[0]))
         if upper - lower <= width:
             return np.empty(0)
-        new = [_divided(self.x, int(k), division) for k in peaks[:candidates]]
+        new = [_division_points(self.x, int(k), division) for k in peaks[:candidates]]
         points = np.setdiff1d(np.concatenate(new), self.x)
         return points if points.size else np.empty(0)
 
-    def with_points(self, x: FloatArray, values: FloatArray) -> _Table:
+    def with_points(self, x: FloatArray, values: FloatArray) -> _CaseTable:
         """A table with further points, in order."""
         places = np.concatenate([self.x, x])
         order = np.argsort(places, kind="stable")
-        return _Table(places[order], np.concatenate([self.values, values])[order])
+        return _CaseTable(places[order], np.concatenate([self.values, values])[order])
 
-    def best(self) -> tuple[float, float, float, float]:
+    def best_peak(self) -> tuple[float, float, float, float]:
         """Place and value of the largest peak, and its bracket; NaN without one."""
-        peaks = self.peaks()
+        peaks = self.peak_indices()
         if not peaks.size:
             return (np.nan,) * 4
         k = int(peaks[0])
-        return float(self.x[k]), float(self.values[k]), *self.bracket(k)
+        return float(self.x[k]), float(self.values[k]), *self.bracket_of_point(k)
 
 
-def _divided(x: FloatArray, k: int, division: int) -> FloatArray:
+def _division_points(x: FloatArray, k: int, division: int) -> FloatArray:
     """Points that divide the intervals on both sides of ``x[k]``."""
     sides = [(a, b) for a, b in ((k - 1, k), (k, k + 1)) if a >= 0 and b < x.size]
     inner = np.arange(1, division) / division

@@ -14,12 +14,12 @@ from remanent._typing import FloatArray, IntArray
 _COMPLEX_STEP = 1e-100
 
 #: ``force(case, x)`` with arrays (point,) gives the force (point,).
-Force = Callable[[IntArray, Any], Any]
+ForceFunction = Callable[[IntArray, Any], Any]
 #: ``force(case, x, p)`` gives the same for values (point,) of a parameter, such as the load.
-LoadedForce = Callable[[IntArray, Any, Any], Any]
+LoadedForceFunction = Callable[[IntArray, Any, Any], Any]
 
 
-def find_zeros(force: Force, cases: int, grid: FloatArray) -> FloatArray:
+def find_zeros(force: ForceFunction, cases: int, grid: FloatArray) -> FloatArray:
     """All sign changes of a force that a grid resolves.
 
     Parameters
@@ -50,11 +50,13 @@ def find_zeros(force: Force, cases: int, grid: FloatArray) -> FloatArray:
             solved = find_root(lambda x, i: force(i, x), ends, args=(case,))
         roots = np.asarray(solved.x)
     exact = grid[exact_case, exact_k]
-    return _rows(np.concatenate([case, exact_case]), np.concatenate([roots, exact]), cases)
+    return _sort_into_rows(
+        np.concatenate([case, exact_case]), np.concatenate([roots, exact]), cases
+    )
 
 
 def balancing_parameter(
-    force: LoadedForce, bounds: tuple[FloatArray, FloatArray], case: IntArray, x: FloatArray
+    force: LoadedForceFunction, bounds: tuple[FloatArray, FloatArray], case: IntArray, x: FloatArray
 ) -> FloatArray:
     """The parameter within bounds at which a force vanishes at `x`; NaN where there is none.
 
@@ -88,7 +90,7 @@ def balancing_parameter(
     return parameter
 
 
-def force_slope(force: Force, case: IntArray, x: FloatArray) -> FloatArray:
+def force_slope(force: ForceFunction, case: IntArray, x: FloatArray) -> FloatArray:
     """Derivative of a force by x: exact to round-off, by a complex step.
 
     Equation: f'(x) = Im f(x + ih)/h + O(h^2), without a difference of nearly equal numbers.
@@ -106,7 +108,7 @@ def force_slope(force: Force, case: IntArray, x: FloatArray) -> FloatArray:
     return np.asarray(np.imag(force(case, x + 1j * _COMPLEX_STEP)) / _COMPLEX_STEP)
 
 
-def _rows(case: IntArray, x: FloatArray, cases: int) -> FloatArray:
+def _sort_into_rows(case: IntArray, x: FloatArray, cases: int) -> FloatArray:
     """Positions sorted into one row for each case, filled up with NaN."""
     order = np.lexsort((x, case))
     case, x = case[order], x[order]

@@ -10,74 +10,78 @@ import numpy as np
 
 from remanent._status import Status
 from remanent._typing import FloatArray, IntArray
-from remanent.integrate.ensemble.counts import NOMINAL, cycle_counts, step_counts
-from remanent.integrate.ensemble.pool import Pending
+from remanent.integrate.ensemble.counts import NOMINAL_CYCLE_TIME, cycle_counts, fine_step_counts
+from remanent.integrate.ensemble.pool import PendingTrajectories
 from remanent.integrate.ensemble.problem import Outcome, Problem, Request
 from remanent.integrate.ensemble.refinement import (
+    AttemptHistory,
     AttemptSummary,
-    Decision,
-    History,
+    RefinementDecision,
     RefinementPolicy,
-    Trajectories,
+    TrajectoryScales,
 )
 from remanent.integrate.ensemble.resolution import MAX_RESOLUTION
 from remanent.integrate.ensemble.run import Attempt, Chunk
 
 #: Most fine steps of one trajectory.
-MAX_STEPS = 2.0**28
+MAX_STEPS_PER_TRAJECTORY = 2.0**28
 #: For a slow drive the largest resolution is up to so many times larger.
-_MOST_SLOWNESS = 16.0
+_MAX_SLOWNESS = 16.0
 #: Longest cycle that is resolved with that many steps, at four double steps per nominal time.
-_LONGEST_CYCLE = NOMINAL * MAX_RESOLUTION * _MOST_SLOWNESS / 4.0
+_LONGEST_RESOLVABLE_CYCLE = NOMINAL_CYCLE_TIME * MAX_RESOLUTION * _MAX_SLOWNESS / 4.0
 #: Least round-off, in units of the last place per root of a step.
-_ROUND_OFF = 1.0
+_ROUND_OFF_FACTOR = 1.0
 
 
 @dataclass(frozen=True)
 class BestAttempts:
     """The best attempt of every trajectory so far.
 
-    What changes: the arrays of `outcome`, and `stalls`, are written as attempts come in.
+    What changes: the arrays of `outcome`, and `stall_counts`, are written as attempts come in.
 
     Attributes
     ----------
     problem : Problem
     outcome : Outcome
         Of the best attempts.
-    stalls : array (trajectory,)
-        See :class:`~remanent.integrate.ensemble.refinement.History`.
+    stall_counts : array (trajectory,)
+        See :class:`~remanent.integrate.ensemble.refinement.AttemptHistory`.
     """
 
     problem: Problem
     outcome: Outcome
-    stalls: IntArray
+    stall_counts: IntArray
 
     @classmethod
-    def none(cls, problem: Problem, request: Request) -> Self:
+    def before_first_attempt(cls, problem: Problem, request: Request) -> Self:
         """Before the first attempt."""
         count = problem.duration.size
-        return cls(problem, _empty(problem, request), np.zeros(count, dtype=np.int64))
+        return cls(problem, _empty_outcome(problem, request), np.zeros(count, dtype=np.int64))
 
-    def trajectories(self, indices: IntArray) -> Trajectories:
+    def trajectory_scales(self, indices: IntArray) -> TrajectoryScales:
         """What of some trajectories does not depend on how they are resolved."""
         timeline = self.problem.timeline
         lengths = timeline.lengths[0, indices]
         slowness = np.ones(indices.size)
         if timeline.periodic:
-            slowness = (lengths / NOMINAL).clip(1.0, _MOST_SLOWNESS)
-        return Trajectories(self.problem.duration[indices], lengths.clip(max=NOMINAL), slowness)
+            slowness = (lengths / NOMINAL_CYCLE_TIME).clip(1.0, _MAX_SLOWNESS)
+        return TrajectoryScales(
+            self.problem.duration[indices], lengths.clip(max=NOMINAL_CYCLE_TIME), slowness
+        )
 
-    def history(self, indices: IntArray) -> History:
+    def attempt_history(self, indices: IntArray) -> AttemptHistory:
         """What the attempts of some trajectories came to so far."""
         outcome = self.outcome
-        return History(
+        return AttemptHistory(
             outcome.horizon[indices],
             outcome.resolution[indices],
-            self.stalls[indices],
+            self.stall_counts[indices],
             outcome.status[indices],
         )
 
-    def settle(self, policy: RefinementPolicy, chunk: Chunk, attempt: Attempt) -> Pending:
+    def record_attempt(
+        self, policy: RefinementPolicy, chunk: Chunk, attempt: Attempt
+    ) -> PendingTrajectories:
         """Take in the attempt of a chunk; tell which of its trajectories to try again."""
         indices = chunk.indices
         summary = AttemptSummary(
@@ -86,22 +90,26 @@ class BestAttempts:
             attempt.horizon,
             attempt.error_to_horizon,
             attempt.largest_error,
-            attempt.size,
+            attempt.state_size,
         )
-        decision = policy.decide(self.trajectories(indices), self.history(indices), summary)
-        self._keep(chunk, attempt, decision)
-        return Pending(indices[decision.refine], decision.resolution[decision.refine])
+        decision = policy.decide(
+            self.trajectory_scales(indices), self.attempt_history(indices), summary
+        )
+        self._keep_improved(chunk, attempt, decision)
+        return PendingTrajectories(
+            indices[decision.must_refine], decision.next_resolution[decision.must_refine]
+        )
 
-    def _keep(self, chunk: Chunk, attempt: Attempt, decision: Decision) -> None:
+    def _keep_improved(self, chunk: Chunk, attempt: Attempt, decision: RefinementDecision) -> None:
         """Replace the results of those trajectories that are better now."""
         outcome, met = self.outcome, attempt.within_tolerance
-        self.stalls[chunk.indices] = decision.stalls
+        self.stall_counts[chunk.indices] = decision.stall_counts
         outcome.status[chunk.indices] = decision.status
-        source = np.flatnonzero(decision.improved)
+        source = np.flatnonzero(decision.is_improvement)
         target = chunk.indices[source]
         outcome.horizon[target] = decision.horizon[source]
         outcome.resolution[target] = chunk.resolution
-        floor = self._round_off(chunk, decision.horizon)
+        floor = self._round_off_error(chunk, decision.horizon)
         error = np.where(met, attempt.largest_error, attempt.error_to_horizon)
         outcome.error[target] = np.maximum(error, floor)[source]
         # Extremes of a part of the run are not those of the run.
@@ -111,48 +119,50 @@ class BestAttempts:
             reached = attempt.states.shape[1]  # of the longest in its chunk
             outcome.states[target, :reached] = attempt.states[source]
 
-    def _round_off(self, chunk: Chunk, horizon: FloatArray) -> FloatArray:
+    def _round_off_error(self, chunk: Chunk, horizon: FloatArray) -> FloatArray:
         """Least error that rounding makes: it walks at random, by a last place in each step."""
-        timeline, initial = self.problem.timeline, self.problem.initial[chunk.indices]
-        cycle = timeline.lengths[0, chunk.indices] if timeline.periodic else NOMINAL
+        timeline, initial = self.problem.timeline, self.problem.initial_states[chunk.indices]
+        cycle = timeline.lengths[0, chunk.indices] if timeline.periodic else NOMINAL_CYCLE_TIME
         steps = 2 * chunk.resolution * horizon / cycle
         scale = np.maximum(1.0, np.abs(initial).max(axis=1))
-        return np.asarray(_ROUND_OFF * np.finfo(float).eps * scale * np.sqrt(1.0 + steps))
+        return np.asarray(_ROUND_OFF_FACTOR * np.finfo(float).eps * scale * np.sqrt(1.0 + steps))
 
-    def affordable(self, pending: Pending) -> Pending:
+    def without_unaffordable(self, pending: PendingTrajectories) -> PendingTrajectories:
         """Leave out what would take too many steps; that is its status."""
         timeline = self.problem.timeline
         possible = np.zeros(pending.indices.size, dtype=np.bool_)
         for level in np.unique(pending.resolution):
             members = pending.resolution == level
             indices = pending.indices[members]
-            steps = step_counts(self.problem, int(level), indices)
+            steps = fine_step_counts(self.problem, int(level), indices)
             # A cycle too long to be resolved at all, even if the run ends early in it.
-            too_long = (timeline.lengths[:, indices] > _LONGEST_CYCLE).any(axis=0)
-            possible[members] = (steps <= MAX_STEPS) & ~(timeline.periodic & too_long)
+            too_long = (timeline.lengths[:, indices] > _LONGEST_RESOLVABLE_CYCLE).any(axis=0)
+            possible[members] = (steps <= MAX_STEPS_PER_TRAJECTORY) & ~(
+                timeline.periodic & too_long
+            )
         self.outcome.status[pending.indices[~possible]] = Status.MAX_STEPS
-        return Pending(pending.indices[possible], pending.resolution[possible])
+        return PendingTrajectories(pending.indices[possible], pending.resolution[possible])
 
-    def computed(self) -> Pending:
+    def computed_trajectories(self) -> PendingTrajectories:
         """Trajectories that were computed, and the resolution that reached furthest."""
         indices = np.flatnonzero(self.outcome.resolution > 0)
-        return Pending(indices, self.outcome.resolution[indices])
+        return PendingTrajectories(indices, self.outcome.resolution[indices])
 
-    def sampled(self, attempts: Iterable[tuple[Chunk, Attempt]]) -> Outcome:
+    def outcome_with_samples(self, attempts: Iterable[tuple[Chunk, Attempt]]) -> Outcome:
         """The outcome with the states, and the findings, of one more attempt of each."""
         findings: list[Any] = []
         for chunk, attempt in attempts:
             if self.outcome.states is not None and attempt.states is not None:
                 self.outcome.states[chunk.indices] = attempt.states
-            findings += attempt.findings
-        return replace(self.outcome, findings=tuple(findings))
+            findings += attempt.inspection_results
+        return replace(self.outcome, inspection_results=tuple(findings))
 
 
-def _empty(problem: Problem, request: Request) -> Outcome:
-    count, dimension = problem.initial.shape
+def _empty_outcome(problem: Problem, request: Request) -> Outcome:
+    count, dimension = problem.initial_states.shape
     states = None
-    if request.strobe:
-        samples = int(cycle_counts(problem).max(initial=0)) // request.strobe + 1
+    if request.strobe_cycles:
+        samples = int(cycle_counts(problem).max(initial=0)) // request.strobe_cycles + 1
         states = np.full((count, samples, dimension), np.nan)
     elif request.times is not None:
         states = np.full((count, request.times.shape[1], dimension), np.nan)

@@ -9,18 +9,18 @@ from remanent._typing import FloatArray, IntArray
 from remanent.integrate.ensemble.problem import Problem
 
 #: Without a period, resolution counts double steps per this time (about one oscillation), tau.
-NOMINAL = 2.5
+NOMINAL_CYCLE_TIME = 2.5
 #: Most cycles that are counted; more than anybody waits for, and an exact double.
-_MOST_CYCLES = 2**53
+_MAX_CYCLE_COUNT = 2**53
 #: Most double steps of a piece that are counted.
-_MOST_DOUBLE_STEPS = 2**40
+_MAX_DOUBLE_STEP_COUNT = 2**40
 #: Rounding in a length must not add a step: the share of a double step that is overlooked.
-_STEP_SLACK = 1e-9
+_STEP_COUNT_SLACK = 1e-9
 #: Nor may rounding in a duration add a cycle: the relative excess that is overlooked.
-_CYCLE_SLACK = 1e-12
+_CYCLE_COUNT_SLACK = 1e-12
 
 
-def double_steps(
+def double_step_counts(
     timeline: Timeline, resolution: int, indices: IntArray | slice = slice(None)
 ) -> IntArray:
     """Double steps in every piece, array (piece, trajectory), at a resolution."""
@@ -28,8 +28,8 @@ def double_steps(
     if timeline.periodic:
         return np.full(lengths.shape, resolution, dtype=np.int64)
     with np.errstate(over="ignore"):
-        count = np.ceil(lengths * (resolution / NOMINAL) - _STEP_SLACK)
-    return np.asarray(np.clip(count, 1, _MOST_DOUBLE_STEPS), dtype=np.int64)
+        count = np.ceil(lengths * (resolution / NOMINAL_CYCLE_TIME) - _STEP_COUNT_SLACK)
+    return np.asarray(np.clip(count, 1, _MAX_DOUBLE_STEP_COUNT), dtype=np.int64)
 
 
 def cycle_counts(problem: Problem, indices: IntArray | slice = slice(None)) -> IntArray:
@@ -39,12 +39,14 @@ def cycle_counts(problem: Problem, indices: IntArray | slice = slice(None)) -> I
         return np.ones(duration.shape, dtype=np.int64)
     with np.errstate(over="ignore"):
         ratio = duration / problem.timeline.lengths[0, indices]
-    return np.asarray(np.ceil(ratio * (1 - _CYCLE_SLACK)).clip(1, _MOST_CYCLES), dtype=np.int64)
+    return np.asarray(
+        np.ceil(ratio * (1 - _CYCLE_COUNT_SLACK)).clip(1, _MAX_CYCLE_COUNT), dtype=np.int64
+    )
 
 
-def step_counts(
+def fine_step_counts(
     problem: Problem, resolution: int, indices: IntArray | slice = slice(None)
 ) -> FloatArray:
     """Fine steps of each trajectory, array (trajectory,)."""
-    steps = double_steps(problem.timeline, resolution, indices).sum(axis=0)
+    steps = double_step_counts(problem.timeline, resolution, indices).sum(axis=0)
     return np.asarray(2.0 * steps * cycle_counts(problem, indices))

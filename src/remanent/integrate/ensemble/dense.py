@@ -15,12 +15,12 @@ import numpy as np
 
 from remanent._field import Field
 from remanent._typing import FloatArray
-from remanent.integrate.methods.runge_kutta import RungeKutta
+from remanent.integrate.methods.runge_kutta import RungeKuttaMethod
 
 
 def partial_step(
     field: Field,
-    method: RungeKutta,
+    method: RungeKuttaMethod,
     waveform: Callable[[FloatArray], FloatArray],
     *,
     states: FloatArray,
@@ -35,7 +35,7 @@ def partial_step(
     ----------
     field : Field
         What moves.
-    method : RungeKutta
+    method : RungeKuttaMethod
         How it is integrated.
     waveform : callable
         ``waveform(phase)``: the field's waveforms, array (waveform, *phase.shape).

@@ -15,23 +15,23 @@ import numpy as np
 
 from remanent._status import Status
 from remanent.integrate.ensemble.best_attempts import BestAttempts
-from remanent.integrate.ensemble.pool import KernelPool, Pending
+from remanent.integrate.ensemble.pool import KernelPool, PendingTrajectories
 from remanent.integrate.ensemble.problem import Outcome, Problem, Request
 from remanent.integrate.ensemble.refinement import RefinementPolicy
 from remanent.integrate.ensemble.resolution import (
     MAX_RESOLUTION,
+    choose_method,
     estimate_resolution,
     initial_resolution,
-    method_for,
 )
-from remanent.integrate.ensemble.work_sizes import DEFAULT_SIZES, WorkSizes
-from remanent.integrate.kernel.options import Method, Options
+from remanent.integrate.ensemble.work_sizes import DEFAULT_WORK_SIZES, WorkSizes
+from remanent.integrate.kernel.options import KernelOptions, Method
 
 #: Looser tolerances are met with this one: with larger errors the difference of two
 #: solutions is no measure of either (2 in 100 bounds at 1e-3 were too small).
 LOOSEST_TOLERANCE = 1e-4
 #: Called with the share of trajectories that are finished.
-Progress = Callable[[float], None]
+ProgressCallback = Callable[[float], None]
 
 
 def integrate(
@@ -42,8 +42,8 @@ def integrate(
     method: Method | None = None,
     max_resolution: int = MAX_RESOLUTION,
     workers: int | None = None,
-    progress: Progress | None = None,
-    sizes: WorkSizes = DEFAULT_SIZES,
+    progress: ProgressCallback | None = None,
+    sizes: WorkSizes = DEFAULT_WORK_SIZES,
 ) -> Outcome:
     """Integrate every trajectory to the tolerance, or as far as that is possible.
 
@@ -55,8 +55,8 @@ def integrate(
         What to return.
     tolerance : float
         Of the error of what is returned, absolute.
-    method : RungeKutta or Adams, optional
-        Of the steps after the first few of every piece; by default as :func:`method_for` says.
+    method : RungeKuttaMethod or AdamsMethod, optional
+        Of the steps after the first few of every piece; by default as :func:`choose_method` says.
     max_resolution : int
         Refinement stops there with status ``MAX_STEPS``.
     workers : int, optional
@@ -76,29 +76,33 @@ def integrate(
     remanent.integrate.maps.period_map.PeriodMap : The map over whole drive periods.
     """
     tolerance = min(tolerance, LOOSEST_TOLERANCE)
-    method = method or method_for(request, tolerance)
+    method = method or choose_method(request, tolerance)
     policy = RefinementPolicy(tolerance, method.order, max_resolution)
-    best = BestAttempts.none(problem, request)
+    best = BestAttempts.before_first_attempt(problem, request)
     first = min(max_resolution, initial_resolution(tolerance, method))
     # States at given times cost more than the steps: they are taken in one more attempt, when
     # the resolution is known.  Strobed states cost nothing and are taken on the way.
-    search = replace(request, times=None, inspect=None)
-    options = Options(request.extremes)
+    search = replace(request, times=None, inspect_window=None)
+    options = KernelOptions(request.wants_extremes)
     with KernelPool(problem, method, options, tolerance, workers=workers, sizes=sizes) as pool:
-        pending = best.affordable(_all_valid(problem, first))
+        pending = best.without_unaffordable(_all_valid_as_pending(problem, first))
         pending = estimate_resolution(pool, problem, search, pending, method, most=max_resolution)
         while pending.indices.size:
-            pending = best.affordable(pending)
-            attempts = pool.attempts(problem, search, pending)
-            pending = Pending.joined([best.settle(policy, *finished) for finished in attempts])
+            pending = best.without_unaffordable(pending)
+            attempts = pool.run_attempts(problem, search, pending)
+            pending = PendingTrajectories.concatenated(
+                [best.record_attempt(policy, *finished) for finished in attempts]
+            )
             if progress is not None:
                 progress(1.0 - pending.indices.size / max(problem.duration.size, 1))
-        if request.times is not None or request.inspect is not None:
-            return best.sampled(pool.attempts(problem, request, best.computed()))
+        if request.times is not None or request.inspect_window is not None:
+            return best.outcome_with_samples(
+                pool.run_attempts(problem, request, best.computed_trajectories())
+            )
     return best.outcome
 
 
-def integrate_unbounded(
+def integrate_without_error_bound(
     problem: Problem,
     request: Request,
     *,
@@ -125,13 +129,15 @@ def integrate_unbounded(
     -------
     Outcome
     """
-    method = method_for(request, LOOSEST_TOLERANCE)
-    outcome = BestAttempts.none(problem, request).outcome
-    options = Options(request.extremes, coarse_solution=False)
+    method = choose_method(request, LOOSEST_TOLERANCE)
+    outcome = BestAttempts.before_first_attempt(problem, request).outcome
+    options = KernelOptions(request.wants_extremes, has_coarse_solution=False)
     with KernelPool(problem, method, options, np.inf, workers=workers) as pool:
-        for chunk, attempt in pool.attempts(problem, request, _all_valid(problem, resolution)):
+        for chunk, attempt in pool.run_attempts(
+            problem, request, _all_valid_as_pending(problem, resolution)
+        ):
             indices = chunk.indices
-            finite = np.isfinite(attempt.last).all(axis=1)
+            finite = np.isfinite(attempt.last_state).all(axis=1)
             outcome.status[indices] = np.where(finite, Status.OK, Status.DIVERGED)
             outcome.horizon[indices] = problem.duration[indices]
             outcome.resolution[indices] = chunk.resolution
@@ -142,7 +148,7 @@ def integrate_unbounded(
     return outcome
 
 
-def _all_valid(problem: Problem, resolution: int) -> Pending:
+def _all_valid_as_pending(problem: Problem, resolution: int) -> PendingTrajectories:
     """All trajectories that may be computed, at the same resolution."""
     indices = np.flatnonzero(~problem.invalid)
-    return Pending(indices, np.full(indices.size, resolution))
+    return PendingTrajectories(indices, np.full(indices.size, resolution))

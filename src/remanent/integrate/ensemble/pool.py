@@ -13,19 +13,19 @@ from typing import Self
 import numpy as np
 
 from remanent._typing import IntArray
-from remanent.integrate.ensemble.attempt import attempt
-from remanent.integrate.ensemble.counts import cycle_counts, double_steps, step_counts
+from remanent.integrate.ensemble.attempt import attempt_chunk
+from remanent.integrate.ensemble.counts import cycle_counts, double_step_counts, fine_step_counts
 from remanent.integrate.ensemble.problem import Problem, Request
 from remanent.integrate.ensemble.run import Attempt, Chunk, Run
-from remanent.integrate.ensemble.work_sizes import DEFAULT_SIZES, WorkSizes
-from remanent.integrate.kernel.compile import Kernels, compiled
-from remanent.integrate.kernel.options import Method, Options
+from remanent.integrate.ensemble.work_sizes import DEFAULT_WORK_SIZES, WorkSizes
+from remanent.integrate.kernel.compile import KernelPair, compiled_kernel
+from remanent.integrate.kernel.options import KernelOptions, Method
 from remanent.integrate.kernel.tables import CycleTables
 from remanent.integrate.methods.runge_kutta import default_method
 
 
 @dataclass(frozen=True)
-class Pending:
+class PendingTrajectories:
     """Trajectories to try, and how finely.
 
     Attributes
@@ -38,7 +38,7 @@ class Pending:
     resolution: IntArray
 
     @classmethod
-    def joined(cls, lists: Sequence[Pending]) -> Pending:
+    def concatenated(cls, lists: Sequence[PendingTrajectories]) -> PendingTrajectories:
         """Several lists as one."""
         nothing = np.empty(0, dtype=np.int64)
         return cls(
@@ -56,13 +56,13 @@ class KernelPool:
     ----------
     problem : Problem
         Whose field and waveforms the kernels are for.
-    method, options : Method, Options
+    method, options : Method, KernelOptions
         Of the kernels.
     tolerance : float
         Of the controlled error, absolute.
     workers : int, optional
         Threads; the number of processors by default.
-    sizes : WorkSizes
+    work_sizes : WorkSizes
         Of chunks and segments.
     """
 
@@ -70,22 +70,22 @@ class KernelPool:
         self,
         problem: Problem,
         method: Method,
-        options: Options,
+        options: KernelOptions,
         tolerance: float,
         *,
         workers: int | None = None,
-        sizes: WorkSizes = DEFAULT_SIZES,
+        sizes: WorkSizes = DEFAULT_WORK_SIZES,
     ) -> None:
-        self.kernels = Kernels(
-            compiled(problem.field, default_method(), options),
-            compiled(problem.field, method, options),
+        self.kernel_pair = KernelPair(
+            compiled_kernel(problem.field, default_method(), options),
+            compiled_kernel(problem.field, method, options),
         )
         self.tolerance = tolerance
-        self.sizes = sizes
-        self.threads = workers or os.cpu_count() or 1
-        self._pool = ThreadPoolExecutor(max_workers=self.threads)
-        self._stop = threading.Event()
-        self._tables = CycleTables(problem.timeline.waveform)
+        self.work_sizes = sizes
+        self.thread_count = workers or os.cpu_count() or 1
+        self._executor = ThreadPoolExecutor(max_workers=self.thread_count)
+        self._stop_event = threading.Event()
+        self._cycle_tables = CycleTables(problem.timeline.waveform)
 
     def __enter__(self) -> Self:
         return self
@@ -97,33 +97,35 @@ class KernelPool:
         _trace: TracebackType | None,
     ) -> None:
         if kind is not None:
-            self._stop.set()
-        self._pool.shutdown(wait=kind is None, cancel_futures=kind is not None)
+            self._stop_event.set()
+        self._executor.shutdown(wait=kind is None, cancel_futures=kind is not None)
 
-    def attempts(
-        self, problem: Problem, request: Request, pending: Pending
+    def run_attempts(
+        self, problem: Problem, request: Request, pending: PendingTrajectories
     ) -> Iterator[tuple[Chunk, Attempt]]:
         """Integrate trajectories, each at its resolution; chunks come as they are finished."""
         run = Run(
             problem,
             request,
-            self.kernels,
+            self.kernel_pair,
             self.tolerance,
-            self._tables,
-            self.sizes,
-            self._stop.is_set,
+            self._cycle_tables,
+            self.work_sizes,
+            self._stop_event.is_set,
         )
-        width = self.kernels.width
+        width = self.kernel_pair.width
         futures = {
-            self._pool.submit(attempt, run, chunk): chunk
-            for chunk in chunks(problem, pending, width, self.threads, self.sizes)
+            self._executor.submit(attempt_chunk, run, chunk): chunk
+            for chunk in divide_into_chunks(
+                problem, pending, width, self.thread_count, self.work_sizes
+            )
         }
         for future in as_completed(futures):
             yield futures[future], future.result()
 
 
-def chunks(
-    problem: Problem, pending: Pending, width: int, threads: int, sizes: WorkSizes
+def divide_into_chunks(
+    problem: Problem, pending: PendingTrajectories, width: int, threads: int, sizes: WorkSizes
 ) -> Iterator[Chunk]:
     """Group trajectories that share a resolution, step counts, and about a length.
 
@@ -134,12 +136,12 @@ def chunks(
     for level in np.unique(pending.resolution):
         resolution = int(level)
         members = pending.indices[pending.resolution == level]
-        steps = double_steps(problem.timeline, resolution, members)
+        steps = double_step_counts(problem.timeline, resolution, members)
         order = np.lexsort((members, cycles[pending.resolution == level], *steps[::-1]))
         members, steps = members[order], steps[:, order]
         cuts = np.flatnonzero((steps[:, 1:] != steps[:, :-1]).any(axis=0)) + 1
         for alike in np.split(members, cuts):
-            steps_each = float(step_counts(problem, resolution, alike[:1])[0])
+            steps_each = float(fine_step_counts(problem, resolution, alike[:1])[0])
             share = -(-alike.size // (threads * width)) * width
             size = min(share, sizes.trajectories_per_chunk(steps_each, width))
             for first in range(0, alike.size, size):

@@ -15,7 +15,7 @@ from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.integrate.ensemble.segments import Segment
 
 #: Times that exceed the horizon by less than this, relative to it, are at it.
-_HORIZON_ROUNDING = 1e-12
+_RELATIVE_HORIZON_ROUNDING = 1e-12
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class Problem:
         How the load runs.
     parameters : array (trajectory, parameter)
         In the order of ``field.parameters``.
-    initial : array (trajectory, state)
+    initial_states : array (trajectory, state)
         State at tau = 0.
     duration : array (trajectory,)
         End of each trajectory, tau.
@@ -41,13 +41,13 @@ class Problem:
     field: Field
     timeline: Timeline
     parameters: FloatArray
-    initial: FloatArray
+    initial_states: FloatArray
     duration: FloatArray
     invalid: BoolArray
 
 
 @dataclass(frozen=True)
-class Window:
+class StepWindow:
     """Consecutive steps of some trajectories, to be looked at.
 
     Attributes
@@ -62,7 +62,7 @@ class Window:
         Phase of the drive, or fraction of the piece, at the nodes.
     parameters : array (parameter, trajectory)
         In the order of ``field.parameters``.
-    steps : array (trajectory,)
+    counted_steps : array (trajectory,)
         How many of the steps belong to the run of each trajectory.
     """
 
@@ -71,7 +71,7 @@ class Window:
     segment: Segment
     phase: FloatArray
     parameters: FloatArray
-    steps: IntArray
+    counted_steps: IntArray
 
 
 @dataclass(frozen=True)
@@ -82,22 +82,22 @@ class Request:
     ----------
     times : array (trajectory, time), optional
         When the state is wanted, ascending, tau.
-    strobe : int
-        If positive, the state is wanted at the start and after every `strobe` cycles.
-    extremes : bool
+    strobe_cycles : int
+        If positive, the state is wanted at the start and after every `strobe_cycles` cycles.
+    wants_extremes : bool
         The largest and smallest value of the watched observable are wanted.
-    begin : array (trajectory,), optional
+    extremes_begin : array (trajectory,), optional
         Extremes are taken from here on; from the start by default.
-    inspect : callable, optional
-        Called with every :class:`Window` of steps, from several threads; what it returns
-        is gathered in ``Outcome.findings``.
+    inspect_window : callable, optional
+        Called with every :class:`StepWindow` of steps, from several threads; what it returns
+        is gathered in ``Outcome.inspection_results``.
     """
 
     times: FloatArray | None = None
-    strobe: int = 0
-    extremes: bool = False
-    begin: FloatArray | None = None
-    inspect: Callable[[Window], Any] | None = None
+    strobe_cycles: int = 0
+    wants_extremes: bool = False
+    extremes_begin: FloatArray | None = None
+    inspect_window: Callable[[StepWindow], Any] | None = None
 
 
 @dataclass(frozen=True)
@@ -119,8 +119,8 @@ class Outcome:
         Values of :class:`~remanent._status.Status`.
     resolution : array (trajectory,)
         Double steps per cycle (or per nominal time) that were needed.
-    findings : tuple
-        What ``Request.inspect`` returned, in no order.
+    inspection_results : tuple
+        What ``Request.inspect_window`` returned, in no order.
     """
 
     states: FloatArray | None
@@ -130,16 +130,16 @@ class Outcome:
     horizon: FloatArray
     status: NDArray[np.int8]
     resolution: IntArray
-    findings: tuple[Any, ...] = ()
+    inspection_results: tuple[Any, ...] = ()
 
-    def beyond_horizon(self, times: FloatArray) -> BoolArray:
+    def is_beyond_horizon(self, times: FloatArray) -> BoolArray:
         """Where `times`, array (trajectory, time), are past the horizon of their trajectory."""
         return np.asarray(times > latest_trusted_time(self.horizon)[:, None])
 
 
 def latest_trusted_time(horizon: FloatArray) -> FloatArray:
     """The horizon with a margin for rounding: a time that was meant to be at it still counts."""
-    return horizon * (1.0 + _HORIZON_ROUNDING)
+    return horizon * (1.0 + _RELATIVE_HORIZON_ROUNDING)
 
 
 def merge_outcomes(count: int, parts: Iterable[tuple[slice, Outcome]]) -> Outcome:
@@ -162,10 +162,10 @@ def merge_outcomes(count: int, parts: Iterable[tuple[slice, Outcome]]) -> Outcom
     columns |= {"status": np.empty(count, np.int8), "resolution": np.empty(count, np.int64)}
     findings: list[Any] = []
     for part, outcome in parts:
-        findings += outcome.findings
+        findings += outcome.inspection_results
         if outcome.states is not None:
             shape = (count, *outcome.states.shape[1:])
             columns.setdefault("states", np.empty(shape))[part] = outcome.states
         for name in (*numbers, "status", "resolution"):
             columns[name][part] = getattr(outcome, name)
-    return Outcome(**{"states": None, **columns, "findings": tuple(findings)})
+    return Outcome(**{"states": None, **columns, "inspection_results": tuple(findings)})

@@ -22,30 +22,30 @@ from numpy.typing import NDArray
 from remanent._status import Status
 from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.integrate.ensemble.resolution import MAX_RESOLUTION, refine_resolution
-from remanent.integrate.ensemble.run import ASYMPTOTIC_LIMIT
+from remanent.integrate.ensemble.run import ASYMPTOTIC_ERROR_LIMIT
 
 
 @dataclass(frozen=True)
-class Trajectories:
+class TrajectoryScales:
     """What of some trajectories does not depend on how they are resolved.
 
     Attributes
     ----------
     duration : array (trajectory,)
         Of the run, tau.
-    cycle : array (trajectory,)
+    capped_cycle_length : array (trajectory,)
         Length of a cycle, at most the nominal time, tau.
     slowness : array (trajectory,)
         How many times longer a drive period is than the nominal time, from 1 up to a limit.
     """
 
     duration: FloatArray
-    cycle: FloatArray
+    capped_cycle_length: FloatArray
     slowness: FloatArray
 
 
 @dataclass(frozen=True)
-class History:
+class AttemptHistory:
     """What earlier attempts of some trajectories came to.
 
     Attributes
@@ -54,7 +54,7 @@ class History:
         Of the attempt that reached furthest; NaN before the first one.
     resolution : array (trajectory,)
         Of the same attempt; 0 before the first one.
-    stalls : array (trajectory,)
+    stall_counts : array (trajectory,)
         Attempts in a row that were finer and reached no further.
     status : array (trajectory,) of int8
         Values of :class:`~remanent._status.Status`.
@@ -62,7 +62,7 @@ class History:
 
     horizon: FloatArray
     resolution: IntArray
-    stalls: IntArray
+    stall_counts: IntArray
     status: NDArray[np.int8]
 
 
@@ -82,7 +82,7 @@ class AttemptSummary:
         Largest error until then.
     largest_error : array (trajectory,)
         Largest error of the whole attempt.
-    size : array (trajectory,)
+    state_size : array (trajectory,)
         Largest component of the state at the end, or at the horizon.
     """
 
@@ -91,33 +91,33 @@ class AttemptSummary:
     horizon: FloatArray
     error_to_horizon: FloatArray
     largest_error: FloatArray
-    size: FloatArray
+    state_size: FloatArray
 
 
 @dataclass(frozen=True)
-class Decision:
+class RefinementDecision:
     """What follows from an attempt.
 
     Attributes
     ----------
-    improved : array (trajectory,) of bool
+    is_improvement : array (trajectory,) of bool
         The attempt is the best so far: its results are kept.
-    refine : array (trajectory,) of bool
+    must_refine : array (trajectory,) of bool
         The trajectory is tried again.
-    resolution : array (trajectory,)
+    next_resolution : array (trajectory,)
         How finely.
     horizon : array (trajectory,)
         Time up to which this attempt met the tolerance.
-    stalls : array (trajectory,)
+    stall_counts : array (trajectory,)
     status : array (trajectory,) of int8
-        As in :class:`History`, with this attempt.
+        As in :class:`AttemptHistory`, with this attempt.
     """
 
-    improved: BoolArray
-    refine: BoolArray
-    resolution: IntArray
+    is_improvement: BoolArray
+    must_refine: BoolArray
+    next_resolution: IntArray
     horizon: FloatArray
-    stalls: IntArray
+    stall_counts: IntArray
     status: NDArray[np.int8]
 
 
@@ -133,21 +133,21 @@ class RefinementPolicy:
         Of the global error of the method.
     max_resolution : int
         Largest resolution tried; larger in proportion for a slow drive.
-    stall_growth : float
+    max_stall_growth_factor : float
         A horizon that grows by less than this factor has stalled.
-    telling_refinement : float
+    min_telling_refinement_factor : float
         A stalled attempt counts only if it is finer than the best one by this factor: steps
         that are hardly shorter reach hardly further, whatever the motion does.
-    stalls_allowed : int
+    max_stalls : int
         Refinement is given up after so many stalled attempts in a row ...
-    late_stalls_allowed : int
+    max_late_stalls : int
         ... or so many where the horizon lies late in the run, so that little is lacking.
-    late_share : float
+    late_horizon_share : float
         The horizon is late past this share of the run.
-    early_cycles : float
+    early_horizon_cycles : float
         Nothing is given up while the horizon lies within so many cycles, in which a fast
         stretch of time may just not be resolved.
-    jump_share : float
+    jump_error_share : float
         An attempt does not count as stalled where the error was below this share of the
         tolerance until it exceeded it.  An error that *jumps* past the tolerance tells of
         steps too long for a fast stretch of the motion; one that *grows* past it, of a motion
@@ -159,24 +159,24 @@ class RefinementPolicy:
     tolerance: float
     order: int
     max_resolution: int = MAX_RESOLUTION
-    stall_growth: float = 1.05
-    telling_refinement: float = 1.5
-    stalls_allowed: int = 1
-    late_stalls_allowed: int = 2
-    late_share: float = 0.8
-    early_cycles: float = 3.0
-    jump_share: float = 0.05
+    max_stall_growth_factor: float = 1.05
+    min_telling_refinement_factor: float = 1.5
+    max_stalls: int = 1
+    max_late_stalls: int = 2
+    late_horizon_share: float = 0.8
+    early_horizon_cycles: float = 3.0
+    jump_error_share: float = 0.05
     escape_size: float = 1e6
 
     def decide(
-        self, trajectories: Trajectories, history: History, summary: AttemptSummary
-    ) -> Decision:
+        self, trajectories: TrajectoryScales, history: AttemptHistory, summary: AttemptSummary
+    ) -> RefinementDecision:
         """What follows from an attempt, for every trajectory by itself.
 
         Parameters
         ----------
-        trajectories : Trajectories
-        history : History
+        trajectories : TrajectoryScales
+        history : AttemptHistory
             Before the attempt.
         summary : AttemptSummary
             Of the attempt.
@@ -188,13 +188,13 @@ class RefinementPolicy:
         met = summary.within_tolerance
         horizon = np.where(met, trajectories.duration, summary.horizon)
         # Before the first attempt the horizon is NaN, so that nothing has stalled.
-        stalled = horizon <= self.stall_growth * history.horizon
-        stalls = self._stalls(stalled, history, summary)
+        stalled = horizon <= self.max_stall_growth_factor * history.horizon
+        stalls = self._count_stalls(stalled, history, summary)
         improved = met | (history.resolution == 0) | (horizon > history.horizon)
         # Steps that are too long run away as well, but not twice to the same time.
-        escaped = ~met & stalled & (summary.size > self.escape_size)
+        escaped = ~met & stalled & (summary.state_size > self.escape_size)
         singular = ~met & (horizon <= 0.0) & np.isnan(summary.largest_error)
-        in_vain = ~met & self._exhausted(trajectories, horizon, stalls)
+        in_vain = ~met & self._is_exhausted(trajectories, horizon, stalls)
         unfinished = ~met & ~in_vain & ~escaped
         resolution = self._next_resolution(summary)
         affordable = resolution <= self.max_resolution * trajectories.slowness
@@ -204,10 +204,10 @@ class RefinementPolicy:
         # Where the largest resolution is reached: a run that had stalled ends with its horizon,
         # since it would soon have been given up; of another the resolution is what is lacking.
         furthest = np.where(improved, horizon, history.horizon)
-        early = ~(furthest > self.early_cycles * trajectories.cycle)
+        early = ~(furthest > self.early_horizon_cycles * trajectories.capped_cycle_length)
         capped = unfinished & ~affordable & (early | (stalls == 0))
         status = np.where(capped & (status != Status.SINGULAR), Status.MAX_STEPS, status)
-        return Decision(
+        return RefinementDecision(
             np.asarray(improved),
             np.asarray(unfinished & affordable),
             resolution,
@@ -223,21 +223,23 @@ class RefinementPolicy:
             summary.largest_error,
             self.tolerance,
             self.order,
-            asymptotic_limit=ASYMPTOTIC_LIMIT,
+            asymptotic_limit=ASYMPTOTIC_ERROR_LIMIT,
         )
 
-    def _stalls(self, stalled: BoolArray, history: History, summary: AttemptSummary) -> IntArray:
+    def _count_stalls(
+        self, stalled: BoolArray, history: AttemptHistory, summary: AttemptSummary
+    ) -> IntArray:
         """How many attempts in a row have stalled and tell something."""
-        jumped = summary.error_to_horizon < self.jump_share * self.tolerance
-        finer = summary.resolution >= self.telling_refinement * history.resolution
+        jumped = summary.error_to_horizon < self.jump_error_share * self.tolerance
+        finer = summary.resolution >= self.min_telling_refinement_factor * history.resolution
         telling = stalled & ~jumped & finer
-        return np.asarray(np.where(stalled, history.stalls + telling, 0))
+        return np.asarray(np.where(stalled, history.stall_counts + telling, 0))
 
-    def _exhausted(
-        self, trajectories: Trajectories, horizon: FloatArray, stalls: IntArray
+    def _is_exhausted(
+        self, trajectories: TrajectoryScales, horizon: FloatArray, stalls: IntArray
     ) -> BoolArray:
         """Where so many attempts have stalled that no finer one will reach the end."""
-        late = horizon > self.late_share * trajectories.duration
-        shown = horizon > self.early_cycles * trajectories.cycle
-        allowed = np.where(late, self.late_stalls_allowed, self.stalls_allowed)
+        late = horizon > self.late_horizon_share * trajectories.duration
+        shown = horizon > self.early_horizon_cycles * trajectories.capped_cycle_length
+        allowed = np.where(late, self.max_late_stalls, self.max_stalls)
         return np.asarray(shown & (stalls >= allowed))

@@ -8,51 +8,53 @@ import numpy as np
 
 from remanent._typing import FloatArray, IntArray
 from remanent.integrate.ensemble.counts import cycle_counts
-from remanent.integrate.ensemble.pool import KernelPool, Pending
+from remanent.integrate.ensemble.pool import KernelPool, PendingTrajectories
 from remanent.integrate.ensemble.problem import Problem, Request
-from remanent.integrate.kernel.layout import PAST
+from remanent.integrate.kernel.layout import PAST_RATE_COUNT
 from remanent.integrate.kernel.options import Method
-from remanent.integrate.methods.adams import Adams, adams
+from remanent.integrate.methods.adams import AdamsMethod, adams_method
 from remanent.integrate.methods.runge_kutta import default_method
 
 #: Largest resolution tried, double steps per cycle.
 MAX_RESOLUTION = 2**14
 #: Refinement aims this factor below the tolerance.
-MARGIN = 0.5
+TOLERANCE_MARGIN = 0.5
 #: Least factor by which a resolution is refined.
-_LEAST_REFINEMENT = 1.05
+_MIN_REFINEMENT_FACTOR = 1.05
 #: Largest factor by which a resolution is refined at once.
-_MOST_REFINEMENT = 4.0
+_MAX_REFINEMENT_FACTOR = 4.0
 #: Factor of refinement where the error tells nothing about the resolution.
-_BLIND_REFINEMENT = 2.0
+_BLIND_REFINEMENT_FACTOR = 2.0
 #: Below this tolerance rounding of past rates would show in Adams steps.
-_LEAST_ADAMS_TOLERANCE = 1e-10
+_MIN_ADAMS_TOLERANCE = 1e-10
 #: Tolerance for which the resolutions of :func:`initial_resolution` are given.
 _REFERENCE_TOLERANCE = 1e-9
 #: Runs of at least so many cycles are begun to estimate their resolution.
-_LONG_RUN = 24
+_MIN_LONG_RUN_CYCLES = 24
 #: The beginning is one part in so many of the run.
-_BEGINNING = 8
+_BEGINNING_DIVISOR = 8
 #: The error of an extreme or a state grows with the time, or with its square: it is taken to
 #: grow with this power.
-_ERROR_GROWTH = 1.5
+_ERROR_GROWTH_POWER = 1.5
 #: The resolutions tried: 4, 5, 6, 7, 8, 10, 12, 14, 16 ...
-_RESOLUTIONS = np.array([base << k for k in range(40) for base in (4, 5, 6, 7)], dtype=np.int64)
+_ALLOWED_RESOLUTIONS = np.array(
+    [base << k for k in range(40) for base in (4, 5, 6, 7)], dtype=np.int64
+)
 
 
 def round_up_resolution(resolution: FloatArray | IntArray | float) -> IntArray:
     """The smallest of 4, 5, 6, 7, 8, 10, 12 ... that is not below `resolution`."""
-    return np.asarray(_RESOLUTIONS[np.searchsorted(_RESOLUTIONS, resolution)])
+    return np.asarray(_ALLOWED_RESOLUTIONS[np.searchsorted(_ALLOWED_RESOLUTIONS, resolution)])
 
 
-def method_for(request: Request, tolerance: float) -> Method:
+def choose_method(request: Request, tolerance: float) -> Method:
     """Adams for extremes, of many short runs; Runge-Kutta for states and for many digits.
 
     Adams is faster by evaluations, but needs a start, more memory, and loses digits to
     rounding sooner, which long runs show.
     """
-    if request.extremes and tolerance >= _LEAST_ADAMS_TOLERANCE:
-        return adams(PAST)
+    if request.wants_extremes and tolerance >= _MIN_ADAMS_TOLERANCE:
+        return adams_method(PAST_RATE_COUNT)
     return default_method()
 
 
@@ -61,7 +63,7 @@ def initial_resolution(tolerance: float, method: Method) -> int:
 
     With fewer than the least, differences of solutions say little about their errors.
     """
-    reference, least = (28.0, 12.0) if isinstance(method, Adams) else (12.0, 6.0)
+    reference, least = (28.0, 12.0) if isinstance(method, AdamsMethod) else (12.0, 6.0)
     growth = (_REFERENCE_TOLERANCE / tolerance) ** (1.0 / method.order)
     return int(round_up_resolution(max(least, reference * growth)))
 
@@ -92,10 +94,10 @@ def refine_resolution(
         Errors from here on no longer follow the order: twice as fine, then.
     """
     with np.errstate(all="ignore"):
-        factor = (error / (MARGIN * tolerance)) ** (1.0 / order)
+        factor = (error / (TOLERANCE_MARGIN * tolerance)) ** (1.0 / order)
     meaningful = np.isfinite(factor) & (error < asymptotic_limit)
-    factor = np.where(meaningful, factor, _BLIND_REFINEMENT)
-    factor = factor.clip(_LEAST_REFINEMENT, _MOST_REFINEMENT)
+    factor = np.where(meaningful, factor, _BLIND_REFINEMENT_FACTOR)
+    factor = factor.clip(_MIN_REFINEMENT_FACTOR, _MAX_REFINEMENT_FACTOR)
     following = round_up_resolution(np.asarray(resolution) + 1)
     return np.maximum(round_up_resolution(factor * resolution), following)
 
@@ -104,40 +106,42 @@ def estimate_resolution(
     pool: KernelPool,
     problem: Problem,
     request: Request,
-    pending: Pending,
+    pending: PendingTrajectories,
     method: Method,
     *,
     most: int,
-) -> Pending:
+) -> PendingTrajectories:
     """Trajectories with the resolution that the beginnings of long runs ask for.
 
     An estimate that is too coarse is refined later; one that is too fine costs little.
     """
-    beginnings = _beginnings(problem, pending.indices)
+    beginnings = _beginnings_of_long_runs(problem, pending.indices)
     long = beginnings.duration[pending.indices] > 0.0
-    tried = Pending(pending.indices[long], pending.resolution[long])
+    tried = PendingTrajectories(pending.indices[long], pending.resolution[long])
     resolution = np.zeros(problem.duration.shape, dtype=np.int64)
     resolution[pending.indices] = pending.resolution
     least = initial_resolution(np.inf, method)
-    request = replace(request, begin=None)  # extremes may be asked for after the beginning only
-    for chunk, attempt in pool.attempts(beginnings, request, tried):
+    request = replace(
+        request, extremes_begin=None
+    )  # extremes may be asked for after the beginning only
+    for chunk, attempt in pool.run_attempts(beginnings, request, tried):
         indices = chunk.indices
-        growth = (problem.duration[indices] / beginnings.duration[indices]) ** _ERROR_GROWTH
+        growth = (problem.duration[indices] / beginnings.duration[indices]) ** _ERROR_GROWTH_POWER
         error = attempt.largest_error * growth
         with np.errstate(all="ignore"):
-            factor = (error / (MARGIN * pool.tolerance)) ** (1.0 / method.order)
+            factor = (error / (TOLERANCE_MARGIN * pool.tolerance)) ** (1.0 / method.order)
         # Where the beginning says nothing, or asks for more than twice as fine, the run itself
         # is tried at twice the resolution: it says more.
-        factor = np.where(np.isfinite(factor), factor, _BLIND_REFINEMENT)
-        factor = factor.clip(0.0, _BLIND_REFINEMENT)
+        factor = np.where(np.isfinite(factor), factor, _BLIND_REFINEMENT_FACTOR)
+        factor = factor.clip(0.0, _BLIND_REFINEMENT_FACTOR)
         resolution[indices] = round_up_resolution(np.maximum(least, factor * chunk.resolution))
-    return Pending(pending.indices, np.minimum(resolution[pending.indices], most))
+    return PendingTrajectories(pending.indices, np.minimum(resolution[pending.indices], most))
 
 
-def _beginnings(problem: Problem, indices: IntArray) -> Problem:
+def _beginnings_of_long_runs(problem: Problem, indices: IntArray) -> Problem:
     """The beginnings of long runs; nothing of others."""
     cycles = np.zeros(problem.duration.shape, dtype=np.int64)
     if problem.timeline.periodic:
         cycles[indices] = cycle_counts(problem, indices)
-    beginning = np.where(cycles >= _LONG_RUN, cycles // _BEGINNING, 0)
+    beginning = np.where(cycles >= _MIN_LONG_RUN_CYCLES, cycles // _BEGINNING_DIVISOR, 0)
     return replace(problem, duration=beginning * problem.timeline.lengths[0])

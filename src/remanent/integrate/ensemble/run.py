@@ -10,13 +10,13 @@ import numpy as np
 
 from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.integrate.ensemble.problem import Problem, Request
-from remanent.integrate.ensemble.work_sizes import DEFAULT_SIZES, WorkSizes
-from remanent.integrate.kernel.compile import Kernels
+from remanent.integrate.ensemble.work_sizes import DEFAULT_WORK_SIZES, WorkSizes
+from remanent.integrate.kernel.compile import KernelPair
 from remanent.integrate.kernel.tables import CycleTables
 
 #: Errors from this on are outside the asymptotic range: they no longer follow the order of the
 #: method.
-ASYMPTOTIC_LIMIT = 1e-2
+ASYMPTOTIC_ERROR_LIMIT = 1e-2
 
 
 def never_cancelled() -> bool:
@@ -32,35 +32,35 @@ class Run:
     ----------
     problem : Problem
     request : Request
-    kernels : Kernels
+    kernel_pair : KernelPair
         For the start of a piece and for the rest.
     tolerance : float
         Of the controlled error, absolute.
-    tables : CycleTables
+    cycle_tables : CycleTables
         Of the load.
-    sizes : WorkSizes
+    work_sizes : WorkSizes
         Of chunks and segments.
-    cancelled : callable
+    is_cancelled : callable
         Asked before every segment.
     """
 
     problem: Problem
     request: Request
-    kernels: Kernels
+    kernel_pair: KernelPair
     tolerance: float
-    tables: CycleTables
-    sizes: WorkSizes = DEFAULT_SIZES
-    cancelled: Callable[[], bool] = never_cancelled
+    cycle_tables: CycleTables
+    work_sizes: WorkSizes = DEFAULT_WORK_SIZES
+    is_cancelled: Callable[[], bool] = never_cancelled
 
     @property
     def error_ceiling(self) -> float:
         """An error from which on a trajectory tells nothing more about its resolution."""
-        return max(self.tolerance, ASYMPTOTIC_LIMIT)
+        return max(self.tolerance, ASYMPTOTIC_ERROR_LIMIT)
 
     @property
-    def recorded(self) -> bool:
+    def records_every_step(self) -> bool:
         """Whether the state after every step is looked at."""
-        return self.request.times is not None or self.request.inspect is not None
+        return self.request.times is not None or self.request.inspect_window is not None
 
 
 @dataclass(frozen=True)
@@ -93,12 +93,12 @@ class Attempt:
         Largest value of the controlled error.
     maximum, minimum : array (trajectory,)
         Extremes of the watched observable, up to the horizon.
-    last : array (trajectory, state)
+    last_state : array (trajectory, state)
         State at the end, or at the horizon.
     states : array (trajectory, sample, state), optional
         At the times of the request.
-    findings : list
-        What ``Request.inspect`` returned.
+    inspection_results : list
+        What ``Request.inspect_window`` returned.
     """
 
     within_tolerance: BoolArray
@@ -107,11 +107,11 @@ class Attempt:
     largest_error: FloatArray
     maximum: FloatArray
     minimum: FloatArray
-    last: FloatArray
+    last_state: FloatArray
     states: FloatArray | None
-    findings: list[Any]
+    inspection_results: list[Any]
 
     @property
-    def size(self) -> FloatArray:
+    def state_size(self) -> FloatArray:
         """Largest component of the last state, array (trajectory,)."""
-        return np.asarray(np.abs(self.last).max(axis=1))
+        return np.asarray(np.abs(self.last_state).max(axis=1))

@@ -12,9 +12,9 @@ from remanent.integrate.ensemble.problem import latest_trusted_time
 from remanent.integrate.ensemble.segments import Segment
 
 #: A time this close to the end of a step, in steps, is that end: rounding in the time.
-_STEP_SLACK = 1e-9
+_STEP_END_SLACK = 1e-9
 #: Rounding in the time of a step, relative to that time.
-_TIME_ROUNDING = 4.0 * np.finfo(float).eps
+_RELATIVE_TIME_ROUNDING = 4.0 * np.finfo(float).eps
 
 
 @dataclass(frozen=True)
@@ -26,24 +26,24 @@ class SamplePlaces:
 
     Attributes
     ----------
-    row, column : array (sample,)
+    trajectory_rows, time_columns : array (sample,)
         Trajectory, and number of the time.
-    time : array (sample,)
+    sample_times : array (sample,)
         The time, tau.
-    step : array (sample,)
+    steps_before : array (sample,)
         Fine steps of the segment before the time.
-    part : array (sample,)
+    step_fractions : array (sample,)
         Fraction of the next step, in [0, 1).
     """
 
-    row: IntArray
-    column: IntArray
-    time: FloatArray
-    step: IntArray
-    part: FloatArray
+    trajectory_rows: IntArray
+    time_columns: IntArray
+    sample_times: FloatArray
+    steps_before: IntArray
+    step_fractions: FloatArray
 
     @classmethod
-    def within(cls, segment: Segment, times: FloatArray, cycles: IntArray) -> Self:
+    def in_segment(cls, segment: Segment, times: FloatArray, cycles: IntArray) -> Self:
         """The places in a segment.
 
         Parameters
@@ -56,15 +56,15 @@ class SamplePlaces:
         """
         # The comparison of times selects generously, by a step; the places decide.
         with np.errstate(invalid="ignore"):  # a piece that never ends
-            begin = segment.time(0) - segment.step
-            end = segment.time(segment.fine_steps) + segment.step
+            begin = segment.time_after(0) - segment.fine_step_length
+            end = segment.time_after(segment.fine_step_count) + segment.fine_step_length
         # A piece may be empty for some trajectories, and the run of others may be over.
-        end[(segment.step <= 0.0) | (cycles <= segment.first)] = np.nan
+        end[(segment.fine_step_length <= 0.0) | (cycles <= segment.first_cycle)] = np.nan
         row, column = np.nonzero((times >= begin[:, None]) & (times <= end[:, None]))
         time = times[row, column]
-        step, part = _place(segment, time, row, cycles[row])
-        step -= segment.first_step
-        count = segment.fine_steps
+        step, part = _locate_in_piece(segment, time, row, cycles[row])
+        step -= segment.fine_steps_before
+        count = segment.fine_step_count
         # A time at the very end belongs to it and, if there is one, to the next segment.
         inside = (step >= 0) & ((step < count) | ((step == count) & (part == 0.0)))
         return cls(row, column, time, step, part).subset(inside)
@@ -72,36 +72,40 @@ class SamplePlaces:
     def subset(self, where: BoolArray) -> Self:
         """Some of the places."""
         return type(self)(
-            self.row[where],
-            self.column[where],
-            self.time[where],
-            self.step[where],
-            self.part[where],
+            self.trajectory_rows[where],
+            self.time_columns[where],
+            self.sample_times[where],
+            self.steps_before[where],
+            self.step_fractions[where],
         )
 
-    def up_to(self, horizon: FloatArray) -> Self:
+    def up_to_horizon(self, horizon: FloatArray) -> Self:
         """Those not beyond the horizons of their trajectories, array (trajectory,)."""
-        trusted = self.time <= latest_trusted_time(horizon)[self.row]
+        trusted = self.sample_times <= latest_trusted_time(horizon)[self.trajectory_rows]
         return self if trusted.all() else self.subset(trusted)
 
 
-def _place(
+def _locate_in_piece(
     segment: Segment, time: FloatArray, row: IntArray, cycles: IntArray
 ) -> tuple[IntArray, FloatArray]:
     """Fine steps of the piece before each time, and the fraction of the next one.
 
     Steps are -1 where the time is not in the piece.
     """
-    start, length, step = segment.piece_start[row], segment.length[row], segment.step[row]
+    start, length, step = (
+        segment.piece_start[row],
+        segment.cycle_length[row],
+        segment.fine_step_length[row],
+    )
     per_cycle = 2 * segment.resolution
     cycle = np.floor((time - start) / length).clip(0, cycles - 1)
     position = (time - (start + cycle * length)) / step
     # Rounding may put a time just outside the piece, or a time between two cycles in neither.
-    reach = _STEP_SLACK + _TIME_ROUNDING * time / step
+    reach = _STEP_END_SLACK + _RELATIVE_TIME_ROUNDING * time / step
     outside = (position < -reach) | (position > per_cycle + reach)
     position = position.clip(0.0, per_cycle)
     near = np.rint(position)
-    position = np.where(np.abs(position - near) < _STEP_SLACK, near, position)
+    position = np.where(np.abs(position - near) < _STEP_END_SLACK, near, position)
     before = np.floor(position)
     steps = cycle.astype(np.int64) * per_cycle + before.astype(np.int64)
     return np.where(outside, -1, steps), position - before

@@ -10,7 +10,7 @@ import numpy as np
 from remanent._typing import FloatArray, IntArray
 from remanent.integrate.ensemble import dense
 from remanent.integrate.ensemble.counts import cycle_counts
-from remanent.integrate.ensemble.problem import Window
+from remanent.integrate.ensemble.problem import StepWindow
 from remanent.integrate.ensemble.run import Run
 from remanent.integrate.ensemble.sample_places import SamplePlaces
 from remanent.integrate.ensemble.segments import Segment
@@ -23,7 +23,7 @@ from remanent.integrate.methods.runge_kutta import default_method
 class Sampler:
     """Runs segments and picks states from each.
 
-    What changes: `states` are filled in, and `findings` grow, with every segment.
+    What changes: `states` are filled in, and `inspection_results` grow, with every segment.
 
     Attributes
     ----------
@@ -33,37 +33,37 @@ class Sampler:
         Numbers of the trajectories.
     times : array (trajectory, time), optional
         When states are wanted, tau.
-    cycles : array (trajectory,)
+    cycle_counts : array (trajectory,)
         Cycles of the run of each.
     states : array (trajectory, sample, state), optional
         NaN where not reached.
-    findings : list
-        What ``Request.inspect`` returned.
+    inspection_results : list
+        What ``Request.inspect_window`` returned.
     """
 
     run: Run
     indices: IntArray
     times: FloatArray | None
-    cycles: IntArray
+    cycle_counts: IntArray
     states: FloatArray | None
-    findings: list[Any]
+    inspection_results: list[Any]
 
     @classmethod
-    def empty(cls, run: Run, indices: IntArray, most_cycles: int) -> Self:
+    def before_first_segment(cls, run: Run, indices: IntArray, most_cycles: int) -> Self:
         """A sampler before the first segment."""
         problem, request = run.problem, run.request
         times = None if request.times is None else request.times[indices]
-        dimension = problem.initial.shape[1]
+        dimension = problem.initial_states.shape[1]
         states = None
-        if request.strobe:
-            samples = most_cycles // request.strobe + 1
+        if request.strobe_cycles:
+            samples = most_cycles // request.strobe_cycles + 1
             states = np.full((indices.size, samples, dimension), np.nan)
-            states[:, 0] = problem.initial[indices]
+            states[:, 0] = problem.initial_states[indices]
         elif times is not None:
             states = np.full((indices.size, times.shape[1], dimension), np.nan)
         return cls(run, indices, times, cycle_counts(problem, indices), states, [])
 
-    def advance(
+    def run_segment(
         self,
         memory: LaneMemory,
         kernel: Kernel,
@@ -71,109 +71,121 @@ class Sampler:
         segment: Segment,
     ) -> None:
         """Run one segment and take in what is asked for."""
-        places = self._places(segment)
-        every = self._every(segment, places)
-        before = memory.snapshot("fine").copy()
-        count = segment.fine_steps // every if every else 0
+        places = self._sample_places(segment)
+        every = self._record_interval(segment, places)
+        before = memory.as_record("fine").copy()
+        count = segment.fine_step_count // every if every else 0
         record = np.full((count, *before.shape[1:]), np.nan)
         kernel(
-            memory.values,
+            memory.slots,
             tables,
             record,
-            cycles=segment.cycles,
+            cycles=segment.cycle_count,
             every=every,
-            first_cycle=segment.first,
-            first_step=2 * segment.part.start,
+            first_cycle=segment.first_cycle,
+            first_step=2 * segment.double_step_slice.start,
         )
-        if self.run.request.strobe:
-            self._strobe(memory, record, every, segment)
+        if self.run.request.strobe_cycles:
+            self._take_strobed_states(memory, record, every, segment)
         elif count:
             states = memory.by_trajectory(np.concatenate([before, record]))
-            if self.run.request.inspect is not None:
-                self.findings.append(
-                    self.run.request.inspect(self._window(states, memory, segment))
+            if self.run.request.inspect_window is not None:
+                self.inspection_results.append(
+                    self.run.request.inspect_window(self._step_window(states, memory, segment))
                 )
             if places is not None:
-                self._interpolate(places, states, memory, segment)
+                self._interpolate_samples(places, states, memory, segment)
 
-    def _every(self, segment: Segment, places: SamplePlaces | None) -> int:
+    def _record_interval(self, segment: Segment, places: SamplePlaces | None) -> int:
         """Fine steps between the states that the kernel records in a segment; 0 for none."""
         request = self.run.request
-        if request.strobe:
-            return self._strobe_interval(segment)
-        if request.inspect is not None:
+        if request.strobe_cycles:
+            return self._strobe_record_interval(segment)
+        if request.inspect_window is not None:
             return 1
-        return int(places is not None and places.row.size > 0)
+        return int(places is not None and places.trajectory_rows.size > 0)
 
-    def _strobe_interval(self, segment: Segment) -> int:
+    def _strobe_record_interval(self, segment: Segment) -> int:
         """Every step in a start, which may end within a stride; else every stride."""
-        strobe = self.run.request.strobe
-        if not segment.has_past:
+        strobe = self.run.request.strobe_cycles
+        if not segment.has_past_rates:
             return 1
-        complete = segment.double_steps == segment.resolution and segment.first % strobe == 0
-        if complete and segment.cycles >= strobe:
-            return 2 * segment.double_steps * strobe
+        complete = (
+            segment.double_steps_per_cycle == segment.resolution
+            and segment.first_cycle % strobe == 0
+        )
+        if complete and segment.cycle_count >= strobe:
+            return 2 * segment.double_steps_per_cycle * strobe
         return 0
 
-    def _strobe(self, memory: LaneMemory, record: FloatArray, every: int, segment: Segment) -> None:
+    def _take_strobed_states(
+        self, memory: LaneMemory, record: FloatArray, every: int, segment: Segment
+    ) -> None:
         """Keep the state after every so many cycles, recorded or at the end of a segment."""
         assert self.states is not None
-        strobe = self.run.request.strobe
-        if every == 1 and segment.end > 0:  # a start: every step was recorded
-            per_cycle = 2 * segment.double_steps
-            due = np.arange(1, segment.cycles + 1) % strobe == 0
+        strobe = self.run.request.strobe_cycles
+        if every == 1 and segment.cycles_completed_at_end > 0:  # a start: every step was recorded
+            per_cycle = 2 * segment.double_steps_per_cycle
+            due = np.arange(1, segment.cycle_count + 1) % strobe == 0
             record = record[per_cycle - 1 :: per_cycle][due]
         elif every <= 1:
-            due_at_end = segment.end > 0 and segment.end % strobe == 0
-            record = memory.snapshot("fine")[: int(due_at_end)].copy()
+            due_at_end = (
+                segment.cycles_completed_at_end > 0
+                and segment.cycles_completed_at_end % strobe == 0
+            )
+            record = memory.as_record("fine")[: int(due_at_end)].copy()
         states = memory.by_trajectory(record)
-        first = segment.first // strobe + 1
+        first = segment.first_cycle // strobe + 1
         self.states[:, first : first + states.shape[1]] = states
 
-    def _window(self, states: FloatArray, memory: LaneMemory, segment: Segment) -> Window:
-        """The states of a segment as what ``Request.inspect`` takes."""
+    def _step_window(self, states: FloatArray, memory: LaneMemory, segment: Segment) -> StepWindow:
+        """The states of a segment as what ``Request.inspect_window`` takes."""
         nodes = np.arange(states.shape[1])
-        return Window(
+        return StepWindow(
             self.indices,
             states,
             segment,
-            segment.phase(nodes),
+            segment.phase_after(nodes),
             memory.parameters(),
-            self._steps(segment),
+            self._counted_steps(segment),
         )
 
-    def _steps(self, segment: Segment) -> IntArray:
+    def _counted_steps(self, segment: Segment) -> IntArray:
         """Steps of the segment that belong to the run of each trajectory."""
-        cycles = (self.cycles - segment.first).clip(0, segment.cycles)
-        return np.asarray(2 * segment.double_steps * cycles)
+        cycles = (self.cycle_counts - segment.first_cycle).clip(0, segment.cycle_count)
+        return np.asarray(2 * segment.double_steps_per_cycle * cycles)
 
-    def _places(self, segment: Segment) -> SamplePlaces | None:
+    def _sample_places(self, segment: Segment) -> SamplePlaces | None:
         """Where the times lie that belong to a segment."""
         if self.times is None:
             return None
-        cycles = self.cycles if segment.periodic else np.ones_like(self.cycles)
-        return SamplePlaces.within(segment, self.times, cycles)
+        cycles = self.cycle_counts if segment.is_periodic else np.ones_like(self.cycle_counts)
+        return SamplePlaces.in_segment(segment, self.times, cycles)
 
-    def _interpolate(
+    def _interpolate_samples(
         self, places: SamplePlaces, states: FloatArray, memory: LaneMemory, segment: Segment
     ) -> None:
         """Fill in the states at those times that lie in a segment, up to the horizon."""
         assert self.states is not None
-        places = places.up_to(memory.column("horizon"))
+        places = places.up_to_horizon(memory.column("horizon"))
         parameters = memory.parameters()
-        size = self.run.sizes.samples
-        for first in range(0, places.row.size, size):
-            if self.run.cancelled():
+        size = self.run.work_sizes.samples_per_block
+        for first in range(0, places.trajectory_rows.size, size):
+            if self.run.is_cancelled():
                 return
             block = slice(first, first + size)
-            row, step, part = places.row[block], places.step[block], places.part[block]
-            self.states[row, places.column[block]] = dense.partial_step(
+            row, step, part = (
+                places.trajectory_rows[block],
+                places.steps_before[block],
+                places.step_fractions[block],
+            )
+            self.states[row, places.time_columns[block]] = dense.partial_step(
                 self.run.problem.field,
                 default_method(),
                 self.run.problem.timeline.waveform,
                 states=states[row, step],
                 parameters=list(parameters[:, row]),
-                phase=segment.phase(step),
+                phase=segment.phase_after(step),
                 span=part / (2 * segment.resolution),
-                time=part * segment.step[row],
+                time=part * segment.fine_step_length[row],
             )

@@ -9,10 +9,10 @@ import numpy as np
 
 from remanent._timeline import Timeline
 from remanent._typing import FloatArray, IntArray
-from remanent.integrate.kernel.layout import PAST
+from remanent.integrate.kernel.layout import PAST_RATE_COUNT
 
 #: Double steps that start a piece: after them all past rates are known.
-_START = PAST - 1
+_START_DOUBLE_STEPS = PAST_RATE_COUNT - 1
 
 
 @dataclass(frozen=True)
@@ -21,77 +21,81 @@ class Segment:
 
     Attributes
     ----------
-    length : array (trajectory,)
+    cycle_length : array (trajectory,)
         Of one cycle, tau.
     piece_start : array (trajectory,)
         When the piece begins that the segment is cut from, tau.
-    cycles, first : int
+    cycle_count, first_cycle : int
         How many cycles; how many of the piece came before them.
     resolution : int
         Double steps in a whole cycle.
-    part : slice
+    double_step_slice : slice
         Those double steps of the cycle that are taken: all of them if ``cycles > 1``.
-    has_past : bool
+    has_past_rates : bool
         Whether rates of enough earlier steps are available.
     parameters : mapping of name to array (trajectory,)
         That hold during this segment.
-    periodic : bool
+    is_periodic : bool
         Whether the end of a cycle is the start of the next one.
     """
 
-    length: FloatArray
+    cycle_length: FloatArray
     piece_start: FloatArray
-    cycles: int
-    first: int
+    cycle_count: int
+    first_cycle: int
     resolution: int
-    part: slice
-    has_past: bool
+    double_step_slice: slice
+    has_past_rates: bool
     parameters: Mapping[str, FloatArray]
-    periodic: bool
+    is_periodic: bool
 
     @property
     def begins_piece(self) -> bool:
         """Whether nothing of the piece comes before."""
-        return self.first == 0 and self.part.start == 0
+        return self.first_cycle == 0 and self.double_step_slice.start == 0
 
     @property
-    def end(self) -> int:
+    def cycles_completed_at_end(self) -> int:
         """Whole cycles that are over when the segment ends; -1 within a cycle."""
-        return self.first + self.cycles if self.part.stop == self.resolution else -1
+        return (
+            self.first_cycle + self.cycle_count
+            if self.double_step_slice.stop == self.resolution
+            else -1
+        )
 
     @property
-    def double_steps(self) -> int:
+    def double_steps_per_cycle(self) -> int:
         """Double steps taken in each cycle."""
-        return int(self.part.stop - self.part.start)
+        return int(self.double_step_slice.stop - self.double_step_slice.start)
 
     @property
-    def fine_steps(self) -> int:
+    def fine_step_count(self) -> int:
         """Fine steps of the segment."""
-        return 2 * self.double_steps * self.cycles
+        return 2 * self.double_steps_per_cycle * self.cycle_count
 
     @property
-    def first_step(self) -> int:
+    def fine_steps_before(self) -> int:
         """Fine steps of the piece before the segment."""
-        return int(2 * (self.first * self.resolution + self.part.start))
+        return int(2 * (self.first_cycle * self.resolution + self.double_step_slice.start))
 
     @property
-    def step(self) -> FloatArray:
+    def fine_step_length(self) -> FloatArray:
         """Length of a fine step, tau, array (trajectory,)."""
-        return self.length / (2 * self.resolution)
+        return self.cycle_length / (2 * self.resolution)
 
     @property
-    def span(self) -> float:
+    def phase_change_per_fine_step(self) -> float:
         """Change of the phase in a fine step."""
         return 1.0 / (2 * self.resolution)
 
-    def phase(self, steps: IntArray | int) -> FloatArray:
+    def phase_after(self, steps: IntArray | int) -> FloatArray:
         """Phase of the cycle after so many fine steps of the segment."""
-        within = np.asarray(2 * self.part.start + steps)
-        if self.periodic:
+        within = np.asarray(2 * self.double_step_slice.start + steps)
+        if self.is_periodic:
             within = np.remainder(within, 2 * self.resolution)
         return np.asarray(within / (2 * self.resolution))
 
-    def time(
+    def time_after(
         self,
         steps: IntArray | int,
         part: FloatArray | float = 0.0,
@@ -111,17 +115,21 @@ class Segment:
         rows : array (n,) or slice
             Trajectories.
         """
-        cycle, within = np.divmod(self.first_step + steps, 2 * self.resolution)
-        start = self.piece_start[rows] + cycle * self.length[rows]
-        return np.asarray(start + (within + part) * self.step[rows])
+        cycle, within = np.divmod(self.fine_steps_before + steps, 2 * self.resolution)
+        start = self.piece_start[rows] + cycle * self.cycle_length[rows]
+        return np.asarray(start + (within + part) * self.fine_step_length[rows])
 
-    def tables(self, cycle_tables: tuple[FloatArray, FloatArray]) -> tuple[FloatArray, FloatArray]:
+    def select_table_rows(
+        self, cycle_tables: tuple[FloatArray, FloatArray]
+    ) -> tuple[FloatArray, FloatArray]:
         """Those rows of the tables of a whole cycle that belong to the part."""
         fine, coarse = cycle_tables
-        return fine[2 * self.part.start : 2 * self.part.stop], coarse[self.part]
+        return fine[2 * self.double_step_slice.start : 2 * self.double_step_slice.stop], coarse[
+            self.double_step_slice
+        ]
 
 
-def segments(
+def cut_into_segments(
     timeline: Timeline,
     indices: IntArray,
     double_steps: IntArray,
@@ -154,7 +162,7 @@ def segments(
         parameters = {name: v[k, indices] for name, v in timeline.parameters.items()}
         total = cycles if timeline.periodic else 1
         resolution = int(double_steps[k])
-        for first, count, part, has_past in _cuts(
+        for first, count, part, has_past in _cut_piece(
             total, resolution, strobe, most_steps, single=not timeline.periodic
         ):
             yield Segment(
@@ -173,28 +181,30 @@ def segments(
 
 #: Cycles before a segment, cycles in it, the part of the cycle that is taken, and whether
 #: rates of enough earlier steps are available.
-_Cut = tuple[int, int, slice, bool]
+_SegmentCut = tuple[int, int, slice, bool]
 
 
-def _cuts(
+def _cut_piece(
     cycles: int, resolution: int, strobe: int, most_steps: int, *, single: bool
-) -> Iterator[_Cut]:
+) -> Iterator[_SegmentCut]:
     """The segments of one piece: a start, the rest of the cycle it ends in, whole cycles.
 
     How a step is made must not depend on how many cycles follow, which other
     trajectories decide; a `single` piece is the same for all.
     """
     full_cycle = slice(0, resolution)
-    started = -(-_START // resolution)  # cycles that the start takes part in
-    if single and resolution < 3 * _START:
+    started = -(-_START_DOUBLE_STEPS // resolution)  # cycles that the start takes part in
+    if single and resolution < 3 * _START_DOUBLE_STEPS:
         # So few steps that those of the start are most of them: none is worth another method.
         yield 0, 1, full_cycle, False
         return
     if started > 1:
         yield 0, min(started, cycles), full_cycle, False
     else:
-        yield 0, 1, slice(0, _START), False
-        yield from ((0, 1, part, True) for part in _parts(_START, resolution, most_steps))
+        yield 0, 1, slice(0, _START_DOUBLE_STEPS), False
+        yield from (
+            (0, 1, part, True) for part in _cut_cycle(_START_DOUBLE_STEPS, resolution, most_steps)
+        )
     per_segment = max(1, most_steps // (2 * resolution))
     if strobe and started % strobe and started < cycles:
         # Segments with a whole number of strobes are recorded by the kernel; come there first.
@@ -207,10 +217,10 @@ def _cuts(
         if 2 * resolution <= most_steps or strobe:
             yield first, min(per_segment, cycles - first), full_cycle, True
         else:
-            yield from ((first, 1, part, True) for part in _parts(0, resolution, most_steps))
+            yield from ((first, 1, part, True) for part in _cut_cycle(0, resolution, most_steps))
 
 
-def _parts(first: int, resolution: int, most_steps: int) -> Iterator[slice]:
+def _cut_cycle(first: int, resolution: int, most_steps: int) -> Iterator[slice]:
     """Parts of a cycle, from its double step `first` on, that are short enough."""
     size = most_steps // 2
     for begin in range(first, resolution, size):

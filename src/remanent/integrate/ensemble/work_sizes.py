@@ -15,7 +15,7 @@ from remanent._field import BINARY
 from remanent.integrate.kernel.compile import Kernel
 
 #: Instructions that a function such as ``exp`` stands for.
-_FUNCTION_COST = 20
+_INSTRUCTIONS_PER_FUNCTION = 20
 
 
 @dataclass(frozen=True)
@@ -24,47 +24,53 @@ class WorkSizes:
 
     Attributes
     ----------
-    chunk_steps : float
+    steps_per_chunk : float
         Fine steps of all trajectories in a chunk: about a tenth of a second.
-    fewest_groups, most_groups : int
+    min_groups_per_chunk, max_groups_per_chunk : int
         Groups of trajectories in a chunk: enough to be worth its overhead, and few enough that
         what they take fits into the processor's cache.
-    segment_work : int
+    instructions_per_segment : int
         Instructions of all trajectories in a segment: hundredths of a second, so that calls of
         a kernel cost little and a run is cancelled within a fifth of a second.
-    segment_records : int
+    recorded_steps_per_segment : int
         Fine steps of all trajectories in a segment whose states are all recorded: memory.
-    fewest_steps, most_steps : int
+    min_steps_per_segment, max_steps_per_segment : int
         Fine steps of one trajectory in a segment.
-    samples : int
+    samples_per_block : int
         Samples between steps that are computed together: few enough to stay in the
         processor's cache.
     """
 
-    chunk_steps: float = 2.0**23
-    fewest_groups: int = 4
-    most_groups: int = 256
-    segment_work: int = 2**28
-    segment_records: int = 2**17
-    fewest_steps: int = 64
-    most_steps: int = 2**15
-    samples: int = 8192
+    steps_per_chunk: float = 2.0**23
+    min_groups_per_chunk: int = 4
+    max_groups_per_chunk: int = 256
+    instructions_per_segment: int = 2**28
+    recorded_steps_per_segment: int = 2**17
+    min_steps_per_segment: int = 64
+    max_steps_per_segment: int = 2**15
+    samples_per_block: int = 8192
 
     def trajectories_per_chunk(self, steps: float, width: int) -> int:
         """How many trajectories make a chunk, if each takes so many fine steps."""
-        groups = np.clip(self.chunk_steps / (steps * width), self.fewest_groups, self.most_groups)
+        groups = np.clip(
+            self.steps_per_chunk / (steps * width),
+            self.min_groups_per_chunk,
+            self.max_groups_per_chunk,
+        )
         return int(groups) * width
 
     def steps_per_segment(self, kernel: Kernel, trajectories: int, *, recorded: bool) -> int:
         """Fine steps of each of so many trajectories in a segment."""
         code = kernel.field.rates.code
-        cost = sum(1 if operation in BINARY else _FUNCTION_COST for operation, *_ in code)
-        steps = self.segment_work // max(kernel.method.evaluations * cost, 1)
+        cost = sum(
+            1 if operation in BINARY else _INSTRUCTIONS_PER_FUNCTION for operation, *_ in code
+        )
+        steps = self.instructions_per_segment // max(kernel.method.evaluations_per_step * cost, 1)
         padded = -(-trajectories // kernel.width) * kernel.width
         if recorded:
-            steps = min(steps, self.segment_records)
-        return int(np.clip(steps // padded, self.fewest_steps, self.most_steps))
+            steps = min(steps, self.recorded_steps_per_segment)
+        return int(np.clip(steps // padded, self.min_steps_per_segment, self.max_steps_per_segment))
 
 
 #: Sizes that suit a processor of today.
-DEFAULT_SIZES = WorkSizes()
+DEFAULT_WORK_SIZES = WorkSizes()

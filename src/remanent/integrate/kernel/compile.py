@@ -16,12 +16,12 @@ from llvmlite import binding
 from remanent import _cache
 from remanent._field import Field
 from remanent._typing import FloatArray
-from remanent.integrate.kernel.kernel import NAME, kernel_source
-from remanent.integrate.kernel.layout import Layout
-from remanent.integrate.kernel.options import Method, Options, layout_of
+from remanent.integrate.kernel.kernel import KERNEL_FUNCTION_NAME, kernel_source
+from remanent.integrate.kernel.layout import SlotLayout
+from remanent.integrate.kernel.options import KernelOptions, Method, layout_of
 
-_SIGNATURE = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 4, *[ctypes.c_int64] * 6)
-_LOCK = threading.Lock()
+_C_SIGNATURE = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 4, *[ctypes.c_int64] * 6)
+_COMPILE_LOCK = threading.Lock()
 
 
 @dataclass(frozen=True)
@@ -38,11 +38,11 @@ class Kernel:
 
     field: Field
     method: Method
-    options: Options
+    options: KernelOptions
     width: int
-    layout: Layout
-    _call: Callable[..., None]
-    _engine: Any
+    layout: SlotLayout
+    _machine_function: Callable[..., None]
+    _execution_engine: Any
 
     def __call__(
         self,
@@ -76,49 +76,51 @@ class Kernel:
         """
         fine, coarse = tables
         groups, double_steps = lanes.shape[0], coarse.shape[0]
-        if lanes.shape[1:] != (self.layout.size, self.width) or not lanes.flags.c_contiguous:
+        if lanes.shape[1:] != (self.layout.slot_count, self.width) or not lanes.flags.c_contiguous:
             raise ValueError(f"wrong shape of lanes: {lanes.shape}")
         if fine.shape[0] != 2 * double_steps:
             raise ValueError("fine and coarse tables do not belong together")
         if every:
             needed = 2 * double_steps * cycles // every
-            if record is None or record.shape[1:] != (groups, self.layout.states, self.width):
+            if record is None or record.shape[1:] != (groups, self.layout.state_count, self.width):
                 raise ValueError("wrong shape of record")
             if record.shape[0] < needed or not record.flags.c_contiguous:
                 raise ValueError(f"record holds {record.shape[0]} states; {needed} are needed")
         pointers = (lanes, fine, coarse, lanes if record is None else record)
         addresses = (array.__array_interface__["data"][0] for array in pointers)
-        self._call(*addresses, groups, cycles, double_steps, every, first_cycle, first_step)
+        self._machine_function(
+            *addresses, groups, cycles, double_steps, every, first_cycle, first_step
+        )
 
 
 @dataclass(frozen=True)
-class Kernels:
+class KernelPair:
     """Two kernels that work on the same trajectories, one after the other.
 
     Attributes
     ----------
-    start
+    start_kernel
         Needs no past: for the beginning of every piece of smooth load.
-    run
+    run_kernel
         Faster, from past rates.
     """
 
-    start: Kernel
-    run: Kernel
+    start_kernel: Kernel
+    run_kernel: Kernel
 
     @property
-    def layout(self) -> Layout:
+    def layout(self) -> SlotLayout:
         """Slots of a trajectory, the same for both."""
-        return self.start.layout
+        return self.start_kernel.layout
 
     @property
     def width(self) -> int:
         """Trajectories per group."""
-        return self.start.width
+        return self.start_kernel.width
 
 
 @dataclass(frozen=True)
-class Target:
+class TargetProcessor:
     """The processor that code is made for."""
 
     triple: str
@@ -128,54 +130,62 @@ class Target:
     @property
     def width(self) -> int:
         """Trajectories per group: two vectors of the widest kind, to hide latencies."""
-        return 2 * (8 if self.has("avx512f") else 4 if self.has("avx") else 2)
+        return 2 * (8 if self.has_feature("avx512f") else 4 if self.has_feature("avx") else 2)
 
     @property
-    def estimates(self) -> bool:
+    def has_reciprocal_estimates(self) -> bool:
         """Whether there is an instruction for estimates of reciprocals."""
-        return self.has("avx512f")
+        return self.has_feature("avx512f")
 
-    def has(self, feature: str) -> bool:
+    def has_feature(self, feature: str) -> bool:
         """Whether the processor can do this."""
         return f"+{feature}" in self.features.split(",")
 
-    def source(self, field: Field, method: Method, options: Options) -> str:
+    def kernel_source(self, field: Field, method: Method, options: KernelOptions) -> str:
         """LLVM assembly of a kernel for this processor."""
-        return kernel_source(field, method, options, self.width, estimates=self.estimates)
+        return kernel_source(
+            field, method, options, self.width, estimates=self.has_reciprocal_estimates
+        )
 
-    def machine(self) -> Any:
+    def create_target_machine(self) -> Any:
         return binding.Target.from_triple(self.triple).create_target_machine(
             cpu=self.cpu, features=self.features, opt=3, reloc="pic", jit=True
         )
 
 
 @cache
-def host() -> Target:
+def host_processor() -> TargetProcessor:
     """The machine that this runs on."""
     binding.initialize_native_target()
     binding.initialize_native_asmprinter()
-    return Target(
+    return TargetProcessor(
         triple=binding.get_process_triple(),
         cpu=binding.get_host_cpu_name(),
         features=binding.get_host_cpu_features().flatten(),
     )
 
 
-def compiled(field: Field, method: Method, options: Options) -> Kernel:
+def compiled_kernel(field: Field, method: Method, options: KernelOptions) -> Kernel:
     """The kernel of a field, from memory, from disk, or compiled now."""
-    with _LOCK:
-        return _compiled(_ByFingerprint(field), method.name, _Box(method), options)
+    with _COMPILE_LOCK:
+        return _cached_kernel(
+            _FieldByFingerprint(field), method.name, _MethodByName(method), options
+        )
 
 
 @cache
-def _compiled(key: _ByFingerprint, _name: str, method: _Box, options: Options) -> Kernel:
-    target = host()
-    call, engine = _load(_object_code(key.field, method.value, options, target), target)
+def _cached_kernel(
+    key: _FieldByFingerprint, _name: str, method: _MethodByName, options: KernelOptions
+) -> Kernel:
+    target = host_processor()
+    call, engine = _load_object_code(
+        _kernel_object_code(key.field, method.method, options, target), target
+    )
     layout = layout_of(key.field, options)
-    return Kernel(key.field, method.value, options, target.width, layout, call, engine)
+    return Kernel(key.field, method.method, options, target.width, layout, call, engine)
 
 
-class _ByFingerprint:
+class _FieldByFingerprint:
     """A field that hashes and compares by its fingerprint."""
 
     def __init__(self, field: Field) -> None:
@@ -186,35 +196,38 @@ class _ByFingerprint:
 
     def __eq__(self, other: object) -> bool:
         return (
-            isinstance(other, _ByFingerprint) and self.field.fingerprint == other.field.fingerprint
+            isinstance(other, _FieldByFingerprint)
+            and self.field.fingerprint == other.field.fingerprint
         )
 
 
-class _Box:
+class _MethodByName:
     """Carries a method past the cache, which knows it by its name."""
 
     def __init__(self, value: Method) -> None:
-        self.value = value
+        self.method = value
 
     def __hash__(self) -> int:
-        return hash(self.value.name)
+        return hash(self.method.name)
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Box) and self.value.name == other.value.name
+        return isinstance(other, _MethodByName) and self.method.name == other.method.name
 
 
-def _object_code(field: Field, method: Method, options: Options, target: Target) -> bytes:
-    key = _key(field, method, options, target)
+def _kernel_object_code(
+    field: Field, method: Method, options: KernelOptions, target: TargetProcessor
+) -> bytes:
+    key = _kernel_cache_key(field, method, options, target)
     stored = _cache.load_bytes("kernel", key)
     if stored is not None:
         return stored
-    code = _compile(target.source(field, method, options), target)
+    code = _compile_source(target.kernel_source(field, method, options), target)
     _cache.store_bytes("kernel", key, code)
     return code
 
 
-def _compile(source: str, target: Target) -> bytes:
-    machine = target.machine()
+def _compile_source(source: str, target: TargetProcessor) -> bytes:
+    machine = target.create_target_machine()
     module = binding.parse_assembly(source)
     module.verify()
     tuning = binding.create_pipeline_tuning_options(speed_level=3)
@@ -223,19 +236,30 @@ def _compile(source: str, target: Target) -> bytes:
     return bytes(machine.emit_object(module))
 
 
-def _load(code: bytes, target: Target) -> tuple[Callable[..., None], Any]:
-    engine = binding.create_mcjit_compiler(binding.parse_assembly(""), target.machine())
+def _load_object_code(code: bytes, target: TargetProcessor) -> tuple[Callable[..., None], Any]:
+    engine = binding.create_mcjit_compiler(
+        binding.parse_assembly(""), target.create_target_machine()
+    )
     engine.add_object_file(binding.ObjectFileRef.from_data(code))
     engine.finalize_object()
-    return _SIGNATURE(engine.get_function_address(NAME)), engine
+    return _C_SIGNATURE(engine.get_function_address(KERNEL_FUNCTION_NAME)), engine
 
 
-def _key(field: Field, method: Method, options: Options, target: Target) -> str:
-    parts = (field.fingerprint, method.name, options, target, llvmlite.__version__, _sources())
+def _kernel_cache_key(
+    field: Field, method: Method, options: KernelOptions, target: TargetProcessor
+) -> str:
+    parts = (
+        field.fingerprint,
+        method.name,
+        options,
+        target,
+        llvmlite.__version__,
+        _kernel_writer_digest(),
+    )
     return hashlib.sha256(repr(parts).encode()).hexdigest()[:32]
 
 
 @cache
-def _sources() -> str:
+def _kernel_writer_digest() -> str:
     """A digest of the code that writes kernels: a change of it makes new ones."""
     return _cache.source_digest("_field.py", "integrate/methods", "integrate/kernel")

@@ -14,11 +14,11 @@ from functools import reduce
 
 from remanent.integrate.kernel.group import Cycle, RunConstants, TrajectoryCells
 from remanent.integrate.kernel.lanes import Lanes, Mask, Writer, larger, larger_or_nan
-from remanent.integrate.kernel.options import Method, Options
+from remanent.integrate.kernel.options import KernelOptions, Method
 
 #: Estimated error of the state, relative to one plus its size, from which on two solutions
 #: have diverged, so that their extremes are no measure of each other.
-_DIVERGED = 1e-2
+_MIN_DIVERGED_RELATIVE_ERROR = 1e-2
 
 
 @dataclass(frozen=True)
@@ -27,53 +27,57 @@ class ErrorMonitor:
 
     Attributes
     ----------
-    scale : float
+    error_per_difference : float
         Error of the fine solution over its difference from the coarse one.
-    absolute_errors : int
+    absolute_error_count : int
         How many of the first state variables have an absolute error.
     error_per_cycle : bool
         Whether the largest error of a cycle is all that is asked; no horizon is kept then.
     """
 
     writer: Writer
-    run: RunConstants
+    run_constants: RunConstants
     cells: TrajectoryCells
-    scale: float
-    absolute_errors: int | None
+    error_per_difference: float
+    absolute_error_count: int | None
     error_per_cycle: bool
 
     @classmethod
-    def of(
+    def for_method(
         cls,
         method: Method,
-        options: Options,
+        options: KernelOptions,
         writer: Writer,
         run: RunConstants,
         cells: TrajectoryCells,
     ) -> ErrorMonitor:
         """The monitor of a kernel with this method and these options."""
-        scale = options.safety / float(2**method.counted_order - 1)
-        return cls(writer, run, cells, scale, options.absolute_errors, options.error_per_cycle)
+        scale = options.safety_factor / float(2**method.assumed_order - 1)
+        return cls(writer, run, cells, scale, options.absolute_error_count, options.error_per_cycle)
 
-    def below_ceiling(self) -> Mask:
+    def is_below_ceiling(self) -> Mask:
         """Where following a trajectory further still tells something about its error."""
-        return self.cells.largest_error.get() <= self.run.error_ceiling
+        return self.cells.largest_error.get() <= self.run_constants.error_ceiling
 
-    def active(self, cycle: Cycle) -> Mask:
+    def is_active(self, cycle: Cycle) -> Mask:
         """Which trajectories take part in a cycle."""
-        return self.below_ceiling() & (cycle.time(self.writer.integer(0)) < self.run.end)
+        return self.is_below_ceiling() & (
+            cycle.step_time(self.writer.integer_constant(0)) < self.run_constants.run_end
+        )
 
     def compare_states(
         self, left: Sequence[Lanes], fine: Sequence[Lanes], coarse: Sequence[Lanes], t0: Lanes
     ) -> None:
         """Compare the solutions at the end of a double step, which begins at `t0` in `left`."""
         differences = [abs(a - c) for a, c in zip(fine[: len(coarse)], coarse, strict=True)]
-        count = self.absolute_errors or len(differences)
+        count = self.absolute_error_count or len(differences)
         error = reduce(larger_or_nan, differences[:count])
         if differences[count:]:
             size = reduce(larger, map(abs, fine[count:]), self.writer.constant(1.0))
             error = larger_or_nan(error, reduce(larger_or_nan, differences[count:]) / size)
-        self.record_error(t0 < self.run.end, error * self.scale, t0, left)
+        self.record_error(
+            t0 < self.run_constants.run_end, error * self.error_per_difference, t0, left
+        )
 
     def record_error(
         self, where: Mask, error: Lanes, horizon: Lanes, state: Sequence[Lanes]
@@ -91,24 +95,24 @@ class ErrorMonitor:
         """
         zero = self.writer.constant(0.0)
         cells = self.cells
-        error = where.choose(error, zero)
+        error = where.select(error, zero)
         before = cells.largest_error.get()
         if self.error_per_cycle:
             cells.largest_error.set(larger_or_nan(before, error))
             return
         # An error that is NaN fails the comparison, and so the tolerance.
-        met = error <= self.run.tolerance
+        met = error <= self.run_constants.tolerance
         failing = (cells.within_tolerance.get() > 0.5).without(met)
         cells.largest_error.set(larger_or_nan(before, error))
         # A trajectory fails once, so that the branch is rare; what was known before the
         # failing step is kept, since the error of that step already is too large.
-        with self.writer.builder.if_then(failing.any(), likely=False):
+        with self.writer.builder.if_then(failing.any_lane(), likely=False):
             cells.within_tolerance.set_where(failing, zero)
             cells.horizon.set_where(failing, horizon)
             cells.error_to_horizon.set_where(failing, before)
             cells.at_horizon.set_where(failing, state)
 
-    def diverged(self, fine: Sequence[Lanes], coarse: Sequence[Lanes]) -> Mask:
+    def has_diverged(self, fine: Sequence[Lanes], coarse: Sequence[Lanes]) -> Mask:
         """Where the two solutions differ too much to tell anything about each other.
 
         Extremes are compared at turning points only, and two solutions that have both left
@@ -117,5 +121,8 @@ class ErrorMonitor:
         always = self.writer.constant(0.0) <= 0.0
         together = always
         for a, c in zip(fine, coarse, strict=True):
-            together = together & (abs(a - c) * self.scale <= (abs(a) + 1.0) * _DIVERGED)
+            together = together & (
+                abs(a - c) * self.error_per_difference
+                <= (abs(a) + 1.0) * _MIN_DIVERGED_RELATIVE_ERROR
+            )
         return always.without(together)

@@ -54,6 +54,6 @@ def horner(coefficients: list[Any], s: Any) -> Any:
     return total
 
 
-def derivative(coefficients: list[Any]) -> list[Any]:
+def derivative_coefficients(coefficients: list[Any]) -> list[Any]:
     """Coefficients of the derivative."""
     return [float(k) * c for k, c in enumerate(coefficients)][1:]

@@ -20,11 +20,11 @@ from llvmlite import ir
 from remanent.integrate.kernel.error_monitor import ErrorMonitor
 from remanent.integrate.kernel.extrema import (
     TimeDerivatives,
-    derivative,
+    derivative_coefficients,
     hermite_coefficients,
     horner,
 )
-from remanent.integrate.kernel.field_code import FieldCode, Load, LoadTable
+from remanent.integrate.kernel.field_code import FieldCode, LoadTable, PhaseAndWaveforms
 from remanent.integrate.kernel.group import Cycle, RunConstants, TrajectoryCells, VectorCells
 from remanent.integrate.kernel.lanes import (
     Cell,
@@ -43,7 +43,7 @@ _NEWTON_STEPS = 2
 #: Largest value of (s**3 - s)**3 in [-1, 1], to which the error of the polynomial between its
 #: nodes is proportional.  The factor is its next coefficient; the last coefficient, which is
 #: larger where steps resolve the motion, is used in its place.
-_INTERPOLATION_ERROR = 0.057
+_INTERPOLATION_ERROR_FACTOR = 0.057
 
 
 @dataclass(frozen=True)
@@ -75,18 +75,18 @@ class DoubleStep:
         Of both solutions.
     left_load, middle_load, right_load : list of Lanes
         Phase and waveforms at the beginning, in the middle and at the end.
-    start : Lanes
+    start_time : Lanes
         Time of the beginning, tau.
-    diverged : Lanes
+    diverged_flag : Lanes
         1 where the solutions have diverged in the step, else 0.
     """
 
     states: StepStates
-    left_load: Load
-    middle_load: Load
-    right_load: Load
-    start: Lanes
-    diverged: Lanes
+    left_load: PhaseAndWaveforms
+    middle_load: PhaseAndWaveforms
+    right_load: PhaseAndWaveforms
+    start_time: Lanes
+    diverged_flag: Lanes
 
     def vectors(self) -> Iterator[Sequence[Lanes]]:
         """All of it but the scalars, in the order of the attributes."""
@@ -105,32 +105,32 @@ class KeptStep:
     ----------
     vectors : tuple of VectorCells
         In the order of :meth:`DoubleStep.vectors`.
-    start, diverged : Cell
+    start_time, diverged_flag : Cell
         As in :class:`DoubleStep`.
-    waiting : Cell
+    waiting_flag : Cell
         1 where a double step waits, else 0.
     """
 
     vectors: tuple[VectorCells, ...]
-    start: Cell
-    diverged: Cell
-    waiting: Cell
+    start_time: Cell
+    diverged_flag: Cell
+    waiting_flag: Cell
 
     @classmethod
     def empty(cls, writer: Writer, states: int, columns: int, *, coarse: bool) -> Self:
         """Cells in which nothing waits."""
         zero = writer.constant(0.0)
         sizes = [states] * (5 if coarse else 3) + [columns] * 3
-        vectors = tuple(VectorCells.holding(writer, [zero] * size) for size in sizes)
-        return cls(vectors, *(writer.variable(zero) for _ in range(3)))
+        vectors = tuple(VectorCells.with_values(writer, [zero] * size) for size in sizes)
+        return cls(vectors, *(writer.new_cell_with(zero) for _ in range(3)))
 
-    def put(self, where: Mask, step: DoubleStep) -> None:
+    def keep(self, where: Mask, step: DoubleStep) -> None:
         """Let a double step of some trajectories wait."""
         for cells, values in zip(self.vectors, step.vectors(), strict=True):
             cells.set_where(where, values)
-        self.start.set_where(where, step.start)
-        self.diverged.set_where(where, step.diverged)
-        self.waiting.set_where(where, self.waiting.writer.constant(1.0))
+        self.start_time.set_where(where, step.start_time)
+        self.diverged_flag.set_where(where, step.diverged_flag)
+        self.waiting_flag.set_where(where, self.waiting_flag.writer.constant(1.0))
 
     def get(self) -> DoubleStep:
         """The double steps that wait."""
@@ -143,17 +143,17 @@ class KeptStep:
             left_load,
             middle_load,
             right_load,
-            self.start.get(),
-            self.diverged.get(),
+            self.start_time.get(),
+            self.diverged_flag.get(),
         )
 
     def is_waiting(self) -> Mask:
         """Which trajectories have a double step that waits."""
-        return self.waiting.get() > 0.5
+        return self.waiting_flag.get() > 0.5
 
     def clear(self) -> None:
         """Nothing waits any more."""
-        self.waiting.set(self.waiting.writer.constant(0.0))
+        self.waiting_flag.set(self.waiting_flag.writer.constant(0.0))
 
 
 @dataclass(frozen=True)
@@ -162,20 +162,20 @@ class ExtremeTracker:
 
     Attributes
     ----------
-    loads : LoadTable
+    fine_loads : LoadTable
         Of the fine solution.
-    kept : KeptStep
+    kept_step : KeptStep
         Double steps that wait to be worked out.
     """
 
     writer: Writer
-    code: FieldCode
-    run: RunConstants
+    field_code: FieldCode
+    run_constants: RunConstants
     cells: TrajectoryCells
-    loads: LoadTable
-    monitor: ErrorMonitor
-    kept: KeptStep
-    coarse_solution: bool
+    fine_loads: LoadTable
+    error_monitor: ErrorMonitor
+    kept_step: KeptStep
+    has_coarse_solution: bool
 
     @classmethod
     def begin(
@@ -191,25 +191,27 @@ class ExtremeTracker:
         """A tracker at the beginning of a call."""
         w = code.writer
         states = len(code.field.state)
-        kept = KeptStep.empty(w, states, loads.columns, coarse=coarse_solution)
-        state, load = cells.fine.get(), loads.row(w.integer(0))(0)
+        kept = KeptStep.empty(w, states, loads.column_count, coarse=coarse_solution)
+        state, load = cells.fine.get(), loads.load_in_step(w.integer_constant(0))(0)
         # The end of the call before is the same instant, but the phase there may be 1 instead
         # of 0, with other last digits: what was seen there is taken up.
-        saved = cells.direction.get()
-        cells.direction.set((abs(saved) <= math.inf).choose(saved, code.direction(state, load)))
+        saved = cells.watched_rate_sign.get()
+        cells.watched_rate_sign.set(
+            (abs(saved) <= math.inf).select(saved, code.watched_rate_sign(state, load))
+        )
         return cls(w, code, run, cells, loads, monitor, kept, coarse_solution)
 
-    def near_an_end(self, cycle: Cycle) -> ir.Value:
+    def is_near_an_end(self, cycle: Cycle) -> ir.Value:
         """Whether one of the group begins or ends to be followed in this cycle or next to it.
 
         Only then must the ends be looked for in every step.
         """
-        before = cycle.start - self.run.cycle
-        after = cycle.start + self.run.cycle * 2.0
-        well = (self.run.begin < before) & (after < self.run.end)
-        return (self.writer.constant(0.0) <= 0.0).without(well).any()
+        before = cycle.start_time - self.run_constants.cycle_length
+        after = cycle.start_time + self.run_constants.cycle_length * 2.0
+        well = (self.run_constants.extremes_begin < before) & (after < self.run_constants.run_end)
+        return (self.writer.constant(0.0) <= 0.0).without(well).any_lane()
 
-    def note(
+    def keep_eventful_step(
         self,
         states: StepStates,
         cycle: Cycle,
@@ -227,99 +229,107 @@ class ExtremeTracker:
         first, second : ir.Value
             Numbers of the two fine steps in the cycle.
         near_an_end : ir.Value
-            See :meth:`near_an_end`.
+            See :meth:`is_near_an_end`.
         """
-        last_node = self.loads.nodes - 1
-        row, end_row = self.loads.row(first), self.loads.row(second)
+        last_node = self.fine_loads.node_count - 1
+        row, end_row = self.fine_loads.load_in_step(first), self.fine_loads.load_in_step(second)
         right_load = end_row(last_node)
         left_load, middle_load = row(0), row(last_node)
-        before = self.cells.direction.get()
-        between = self.code.direction(states.middle, middle_load)
-        after = self.code.direction(states.right, right_load)
-        self.cells.direction.set(after)
+        before = self.cells.watched_rate_sign.get()
+        between = self.field_code.watched_rate_sign(states.middle, middle_load)
+        after = self.field_code.watched_rate_sign(states.right, right_load)
+        self.cells.watched_rate_sign.set(after)
         turned = (before * between <= 0.0) | (between * after <= 0.0)
         diverged = turned.without(turned)
         if states.coarse_right is not None:
             # Noted once: resolving it puts the error above the ceiling.
-            diverged = self.monitor.diverged(states.right, states.coarse_right)
-            diverged = diverged & self.monitor.below_ceiling()
-        b, run = self.writer.builder, self.run
-        with b.if_then(b.or_((turned | diverged).any(), near_an_end), likely=False):
-            t0 = cycle.time(first)
-            t2 = t0 + cycle.step + cycle.step
-            inside = (run.begin < t2) & (turned | (t0 <= run.begin) | (run.end <= t2))
-            event = (t0 < run.end) & (inside | diverged)
+            diverged = self.error_monitor.has_diverged(states.right, states.coarse_right)
+            diverged = diverged & self.error_monitor.is_below_ceiling()
+        b, run = self.writer.builder, self.run_constants
+        with b.if_then(b.or_((turned | diverged).any_lane(), near_an_end), likely=False):
+            t0 = cycle.step_time(first)
+            t2 = t0 + cycle.fine_step_length + cycle.fine_step_length
+            inside = (run.extremes_begin < t2) & (
+                turned | (t0 <= run.extremes_begin) | (run.run_end <= t2)
+            )
+            event = (t0 < run.run_end) & (inside | diverged)
             zero, one = self.writer.constant(0.0), self.writer.constant(1.0)
-            flag = diverged.choose(one, zero)
+            flag = diverged.select(one, zero)
             step = DoubleStep(states, left_load, middle_load, right_load, t0, flag)
             # The place for it may hold an earlier double step of the same trajectory.
-            with b.if_then((event & self.kept.is_waiting()).any(), likely=False):
-                self.resolve()
-            self.kept.put(event, step)
+            with b.if_then((event & self.kept_step.is_waiting()).any_lane(), likely=False):
+                self.resolve_kept_step()
+            self.kept_step.keep(event, step)
 
-    def resolve(self) -> None:
+    def resolve_kept_step(self) -> None:
         """Work out the double steps that wait: their extremes and the error of these."""
-        step = self.kept.get()
+        step = self.kept_step.get()
         y = step.states
-        diverged, waiting = step.diverged > 0.5, self.kept.is_waiting()
-        left = self.code.watched(y.left, step.left_load)
-        middle = self.code.watched(y.middle, step.middle_load)
-        right = self.code.watched(y.right, step.right_load)
-        polynomial = hermite_coefficients(left, middle, right, self.run.step)
+        diverged, waiting = step.diverged_flag > 0.5, self.kept_step.is_waiting()
+        left = self.field_code.watched_derivatives(y.left, step.left_load)
+        middle = self.field_code.watched_derivatives(y.middle, step.middle_load)
+        right = self.field_code.watched_derivatives(y.right, step.right_load)
+        polynomial = hermite_coefficients(left, middle, right, self.run_constants.fine_step_length)
         if y.coarse_left is not None and y.coarse_right is not None:
-            at_left = self._difference(left, y.coarse_left, step.left_load)
-            at_right = self._difference(right, y.coarse_right, step.right_load)
+            at_left = self._observable_difference(left, y.coarse_left, step.left_load)
+            at_right = self._observable_difference(right, y.coarse_right, step.right_load)
             error = (
-                larger_or_nan(at_left, at_right) * self.monitor.scale
-                + abs(polynomial[-1]) * _INTERPOLATION_ERROR
+                larger_or_nan(at_left, at_right) * self.error_monitor.error_per_difference
+                + abs(polynomial[-1]) * _INTERPOLATION_ERROR_FACTOR
             )
-            error = diverged.choose(self.writer.constant(math.inf), error)
-            self.monitor.record_error(waiting, error, step.start, y.left)
+            error = diverged.select(self.writer.constant(math.inf), error)
+            self.error_monitor.record_error(waiting, error, step.start_time, y.left)
         followed = waiting & (self.cells.within_tolerance.get() > 0.5)
-        self._take_extremes(followed, step.start, (left, middle, right), polynomial)
-        self.kept.clear()
+        self._update_extremes(followed, step.start_time, (left, middle, right), polynomial)
+        self.kept_step.clear()
 
-    def _difference(self, fine: TimeDerivatives, coarse: Sequence[Lanes], load: Load) -> Lanes:
+    def _observable_difference(
+        self, fine: TimeDerivatives, coarse: Sequence[Lanes], load: PhaseAndWaveforms
+    ) -> Lanes:
         """How much the observable of two solutions may differ within h of a known place.
 
         The first two terms of its Taylor series: an extremum is compared at the ends of the
         double step, not where it is.
         """
-        rough = self.code.watched(coarse, load)
+        rough = self.field_code.watched_derivatives(coarse, load)
         value: Lanes = abs(fine.value - rough.value)
         rate: Lanes = abs(fine.rate - rough.rate)
-        return value + self.run.step * rate
+        return value + self.run_constants.fine_step_length * rate
 
-    def _take_extremes(
+    def _update_extremes(
         self, where: Mask, t0: Lanes, nodes: Sequence[TimeDerivatives], polynomial: list[Any]
     ) -> None:
         """Compare the extremum of a double step, and its ends, with the extremes so far."""
         left, middle, right = nodes
-        run = self.run
-        centre = t0 + run.step
+        run = self.run_constants
+        centre = t0 + run.fine_step_length
         in_first_half = left.rate * middle.rate <= 0.0
-        near = in_first_half.choose(left.rate, middle.rate)
-        far = in_first_half.choose(middle.rate, right.rate)
-        shift = in_first_half.choose(self.writer.constant(-1.0), self.writer.constant(0.0))
+        near = in_first_half.select(left.rate, middle.rate)
+        far = in_first_half.select(middle.rate, right.rate)
+        shift = in_first_half.select(self.writer.constant(-1.0), self.writer.constant(0.0))
         s = _turning_point(polynomial, near, far, shift)
-        time = centre + s * run.step
-        turned = (near * far <= 0.0) & (run.begin <= time) & (time <= run.end)
-        self._take(where & turned, horner(polynomial, s))
-        at_an_end = where & ((t0 <= run.begin) | (run.end < centre + run.step))
-        with self.writer.builder.if_then(at_an_end.any(), likely=False):
-            self._take_ends(at_an_end, t0, polynomial)
+        time = centre + s * run.fine_step_length
+        turned = (near * far <= 0.0) & (run.extremes_begin <= time) & (time <= run.run_end)
+        self._update_extremes_with_value(where & turned, horner(polynomial, s))
+        at_an_end = where & (
+            (t0 <= run.extremes_begin) | (run.run_end < centre + run.fine_step_length)
+        )
+        with self.writer.builder.if_then(at_an_end.any_lane(), likely=False):
+            self._update_extremes_with_ends(at_an_end, t0, polynomial)
 
-    def _take_ends(self, where: Mask, t0: Lanes, polynomial: list[Any]) -> None:
+    def _update_extremes_with_ends(self, where: Mask, t0: Lanes, polynomial: list[Any]) -> None:
         """Values where the extremes begin and end to be followed, inside a double step."""
-        run = self.run
-        centre = t0 + run.step
-        low = larger((run.begin - centre) / run.step, self.writer.constant(-1.0))
-        high = smaller((run.end - centre) / run.step, self.writer.constant(1.0))
+        run = self.run_constants
+        centre = t0 + run.fine_step_length
+        low = larger(
+            (run.extremes_begin - centre) / run.fine_step_length, self.writer.constant(-1.0)
+        )
+        high = smaller((run.run_end - centre) / run.fine_step_length, self.writer.constant(1.0))
         for s in (low, high):
-            bound = (s > -1.0) & (s < 1.0) | (t0 <= run.begin) & (s <= -1.0)
-            self._take(where & bound, horner(polynomial, s))
+            bound = (s > -1.0) & (s < 1.0) | (t0 <= run.extremes_begin) & (s <= -1.0)
+            self._update_extremes_with_value(where & bound, horner(polynomial, s))
 
-    def _take(self, where: Mask, value: Lanes) -> None:
+    def _update_extremes_with_value(self, where: Mask, value: Lanes) -> None:
         maximum, minimum = self.cells.maximum, self.cells.minimum
         maximum.set_where(where, larger(value, maximum.get()))
         minimum.set_where(where, smaller(value, minimum.get()))
@@ -327,15 +337,15 @@ class ExtremeTracker:
 
 def _turning_point(polynomial: list[Any], near: Lanes, far: Lanes, shift: Lanes) -> Lanes:
     """Where the derivative vanishes in [shift, shift + 1], by Newton from a secant."""
-    slope = derivative(polynomial)
-    curvature = derivative(slope)
+    slope = derivative_coefficients(polynomial)
+    curvature = derivative_coefficients(slope)
     s = reciprocal_quotient(near, near - far) + shift
     for _ in range(_NEWTON_STEPS):
         inverse = s.writer.reciprocal(horner(curvature, s))
-        s = _within(s - horner(slope, s) * inverse, shift)
+        s = _clamp_to_half(s - horner(slope, s) * inverse, shift)
     # So close by now that the curvature is that of the last step.
-    return _within(s - horner(slope, s) * inverse, shift)
+    return _clamp_to_half(s - horner(slope, s) * inverse, shift)
 
 
-def _within(s: Lanes, shift: Lanes) -> Lanes:
+def _clamp_to_half(s: Lanes, shift: Lanes) -> Lanes:
     return larger(smaller(s, shift + 1.0), shift)

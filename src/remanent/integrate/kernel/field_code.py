@@ -12,14 +12,14 @@ from remanent._field import Field, Program
 from remanent.integrate.kernel.extrema import TimeDerivatives
 from remanent.integrate.kernel.group import GroupSlots
 from remanent.integrate.kernel.lanes import LaneFunctions, Lanes, Writer, reciprocal_quotient
-from remanent.integrate.kernel.options import Method, Options
-from remanent.integrate.kernel.outline import LONG, Outlined
-from remanent.integrate.methods.runge_kutta import RungeKutta
+from remanent.integrate.kernel.options import KernelOptions, Method
+from remanent.integrate.kernel.outline import MAX_INLINED_INSTRUCTIONS, OutlinedRates
+from remanent.integrate.methods.runge_kutta import RungeKuttaMethod
 
 #: Phase and waveforms at an instant.
-Load = list[Lanes]
+PhaseAndWaveforms = list[Lanes]
 #: How a program divides: by a division, or by reciprocals that are known already.
-Divide = Callable[[Any, Any], Any]
+DivideFunction = Callable[[Any, Any], Any]
 
 
 @dataclass(frozen=True)
@@ -28,43 +28,47 @@ class LoadTable:
 
     Attributes
     ----------
-    memory : ir.Value
+    table_pointer : ir.Value
         Pointer to the array (step, node, 1 + waveform).
-    nodes, columns : int
+    node_count, column_count : int
         Nodes of a step; phase and waveforms.
     """
 
     writer: Writer
-    memory: ir.Value
-    nodes: int
-    columns: int
+    table_pointer: ir.Value
+    node_count: int
+    column_count: int
 
-    def row(self, step: ir.Value) -> Callable[[int], Load]:
+    def load_in_step(self, step: ir.Value) -> Callable[[int], PhaseAndWaveforms]:
         """The load in a step, as a function of the node."""
         b, w = self.writer.builder, self.writer
-        base = b.mul(step, w.integer(self.nodes * self.columns))
+        base = b.mul(step, w.integer_constant(self.node_count * self.column_count))
 
-        def at(node: int) -> Load:
+        def at(node: int) -> PhaseAndWaveforms:
             # The load is the same for all trajectories: a scalar, copied to every lane.
-            index = (w.integer(node * self.columns + k) for k in range(self.columns))
-            return [w.spread(w.load_scalar(self.memory, b.add(base, k))) for k in index]
+            index = (
+                w.integer_constant(node * self.column_count + k) for k in range(self.column_count)
+            )
+            return [w.broadcast(w.load_scalar(self.table_pointer, b.add(base, k))) for k in index]
 
         return at
 
 
 def outlined_rates(
-    field: Field, method: Method, options: Options, writer: Writer
-) -> dict[int, Outlined]:
+    field: Field, method: Method, options: KernelOptions, writer: Writer
+) -> dict[int, OutlinedRates]:
     """The rates as functions of their own, by how many variables they are for.
 
     Empty where the rates are short, or where a method evaluates them so rarely that writing
     them out costs the compiler little.
     """
-    if len(field.rates.code) <= LONG or not isinstance(method, RungeKutta):
+    if len(field.rates.code) <= MAX_INLINED_INSTRUCTIONS or not isinstance(
+        method, RungeKuttaMethod
+    ):
         return {}
     states = len(field.state)
-    sizes = {states, options.coarse_variables or states}
-    return {size: Outlined(field, writer, size) for size in sorted(sizes)}
+    sizes = {states, options.coarse_variable_count or states}
+    return {size: OutlinedRates(field, writer, size) for size in sorted(sizes)}
 
 
 @dataclass(frozen=True)
@@ -75,45 +79,54 @@ class FieldCode:
     ----------
     parameters : sequence of Lanes
         Of the trajectories of the group.
-    outlined : mapping of int to Outlined
+    outlined_rates : mapping of int to OutlinedRates
         Functions for the rates, see :func:`outlined_rates`; written out in place if empty.
     """
 
     field: Field
     writer: Writer
     parameters: Sequence[Lanes]
-    outlined: Mapping[int, Outlined]
+    outlined_rates: Mapping[int, OutlinedRates]
 
     @classmethod
-    def load(cls, field: Field, slots: GroupSlots, outlined: Mapping[int, Outlined]) -> Self:
+    def with_parameters_of(
+        cls, field: Field, slots: GroupSlots, outlined: Mapping[int, OutlinedRates]
+    ) -> Self:
         """Read the parameters of a group."""
         parameters = slots.parameters()
         for function in outlined.values():
-            function.prepare(parameters)
+            function.prepare_parameters(parameters)
         return cls(field, slots.writer, parameters, outlined)
 
     def rates(
-        self, y: Sequence[Lanes], load: Load, divide: Divide = reciprocal_quotient
+        self,
+        y: Sequence[Lanes],
+        load: PhaseAndWaveforms,
+        divide: DivideFunction = reciprocal_quotient,
     ) -> list[Lanes]:
         """The rates of all state variables, or of the first ones, on which no others act."""
-        if self.outlined:
-            return self.outlined[len(y)](load[0], y, load[1:])
+        if self.outlined_rates:
+            return self.outlined_rates[len(y)](load[0], y, load[1:])
         absent = [self.writer.constant(0.0)] * (len(self.field.state) - len(y))
-        return self._run(self.field.rates, [*y, *absent], load, divide)[: len(y)]
+        return self._run_program(self.field.rates, [*y, *absent], load, divide)[: len(y)]
 
-    def watched(self, y: Sequence[Lanes], load: Load) -> TimeDerivatives:
+    def watched_derivatives(self, y: Sequence[Lanes], load: PhaseAndWaveforms) -> TimeDerivatives:
         """The watched observable and its time derivatives."""
-        value, rate, acceleration, _ = self._run(self.field.watched, y, load)
+        value, rate, acceleration, _ = self._run_program(self.field.watched, y, load)
         return TimeDerivatives(value, rate, acceleration)
 
-    def direction(self, y: Sequence[Lanes], load: Load) -> Lanes:
+    def watched_rate_sign(self, y: Sequence[Lanes], load: PhaseAndWaveforms) -> Lanes:
         """A cheaper quantity with the sign of the watched observable's rate."""
         # The instructions of the other three outputs are written too; as nothing uses them,
         # the optimiser leaves them out.
-        return self._run(self.field.watched, y, load)[3]
+        return self._run_program(self.field.watched, y, load)[3]
 
-    def _run(
-        self, program: Program, y: Sequence[Lanes], load: Load, divide: Divide = reciprocal_quotient
+    def _run_program(
+        self,
+        program: Program,
+        y: Sequence[Lanes],
+        load: PhaseAndWaveforms,
+        divide: DivideFunction = reciprocal_quotient,
     ) -> list[Lanes]:
         return program(
             [load[0], *y, *self.parameters, *load[1:]],

@@ -13,7 +13,12 @@ from typing import Self
 from llvmlite import ir
 
 from remanent.integrate.kernel.lanes import Cell, Lanes, Mask, Writer
-from remanent.integrate.kernel.layout import CONSTANTS, RESULTS, STATES, Layout
+from remanent.integrate.kernel.layout import (
+    CHANGING_SCALAR_NAMES,
+    CONSTANT_SCALAR_NAMES,
+    STATE_VECTOR_NAMES,
+    SlotLayout,
+)
 
 
 @dataclass(frozen=True)
@@ -24,53 +29,53 @@ class GroupSlots:
     ----------
     writer : Writer
         Where the instructions go.
-    memory : ir.Value
+    slots_pointer : ir.Value
         Pointer to the array.
-    layout : Layout
+    layout : SlotLayout
         The slot of each number, by its name.
-    group : ir.Value
+    group_number : ir.Value
         Number of the group.
     """
 
     writer: Writer
-    memory: ir.Value
-    layout: Layout
-    group: ir.Value
+    slots_pointer: ir.Value
+    layout: SlotLayout
+    group_number: ir.Value
 
     def read(self, name: str) -> Lanes:
         """The number called `name` of every trajectory of the group."""
-        return self.writer.load(self.memory, self._index(name))
+        return self.writer.load_lanes(self.slots_pointer, self._slot_index(name))
 
     def write(self, name: str, value: Lanes) -> None:
         """Put back the number called `name`."""
-        self.writer.store(value, self.memory, self._index(name))
+        self.writer.store_lanes(value, self.slots_pointer, self._slot_index(name))
 
     def parameters(self) -> list[Lanes]:
         """The parameters of every trajectory of the group."""
-        return [self.read(f"parameter.{i}") for i in range(self.layout.parameters)]
+        return [self.read(f"parameter.{i}") for i in range(self.layout.parameter_count)]
 
-    def _index(self, name: str) -> ir.Value:
+    def _slot_index(self, name: str) -> ir.Value:
         b, w = self.writer.builder, self.writer
-        base = b.mul(self.group, w.integer(self.layout.size * w.width))
-        return b.add(base, w.integer(self.layout.slots[name] * w.width))
+        base = b.mul(self.group_number, w.integer_constant(self.layout.slot_count * w.width))
+        return b.add(base, w.integer_constant(self.layout.slot_of_name[name] * w.width))
 
 
 @dataclass(frozen=True)
 class RunConstants:
-    """What does not change while a kernel runs; see :data:`~.layout.CONSTANTS`."""
+    """What does not change while a kernel runs; see :data:`~.layout.CONSTANT_SCALAR_NAMES`."""
 
-    step: Lanes
-    cycle: Lanes
-    start: Lanes
-    begin: Lanes
-    end: Lanes
+    fine_step_length: Lanes
+    cycle_length: Lanes
+    piece_start: Lanes
+    extremes_begin: Lanes
+    run_end: Lanes
     tolerance: Lanes
     error_ceiling: Lanes
 
     @classmethod
     def read(cls, slots: GroupSlots) -> Self:
         """Read them from the slots of a group."""
-        return cls(**{name: slots.read(name) for name in CONSTANTS})
+        return cls(**{name: slots.read(name) for name in CONSTANT_SCALAR_NAMES})
 
 
 @dataclass(frozen=True)
@@ -81,22 +86,25 @@ class Cycle:
     ----------
     number : ir.Value
         How many cycles of this call came before.
-    start, step : Lanes
+    start_time, fine_step_length : Lanes
         Time of its beginning, and length of a fine step, tau.
     first_step : ir.Value
         Fine steps of the cycle that come before those of this call.
     """
 
     number: ir.Value
-    start: Lanes
-    step: Lanes
+    start_time: Lanes
+    fine_step_length: Lanes
     first_step: ir.Value
 
-    def time(self, step: ir.Value) -> Lanes:
+    def step_time(self, step: ir.Value) -> Lanes:
         """Time, tau, at the beginning of a fine step of the call in the cycle."""
         # Counted from the start of the cycle, so that no digit depends on where calls begin.
-        w = self.start.writer
-        return self.start + w.spread_integer(w.builder.add(self.first_step, step)) * self.step
+        w = self.start_time.writer
+        return (
+            self.start_time
+            + w.broadcast_integer(w.builder.add(self.first_step, step)) * self.fine_step_length
+        )
 
 
 @dataclass(frozen=True)
@@ -106,9 +114,9 @@ class VectorCells:
     cells: tuple[Cell, ...]
 
     @classmethod
-    def holding(cls, writer: Writer, values: Sequence[Lanes]) -> Self:
+    def with_values(cls, writer: Writer, values: Sequence[Lanes]) -> Self:
         """New cells with these values."""
-        return cls(tuple(writer.variable(value) for value in values))
+        return cls(tuple(writer.new_cell_with(value) for value in values))
 
     def get(self, count: int | None = None) -> list[Lanes]:
         """The vector, or its first `count` components."""
@@ -127,8 +135,9 @@ class VectorCells:
 
 @dataclass(frozen=True)
 class TrajectoryCells:
-    """What changes while a kernel runs; see :data:`~.layout.STATES` and `RESULTS` there.
+    """What changes while a kernel runs.
 
+    The names are those of :data:`~.layout.STATE_VECTOR_NAMES` and `CHANGING_SCALAR_NAMES`.
     Cells, which the optimiser turns into registers, are read from the slots of a group once
     and written back once.
     """
@@ -143,17 +152,17 @@ class TrajectoryCells:
     largest_error: Cell
     maximum: Cell
     minimum: Cell
-    direction: Cell
+    watched_rate_sign: Cell
 
     @classmethod
     def load(cls, slots: GroupSlots) -> Self:
         """Read the cells from the slots of a group."""
 
         def cell(name: str) -> Cell:
-            return slots.writer.variable(slots.read(name))
+            return slots.writer.new_cell_with(slots.read(name))
 
         def vector(kind: str) -> VectorCells:
-            return VectorCells(tuple(cell(f"{kind}.{i}") for i in range(slots.layout.states)))
+            return VectorCells(tuple(cell(f"{kind}.{i}") for i in range(slots.layout.state_count)))
 
         return cls(
             fine=vector("fine"),
@@ -166,13 +175,13 @@ class TrajectoryCells:
             largest_error=cell("largest_error"),
             maximum=cell("maximum"),
             minimum=cell("minimum"),
-            direction=cell("direction"),
+            watched_rate_sign=cell("watched_rate_sign"),
         )
 
     def save(self, slots: GroupSlots) -> None:
         """Write the cells back."""
-        for kind in STATES:
+        for kind in STATE_VECTOR_NAMES:
             for i, cell in enumerate(getattr(self, kind).cells):
                 slots.write(f"{kind}.{i}", cell.get())
-        for name in RESULTS:
+        for name in CHANGING_SCALAR_NAMES:
             slots.write(name, getattr(self, name).get())

@@ -24,29 +24,29 @@ from remanent.integrate.kernel.error_monitor import ErrorMonitor
 from remanent.integrate.kernel.extreme_tracker import ExtremeTracker, StepStates
 from remanent.integrate.kernel.field_code import FieldCode, LoadTable, outlined_rates
 from remanent.integrate.kernel.group import Cycle, GroupSlots, RunConstants, TrajectoryCells
-from remanent.integrate.kernel.lanes import DOUBLE, INTEGER, Writer
+from remanent.integrate.kernel.lanes import DOUBLE_TYPE, INTEGER_TYPE, Writer
 from remanent.integrate.kernel.lockstep import Lockstep
-from remanent.integrate.kernel.options import Method, Options, layout_of
+from remanent.integrate.kernel.options import KernelOptions, Method, layout_of
 from remanent.integrate.kernel.recorder import Recorder
-from remanent.integrate.kernel.stepping import stepper_for
+from remanent.integrate.kernel.stepping import create_stepper
 
 #: Name of the function in the object code.
-NAME = "kernel"
+KERNEL_FUNCTION_NAME = "kernel"
 
 
 @dataclass(frozen=True)
-class Arguments:
+class KernelArguments:
     """The arguments of a kernel, in order.
 
     Attributes
     ----------
-    lanes : pointer to double
-        ``(group, slot, lane)``, see :class:`~remanent.integrate.kernel.layout.Layout`.
-    fine, coarse : pointer to double
+    slots_pointer : pointer to double
+        ``(group, slot, lane)``, see :class:`~remanent.integrate.kernel.layout.SlotLayout`.
+    fine_table, coarse_table : pointer to double
         See :func:`~remanent.integrate.kernel.tables.waveform_tables`.
-    record : pointer to double
+    record_pointer : pointer to double
         ``(record, group, state, lane)``.
-    groups, cycles, double_steps, every : integer
+    group_count, cycle_count, double_step_count, record_interval : integer
         Number of groups, of cycles, of double steps per cycle, and of fine steps between
         records (0: none).
     first_cycle, first_step : integer
@@ -54,30 +54,30 @@ class Arguments:
         are taken.
     """
 
-    lanes: ir.Value
-    fine: ir.Value
-    coarse: ir.Value
-    record: ir.Value
-    groups: ir.Value
-    cycles: ir.Value
-    double_steps: ir.Value
-    every: ir.Value
+    slots_pointer: ir.Value
+    fine_table: ir.Value
+    coarse_table: ir.Value
+    record_pointer: ir.Value
+    group_count: ir.Value
+    cycle_count: ir.Value
+    double_step_count: ir.Value
+    record_interval: ir.Value
     first_cycle: ir.Value
     first_step: ir.Value
 
 
 def kernel_source(
-    field: Field, method: Method, options: Options, width: int, *, estimates: bool = False
+    field: Field, method: Method, options: KernelOptions, width: int, *, estimates: bool = False
 ) -> str:
-    """LLVM assembly of the kernel ``void kernel(...)`` with these :class:`Arguments`.
+    """LLVM assembly of the kernel ``void kernel(...)`` with these :class:`KernelArguments`.
 
     Parameters
     ----------
     field : Field
         What moves.
-    method : RungeKutta or Adams
+    method : RungeKuttaMethod or AdamsMethod
         What it is integrated with.
-    options : Options
+    options : KernelOptions
         What is followed.
     width : int
         Trajectories per group.
@@ -85,32 +85,32 @@ def kernel_source(
         The code is for a processor that estimates reciprocals of eight numbers at once.
     """
     module = ir.Module(name="remanent")
-    pointer = DOUBLE.as_pointer()
-    signature = ir.FunctionType(ir.VoidType(), [pointer] * 4 + [INTEGER] * 6)
-    function = ir.Function(module, signature, NAME)
+    pointer = DOUBLE_TYPE.as_pointer()
+    signature = ir.FunctionType(ir.VoidType(), [pointer] * 4 + [INTEGER_TYPE] * 6)
+    function = ir.Function(module, signature, KERNEL_FUNCTION_NAME)
     # Cells are allocated in a block of their own, which is run once.
     builder = ir.IRBuilder(function.append_basic_block("entry"))
     begin = function.append_basic_block("begin")
     builder.branch(begin)
     builder.position_at_end(begin)
     writer = Writer(builder, width, estimates)
-    _write(field, method, options, writer, Arguments(*function.args))
+    _write_group_loop(field, method, options, writer, KernelArguments(*function.args))
     builder.ret_void()
     return str(module)
 
 
-def _write(
-    field: Field, method: Method, options: Options, writer: Writer, arguments: Arguments
+def _write_group_loop(
+    field: Field, method: Method, options: KernelOptions, writer: Writer, arguments: KernelArguments
 ) -> None:
     """Write the loop over groups."""
     outlined = outlined_rates(field, method, options, writer)
-    with writer.loop(arguments.groups) as (group, _):
-        slots = GroupSlots(writer, arguments.lanes, layout_of(field, options), group)
+    with writer.loop(arguments.group_count) as (group, _):
+        slots = GroupSlots(writer, arguments.slots_pointer, layout_of(field, options), group)
         run = RunConstants.read(slots)
-        code = FieldCode.load(field, slots, outlined)
-        kernel = GroupKernel.load(method, options, slots, arguments, run, code)
-        kernel.write()
-        kernel.solutions.save(slots, arguments.double_steps)
+        code = FieldCode.with_parameters_of(field, slots, outlined)
+        kernel = GroupKernel.from_slots(method, options, slots, arguments, run, code)
+        kernel.write_loops()
+        kernel.lockstep.save(slots, arguments.double_step_count)
 
 
 @dataclass(frozen=True)
@@ -119,26 +119,26 @@ class GroupKernel:
 
     Attributes
     ----------
-    tracker : ExtremeTracker, optional
+    extreme_tracker : ExtremeTracker, optional
         Where extremes are followed.
     """
 
-    options: Options
+    options: KernelOptions
     writer: Writer
-    arguments: Arguments
-    run: RunConstants
-    solutions: Lockstep
-    monitor: ErrorMonitor
-    tracker: ExtremeTracker | None
+    arguments: KernelArguments
+    run_constants: RunConstants
+    lockstep: Lockstep
+    error_monitor: ErrorMonitor
+    extreme_tracker: ExtremeTracker | None
     recorder: Recorder
 
     @classmethod
-    def load(
+    def from_slots(
         cls,
         method: Method,
-        options: Options,
+        options: KernelOptions,
         slots: GroupSlots,
-        arguments: Arguments,
+        arguments: KernelArguments,
         run: RunConstants,
         code: FieldCode,
     ) -> GroupKernel:
@@ -147,14 +147,15 @@ class GroupKernel:
         cells = TrajectoryCells.load(slots)
         nodes, columns = len(method.nodes), 1 + len(code.field.waveforms)
         fine, coarse = (
-            LoadTable(w, table, nodes, columns) for table in (arguments.fine, arguments.coarse)
+            LoadTable(w, table, nodes, columns)
+            for table in (arguments.fine_table, arguments.coarse_table)
         )
-        stepper = stepper_for(method, options, code, slots)
-        count = options.coarse_variables or len(code.field.state)
-        monitor = ErrorMonitor.of(method, options, w, run, cells)
+        stepper = create_stepper(method, options, code, slots)
+        count = options.coarse_variable_count or len(code.field.state)
+        monitor = ErrorMonitor.for_method(method, options, w, run, cells)
         tracker = None
-        if options.extremes:
-            with_coarse = options.coarse_solution
+        if options.follows_extremes:
+            with_coarse = options.has_coarse_solution
             tracker = ExtremeTracker.begin(
                 code, run, cells, fine, monitor, coarse_solution=with_coarse
             )
@@ -163,46 +164,58 @@ class GroupKernel:
             w,
             arguments,
             run,
-            Lockstep(method, stepper, cells, run.step, fine, coarse, count),
+            Lockstep(method, stepper, cells, run.fine_step_length, fine, coarse, count),
             monitor,
             tracker,
-            Recorder(w, arguments.record, arguments.groups, slots.group, arguments.every),
+            Recorder(
+                w,
+                arguments.record_pointer,
+                arguments.group_count,
+                slots.group_number,
+                arguments.record_interval,
+            ),
         )
 
-    def write(self) -> None:
+    def write_loops(self) -> None:
         """Write the loops over cycles and over the double steps of a cycle."""
-        w, run = self.writer, self.run
-        with w.loop(self.arguments.cycles) as (number, leave_if):
+        w, run = self.writer, self.run_constants
+        with w.loop(self.arguments.cycle_count) as (number, leave_if):
             # Counted from the start of the piece, so that no digit depends on where calls begin.
-            count = w.spread_integer(w.builder.add(self.arguments.first_cycle, number))
-            start = run.start + count * run.cycle
-            cycle = Cycle(number, start, run.step, self.arguments.first_step)
-            leave_if(w.builder.not_(self.monitor.active(cycle).any()))
+            count = w.broadcast_integer(w.builder.add(self.arguments.first_cycle, number))
+            start = run.piece_start + count * run.cycle_length
+            cycle = Cycle(number, start, run.fine_step_length, self.arguments.first_step)
+            leave_if(w.builder.not_(self.error_monitor.is_active(cycle).any_lane()))
             if self.options.error_per_cycle:
-                self.solutions.restart_coarse()
-            near_an_end = self.tracker.near_an_end(cycle) if self.tracker else None
-            with w.loop(self.arguments.double_steps) as (double_step, _):
-                self._double_step(cycle, double_step, near_an_end)
-        if self.tracker:
-            self.tracker.resolve()
+                self.lockstep.restart_coarse()
+            near_an_end = (
+                self.extreme_tracker.is_near_an_end(cycle) if self.extreme_tracker else None
+            )
+            with w.loop(self.arguments.double_step_count) as (double_step, _):
+                self._write_double_step(cycle, double_step, near_an_end)
+        if self.extreme_tracker:
+            self.extreme_tracker.resolve_kept_step()
 
-    def _double_step(self, cycle: Cycle, number: ir.Value, near_an_end: ir.Value | None) -> None:
+    def _write_double_step(
+        self, cycle: Cycle, number: ir.Value, near_an_end: ir.Value | None
+    ) -> None:
         """Write two fine steps and a coarse one, and what is learnt from them."""
         b, w = self.writer.builder, self.writer
-        first = b.mul(number, w.integer(2))
-        second = b.add(first, w.integer(1))
-        left, coarse_left = self.solutions.fine_state(), self.solutions.coarse_state()
-        middle = self.solutions.fine_step(first)
-        right = self.solutions.fine_step(second)
+        first = b.mul(number, w.integer_constant(2))
+        second = b.add(first, w.integer_constant(1))
+        left, coarse_left = self.lockstep.fine_state(), self.lockstep.coarse_state()
+        middle = self.lockstep.fine_step(first)
+        right = self.lockstep.fine_step(second)
         states = StepStates(left, middle, right, None, None)
-        if self.options.coarse_solution:
-            coarse_right = self.solutions.coarse_step(number)
+        if self.options.has_coarse_solution:
+            coarse_right = self.lockstep.coarse_step(number)
             states = StepStates(left, middle, right, coarse_left, coarse_right)
-        if self.tracker and near_an_end is not None:
-            self.tracker.note(states, cycle, first, second, near_an_end)
+        if self.extreme_tracker and near_an_end is not None:
+            self.extreme_tracker.keep_eventful_step(states, cycle, first, second, near_an_end)
         elif states.coarse_right is not None:
-            self.monitor.compare_states(left, right, states.coarse_right, cycle.time(first))
-        count = b.mul(cycle.number, b.mul(self.arguments.double_steps, w.integer(2)))
+            self.error_monitor.compare_states(
+                left, right, states.coarse_right, cycle.step_time(first)
+            )
+        count = b.mul(cycle.number, b.mul(self.arguments.double_step_count, w.integer_constant(2)))
         count = b.add(count, first)
-        self.recorder.note(b.add(count, w.integer(1)), middle)
-        self.recorder.note(b.add(count, w.integer(2)), right)
+        self.recorder.record_if_due(b.add(count, w.integer_constant(1)), middle)
+        self.recorder.record_if_due(b.add(count, w.integer_constant(2)), right)

@@ -16,15 +16,15 @@ from typing import Any
 
 from llvmlite import ir
 
-DOUBLE = ir.DoubleType()
-INTEGER = ir.IntType(64)
-_INDEX = ir.IntType(32)
+DOUBLE_TYPE = ir.DoubleType()
+INTEGER_TYPE = ir.IntType(64)
+_LANE_INDEX_TYPE = ir.IntType(32)
 #: Name in LLVM of the instruction that estimates reciprocals.
-_RECIPROCAL_ESTIMATE = "llvm.x86.avx512.rcp14.pd.512"
+_RECIPROCAL_ESTIMATE_NAME = "llvm.x86.avx512.rcp14.pd.512"
 #: Lanes of that instruction.
-_ESTIMATE_LANES = 8
+_RECIPROCAL_ESTIMATE_LANE_COUNT = 8
 #: Fused multiply-add is allowed; nothing else that would change a result or a NaN.
-_FLAGS = ("contract",)
+_FLOAT_INSTRUCTION_FLAGS = ("contract",)
 
 
 @dataclass(frozen=True)
@@ -35,61 +35,61 @@ class Writer:
     ----------
     width
         Lanes.
-    estimates
+    has_reciprocal_estimates
         The processor has an instruction for estimates of reciprocals.
     """
 
     builder: ir.IRBuilder
     width: int
-    estimates: bool = False
+    has_reciprocal_estimates: bool = False
 
     @property
     def vector_type(self) -> ir.VectorType:
-        return ir.VectorType(DOUBLE, self.width)
+        return ir.VectorType(DOUBLE_TYPE, self.width)
 
     def constant(self, value: float) -> Lanes:
         """The same number in every lane."""
         return Lanes(self, ir.Constant(self.vector_type, [float(value)] * self.width))
 
-    def integer(self, value: int) -> ir.Constant:
-        return ir.Constant(INTEGER, value)
+    def integer_constant(self, value: int) -> ir.Constant:
+        return ir.Constant(INTEGER_TYPE, value)
 
-    def spread(self, scalar: ir.Value) -> Lanes:
+    def broadcast(self, scalar: ir.Value) -> Lanes:
         """A scalar double copied to every lane."""
         undefined = ir.Constant(self.vector_type, ir.Undefined)
-        one = self.builder.insert_element(undefined, scalar, ir.Constant(_INDEX, 0))
-        zeros = ir.Constant(ir.VectorType(_INDEX, self.width), [0] * self.width)
+        one = self.builder.insert_element(undefined, scalar, ir.Constant(_LANE_INDEX_TYPE, 0))
+        zeros = ir.Constant(ir.VectorType(_LANE_INDEX_TYPE, self.width), [0] * self.width)
         return Lanes(self, self.builder.shuffle_vector(one, undefined, zeros))
 
-    def spread_integer(self, scalar: ir.Value) -> Lanes:
+    def broadcast_integer(self, scalar: ir.Value) -> Lanes:
         """An integer, as a double, in every lane."""
-        return self.spread(self.builder.sitofp(scalar, DOUBLE))
+        return self.broadcast(self.builder.sitofp(scalar, DOUBLE_TYPE))
 
-    def load(self, pointer: ir.Value, index: ir.Value) -> Lanes:
+    def load_lanes(self, pointer: ir.Value, index: ir.Value) -> Lanes:
         """Read the lanes that start at ``pointer[index]``."""
-        value = self.builder.load(self._address(pointer, index))
+        value = self.builder.load(self._vector_address(pointer, index))
         value.align = 8
         return Lanes(self, value)
 
-    def store(self, lanes: Lanes, pointer: ir.Value, index: ir.Value) -> None:
+    def store_lanes(self, lanes: Lanes, pointer: ir.Value, index: ir.Value) -> None:
         """Write the lanes to ``pointer[index]`` and following."""
-        self.builder.store(lanes.value, self._address(pointer, index)).align = 8
+        self.builder.store(lanes.ir_value, self._vector_address(pointer, index)).align = 8
 
-    def _address(self, pointer: ir.Value, index: ir.Value) -> ir.Value:
+    def _vector_address(self, pointer: ir.Value, index: ir.Value) -> ir.Value:
         address = self.builder.gep(pointer, [index])
         return self.builder.bitcast(address, self.vector_type.as_pointer())
 
     def load_scalar(self, pointer: ir.Value, index: ir.Value) -> ir.Value:
         return self.builder.load(self.builder.gep(pointer, [index]))
 
-    def cell(self) -> Cell:
+    def new_cell(self) -> Cell:
         """A mutable cell without a value; the optimiser turns it into registers."""
         with self.builder.goto_entry_block():
             return Cell(self, self.builder.alloca(self.vector_type))
 
-    def variable(self, initial: Lanes) -> Cell:
+    def new_cell_with(self, initial: Lanes) -> Cell:
         """A mutable cell."""
-        cell = self.cell()
+        cell = self.new_cell()
         cell.set(initial)
         return cell
 
@@ -101,8 +101,8 @@ class Writer:
         head, body, end = (b.append_basic_block(n) for n in ("head", "body", "end"))
         b.branch(head)
         b.position_at_end(head)
-        index = b.phi(INTEGER)
-        index.add_incoming(self.integer(0), before)
+        index = b.phi(INTEGER_TYPE)
+        index.add_incoming(self.integer_constant(0), before)
         b.cbranch(b.icmp_signed("<", index, count), body, end)
         b.position_at_end(body)
 
@@ -112,7 +112,7 @@ class Writer:
             b.position_at_end(stay)
 
         yield index, leave_if
-        index.add_incoming(b.add(index, self.integer(1)), b.block)
+        index.add_incoming(b.add(index, self.integer_constant(1)), b.block)
         b.branch(head)
         b.position_at_end(end)
 
@@ -123,31 +123,33 @@ class Writer:
         1/(1 - d), with d = 1 - b r < 2**-13 for the estimate r, keep nothing waiting:
         1/b = r (1 + d) (1 + d^2) ...
         """
-        if not self.estimates:
+        if not self.has_reciprocal_estimates:
             return 1.0 / b
-        r = self._estimate(b)
+        r = self._reciprocal_estimate(b)
         defect = 1.0 - b * r
         r = r + r * defect
         return r + r * (defect * defect)
 
-    def _estimate(self, b: Lanes) -> Lanes:
+    def _reciprocal_estimate(self, b: Lanes) -> Lanes:
         builder, parts = self.builder, []
-        native, mask = ir.VectorType(DOUBLE, _ESTIMATE_LANES), ir.IntType(8)
+        native, mask = ir.VectorType(DOUBLE_TYPE, _RECIPROCAL_ESTIMATE_LANE_COUNT), ir.IntType(8)
         signature = ir.FunctionType(native, [native, native, mask])
-        estimate = builder.module.globals.get(_RECIPROCAL_ESTIMATE)
+        estimate = builder.module.globals.get(_RECIPROCAL_ESTIMATE_NAME)
         if estimate is None:
-            estimate = ir.Function(builder.module, signature, _RECIPROCAL_ESTIMATE)
+            estimate = ir.Function(builder.module, signature, _RECIPROCAL_ESTIMATE_NAME)
         nothing, every = ir.Constant(native, ir.Undefined), ir.Constant(mask, -1)
-        for first in range(0, self.width, _ESTIMATE_LANES):
-            part = builder.shuffle_vector(b.value, b.value, _lanes(first, _ESTIMATE_LANES))
+        for first in range(0, self.width, _RECIPROCAL_ESTIMATE_LANE_COUNT):
+            part = builder.shuffle_vector(
+                b.ir_value, b.ir_value, _lane_numbers(first, _RECIPROCAL_ESTIMATE_LANE_COUNT)
+            )
             parts.append(builder.call(estimate, [part, nothing, every]))
         while len(parts) > 1:  # halves, quarters ... of a power of 2
-            both = _lanes(0, 2 * parts[0].type.count)
+            both = _lane_numbers(0, 2 * parts[0].type.count)
             pairs = zip(parts[::2], parts[1::2], strict=True)
             parts = [builder.shuffle_vector(low, high, both) for low, high in pairs]
         return Lanes(self, parts[0])
 
-    def function(self, name: str, argument: Lanes) -> Lanes:
+    def call_math_function(self, name: str, argument: Lanes) -> Lanes:
         """A function of the mathematical library, lane by lane."""
         module = self.builder.module
         full = f"llvm.{name}.v{self.width}f64"
@@ -156,7 +158,7 @@ class Writer:
             declared = ir.Function(
                 module, ir.FunctionType(self.vector_type, [self.vector_type]), full
             )
-        return Lanes(self, self.builder.call(declared, [argument.value]))
+        return Lanes(self, self.builder.call(declared, [argument.ir_value]))
 
 
 @dataclass(frozen=True)
@@ -170,11 +172,11 @@ class Cell:
         return Lanes(self.writer, self.writer.builder.load(self.address))
 
     def set(self, value: Lanes) -> None:
-        self.writer.builder.store(value.value, self.address)
+        self.writer.builder.store(value.ir_value, self.address)
 
     def set_where(self, where: Mask, value: Lanes) -> None:
         """Replace the numbers of some lanes."""
-        self.set(where.choose(value, self.get()))
+        self.set(where.select(value, self.get()))
 
 
 @dataclass(frozen=True)
@@ -182,48 +184,53 @@ class Lanes:
     """One double per trajectory of a group."""
 
     writer: Writer
-    value: ir.Value
+    ir_value: ir.Value
 
-    def _operand(self, other: Lanes | float) -> ir.Value:
-        return other.value if isinstance(other, Lanes) else self.writer.constant(other).value
+    def _ir_operand(self, other: Lanes | float) -> ir.Value:
+        return other.ir_value if isinstance(other, Lanes) else self.writer.constant(other).ir_value
 
-    def _apply(self, name: str, left: ir.Value, right: ir.Value) -> Lanes:
-        return Lanes(self.writer, getattr(self.writer.builder, name)(left, right, flags=_FLAGS))
+    def _append_instruction(self, name: str, left: ir.Value, right: ir.Value) -> Lanes:
+        return Lanes(
+            self.writer,
+            getattr(self.writer.builder, name)(left, right, flags=_FLOAT_INSTRUCTION_FLAGS),
+        )
 
     def __add__(self, other: Lanes | float) -> Lanes:
-        return self._apply("fadd", self.value, self._operand(other))
+        return self._append_instruction("fadd", self.ir_value, self._ir_operand(other))
 
     __radd__ = __add__
 
     def __sub__(self, other: Lanes | float) -> Lanes:
-        return self._apply("fsub", self.value, self._operand(other))
+        return self._append_instruction("fsub", self.ir_value, self._ir_operand(other))
 
     def __rsub__(self, other: float) -> Lanes:
-        return self._apply("fsub", self._operand(other), self.value)
+        return self._append_instruction("fsub", self._ir_operand(other), self.ir_value)
 
     def __mul__(self, other: Lanes | float) -> Lanes:
-        return self._apply("fmul", self.value, self._operand(other))
+        return self._append_instruction("fmul", self.ir_value, self._ir_operand(other))
 
     __rmul__ = __mul__
 
     def __truediv__(self, other: Lanes | float) -> Lanes:
-        return self._apply("fdiv", self.value, self._operand(other))
+        return self._append_instruction("fdiv", self.ir_value, self._ir_operand(other))
 
     def __rtruediv__(self, other: float) -> Lanes:
-        return self._apply("fdiv", self._operand(other), self.value)
+        return self._append_instruction("fdiv", self._ir_operand(other), self.ir_value)
 
     def __neg__(self) -> Lanes:
-        return Lanes(self.writer, self.writer.builder.fneg(self.value))
+        return Lanes(self.writer, self.writer.builder.fneg(self.ir_value))
 
     def __abs__(self) -> Lanes:
-        return self.writer.function("fabs", self)
+        return self.writer.call_math_function("fabs", self)
 
     def _compare(self, sign: str, other: Lanes | float) -> Mask:
         compare = self.writer.builder.fcmp_ordered
-        return Mask(self.writer, compare(sign, self.value, self._operand(other)))
+        return Mask(self.writer, compare(sign, self.ir_value, self._ir_operand(other)))
 
     def is_nan(self) -> Mask:
-        return Mask(self.writer, self.writer.builder.fcmp_unordered("uno", self.value, self.value))
+        return Mask(
+            self.writer, self.writer.builder.fcmp_unordered("uno", self.ir_value, self.ir_value)
+        )
 
     def __lt__(self, other: Lanes | float) -> Mask:
         return self._compare("<", other)
@@ -243,34 +250,36 @@ class Mask:
     """One truth value per trajectory; comparisons with NaN are false."""
 
     writer: Writer
-    value: ir.Value
+    ir_value: ir.Value
 
     def __and__(self, other: Mask) -> Mask:
-        return Mask(self.writer, self.writer.builder.and_(self.value, other.value))
+        return Mask(self.writer, self.writer.builder.and_(self.ir_value, other.ir_value))
 
     def __or__(self, other: Mask) -> Mask:
-        return Mask(self.writer, self.writer.builder.or_(self.value, other.value))
+        return Mask(self.writer, self.writer.builder.or_(self.ir_value, other.ir_value))
 
     def without(self, other: Mask) -> Mask:
         """Where this mask holds and the other does not."""
-        all_ones = ir.Constant(self.value.type, [1] * self.writer.width)
+        all_ones = ir.Constant(self.ir_value.type, [1] * self.writer.width)
         b = self.writer.builder
-        return Mask(self.writer, b.and_(self.value, b.xor(other.value, all_ones)))
+        return Mask(self.writer, b.and_(self.ir_value, b.xor(other.ir_value, all_ones)))
 
-    def choose(self, true: Lanes, false: Lanes) -> Lanes:
+    def select(self, true: Lanes, false: Lanes) -> Lanes:
         """`true` where the mask holds, else `false`."""
-        return Lanes(self.writer, self.writer.builder.select(self.value, true.value, false.value))
+        return Lanes(
+            self.writer, self.writer.builder.select(self.ir_value, true.ir_value, false.ir_value)
+        )
 
-    def any(self) -> ir.Value:
+    def any_lane(self) -> ir.Value:
         """Whether the mask holds in at least one lane, as a scalar."""
         b = self.writer.builder
-        bits = b.bitcast(self.value, ir.IntType(self.writer.width))
+        bits = b.bitcast(self.ir_value, ir.IntType(self.writer.width))
         return b.icmp_unsigned("!=", bits, ir.Constant(bits.type, 0))
 
 
-def _lanes(first: int, count: int) -> ir.Constant:
+def _lane_numbers(first: int, count: int) -> ir.Constant:
     """The numbers of consecutive lanes, as instructions take them."""
-    return ir.Constant(ir.VectorType(_INDEX, count), list(range(first, first + count)))
+    return ir.Constant(ir.VectorType(_LANE_INDEX_TYPE, count), list(range(first, first + count)))
 
 
 def reciprocal_quotient(a: Lanes, b: Lanes) -> Lanes:
@@ -280,17 +289,17 @@ def reciprocal_quotient(a: Lanes, b: Lanes) -> Lanes:
 
 def larger(a: Lanes, b: Lanes) -> Lanes:
     """The larger of two values, `b` where `a` is NaN."""
-    return (a > b).choose(a, b)
+    return (a > b).select(a, b)
 
 
 def smaller(a: Lanes, b: Lanes) -> Lanes:
     """The smaller of two values, `b` where `a` is NaN."""
-    return (a < b).choose(a, b)
+    return (a < b).select(a, b)
 
 
 def larger_or_nan(a: Lanes, b: Lanes) -> Lanes:
     """The larger of two values, NaN where either is: an error that is NaN must not be lost."""
-    return ((b <= a) | a.is_nan()).choose(a, b)
+    return ((b <= a) | a.is_nan()).select(a, b)
 
 
 @dataclass(frozen=True)
@@ -300,4 +309,4 @@ class LaneFunctions:
     writer: Writer
 
     def __getattr__(self, name: str) -> Any:
-        return lambda argument: self.writer.function(name, argument)
+        return lambda argument: self.writer.call_math_function(name, argument)

@@ -7,76 +7,76 @@ from functools import cached_property
 
 #: States that a kernel keeps for every trajectory: the fine solution, the compensation of its
 #: rounding (Kahan), the coarse solution, and the fine one at the horizon.
-STATES = ("fine", "compensation", "coarse", "at_horizon")
+STATE_VECTOR_NAMES = ("fine", "compensation", "coarse", "at_horizon")
 #: The two solutions: with steps of length h and of length 2h.
-SOLUTIONS = ("fine", "coarse")
+SOLUTION_NAMES = ("fine", "coarse")
 #: Past rates that are kept of each solution.
-PAST = 8
+PAST_RATE_COUNT = 8
 #: Scalars of a trajectory that a kernel reads and leaves as they are.
-CONSTANTS = (
-    "step",  # length of a fine step, tau
-    "cycle",  # length of a cycle (a drive period or a piece), tau
-    "start",  # tau at the beginning of the piece
-    "begin",  # extremes are followed from here
-    "end",  # to here
+CONSTANT_SCALAR_NAMES = (
+    "fine_step_length",  # length of a fine step, tau
+    "cycle_length",  # length of a cycle (a drive period or a piece), tau
+    "piece_start",  # tau at the beginning of the piece
+    "extremes_begin",  # extremes are followed from here
+    "run_end",  # to here
     "tolerance",  # of the controlled error
     "error_ceiling",  # a trajectory is not followed once its error has been larger
 )
 #: Scalars of a trajectory that a kernel changes.
-RESULTS = (
+CHANGING_SCALAR_NAMES = (
     "within_tolerance",  # 1 while the controlled error has met the tolerance
     "horizon",  # tau up to which it did, where it no longer does
     "error_to_horizon",  # its largest value up to the horizon, where it no longer does
     "largest_error",  # its largest value so far
-    "maximum",  # extremes of the watched observable from begin to the horizon
+    "maximum",  # extremes of the watched observable up to the horizon
     "minimum",
-    "direction",  # sign of the rate of the observable at the end of the call; NaN before the first
+    "watched_rate_sign",  # of the observable's rate at the end of the call; NaN before the first
 )
 #: Scalars that a kernel keeps for every trajectory, beside states and parameters.
-SCALARS = (*CONSTANTS, *RESULTS)
+SCALAR_NAMES = (*CONSTANT_SCALAR_NAMES, *CHANGING_SCALAR_NAMES)
 
 
-def past_rate(solution: str, age: int, variable: int) -> str:
+def past_rate_name(solution: str, age: int, variable: int) -> str:
     """Name of the slot of a past rate; age 0 is the newest."""
     return f"{solution}_past.{age}.{variable}"
 
 
 @dataclass(frozen=True)
-class Layout:
+class SlotLayout:
     """Slots of one trajectory in the array ``(group, slot, lane)`` that kernels work on.
 
     Attributes
     ----------
-    states, parameters : int
+    state_count, parameter_count : int
         How many there are.
-    histories : tuple of int
+    history_variables : tuple of int
         Indices of the state variables whose past rates are kept.
     """
 
-    states: int
-    parameters: int
-    histories: tuple[int, ...] = ()
+    state_count: int
+    parameter_count: int
+    history_variables: tuple[int, ...] = ()
 
     @cached_property
-    def slots(self) -> dict[str, int]:
+    def slot_of_name(self) -> dict[str, int]:
         """The slot of every number, by its name."""
-        names = [f"{kind}.{i}" for kind in STATES for i in range(self.states)]
+        names = [f"{kind}.{i}" for kind in STATE_VECTOR_NAMES for i in range(self.state_count)]
         names += [
-            past_rate(solution, age, i)
-            for solution in SOLUTIONS
-            for age in range(PAST)
-            for i in self.histories
+            past_rate_name(solution, age, i)
+            for solution in SOLUTION_NAMES
+            for age in range(PAST_RATE_COUNT)
+            for i in self.history_variables
         ]
-        names += [f"parameter.{i}" for i in range(self.parameters)]
-        return {name: k for k, name in enumerate((*names, *SCALARS))}
+        names += [f"parameter.{i}" for i in range(self.parameter_count)]
+        return {name: k for k, name in enumerate((*names, *SCALAR_NAMES))}
 
     @property
-    def size(self) -> int:
+    def slot_count(self) -> int:
         """How many slots there are."""
-        return len(self.slots)
+        return len(self.slot_of_name)
 
-    def group(self, kind: str) -> slice:
-        """The slots of ``parameter`` values, or of one of :data:`STATES`."""
-        count = self.parameters if kind == "parameter" else self.states
-        first = self.slots.get(f"{kind}.0", 0)
+    def slots_of_vector(self, kind: str) -> slice:
+        """The slots of ``parameter`` values, or of one of :data:`STATE_VECTOR_NAMES`."""
+        count = self.parameter_count if kind == "parameter" else self.state_count
+        first = self.slot_of_name.get(f"{kind}.0", 0)
         return slice(first, first + count)

@@ -24,7 +24,7 @@ class Lockstep:
         Length of a fine step, tau.
     fine_loads, coarse_loads : LoadTable
         The load at the nodes of the steps of either solution.
-    coarse_variables : int
+    coarse_variable_count : int
         How many of the first state variables the coarse solution has.
     """
 
@@ -34,7 +34,7 @@ class Lockstep:
     h: Lanes
     fine_loads: LoadTable
     coarse_loads: LoadTable
-    coarse_variables: int
+    coarse_variable_count: int
 
     def fine_state(self) -> list[Lanes]:
         """State of the fine solution."""
@@ -42,18 +42,18 @@ class Lockstep:
 
     def coarse_state(self) -> list[Lanes]:
         """State of the coarse solution."""
-        return self.cells.coarse.get(self.coarse_variables)
+        return self.cells.coarse.get(self.coarse_variable_count)
 
     def restart_coarse(self) -> None:
         """Start the coarse solution anew from the fine one."""
-        self.cells.coarse.set(self.fine_state()[: self.coarse_variables])
+        self.cells.coarse.set(self.fine_state()[: self.coarse_variable_count])
 
     def fine_step(self, step: ir.Value) -> list[Lanes]:
         """A step of h; rounding is compensated where the method says so."""
-        y, loads = self.fine_state(), self.fine_loads.row(step)
+        y, loads = self.fine_state(), self.fine_loads.load_in_step(step)
 
         def update(change: list[Lanes]) -> list[Lanes]:
-            if self.method.compensated:
+            if self.method.has_compensated_sum:
                 moved, compensation = compensated_sum(y, change, self.cells.compensation.get())
                 self.cells.compensation.set(compensation)
             else:
@@ -70,11 +70,11 @@ class Lockstep:
         solution are made as much larger as its truncation error is, so that their
         share in the difference of the solutions is what the fine one makes.
         """
-        y, loads = self.coarse_state(), self.coarse_loads.row(step)
+        y, loads = self.coarse_state(), self.coarse_loads.load_in_step(step)
 
         def update(change: list[Lanes]) -> list[Lanes]:
-            bits = self.method.lost_bits
-            moved = [_rounded(a + b, bits) for a, b in zip(y, change, strict=True)]
+            bits = self.method.coarse_solution_lost_bits
+            moved = [_without_last_bits(a + b, bits) for a, b in zip(y, change, strict=True)]
             self.cells.coarse.set(moved)
             return moved
 
@@ -84,16 +84,16 @@ class Lockstep:
         """Write back both solutions, and the past rates at their ends."""
         b, w = slots.writer.builder, slots.writer
         self.cells.save(slots)
-        last = b.sub(double_steps, w.integer(1))
+        last = b.sub(double_steps, w.integer_constant(1))
         last_fine = b.add(last, double_steps)
         ends = {
-            "fine": StepEnd(self.fine_state, self.fine_loads.row(last_fine)),
-            "coarse": StepEnd(self.coarse_state, self.coarse_loads.row(last)),
+            "fine": StepEnd(self.fine_state, self.fine_loads.load_in_step(last_fine)),
+            "coarse": StepEnd(self.coarse_state, self.coarse_loads.load_in_step(last)),
         }
-        self.stepper.save(slots, ends)
+        self.stepper.save_past_rates(slots, ends)
 
 
-def _rounded(x: Lanes, bits: int) -> Lanes:
+def _without_last_bits(x: Lanes, bits: int) -> Lanes:
     """`x` without its last `bits` bits, to the nearest.
 
     Adding a number 2**bits times as large pushes the last bits out of the mantissa.

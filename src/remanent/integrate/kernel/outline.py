@@ -14,7 +14,7 @@ from llvmlite import ir
 
 from remanent._field import Field, Program
 from remanent.integrate.kernel.lanes import (
-    DOUBLE,
+    DOUBLE_TYPE,
     LaneFunctions,
     Lanes,
     Writer,
@@ -22,44 +22,50 @@ from remanent.integrate.kernel.lanes import (
 )
 
 #: Rates with more instructions than this are called.
-LONG = 200
+MAX_INLINED_INSTRUCTIONS = 200
 
 
-class Outlined:
+class OutlinedRates:
     """The rates of a field's first `count` variables as a function in the module of a kernel.
 
-    What depends on parameters alone is computed by :meth:`prepare`, once for a group.
+    What depends on parameters alone is computed by :meth:`prepare_parameters`, once for a group.
     """
 
     def __init__(self, field: Field, writer: Writer, count: int) -> None:
         self._writer = writer
-        self._absent = [writer.constant(0.0)] * (len(field.state) - count)
+        self._zeros_for_absent = [writer.constant(0.0)] * (len(field.state) - count)
         rates = replace(field.rates, outputs=field.rates.outputs[:count])
-        self._fixed, self._moving = split(rates, field.parameters)
+        self._fixed_program, self._moving_program = split_program(rates, field.parameters)
         with writer.builder.goto_entry_block():
-            self._inputs = self._array(len(self._moving.inputs))
-            self._outputs = self._array(count)
-        self._function = _function(self._moving, writer, f"rates_{count}")
+            self._input_array = self._allocate_array(len(self._moving_program.inputs))
+            self._output_array = self._allocate_array(count)
+        self._ir_function = _write_function(self._moving_program, writer, f"rates_{count}")
 
-    def _array(self, count: int) -> ir.Value:
-        return self._writer.builder.alloca(DOUBLE, self._writer.integer(count * self._writer.width))
+    def _allocate_array(self, count: int) -> ir.Value:
+        return self._writer.builder.alloca(
+            DOUBLE_TYPE, self._writer.integer_constant(count * self._writer.width)
+        )
 
-    def prepare(self, parameters: Sequence[Lanes]) -> None:
+    def prepare_parameters(self, parameters: Sequence[Lanes]) -> None:
         """Take over the parameters of a group."""
         w = self._writer
-        values = self._fixed(list(parameters), functions=LaneFunctions(w), constant=w.constant)
-        first = len(self._moving.inputs) - len(values)
-        _store(w, values, self._inputs, first)
+        values = self._fixed_program(
+            list(parameters), functions=LaneFunctions(w), constant=w.constant
+        )
+        first = len(self._moving_program.inputs) - len(values)
+        _store_vectors(w, values, self._input_array, first)
 
     def __call__(self, phase: Lanes, y: Sequence[Lanes], waves: Sequence[Lanes]) -> list[Lanes]:
         """The rates."""
         w = self._writer
-        _store(w, [phase, *y, *self._absent, *waves], self._inputs, 0)
-        w.builder.call(self._function, [self._inputs, self._outputs])
-        return [w.load(self._outputs, w.integer(i * w.width)) for i in range(len(y))]
+        _store_vectors(w, [phase, *y, *self._zeros_for_absent, *waves], self._input_array, 0)
+        w.builder.call(self._ir_function, [self._input_array, self._output_array])
+        return [
+            w.load_lanes(self._output_array, w.integer_constant(i * w.width)) for i in range(len(y))
+        ]
 
 
-def split(program: Program, fixed: Iterable[str]) -> tuple[Program, Program]:
+def split_program(program: Program, fixed: Iterable[str]) -> tuple[Program, Program]:
     """A program in two: what depends on the inputs `fixed` alone, and the rest.
 
     Returns
@@ -84,13 +90,17 @@ def split(program: Program, fixed: Iterable[str]) -> tuple[Program, Program]:
     used = [*(k for _, _, operands in late for k in operands), *program.outputs]
     passed_on = tuple(dict.fromkeys(k for k in used if k in fixed_slots))
     moving_slots = tuple(i for i in range(count) if i not in fixed_slots)
-    first = _renumbered(program, names, tuple(map(program.inputs.index, names)), early, passed_on)
+    first = _renumbered_program(
+        program, names, tuple(map(program.inputs.index, names)), early, passed_on
+    )
     moving = (program.inputs[i] for i in moving_slots)
     inputs = (*moving, *(f"fixed.{k}" for k in range(len(passed_on))))
-    return first, _renumbered(program, inputs, (*moving_slots, *passed_on), late, program.outputs)
+    return first, _renumbered_program(
+        program, inputs, (*moving_slots, *passed_on), late, program.outputs
+    )
 
 
-def _renumbered(
+def _renumbered_program(
     program: Program,
     inputs: tuple[str, ...],
     slots: tuple[int, ...],
@@ -109,9 +119,9 @@ def _renumbered(
     )
 
 
-def _function(program: Program, kernel: Writer, name: str) -> ir.Function:
+def _write_function(program: Program, kernel: Writer, name: str) -> ir.Function:
     """``void name(double *inputs, double *outputs)``, both of one vector after the other."""
-    pointer = DOUBLE.as_pointer()
+    pointer = DOUBLE_TYPE.as_pointer()
     signature = ir.FunctionType(ir.VoidType(), [pointer, pointer])
     function = ir.Function(kernel.builder.module, signature, name)
     function.linkage = "internal"
@@ -119,15 +129,18 @@ def _function(program: Program, kernel: Writer, name: str) -> ir.Function:
     for argument in function.args:
         argument.add_attribute("noalias")
     w = replace(kernel, builder=ir.IRBuilder(function.append_basic_block("entry")))
-    values = [w.load(function.args[0], w.integer(i * w.width)) for i in range(len(program.inputs))]
+    values = [
+        w.load_lanes(function.args[0], w.integer_constant(i * w.width))
+        for i in range(len(program.inputs))
+    ]
     outputs = program(
         values, functions=LaneFunctions(w), constant=w.constant, divide=reciprocal_quotient
     )
-    _store(w, outputs, function.args[1], 0)
+    _store_vectors(w, outputs, function.args[1], 0)
     w.builder.ret_void()
     return function
 
 
-def _store(w: Writer, values: Sequence[Lanes], pointer: ir.Value, first: int) -> None:
+def _store_vectors(w: Writer, values: Sequence[Lanes], pointer: ir.Value, first: int) -> None:
     for i, value in enumerate(values, start=first):
-        w.store(value, pointer, w.integer(i * w.width))
+        w.store_lanes(value, pointer, w.integer_constant(i * w.width))

@@ -16,33 +16,37 @@ class Recorder:
 
     Attributes
     ----------
-    memory : ir.Value
+    record_pointer : ir.Value
         Pointer to the array.
-    groups, group : ir.Value
+    group_count, group_number : ir.Value
         How many groups there are, and the number of this one.
-    every : ir.Value
+    record_interval : ir.Value
         Fine steps between records; 0 for none.
     """
 
     writer: Writer
-    memory: ir.Value
-    groups: ir.Value
-    group: ir.Value
-    every: ir.Value
+    record_pointer: ir.Value
+    group_count: ir.Value
+    group_number: ir.Value
+    record_interval: ir.Value
 
-    def note(self, count: ir.Value, y: Sequence[Lanes]) -> None:
+    def record_if_due(self, count: ir.Value, y: Sequence[Lanes]) -> None:
         """Record the state after `count` fine steps of this call, if it is due."""
         b, w = self.writer.builder, self.writer
         # The remainder of an integer division by zero is undefined, so that `every` is
         # compared with zero before.
-        with b.if_then(b.icmp_signed("!=", self.every, w.integer(0)), likely=False):
-            due = b.icmp_signed("==", b.srem(count, self.every), w.integer(0))
+        with b.if_then(
+            b.icmp_signed("!=", self.record_interval, w.integer_constant(0)), likely=False
+        ):
+            due = b.icmp_signed("==", b.srem(count, self.record_interval), w.integer_constant(0))
             with b.if_then(due, likely=False):
-                self._write(b.sub(b.sdiv(count, self.every), w.integer(1)), y)
+                self._write_record(
+                    b.sub(b.sdiv(count, self.record_interval), w.integer_constant(1)), y
+                )
 
-    def _write(self, number: ir.Value, y: Sequence[Lanes]) -> None:
+    def _write_record(self, number: ir.Value, y: Sequence[Lanes]) -> None:
         b, w = self.writer.builder, self.writer
-        base = b.add(b.mul(number, self.groups), self.group)
-        base = b.mul(base, w.integer(len(y) * w.width))
+        base = b.add(b.mul(number, self.group_count), self.group_number)
+        base = b.mul(base, w.integer_constant(len(y) * w.width))
         for i, y_i in enumerate(y):
-            w.store(y_i, self.memory, b.add(base, w.integer(i * w.width)))
+            w.store_lanes(y_i, self.record_pointer, b.add(base, w.integer_constant(i * w.width)))

@@ -34,7 +34,9 @@ def waveform_tables(
     fine, coarse : array (step, node, 1 + waveform)
         The phase in [0, 1], then the waveforms.
     """
-    fine, coarse = (_table(waveform, nodes, n, shift) for n in (2 * double_steps, double_steps))
+    fine, coarse = (
+        _waveform_table(waveform, nodes, n, shift) for n in (2 * double_steps, double_steps)
+    )
     return fine, coarse
 
 
@@ -55,16 +57,16 @@ class CycleTables:
         def tables(nodes: tuple[float, ...], double_steps: int) -> tuple[FloatArray, FloatArray]:
             return waveform_tables(waveform, nodes, double_steps, shift)
 
-        self._tables = tables
+        self._cached_tables = tables
 
     def __call__(
         self, nodes: tuple[float, ...], double_steps: int
     ) -> tuple[FloatArray, FloatArray]:
         """The tables for steps with these nodes, with so many double steps in a cycle."""
-        return self._tables(nodes, double_steps)
+        return self._cached_tables(nodes, double_steps)
 
 
-def _table(
+def _waveform_table(
     waveform: Callable[[FloatArray], FloatArray], nodes: Sequence[float], steps: int, shift: float
 ) -> FloatArray:
     phase = (np.arange(steps)[:, None] + np.array(nodes)) / steps + shift

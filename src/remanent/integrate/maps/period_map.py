@@ -21,12 +21,12 @@ from remanent.integrate.ensemble.resolution import (
     refine_resolution,
     round_up_resolution,
 )
-from remanent.integrate.kernel.compile import Kernel, compiled
+from remanent.integrate.kernel.compile import Kernel, compiled_kernel
 from remanent.integrate.kernel.memory import LaneMemory
-from remanent.integrate.kernel.options import Options
+from remanent.integrate.kernel.options import KernelOptions
 from remanent.integrate.kernel.tables import CycleTables
 from remanent.integrate.methods.runge_kutta import default_method
-from remanent.integrate.variations import tangent
+from remanent.integrate.variations import field_with_tangents
 
 #: Whose errors are controlled: those of the state and of the derivatives, of the state alone,
 #: or none.
@@ -36,74 +36,78 @@ _GROUPS_PER_CHUNK = 32
 #: Double steps per period to begin with.
 _FIRST_RESOLUTION = 8
 #: Errors from here on no longer follow the order of the method.
-_ASYMPTOTIC_LIMIT = 1.0
+_ASYMPTOTIC_ERROR_LIMIT = 1.0
 
 
 @dataclass(frozen=True)
-class Image:
+class PeriodMapImage:
     """What a map made of some states.
 
     Attributes
     ----------
     state : array (point, state)
         After the last period.
-    tangent : array (point, column, state)
+    tangents : array (point, column, state)
         Derivatives, those along directions first, then those by parameters.
-    error : array (point,)
+    largest_period_error : array (point,)
         Estimated largest error that one period adds: of the state absolute, of the
         tangents, where theirs is controlled, relative to the largest of them.
     resolution : array (point,)
         Double steps per period.
-    visited : array (point, period, state), optional
+    visited_states : array (point, period, state), optional
         The state after each period.
     """
 
     state: FloatArray
-    tangent: FloatArray
-    error: FloatArray
+    tangents: FloatArray
+    largest_period_error: FloatArray
     resolution: IntArray
-    visited: FloatArray | None
+    visited_states: FloatArray | None
 
 
 @dataclass(frozen=True)
-class _Course:
+class _MapExtent:
     """How far a map is applied.
 
     Attributes
     ----------
-    cycles : int
+    periods : int
         Periods.
-    half : bool
+    adds_half_period : bool
         Half a period more.
-    visited : bool
+    keeps_visited_states : bool
         Keep the state after each period.
     """
 
-    cycles: int
-    half: bool
-    visited: bool
+    periods: int
+    adds_half_period: bool
+    keeps_visited_states: bool
 
 
 @dataclass(frozen=True)
-class _Points:
+class _StartingPoints:
     """Where a map is applied.
 
     Attributes
     ----------
-    start : array (point, component)
+    states_and_tangents : array (point, component)
         State and tangents.
     parameters : array (point, parameter)
-    length : array (point,)
+    period_lengths : array (point,)
         Of a period, tau.
     """
 
-    start: FloatArray
+    states_and_tangents: FloatArray
     parameters: FloatArray
-    length: FloatArray
+    period_lengths: FloatArray
 
-    def subset(self, indices: IntArray) -> _Points:
+    def subset(self, indices: IntArray) -> _StartingPoints:
         """Some of the points."""
-        return _Points(self.start[indices], self.parameters[indices], self.length[indices])
+        return _StartingPoints(
+            self.states_and_tangents[indices],
+            self.parameters[indices],
+            self.period_lengths[indices],
+        )
 
 
 class PeriodMap:
@@ -117,7 +121,7 @@ class PeriodMap:
         Of the motion.
     waveform : callable
         ``waveform(phase)``: the field's waveforms, array (waveform, *phase.shape).
-    directions : int
+    direction_count : int
         How many directions of the initial state are carried along.
     parameters : sequence of str
         Parameters with respect to which derivatives are carried along, or
@@ -140,21 +144,23 @@ class PeriodMap:
         error_control: ErrorControl = "all",
     ) -> None:
         self.field, self.dimension = field, len(field.state)
-        self.directions, self.columns = directions, directions + len(parameters)
-        with_tangents = tangent(field, directions=directions, parameters=parameters)
+        self.direction_count, self.column_count = directions, directions + len(parameters)
+        with_tangents = field_with_tangents(field, directions=directions, parameters=parameters)
         method = default_method()
         # The state does not depend on its tangents, so that the coarse solution may do
         # without them where only the state's error is controlled.
-        state_only = error_control == "state" and self.columns > 0
-        options = Options(
+        state_only = error_control == "state" and self.column_count > 0
+        options = KernelOptions(
             error_per_cycle=True,
-            coarse_solution=error_control != "none",
-            absolute_errors=self.dimension,
-            coarse_variables=self.dimension if state_only else None,
+            has_coarse_solution=error_control != "none",
+            absolute_error_count=self.dimension,
+            coarse_variable_count=self.dimension if state_only else None,
         )
-        self.kernel: Kernel = compiled(with_tangents if self.columns else field, method, options)
+        self.kernel: Kernel = compiled_kernel(
+            with_tangents if self.column_count else field, method, options
+        )
         self.order = method.order
-        self._tables = CycleTables(waveform, phase)
+        self._cycle_tables = CycleTables(waveform, phase)
 
     def __call__(
         self,
@@ -169,7 +175,7 @@ class PeriodMap:
         resolution: IntArray | int = _FIRST_RESOLUTION,
         max_resolution: int = MAX_RESOLUTION,
         visited: bool = False,
-    ) -> Image:
+    ) -> PeriodMapImage:
         """Apply the map to many states.
 
         Parameters
@@ -189,7 +195,7 @@ class PeriodMap:
         tangent : array (point, column, state), optional
             To start from; by default unit directions, and nothing along parameters.
         resolution : array (point,) or int
-            Double steps per period to begin with; an :class:`Image` says which were enough.
+            Double steps per period to begin with; the image says which were enough.
         max_resolution : int
             Most double steps per period; points that need more keep the error they have.
         visited : bool
@@ -200,51 +206,55 @@ class PeriodMap:
         Image
         """
         count, d = states.shape[0], self.dimension
-        points = _Points(self._start(states, tangent), parameters, length)
-        course = _Course(cycles, half, visited)
+        points = _StartingPoints(self._states_and_tangents(states, tangent), parameters, length)
+        course = _MapExtent(cycles, half, visited)
         levels = np.broadcast_to(round_up_resolution(np.asarray(resolution)), (count,)).copy()
         levels += levels % 2 if half else 0  # half a period needs whole double steps
         tolerances = np.broadcast_to(np.asarray(tolerance, dtype=np.float64), (count,))
-        ends, error = np.full(points.start.shape, np.nan), np.full(count, np.inf)
+        ends, error = np.full(points.states_and_tangents.shape, np.nan), np.full(count, np.inf)
         path = np.full((count, cycles, d), np.nan) if visited else None
         pending = np.arange(count)
         while pending.size:
             for level in np.unique(levels[pending]):
                 members = pending[levels[pending] == level]
-                memory = self._memory(points.subset(members), int(level), course)
-                states_after = self._advance(memory, int(level), course)
-                ends[members] = memory.vectors("fine")
+                memory = self._initial_memory(points.subset(members), int(level), course)
+                states_after = self._advance_points(memory, int(level), course)
+                ends[members] = memory.state_vectors("fine")
                 error[members] = memory.column("largest_error")
                 if path is not None and states_after is not None:
                     path[members] = states_after
             missed = pending[~(error[pending] <= tolerances[pending])]
-            finer = self._refined(error[missed], tolerances[missed], levels[missed], half)
+            finer = self._refined_resolutions(
+                error[missed], tolerances[missed], levels[missed], half
+            )
             pending = missed[finer <= max_resolution]
             levels[pending] = finer[finer <= max_resolution]
-        columns = ends[:, d:].reshape(count, self.columns, d)
-        return Image(ends[:, :d], columns, error, levels, path)
+        columns = ends[:, d:].reshape(count, self.column_count, d)
+        return PeriodMapImage(ends[:, :d], columns, error, levels, path)
 
-    def _start(self, states: FloatArray, tangent: FloatArray | None) -> FloatArray:
+    def _states_and_tangents(self, states: FloatArray, tangent: FloatArray | None) -> FloatArray:
         """States followed by their tangents, array (point, component)."""
         count = states.shape[0]
         if tangent is None:
-            tangent = np.zeros((count, self.columns, self.dimension))
-            for k in range(self.directions):
+            tangent = np.zeros((count, self.column_count, self.dimension))
+            for k in range(self.direction_count):
                 tangent[:, k, k] = 1.0
         return np.concatenate([states, tangent.reshape(count, -1)], axis=1)
 
-    def _refined(
+    def _refined_resolutions(
         self, error: FloatArray, tolerance: FloatArray, levels: IntArray, half: bool
     ) -> IntArray:
         """The resolutions to try next."""
         finer = refine_resolution(
-            levels, error, tolerance, self.order, asymptotic_limit=_ASYMPTOTIC_LIMIT
+            levels, error, tolerance, self.order, asymptotic_limit=_ASYMPTOTIC_ERROR_LIMIT
         )
         return np.asarray(finer + (finer % 2 if half else 0))
 
-    def _advance(self, memory: LaneMemory, level: int, course: _Course) -> FloatArray | None:
+    def _advance_points(
+        self, memory: LaneMemory, level: int, course: _MapExtent
+    ) -> FloatArray | None:
         """Advance some points in place; the states after each period where asked."""
-        chunks = list(memory.parts(_GROUPS_PER_CHUNK))
+        chunks = list(memory.split_by_groups(_GROUPS_PER_CHUNK))
 
         def advance(chunk: FloatArray) -> FloatArray | None:
             return self._advance_chunk(chunk, level, course)
@@ -254,39 +264,43 @@ class PeriodMap:
         else:
             with ThreadPoolExecutor(os.cpu_count()) as pool:
                 records = list(pool.map(advance, chunks))
-        if not course.visited:
+        if not course.keeps_visited_states:
             return None
         joined = np.concatenate([r for r in records if r is not None], axis=1)
         return memory.by_trajectory(joined)[:, :, : self.dimension]
 
-    def _advance_chunk(self, lanes: FloatArray, level: int, course: _Course) -> FloatArray | None:
+    def _advance_chunk(
+        self, lanes: FloatArray, level: int, course: _MapExtent
+    ) -> FloatArray | None:
         """Advance some groups in place; the states after each period where asked."""
-        fine, coarse = self._tables(self.kernel.method.nodes, level)
+        fine, coarse = self._cycle_tables(self.kernel.method.nodes, level)
         record = None
-        if course.cycles:
-            if course.visited:
-                states = self.kernel.layout.states
-                record = np.empty((course.cycles, lanes.shape[0], states, lanes.shape[2]))
-            every = 2 * level if course.visited else 0
-            self.kernel(lanes, (fine, coarse), record, cycles=course.cycles, every=every)
-        if course.half:
+        if course.periods:
+            if course.keeps_visited_states:
+                states = self.kernel.layout.state_count
+                record = np.empty((course.periods, lanes.shape[0], states, lanes.shape[2]))
+            every = 2 * level if course.keeps_visited_states else 0
+            self.kernel(lanes, (fine, coarse), record, cycles=course.periods, every=every)
+        if course.adds_half_period:
             self.kernel(lanes, (fine[:level], coarse[: level // 2]), None, cycles=1)
         return record
 
-    def _memory(self, points: _Points, level: int, course: _Course) -> LaneMemory:
+    def _initial_memory(
+        self, points: _StartingPoints, level: int, course: _MapExtent
+    ) -> LaneMemory:
         """The numbers of some points before the first period."""
         vectors = {
-            "fine": points.start,
-            "coarse": points.start,
+            "fine": points.states_and_tangents,
+            "coarse": points.states_and_tangents,
             "parameter": points.parameters,
         }
         scalars: dict[str, FloatArray | float] = {
-            "cycle": points.length,
-            "step": points.length / (2 * level),
+            "cycle_length": points.period_lengths,
+            "fine_step_length": points.period_lengths / (2 * level),
             # Later than the end of the run, so that no cycle is left out.
-            "end": 2.0 * (course.cycles + 1) * points.length,
+            "run_end": 2.0 * (course.periods + 1) * points.period_lengths,
             "tolerance": np.inf,
             "error_ceiling": np.inf,
             "within_tolerance": 1.0,
         }
-        return LaneMemory.filled(self.kernel.layout, self.kernel.width, vectors, scalars)
+        return LaneMemory.with_values(self.kernel.layout, self.kernel.width, vectors, scalars)

@@ -23,60 +23,62 @@ from typing import Any
 
 from remanent._field import Field
 
-_Polynomial = tuple[Fraction, ...]
+_PolynomialCoefficients = tuple[Fraction, ...]
 
 
 @dataclass(frozen=True)
-class Adams:
-    """A predictor with `steps` past rates, and a corrector with one more.
+class AdamsMethod:
+    """A predictor with `past_rate_count` past rates, and a corrector with one more.
 
     Attributes
     ----------
-    steps
-        Past rates used.  The order of the global error is ``steps + 1``.
-    single, double
+    past_rate_count
+        Past rates used.  The order of the global error is one more.
+    single_integral_weights, double_integral_weights
         Weights of the past rates, newest first: of the rate in an increment of its
         integral, and of the acceleration in an increment of the double integral, for a
         step of length 1.
-    difference
+    backward_difference_weights
         Weights, newest first after the predicted rate (whose weight is 1), in the
-        backward difference of order `steps`.
-    single_correction, double_correction
+        backward difference of order `past_rate_count`.
+    single_integral_correction, double_integral_correction
         What that difference adds to either increment.
     """
 
-    steps: int
-    single: tuple[float, ...]
-    double: tuple[float, ...]
-    difference: tuple[float, ...]
-    single_correction: float
-    double_correction: float
+    past_rate_count: int
+    single_integral_weights: tuple[float, ...]
+    double_integral_weights: tuple[float, ...]
+    backward_difference_weights: tuple[float, ...]
+    single_integral_correction: float
+    double_integral_correction: float
 
     def __post_init__(self) -> None:
-        for power in range(self.steps):
-            past = [float(-j) ** power for j in range(self.steps)]
+        for power in range(self.past_rate_count):
+            past = [float(-j) ** power for j in range(self.past_rate_count)]
             exact = 1.0 / (power + 1), 1.0 / ((power + 1) * (power + 2))
-            for weights, integral in zip((self.single, self.double), exact, strict=True):
+            for weights, integral in zip(
+                (self.single_integral_weights, self.double_integral_weights), exact, strict=True
+            ):
                 terms = [w * x for w, x in zip(weights, past, strict=True)]
                 if abs(sum(terms) - integral) > 1e-13 * sum(map(abs, terms)):
                     raise ValueError(f"weights do not integrate the power {power}")
 
     @property
     def name(self) -> str:
-        return f"adams-{self.steps}"
+        return f"adams-{self.past_rate_count}"
 
     @property
     def order(self) -> int:
         """Order of the global error."""
-        return self.steps + 1
+        return self.past_rate_count + 1
 
     @property
-    def evaluations(self) -> int:
+    def evaluations_per_step(self) -> int:
         """Of the rates, in every step: one predicted, one corrected."""
         return 2
 
     @property
-    def counted_order(self) -> int:
+    def assumed_order(self) -> int:
         """Order that the error estimate counts on: two less, as a reserve.
 
         Terms of neighbouring orders have opposite signs and cancel at some step sizes,
@@ -87,7 +89,7 @@ class Adams:
         return self.order - 2
 
     @property
-    def compensated(self) -> bool:
+    def has_compensated_sum(self) -> bool:
         """Whether what rounding cuts off from the state is carried on.
 
         It is not: rounding of the past rates costs more digits, and the sums half as much
@@ -96,7 +98,7 @@ class Adams:
         return False
 
     @property
-    def lost_bits(self) -> int:
+    def coarse_solution_lost_bits(self) -> int:
         """Digits that the coarser solution does without.
 
         Measured: with 9, as the order asks, the bound of runs of 5000 units of time was
@@ -111,21 +113,23 @@ class Adams:
 
 
 @cache
-def adams(steps: int) -> Adams:
+def adams_method(steps: int) -> AdamsMethod:
     """The method with `steps` past rates."""
-    lagrange = [_lagrange(j, steps) for j in range(steps)]
-    newton = _product([(Fraction(i, i + 1), Fraction(1, i + 1)) for i in range(steps)])
-    return Adams(
-        steps=steps,
-        single=tuple(float(_integral(p)) for p in lagrange),
-        double=tuple(float(_double_integral(p)) for p in lagrange),
-        difference=tuple(float((-1) ** j * comb(steps, j)) for j in range(1, steps + 1)),
-        single_correction=float(_integral(newton)),
-        double_correction=float(_double_integral(newton)),
+    lagrange = [_lagrange_polynomial(j, steps) for j in range(steps)]
+    newton = _polynomial_product([(Fraction(i, i + 1), Fraction(1, i + 1)) for i in range(steps)])
+    return AdamsMethod(
+        past_rate_count=steps,
+        single_integral_weights=tuple(float(_integral(p)) for p in lagrange),
+        double_integral_weights=tuple(float(_double_integral(p)) for p in lagrange),
+        backward_difference_weights=tuple(
+            float((-1) ** j * comb(steps, j)) for j in range(1, steps + 1)
+        ),
+        single_integral_correction=float(_integral(newton)),
+        double_integral_correction=float(_double_integral(newton)),
     )
 
 
-def partners(field: Field) -> tuple[int | None, ...]:
+def rate_variable_indices(field: Field) -> tuple[int | None, ...]:
     """For every coordinate the index of the variable that is its rate; else None.
 
     Only rates that are not coordinates themselves count, so that every partner has a
@@ -135,13 +139,13 @@ def partners(field: Field) -> tuple[int | None, ...]:
     return tuple(None if j is None or rate_of[j] is not None else j for j in rate_of)
 
 
-def _lagrange(j: int, count: int) -> _Polynomial:
+def _lagrange_polynomial(j: int, count: int) -> _PolynomialCoefficients:
     """The polynomial in s that is 1 at s = -j and 0 at the other -i, i < count."""
     distances = [i for i in range(count) if i != j]
-    return _product([(Fraction(i, i - j), Fraction(1, i - j)) for i in distances])
+    return _polynomial_product([(Fraction(i, i - j), Fraction(1, i - j)) for i in distances])
 
 
-def _product(factors: Sequence[Sequence[Fraction]]) -> _Polynomial:
+def _polynomial_product(factors: Sequence[Sequence[Fraction]]) -> _PolynomialCoefficients:
     result = [Fraction(1)]
     for constant, slope in factors:
         shifted = [Fraction(0), *(slope * c for c in result)]
@@ -150,28 +154,28 @@ def _product(factors: Sequence[Sequence[Fraction]]) -> _Polynomial:
     return tuple(result)
 
 
-def _integral(p: _Polynomial) -> Fraction:
+def _integral(p: _PolynomialCoefficients) -> Fraction:
     """Integral over [0, 1]."""
     return sum((c / (k + 1) for k, c in enumerate(p)), Fraction(0))
 
 
-def _double_integral(p: _Polynomial) -> Fraction:
+def _double_integral(p: _PolynomialCoefficients) -> Fraction:
     """Integral of (1 - s) p(s) over [0, 1]."""
     return sum((c / ((k + 1) * (k + 2)) for k, c in enumerate(p)), Fraction(0))
 
 
-def combination(weights: Sequence[float], values: Sequence[Any]) -> Any:
+def weighted_sum_oldest_first(weights: Sequence[float], values: Sequence[Any]) -> Any:
     """Sum of weights times values, oldest (smallest) terms first.
 
     All but the newest in two halves that do not wait for each other: the newest is what
     everything else waits for.
     """
     terms = list(zip(reversed(weights), reversed(values), strict=True))
-    earlier = _summed(terms[:-1:2]) + _summed(terms[1:-1:2])
+    earlier = _weighted_sum(terms[:-1:2]) + _weighted_sum(terms[1:-1:2])
     return earlier + terms[-1][1] * terms[-1][0]
 
 
-def _summed(terms: Sequence[tuple[float, Any]]) -> Any:
+def _weighted_sum(terms: Sequence[tuple[float, Any]]) -> Any:
     w, v = terms[0]
     total = v * w
     for w, v in terms[1:]:

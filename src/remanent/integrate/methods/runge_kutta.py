@@ -13,11 +13,11 @@ from types import MappingProxyType
 from typing import Any
 
 #: ``rates(stage_node, state)`` with `stage_node` an index into ``nodes``.
-Rates = Callable[[int, list[Any]], list[Any]]
+RatesAtNode = Callable[[int, list[Any]], list[Any]]
 
 
 @dataclass(frozen=True)
-class RungeKutta:
+class RungeKuttaMethod:
     """An explicit Runge-Kutta method.
 
     Attributes
@@ -28,42 +28,43 @@ class RungeKutta:
         Order of the global error.
     nodes
         The distinct abscissae in [0, 1] at which the load is needed, ascending.
-    stage_nodes
+    stage_node_indices
         For each stage the index of its abscissa in `nodes`.
-    weights
+    stage_weights
         For each stage the coefficients of the earlier stages that are not zero.
-    final
+    final_weights
         Coefficients of the stages in the result.
     """
 
     name: str
     order: int
     nodes: tuple[Any, ...]
-    stage_nodes: tuple[int, ...]
-    weights: tuple[Mapping[int, Any], ...]
-    final: Mapping[int, Any]
+    stage_node_indices: tuple[int, ...]
+    stage_weights: tuple[Mapping[int, Any], ...]
+    final_weights: Mapping[int, Any]
 
     def __post_init__(self) -> None:
         tolerance = 1e-13
-        for stage, row in enumerate(self.weights):
+        for stage, row in enumerate(self.stage_weights):
             if any(j >= stage for j in row):
                 raise ValueError(f"{self.name}: stage {stage} is not explicit")
-            if abs(sum(row.values()) - self.nodes[self.stage_nodes[stage]]) > tolerance:
+            if abs(sum(row.values()) - self.nodes[self.stage_node_indices[stage]]) > tolerance:
                 raise ValueError(f"{self.name}: row {stage} does not add up to its node")
         for power in range(self.order):
             moment = sum(
-                b * self.nodes[self.stage_nodes[i]] ** power for i, b in self.final.items()
+                b * self.nodes[self.stage_node_indices[i]] ** power
+                for i, b in self.final_weights.items()
             )
             if abs(moment - 1 / type(moment)(power + 1)) > tolerance:
                 raise ValueError(f"{self.name}: quadrature condition {power + 1} fails")
 
     @property
-    def evaluations(self) -> int:
+    def evaluations_per_step(self) -> int:
         """Of the rates, in every step."""
-        return len(self.stage_nodes)
+        return len(self.stage_node_indices)
 
     @property
-    def counted_order(self) -> int:
+    def assumed_order(self) -> int:
         """Order that the error estimate counts on: two less, as a reserve.
 
         Where steps are long, and where errors of several pieces of time cancel, halving
@@ -74,37 +75,39 @@ class RungeKutta:
         return self.order - 2
 
     @property
-    def compensated(self) -> bool:
-        """Whether what rounding cuts off from the state is compensated_sum on."""
+    def has_compensated_sum(self) -> bool:
+        """Whether what rounding cuts off from the state is carried on."""
         return True
 
     @property
-    def lost_bits(self) -> int:
+    def coarse_solution_lost_bits(self) -> int:
         """Digits that the coarser solution does without: two more than its counted order asks.
 
         Rounding of phases and coefficients, which both solutions share, is thereby
         allowed for.
         """
-        return self.counted_order + 2
+        return self.assumed_order + 2
 
-    def step(self, rates: Rates, y: Sequence[Any], h: Any) -> list[Any]:
+    def step(self, rates: RatesAtNode, y: Sequence[Any], h: Any) -> list[Any]:
         """Advance the state `y` by one step of length `h`."""
         return [a + b for a, b in zip(y, self.increment(rates, y, h), strict=True)]
 
-    def increment(self, rates: Rates, y: Sequence[Any], h: Any) -> list[Any]:
+    def increment(self, rates: RatesAtNode, y: Sequence[Any], h: Any) -> list[Any]:
         """What one step of length `h` adds to the state `y`."""
-        return self.weighted_sum(self.slopes(rates, y, h), h)
+        return self.weighted_sum(self.stage_slopes(rates, y, h), h)
 
-    def slopes(self, rates: Rates, y: Sequence[Any], h: Any) -> list[list[Any]]:
+    def stage_slopes(self, rates: RatesAtNode, y: Sequence[Any], h: Any) -> list[list[Any]]:
         """The rates at every stage of a step of length `h` from the state `y`."""
         slopes: list[list[Any]] = []
-        for node, row in zip(self.stage_nodes, self.weights, strict=True):
-            slopes.append(rates(node, _moved(y, h, row, slopes)))
+        for node, row in zip(self.stage_node_indices, self.stage_weights, strict=True):
+            slopes.append(rates(node, _stage_state(y, h, row, slopes)))
         return slopes
 
     def weighted_sum(self, slopes: list[list[Any]], h: Any) -> list[Any]:
         """What a step of length `h` with these slopes adds to the state."""
-        return [h * _combination(self.final, slopes, i) for i in range(len(slopes[0]))]
+        return [
+            h * _weighted_slope_sum(self.final_weights, slopes, i) for i in range(len(slopes[0]))
+        ]
 
 
 def compensated_sum(
@@ -124,15 +127,15 @@ def compensated_sum(
     return moved, cut
 
 
-def _moved(
+def _stage_state(
     y: Sequence[Any], h: Any, weights: Mapping[int, Any], slopes: list[list[Any]]
 ) -> list[Any]:
     if not weights:
         return list(y)
-    return [y_i + h * _combination(weights, slopes, i) for i, y_i in enumerate(y)]
+    return [y_i + h * _weighted_slope_sum(weights, slopes, i) for i, y_i in enumerate(y)]
 
 
-def _combination(weights: Mapping[int, Any], slopes: list[list[Any]], i: int) -> Any:
+def _weighted_slope_sum(weights: Mapping[int, Any], slopes: list[list[Any]], i: int) -> Any:
     terms = iter(weights.items())
     j, weight = next(terms)
     total = slopes[j][i] * weight
@@ -141,7 +144,7 @@ def _combination(weights: Mapping[int, Any], slopes: list[list[Any]], i: int) ->
     return total
 
 
-def cooper_verner_8(sqrt: Callable[[Any], Any], number: Callable[[int], Any]) -> RungeKutta:
+def cooper_verner_8(sqrt: Callable[[Any], Any], number: Callable[[int], Any]) -> RungeKuttaMethod:
     """Eleven stages, order 8, closed form in the square root of 21.
 
     Parameters
@@ -155,12 +158,12 @@ def cooper_verner_8(sqrt: Callable[[Any], Any], number: Callable[[int], Any]) ->
     G. J. Cooper and J. H. Verner, SIAM J. Numer. Anal. 9 (1972) 389-405.
     """
     s, n = sqrt(number(21)), number
-    return RungeKutta(
+    return RungeKuttaMethod(
         name="cooper-verner-8",
         order=8,
         nodes=(n(0), (7 - s) / 14, n(1) / 2, (7 + s) / 14, n(1)),
-        stage_nodes=(0, 2, 2, 3, 3, 2, 1, 1, 2, 3, 4),
-        weights=(
+        stage_node_indices=(0, 2, 2, 3, 3, 2, 1, 1, 2, 3, 4),
+        stage_weights=(
             {},
             {0: n(1) / 2},
             {0: n(1) / 4, 1: n(1) / 4},
@@ -199,22 +202,22 @@ def cooper_verner_8(sqrt: Callable[[Any], Any], number: Callable[[int], Any]) ->
                 9: (49 - 7 * s) / 18,
             },
         ),
-        final={0: n(1) / 20, 7: n(49) / 180, 8: n(16) / 45, 9: n(49) / 180, 10: n(1) / 20},
+        final_weights={0: n(1) / 20, 7: n(49) / 180, 8: n(16) / 45, 9: n(49) / 180, 10: n(1) / 20},
     )
 
 
 @cache
-def default_method() -> RungeKutta:
+def default_method() -> RungeKuttaMethod:
     """The method of every verb, in double precision."""
     import math
 
     method = cooper_verner_8(math.sqrt, float)
-    frozen = tuple(MappingProxyType(dict(row)) for row in method.weights)
-    return RungeKutta(
+    frozen = tuple(MappingProxyType(dict(row)) for row in method.stage_weights)
+    return RungeKuttaMethod(
         method.name,
         method.order,
         method.nodes,
-        method.stage_nodes,
+        method.stage_node_indices,
         frozen,
-        MappingProxyType(dict(method.final)),
+        MappingProxyType(dict(method.final_weights)),
     )

@@ -48,9 +48,11 @@ def shaped_steps(
     problem = _ShapingProblem.of(single, target, robust_to, tolerance)
     for stages in _STAGES:
         sequence, load = problem.in_stages(stages)
-        if sequence.residual <= problem.accepted:
+        if sequence.largest_terminal_residual <= problem.accepted:
             return sequence, load
-    raise _unreachable(target, f"the best command misses rest by {sequence.residual:.1e}")
+    raise _unreachable(
+        target, f"the best command misses rest by {sequence.largest_terminal_residual:.1e}"
+    )
 
 
 @dataclass(frozen=True)
@@ -128,7 +130,7 @@ class _ShapingProblem:
             loads = self.start.load + part / before * (guess.loads - self.start.load)
             guess = self._solve(rest, replace(guess, loads=loads), part)
             before = part
-            if guess.residual > self.accepted:
+            if guess.largest_terminal_residual > self.accepted:
                 break
         return guess, rests[-1].load
 

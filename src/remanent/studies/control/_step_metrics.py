@@ -38,7 +38,9 @@ class StepMotion:
     def of(cls, problem: Problem, tolerance: float) -> StepMotion:
         """Integrate the motion once for its extremes."""
         return cls(
-            problem, tolerance, integrate(problem, Request(extremes=True), tolerance=tolerance)
+            problem,
+            tolerance,
+            integrate(problem, Request(wants_extremes=True), tolerance=tolerance),
         )
 
     def states(self, times: FloatArray) -> FloatArray:
@@ -129,13 +131,15 @@ class Transient:
         grid = np.linspace(0.0, 1.0, samples) * end[:, None]
         with np.errstate(all="ignore"):
             share = (self.motion(grid)[0] - self.start[:, None]) / self.change[:, None]
-        outside = settling.last_outside(share, 1.0 - self.band, 1.0 + self.band)
-        before = np.stack([*(settling.first_above(share, s) - 1 for s in _RISE), outside], axis=1)
+        outside = settling.last_index_outside_band(share, 1.0 - self.band, 1.0 + self.band)
+        before = np.stack(
+            [*(settling.first_index_at_or_above(share, s) - 1 for s in _RISE), outside], axis=1
+        )
         above = share[np.arange(len(share)), outside] > 1.0
         edge = 1.0 + np.where(above, self.band, -self.band)
         levels = np.stack([*(np.full(len(share), s) for s in _RISE), edge])
         stretches = self.start[:, None] + levels.T * self.change[:, None]
-        passages = settling.level_crossings(self.motion, grid, before, stretches)
+        passages = settling.locate_level_crossings(self.motion, grid, before, stretches)
         unit = self.time_unit[:, None]
         # A passage is late by the error of the stretch over the speed of the passage.
         error = self.motion.outcome.error[:, None] / np.abs(passages.rate) / unit

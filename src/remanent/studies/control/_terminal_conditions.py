@@ -14,7 +14,7 @@ from remanent._field import Field
 from remanent._typing import ArrayLike, FloatArray
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Request
-from remanent.integrate.variations import tangent
+from remanent.integrate.variations import field_with_tangents
 from remanent.models.actuator import Actuator
 from remanent.models.drives.waves import Constant
 from remanent.studies.ensemble.physical_scales import PHYSICAL, PhysicalScales, lay_out_physical
@@ -118,7 +118,7 @@ class TerminalConditions:
     def _variational_field(self) -> Field:
         """The motion with its derivatives by the initial state and by the load."""
         field = self.variants.ensemble.field
-        return tangent(field, directions=len(field.state), parameters=("m",))
+        return field_with_tangents(field, directions=len(field.state), parameters=("m",))
 
     def _final_states(
         self, loads: FloatArray, durations: FloatArray
@@ -163,7 +163,7 @@ class TerminalConditions:
         unit = np.tile(np.eye(d).ravel(), (ens.count, 1))
         start = np.hstack([state, unit, np.zeros((ens.count, d))])
         outcome = integrate(
-            replace(problem, field=self._variational_field, initial=start),
+            replace(problem, field=self._variational_field, initial_states=start),
             Request(times=problem.duration[:, None]),
             tolerance=self.motion_tolerance,
         )

@@ -206,8 +206,8 @@ def _command(
     return _Command(
         np.concatenate([[0.0], np.cumsum(sequence.durations)]),
         np.append(sequence.loads, last),
-        sequence.residual,
-        sequence.error,
+        sequence.largest_terminal_residual,
+        sequence.total_duration_error,
     )
 
 

@@ -37,7 +37,7 @@ def blank_beyond_horizon(states: FloatArray, times: FloatArray, outcome: Outcome
 
     They are changed in place: histories are the largest arrays there are.
     """
-    states[outcome.beyond_horizon(times)] = np.nan
+    states[outcome.is_beyond_horizon(times)] = np.nan
     return states
 
 

@@ -122,7 +122,7 @@ class ResponseWindow:
             problem = scaled.problem(durations(ens, None, self.periods) / scaled.time)
         else:
             problem = scaled.problem(durations(ens, self.duration, None))
-        request = Request(extremes=True, begin=self.discard * scaled.time)
+        request = Request(wants_extremes=True, extremes_begin=self.discard * scaled.time)
         return integrate(problem, request, tolerance=tolerance)
 
 

@@ -165,8 +165,8 @@ class _Problem:
                 residual,
                 guess,
                 jac=self.slopes,
-                bounds=(self.box.lower, self.box.upper),
-                x_scale=self.box.scale,
+                bounds=(self.box.lower_bounds, self.box.upper_bounds),
+                x_scale=self.box.scales,
                 xtol=1e-12,
                 ftol=1e-15,
                 gtol=None,
@@ -182,11 +182,11 @@ class _Problem:
         NaN where the fields can be exchanged for one another: the measures then leave a
         direction among them undetermined.
         """
-        slopes = self.slopes(solution) * self.box.scale
+        slopes = self.slopes(solution) * self.box.scales
         if np.linalg.matrix_rank(slopes, rtol=_RANK_TOLERANCE) < len(self.names):
             return np.full(len(self.names), np.nan)
         distance = (errors + np.abs(reached - self.targets)) / self.weights
-        return np.asarray(self.box.scale * (np.abs(np.linalg.pinv(slopes)) @ distance))
+        return np.asarray(self.box.scales * (np.abs(np.linalg.pinv(slopes)) @ distance))
 
 
 def _targets(targets: float | Sequence[float], measures: Sequence[Measure]) -> FloatArray:

@@ -182,23 +182,23 @@ def _variables(
     best: LeastSquaresFit, observed: Observations, confidence: float
 ) -> dict[str, Labelled]:
     """What is told of a fit, by name."""
-    half_width = best.quantile(confidence) * best.deviation
+    half_width = best.two_sided_t_quantile(confidence) * best.standard_errors
     return {
         "estimate": (("parameter",), best.estimate),
-        "estimate_error": (("parameter",), best.deviation),
+        "estimate_error": (("parameter",), best.standard_errors),
         "interval": (
             ("parameter", "bound"),
             best.estimate[:, None] + half_width[:, None] * [-1.0, 1.0],
         ),
         "correlation": (
             ("parameter", "other_parameter"),
-            best.covariance / np.outer(best.deviation, best.deviation),
+            best.covariance / np.outer(best.standard_errors, best.standard_errors),
         ),
         "chi_square": ((), np.array(best.chi_square)),
-        "degrees": ((), np.array(best.degrees)),
-        "noise": ((), np.sqrt(best.chi_square / best.degrees)),
-        "observed": (("observation",), observed.values),
-        "predicted": (("observation",), best.predicted),
+        "degrees": ((), np.array(best.degrees_of_freedom)),
+        "noise": ((), np.sqrt(best.chi_square / best.degrees_of_freedom)),
+        "observed": (("observation",), observed.measured_values),
+        "predicted": (("observation",), best.predicted_values),
     }
 
 

@@ -10,7 +10,7 @@ import xarray as xr
 from remanent._checks import Rule, require_real, shortened
 from remanent._errors import InputError
 from remanent._typing import FloatArray
-from remanent.analysis.inference.ringdown import DecayFit, fit_decay
+from remanent.analysis.inference.ringdown import DecayFit, fit_exponential_decay
 from remanent.results import build, provenance
 from remanent.results.build import Labelled
 from remanent.results.checks import require_dataset
@@ -85,7 +85,9 @@ def logarithmic_decrement(
     motion_dims = [d for d in values.dims if d != axis]
     values, time = (array.transpose(*motion_dims, axis) for array in (values, time))
     rows = [
-        _statistics(fit_decay(t[np.isfinite(x)], x[np.isfinite(x)], prominence=smallest))
+        _statistics(
+            fit_exponential_decay(t[np.isfinite(x)], x[np.isfinite(x)], prominence=smallest)
+        )
         for t, x in zip(_rows(time), _rows(values), strict=True)
     ]
     shape = tuple(values.sizes[d] for d in motion_dims)
@@ -131,14 +133,14 @@ def _statistics(ring_down: DecayFit | None) -> list[float]:
     """The variables of one motion, in the order of their names; NaN where it has no decay."""
     if ring_down is None:
         return [np.nan] * len(_NAMES)
-    delta, delta_error = ring_down.decrement, ring_down.decrement_error
+    delta, delta_error = ring_down.logarithmic_decrement, ring_down.logarithmic_decrement_error
     size = np.hypot(2.0 * np.pi, delta)
     slope = 4.0 * np.pi**2 / size**3  # of delta/sqrt(4 pi^2 + delta^2)
     return [
         delta,
         delta_error,
-        ring_down.frequency,
-        ring_down.frequency_error,
+        ring_down.angular_frequency,
+        ring_down.angular_frequency_error,
         delta / size,
         slope * delta_error,
     ]

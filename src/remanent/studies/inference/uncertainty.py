@@ -14,7 +14,7 @@ from remanent._checks import as_float_array, require_flag
 from remanent._errors import InputError
 from remanent._typing import FloatArray
 from remanent.analysis.inference.uncertainty import (
-    REPLICATES,
+    REPLICATE_COUNT,
     Distribution,
     PropagatedStatistics,
     SobolIndices,
@@ -164,10 +164,10 @@ def _moments(statistics: PropagatedStatistics, layout: MeasureLayout) -> dict[st
 
 def _shares_of_variance(sobol: SobolIndices, layout: MeasureLayout) -> dict[str, Labelled]:
     values = {
-        "first_index": sobol.first,
-        "first_index_error": sobol.first_error,
-        "total_index": sobol.total,
-        "total_index_error": sobol.total_error,
+        "first_index": sobol.first_order,
+        "first_index_error": sobol.first_order_error,
+        "total_index": sobol.total_effect,
+        "total_index_error": sobol.total_effect_error,
     }
     return {name: layout.labelled(array, "field") for name, array in values.items()}
 
@@ -186,7 +186,7 @@ def _require_names(parameter_ranges: object) -> list[str]:
 
 def _samples(samples: int, shares: FloatArray) -> int:
     samples = require_count("samples", samples, "They fill the ranges.")
-    needed = REPLICATES / float(np.minimum(shares, 1.0 - shares).min())
+    needed = REPLICATE_COUNT / float(np.minimum(shares, 1.0 - shares).min())
     if samples & (samples - 1) or samples < needed:
         raise InputError(
             "samples",

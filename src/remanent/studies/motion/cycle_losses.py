@@ -10,7 +10,7 @@ import xarray as xr
 from remanent._typing import ArrayLike
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Request
-from remanent.integrate.variations import with_integrals
+from remanent.integrate.variations import field_with_integrals
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.studies.ensemble.checks import require_tolerance
@@ -101,10 +101,10 @@ def cycle_losses(
     length = require_periods(ens)
     require_memory("periods", _PERIOD_BYTES * ens.count * periods, f"{ens.count} x {periods} sums")
     problem = initial_value_problem(ens, periods * length)
-    start = np.pad(problem.initial, ((0, 0), (0, len(_POWERS))))
-    field = with_integrals(problem.field, tuple(_POWERS.values()))
-    problem = replace(problem, field=field, initial=start)
-    outcome = integrate(problem, Request(strobe=1), tolerance=tolerance, progress=report)
+    start = np.pad(problem.initial_states, ((0, 0), (0, len(_POWERS))))
+    field = field_with_integrals(problem.field, tuple(_POWERS.values()))
+    problem = replace(problem, field=field, initial_states=start)
+    outcome = integrate(problem, Request(strobe_cycles=1), tolerance=tolerance, progress=report)
     assert outcome.states is not None
     ends = np.arange(periods + 1) * length[:, None]
     sums = outcome.states[:, : periods + 1, -len(_POWERS) :]

@@ -11,7 +11,7 @@ from remanent._field import Role
 from remanent._typing import ArrayLike, FloatArray
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Problem, Request
-from remanent.integrate.variations import with_integrals
+from remanent.integrate.variations import field_with_integrals
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.studies.ensemble.checks import require_tolerance
@@ -143,8 +143,10 @@ def energy_balance(
 
 def _with_integrals(problem: Problem, integrals: dict[str, str]) -> Problem:
     """The problem with integrals of observables as further state variables, from 0."""
-    start = np.pad(problem.initial, ((0, 0), (0, len(integrals))))
-    return replace(problem, field=with_integrals(problem.field, tuple(integrals)), initial=start)
+    start = np.pad(problem.initial_states, ((0, 0), (0, len(integrals))))
+    return replace(
+        problem, field=field_with_integrals(problem.field, tuple(integrals)), initial_states=start
+    )
 
 
 def _balances(
@@ -159,7 +161,7 @@ def _balances(
 
     def gain(name: str) -> FloatArray:
         """What a function of the state has gained since the start."""
-        before = observe(problem, name, np.zeros((len(times), 1)), problem.initial[:, None])
+        before = observe(problem, name, np.zeros((len(times), 1)), problem.initial_states[:, None])
         return observe(problem, name, times, states) - before
 
     at_once = observe(problem, "thickness_stretch", times, states)  # the mean over no time

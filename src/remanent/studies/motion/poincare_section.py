@@ -109,7 +109,7 @@ def poincare_section(
         times = (number + section_phase) * length[:, None]
     problem = initial_value_problem(ens, periods * length)
     # At phase 0 points are ends of steps; elsewhere they are interpolated.
-    request = Request(times=times) if section_phase else Request(strobe=every)
+    request = Request(times=times) if section_phase else Request(strobe_cycles=every)
     outcome = integrate(problem, request, tolerance=tolerance, progress=report)
     assert outcome.states is not None
     states = blank_beyond_horizon(outcome.states[:, : number.size], times, outcome)

@@ -15,7 +15,7 @@ from remanent._status import Status
 from remanent._typing import IntArray
 from remanent.analysis.orbits.bifurcations import SpecialPoint
 from remanent.analysis.orbits.curves import CurvePoints
-from remanent.analysis.orbits.periodic_orbits import Orbits
+from remanent.analysis.orbits.periodic_orbits import PeriodicOrbits
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
 from remanent.studies.ensemble.ensemble import Ensemble
@@ -91,13 +91,17 @@ def describe_branches(
         name: np.array([row[name] for row in rows], dtype=least.dtype).reshape(-1, *least.shape[1:])
         for name, least in _empty_special(len(ens.field.state)).items()
     }
-    return BranchTable(points, special, end_reasons([branch.curve.ends for branch in branches]))
+    return BranchTable(
+        points, special, end_reasons([branch.curve.end_reasons for branch in branches])
+    )
 
 
 def _describe_points(ens: Ensemble, points: CurvePoints, options: TracingOptions) -> Table:
     """Columns along points of a curve: orbits with their parameter."""
     values = points.unknown[:, -1]
-    orbits = Orbits(points.unknown[:, :-1], points.extra["jacobian"], points.residual, points.error)
+    orbits = PeriodicOrbits(
+        points.unknown[:, :-1], points.extra["jacobian"], points.residual, points.residual_error
+    )
     columns = describe_orbits(ens, orbits, options.orbit_period, {options.parameter: values})
     return columns | {"parameter": values}
 
@@ -105,13 +109,13 @@ def _describe_points(ens: Ensemble, points: CurvePoints, options: TracingOptions
 def _describe_special(
     ens: Ensemble, special: SpecialPoint, branch: int, options: TracingOptions
 ) -> dict[str, Any]:
-    orbit = _describe_points(ens, special.points, options)
+    orbit = _describe_points(ens, special.point, options)
     return {
         "kind": special.kind,
         "branch": branch,
         "parameter": orbit["parameter"][0],
         "state": orbit["initial"][0],
-        "error": special.error,
+        "error": special.parameter_error,
         "amplitude": orbit["amplitude"][0],
     }
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from remanent._typing import FloatArray
-from remanent.analysis.orbits.periodic_orbits import Orbits
+from remanent.analysis.orbits.periodic_orbits import PeriodicOrbits
 from remanent.analysis.orbits.stability import Stability, floquet_multipliers, orbit_stability
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Request
@@ -31,7 +31,7 @@ _COARSE_EXTREMES_TOLERANCE = 1e-5
 
 
 def describe_orbits(
-    ens: Ensemble, orbits: Orbits, period: int, varied: Mapping[str, FloatArray]
+    ens: Ensemble, orbits: PeriodicOrbits, period: int, varied: Mapping[str, FloatArray]
 ) -> dict[str, NDArray[Any]]:
     """Columns about some orbits of one system, each an array (orbit, ...).
 
@@ -39,13 +39,13 @@ def describe_orbits(
     ----------
     ens : Ensemble
         Of one trajectory.
-    orbits : Orbits
+    orbits : PeriodicOrbits
     period : int
         Of the orbits, in drive periods.
     varied : mapping of name to array (orbit,)
         Fields whose values differ between the orbits.
     """
-    values, errors = floquet_multipliers(orbits.jacobian, orbits.error)
+    values, errors = floquet_multipliers(orbits.jacobian, orbits.image_error)
     kinds = orbit_stability(values, errors, conservative=ens.system.conservative)
     maximum, minimum = _extremes(ens, orbits.state, period, varied)
     return {
@@ -57,7 +57,7 @@ def describe_orbits(
         "minimum": minimum,
         "amplitude": 0.5 * (maximum - minimum),
         "residual": orbits.residual,
-        "error": orbits.error,
+        "error": orbits.image_error,
     }
 
 
@@ -81,13 +81,13 @@ def _extremes(
         return np.empty(0), np.empty(0)
     along = ens.with_states(states, varied)
     problem = initial_value_problem(along, period * require_periods(along))
-    outcome = integrate(problem, Request(extremes=True), tolerance=_EXTREMES_TOLERANCE)
+    outcome = integrate(problem, Request(wants_extremes=True), tolerance=_EXTREMES_TOLERANCE)
     maximum, minimum = outcome.maximum, outcome.minimum
     missed = np.isnan(maximum)
     if missed.any():
         coarse = integrate(
             replace(problem, invalid=~missed),
-            Request(extremes=True),
+            Request(wants_extremes=True),
             tolerance=_COARSE_EXTREMES_TOLERANCE,
         )
         maximum = np.where(missed, coarse.maximum, maximum)

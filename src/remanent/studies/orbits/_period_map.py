@@ -12,7 +12,7 @@ from remanent._typing import FloatArray, IntArray
 from remanent.analysis.orbits.maps import MapImage
 from remanent.integrate.ensemble.problem import Problem
 from remanent.integrate.ensemble.resolution import MAX_RESOLUTION
-from remanent.integrate.maps.period_map import Image, PeriodMap
+from remanent.integrate.maps.period_map import PeriodMap, PeriodMapImage
 from remanent.integrate.variations import LOG_PERIOD
 from remanent.studies.ensemble.durations import require_periods
 from remanent.studies.ensemble.ensemble import Ensemble
@@ -89,7 +89,7 @@ class StroboscopicMap:
             Whether half of the map follows.
         """
 
-        def pilot(x: FloatArray, p: FloatArray, resolution: IntArray) -> Image:
+        def pilot(x: FloatArray, p: FloatArray, resolution: IntArray) -> PeriodMapImage:
             # Any error will do, so each point is run once, at the resolution it is told.
             return self._apply(x, p, iterate, half, resolution, tolerance=np.inf, finest=0)
 
@@ -138,7 +138,7 @@ class StroboscopicMap:
         *,
         tolerance: float,
         finest: int,
-    ) -> Image:
+    ) -> PeriodMapImage:
         """The flow over some periods, with the resolutions to begin with and at most."""
         values = self._columns(parameters)
         return self._flow(
@@ -147,22 +147,22 @@ class StroboscopicMap:
             max_resolution=finest,
         )  # fmt: skip
 
-    def _map_image(self, image: Image, parameters: FloatArray, iterate: int) -> MapImage:
+    def _map_image(self, image: PeriodMapImage, parameters: FloatArray, iterate: int) -> MapImage:
         """What analysis wants of an image."""
-        jacobian = np.moveaxis(image.tangent[:, : self.dimension], 1, 2)
+        jacobian = np.moveaxis(image.tangents[:, : self.dimension], 1, 2)
         slope = self._slope(image, self._columns(parameters))
-        return MapImage(image.state, jacobian, slope, image.error * max(iterate, 1))
+        return MapImage(image.state, jacobian, slope, image.largest_period_error * max(iterate, 1))
 
-    def _slope(self, image: Image, values: dict[str, FloatArray]) -> FloatArray:
+    def _slope(self, image: PeriodMapImage, values: dict[str, FloatArray]) -> FloatArray:
         """Derivatives by the map's parameters, array (point, state, parameter)."""
         count, d = image.state.shape
         slope = np.zeros((count, d, len(self.names)))
         for k, name in enumerate(self.names):
             if name == self.ensemble.drive.frequency_field:
                 # The period is inversely proportional to this field.
-                slope[:, :, k] = image.tangent[:, -1] / -values[name][:, None]
+                slope[:, :, k] = image.tangents[:, -1] / -values[name][:, None]
             if name in self._carried:
-                slope[:, :, k] += image.tangent[:, d + self._carried.index(name)]
+                slope[:, :, k] += image.tangents[:, d + self._carried.index(name)]
         return slope
 
     def _columns(self, parameters: FloatArray) -> dict[str, FloatArray]:

@@ -18,7 +18,7 @@ import numpy as np
 
 from remanent._typing import FloatArray, IntArray
 from remanent.integrate.ensemble.resolution import round_up_resolution
-from remanent.integrate.maps.period_map import Image
+from remanent.integrate.maps.period_map import PeriodMapImage
 
 #: Double steps per period of the first pilot run, and the fewest that are foreseen.
 FIRST_RESOLUTION = 8
@@ -41,7 +41,7 @@ _PARAMETER_BITS = 4
 _NO_FLOOR = -2000
 
 #: ``run(states, parameters, resolution)``: the map with exactly these resolutions.
-PilotRun = Callable[[FloatArray, FloatArray, IntArray], Image]
+PilotRun = Callable[[FloatArray, FloatArray, IntArray], PeriodMapImage]
 #: One cell, and the iterate of the map that is asked of it.
 Cell = tuple[int, bool, bytes]
 
@@ -105,10 +105,12 @@ class PilotResolution:
             self.cache.update(zip(unseen, wanted.tolist(), strict=True))
         return np.array([self.cache[cell] for cell in cells], dtype=np.int64)
 
-    def enough(self, image: Image) -> IntArray:
+    def enough(self, image: PeriodMapImage) -> IntArray:
         """Resolutions that would have been enough for an image, array (point,)."""
         with np.errstate(all="ignore"):
-            factor = (image.error / (_TARGET_ERROR * self.tolerance)) ** (1.0 / self.order)
+            factor = (image.largest_period_error / (_TARGET_ERROR * self.tolerance)) ** (
+                1.0 / self.order
+            )
         factor = np.where(np.isfinite(factor), factor, 1.0).clip(_MIN_COARSENING, 1.0)
         foreseen = round_up_resolution(np.maximum(image.resolution * factor, FIRST_RESOLUTION))
         return np.asarray(np.minimum(foreseen, self.finest))
@@ -122,7 +124,9 @@ class PilotResolution:
         while pending.size:
             image = run(states[pending], parameters[pending], resolution[pending])
             with np.errstate(all="ignore"):
-                factor = (image.error / (_TARGET_ERROR * self.tolerance)) ** (1.0 / self.order)
+                factor = (image.largest_period_error / (_TARGET_ERROR * self.tolerance)) ** (
+                    1.0 / self.order
+                )
             reliable = np.isfinite(factor) & (factor <= _MAX_EXTRAPOLATION)
             foreseen = round_up_resolution(
                 np.maximum(np.where(reliable, factor, 1.0) * image.resolution, FIRST_RESOLUTION)

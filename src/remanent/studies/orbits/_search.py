@@ -11,7 +11,11 @@ from remanent._field import Role
 from remanent._roots import find_root
 from remanent._typing import FloatArray, IntArray
 from remanent.analysis.orbits.maps import MapImage
-from remanent.analysis.orbits.periodic_orbits import Orbits, distinct_orbits, newton_fixed_points
+from remanent.analysis.orbits.periodic_orbits import (
+    PeriodicOrbits,
+    distinct_orbits_of_least_period,
+    newton_fixed_points,
+)
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.studies.ensemble.ensemble import Ensemble
@@ -78,7 +82,7 @@ def is_reversible(system: System, drive: Drive) -> bool:
     return bool(np.allclose(ahead, back, rtol=0.0, atol=1e-13 * (1.0 + np.abs(ahead).max())))
 
 
-def find_all_orbits(search: Search, parameters: FloatArray) -> list[Orbits]:
+def find_all_orbits(search: Search, parameters: FloatArray) -> list[PeriodicOrbits]:
     """The orbits in the box, for each of some values of the map's parameters.
 
     Parameters
@@ -108,7 +112,7 @@ def find_all_orbits(search: Search, parameters: FloatArray) -> list[Orbits]:
 
 def _orbits_from(
     search: Search, map_: StroboscopicMap, guesses: FloatArray, row: FloatArray, tolerance: float
-) -> Orbits:
+) -> PeriodicOrbits:
     """Different orbits that Newton's method reaches from guesses."""
     guess_map = _GuessMap(map_, np.full(len(guesses), FIRST_RESOLUTION))
     numbered = np.column_stack([np.tile(row, (len(guesses), 1)), np.arange(len(guesses))])
@@ -116,7 +120,7 @@ def _orbits_from(
         guess_map, guesses, numbered, iterate=search.orbit_period, tolerance=tolerance,
         box=search.box, max_error=_ROUGH_RESIDUAL,
     )  # fmt: skip
-    return distinct_orbits(map_, orbits, row, iterate=search.orbit_period)
+    return distinct_orbits_of_least_period(map_, orbits, row, iterate=search.orbit_period)
 
 
 @dataclass(frozen=True)
@@ -213,7 +217,7 @@ def _symmetric_orbits(search: Search, parameters: FloatArray, late: bool) -> lis
     return [states[root.success & (row == k)] for k in range(len(parameters))]
 
 
-def nearest_to_rest(orbits: Orbits, ens: Ensemble) -> Orbits:
+def nearest_to_rest(orbits: PeriodicOrbits, ens: Ensemble) -> PeriodicOrbits:
     """The orbit whose point is nearest to rest, alone."""
     rest = [float(rest_values(v, ens.values, ens.count)[0]) for v in ens.field.variables]
     k = int(np.argmin(np.linalg.norm(orbits.state - rest, axis=1)))

@@ -20,7 +20,7 @@ from remanent.analysis.orbits.curves import (
     interpolate_curve,
 )
 from remanent.analysis.orbits.orbit_equations import orbit_equations
-from remanent.analysis.orbits.periodic_orbits import Orbits
+from remanent.analysis.orbits.periodic_orbits import PeriodicOrbits
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.durations import require_count, require_periods
 from remanent.studies.ensemble.ensemble import Ensemble
@@ -142,13 +142,13 @@ class TracingOptions:
         )
 
 
-def trace_through(tracing: Tracing, orbits: Orbits, values: FloatArray) -> list[Branch]:
+def trace_through(tracing: Tracing, orbits: PeriodicOrbits, values: FloatArray) -> list[Branch]:
     """The branches through some orbits, each once.
 
     Parameters
     ----------
     tracing : Tracing
-    orbits : Orbits
+    orbits : PeriodicOrbits
     values : array (orbit,)
         Of the parameter, at which the orbits were found.
     """
@@ -163,11 +163,11 @@ def trace_through(tracing: Tracing, orbits: Orbits, values: FloatArray) -> list[
         unknown,
         unit_tangents(here.derivative, upwards, settings.scale),
         np.abs(here.value).max(axis=1),
-        here.error,
+        here.value_error,
         here.extra,
     )
     block = _BLOCK_OF_ONE if len(values) == 1 else _BLOCK_OF_MANY
-    curves = continue_curves(equations, starts, replace(settings, block=block))
+    curves = continue_curves(equations, starts, replace(settings, block_size=block))
     # Orbits on both arms of a fold lie on the same branch.  It was followed from each.
     distinct: list[Curve] = []
     for curve, start in zip(curves, unknown, strict=True):
@@ -228,13 +228,13 @@ def contains(curve: Curve, point: FloatArray, scale: FloatArray) -> bool:
 def _clipped(equations: CurveEquations, curve: Curve, settings: ContinuationSettings) -> Curve:
     """The curve up to the bounds exactly, where it left them."""
     points = curve.points
-    if curve.ends[1] == "bounds":
+    if curve.end_reasons[1] == "bounds":
         points = _end_on_bounds(equations, points, settings)
-    if curve.ends[0] == "bounds":
+    if curve.end_reasons[0] == "bounds":
         backwards = np.arange(len(points))[::-1]
         points = _end_on_bounds(equations, points.subset(backwards), settings)
         points = points.subset(np.arange(len(points))[::-1])
-    return Curve(points, curve.closed, curve.ends)
+    return Curve(points, curve.is_closed, curve.end_reasons)
 
 
 def _end_on_bounds(

@@ -277,6 +277,6 @@ def _columns(
     return {
         **{name: points.unknown[:, k] for name, k in zip(names, order, strict=True)},
         "residual": points.residual,
-        "error": points.error,
-        "end_reason": end_reasons([curve.ends])[0],
+        "error": points.residual_error,
+        "end_reason": end_reasons([curve.end_reasons])[0],
     }

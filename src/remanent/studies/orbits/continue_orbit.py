@@ -10,7 +10,7 @@ import xarray as xr
 
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, FloatArray
-from remanent.analysis.orbits.periodic_orbits import Orbits, newton_fixed_points
+from remanent.analysis.orbits.periodic_orbits import PeriodicOrbits, newton_fixed_points
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.studies.ensemble.checks import require_parameter, require_range, require_state
@@ -148,7 +148,7 @@ def _require_inside(value: float, limits: tuple[float, float]) -> None:
         )
 
 
-def _start(tracing: Tracing, guess: FloatArray | None, value: float) -> Orbits:
+def _start(tracing: Tracing, guess: FloatArray | None, value: float) -> PeriodicOrbits:
     """The orbit to start from, at the parameter's own value."""
     if guess is None:
         (orbits,) = find_all_orbits(tracing.search(), np.array([[value]]))

@@ -201,7 +201,7 @@ def _locate(single: Ensemble, ens: Ensemble, target: _Target) -> _Located:
         spread = np.abs(inverse)[:, target.state.size].sum(axis=1)
     located.unknown[members], located.reached[members] = points.unknown, reached
     located.residual[members] = points.residual
-    located.error[members] = spread * (points.residual + points.error)
+    located.error[members] = spread * (points.residual + points.residual_error)
     return located
 
 

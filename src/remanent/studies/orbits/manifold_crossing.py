@@ -15,7 +15,7 @@ from remanent._typing import ArrayLike, ComplexArray, FloatArray
 from remanent.analysis.orbits.correction import correct_points
 from remanent.analysis.orbits.curves import CurvePoints
 from remanent.analysis.orbits.orbit_equations import orbit_equations
-from remanent.analysis.orbits.separatrix import SaddlePassage, saddle_passages, unstable_direction
+from remanent.analysis.orbits.separatrix import SaddlePassage, saddle_passages, unstable_directions
 from remanent.analysis.orbits.stability import Stability, floquet_multipliers, orbit_stability
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Request
@@ -233,11 +233,11 @@ class _Runs:
             divided = gap <= 0.5 * (values[-1] - values[0])
             if gap <= width or not divided:
                 break
-            latest = int(passage.iterate[list(ends)].max()) + _MORE_PERIODS
+            latest = int(passage.departure_iterate[list(ends)].max()) + _MORE_PERIODS
             length = min(latest * self.orbit_period, self.periods)
             values = np.linspace(values[ends[0]], values[ends[1]], _TRIED_AT_ONCE + 2)
         there = points.subset(slice(ends[0], ends[0] + 1))
-        multipliers, _ = floquet_multipliers(there.extra["jacobian"], there.error)
+        multipliers, _ = floquet_multipliers(there.extra["jacobian"], there.residual_error)
         return _Crossing(
             float(values[ends[0]] + 0.5 * gap), gap, state, multipliers[0],
             float(there.residual[0]),
@@ -250,7 +250,7 @@ class _Runs:
         periods = require_periods(runs)
         outcome = integrate(
             initial_value_problem(runs, length * periods),
-            Request(strobe=self.orbit_period),
+            Request(strobe_cycles=self.orbit_period),
             tolerance=self.tolerance,
         )
         assert outcome.states is not None
@@ -271,7 +271,7 @@ class _Runs:
         )
         (orbits,) = find_all_orbits(search, np.empty((1, 0)))
         kinds = orbit_stability(
-            *floquet_multipliers(orbits.jacobian, orbits.error),
+            *floquet_multipliers(orbits.jacobian, orbits.image_error),
             conservative=there.system.conservative,
         )
         saddles = orbits.state[kinds == Stability.SADDLE]
@@ -300,7 +300,7 @@ class _Runs:
             scale=np.ones(guess.shape[1]), tolerance=_SADDLE_RESIDUAL,
         )  # fmt: skip
         jacobian = points.extra["jacobian"]
-        if not reached.all() or not unstable_direction(jacobian)[2].all():
+        if not reached.all() or not unstable_directions(jacobian)[2].all():
             raise InputError(
                 "saddle",
                 must="be near a saddle orbit throughout `parameter_range`",
@@ -309,7 +309,7 @@ class _Runs:
                 fix="Pass a narrower range, or a saddle's state from periodic_orbits.",
             )
         states, error = self._visited(values, length)
-        uncertainty = error + points.error + points.residual
+        uncertainty = error + points.residual_error + points.residual
         return points, saddle_passages(states, points.unknown[:, :-1], jacobian, uncertainty)
 
 
@@ -319,7 +319,7 @@ def _sign_change(passage: SaddlePassage) -> tuple[int, int] | None:
     Where motion passes far from the saddle its side means little.
     """
     decided = np.flatnonzero(passage.side)
-    side, near = passage.side[decided], passage.nearest[decided]
+    side, near = passage.side[decided], passage.least_distance[decided]
     change = np.flatnonzero(side[1:] != side[:-1])
     if not change.size:
         return None

@@ -11,8 +11,8 @@ import xarray as xr
 
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, FloatArray
-from remanent.analysis.orbits.periodic_orbits import Orbits
-from remanent.analysis.orbits.switching import crossing_branch_point
+from remanent.analysis.orbits.periodic_orbits import PeriodicOrbits
+from remanent.analysis.orbits.switching import find_point_on_crossing_branch
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.results import provenance
@@ -194,7 +194,7 @@ def _crossing(branch: xr.Dataset, number: int, ens: Ensemble, parameter: str) ->
 
 def _cross(tracing: Tracing, crossing: FloatArray, kind: str) -> list[Branch]:
     """The branch that crosses another one at a point."""
-    point = crossing_branch_point(
+    point = find_point_on_crossing_branch(
         tracing.equations, crossing, scale=tracing.settings.scale, tolerance=0.1 * tracing.tolerance
     )
     if point is None:
@@ -206,5 +206,5 @@ def _cross(tracing: Tracing, crossing: FloatArray, kind: str) -> list[Branch]:
             fix="Look for its orbits with periodic_orbits, and start there.",
         )
     z = point.unknown
-    orbit = Orbits(z[:, :-1], point.extra["jacobian"], point.residual, point.error)
+    orbit = PeriodicOrbits(z[:, :-1], point.extra["jacobian"], point.residual, point.residual_error)
     return trace_through(tracing, orbit, z[:, -1])

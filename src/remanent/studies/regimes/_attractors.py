@@ -11,7 +11,7 @@ from remanent._typing import BoolArray, IntArray
 from remanent.analysis.regimes.attractors import (
     AttractorAssignment,
     assign_attractors,
-    extrapolate_tails,
+    replace_tails_by_limit_orbits,
 )
 from remanent.analysis.regimes.labels import Regime
 from remanent.results.build import Labelled
@@ -47,11 +47,11 @@ class EndClassifier:
     def __call__(self, indices: IntArray, cancelled: Callable[[], bool]) -> dict[str, np.ndarray]:
         """Labels and last points of a subset of the trajectories, by name."""
         labels, path = self.classifier.decide(indices, cancelled)
-        assert path.visited is not None
-        tail = path.visited[:, -self.tail :].copy()
+        assert path.visited_states is not None
+        tail = path.visited_states[:, -self.tail :].copy()
         contracting = np.flatnonzero(self.classifier.damped[indices])
         if contracting.size:
-            tail[contracting] = extrapolate_tails(
+            tail[contracting] = replace_tails_by_limit_orbits(
                 self.classifier.iterate(indices[contracting]),
                 tail[contracting],
                 labels.regime[contracting],
@@ -96,7 +96,7 @@ class Ends:
 def basin_numbers(sorted_ends: list[AttractorAssignment | None], starts: int) -> IntArray:
     """Number of the attractor of each trajectory, array (trajectory,); -1 where it has none."""
     none = np.full(starts, -1, dtype=np.int64)
-    return np.concatenate([none if each is None else each.attractor for each in sorted_ends])
+    return np.concatenate([none if each is None else each.attractor_number for each in sorted_ends])
 
 
 def attractor_table(
@@ -114,7 +114,9 @@ def attractor_table(
         attractors than others have NaN, 0 or an empty text in place of the rest.
     """
     points = len(ends.regime)
-    count = max((each.representative.size for each in sorted_ends if each is not None), default=0)
+    count = max(
+        (each.representative_orbit.size for each in sorted_ends if each is not None), default=0
+    )
     regime = np.zeros((points, count), dtype="<U14")
     period = np.zeros((points, count), dtype=ends.period.dtype)
     state = np.full((points, count, ends.tail.shape[-1]), np.nan)
@@ -122,11 +124,11 @@ def attractor_table(
     for k, each in enumerate(sorted_ends):
         if each is None:
             continue
-        first, number = each.representative, each.representative.size
+        first, number = each.representative_orbit, each.representative_orbit.size
         regime[k, :number] = [Regime(code).meaning for code in ends.regime[k, first]]
         period[k, :number] = ends.period[k, first]
         state[k, :number] = ends.tail[k, first, -1]
-        fraction[k, :number] = [np.mean(each.attractor == n) for n in range(number)]
+        fraction[k, :number] = [np.mean(each.attractor_number == n) for n in range(number)]
     columns: dict[str, tuple[tuple[str, ...], np.ndarray]] = {
         "attractor_regime": ((ATTRACTOR,), regime),
         "attractor_period": ((ATTRACTOR,), period),

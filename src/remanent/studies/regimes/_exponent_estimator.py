@@ -99,17 +99,19 @@ class ExponentEstimator:
             block=self.block,
             cancelled=cancelled,
         )
-        fine, coarse = (lyapunov_exponents(p.growth, p.block_lengths) for p in (path, coarse_path))
+        fine, coarse = (
+            lyapunov_exponents(p.log_growth, p.block_lengths) for p in (path, coarse_path)
+        )
         tau = self.follower.period_lengths[indices]
         # Tangents that lined up within a period leave a bound, not a value.
-        collapsed = (path.growth - path.growth[:, :, :1] < np.log(_COLLAPSED)).any(axis=1)
+        collapsed = (path.log_growth - path.log_growth[:, :, :1] < np.log(_COLLAPSED)).any(axis=1)
         return {
             "exponent": fine.mean / tau[:, None],
             "scatter": np.where(collapsed, np.inf, fine.error) / tau[:, None],
             "difference": np.abs(fine.mean - coarse.mean) / tau[:, None],
-            "exponent_history": fine.history[:, self.history_blocks] / tau[:, None, None],
+            "exponent_history": fine.running_mean[:, self.history_blocks] / tau[:, None, None],
             "horizon": path.horizon * tau,
-            "local_error": path.error,
+            "local_error": path.largest_period_error,
             "status": status_of(path),
         }
 

@@ -20,7 +20,7 @@ from remanent.analysis.regimes.long_runs import (
     propagate_tangents,
 )
 from remanent.integrate.ensemble.problem import Problem
-from remanent.integrate.maps.advance import Advancer, CoarseReplay
+from remanent.integrate.maps.advance import BlockAdvancer, CoarseReplay
 from remanent.integrate.maps.period_map import ErrorControl, PeriodMap
 from remanent.studies.ensemble.durations import require_periods
 from remanent.studies.ensemble.ensemble import Ensemble
@@ -87,10 +87,10 @@ class Follower:
         *,
         directions: int | None = None,
         error_control: ErrorControl = "all",
-    ) -> Advancer:
+    ) -> BlockAdvancer:
         """What advances a subset of the trajectories, which it numbers from 0."""
         flow = self.period_map(self.directions if directions is None else directions, error_control)
-        return Advancer(
+        return BlockAdvancer(
             flow, self.problem.parameters[indices], self.period_lengths[indices], tolerance
         )
 
@@ -123,7 +123,7 @@ class Follower:
         directions = self.directions if directions is None else directions
         return propagate_tangents(
             self.advancer(indices, tolerance, directions=directions, error_control="state"),
-            self.problem.initial[indices] if states is None else states,
+            self.problem.initial_states[indices] if states is None else states,
             self.periods,
             directions=directions,
             every=every,
@@ -146,12 +146,12 @@ class Follower:
         """
         fine = self.advancer(indices, tolerance, error_control=error_control)
         flow = self.period_map(self.directions, "none")
-        coarse = CoarseReplay(flow, fine.parameters, fine.lengths, fine.resolution_history)
+        coarse = CoarseReplay(flow, fine.parameters, fine.period_lengths, fine.resolution_history)
 
         def path(advance: TangentMap) -> LongRun:
             return propagate_tangents(
                 advance,
-                self.problem.initial[indices],
+                self.problem.initial_states[indices],
                 self.periods,
                 directions=self.directions,
                 block=block,
@@ -249,5 +249,5 @@ def damped(ens: Ensemble) -> BoolArray:
 
 def status_of(path: LongRun) -> IntArray:
     """Status of followed trajectories, array (trajectory,)."""
-    codes = np.where(path.trusted, int(Status.OK), int(Status.MAX_STEPS))
+    codes = np.where(path.error_bound_met, int(Status.OK), int(Status.MAX_STEPS))
     return np.where(path.escaped, int(Status.ESCAPED), codes)

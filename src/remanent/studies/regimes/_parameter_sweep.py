@@ -11,7 +11,7 @@ from remanent._status import Status
 from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.analysis.regimes.long_runs import ESCAPE_BOUND
 from remanent.integrate.ensemble.problem import Problem
-from remanent.integrate.maps.advance import Advancer
+from remanent.integrate.maps.advance import BlockAdvancer
 from remanent.integrate.maps.period_map import PeriodMap
 from remanent.studies.ensemble.durations import require_periods
 from remanent.studies.ensemble.ensemble import Ensemble
@@ -126,7 +126,7 @@ class ParameterSweep:
 
     def _settle(self, rows: IntArray, states: FloatArray) -> _Settled:
         """Let periods pass at one value, then keep points."""
-        advance = Advancer(
+        advance = BlockAdvancer(
             self.flow, self.problem.parameters[rows], self.period_lengths[rows], self.tolerance
         )
         subset = np.arange(len(states))
@@ -137,10 +137,13 @@ class ParameterSweep:
         for n, periods in enumerate([*passed, *_blocks(self.keep)]):
             keeping = n >= len(passed)
             step = advance(subset, states, no_tangents, periods, every=keeping)
-            states = step.visited[:, -1]
-            error, trusted = np.maximum(error, step.error), trusted & step.trusted
+            states = step.visited_states[:, -1]
+            error, trusted = (
+                np.maximum(error, step.largest_period_error),
+                trusted & step.error_bound_met,
+            )
             if keeping:
-                kept.append(step.visited)
+                kept.append(step.visited_states)
         return _Settled(states, np.concatenate(kept, axis=1), error, trusted)
 
 

@@ -13,7 +13,7 @@ import xarray as xr
 from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.analysis.regimes.decision import decide_regimes
 from remanent.analysis.regimes.labels import Regime, RegimeLabels
-from remanent.analysis.regimes.limit_orbits import IterateMap
+from remanent.analysis.regimes.limit_orbits import IterateWithJacobian
 from remanent.analysis.regimes.long_runs import LongRun
 from remanent.analysis.regimes.problem import RegimeProblem
 from remanent.studies.ensemble.dataset import to_dataset
@@ -138,12 +138,12 @@ class RegimeClassifier:
                 run,
                 indices.size,
                 damped=self.damped[indices],
-                iterate=self.iterate(indices),
+                iterate_with_jacobian=self.iterate(indices),
                 seed=self.seed,
             )
         )
 
-    def iterate(self, indices: IntArray) -> IterateMap:
+    def iterate(self, indices: IntArray) -> IterateWithJacobian:
         """Images and Jacobians of the trajectories' maps at the finest tolerance."""
         dimension = len(self.follower.ensemble.field.state)
         advance = self.follower.advancer(indices, self.tolerance, directions=dimension)
@@ -153,7 +153,7 @@ class RegimeClassifier:
         ) -> tuple[FloatArray, FloatArray]:
             unit = np.tile(np.eye(dimension), (subset.size, 1, 1))
             step = advance(subset, states, unit, period, every=False)
-            return step.visited[:, -1], np.moveaxis(step.tangents, 1, 2)
+            return step.visited_states[:, -1], np.moveaxis(step.tangents, 1, 2)
 
         return image
 
@@ -169,7 +169,7 @@ class RegimeClassifier:
             "exponent": labels.evidence.exponent / tau,
             "exponent_error": labels.exponent_error / tau,
             "horizon": path.horizon * tau,
-            "local_error": path.error,
+            "local_error": path.largest_period_error,
             "status": status_of(path),
         }
         return values | {name: labels.evidence[name] for name in EVIDENCE}

@@ -11,7 +11,7 @@ from remanent._errors import InputError
 from remanent._typing import FloatArray, IntArray
 from remanent.analysis.orbits.stability import floquet_multipliers
 from remanent.analysis.regimes.long_runs import LongRun, propagate_tangents
-from remanent.integrate.maps.advance import Step
+from remanent.integrate.maps.advance import BlockImage
 from remanent.integrate.maps.period_map import PeriodMap
 from remanent.integrate.variations import transverse_field
 from remanent.studies.ensemble.checks import require_actuator
@@ -112,7 +112,7 @@ class TransverseFlow:
             "transverse_growth": growth,
             "transverse_exponent": exponent / self.period_lengths[indices],
             "transverse_multipliers": self._multipliers(indices),
-            "local_error": path.error,
+            "local_error": path.largest_period_error,
             "status": status_of(path),
         }
 
@@ -121,13 +121,13 @@ class TransverseFlow:
         start = self.initial[indices]
         unit = np.tile(np.eye(self.width), (indices.size, 1, 1))
         once = self.advance(indices, start, unit, 1)
-        values, _ = floquet_multipliers(np.moveaxis(once.tangents, 1, 2), once.error)
-        values[np.abs(once.visited[:, -1] - start).max(axis=1) > _CLOSED] = np.nan
+        values, _ = floquet_multipliers(np.moveaxis(once.tangents, 1, 2), once.largest_period_error)
+        values[np.abs(once.visited_states[:, -1] - start).max(axis=1) > _CLOSED] = np.nan
         return np.asarray(values)
 
     def advance(
         self, indices: IntArray, states: FloatArray, frame: FloatArray, periods: int
-    ) -> Step:
+    ) -> BlockImage:
         """Advance motions with several differences each.
 
         The flow carries one difference along, so a motion with n of them is integrated n
@@ -144,9 +144,9 @@ class TransverseFlow:
             cycles=periods,
         )
         d = states.shape[1]
-        error = image.error.reshape(-1, per_motion).max(axis=1)
+        error = image.largest_period_error.reshape(-1, per_motion).max(axis=1)
         differences = image.state[:, d:].reshape(-1, per_motion, self.width) / _DIFFERENCE_SIZE
-        return Step(
+        return BlockImage(
             image.state[::per_motion, None, :d], differences, error, error <= self.tolerance
         )
 
@@ -166,7 +166,7 @@ class _Subset:
         periods: int,
         *,
         every: bool,
-    ) -> Step:
+    ) -> BlockImage:
         """Advance them; the last state is all that is ever needed."""
         assert not every
         return self.flow.advance(self.indices[which], states, tangents, periods)
@@ -174,7 +174,7 @@ class _Subset:
 
 def _decide(path: LongRun, periods: int) -> tuple[np.ndarray, FloatArray, FloatArray]:
     """The label, the largest logarithm of the growth, and the exponent per period."""
-    logs = _log_norms(path.factors)
+    logs = _log_norms(path.triangular_factors)
     with np.errstate(invalid="ignore"):
         growth = logs.max(axis=1)
         middle = logs[:, periods // 2]

@@ -84,7 +84,7 @@ def free_oscillations(ens: Ensemble, tolerance: float) -> FreeOscillations:
         error[rows] = outcome.error[rows] / np.abs(acceleration)
         duration *= _DURATION_GROWTH
     problem = initial_value_problem(ens, np.where(np.isfinite(half), 2.0 * half, 1.0))
-    outcome = integrate(problem, Request(extremes=True), tolerance=tolerance)
+    outcome = integrate(problem, Request(wants_extremes=True), tolerance=tolerance)
     with np.errstate(all="ignore"):
         frequency = np.pi / half
     return FreeOscillations(problem, outcome, frequency, frequency * error / half)

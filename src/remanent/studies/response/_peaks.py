@@ -11,9 +11,9 @@ import numpy as np
 from remanent._errors import InputError
 from remanent._typing import ComplexArray, FloatArray, IntArray
 from remanent.analysis.response.harmonics import (
+    classify_resonance,
+    find_resonant_harmonic,
     fourier_amplitudes,
-    resonance_kind,
-    resonant_harmonic,
 )
 from remanent.analysis.statics.equilibria import find_zeros, force_slope
 from remanent.integrate.ensemble.ensemble import integrate
@@ -148,20 +148,22 @@ def describe_peaks(member: Ensemble, varied: Iterable[str], peaks: Sequence[Peak
     mean, first = _load_harmonics(drive)
     free = _free_frequency(system, mean, amplitude)
     base = 2.0 * np.pi / (require_periods(along) * period)
-    evidence = resonant_harmonic(harmonics, base, free)
+    evidence = find_resonant_harmonic(harmonics, base, free)
     names = [
-        resonance_kind(evidence, k, peak.period, doubled=peak.doubled)
+        classify_resonance(evidence, k, peak.period, doubled=peak.doubled)
         for k, peak in enumerate(peaks)
     ]
-    angle = np.angle(harmonics[np.arange(len(peaks)), evidence.harmonic])
+    angle = np.angle(harmonics[np.arange(len(peaks)), evidence.harmonic_number])
     columns: dict[str, Any] = {
         "omega": omega,
         "omega_error": [peak.error for peak in peaks],
         "amplitude": amplitude,
-        "phase_lag": np.mod(evidence.harmonic / period * np.angle(first) - angle, 2.0 * np.pi),
-        "share": evidence.share,
+        "phase_lag": np.mod(
+            evidence.harmonic_number / period * np.angle(first) - angle, 2.0 * np.pi
+        ),
+        "share": evidence.power_share,
         "free_frequency": free,
-        "detuning": evidence.detuning,
+        "detuning": evidence.relative_detuning,
         "order_p": [p for _, p, _ in names],
         "order_q": [q for _, _, q in names],
         "orbit_period": period,

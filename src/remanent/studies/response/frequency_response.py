@@ -11,7 +11,7 @@ import xarray as xr
 from remanent._checks import not_negative, positive, require_increasing, require_real
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, FloatArray, IntArray
-from remanent.analysis.response.subdivision import Maximum, refine_maximum
+from remanent.analysis.response.subdivision import BracketedMaxima, refine_maxima
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Outcome, Request, merge_outcomes
 from remanent.models.drives.base import Drive
@@ -177,7 +177,7 @@ def response_extremes(
 
     def parts() -> Iterator[tuple[slice, Outcome]]:
         for part, batch in ens.batches(batch_size):
-            request = Request(extremes=True, begin=np.full(batch.count, discard))
+            request = Request(wants_extremes=True, extremes_begin=np.full(batch.count, discard))
             report = within(progress, part, ens.count)
             problem = initial_value_problem(batch, durations(batch, duration, periods))
             yield part, integrate(problem, request, tolerance=tolerance, progress=report)
@@ -197,7 +197,7 @@ def _resonance(
     amplitude: FloatArray,
     respond: Callable[[Ensemble], Outcome],
     width: float,
-) -> Maximum:
+) -> BracketedMaxima:
     """The largest amplitude for every combination of the other fields."""
     axis = ens.dims.index("omega")
     rows = np.moveaxis(amplitude, axis, -1).reshape(-1, grid.size)
@@ -207,7 +207,7 @@ def _resonance(
     def measure(case: IntArray, omega: FloatArray) -> FloatArray:
         return _amplitude(respond(_at(ens, index[case], omega)))
 
-    return refine_maximum(grid, rows, measure, width=width)
+    return refine_maxima(grid, rows, measure, width=width)
 
 
 def _at(ens: Ensemble, indices: IntArray, omega: FloatArray) -> Ensemble:
@@ -223,13 +223,13 @@ def _at(ens: Ensemble, indices: IntArray, omega: FloatArray) -> Ensemble:
     )
 
 
-def _peak_variables(ens: Ensemble, peak: Maximum) -> dict[str, Labelled]:
+def _peak_variables(ens: Ensemble, peak: BracketedMaxima) -> dict[str, Labelled]:
     """Resonances, along the dimensions of the ensemble but for that of frequency."""
     dims = tuple(d for d in ens.dims if d != "omega")
     shape = tuple(ens.sizes[d] for d in dims)
     values = {
         "resonance": peak.position,
         "resonance_amplitude": peak.value,
-        "resonance_error": peak.upper - peak.lower,
+        "resonance_error": peak.bracket_upper - peak.bracket_lower,
     }
     return {name: (dims, array.reshape(shape)) for name, array in values.items()}

@@ -10,7 +10,10 @@ from scipy.ndimage import maximum_filter
 
 from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.analysis.orbits.maps import MapImage
-from remanent.analysis.orbits.periodic_orbits import distinct_orbits, newton_fixed_points
+from remanent.analysis.orbits.periodic_orbits import (
+    distinct_orbits_of_least_period,
+    newton_fixed_points,
+)
 from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.statics._static_ensemble import StaticEnsemble, farthest_inside
@@ -94,7 +97,7 @@ def _roots_of(static: StaticEnsemble, k: int) -> FloatArray:
     bounds = np.log(2.0 * _FARTHEST) * np.array([[-1.0, 1.0]] * 2)
     none = np.empty((len(guesses), 0))
     orbits = newton_fixed_points(map_, guesses, none, iterate=1, tolerance=_RESIDUAL, box=bounds)
-    stretches = np.exp(distinct_orbits(map_, orbits, np.empty(0), iterate=1).state)
+    stretches = np.exp(distinct_orbits_of_least_period(map_, orbits, np.empty(0), iterate=1).state)
     return np.asarray(stretches[np.lexsort(stretches.T[::-1])])
 
 

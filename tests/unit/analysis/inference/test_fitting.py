@@ -14,7 +14,7 @@ from remanent.analysis.inference.fitting import (
     fit_least_squares,
     profile_interval,
 )
-from remanent.analysis.inference.ringdown import fit_decay
+from remanent.analysis.inference.ringdown import fit_exponential_decay
 
 T = np.linspace(0.0, 6.0, 40)
 FREE = ParameterBox(np.ones(2), np.full(2, -np.inf), np.full(2, np.inf))
@@ -31,18 +31,20 @@ def ringing(x: FloatArray) -> FloatArray:
 def noisy(seed: int, sigma: float) -> Observations:
     values = ringing(np.array([[0.2, 3.0]]))[0]
     noise = np.random.default_rng(seed).normal(0.0, sigma, T.size)
-    return Observations(values + noise, np.ones(T.size), absolute=False)
+    return Observations(values + noise, np.ones(T.size), has_absolute_deviations=False)
 
 
 def test_a_line_is_the_textbook_regression() -> None:
     """Estimates, standard errors, and a profile that is the linear interval itself."""
     values = 1.0 + 0.3 * T + np.random.default_rng(0).normal(0.0, 0.1, T.size)
-    data = Observations(values, np.ones(T.size), absolute=False)
+    data = Observations(values, np.ones(T.size), has_absolute_deviations=False)
     found = fit_least_squares(line, data, np.zeros(2), FREE)
     book = linregress(T, values)
     np.testing.assert_allclose(found.estimate, [book.intercept, book.slope], rtol=1e-7)
-    np.testing.assert_allclose(found.deviation, [book.intercept_stderr, book.stderr], rtol=1e-7)
-    half = found.quantile(0.9) * found.deviation[1]
+    np.testing.assert_allclose(
+        found.standard_errors, [book.intercept_stderr, book.stderr], rtol=1e-7
+    )
+    half = found.two_sided_t_quantile(0.9) * found.standard_errors[1]
     ends = profile_interval(line, data, found, FREE, 1, 0.9)
     np.testing.assert_allclose(ends, found.estimate[1] + [-half, half], atol=2e-3 * half)
 
@@ -52,7 +54,7 @@ def test_intervals_cover_as_often_as_they_say() -> None:
     inside = np.zeros(2, dtype=int)
     for seed in range(400):
         found = fit_least_squares(ringing, noisy(seed, 0.05), np.array([0.25, 2.9]), FREE)
-        half = found.quantile(0.95) * found.deviation
+        half = found.two_sided_t_quantile(0.95) * found.standard_errors
         inside += np.abs(found.estimate - [0.2, 3.0]) < half
     low, high = binom.interval(0.9999, 400, 0.95)
     assert ((inside >= low) & (inside <= high)).all(), inside
@@ -62,12 +64,18 @@ def test_known_deviations_set_the_scale() -> None:
     """Standard errors do not depend on the scatter where deviations are known."""
     data = noisy(1, 0.05)
     one = fit_least_squares(
-        ringing, Observations(data.values, np.full(T.size, 0.1), True), np.array([0.2, 3.0]), FREE
+        ringing,
+        Observations(data.measured_values, np.full(T.size, 0.1), True),
+        np.array([0.2, 3.0]),
+        FREE,
     )
     two = fit_least_squares(
-        ringing, Observations(data.values, np.full(T.size, 0.2), True), np.array([0.2, 3.0]), FREE
+        ringing,
+        Observations(data.measured_values, np.full(T.size, 0.2), True),
+        np.array([0.2, 3.0]),
+        FREE,
     )
-    np.testing.assert_allclose(two.deviation, 2.0 * one.deviation, rtol=1e-6)
+    np.testing.assert_allclose(two.standard_errors, 2.0 * one.standard_errors, rtol=1e-6)
     assert one.chi_square == pytest.approx(4.0 * two.chi_square)
 
 
@@ -87,7 +95,9 @@ def test_profile_ends_are_infinite_where_nothing_limits_them() -> None:
     def flat(x: FloatArray) -> FloatArray:
         return np.repeat(np.exp(-x), 5, axis=1)
 
-    data = Observations(np.array([0.03, -0.03, 0.05, -0.04, 0.04]), np.full(5, 0.05), absolute=True)
+    data = Observations(
+        np.array([0.03, -0.03, 0.05, -0.04, 0.04]), np.full(5, 0.05), has_absolute_deviations=True
+    )
     box = ParameterBox(np.ones(1), np.array([-5.0]), np.array([50.0]))
     ends = profile_interval(
         flat, data, fit_least_squares(flat, data, np.array([3.0]), box), box, 0, 0.95
@@ -99,11 +109,11 @@ def test_profile_ends_are_infinite_where_nothing_limits_them() -> None:
 def test_decay_of_a_known_oscillation() -> None:
     """exp(-a t) cos(w t) + drift of level: decrement 2 pi a/w whatever the level."""
     t = np.linspace(0.0, 30.0, 3001)
-    found = fit_decay(t, 5.0 + np.exp(-0.1 * t) * np.cos(2.0 * t), prominence=0.01)
+    found = fit_exponential_decay(t, 5.0 + np.exp(-0.1 * t) * np.cos(2.0 * t), prominence=0.01)
     assert found is not None
-    assert found.decrement == pytest.approx(np.pi * 0.1, rel=1e-8)
-    assert found.frequency == pytest.approx(2.0, rel=1e-8)
-    assert fit_decay(t[:200], np.cos(t[:200]), prominence=0.01) is None
+    assert found.logarithmic_decrement == pytest.approx(np.pi * 0.1, rel=1e-8)
+    assert found.angular_frequency == pytest.approx(2.0, rel=1e-8)
+    assert fit_exponential_decay(t[:200], np.cos(t[:200]), prominence=0.01) is None
 
 
 def test_the_error_of_a_decrement_is_the_scatter_of_its_estimates() -> None:
@@ -115,8 +125,8 @@ def test_the_error_of_a_decrement_is_the_scatter_of_its_estimates() -> None:
     for _ in range(400):
         # A slow change of the level moves every swing a little, as noise that a spline can follow.
         slow = np.interp(t, np.linspace(0.0, 30.0, 40), rng.normal(0.0, 0.01, 40))
-        found = fit_decay(t, clean * (1.0 + slow), prominence=0.01)
+        found = fit_exponential_decay(t, clean * (1.0 + slow), prominence=0.01)
         assert found is not None
-        estimates.append(found.decrement)
-        errors.append(found.decrement_error)
+        estimates.append(found.logarithmic_decrement)
+        errors.append(found.logarithmic_decrement_error)
     assert np.mean(errors) == pytest.approx(np.std(estimates), rel=0.5)

@@ -27,9 +27,9 @@ def test_indices_of_ishigami_and_of_a_sum() -> None:
     total = v1 + v2 + v13
     first = np.array([[v1 / total, 9.0 / 14.0], [v2 / total, 4.0 / 14.0], [0.0, 1.0 / 14.0]])
     whole = first + np.array([[v13 / total, 0.0], [0.0, 0.0], [v13 / total, 0.0]])
-    assert (np.abs(found.first - first) < 4.0 * found.first_error).all()
-    assert (np.abs(found.total - whole) < 4.0 * found.total_error).all()
-    assert (found.first_error < 0.05).all()
+    assert (np.abs(found.first_order - first) < 4.0 * found.first_order_error).all()
+    assert (np.abs(found.total_effect - whole) < 4.0 * found.total_effect_error).all()
+    assert (found.first_order_error < 0.05).all()
 
 
 def test_quantiles_of_a_normal_distribution() -> None:
@@ -70,5 +70,5 @@ def test_what_is_not_known_is_counted_and_left_out() -> None:
     assert found.quantiles[1, 0] == pytest.approx(0.25, abs=0.01)
     assert np.isnan(found.quantiles[:, 2]).all()
     shares = estimate_sobol_indices(function, box, 64, np.random.default_rng(0))
-    np.testing.assert_array_equal(np.isfinite(shares.first[0]), [False, False, False, True])
-    assert shares.first[0, 3] == pytest.approx(1.0, abs=0.1)
+    np.testing.assert_array_equal(np.isfinite(shares.first_order[0]), [False, False, False, True])
+    assert shares.first_order[0, 3] == pytest.approx(1.0, abs=0.1)

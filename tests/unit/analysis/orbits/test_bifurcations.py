@@ -52,7 +52,7 @@ def test_special_points_come_in_order_along_the_branch() -> None:
     special = find_special_points(
         equations, curve.points, scale=np.ones(2), tolerance=1e-12, conservative=False
     )
-    r = [point.points.unknown[0, 1] for point in special]
+    r = [point.point.unknown[0, 1] for point in special]
     upwards = curve.points.unknown[-1, 1] > curve.points.unknown[0, 1]
     assert r == pytest.approx([1.0, 3.0] if upwards else [3.0, 1.0], abs=1e-8)
 
@@ -96,7 +96,7 @@ def bifurcation_curve(map_: Cusp | Quadratic, kind: str, guess: list[float]) -> 
     assert reached.all()
     settings = ContinuationSettings(-2.0 * scale, 2.0 * scale, scale, tolerance=1e-11)
     (curve,) = continue_curves(equations, start, settings)
-    assert curve.ends == ("bounds", "bounds")
+    assert curve.end_reasons == ("bounds", "bounds")
     return curve.points.unknown
 
 

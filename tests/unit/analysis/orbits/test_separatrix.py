@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 from remanent._typing import FloatArray
-from remanent.analysis.orbits.separatrix import saddle_passages, unstable_direction
+from remanent.analysis.orbits.separatrix import saddle_passages, unstable_directions
 
 STEP = 0.4
 #: Of the pendulum's map over STEP at its upper equilibrium.
@@ -78,7 +78,7 @@ def test_what_stays_is_not_decided() -> None:
 )
 def test_saddles_have_one_real_multiplier_outside(matrix: FloatArray, expected: bool) -> None:
     """A saddle, a source, a sink, a centre; direction and form are dual eigenvectors."""
-    direction, form, saddle = unstable_direction(matrix[None])
+    direction, form, saddle = unstable_directions(matrix[None])
     assert saddle.tolist() == [expected]
     if expected:
         np.testing.assert_allclose(matrix @ direction[0], 2.0 * direction[0])

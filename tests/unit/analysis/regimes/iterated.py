@@ -18,10 +18,10 @@ Step = Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]
 class ExactImage:
     """Points and tangents after some steps of a map; rounding counts as no error."""
 
-    visited: FloatArray
+    visited_states: FloatArray
     tangents: FloatArray
-    error: FloatArray
-    trusted: BoolArray
+    largest_period_error: FloatArray
+    error_bound_met: BoolArray
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ class Iterated:
         """Image and Jacobian after a number of steps."""
         unit = np.tile(np.eye(states.shape[1]), (len(states), 1, 1))
         image = self(which, states, unit, periods, every=False)
-        return image.visited[:, -1], np.moveaxis(image.tangents, 1, 2)
+        return image.visited_states[:, -1], np.moveaxis(image.tangents, 1, 2)
 
 
 def logistic(x: FloatArray, r: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -7,8 +7,8 @@ import pytest
 from tests.unit.analysis.regimes.iterated import logistic, run
 
 from remanent._typing import FloatArray
-from remanent.analysis.regimes.bands import band_extent, banded_digits
-from remanent.analysis.regimes.birkhoff import overlapping_digits
+from remanent.analysis.regimes.bands import convergence_digits_within_bands, relative_band_scatter
+from remanent.analysis.regimes.birkhoff import birkhoff_convergence_digits
 from remanent.analysis.regimes.orbit_batch import OrbitBatch
 
 GOLDEN = (np.sqrt(5.0) - 1.0) / 2.0
@@ -28,19 +28,19 @@ def test_chaos_within_bands_is_not_hidden_by_the_step_between_them() -> None:
     n = np.arange(1000)
     noise = 1e-6 * np.random.default_rng(3).normal(size=(20, 1000))
     points = (n % 2) + noise
-    assert overlapping_digits(points).min() > 5.0
-    assert banded_digits(batch(points)).max() < 3.5
+    assert birkhoff_convergence_digits(points).min() > 5.0
+    assert convergence_digits_within_bands(batch(points)).max() < 3.5
 
 
 def test_a_torus_has_no_bands() -> None:
     """Every k-th point of a golden rotation is spread over all of it, and is a torus too."""
     torus = np.cos(2.0 * np.pi * GOLDEN * np.arange(1000))[None]
-    assert banded_digits(batch(torus))[0] == overlapping_digits(torus)[0]
-    assert band_extent(batch(torus))[0] == pytest.approx(1.0, abs=0.02)
+    assert convergence_digits_within_bands(batch(torus))[0] == birkhoff_convergence_digits(torus)[0]
+    assert relative_band_scatter(batch(torus))[0] == pytest.approx(1.0, abs=0.02)
 
 
 def test_every_eighth_point_of_many_bands_lies_in_one() -> None:
     """The end of the doublings of the logistic map: bands of all sizes, 2^k of them."""
     path = run(logistic, np.array([0.3]), np.array([3.569945672]), 4000, every=True)
-    assert path.visited is not None
-    assert band_extent(batch(path.visited[:, 1000:, 0]))[0] < 0.1
+    assert path.visited_states is not None
+    assert relative_band_scatter(batch(path.visited_states[:, 1000:, 0]))[0] < 0.1

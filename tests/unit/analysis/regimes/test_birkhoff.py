@@ -8,7 +8,7 @@ from tests.unit.analysis.regimes.iterated import run, standard
 from tests.unit.analysis.regimes.spectra import lines, spectrum
 
 from remanent.analysis.regimes.birkhoff import (
-    overlapping_digits,
+    birkhoff_convergence_digits,
     rotation_numbers,
     weighted_average,
 )
@@ -21,7 +21,7 @@ def test_weighted_averages_of_a_rotation_converge_beyond_any_power() -> None:
     angle = 2.0 * np.pi * 0.5 * (np.sqrt(5.0) - 1.0) * np.arange(4000)
     average = weighted_average(np.cos(angle))
     assert abs(float(average)) < 1e-12
-    assert float(overlapping_digits(np.cos(angle))) > 10.0
+    assert float(birkhoff_convergence_digits(np.cos(angle))) > 10.0
 
 
 def test_weighted_averages_along_chaos_converge_slowly() -> None:
@@ -31,12 +31,12 @@ def test_weighted_averages_along_chaos_converge_slowly() -> None:
     for k in range(x.size - 1):
         x[k + 1] = 4.0 * x[k] * (1.0 - x[k])
     assert float(weighted_average(x)) == pytest.approx(0.5, abs=0.03)
-    assert float(overlapping_digits(x)) < 4.0
+    assert float(birkhoff_convergence_digits(x)) < 4.0
 
 
 def test_a_constant_has_all_digits() -> None:
     """Its spread is zero."""
-    assert float(overlapping_digits(np.full(100, 0.3))) == 16.0
+    assert float(birkhoff_convergence_digits(np.full(100, 0.3))) == 16.0
 
 
 def test_digits_of_a_torus_and_of_noise() -> None:
@@ -44,7 +44,7 @@ def test_digits_of_a_torus_and_of_noise() -> None:
     n = np.arange(1000)
     torus = np.cos(2 * np.pi * GOLDEN * n) + 0.3 * np.cos(4 * np.pi * GOLDEN * n)
     noise = np.random.default_rng(5).normal(size=1000)
-    digits = overlapping_digits(np.stack([torus, noise]))
+    digits = birkhoff_convergence_digits(np.stack([torus, noise]))
     assert digits[0] > 10.0
     assert digits[1] < 3.0
 
@@ -58,7 +58,7 @@ def test_rotation_number_of_a_twisted_circle() -> None:
         points = np.stack([3.0 + np.cos(shift), 0.01 * np.sin(shift)], axis=1)
         found = rotation_numbers(points[None])
         assert found.number[0] == pytest.approx(turns, abs=1e-6)
-        assert found.digits[0] > 5.0
+        assert found.converged_digits[0] > 5.0
 
 
 def test_a_curve_beside_its_centre_has_no_rotation_number() -> None:
@@ -67,7 +67,7 @@ def test_a_curve_beside_its_centre_has_no_rotation_number() -> None:
     points = np.stack([np.cos(n), np.sin(n)], axis=1)
     found = rotation_numbers(points[None], centre=np.array([[3.0, 0.0]]))
     assert np.isnan(found.number[0])
-    assert found.digits[0] == 0.0
+    assert found.converged_digits[0] == 0.0
 
 
 def test_lines_of_a_spectrum() -> None:
@@ -91,8 +91,8 @@ def test_rotation_numbers_are_the_frequencies_of_the_strongest_lines(start: floa
     Tori about the elliptic point of the standard map, at K = 0.5.
     """
     path = run(standard, np.array([np.pi + start, 0.0]), np.array([0.5]), 2000, every=True)
-    assert path.visited is not None
-    y = path.visited
+    assert path.visited_states is not None
+    y = path.visited_states
     momentum = (y[..., 1] + np.pi) % (2.0 * np.pi) - np.pi
     points = np.stack([y[..., 0] - np.pi, momentum], axis=-1)
     number = rotation_numbers(points).number[0]

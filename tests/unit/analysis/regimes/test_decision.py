@@ -8,9 +8,9 @@ from tests.unit.analysis.regimes.iterated import Iterated, Step, henon, logistic
 
 from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.analysis.regimes.agreement import (
-    RULES,
+    DEFAULT_REGIME_RULES,
     agreed_regime,
-    is_chaotic,
+    chaotic_rule,
     regime_of_run,
 )
 from remanent.analysis.regimes.collection import INDICATOR_FUNCTIONS, state_observables
@@ -20,7 +20,7 @@ from remanent.analysis.regimes.labels import Regime, RegimeLabels
 from remanent.analysis.regimes.long_runs import LongRun, propagate_tangents
 from remanent.analysis.regimes.orbit_batch import OrbitBatch
 from remanent.analysis.regimes.problem import RegimeProblem
-from remanent.analysis.regimes.thresholds import Thresholds
+from remanent.analysis.regimes.thresholds import RegimeThresholds
 
 GOLDEN = (np.sqrt(5.0) - 1.0) / 2.0
 
@@ -40,7 +40,7 @@ def label(
         again,
         len(y0),
         damped=np.full(len(y0), damped),
-        iterate=points.iterate,
+        iterate_with_jacobian=points.iterate,
         observables=rolled if step is standard else state_observables,
     )
     return decide_regimes(problem)[0]
@@ -60,7 +60,7 @@ def test_the_golden_torus_breaks_near_0_97() -> None:
         regimes[k] = label(standard, starts, par, 1000, damped=False).regime
         path = propagate_tangents(
             Iterated(standard, par), starts, 1000, directions=2, every=True
-        ).visited
+        ).visited_states
         assert path is not None
         angle = np.remainder(np.diff(path[:, :, 0], axis=1), 2.0 * np.pi)
         turns[k] = angle.mean(axis=1) / (2.0 * np.pi)
@@ -140,32 +140,32 @@ def test_damped_chaos_has_to_outlast_the_run(later: float, regime: Regime) -> No
 PERIODS = 500
 #: Evidence that is beyond every line of its regime, for motion without and with damping.
 CLEAR: dict[tuple[Regime, bool], dict[str, float]] = {
-    (Regime.PERIODIC, False): {"defect": 1e-9, "late_defect": 1e-9, "growth": 6.0},
-    (Regime.PERIODIC, True): {"defect": 1e-2, "late_defect": 1e-9, "growth": -20.0},
-    (Regime.QUASI_PERIODIC, False): {"digits": 9.0, "growth": 6.0, "zero_one": 0.0},
-    (Regime.QUASI_PERIODIC, True): {"digits": 9.0, "growth": 0.0, "zero_one": 0.0},
-    (Regime.CHAOTIC, False): {"exponent": 0.1, "growth": 50.0, "half_growths": 25.0},
-    (Regime.CHAOTIC, True): {"exponent": 0.1, "growth": 50.0, "half_growths": 25.0},
+    (Regime.PERIODIC, False): {"defect": 1e-9, "late_defect": 1e-9, "log_growth": 6.0},
+    (Regime.PERIODIC, True): {"defect": 1e-2, "late_defect": 1e-9, "log_growth": -20.0},
+    (Regime.QUASI_PERIODIC, False): {"digits": 9.0, "log_growth": 6.0, "zero_one": 0.0},
+    (Regime.QUASI_PERIODIC, True): {"digits": 9.0, "log_growth": 0.0, "zero_one": 0.0},
+    (Regime.CHAOTIC, False): {"exponent": 0.1, "log_growth": 50.0, "log_growth_of_halves": 25.0},
+    (Regime.CHAOTIC, True): {"exponent": 0.1, "log_growth": 50.0, "log_growth_of_halves": 25.0},
 }
 
 
 def evidence(**values: float) -> EvidenceTable:
     """One row; what is not given speaks for no regime."""
     row: dict[str, float] = {
-        "exponent": 0.0, "exponent_error": 0.01, "growth": 20.0, "half_growths": 10.0,
-        "late_growth": 0.5, "digits": 2.0, "banded_digits": 2.0, "band_extent": 1.0,
+        "exponent": 0.0, "exponent_error": 0.01, "log_growth": 20.0, "log_growth_of_halves": 10.0,
+        "late_log_growth": 0.5, "digits": 2.0, "banded_digits": 2.0, "band_extent": 1.0,
         "zero_one": 0.9, "sali": 1.0, "rotation_number": 0.3, "rotation_digits": 2.0,
         "period": 1, "defect": 0.5, "late_defect": 0.5, "extent": 1.0,
     }  # fmt: skip
     row |= values
     columns: dict[str, FloatArray] = {name: np.array([value]) for name, value in row.items()}
-    columns["half_growths"] = np.full((1, 2), row["half_growths"])
+    columns["log_growth_of_halves"] = np.full((1, 2), row["log_growth_of_halves"])
     return EvidenceTable.from_columns(columns)
 
 
 def regime_of(table: EvidenceTable, damped: bool) -> Regime:
     regime, _ = regime_of_run(
-        table, damped=np.array([damped]), periods=PERIODS, thresholds=Thresholds()
+        table, damped=np.array([damped]), periods=PERIODS, thresholds=RegimeThresholds()
     )
     return Regime(int(regime[0]))
 
@@ -180,19 +180,19 @@ def test_clear_evidence_decides(regime: Regime, damped: bool) -> None:
 LINES: list[tuple[Regime, bool, str, float, int]] = [
     (Regime.PERIODIC, False, "defect", 1e-6, 1),
     (Regime.PERIODIC, True, "late_defect", 1e-6, 1),
-    (Regime.PERIODIC, True, "growth", 0.0, 1),
-    (Regime.PERIODIC, False, "growth", np.log(PERIODS) + 2.0, 1),
-    (Regime.PERIODIC, False, "late_growth", 2.5, 1),
-    (Regime.QUASI_PERIODIC, False, "growth", np.log(PERIODS) + 2.0, 1),
-    (Regime.QUASI_PERIODIC, False, "late_growth", 2.5, 1),
+    (Regime.PERIODIC, True, "log_growth", 0.0, 1),
+    (Regime.PERIODIC, False, "log_growth", np.log(PERIODS) + 2.0, 1),
+    (Regime.PERIODIC, False, "late_log_growth", 2.5, 1),
+    (Regime.QUASI_PERIODIC, False, "log_growth", np.log(PERIODS) + 2.0, 1),
+    (Regime.QUASI_PERIODIC, False, "late_log_growth", 2.5, 1),
     (Regime.QUASI_PERIODIC, False, "digits", 5.0, -1),
     (Regime.QUASI_PERIODIC, False, "zero_one", 0.4, 1),
-    (Regime.QUASI_PERIODIC, True, "late_growth", -1.0, -1),
+    (Regime.QUASI_PERIODIC, True, "late_log_growth", -1.0, -1),
     (Regime.QUASI_PERIODIC, True, "late_defect", 0.25, -1),
     (Regime.QUASI_PERIODIC, True, "band_extent", 0.1, -1),
     (Regime.CHAOTIC, False, "exponent", 0.03, -1),
-    (Regime.CHAOTIC, False, "growth", 1.5 * np.log(PERIODS) + 4.0, -1),
-    (Regime.CHAOTIC, False, "half_growths", 4.5, -1),
+    (Regime.CHAOTIC, False, "log_growth", 1.5 * np.log(PERIODS) + 4.0, -1),
+    (Regime.CHAOTIC, False, "log_growth_of_halves", 4.5, -1),
     (Regime.CHAOTIC, False, "banded_digits", 3.5, 1),
 ]
 
@@ -210,12 +210,12 @@ def test_every_line_is_where_it_is_drawn(
 
 @pytest.mark.parametrize(
     ("quantity", "line", "side"),
-    [("digits", 3.4, -1), ("rotation_digits", 4.5, -1), ("late_growth", 1.5, 1),
+    [("digits", 3.4, -1), ("rotation_digits", 4.5, -1), ("late_log_growth", 1.5, 1),
      ("zero_one", 0.2, 1)],
 )  # fmt: skip
 def test_fewer_digits_need_a_rotation_number(quantity: str, line: float, side: int) -> None:
     """A torus with four digits: all the other evidence has to be clearer."""
-    clear = {"digits": 4.0, "rotation_digits": 6.0, "growth": 6.0, "zero_one": 0.0}
+    clear = {"digits": 4.0, "rotation_digits": 6.0, "log_growth": 6.0, "zero_one": 0.0}
     step = side * 1e-6
     for value, expected in (
         (line - step, Regime.QUASI_PERIODIC), (line + step, Regime.UNDECIDED)
@@ -234,7 +234,7 @@ def test_an_open_orbit_is_not_one_that_nearly_closes() -> None:
 
 def test_missing_evidence_decides_nothing() -> None:
     """A row of NaN, as of an orbit that escaped."""
-    nothing = evidence(**dict.fromkeys(("exponent", "growth", "digits", "defect"), np.nan))
+    nothing = evidence(**dict.fromkeys(("exponent", "log_growth", "digits", "defect"), np.nan))
     assert regime_of(nothing, False) == Regime.UNDECIDED
 
 
@@ -277,11 +277,11 @@ def test_labels_do_not_depend_on_company() -> None:
     """Determinism: an orbit alone and among others has the same evidence, bit for bit."""
     r = np.array([2.8, 3.2, 3.5, 4.0, 3.65, 3.0, 2.95])[:, None]
     together = label(logistic, np.full((7, 1), 0.3), r, 300)
-    assert together.evidence.columns
+    assert together.evidence.column_of_name
     for k in range(7):
         alone = label(logistic, np.full((1, 1), 0.3), r[k : k + 1], 300)
         assert alone.regime[0] == together.regime[k]
-        for name, column in together.evidence.columns.items():
+        for name, column in together.evidence.column_of_name.items():
             np.testing.assert_array_equal(column[k], alone.evidence[name][0], err_msg=name)
 
 
@@ -289,12 +289,12 @@ def test_a_new_indicator_is_a_function_and_a_line_in_a_table() -> None:
     """The scatter of the orbit as a column, and a rule that calls narrow chaos undecided."""
 
     def scatter(batch: OrbitBatch) -> FloatArray:
-        return np.asarray(batch.points[:, :, 0].std(axis=1))
+        return np.asarray(batch.observable_values[:, :, 0].std(axis=1))
 
     def wide_chaos(
-        e: EvidenceTable, damped: BoolArray, periods: int, t: Thresholds
+        e: EvidenceTable, damped: BoolArray, periods: int, t: RegimeThresholds
     ) -> tuple[BoolArray, FloatArray]:
-        chaotic, margin = is_chaotic(e, damped, periods, t)
+        chaotic, margin = chaotic_rule(e, damped, periods, t)
         return chaotic & (e["scatter"] > 0.25), margin
 
     par = np.array([[3.65], [4.0]])  # within two bands, and all over the interval
@@ -309,7 +309,7 @@ def test_a_new_indicator_is_a_function_and_a_line_in_a_table() -> None:
         2,
         damped=np.ones(2, dtype=np.bool_),
         indicators={**INDICATOR_FUNCTIONS, "scatter": scatter},
-        rules=(*RULES[:-1], (Regime.CHAOTIC, wide_chaos)),
+        rules=(*DEFAULT_REGIME_RULES[:-1], (Regime.CHAOTIC, wide_chaos)),
     )
     found, _ = decide_regimes(problem)
     assert found.regime.tolist() == [Regime.UNDECIDED, Regime.CHAOTIC]

@@ -15,7 +15,7 @@ GOLDEN = (np.sqrt(5.0) - 1.0) / 2.0
 def test_zero_one_test_tells_order_from_chaos() -> None:
     """About 0 on a torus, about 1 for the logistic map at r = 4."""
     n = np.arange(1000)
-    chaos = run(logistic, np.array([0.3]), np.array([4.0]), 999, every=True).visited
+    chaos = run(logistic, np.array([0.3]), np.array([4.0]), 999, every=True).visited_states
     assert chaos is not None
     series = np.stack([np.cos(2 * np.pi * GOLDEN * n) + 0.2, chaos[0, :, 0]])
     found = zero_one_test(series, rng=np.random.default_rng(1))
@@ -44,7 +44,7 @@ def test_alignment_is_that_of_tangents_left_alone() -> None:
     image = points(np.array([0]), np.array([[1.0, 0.3]]), frame, 40, every=False)
     u, w = (t / np.linalg.norm(t) for t in image.tangents[0])
     exact = min(np.linalg.norm(u - w), np.linalg.norm(u + w))
-    assert smaller_alignment_index(path.factors)[0, -1] == pytest.approx(exact, rel=1e-6)
+    assert smaller_alignment_index(path.triangular_factors)[0, -1] == pytest.approx(exact, rel=1e-6)
 
 
 def test_alignment_falls_with_twice_the_exponent() -> None:
@@ -55,7 +55,7 @@ def test_alignment_falls_with_twice_the_exponent() -> None:
     rng = np.random.default_rng(6)
     starts = rng.uniform(0.0, 2.0 * np.pi, (400, 2))
     path = run(standard, starts, np.full((400, 1), 20.0), 6)
-    logs = np.log(smaller_alignment_index(path.factors)).mean(axis=0)
+    logs = np.log(smaller_alignment_index(path.triangular_factors)).mean(axis=0)
     slope = (logs[-1] - logs[1]) / (path.block_lengths[2:].sum())
     assert slope == pytest.approx(-2.0 * np.log(10.0), rel=0.05)
 
@@ -67,7 +67,7 @@ def test_alignment_falls_like_an_inverse_square_on_a_torus(start: float) -> None
     Tori about the elliptic point of the standard map, at K = 0.5.
     """
     path = run(standard, np.array([np.pi + start, 0.0]), np.array([0.5]), 1600)
-    index = smaller_alignment_index(path.factors)[0]
+    index = smaller_alignment_index(path.triangular_factors)[0]
     n = np.cumsum(path.block_lengths)
     power, _ = np.polyfit(np.log(n[20:]), np.log(index[20:]), 1)
     assert power == pytest.approx(-2.0, abs=0.4)

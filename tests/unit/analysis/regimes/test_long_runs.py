@@ -31,8 +31,8 @@ class Inexact:
     ) -> ExactImage:
         image = self.exact(which, states, tangents, periods, every=every)
         error = np.full(len(states), self.error)
-        error[~(np.abs(image.visited) < 1e6).all(axis=(1, 2))] = np.inf
-        return replace(image, error=error, trusted=error <= self.tolerance)
+        error[~(np.abs(image.visited_states) < 1e6).all(axis=(1, 2))] = np.inf
+        return replace(image, largest_period_error=error, error_bound_met=error <= self.tolerance)
 
 
 def doubling(x: FloatArray, _: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -56,11 +56,11 @@ def test_what_escapes_is_trusted_and_what_is_inaccurate_is_not() -> None:
     start = np.array([[0.5], [0.5]])
     far = propagate_tangents(Inexact(exact, 1e-9, 1e-8), start, 100, directions=1, every=True)
     assert far.escaped.tolist() == [True, False]
-    assert far.trusted.tolist() == [True, True]
+    assert far.error_bound_met.tolist() == [True, True]
     assert far.completed_periods[1] == 100
-    assert np.isnan(far.visited[0, -1, 0])  # type: ignore[index]
+    assert np.isnan(far.visited_states[0, -1, 0])  # type: ignore[index]
     bad = propagate_tangents(Inexact(exact, 1e-7, 1e-8), start[1:], 100, directions=1)
-    assert (bad.trusted.tolist(), bad.completed_periods.tolist()) == ([False], [0])
+    assert (bad.error_bound_met.tolist(), bad.completed_periods.tolist()) == ([False], [0])
 
 
 @pytest.mark.parametrize(

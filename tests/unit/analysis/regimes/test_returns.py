@@ -7,11 +7,11 @@ import pytest
 from tests.unit.analysis.regimes.iterated import Iterated, logistic
 
 from remanent._typing import FloatArray
-from remanent.analysis.regimes.attractors import assign_attractors, extrapolate_tails
+from remanent.analysis.regimes.attractors import assign_attractors, replace_tails_by_limit_orbits
 from remanent.analysis.regimes.labels import Regime
 from remanent.analysis.regimes.limit_orbits import (
     approaches_limit,
-    find_limit_orbit,
+    find_limit_orbits,
     settling_periods,
 )
 from remanent.analysis.regimes.returns import find_best_returns
@@ -25,16 +25,16 @@ def test_period_of_the_best_return() -> None:
     points = np.stack([np.cos(2 * np.pi * n / 7), np.cos(2 * np.pi * n * GOLDEN)])[:, :, None]
     found = find_best_returns(points, closed=1e-9)
     assert found.period[0] == 7
-    assert found.defect[0] < 1e-12
-    assert found.defect[1] > 1e-3
+    assert found.return_defect[0] < 1e-12
+    assert found.return_defect[1] > 1e-3
 
 
 def test_the_limit_ahead_is_the_fixed_point() -> None:
     """1 - 1/r, multiplier 2 - r."""
     points = Iterated(logistic, np.array([[2.8]]))
-    found = find_limit_orbit(points.iterate, np.array([0]), np.array([[0.6]]), 1)
+    found = find_limit_orbits(points.iterate, np.array([0]), np.array([[0.6]]), 1)
     assert found.state[0, 0] == pytest.approx(1 - 1 / 2.8, abs=1e-14)
-    assert found.multiplier[0] == pytest.approx(0.8, abs=1e-12)
+    assert found.largest_multiplier_modulus[0] == pytest.approx(0.8, abs=1e-12)
 
 
 def test_attractors_are_sorted_by_their_visitors() -> None:
@@ -43,8 +43,8 @@ def test_attractors_are_sorted_by_their_visitors() -> None:
     tails = np.stack([b, a, np.roll(a, 1), a, np.full(16, np.nan)])[:, :, None]
     regime = np.array([1, 1, 1, 1, 4])
     found = assign_attractors(tails, regime, np.array([2, 2, 2, 2, 0]))
-    assert found.attractor.tolist() == [1, 0, 0, 0, -1]
-    assert found.representative.tolist() == [1, 0]
+    assert found.attractor_number.tolist() == [1, 0, 0, 0, -1]
+    assert found.representative_orbit.tolist() == [1, 0]
 
 
 def decaying(multiplier: float, count: int = 41) -> FloatArray:
@@ -94,7 +94,7 @@ def test_tails_end_on_the_orbit_that_they_approach() -> None:
     for n in range(7):
         tails[:, n + 1] = points.iterate(np.arange(2), tails[:, n], 1)[0]
     regime = np.full(2, int(Regime.PERIODIC))
-    ends = extrapolate_tails(points.iterate, tails, regime, np.array([1, 2]))
+    ends = replace_tails_by_limit_orbits(points.iterate, tails, regime, np.array([1, 2]))
     np.testing.assert_allclose(ends[0, -1, 0], 1.0 - 1.0 / 2.95, atol=1e-12)
     np.testing.assert_allclose(ends[1, -2:, 0], [low, high], atol=1e-12)
     np.testing.assert_array_equal(ends[:, :-2], tails[:, :-2])
@@ -109,4 +109,4 @@ def test_what_shows_nothing_is_not_an_attractor() -> None:
     torus, chaos, undecided = Regime.QUASI_PERIODIC, Regime.CHAOTIC, Regime.UNDECIDED
     regime = np.array([torus, torus, torus, chaos, undecided])
     found = assign_attractors(tails, regime, np.zeros(5, dtype=np.int64))
-    assert found.attractor.tolist() == [0, 1, 0, 2, -1]
+    assert found.attractor_number.tolist() == [0, 1, 0, 2, -1]

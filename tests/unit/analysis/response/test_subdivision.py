@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from remanent._typing import FloatArray, IntArray
-from remanent.analysis.response.subdivision import refine_maximum
+from remanent.analysis.response.subdivision import refine_maxima
 
 
 @pytest.mark.parametrize("width", [1e-3, 1e-9])
@@ -19,10 +19,10 @@ def test_largest_of_a_function_that_jumps(width: float) -> None:
 
     x = np.linspace(0.0, 1.0, 11)
     table = np.stack([measure(np.full(11, k), x) for k in range(2)])
-    found = refine_maximum(x, table, measure, width=width)
-    assert (found.upper - found.lower <= width).all()
-    assert (found.lower <= jump).all()
-    assert (jump <= found.upper).all()
+    found = refine_maxima(x, table, measure, width=width)
+    assert (found.bracket_upper - found.bracket_lower <= width).all()
+    assert (found.bracket_lower <= jump).all()
+    assert (jump <= found.bracket_upper).all()
     np.testing.assert_allclose(found.position, jump, rtol=0, atol=width)
 
 
@@ -34,6 +34,6 @@ def test_largest_is_never_below_the_table() -> None:
     def unknown(case: IntArray, at: FloatArray) -> FloatArray:
         return np.full(np.broadcast(case, at).shape, np.nan)
 
-    found = refine_maximum(x, table, unknown, width=1e-3)
+    found = refine_maxima(x, table, unknown, width=1e-3)
     assert (found.position[0], found.value[0]) == (0.5, 0.9)
     assert np.isnan(found.value[1])

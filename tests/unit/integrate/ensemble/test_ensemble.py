@@ -45,7 +45,7 @@ def subset(whole: Problem, which: np.ndarray) -> Problem:
         whole.field,
         timeline,
         whole.parameters[which],
-        whole.initial[which],
+        whole.initial_states[which],
         whole.duration[which],
         whole.invalid[which],
     )
@@ -53,7 +53,7 @@ def subset(whole: Problem, which: np.ndarray) -> Problem:
 
 def requests(whole: Problem) -> list[Request]:
     times = np.linspace(0.0, 1.0, 31) * whole.duration[:, None]
-    return [Request(times=times), Request(strobe=3), Request(extremes=True)]
+    return [Request(times=times), Request(strobe_cycles=3), Request(wants_extremes=True)]
 
 
 def columns(outcome: Outcome, rows: np.ndarray | slice = slice(None)) -> list[np.ndarray]:
@@ -88,7 +88,7 @@ def assert_same_states(
     if request.times is not None:
         times = request.times[rows]
     else:
-        times = request.strobe * problem.timeline.lengths[0][:, None] * np.arange(count)
+        times = request.strobe_cycles * problem.timeline.lengths[0][:, None] * np.arange(count)
     end = np.minimum(outcome.horizon, problem.duration)
     inside = times <= end[:, None]
     assert np.isfinite(outcome.states[inside]).all()
@@ -133,10 +133,12 @@ def test_bits_do_not_depend_on_the_threads(workers: int) -> None:
 @pytest.mark.parametrize(
     "sizes",
     [
-        pytest.param(WorkSizes(chunk_steps=1), id="chunks"),
-        pytest.param(WorkSizes(samples=13), id="samples"),
-        pytest.param(WorkSizes(fewest_steps=64, most_steps=64), id="segments"),
-        pytest.param(WorkSizes(fewest_steps=300, most_steps=300), id="longer-segments"),
+        pytest.param(WorkSizes(steps_per_chunk=1), id="chunks"),
+        pytest.param(WorkSizes(samples_per_block=13), id="samples"),
+        pytest.param(WorkSizes(min_steps_per_segment=64, max_steps_per_segment=64), id="segments"),
+        pytest.param(
+            WorkSizes(min_steps_per_segment=300, max_steps_per_segment=300), id="longer-segments"
+        ),
     ],
 )
 def test_bits_do_not_depend_on_work_sizes(sizes: WorkSizes, kind: int) -> None:
@@ -164,7 +166,9 @@ def test_bits_do_not_depend_on_thousands_of_others(large: Problem, kind: int) ->
     request = requests(large)[kind]
     reference = integrate(large, request, tolerance=1e-8)
     assert np.unique(reference.resolution).size > 4
-    sizes = WorkSizes(chunk_steps=2.0**19, segment_records=2**15, samples=1000)
+    sizes = WorkSizes(
+        steps_per_chunk=2.0**19, recorded_steps_per_segment=2**15, samples_per_block=1000
+    )
     again = integrate(large, request, tolerance=1e-8, workers=3, sizes=sizes)
     assert_same(columns(again), columns(reference))
     assert_same_states(again, reference, large, request)
@@ -197,11 +201,13 @@ def test_times_at_the_ends_of_cycles_are_all_reached() -> None:
     turns = np.arange(1, 400)
     everybody = crowd(count)
     period = everybody.timeline.lengths[0]
-    everybody = replace(everybody, duration=400 * period, initial=0.1 * everybody.initial)
+    everybody = replace(
+        everybody, duration=400 * period, initial_states=0.1 * everybody.initial_states
+    )
     ends = period[:, None] * turns
     grids = [np.nextafter(ends, 0.0), ends, np.nextafter(ends, np.inf)]
     times = np.stack(grids, axis=-1).reshape(count, -1)
-    for sizes in (WorkSizes(), WorkSizes(fewest_steps=64, most_steps=64)):
+    for sizes in (WorkSizes(), WorkSizes(min_steps_per_segment=64, max_steps_per_segment=64)):
         outcome = integrate(everybody, Request(times=times), tolerance=1e-6, sizes=sizes)
         assert outcome.states is not None
         reached = times <= outcome.horizon[:, None]
@@ -290,7 +296,7 @@ def test_a_piece_may_be_empty() -> None:
 def test_progress_rises_to_one() -> None:
     """Shares of finished trajectories, ascending, the last of them 1."""
     shares: list[float] = []
-    integrate(driven(10), Request(strobe=1), tolerance=1e-9, progress=shares.append)
+    integrate(driven(10), Request(strobe_cycles=1), tolerance=1e-9, progress=shares.append)
     assert shares == sorted(shares)
     assert shares[-1] == 1.0
 
@@ -302,7 +308,7 @@ def test_an_interrupted_run_stops() -> None:
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        integrate(driven(10), Request(strobe=1), tolerance=1e-9, progress=interrupt)
+        integrate(driven(10), Request(strobe_cycles=1), tolerance=1e-9, progress=interrupt)
 
 
 def test_resolutions_are_rounded_up() -> None:

@@ -14,14 +14,14 @@ from tests.unit.integrate.handmade import SINE, Oscillator, Q, V, problem, sampl
 
 from remanent._status import Status
 from remanent._typing import FloatArray
-from remanent.integrate.ensemble.attempt import attempt
+from remanent.integrate.ensemble.attempt import attempt_chunk
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Request
 from remanent.integrate.ensemble.run import Chunk, Run
-from remanent.integrate.kernel.compile import Kernels, compiled
-from remanent.integrate.kernel.options import Method, Options
+from remanent.integrate.kernel.compile import KernelPair, compiled_kernel
+from remanent.integrate.kernel.options import KernelOptions, Method
 from remanent.integrate.kernel.tables import CycleTables
-from remanent.integrate.methods.adams import adams
+from remanent.integrate.methods.adams import adams_method
 from remanent.integrate.methods.runge_kutta import default_method
 
 TIMES = np.linspace(0.0, 50.0, 101)
@@ -99,7 +99,7 @@ def test_the_requested_tolerance_is_met(name: str, tolerance: float) -> None:
     assert np.abs(outcome.states[0] - exact).max() <= outcome.error[0] <= tolerance
 
 
-@pytest.mark.parametrize("method", [default_method(), adams(8)])
+@pytest.mark.parametrize("method", [default_method(), adams_method(8)])
 def test_error_falls_with_the_order_of_the_method(method: Method) -> None:
     """The compiled kernels are of order 8 (Runge-Kutta) and 9 (Adams).
 
@@ -107,15 +107,15 @@ def test_error_falls_with_the_order_of_the_method(method: Method) -> None:
     """
     oscillator, initial, period, exact = CASES["forced line"]
     asked = problem(oscillator, initial, TIMES[-1], period=period)
-    kernels = Kernels(
-        compiled(asked.field, default_method(), Options()),
-        compiled(asked.field, method, Options()),
+    kernels = KernelPair(
+        compiled_kernel(asked.field, default_method(), KernelOptions()),
+        compiled_kernel(asked.field, method, KernelOptions()),
     )
     run = Run(asked, Request(times=TIMES[None]), kernels, 1.0, CycleTables(asked.timeline.waveform))
     levels = np.array([16, 20, 24, 28, 32])
     errors = []
     for level in levels:
-        found = attempt(run, Chunk(int(level), np.array([0])))
+        found = attempt_chunk(run, Chunk(int(level), np.array([0])))
         assert found.states is not None
         errors.append(np.abs(found.states[0] - exact).max())
     slope = np.polyfit(np.log(levels), np.log(errors), 1)[0]
@@ -125,7 +125,9 @@ def test_error_falls_with_the_order_of_the_method(method: Method) -> None:
 def test_extremes_between_steps_are_those_of_the_solution() -> None:
     """Of A cn(w t) they are A and -A, and in a window without a turn those of its ends."""
     asked = problem(DUFFING, [(1.3, 0.0)] * 2, [50.0, 0.4])
-    outcome = integrate(asked, Request(extremes=True, begin=np.array([0.0, 0.1])), tolerance=1e-10)
+    outcome = integrate(
+        asked, Request(wants_extremes=True, extremes_begin=np.array([0.0, 0.1])), tolerance=1e-10
+    )
     w = math.sqrt(1.0 + 2.0 * 1.69)
     cn = ellipj(w * np.array([0.1, 0.4]), 1.69 / w**2)[1]
     expected_max, expected_min = [1.3, 1.3 * cn[0]], [-1.3, 1.3 * cn[1]]
@@ -137,11 +139,11 @@ def test_extremes_between_steps_are_those_of_the_solution() -> None:
 def test_strobe_takes_the_state_after_whole_cycles() -> None:
     """Strobed states are those at multiples of the period, counted, for any stride."""
     asked = problem(LINEAR, (0.3, -0.2), 60 * 2.7, period=2.7)
-    every = integrate(asked, Request(strobe=1), tolerance=1e-10).states
+    every = integrate(asked, Request(strobe_cycles=1), tolerance=1e-10).states
     assert every is not None
     assert every.shape == (1, 61, 2)
     for stride in (2, 3, 7, 60):
-        some = integrate(asked, Request(strobe=stride), tolerance=1e-10).states
+        some = integrate(asked, Request(strobe_cycles=stride), tolerance=1e-10).states
         assert some is not None
         np.testing.assert_allclose(some[0], every[0, ::stride], rtol=0, atol=2e-10)
     exact = forced_line(4.0, 0.1, 1.0, 2.7, (0.3, -0.2))

@@ -11,11 +11,11 @@ import pytest
 
 from remanent._status import Status
 from remanent.integrate.ensemble.refinement import (
+    AttemptHistory,
     AttemptSummary,
-    Decision,
-    History,
+    RefinementDecision,
     RefinementPolicy,
-    Trajectories,
+    TrajectoryScales,
 )
 
 POLICY = RefinementPolicy(tolerance=1e-8, order=8, max_resolution=1024)
@@ -116,7 +116,7 @@ TABLE = [
 ]  # fmt: skip
 
 
-def decide(rows: list[Row]) -> Decision:
+def decide(rows: list[Row]) -> RefinementDecision:
     """What follows for some trajectories whose attempts have the same resolution."""
 
     def column(name: str) -> np.ndarray:
@@ -124,8 +124,8 @@ def decide(rows: list[Row]) -> Decision:
 
     (resolution,) = {row.resolution for row in rows}
     return POLICY.decide(
-        Trajectories(np.full(len(rows), DURATION), np.full(len(rows), 2.5), column("slowness")),
-        History(
+        TrajectoryScales(np.full(len(rows), DURATION), np.full(len(rows), 2.5), column("slowness")),
+        AttemptHistory(
             column("best_horizon"),
             column("best_resolution"),
             column("stalls"),
@@ -147,9 +147,9 @@ def test_what_follows_from_an_attempt(row: Row) -> None:
     """Accept, refine, or give up with a status: one sentence for each row."""
     decision = decide([row])
     assert Status(decision.status[0]) == row.status
-    assert decision.refine[0] == row.refine
-    assert decision.improved[0] == row.improved
-    assert decision.stalls[0] == row.stalls_after
+    assert decision.must_refine[0] == row.refine
+    assert decision.is_improvement[0] == row.improved
+    assert decision.stall_counts[0] == row.stalls_after
     assert decision.horizon[0] == (DURATION if row.met else row.horizon)
 
 
@@ -160,18 +160,20 @@ def test_a_decision_depends_on_its_trajectory_alone() -> None:
     together = decide(rows)
     for k, row in enumerate(rows):
         alone = decide([row])
-        for name in ("improved", "refine", "resolution", "horizon", "stalls", "status"):
+        for name in (
+            "is_improvement", "must_refine", "next_resolution", "horizon", "stall_counts", "status",
+        ):  # fmt: skip
             assert getattr(together, name)[k] == getattr(alone, name)[0], (row.title, name)
 
 
 def test_the_next_resolution_follows_the_order() -> None:
     """An error 100 times the tolerance and order 8: (100/0.5)**(1/8) = 1.94 times as fine."""
-    (resolution,) = decide([Row("", Status.HORIZON, True)]).resolution
+    (resolution,) = decide([Row("", Status.HORIZON, True)]).next_resolution
     assert resolution == 64  # the next of 4, 5, 6, 7, 8, 10 ... above 32 * 1.94 = 62.05
 
 
 def test_a_meaningless_error_doubles_the_resolution() -> None:
     """Errors above 1e-2, or none, are outside the asymptotic range."""
     for error in (0.5, math.inf, NAN):
-        (resolution,) = decide([Row("", Status.HORIZON, True, largest_error=error)]).resolution
+        (resolution,) = decide([Row("", Status.HORIZON, True, largest_error=error)]).next_resolution
         assert resolution == 64

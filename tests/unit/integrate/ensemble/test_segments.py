@@ -13,10 +13,10 @@ from tests.unit.integrate.handmade import Oscillator, Q, problem
 from remanent.integrate.ensemble import segments
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Request
-from remanent.integrate.ensemble.work_sizes import DEFAULT_SIZES
-from remanent.integrate.kernel.compile import Kernel, compiled
-from remanent.integrate.kernel.options import Options
-from remanent.integrate.methods.adams import adams
+from remanent.integrate.ensemble.work_sizes import DEFAULT_WORK_SIZES
+from remanent.integrate.kernel.compile import Kernel, compiled_kernel
+from remanent.integrate.kernel.options import KernelOptions
+from remanent.integrate.methods.adams import adams_method
 from remanent.integrate.methods.runge_kutta import default_method
 
 
@@ -43,7 +43,7 @@ def test_nothing_is_computed_after_an_interruption(monkeypatch: pytest.MonkeyPat
     asked = problem(Oscillator(-Q - Q**3, {}), np.ones((count, 2)), 5.0, period=1.0)
     begun = threading.active_count()
     with pytest.raises(InterruptionError):
-        integrate(asked, Request(strobe=1), tolerance=1e-12, workers=2, progress=report)
+        integrate(asked, Request(strobe_cycles=1), tolerance=1e-12, workers=2, progress=report)
     assert len(late) <= 2
     assert threading.active_count() <= begun + 2
 
@@ -53,7 +53,7 @@ def test_nothing_is_computed_after_an_interruption(monkeypatch: pytest.MonkeyPat
 def test_segments_are_short(longest: int, double_steps: int) -> None:
     """No segment takes more steps of a trajectory than it may, but for whole cycles."""
     for cycles, strobe in ((1, 0), (100, 0), (100, 1)):
-        calls = list(segments._cuts(cycles, double_steps, strobe, longest, single=False))
+        calls = list(segments._cut_piece(cycles, double_steps, strobe, longest, single=False))
         assert sum(n * (part.stop - part.start) for _, n, part, _ in calls) == cycles * double_steps
         for _, n, part, has_past in calls:
             taken = 2 * n * (part.stop - part.start)
@@ -67,15 +67,15 @@ def test_segments_are_shorter_the_more_they_do(trajectories: int) -> None:
     """Fewer steps for more trajectories, for dearer rates and methods, and where all is kept."""
 
     def steps(rate: Any, method: Any, count: int = trajectories, **given: Any) -> int:
-        kernel = compiled(
-            problem(Oscillator(rate, {}), np.ones((1, 2)), 1.0).field, method, Options()
+        kernel = compiled_kernel(
+            problem(Oscillator(rate, {}), np.ones((1, 2)), 1.0).field, method, KernelOptions()
         )
-        return DEFAULT_SIZES.steps_per_segment(kernel, count, **{"recorded": False, **given})
+        return DEFAULT_WORK_SIZES.steps_per_segment(kernel, count, **{"recorded": False, **given})
 
-    cheap = steps(-Q, adams(8))
-    assert steps(-Q, adams(8), 4 * trajectories) <= cheap
+    cheap = steps(-Q, adams_method(8))
+    assert steps(-Q, adams_method(8), 4 * trajectories) <= cheap
     assert steps(-Q, default_method()) <= cheap
-    assert steps(-sp.exp(Q), adams(8)) <= cheap
-    kept = steps(-Q, adams(8), recorded=True)
+    assert steps(-sp.exp(Q), adams_method(8)) <= cheap
+    kept = steps(-Q, adams_method(8), recorded=True)
     assert kept <= cheap
     assert kept * max(trajectories, 16) <= max(2**17, 64 * trajectories)

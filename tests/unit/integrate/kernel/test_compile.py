@@ -27,7 +27,7 @@ def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def forget() -> None:
-    module._compiled.cache_clear()
+    module._cached_kernel.cache_clear()
 
 
 def computed() -> np.ndarray:
@@ -53,7 +53,7 @@ def test_a_stored_kernel_gives_the_bits_of_a_fresh_one(
     """The second time nothing is compiled, and nothing changes."""
     fresh = computed()
     assert entries(cache)
-    monkeypatch.setattr(module, "_compile", forbid)
+    monkeypatch.setattr(module, "_compile_source", forbid)
     np.testing.assert_array_equal(computed(), fresh)
 
 
@@ -86,7 +86,7 @@ def test_another_safety_is_another_kernel(cache: Path) -> None:
     before = len(entries(cache))
     forget()
     asked = problem(Oscillator(-Q - 0.3 * Q**3 - 0.01 * V, {}), (1.7, 0.2), 20.0)
-    integrate(asked, Request(extremes=True), tolerance=1e-10)
+    integrate(asked, Request(wants_extremes=True), tolerance=1e-10)
     assert len(entries(cache)) > before
 
 

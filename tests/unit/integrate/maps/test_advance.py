@@ -12,8 +12,8 @@ from remanent._typing import FloatArray
 from remanent.analysis.regimes.long_runs import LongRun, propagate_tangents
 from remanent.analysis.regimes.lyapunov import LyapunovExponents, lyapunov_exponents
 from remanent.codegen.lower import Level, lower
-from remanent.integrate.maps.advance import Advancer
-from remanent.integrate.maps.period_map import ErrorControl, Image, PeriodMap
+from remanent.integrate.maps.advance import BlockAdvancer
+from remanent.integrate.maps.period_map import ErrorControl, PeriodMap, PeriodMapImage
 
 X, Y, Z = sp.symbols("x y z", real=True)
 
@@ -46,11 +46,11 @@ def spectrum(
     """Exponents per unit of time of an autonomous flow, strobed every `length`."""
     count = len(start) if directions is None else directions
     flow = PeriodMap(field, turning, directions=count)
-    advance = Advancer(flow, np.zeros((1, 0)), np.array([length]), 1e-9)
+    advance = BlockAdvancer(flow, np.zeros((1, 0)), np.array([length]), 1e-9)
     path = propagate_tangents(advance, np.array([start]), periods, directions=count)
-    found = lyapunov_exponents(path.growth, path.block_lengths)
+    found = lyapunov_exponents(path.log_growth, path.block_lengths)
     return LyapunovExponents(
-        found.mean / length, found.error / length, found.history / length
+        found.mean / length, found.error / length, found.running_mean / length
     ), path
 
 
@@ -67,7 +67,7 @@ def test_lorenz_exponents() -> None:
     """
     rates = [10 * (Y - X), 28 * X - Y - X * Z, X * Y - sp.Rational(8, 3) * Z]
     found, path = spectrum(autonomous(rates), [1.0, 1.0, 20.0], 0.2, 4000)
-    assert path.trusted.all()
+    assert path.error_bound_met.all()
     assert found.mean[0].sum() == pytest.approx(-(11.0 + 8.0 / 3.0), abs=1e-5)
     assert found.mean[0, 0] == pytest.approx(0.9056, abs=3 * found.error[0, 0] + 1e-3)
     assert abs(found.mean[0, 1]) < 3 * found.error[0, 1] + 5e-3
@@ -92,19 +92,19 @@ def test_exponent_of_the_map_is_period_times_that_of_the_flow() -> None:
     assert often.mean[0, 0] == pytest.approx(seldom.mean[0, 0], abs=slack)
 
 
-def duffing(par: FloatArray, tolerance: float, directions: int = 2) -> Advancer:
+def duffing(par: FloatArray, tolerance: float, directions: int = 2) -> BlockAdvancer:
     """Parameters omega, damping, force; two wells."""
     d, f = sp.symbols("d F", real=True)
     field = Oscillator(f * COSINE - d * V + Q - Q**3, {"d": 0.0, "F": 0.0}).field()
     flow = PeriodMap(field, turning, directions=directions)
-    return Advancer(flow, np.ascontiguousarray(par[:, 1:]), 2 * np.pi / par[:, 0], tolerance)
+    return BlockAdvancer(flow, np.ascontiguousarray(par[:, 1:]), 2 * np.pi / par[:, 0], tolerance)
 
 
 def test_forced_duffing_is_chaotic_and_contracts_as_its_damping_says() -> None:
     """omega = 1, F = 0.3, d = 0.15: the sum of the exponents is -d, the largest positive."""
     par = np.array([[1.0, 0.15, 0.3]])
     path = propagate_tangents(duffing(par, 1e-9), np.array([[0.5, 0.0]]), 1500, directions=2)
-    found = lyapunov_exponents(path.growth, path.block_lengths)
+    found = lyapunov_exponents(path.log_growth, path.block_lengths)
     assert found.mean[0].sum() == pytest.approx(-0.15 * 2 * np.pi, abs=1e-6)
     assert found.mean[0, 0] > 5 * found.error[0, 0]
 
@@ -116,10 +116,10 @@ def test_company_and_blocks_do_not_change_a_run() -> None:
     start = np.tile([0.5, 0.0], (37, 1))
     whole = propagate_tangents(duffing(par, 1e-8), start, 60, directions=2, every=True)
     alone = propagate_tangents(duffing(par[9:10], 1e-8), start[9:10], 60, directions=2, every=True)
-    assert whole.visited is not None
-    assert alone.visited is not None
-    np.testing.assert_array_equal(whole.visited[9], alone.visited[0])
-    np.testing.assert_array_equal(whole.factors[9], alone.factors[0])
+    assert whole.visited_states is not None
+    assert alone.visited_states is not None
+    np.testing.assert_array_equal(whole.visited_states[9], alone.visited_states[0])
+    np.testing.assert_array_equal(whole.triangular_factors[9], alone.triangular_factors[0])
 
 
 def test_errors_of_periods_meet_the_tolerance() -> None:
@@ -127,13 +127,13 @@ def test_errors_of_periods_meet_the_tolerance() -> None:
     par = np.array([[0.7, 0.0, 0.4], [1.3, 0.0, 0.3]])
     start = np.array([[0.5, 0.0], [1.2, 0.4]])
     path = propagate_tangents(duffing(par, 1e-8, 1), start, 40, directions=1, every=True)
-    assert path.visited is not None
+    assert path.visited_states is not None
     exact = duffing(par, 1e-13, 0)
     for n in range(39):
-        now = path.visited[:, n]
+        now = path.visited_states[:, n]
         image = exact(np.arange(2), now, np.empty((2, 0, 2)), 1, every=False)
-        assert np.abs(image.visited[:, 0] - path.visited[:, n + 1]).max() <= 1e-8
-    assert (path.error <= 1e-8).all()
+        assert np.abs(image.visited_states[:, 0] - path.visited_states[:, n + 1]).max() <= 1e-8
+    assert (path.largest_period_error <= 1e-8).all()
 
 
 def test_what_escapes_is_told_from_what_cannot_be_resolved() -> None:
@@ -142,19 +142,19 @@ def test_what_escapes_is_told_from_what_cannot_be_resolved() -> None:
 
     def run(acceleration: sp.Expr, max_resolution: int) -> LongRun:
         flow = PeriodMap(Oscillator(acceleration, {}).field(), turning, directions=1)
-        advance = Advancer(
+        advance = BlockAdvancer(
             flow, np.zeros((1, 0)), np.full(1, 0.9), 1e-11, max_resolution=max_resolution
         )
         return propagate_tangents(advance, start, 20, directions=1)
 
     lost = run(6 * Q**2, 2**12)
     assert lost.escaped.all()
-    assert lost.trusted.all()
+    assert lost.error_bound_met.all()
     assert lost.completed_periods[0] < 20
     stuck = run(-256 * Q, 8)
-    assert not stuck.trusted.any()
+    assert not stuck.error_bound_met.any()
     assert not stuck.escaped.any()
-    assert run(-256 * Q, 2**12).trusted.all()
+    assert run(-256 * Q, 2**12).error_bound_met.all()
 
 
 @pytest.mark.parametrize("directions", [1, 2])
@@ -163,7 +163,7 @@ def test_error_control_changes_nothing_but_the_error(directions: int) -> None:
     field = Oscillator(COSINE - 0.1 * V - Q**3, {}).field()
     start, length = np.array([[0.3, 0.0], [1.5, 0.4]]), np.array([5.0, 6.0])
 
-    def image(columns: int, error_control: ErrorControl) -> Image:
+    def image(columns: int, error_control: ErrorControl) -> PeriodMapImage:
         flow = PeriodMap(field, turning, directions=columns, error_control=error_control)
         empty = np.zeros((2, 0))
         return flow(start, empty, length, tolerance=np.inf, cycles=3, resolution=16)
@@ -171,7 +171,7 @@ def test_error_control_changes_nothing_but_the_error(directions: int) -> None:
     everything = image(directions, "all")
     for other in (image(directions, "state"), image(directions, "none")):
         np.testing.assert_array_equal(other.state, everything.state)
-        np.testing.assert_array_equal(other.tangent, everything.tangent)
-    alone = image(0, "all").error
-    np.testing.assert_allclose(image(directions, "state").error, alone, rtol=1e-3)
-    assert (everything.error >= alone).all()
+        np.testing.assert_array_equal(other.tangents, everything.tangents)
+    alone = image(0, "all").largest_period_error
+    np.testing.assert_allclose(image(directions, "state").largest_period_error, alone, rtol=1e-3)
+    assert (everything.largest_period_error >= alone).all()

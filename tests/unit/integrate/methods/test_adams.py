@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from tests.unit.integrate.observed_order import WITHIN, order
 
-from remanent.integrate.methods.adams import adams
+from remanent.integrate.methods.adams import adams_method
 
 
 def test_coefficients_of_adams_are_the_published_ones() -> None:
@@ -23,8 +23,8 @@ def test_coefficients_of_adams_are_the_published_ones() -> None:
     """
     numerators = [434241, -1152169, 2183877, -2664477, 2102243, -1041723, 295767, -36799]
     published = [float(Fraction(n, 120960)) for n in numerators]
-    np.testing.assert_allclose(adams(8).single, published, rtol=1e-15)
-    assert adams(8).single_correction == float(Fraction(1070017, 3628800))
+    np.testing.assert_allclose(adams_method(8).single_integral_weights, published, rtol=1e-15)
+    assert adams_method(8).single_integral_correction == float(Fraction(1070017, 3628800))
 
 
 def test_the_next_terms_are_integrals_of_newtons_polynomial() -> None:
@@ -38,8 +38,8 @@ def test_the_next_terms_are_integrals_of_newtons_polynomial() -> None:
 
     single = mpmath.quad(newton, [0, 1])
     double = mpmath.quad(lambda s: (1 - s) * newton(s), [0, 1])
-    assert adams(8).single_correction == pytest.approx(float(single), rel=1e-14)
-    assert adams(8).double_correction == pytest.approx(float(double), rel=1e-14)
+    assert adams_method(8).single_integral_correction == pytest.approx(float(single), rel=1e-14)
+    assert adams_method(8).double_integral_correction == pytest.approx(float(double), rel=1e-14)
 
 
 def adams_march(steps: int) -> Any:
@@ -48,14 +48,21 @@ def adams_march(steps: int) -> Any:
     The formulas of the kernel are written out once more; its rounded weights are quotients
     of integers below 10**8, which are found again.
     """
-    method, number = adams(8), mpmath.mpf
+    method, number = adams_method(8), mpmath.mpf
 
     def exact(weights: Any) -> list[Any]:
         parts = [Fraction(w).limit_denominator(10**8) for w in weights]
         return [number(p.numerator) / p.denominator for p in parts]
 
-    single, double, difference = map(exact, (method.single, method.double, method.difference))
-    correction = exact([method.double_correction, method.single_correction])
+    single, double, difference = map(
+        exact,
+        (
+            method.single_integral_weights,
+            method.double_integral_weights,
+            method.backward_difference_weights,
+        ),
+    )
+    correction = exact([method.double_integral_correction, method.single_integral_correction])
     h = number(2) / steps
     q, v = mpmath.cos(7 * h), -mpmath.sin(7 * h)
     past = [-mpmath.cos(j * h) for j in range(7, -1, -1)]

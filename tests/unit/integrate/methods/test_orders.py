@@ -10,26 +10,27 @@ import pytest
 from tests.unit.integrate.handmade import Oscillator, Q, V, problem
 from tests.unit.integrate.observed_order import WITHIN, order
 
-from remanent.integrate.ensemble.attempt import attempt
+from remanent.integrate.ensemble.attempt import attempt_chunk
 from remanent.integrate.ensemble.problem import Problem, Request
 from remanent.integrate.ensemble.run import Attempt, Chunk, Run
-from remanent.integrate.kernel.compile import Kernels, compiled
-from remanent.integrate.kernel.options import Method, Options
+from remanent.integrate.kernel.compile import KernelPair, compiled_kernel
+from remanent.integrate.kernel.options import KernelOptions, Method
 from remanent.integrate.kernel.tables import CycleTables
-from remanent.integrate.methods.adams import adams
+from remanent.integrate.methods.adams import adams_method
 from remanent.integrate.methods.runge_kutta import default_method
 
-METHODS = [default_method(), adams(8)]
+METHODS = [default_method(), adams_method(8)]
 
 
 def attempted(asked: Problem, request: Request, method: Method, level: int) -> Attempt:
     """One attempt at a resolution, whatever its error."""
-    options = Options(extremes=request.extremes)
-    kernels = Kernels(
-        compiled(asked.field, default_method(), options), compiled(asked.field, method, options)
+    options = KernelOptions(follows_extremes=request.wants_extremes)
+    kernels = KernelPair(
+        compiled_kernel(asked.field, default_method(), options),
+        compiled_kernel(asked.field, method, options),
     )
     run = Run(asked, request, kernels, 1.0, CycleTables(asked.timeline.waveform))
-    return attempt(run, Chunk(level, np.arange(asked.duration.size)))
+    return attempt_chunk(run, Chunk(level, np.arange(asked.duration.size)))
 
 
 #: A round limit cycle of radius 1: nonlinear, attracting, and as smooth as its solution,
@@ -73,6 +74,6 @@ def test_order_of_extremes(method: Method) -> None:
     asked = problem(CYCLE, np.column_stack([np.cos(angles), -np.sin(angles)]), 10.0)
     errors = []
     for level in LEVELS:
-        found = attempted(asked, Request(extremes=True), method, int(level))
+        found = attempted(asked, Request(wants_extremes=True), method, int(level))
         errors.append(np.abs([found.maximum - 1.0, found.minimum + 1.0]).max())
     assert order(LEVELS, errors) == pytest.approx(method.order, abs=WITHIN)

@@ -14,7 +14,7 @@ from tests.unit.integrate.observed_order import WITHIN, order
 from remanent._typing import FloatArray
 from remanent.codegen.field import field_for
 from remanent.integrate.ensemble import dense
-from remanent.integrate.methods.runge_kutta import RungeKutta, cooper_verner_8, default_method
+from remanent.integrate.methods.runge_kutta import RungeKuttaMethod, cooper_verner_8, default_method
 from remanent.models.actuator import Actuator
 from remanent.models.drives.waves import SineSquared
 
@@ -22,7 +22,7 @@ ACTUATOR = Actuator(c=0.5, temperature=350.0, prestress=0.3)
 DRIVE = SineSquared(0.8, 1.25, 0.2)
 
 
-def march(method: RungeKutta, steps: int, number: Any, functions: Any) -> list[Any]:
+def march(method: RungeKuttaMethod, steps: int, number: Any, functions: Any) -> list[Any]:
     """Equation 16 over half a drive period in `steps` steps, with numbers of any kind."""
     field = field_for(ACTUATOR, DRIVE)
     values = {**ACTUATOR.parameters(), **DRIVE.parameters()}
@@ -145,11 +145,13 @@ def test_a_state_at_the_end_of_a_step_is_kept_exactly() -> None:
 METHOD = default_method()
 WRONG = {
     "a node": {"nodes": (0.0, 0.2, *METHOD.nodes[2:])},
-    "a weight": {"weights": (*METHOD.weights[:4], {0: 0.1, 2: 0.2}, *METHOD.weights[5:])},
-    "a stage that is not explicit": {
-        "weights": (*METHOD.weights[:3], {0: 0.5, 7: 0.3}, *METHOD.weights[4:])
+    "a weight": {
+        "stage_weights": (*METHOD.stage_weights[:4], {0: 0.1, 2: 0.2}, *METHOD.stage_weights[5:])
     },
-    "a final coefficient": {"final": {**METHOD.final, 8: 0.35}},
+    "a stage that is not explicit": {
+        "stage_weights": (*METHOD.stage_weights[:3], {0: 0.5, 7: 0.3}, *METHOD.stage_weights[4:])
+    },
+    "a final coefficient": {"final_weights": {**METHOD.final_weights, 8: 0.35}},
     "a claimed order": {"order": 10},
 }
 
