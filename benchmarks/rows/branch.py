@@ -101,7 +101,7 @@ def _timed(work: Callable[[], list[Curve]], repeats: int) -> dict[str, Any]:
         begin = time.process_time()
         curves = work()
         for curve in curves:
-            floquet_multipliers(curve.points.extra["jacobian"], curve.points.residual_error)
+            floquet_multipliers(curve.points.extra_arrays["jacobian"], curve.points.residual_error)
         times.append(time.process_time() - begin)
         points = sum(len(curve.points) for curve in curves)
         worst = max(float((c.points.residual + c.points.residual_error).max()) for c in curves)

@@ -152,7 +152,7 @@ def specials(
         unit_tangents(here.derivative, ahead, scale),
         np.abs(here.value).max(axis=1),
         here.value_error,
-        here.extra,
+        here.extra_arrays,
     )
     settings = ContinuationSettings(
         np.array([-9.0, -9.0, bounds[0]]),

@@ -65,8 +65,8 @@ class Crossings:
 
     def sorted_up_to(self, ends: FloatArray) -> Crossings:
         """Those that come before the `ends` of their trajectories, sorted."""
-        kept = np.flatnonzero(self.time <= latest_trusted_time(ends[self.trajectory]))
-        order = kept[np.lexsort((self.time[kept], self.trajectory[kept]))]
+        trusted = np.flatnonzero(self.time <= latest_trusted_time(ends[self.trajectory]))
+        order = trusted[np.lexsort((self.time[trusted], self.trajectory[trusted]))]
         return Crossings(
             self.trajectory[order], self.time[order], self.states[order], self.direction[order]
         )
@@ -154,7 +154,7 @@ class _CrossingFinder:
         level, rate = self.level_and_rate(
             np.moveaxis(window.states, 2, 0), window.parameters[:, :, None], window.phase
         )
-        inside = np.arange(nodes - 1) < window.counted_steps[:, None]
+        inside = np.arange(nodes - 1) < window.steps_in_run[:, None]
         before, after = level[:, :-1], level[:, 1:]
         # A step that starts on the value goes to the side it moves to.
         side = np.where(before == 0.0, np.sign(rate[:, :-1]), np.sign(before))

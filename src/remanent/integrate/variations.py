@@ -89,11 +89,11 @@ def transverse_field(field: Field, pairs: Mapping[str, str]) -> Field:
     Field
         State: the variables but the second ones, then ``"transverse.NAME"`` for each pair.
     """
-    kept = tuple(v for v in field.variables if v.name not in pairs.values())
+    kept_variables = tuple(v for v in field.variables if v.name not in pairs.values())
     added = tuple(
         StateVariable(f"transverse.{name}", Role.VARIATION, belongs_to=name) for name in pairs
     )
-    variables = (*kept, *added)
+    variables = (*kept_variables, *added)
     state = tuple(variable.name for variable in variables)
     inputs = ("drive_phase", *state, *field.parameters, *field.waveforms)
     into = Instructions(inputs)
@@ -107,7 +107,7 @@ def transverse_field(field: Field, pairs: Mapping[str, str]) -> Field:
         values.append(_Dual(into, into.input(representative), (slope,)))
     rates = dict(zip(field.state, _run_with_duals(field.rates, values, into, 1), strict=True))
     zero = into.constant(0.0)
-    outputs = [rates[variable.name].recorded_value for variable in kept]
+    outputs = [rates[variable.name].recorded_value for variable in kept_variables]
     outputs += [rates[name].slopes[0] or zero for name in pairs]
     names = {name: first_of.get(name, name) for name in field.inputs}
     return Field(

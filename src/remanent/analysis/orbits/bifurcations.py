@@ -69,7 +69,7 @@ def _fold_test(points: CurvePoints, _scale: FloatArray) -> FloatArray:
 
 def _period_doubling_test(points: CurvePoints, _scale: FloatArray) -> FloatArray:
     """det(J + 1), the product of all multipliers plus one: zero where one of them is -1."""
-    jacobian = points.extra["jacobian"]
+    jacobian = points.extra_arrays["jacobian"]
     return np.asarray(np.linalg.det(jacobian + np.eye(jacobian.shape[1])))
 
 
@@ -79,7 +79,9 @@ def _branch_point_test(points: CurvePoints, scale: FloatArray) -> FloatArray:
     Along a branch the derivatives have one null vector, the tangent, and the border makes the
     matrix regular.  Where another branch crosses they have two, and it is singular.
     """
-    bordered = np.concatenate([points.extra["derivative"] * scale, points.tangent[:, None]], axis=1)
+    bordered = np.concatenate(
+        [points.extra_arrays["derivative"] * scale, points.tangent[:, None]], axis=1
+    )
     return np.asarray(np.linalg.det(bordered))
 
 
@@ -89,7 +91,7 @@ def _neimark_sacker_test(points: CurvePoints, _scale: FloatArray) -> FloatArray:
     A complex pair on the unit circle has product 1.  So have two real ones that are inverse
     to each other, which is no bifurcation: :func:`_is_bifurcation` tells them apart.
     """
-    values = np.linalg.eigvals(points.extra["jacobian"])
+    values = np.linalg.eigvals(points.extra_arrays["jacobian"])
     pairs = [values[:, i] * values[:, j] - 1.0 for i, j in combinations(range(values.shape[1]), 2)]
     return np.asarray(np.prod(pairs, axis=0).real if pairs else np.ones(len(points)))
 
@@ -141,7 +143,7 @@ def find_special_points(
         Of the orbits, as :func:`~remanent.analysis.orbits.orbit_equations.orbit_equations`
         makes them.
     points : CurvePoints
-        Along the branch, with ``jacobian`` and ``derivative`` in their ``extra``.
+        Along the branch, with ``jacobian`` and ``derivative`` in their ``extra_arrays``.
     scale : array (n + 1,)
         Units of the unknowns.
     tolerance : float
@@ -191,12 +193,12 @@ def _bracket_double_crossings(
         Places along the branch: beyond zero, and on this side before and after.
     """
     size = np.abs(values)
-    before, here, after = size[:-2], size[1:-1], size[2:]
+    before, middle, after = size[:-2], size[1:-1], size[2:]
     with np.errstate(invalid="ignore"):
         one_sign = (values[:-2] * values[1:-1] > 0.0) & (values[2:] * values[1:-1] > 0.0)
         # A parabola through three points with this curvature may reach zero between them.
-        near = (here <= before) & (here < after) & (here < before + after - 2.0 * here)
-    k = np.flatnonzero(one_sign & near) + 1
+        dips = (middle <= before) & (middle < after) & (middle < before + after - 2.0 * middle)
+    k = np.flatnonzero(one_sign & dips) + 1
     if not k.size:
         return (np.empty(0),) * 3
     side, x = np.sign(values[k]), k.astype(np.float64)
@@ -222,7 +224,7 @@ def _bracket_double_crossings(
 
 def _largest_jacobian_entries(points: CurvePoints) -> FloatArray:
     """Largest entry of each Jacobian, at least 1: what errors of the state are magnified by."""
-    return np.asarray(np.maximum(1.0, np.abs(points.extra["jacobian"]).max(axis=(1, 2))))
+    return np.asarray(np.maximum(1.0, np.abs(points.extra_arrays["jacobian"]).max(axis=(1, 2))))
 
 
 def _locate_special_points(
@@ -245,27 +247,27 @@ def _locate_special_points(
         maxiter=_MAX_ITERATIONS,
     )
     scale = branch.scale
-    here, ends = branch.points_at(root.x), (branch.points_at(low), branch.points_at(high))
-    steps = [np.linalg.norm((end.unknown - here.unknown) / scale, axis=1) for end in ends]
+    located, ends = branch.points_at(root.x), (branch.points_at(low), branch.points_at(high))
+    steps = [np.linalg.norm((end.unknown - located.unknown) / scale, axis=1) for end in ends]
     # The slope is taken no steeper than towards either end: next to a turn it is half as steep.
     slope = np.minimum(*(np.abs(value(x)) / s for x, s in zip((low, high), steps, strict=True)))
-    error = (here.residual_error + here.residual) * _largest_jacobian_entries(here)
+    error = (located.residual_error + located.residual) * _largest_jacobian_entries(located)
     shift = error / np.maximum(slope, 1e-300)
     shift += 2.0 * _ROOT_POSITION_TOLERANCE * (1.0 + root.x) * (steps[0] + steps[1]) / (high - low)
     # A shift along the branch moves the parameter by the tangent's part; at a fold that part is
     # zero, and the shift itself tilts the tangent.
-    uncertainty = scale[-1] * (error + shift * (np.abs(here.tangent[:, -1]) + shift))
+    uncertainty = scale[-1] * (error + shift * (np.abs(located.tangent[:, -1]) + shift))
     return [
-        SpecialPoint(kind, int(root.x[k]), here.subset(slice(k, k + 1)), float(uncertainty[k]))
+        SpecialPoint(kind, int(root.x[k]), located.subset(slice(k, k + 1)), float(uncertainty[k]))
         for k in range(root.x.size)
-        if root.success[k] and _is_bifurcation(kind, here, k)
+        if root.success[k] and _is_bifurcation(kind, located, k)
     ]
 
 
-def _is_bifurcation(kind: str, here: CurvePoints, k: int) -> bool:
+def _is_bifurcation(kind: str, located: CurvePoints, k: int) -> bool:
     """Whether a Neimark-Sacker point is one: the multipliers with product 1 are complex."""
     if kind != "Neimark-Sacker":
         return True
-    values = np.linalg.eigvals(here.extra["jacobian"][k])
+    values = np.linalg.eigvals(located.extra_arrays["jacobian"][k])
     pair = min(combinations(values, 2), key=lambda two: abs(two[0] * two[1] - 1.0))
     return bool(abs(pair[0].imag) > _MIN_COMPLEX_IMAGINARY_PART)

@@ -103,14 +103,14 @@ def continue_curves(
 class _CurveArm:
     """One direction of one curve while it grows.
 
-    Everything but `first_step` and `scaled_start` changes: each block appends to
+    Everything but `first_step_length` and `scaled_start` changes: each block appends to
     `point_blocks`, moves `point_before_last` up to the last point but one, and sets the next
-    `step`; `end_reason` is empty until the arm stops.
+    `step_length`; `end_reason` is empty until the arm stops.
     """
 
     point_blocks: list[CurvePoints]
-    step: float
-    first_step: float
+    step_length: float
+    first_step_length: float
     point_before_last: tuple[FloatArray, FloatArray]
     scaled_start: FloatArray
     end_reason: str = ""
@@ -170,7 +170,7 @@ def _predict_points(
     # z(s) = z1 + s t1 + s^2 c2 + s^3 c3, s the distance from the head: z(-gap) = z0, z'(-gap) = t0.
     curve2 = ((2.0 * t1 + t0 - 3.0 * secant) / gap)[:, None]
     curve3 = ((t1 + t0 - 2.0 * secant) / gap**2)[:, None]
-    steps = np.array([arm.step for arm in arms])[:, None]
+    steps = np.array([arm.step_length for arm in arms])[:, None]
     ahead = (steps * np.arange(1, settings.block_size + 1))[:, :, None]
     guess = scaled1[:, None] + ahead * (t1[:, None] + ahead * (curve2 + ahead * curve3))
     direction = t1[:, None] + ahead * (2.0 * curve2 + 3.0 * ahead * curve3)
@@ -232,10 +232,10 @@ def _inspect_blocks(
     before = np.concatenate([head_tangents, tangent[:, :-1]], axis=1)
     gap = np.linalg.norm(np.diff(chain, axis=1), axis=2)
     turn_cosine = np.einsum("kij,kij->ki", before, tangent)
-    step = np.array([arm.step for arm in arms])[:, None]
-    near = correction < _MAX_CORRECTION_SHARE * step
+    step = np.array([arm.step_length for arm in arms])[:, None]
+    is_close = correction < _MAX_CORRECTION_SHARE * step
     even = (gap > _MIN_GAP_IN_STEPS * step) & (gap < _MAX_GAP_IN_STEPS * step)
-    good = reached.reshape(shape) & near & (turn_cosine > _MIN_TURN_COSINE) & even
+    good = reached.reshape(shape) & is_close & (turn_cosine > _MIN_TURN_COSINE) & even
     kept = np.cumprod(good, axis=1).sum(axis=1)
     inside = ((unknown >= settings.lower) & (unknown <= settings.upper)).all(axis=2)
     within = np.cumprod(inside, axis=1).sum(axis=1)
@@ -273,13 +273,18 @@ def _count_points_before_closure(
     """
     start = np.array([arm.scaled_start for arm in arms])[:, None]
     towards = np.array([arm.first_tangent for arm in arms])
-    step = np.array([arm.step for arm in arms])[:, None]
-    away = chain - start
-    along = np.einsum("kij,kj->ki", away, towards)
-    near = np.linalg.norm(away, axis=2) < _MAX_CLOSURE_DISTANCE_IN_STEPS * step
+    step = np.array([arm.step_length for arm in arms])[:, None]
+    displacement = chain - start
+    tangential = np.einsum("kij,kj->ki", displacement, towards)
+    is_close = np.linalg.norm(displacement, axis=2) < _MAX_CLOSURE_DISTANCE_IN_STEPS * step
     parallel = np.einsum("kij,kj->ki", tangent, towards) > _MIN_CLOSURE_TANGENT_COSINE
-    across = np.linalg.norm(away - along[:, :, None] * towards[:, None], axis=2)
-    passed = near & parallel & (along >= 0.0) & (across < _MAX_CLOSURE_OFFSET_IN_STEPS * step)
+    transverse = np.linalg.norm(displacement - tangential[:, :, None] * towards[:, None], axis=2)
+    passed = (
+        is_close
+        & parallel
+        & (tangential >= 0.0)
+        & (transverse < _MAX_CLOSURE_OFFSET_IN_STEPS * step)
+    )
     # Every curve is near its start when it begins.
     passed &= np.array([arm.point_count >= _MIN_CLOSED_CURVE_POINTS for arm in arms])[:, None]
     return np.asarray(np.where(passed.any(axis=1), passed.argmax(axis=1), chain.shape[1]))
@@ -304,12 +309,12 @@ def _extend_arm(
         arm.point_count += kept
     if not arm.end_reason and arm.point_count >= settings.max_points:
         arm.end_reason = "points"
-    arm.step = _next_step(arm.step, kept, block, settings)
-    if not arm.end_reason and arm.step < _MIN_STEP_SHARE * arm.first_step:
+    arm.step_length = _next_step_length(arm.step_length, kept, block, settings)
+    if not arm.end_reason and arm.step_length < _MIN_STEP_SHARE * arm.first_step_length:
         arm.end_reason = "lost"
 
 
-def _next_step(
+def _next_step_length(
     step: float, kept: int, block: _BlockInspection, settings: ContinuationSettings
 ) -> float:
     """The step after a block.

@@ -62,36 +62,38 @@ def correct_points(
     reached : array (point,) of bool
         Whether Newton's method converged.
     """
-    z, here = guess.copy(), equations(guess)
+    z, equation_values = guess.copy(), equations(guess)
     for _ in range(_MAX_NEWTON_STEPS - 1):
-        residual, reached, finite = _residuals_and_convergence(here, tolerance)
+        residual, reached, finite = _residuals_and_convergence(equation_values, tolerance)
         # Points that have converged are left alone: each further evaluation costs a period map.
         moving = np.flatnonzero(finite & ~reached)
         if not moving.size:
             break
         matrix = np.concatenate(
-            [here.derivative[moving] * scale, direction[moving, None, :]], axis=1
+            [equation_values.derivative[moving] * scale, direction[moving, None, :]], axis=1
         )
         offset = np.einsum("ij,ij->i", direction[moving], (guess - z)[moving] / scale)
-        right = np.concatenate([-here.value[moving], offset[:, None]], axis=1)
+        right = np.concatenate([-equation_values.value[moving], offset[:, None]], axis=1)
         z[moving] += _solve_linear_systems(matrix, right) * scale
-        here = here.with_rows(moving, equations(z[moving]))
-    residual, reached, finite = _residuals_and_convergence(here, tolerance)
-    derivative = np.where(finite[:, None, None], here.derivative, 0.0)
+        equation_values = equation_values.with_rows(moving, equations(z[moving]))
+    residual, reached, finite = _residuals_and_convergence(equation_values, tolerance)
+    derivative = np.where(finite[:, None, None], equation_values.derivative, 0.0)
     tangent = unit_tangents(derivative, direction, scale)
-    return CurvePoints(z, tangent, residual, here.value_error, here.extra), reached & finite
+    return CurvePoints(
+        z, tangent, residual, equation_values.value_error, equation_values.extra_arrays
+    ), reached & finite
 
 
 def _residuals_and_convergence(
-    here: EquationValues, tolerance: float
+    equation_values: EquationValues, tolerance: float
 ) -> tuple[FloatArray, BoolArray, BoolArray]:
     """Residuals, where they are small enough, and where all is finite."""
     with np.errstate(all="ignore"):
-        residual = np.abs(here.value).max(axis=1)
-    finite = np.isfinite(here.derivative).all(axis=(1, 2)) & np.isfinite(residual)
+        residual = np.abs(equation_values.value).max(axis=1)
+    finite = np.isfinite(equation_values.derivative).all(axis=(1, 2)) & np.isfinite(residual)
     return (
         residual,
-        residual <= np.maximum(tolerance, _RESIDUAL_ERROR_FACTOR * here.value_error),
+        residual <= np.maximum(tolerance, _RESIDUAL_ERROR_FACTOR * equation_values.value_error),
         finite,
     )
 

@@ -20,14 +20,14 @@ class EquationValues:
     derivative : array (point, equation, unknown)
     value_error : array (point,)
         Estimated error of the value.
-    extra : mapping of name to array (point, ...)
+    extra_arrays : mapping of name to array (point, ...)
         Whatever else is to be kept with each point.
     """
 
     value: FloatArray
     derivative: FloatArray
     value_error: FloatArray
-    extra: Mapping[str, FloatArray]
+    extra_arrays: Mapping[str, FloatArray]
 
     def with_rows(self, indices: IntArray, rows: EquationValues) -> EquationValues:
         """The equations with their values at some points replaced."""
@@ -41,7 +41,10 @@ class EquationValues:
             put(self.value, rows.value),
             put(self.derivative, rows.derivative),
             put(self.value_error, rows.value_error),
-            {name: put(values, rows.extra[name]) for name, values in self.extra.items()},
+            {
+                name: put(values, rows.extra_arrays[name])
+                for name, values in self.extra_arrays.items()
+            },
         )
 
 
@@ -60,7 +63,7 @@ class CurvePoints:
         Of unit length in scaled unknowns.
     residual, residual_error : array (point,)
         Largest defect of the equations, and its estimated error.
-    extra : mapping of name to array (point, ...)
+    extra_arrays : mapping of name to array (point, ...)
         What the equations keep with each point.
     """
 
@@ -68,7 +71,7 @@ class CurvePoints:
     tangent: FloatArray
     residual: FloatArray
     residual_error: FloatArray
-    extra: Mapping[str, FloatArray]
+    extra_arrays: Mapping[str, FloatArray]
 
     def __len__(self) -> int:
         return int(self.unknown.shape[0])
@@ -80,7 +83,7 @@ class CurvePoints:
             self.tangent[indices],
             self.residual[indices],
             self.residual_error[indices],
-            {name: values[indices] for name, values in self.extra.items()},
+            {name: values[indices] for name, values in self.extra_arrays.items()},
         )
 
     def with_reversed_tangents(self) -> CurvePoints:
@@ -115,7 +118,10 @@ def concatenate_points(parts: Sequence[CurvePoints]) -> CurvePoints:
         np.concatenate([part.tangent for part in parts]),
         np.concatenate([part.residual for part in parts]),
         np.concatenate([part.residual_error for part in parts]),
-        {name: np.concatenate([part.extra[name] for part in parts]) for name in parts[0].extra},
+        {
+            name: np.concatenate([part.extra_arrays[name] for part in parts])
+            for name in parts[0].extra_arrays
+        },
     )
 
 

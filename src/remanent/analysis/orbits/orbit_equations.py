@@ -31,7 +31,7 @@ def orbit_equations(map_: Map, iterate: int) -> CurveEquations:
     Returns
     -------
     callable
-        Its ``extra["jacobian"]`` is that of the iterate, ``extra["derivative"]`` that of the
+        Its ``extra_arrays["jacobian"]`` is that of the iterate, ``extra_arrays["derivative"]`` that of the
         equations.
     """
 

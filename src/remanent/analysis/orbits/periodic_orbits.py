@@ -98,8 +98,8 @@ def newton_fixed_points(
         if reached.any():
             points = PeriodicOrbits(x, image.jacobian, residual, image.error)
             parts.append(points.subset(reached))
-        near = (np.abs(x + move - centre) <= width).all(axis=1)
-        going_on = ~converged & accurate & np.isfinite(move).all(axis=1) & near
+        is_close = (np.abs(x + move - centre) <= width).all(axis=1)
+        going_on = ~converged & accurate & np.isfinite(move).all(axis=1) & is_close
         if not going_on.any():
             break
         x, p = (x + move)[going_on], p[going_on]

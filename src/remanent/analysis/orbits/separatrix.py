@@ -85,17 +85,25 @@ def saddle_passages(
         Of the states visited and of the saddle.
     """
     direction, form, _ = unstable_directions(jacobian)
-    away = visited - saddle[:, None]
-    along = np.einsum("ij,itj->it", form, away)
-    rest = np.linalg.norm(away - along[..., None] * direction[:, None], axis=2)
-    along *= np.where(along[:, :1] < 0.0, -1.0, 1.0)  # positive on the side of the start
-    distance = np.linalg.norm(away, axis=2)
+    displacement = visited - saddle[:, None]
+    unstable_coordinate = np.einsum("ij,itj->it", form, displacement)
+    remainder = np.linalg.norm(
+        displacement - unstable_coordinate[..., None] * direction[:, None], axis=2
+    )
+    unstable_coordinate *= np.where(
+        unstable_coordinate[:, :1] < 0.0, -1.0, 1.0
+    )  # positive on the side of the start
+    distance = np.linalg.norm(displacement, axis=2)
     with np.errstate(invalid="ignore"):
-        departed = _has_approached(distance) & (np.abs(along) > _MIN_DEPARTURE_RATIO * rest)
+        departed = _has_approached(distance) & (
+            np.abs(unstable_coordinate) > _MIN_DEPARTURE_RATIO * remainder
+        )
     first = departed.argmax(axis=1)
     row = np.arange(len(visited))
-    sure = departed[row, first] & (np.abs(along[row, first]) > _MIN_COORDINATE_OVER_ERROR * error)
-    side = np.where(sure, np.sign(along[row, first]), 0.0).astype(np.int64)
+    sure = departed[row, first] & (
+        np.abs(unstable_coordinate[row, first]) > _MIN_COORDINATE_OVER_ERROR * error
+    )
+    side = np.where(sure, np.sign(unstable_coordinate[row, first]), 0.0).astype(np.int64)
     return SaddlePassage(side, first, np.fmin.accumulate(distance, axis=1)[row, first])
 
 

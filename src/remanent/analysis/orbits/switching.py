@@ -48,20 +48,20 @@ def find_point_on_crossing_branch(
     The tangent of the first branch is the null vector with a part along the parameter; the
     other branch of a doubling or of a broken symmetry starts across it, as a parabola.
     """
-    here = equations(crossing[None])
-    _, _, right = np.linalg.svd(here.derivative[0] * scale)
+    crossing_values = equations(crossing[None])
+    _, _, right = np.linalg.svd(crossing_values.derivative[0] * scale)
     # Of the plane of null vectors, the one along which the parameter stays.
     plane = right[-2:]
-    across = plane[1, -1] * plane[0] - plane[0, -1] * plane[1]
-    across /= np.linalg.norm(across)
+    crossing_direction = plane[1, -1] * plane[0] - plane[0, -1] * plane[1]
+    crossing_direction /= np.linalg.norm(crossing_direction)
     for length in _TRIAL_LENGTHS:
-        guess = crossing + length * across * scale
+        guess = crossing + length * crossing_direction * scale
         points, reached = correct_points(
-            equations, guess[None], across[None], scale=scale, tolerance=tolerance
+            equations, guess[None], crossing_direction[None], scale=scale, tolerance=tolerance
         )
-        away = (points.unknown[0] - crossing) / scale
-        departed = away @ across > _MIN_DEPARTURE_SHARE * length
-        near = np.linalg.norm(away) < _MAX_DISTANCE_IN_TRIAL_LENGTHS * length
-        if reached[0] and departed and near:
+        displacement = (points.unknown[0] - crossing) / scale
+        departed = displacement @ crossing_direction > _MIN_DEPARTURE_SHARE * length
+        is_close = np.linalg.norm(displacement) < _MAX_DISTANCE_IN_TRIAL_LENGTHS * length
+        if reached[0] and departed and is_close:
             return points
     return None

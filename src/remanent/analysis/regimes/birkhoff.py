@@ -78,14 +78,14 @@ class RotationNumbers:
 
     Attributes
     ----------
-    number : array (orbit,)
+    turns_per_iterate : array (orbit,)
         Turns per iterate, clockwise, in [0, 1); NaN where the orbit does not encircle
         its centre.
     converged_digits : array (orbit,)
         Decimal digits on which the first and the last two thirds of the orbit agree.
     """
 
-    number: FloatArray
+    turns_per_iterate: FloatArray
     converged_digits: FloatArray
 
 
@@ -111,25 +111,29 @@ def rotation_numbers(points: FloatArray, centre: FloatArray | None = None) -> Ro
     """
     if centre is None:
         centre = weighted_average(np.moveaxis(points, 1, -1))
-    away = points - centre[:, None]
-    size = np.std(np.ascontiguousarray(np.moveaxis(away, 1, -1)), axis=-1)
+    displacement = points - centre[:, None]
+    size = np.std(np.ascontiguousarray(np.moveaxis(displacement, 1, -1)), axis=-1)
     with np.errstate(divide="ignore", invalid="ignore"):
         # Scaled, so that flat curves are as good as round ones.
-        angle = -np.arctan2(away[..., 1] / size[:, None, 1], away[..., 0] / size[:, None, 0])
+        angle = -np.arctan2(
+            displacement[..., 1] / size[:, None, 1], displacement[..., 0] / size[:, None, 0]
+        )
     turn = angle / (2.0 * np.pi)
     step = np.diff(turn, axis=1) % 1.0
     # A fixed cut, at 0 say, could fall among the angles and split equal ones by a whole turn.
-    cut, _ = _widest_gap(step)
+    cut, _ = _widest_gap_on_circle(step)
     step = (step - cut[:, None]) % 1.0 + cut[:, None]
     first, last = _first_and_last_averages(step)
     with np.errstate(divide="ignore"):
         digits = np.minimum(-np.log10(np.abs(first - last)), MAX_DIGITS)
-    encircles = (_widest_gap(turn % 1.0)[1] <= _MAX_ANGLE_GAP_IN_TURNS) & np.isfinite(first + last)
+    encircles = (_widest_gap_on_circle(turn % 1.0)[1] <= _MAX_ANGLE_GAP_IN_TURNS) & np.isfinite(
+        first + last
+    )
     number = weighted_average(step) % 1.0
     return RotationNumbers(np.where(encircles, number, np.nan), np.where(encircles, digits, 0.0))
 
 
-def _widest_gap(turns: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _widest_gap_on_circle(turns: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Middle and width of the widest interval of the circle [0, 1) without a value."""
     ordered = np.sort(turns, axis=1)
     gaps = np.diff(ordered, axis=1, append=ordered[:, :1] + 1.0)

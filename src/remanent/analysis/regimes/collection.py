@@ -156,7 +156,7 @@ def _return_and_rotation_columns(points: FloatArray) -> dict[str, FloatArray | I
     if points.shape[2] > 1:
         rotation = rotation_numbers(points[:, :, :2])
         columns |= {
-            "rotation_number": rotation.number,
+            "rotation_number": rotation.turns_per_iterate,
             "rotation_digits": rotation.converged_digits,
         }
     return columns

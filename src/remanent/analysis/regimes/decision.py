@@ -237,10 +237,10 @@ def reduce_multiple_periods(
     unsettled = labelling.evidence.late_defect > _MAX_SETTLED_RETURN_DEFECT
     candidates = np.flatnonzero(problem.damped & (labelling.period > 1) & unsettled)
     period = labelling.period[candidates]
-    found = _settling_periods_of_run(
+    settling_period = _settling_periods_of_run(
         problem.iterate_with_jacobian, labelling.run, candidates, period
     )
-    period = np.where(found > 0, found, period)
+    period = np.where(settling_period > 0, settling_period, period)
     return replace(labelling, period=_with_replaced_values(labelling.period, candidates, period))
 
 

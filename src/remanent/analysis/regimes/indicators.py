@@ -44,17 +44,20 @@ def smaller_alignment_index(factors: FloatArray) -> FloatArray:
     array (orbit, block)
         Not below 1e-300; NaN where the factors are.
     """
-    along, across = np.zeros(factors.shape[0]), np.ones(factors.shape[0])
+    parallel, perpendicular = np.zeros(factors.shape[0]), np.ones(factors.shape[0])
     index = np.empty(factors.shape[:2])
     with np.errstate(all="ignore"):
         for k in range(factors.shape[1]):
             r = factors[:, k]
-            along = r[:, 0, 0] * along + r[:, 0, 1] * across
-            across = r[:, 1, 1] * across
-            size = np.hypot(along, across)
-            along, across = along / size, np.maximum(across / size, _MIN_ALIGNMENT_INDEX)
+            parallel = r[:, 0, 0] * parallel + r[:, 0, 1] * perpendicular
+            perpendicular = r[:, 1, 1] * perpendicular
+            size = np.hypot(parallel, perpendicular)
+            parallel, perpendicular = (
+                parallel / size,
+                np.maximum(perpendicular / size, _MIN_ALIGNMENT_INDEX),
+            )
             # 2 sin(angle/2) = sin(angle)/cos(angle/2)
-            index[:, k] = across / np.sqrt(0.5 * (1.0 + np.abs(along)))
+            index[:, k] = perpendicular / np.sqrt(0.5 * (1.0 + np.abs(parallel)))
     return index
 
 

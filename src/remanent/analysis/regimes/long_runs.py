@@ -212,10 +212,10 @@ def propagate_tangents(
         if not active.size or cancelled():
             break
         image = advance(active, now[active], frame[active], end - done, every=every)
-        out = ~(np.abs(image.visited_states) < ESCAPE_BOUND).all(axis=(1, 2))
+        is_beyond_bound = ~(np.abs(image.visited_states) < ESCAPE_BOUND).all(axis=(1, 2))
         # A point that escapes is beyond its error bound too; that is no reason for distrust.
-        escaped[active], trusted[active] = out, image.error_bound_met | out
-        going_on = np.flatnonzero(~out & image.error_bound_met)
+        escaped[active], trusted[active] = is_beyond_bound, image.error_bound_met | is_beyond_bound
+        going_on = np.flatnonzero(~is_beyond_bound & image.error_bound_met)
         points = active[going_on]
         if visited is not None:
             visited[points, done + 1 : end + 1] = image.visited_states[going_on]
@@ -228,8 +228,8 @@ def propagate_tangents(
             with np.errstate(over="ignore"):
                 added = image.largest_period_error[going_on] * (end - done)
                 accumulated[points] = accumulated[points] * growth + added
-            known = accumulated[points] <= max_state_error
-            horizon[points] = np.where(known, np.inf, np.minimum(horizon[points], done))
+            is_accurate = accumulated[points] <= max_state_error
+            horizon[points] = np.where(is_accurate, np.inf, np.minimum(horizon[points], done))
         active, done = points, end
     horizon = np.minimum(horizon, completed)
     return LongRun(

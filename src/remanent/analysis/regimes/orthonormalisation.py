@@ -50,9 +50,9 @@ def _lengths(vectors: FloatArray) -> FloatArray:
 def _project_out_earlier_rows(q: FloatArray, r: FloatArray, j: int) -> None:
     """Take from vector j what lies along the rows before it."""
     for i in range(j):
-        along = np.einsum("ps,ps->p", q[:, i], q[:, j])
-        r[:, i, j] += along
-        q[:, j] -= along[:, None] * q[:, i]
+        projection = np.einsum("ps,ps->p", q[:, i], q[:, j])
+        r[:, i, j] += projection
+        q[:, j] -= projection[:, None] * q[:, i]
 
 
 def _orthogonal_vectors(q: FloatArray, j: int) -> FloatArray:

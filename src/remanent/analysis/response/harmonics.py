@@ -68,9 +68,9 @@ def find_resonant_harmonic(
         Harmonic 0, with detuning NaN, where there is no free oscillation.
     """
     highest = amplitudes.shape[1] - 1
-    known = np.isfinite(free_frequency)
-    ratio = np.where(known, free_frequency, orbit_frequency) / orbit_frequency
-    number = np.where(known, np.clip(np.rint(ratio), 1, highest), 0)
+    has_free_frequency = np.isfinite(free_frequency)
+    ratio = np.where(has_free_frequency, free_frequency, orbit_frequency) / orbit_frequency
+    number = np.where(has_free_frequency, np.clip(np.rint(ratio), 1, highest), 0)
     number = number.astype(np.int64)
     power = np.abs(amplitudes) ** 2
     power[:, 0] = 0.0

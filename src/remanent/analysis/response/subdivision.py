@@ -95,9 +95,11 @@ class _CaseTable:
 
     def restricted_to_peaks(self, count: int) -> _CaseTable:
         """The largest peaks and their neighbours: no other point is looked at again."""
-        near = (self.peak_indices()[:count, None] + np.array([-1, 0, 1])).clip(0, self.x.size - 1)
-        kept = np.unique(near)
-        return _CaseTable(self.x[kept], self.values[kept])
+        neighbours = (self.peak_indices()[:count, None] + np.array([-1, 0, 1])).clip(
+            0, self.x.size - 1
+        )
+        subset = np.unique(neighbours)
+        return _CaseTable(self.x[subset], self.values[subset])
 
     def bracket_of_point(self, k: int) -> tuple[float, float]:
         """The neighbours of point k."""

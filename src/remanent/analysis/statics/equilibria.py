@@ -19,7 +19,7 @@ ForceFunction = Callable[[IntArray, Any], Any]
 LoadedForceFunction = Callable[[IntArray, Any, Any], Any]
 
 
-def find_zeros(force: ForceFunction, cases: int, grid: FloatArray) -> FloatArray:
+def find_force_zeros(force: ForceFunction, cases: int, grid: FloatArray) -> FloatArray:
     """All sign changes of a force that a grid resolves.
 
     Parameters

@@ -62,7 +62,7 @@ class StepWindow:
         Phase of the drive, or fraction of the piece, at the nodes.
     parameters : array (parameter, trajectory)
         In the order of ``field.parameters``.
-    counted_steps : array (trajectory,)
+    steps_in_run : array (trajectory,)
         How many of the steps belong to the run of each trajectory.
     """
 
@@ -71,7 +71,7 @@ class StepWindow:
     segment: Segment
     phase: FloatArray
     parameters: FloatArray
-    counted_steps: IntArray
+    steps_in_run: IntArray
 
 
 @dataclass(frozen=True)

@@ -147,10 +147,10 @@ class Sampler:
             segment,
             segment.phase_after(nodes),
             memory.parameters(),
-            self._counted_steps(segment),
+            self._steps_in_run(segment),
         )
 
-    def _counted_steps(self, segment: Segment) -> IntArray:
+    def _steps_in_run(self, segment: Segment) -> IntArray:
         """Steps of the segment that belong to the run of each trajectory."""
         cycles = (self.cycle_counts - segment.first_cycle).clip(0, segment.cycle_count)
         return np.asarray(2 * segment.double_steps_per_cycle * cycles)

@@ -31,16 +31,16 @@ class ErrorMonitor:
         Error of the fine solution over its difference from the coarse one.
     absolute_error_count : int
         How many of the first state variables have an absolute error.
-    error_per_cycle : bool
+    estimates_error_per_cycle : bool
         Whether the largest error of a cycle is all that is asked; no horizon is kept then.
     """
 
     writer: Writer
     run_constants: RunConstants
-    cells: TrajectoryCells
+    trajectory_cells: TrajectoryCells
     error_per_difference: float
     absolute_error_count: int | None
-    error_per_cycle: bool
+    estimates_error_per_cycle: bool
 
     @classmethod
     def for_method(
@@ -53,11 +53,18 @@ class ErrorMonitor:
     ) -> ErrorMonitor:
         """The monitor of a kernel with this method and these options."""
         scale = options.safety_factor / float(2**method.assumed_order - 1)
-        return cls(writer, run, cells, scale, options.absolute_error_count, options.error_per_cycle)
+        return cls(
+            writer,
+            run,
+            cells,
+            scale,
+            options.absolute_error_count,
+            options.estimates_error_per_cycle,
+        )
 
     def is_below_ceiling(self) -> Mask:
         """Where following a trajectory further still tells something about its error."""
-        return self.cells.largest_error.get() <= self.run_constants.error_ceiling
+        return self.trajectory_cells.largest_error.get() <= self.run_constants.error_ceiling
 
     def is_active(self, cycle: Cycle) -> Mask:
         """Which trajectories take part in a cycle."""
@@ -94,10 +101,10 @@ class ErrorMonitor:
             Time up to which the tolerance has been met before, and the state then.
         """
         zero = self.writer.constant(0.0)
-        cells = self.cells
+        cells = self.trajectory_cells
         error = where.select(error, zero)
         before = cells.largest_error.get()
-        if self.error_per_cycle:
+        if self.estimates_error_per_cycle:
             cells.largest_error.set(larger_or_nan(before, error))
             return
         # An error that is NaN fails the comparison, and so the tolerance.

@@ -132,7 +132,7 @@ class KeptStep:
         self.diverged_flag.set_where(where, step.diverged_flag)
         self.waiting_flag.set_where(where, self.waiting_flag.writer.constant(1.0))
 
-    def get(self) -> DoubleStep:
+    def double_step(self) -> DoubleStep:
         """The double steps that wait."""
         left, middle, right, *coarse, left_load, middle_load, right_load = (
             cells.get() for cells in self.vectors
@@ -171,14 +171,14 @@ class ExtremeTracker:
     writer: Writer
     field_code: FieldCode
     run_constants: RunConstants
-    cells: TrajectoryCells
+    trajectory_cells: TrajectoryCells
     fine_loads: LoadTable
     error_monitor: ErrorMonitor
     kept_step: KeptStep
     has_coarse_solution: bool
 
     @classmethod
-    def begin(
+    def at_call_begin(
         cls,
         code: FieldCode,
         run: RunConstants,
@@ -235,10 +235,10 @@ class ExtremeTracker:
         row, end_row = self.fine_loads.load_in_step(first), self.fine_loads.load_in_step(second)
         right_load = end_row(last_node)
         left_load, middle_load = row(0), row(last_node)
-        before = self.cells.watched_rate_sign.get()
+        before = self.trajectory_cells.watched_rate_sign.get()
         between = self.field_code.watched_rate_sign(states.middle, middle_load)
         after = self.field_code.watched_rate_sign(states.right, right_load)
-        self.cells.watched_rate_sign.set(after)
+        self.trajectory_cells.watched_rate_sign.set(after)
         turned = (before * between <= 0.0) | (between * after <= 0.0)
         diverged = turned.without(turned)
         if states.coarse_right is not None:
@@ -263,7 +263,7 @@ class ExtremeTracker:
 
     def resolve_kept_step(self) -> None:
         """Work out the double steps that wait: their extremes and the error of these."""
-        step = self.kept_step.get()
+        step = self.kept_step.double_step()
         y = step.states
         diverged, waiting = step.diverged_flag > 0.5, self.kept_step.is_waiting()
         left = self.field_code.watched_derivatives(y.left, step.left_load)
@@ -279,7 +279,7 @@ class ExtremeTracker:
             )
             error = diverged.select(self.writer.constant(math.inf), error)
             self.error_monitor.record_error(waiting, error, step.start_time, y.left)
-        followed = waiting & (self.cells.within_tolerance.get() > 0.5)
+        followed = waiting & (self.trajectory_cells.within_tolerance.get() > 0.5)
         self._update_extremes(followed, step.start_time, (left, middle, right), polynomial)
         self.kept_step.clear()
 
@@ -304,12 +304,14 @@ class ExtremeTracker:
         run = self.run_constants
         centre = t0 + run.fine_step_length
         in_first_half = left.rate * middle.rate <= 0.0
-        near = in_first_half.select(left.rate, middle.rate)
-        far = in_first_half.select(middle.rate, right.rate)
+        first_rate = in_first_half.select(left.rate, middle.rate)
+        second_rate = in_first_half.select(middle.rate, right.rate)
         shift = in_first_half.select(self.writer.constant(-1.0), self.writer.constant(0.0))
-        s = _turning_point(polynomial, near, far, shift)
+        s = _turning_point(polynomial, first_rate, second_rate, shift)
         time = centre + s * run.fine_step_length
-        turned = (near * far <= 0.0) & (run.extremes_begin <= time) & (time <= run.run_end)
+        turned = (
+            (first_rate * second_rate <= 0.0) & (run.extremes_begin <= time) & (time <= run.run_end)
+        )
         self._update_extremes_with_value(where & turned, horner(polynomial, s))
         at_an_end = where & (
             (t0 <= run.extremes_begin) | (run.run_end < centre + run.fine_step_length)
@@ -330,22 +332,24 @@ class ExtremeTracker:
             self._update_extremes_with_value(where & bound, horner(polynomial, s))
 
     def _update_extremes_with_value(self, where: Mask, value: Lanes) -> None:
-        maximum, minimum = self.cells.maximum, self.cells.minimum
+        maximum, minimum = self.trajectory_cells.maximum, self.trajectory_cells.minimum
         maximum.set_where(where, larger(value, maximum.get()))
         minimum.set_where(where, smaller(value, minimum.get()))
 
 
-def _turning_point(polynomial: list[Any], near: Lanes, far: Lanes, shift: Lanes) -> Lanes:
+def _turning_point(
+    polynomial: list[Any], first_rate: Lanes, second_rate: Lanes, shift: Lanes
+) -> Lanes:
     """Where the derivative vanishes in [shift, shift + 1], by Newton from a secant."""
     slope = derivative_coefficients(polynomial)
     curvature = derivative_coefficients(slope)
-    s = reciprocal_quotient(near, near - far) + shift
+    s = reciprocal_quotient(first_rate, first_rate - second_rate) + shift
     for _ in range(_NEWTON_STEPS):
         inverse = s.writer.reciprocal(horner(curvature, s))
-        s = _clamp_to_half(s - horner(slope, s) * inverse, shift)
+        s = _clamp_to_half_interval(s - horner(slope, s) * inverse, shift)
     # So close by now that the curvature is that of the last step.
-    return _clamp_to_half(s - horner(slope, s) * inverse, shift)
+    return _clamp_to_half_interval(s - horner(slope, s) * inverse, shift)
 
 
-def _clamp_to_half(s: Lanes, shift: Lanes) -> Lanes:
+def _clamp_to_half_interval(s: Lanes, shift: Lanes) -> Lanes:
     return larger(smaller(s, shift + 1.0), shift)

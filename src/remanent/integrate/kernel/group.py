@@ -84,18 +84,18 @@ class Cycle:
 
     Attributes
     ----------
-    number : ir.Value
+    cycle_number : ir.Value
         How many cycles of this call came before.
     start_time, fine_step_length : Lanes
         Time of its beginning, and length of a fine step, tau.
-    first_step : ir.Value
+    fine_steps_before : ir.Value
         Fine steps of the cycle that come before those of this call.
     """
 
-    number: ir.Value
+    cycle_number: ir.Value
     start_time: Lanes
     fine_step_length: Lanes
-    first_step: ir.Value
+    fine_steps_before: ir.Value
 
     def step_time(self, step: ir.Value) -> Lanes:
         """Time, tau, at the beginning of a fine step of the call in the cycle."""
@@ -103,7 +103,8 @@ class Cycle:
         w = self.start_time.writer
         return (
             self.start_time
-            + w.broadcast_integer(w.builder.add(self.first_step, step)) * self.fine_step_length
+            + w.broadcast_integer(w.builder.add(self.fine_steps_before, step))
+            * self.fine_step_length
         )
 
 
@@ -155,7 +156,7 @@ class TrajectoryCells:
     watched_rate_sign: Cell
 
     @classmethod
-    def load(cls, slots: GroupSlots) -> Self:
+    def read_from_slots(cls, slots: GroupSlots) -> Self:
         """Read the cells from the slots of a group."""
 
         def cell(name: str) -> Cell:
@@ -178,7 +179,7 @@ class TrajectoryCells:
             watched_rate_sign=cell("watched_rate_sign"),
         )
 
-    def save(self, slots: GroupSlots) -> None:
+    def write_to_slots(self, slots: GroupSlots) -> None:
         """Write the cells back."""
         for kind in STATE_VECTOR_NAMES:
             for i, cell in enumerate(getattr(self, kind).cells):

@@ -49,7 +49,7 @@ class KernelArguments:
     group_count, cycle_count, double_step_count, record_interval : integer
         Number of groups, of cycles, of double steps per cycle, and of fine steps between
         records (0: none).
-    first_cycle, first_step : integer
+    cycles_before, fine_steps_before : integer
         Cycles of the piece before this call, and fine steps of each cycle before those that
         are taken.
     """
@@ -62,8 +62,8 @@ class KernelArguments:
     cycle_count: ir.Value
     double_step_count: ir.Value
     record_interval: ir.Value
-    first_cycle: ir.Value
-    first_step: ir.Value
+    cycles_before: ir.Value
+    fine_steps_before: ir.Value
 
 
 def kernel_source(
@@ -110,7 +110,7 @@ def _write_group_loop(
         code = FieldCode.with_parameters_of(field, slots, outlined)
         kernel = GroupKernel.from_slots(method, options, slots, arguments, run, code)
         kernel.write_loops()
-        kernel.lockstep.save(slots, arguments.double_step_count)
+        kernel.lockstep.write_to_slots(slots, arguments.double_step_count)
 
 
 @dataclass(frozen=True)
@@ -144,7 +144,7 @@ class GroupKernel:
     ) -> GroupKernel:
         """Read the numbers of a group."""
         w = slots.writer
-        cells = TrajectoryCells.load(slots)
+        cells = TrajectoryCells.read_from_slots(slots)
         nodes, columns = len(method.nodes), 1 + len(code.field.waveforms)
         fine, coarse = (
             LoadTable(w, table, nodes, columns)
@@ -156,7 +156,7 @@ class GroupKernel:
         tracker = None
         if options.follows_extremes:
             with_coarse = options.has_coarse_solution
-            tracker = ExtremeTracker.begin(
+            tracker = ExtremeTracker.at_call_begin(
                 code, run, cells, fine, monitor, coarse_solution=with_coarse
             )
         return cls(
@@ -181,11 +181,11 @@ class GroupKernel:
         w, run = self.writer, self.run_constants
         with w.loop(self.arguments.cycle_count) as (number, leave_if):
             # Counted from the start of the piece, so that no digit depends on where calls begin.
-            count = w.broadcast_integer(w.builder.add(self.arguments.first_cycle, number))
+            count = w.broadcast_integer(w.builder.add(self.arguments.cycles_before, number))
             start = run.piece_start + count * run.cycle_length
-            cycle = Cycle(number, start, run.fine_step_length, self.arguments.first_step)
+            cycle = Cycle(number, start, run.fine_step_length, self.arguments.fine_steps_before)
             leave_if(w.builder.not_(self.error_monitor.is_active(cycle).any_lane()))
-            if self.options.error_per_cycle:
+            if self.options.estimates_error_per_cycle:
                 self.lockstep.restart_coarse()
             near_an_end = (
                 self.extreme_tracker.is_near_an_end(cycle) if self.extreme_tracker else None
@@ -215,7 +215,9 @@ class GroupKernel:
             self.error_monitor.compare_states(
                 left, right, states.coarse_right, cycle.step_time(first)
             )
-        count = b.mul(cycle.number, b.mul(self.arguments.double_step_count, w.integer_constant(2)))
+        count = b.mul(
+            cycle.cycle_number, b.mul(self.arguments.double_step_count, w.integer_constant(2))
+        )
         count = b.add(count, first)
         self.recorder.record_if_due(b.add(count, w.integer_constant(1)), middle)
         self.recorder.record_if_due(b.add(count, w.integer_constant(2)), right)

@@ -57,9 +57,11 @@ class Writer:
     def broadcast(self, scalar: ir.Value) -> Lanes:
         """A scalar double copied to every lane."""
         undefined = ir.Constant(self.vector_type, ir.Undefined)
-        one = self.builder.insert_element(undefined, scalar, ir.Constant(_LANE_INDEX_TYPE, 0))
+        first_lane = self.builder.insert_element(
+            undefined, scalar, ir.Constant(_LANE_INDEX_TYPE, 0)
+        )
         zeros = ir.Constant(ir.VectorType(_LANE_INDEX_TYPE, self.width), [0] * self.width)
-        return Lanes(self, self.builder.shuffle_vector(one, undefined, zeros))
+        return Lanes(self, self.builder.shuffle_vector(first_lane, undefined, zeros))
 
     def broadcast_integer(self, scalar: ir.Value) -> Lanes:
         """An integer, as a double, in every lane."""
@@ -144,9 +146,9 @@ class Writer:
             )
             parts.append(builder.call(estimate, [part, nothing, every]))
         while len(parts) > 1:  # halves, quarters ... of a power of 2
-            both = _lane_numbers(0, 2 * parts[0].type.count)
+            joined_lanes = _lane_numbers(0, 2 * parts[0].type.count)
             pairs = zip(parts[::2], parts[1::2], strict=True)
-            parts = [builder.shuffle_vector(low, high, both) for low, high in pairs]
+            parts = [builder.shuffle_vector(low, high, joined_lanes) for low, high in pairs]
         return Lanes(self, parts[0])
 
     def call_math_function(self, name: str, argument: Lanes) -> Lanes:

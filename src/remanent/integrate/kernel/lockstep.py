@@ -20,7 +20,7 @@ class Lockstep:
 
     Attributes
     ----------
-    h : Lanes
+    fine_step_length : Lanes
         Length of a fine step, tau.
     fine_loads, coarse_loads : LoadTable
         The load at the nodes of the steps of either solution.
@@ -30,23 +30,23 @@ class Lockstep:
 
     method: Method
     stepper: Stepper
-    cells: TrajectoryCells
-    h: Lanes
+    trajectory_cells: TrajectoryCells
+    fine_step_length: Lanes
     fine_loads: LoadTable
     coarse_loads: LoadTable
     coarse_variable_count: int
 
     def fine_state(self) -> list[Lanes]:
         """State of the fine solution."""
-        return self.cells.fine.get()
+        return self.trajectory_cells.fine.get()
 
     def coarse_state(self) -> list[Lanes]:
         """State of the coarse solution."""
-        return self.cells.coarse.get(self.coarse_variable_count)
+        return self.trajectory_cells.coarse.get(self.coarse_variable_count)
 
     def restart_coarse(self) -> None:
         """Start the coarse solution anew from the fine one."""
-        self.cells.coarse.set(self.fine_state()[: self.coarse_variable_count])
+        self.trajectory_cells.coarse.set(self.fine_state()[: self.coarse_variable_count])
 
     def fine_step(self, step: ir.Value) -> list[Lanes]:
         """A step of h; rounding is compensated where the method says so."""
@@ -54,14 +54,16 @@ class Lockstep:
 
         def update(change: list[Lanes]) -> list[Lanes]:
             if self.method.has_compensated_sum:
-                moved, compensation = compensated_sum(y, change, self.cells.compensation.get())
-                self.cells.compensation.set(compensation)
+                moved, compensation = compensated_sum(
+                    y, change, self.trajectory_cells.compensation.get()
+                )
+                self.trajectory_cells.compensation.set(compensation)
             else:
                 moved = [a + b for a, b in zip(y, change, strict=True)]
-            self.cells.fine.set(moved)
+            self.trajectory_cells.fine.set(moved)
             return moved
 
-        return self.stepper.advance("fine", y, self.h, loads, update)
+        return self.stepper.advance("fine", y, self.fine_step_length, loads, update)
 
     def coarse_step(self, step: ir.Value) -> list[Lanes]:
         """A step of 2h, rounded to fewer digits.
@@ -75,15 +77,17 @@ class Lockstep:
         def update(change: list[Lanes]) -> list[Lanes]:
             bits = self.method.coarse_solution_lost_bits
             moved = [_without_last_bits(a + b, bits) for a, b in zip(y, change, strict=True)]
-            self.cells.coarse.set(moved)
+            self.trajectory_cells.coarse.set(moved)
             return moved
 
-        return self.stepper.advance("coarse", y, self.h + self.h, loads, update)
+        return self.stepper.advance(
+            "coarse", y, self.fine_step_length + self.fine_step_length, loads, update
+        )
 
-    def save(self, slots: GroupSlots, double_steps: ir.Value) -> None:
+    def write_to_slots(self, slots: GroupSlots, double_steps: ir.Value) -> None:
         """Write back both solutions, and the past rates at their ends."""
         b, w = slots.writer.builder, slots.writer
-        self.cells.save(slots)
+        self.trajectory_cells.write_to_slots(slots)
         last = b.sub(double_steps, w.integer_constant(1))
         last_fine = b.add(last, double_steps)
         ends = {

@@ -26,7 +26,7 @@ class KernelOptions:
         Factor between the estimate from two step sizes and the error reported.
     has_coarse_solution : bool
         Advance the coarse solution too.  Without it no error is estimated.
-    error_per_cycle : bool
+    estimates_error_per_cycle : bool
         Start the coarse solution anew from the fine one in every cycle, so that the
         largest error that a single cycle adds is estimated; the run goes on however large
         that is.  Only for methods that need no past.
@@ -36,13 +36,13 @@ class KernelOptions:
     coarse_variable_count : int, optional
         How many of the first state variables the coarse solution has (all by default): these
         must not depend on the others, whose error is then not estimated.  Only with
-        `error_per_cycle`.
+        `estimates_error_per_cycle`.
     """
 
     follows_extremes: bool = False
     safety_factor: float = 4.0
     has_coarse_solution: bool = True
-    error_per_cycle: bool = False
+    estimates_error_per_cycle: bool = False
     absolute_error_count: int | None = None
     coarse_variable_count: int | None = None
 
@@ -52,6 +52,6 @@ def layout_of(field: Field, options: KernelOptions) -> SlotLayout:
     histories = tuple(
         i for i, partner in enumerate(rate_variable_indices(field)) if partner is None
     )
-    if options.error_per_cycle:  # no method that needs a past
+    if options.estimates_error_per_cycle:  # no method that needs a past
         histories = ()
     return SlotLayout(len(field.state), len(field.parameters), histories)

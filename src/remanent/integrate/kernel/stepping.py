@@ -92,7 +92,7 @@ class RungeKuttaStepper:
         slopes = self.method.stage_slopes(
             lambda node, z: self.field_code.rates(z, load[node]), y, h
         )
-        change = self.method.weighted_sum(slopes, h)
+        change = self.method.increment_from_slopes(slopes, h)
         # The first stage is at the beginning of the step: its slopes are the rates there.
         self.ring_of_solution[solution].push({i: slopes[0][i] for i in self.history_variables})
         return update(change)

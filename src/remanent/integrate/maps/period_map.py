@@ -151,7 +151,7 @@ class PeriodMap:
         # without them where only the state's error is controlled.
         state_only = error_control == "state" and self.column_count > 0
         options = KernelOptions(
-            error_per_cycle=True,
+            estimates_error_per_cycle=True,
             has_coarse_solution=error_control != "none",
             absolute_error_count=self.dimension,
             coarse_variable_count=self.dimension if state_only else None,

@@ -119,13 +119,13 @@ def adams_method(steps: int) -> AdamsMethod:
     newton = _polynomial_product([(Fraction(i, i + 1), Fraction(1, i + 1)) for i in range(steps)])
     return AdamsMethod(
         past_rate_count=steps,
-        single_integral_weights=tuple(float(_integral(p)) for p in lagrange),
-        double_integral_weights=tuple(float(_double_integral(p)) for p in lagrange),
+        single_integral_weights=tuple(float(_integral_over_unit_step(p)) for p in lagrange),
+        double_integral_weights=tuple(float(_double_integral_over_unit_step(p)) for p in lagrange),
         backward_difference_weights=tuple(
             float((-1) ** j * comb(steps, j)) for j in range(1, steps + 1)
         ),
-        single_integral_correction=float(_integral(newton)),
-        double_integral_correction=float(_double_integral(newton)),
+        single_integral_correction=float(_integral_over_unit_step(newton)),
+        double_integral_correction=float(_double_integral_over_unit_step(newton)),
     )
 
 
@@ -154,12 +154,12 @@ def _polynomial_product(factors: Sequence[Sequence[Fraction]]) -> _PolynomialCoe
     return tuple(result)
 
 
-def _integral(p: _PolynomialCoefficients) -> Fraction:
+def _integral_over_unit_step(p: _PolynomialCoefficients) -> Fraction:
     """Integral over [0, 1]."""
     return sum((c / (k + 1) for k, c in enumerate(p)), Fraction(0))
 
 
-def _double_integral(p: _PolynomialCoefficients) -> Fraction:
+def _double_integral_over_unit_step(p: _PolynomialCoefficients) -> Fraction:
     """Integral of (1 - s) p(s) over [0, 1]."""
     return sum((c / ((k + 1) * (k + 2)) for k, c in enumerate(p)), Fraction(0))
 

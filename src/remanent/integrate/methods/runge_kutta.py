@@ -94,7 +94,7 @@ class RungeKuttaMethod:
 
     def increment(self, rates: RatesAtNode, y: Sequence[Any], h: Any) -> list[Any]:
         """What one step of length `h` adds to the state `y`."""
-        return self.weighted_sum(self.stage_slopes(rates, y, h), h)
+        return self.increment_from_slopes(self.stage_slopes(rates, y, h), h)
 
     def stage_slopes(self, rates: RatesAtNode, y: Sequence[Any], h: Any) -> list[list[Any]]:
         """The rates at every stage of a step of length `h` from the state `y`."""
@@ -103,7 +103,7 @@ class RungeKuttaMethod:
             slopes.append(rates(node, _stage_state(y, h, row, slopes)))
         return slopes
 
-    def weighted_sum(self, slopes: list[list[Any]], h: Any) -> list[Any]:
+    def increment_from_slopes(self, slopes: list[list[Any]], h: Any) -> list[Any]:
         """What a step of length `h` with these slopes adds to the state."""
         return [
             h * _weighted_slope_sum(self.final_weights, slopes, i) for i in range(len(slopes[0]))

@@ -100,7 +100,10 @@ def _describe_points(ens: Ensemble, points: CurvePoints, options: TracingOptions
     """Columns along points of a curve: orbits with their parameter."""
     values = points.unknown[:, -1]
     orbits = PeriodicOrbits(
-        points.unknown[:, :-1], points.extra["jacobian"], points.residual, points.residual_error
+        points.unknown[:, :-1],
+        points.extra_arrays["jacobian"],
+        points.residual,
+        points.residual_error,
     )
     columns = describe_orbits(ens, orbits, options.orbit_period, {options.parameter: values})
     return columns | {"parameter": values}

@@ -164,7 +164,7 @@ def trace_through(tracing: Tracing, orbits: PeriodicOrbits, values: FloatArray) 
         unit_tangents(here.derivative, upwards, settings.scale),
         np.abs(here.value).max(axis=1),
         here.value_error,
-        here.extra,
+        here.extra_arrays,
     )
     block = _BLOCK_OF_ONE if len(values) == 1 else _BLOCK_OF_MANY
     curves = continue_curves(equations, starts, replace(settings, block_size=block))

@@ -237,7 +237,7 @@ class _Runs:
             length = min(latest * self.orbit_period, self.periods)
             values = np.linspace(values[ends[0]], values[ends[1]], _TRIED_AT_ONCE + 2)
         there = points.subset(slice(ends[0], ends[0] + 1))
-        multipliers, _ = floquet_multipliers(there.extra["jacobian"], there.residual_error)
+        multipliers, _ = floquet_multipliers(there.extra_arrays["jacobian"], there.residual_error)
         return _Crossing(
             float(values[ends[0]] + 0.5 * gap), gap, state, multipliers[0],
             float(there.residual[0]),
@@ -299,7 +299,7 @@ class _Runs:
             orbit_equations(map_, self.orbit_period), guess, fixed,
             scale=np.ones(guess.shape[1]), tolerance=_SADDLE_RESIDUAL,
         )  # fmt: skip
-        jacobian = points.extra["jacobian"]
+        jacobian = points.extra_arrays["jacobian"]
         if not reached.all() or not unstable_directions(jacobian)[2].all():
             raise InputError(
                 "saddle",

@@ -206,5 +206,7 @@ def _cross(tracing: Tracing, crossing: FloatArray, kind: str) -> list[Branch]:
             fix="Look for its orbits with periodic_orbits, and start there.",
         )
     z = point.unknown
-    orbit = PeriodicOrbits(z[:, :-1], point.extra["jacobian"], point.residual, point.residual_error)
+    orbit = PeriodicOrbits(
+        z[:, :-1], point.extra_arrays["jacobian"], point.residual, point.residual_error
+    )
     return trace_through(tracing, orbit, z[:, -1])

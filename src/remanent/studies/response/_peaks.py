@@ -15,7 +15,7 @@ from remanent.analysis.response.harmonics import (
     find_resonant_harmonic,
     fourier_amplitudes,
 )
-from remanent.analysis.statics.equilibria import find_zeros, force_slope
+from remanent.analysis.statics.equilibria import find_force_zeros, force_slope
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Request
 from remanent.models.actuator import Actuator
@@ -234,7 +234,7 @@ def _free_frequency(system: Actuator, mean: float, amplitude: FloatArray) -> Flo
 def _stable_stretch(system: Actuator, mean: float) -> float:
     """The stretch at the one stable equilibrium under a load."""
     at_rest = StaticEnsemble(lay_out(system, Constant(mean)))
-    roots = find_zeros(at_rest.force, 1, at_rest.grid)[0]
+    roots = find_force_zeros(at_rest.force, 1, at_rest.grid)[0]
     stable = roots[force_slope(at_rest.force, np.zeros(roots.size, dtype=np.int64), roots) < 0.0]
     if stable.size != 1:
         raise InputError(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from remanent._typing import FloatArray, IntArray
-from remanent.analysis.statics.equilibria import balancing_parameter, find_zeros, force_slope
+from remanent.analysis.statics.equilibria import balancing_parameter, find_force_zeros, force_slope
 from remanent.results.build import Labelled
 from remanent.studies.statics._static_ensemble import StaticEnsemble
 
@@ -50,7 +50,7 @@ def fold_points(
         steepness = force_slope(lambda i, y: force(cases[i], y, value), row, x)
         return np.where(np.isnan(value), np.nan, steepness)
 
-    stretches = find_zeros(stiffness, cases.size, grid_of(static, cases))
+    stretches = find_force_zeros(stiffness, cases.size, grid_of(static, cases))
     return stretches, on_curve(static, name, cases, bounds, stretches)
 
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from remanent._field import Role
 from remanent._typing import FloatArray, IntArray
-from remanent.analysis.statics.equilibria import find_zeros, force_slope
+from remanent.analysis.statics.equilibria import find_force_zeros, force_slope
 from remanent.integrate.variations import transverse_field
 from remanent.models.actuator import Actuator
 from remanent.models.drives.waves import Constant
@@ -98,7 +98,7 @@ def equilibria(actuator: Actuator, m: float = 0.0, *, over: Over | None = None) 
     if actuator.coordinate_count == 2:
         return biaxial_equilibria(ens)
     static = StaticEnsemble(ens)
-    stretch = find_zeros(static.force, ens.count, static.grid)
+    stretch = find_force_zeros(static.force, ens.count, static.grid)
     stretch[ens.invalid] = np.nan
     variables = _properties(static, stretch)
     fold_variables = folds(static)
@@ -179,7 +179,7 @@ def _turning_points(static: StaticEnsemble, level: FloatArray) -> FloatArray:
     count = static.ens.count
     case, rest = np.arange(count), np.ones(count)
     # The grid is moved by a little, so that rest itself is not one of its points.
-    passages = find_zeros(
+    passages = find_force_zeros(
         lambda i, x: static.potential(i, x) - level[i], count, static.grid * (1.0 - 1e-9)
     )
     direction = np.sign(static.force(case, rest))

@@ -11,7 +11,7 @@ import xarray as xr
 from remanent._checks import finite, require_real
 from remanent._errors import InputError
 from remanent._typing import BoolArray, FloatArray, IntArray
-from remanent.analysis.statics.equilibria import balancing_parameter, find_zeros, force_slope
+from remanent.analysis.statics.equilibria import balancing_parameter, find_force_zeros, force_slope
 from remanent.models.actuator import Actuator
 from remanent.models.drives.waves import Constant
 from remanent.studies.ensemble.checks import require_actuator, require_parameter, require_range
@@ -225,7 +225,7 @@ class _Search:
         """Stretch, parameter and direction of every threshold, arrays (case, threshold)."""
         grid, count = grid_of(self.static, self.cases), self.cases.size
         # Equilibria whose energy is that of the start, and the start, which has it anyway.
-        level = find_zeros(lambda i, x: self.rise(i, x, self.value(i, x)), count, grid)
+        level = find_force_zeros(lambda i, x: self.rise(i, x, self.value(i, x)), count, grid)
         level = np.where(np.abs(level - self.start[:, None]) > _SAME_STRETCH, level, np.nan)
         level = np.concatenate([level, self.start[:, None]], axis=1)
         row, x = np.repeat(np.arange(count), level.shape[1]), level.ravel()

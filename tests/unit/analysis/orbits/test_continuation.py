@@ -35,7 +35,7 @@ def start(equations: CurveEquations, unknown: FloatArray, scale: FloatArray) -> 
     along[:, -1] = 1.0
     return CurvePoints(
         unknown, unit_tangents(here.derivative, along, scale), np.abs(here.value).max(axis=1),
-        here.value_error, here.extra,
+        here.value_error, here.extra_arrays,
     )  # fmt: skip
 
 

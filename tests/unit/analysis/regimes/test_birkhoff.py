@@ -57,7 +57,7 @@ def test_rotation_number_of_a_twisted_circle() -> None:
         shift = angle + 0.3 * np.sin(angle) + 0.1 * np.cos(2.0 * angle)
         points = np.stack([3.0 + np.cos(shift), 0.01 * np.sin(shift)], axis=1)
         found = rotation_numbers(points[None])
-        assert found.number[0] == pytest.approx(turns, abs=1e-6)
+        assert found.turns_per_iterate[0] == pytest.approx(turns, abs=1e-6)
         assert found.converged_digits[0] > 5.0
 
 
@@ -66,7 +66,7 @@ def test_a_curve_beside_its_centre_has_no_rotation_number() -> None:
     n = np.arange(400)
     points = np.stack([np.cos(n), np.sin(n)], axis=1)
     found = rotation_numbers(points[None], centre=np.array([[3.0, 0.0]]))
-    assert np.isnan(found.number[0])
+    assert np.isnan(found.turns_per_iterate[0])
     assert found.converged_digits[0] == 0.0
 
 
@@ -95,7 +95,7 @@ def test_rotation_numbers_are_the_frequencies_of_the_strongest_lines(start: floa
     y = path.visited_states
     momentum = (y[..., 1] + np.pi) % (2.0 * np.pi) - np.pi
     points = np.stack([y[..., 0] - np.pi, momentum], axis=-1)
-    number = rotation_numbers(points).number[0]
+    number = rotation_numbers(points).turns_per_iterate[0]
     frequency = lines(momentum[0], 1).frequency[0]
     assert min(number, 1.0 - number) == pytest.approx(frequency, abs=1e-6)
 
@@ -109,4 +109,4 @@ def test_a_slow_rotation_that_steps_back_is_counted_whole() -> None:
     folded = angle + 1.2 * np.sin(angle)
     points = np.stack([np.cos(folded), np.sin(folded)], axis=1)
     found = rotation_numbers(points[None], centre=np.zeros((1, 2)))
-    assert found.number[0] == pytest.approx(0.005 * GOLDEN, abs=1e-7)
+    assert found.turns_per_iterate[0] == pytest.approx(0.005 * GOLDEN, abs=1e-7)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from remanent._typing import FloatArray, IntArray
-from remanent.analysis.statics.equilibria import balancing_parameter, find_zeros, force_slope
+from remanent.analysis.statics.equilibria import balancing_parameter, find_force_zeros, force_slope
 
 GRID = np.linspace(-3.0, 3.0, 101)
 
@@ -17,7 +17,7 @@ def cubic(case: IntArray, x: FloatArray) -> FloatArray:
 
 def test_every_sign_change_is_found_for_every_case() -> None:
     """Zeros of x**3 - k x + 0.1, ascending, NaN after the last."""
-    found = find_zeros(cubic, 3, GRID)
+    found = find_force_zeros(cubic, 3, GRID)
     for k in range(3):
         roots = np.roots([1.0, 0.0, -k, 0.1])
         exact = np.sort(roots[abs(roots.imag) < 1e-12].real)
@@ -27,13 +27,13 @@ def test_every_sign_change_is_found_for_every_case() -> None:
 
 def test_a_zero_on_the_grid_is_found_once() -> None:
     """x - 1 vanishes exactly at a point of the grid."""
-    found = find_zeros(lambda case, x: x - 1.0 + 0.0 * case, 1, np.array([0.0, 1.0, 2.0]))
+    found = find_force_zeros(lambda case, x: x - 1.0 + 0.0 * case, 1, np.array([0.0, 1.0, 2.0]))
     assert found.tolist() == [[1.0]]
 
 
 def test_no_zero_no_column() -> None:
     """A force that never vanishes."""
-    assert find_zeros(lambda case, x: x**2 + 1.0 + case, 2, GRID).shape == (2, 0)
+    assert find_force_zeros(lambda case, x: x**2 + 1.0 + case, 2, GRID).shape == (2, 0)
 
 
 def test_slope_by_a_complex_step_is_exact() -> None:
