@@ -12,7 +12,7 @@ from types import MappingProxyType
 from typing import Any
 
 from remanent._field import Field, Program, Role, StateVariable
-from remanent._instructions import Instructions, Signed
+from remanent._instructions import InstructionBuilder, SignedValue
 
 #: Stands among `parameters` of :func:`tangent` for the logarithm of the length of a cycle.
 LOG_PERIOD = "log_period"
@@ -44,17 +44,17 @@ def tangent(field: Field, *, directions: int, parameters: Sequence[str] = ()) ->
     added = tuple(
         StateVariable(f"tangent.{k}.{name}", Role.VARIATION, belongs_to=name)
         for k in range(columns)
-        for name in field.state
+        for name in field.state_names
     )
     inputs = _inputs(field, added)
-    into = Instructions(inputs)
-    values = [_Dual(into, into.input(name), (None,) * columns) for name in field.inputs]
-    for i, name in enumerate(field.state):
+    into = InstructionBuilder(inputs)
+    values = [_Dual(into, into.input(name), (None,) * columns) for name in field.input_names]
+    for i, name in enumerate(field.state_names):
         slopes = tuple(into.input(f"tangent.{k}.{name}") for k in range(columns))
         values[1 + i] = replace(values[1 + i], slopes=slopes)
     for k, name in enumerate(parameters, start=directions):
         if name != LOG_PERIOD:
-            at = field.inputs.index(name)
+            at = field.input_names.index(name)
             unit = tuple(into.constant(1.0) if j == k else None for j in range(columns))
             values[at] = replace(values[at], slopes=unit)
     rates = _run(field.rates, values, into, columns)
@@ -95,20 +95,20 @@ def transverse_field(field: Field, pairs: Mapping[str, str]) -> Field:
     variables = (*kept, *added)
     state = tuple(variable.name for variable in variables)
     inputs = ("drive_phase", *state, *field.parameters, *field.waveforms)
-    into = Instructions(inputs)
+    into = InstructionBuilder(inputs)
     first_of = {second: name for name, second in pairs.items()}
     values = []
-    for name in field.inputs:
+    for name in field.input_names:
         representative = first_of.get(name, name)
         # Along (1, -1): a change of the first by the difference, of the second by its negative.
         difference = into.input(f"transverse.{representative}") if representative in pairs else None
         slope = difference and (_minus(difference) if name in first_of else difference)
         values.append(_Dual(into, into.input(representative), (slope,)))
-    rates = dict(zip(field.state, _run(field.rates, values, into, 1), strict=True))
+    rates = dict(zip(field.state_names, _run(field.rates, values, into, 1), strict=True))
     zero = into.constant(0.0)
     outputs = [rates[variable.name].value for variable in kept]
     outputs += [rates[name].slopes[0] or zero for name in pairs]
-    names = {name: first_of.get(name, name) for name in field.inputs}
+    names = {name: first_of.get(name, name) for name in field.input_names}
     return Field(
         variables=variables,
         loads=field.loads,
@@ -116,7 +116,7 @@ def transverse_field(field: Field, pairs: Mapping[str, str]) -> Field:
         waveforms=field.waveforms,
         rates=into.program(outputs),
         observable=field.observable,
-        watched=_with_inputs(field.watched, inputs, names),
+        observable_and_rates=_with_inputs(field.observable_and_rates, inputs, names),
         observables={k: _with_inputs(p, inputs, names) for k, p in field.observables.items()},
     )
 
@@ -137,8 +137,8 @@ def with_integrals(field: Field, names: Sequence[str]) -> Field:
         State ``(*y, "integral.NAME", ...)``.
     """
     added = tuple(StateVariable(f"integral.{name}", Role.INTEGRAL) for name in names)
-    into = Instructions(_inputs(field, added))
-    values = [_Dual(into, into.input(name), ()) for name in field.inputs]
+    into = InstructionBuilder(_inputs(field, added))
+    values = [_Dual(into, into.input(name), ()) for name in field.input_names]
     programs = (field.rates, *(field.observables[name] for name in names))
     outputs = [rate.value for program in programs for rate in _run(program, values, into, 0)]
     return _widened(field, added, into.program(outputs))
@@ -160,14 +160,14 @@ def derivatives(field: Field, name: str, variables: Sequence[str]) -> Program:
     Program
         Outputs: the value, then one derivative for each of `variables`.
     """
-    into = Instructions(field.inputs)
+    into = InstructionBuilder(field.input_names)
     one, columns = into.constant(1.0), len(variables)
     values = [
         _Dual(into, into.input(i), tuple(one if i == v else None for v in variables))
-        for i in field.inputs
+        for i in field.input_names
     ]
-    if name in field.state:
-        value = values[field.inputs.index(name)]
+    if name in field.state_names:
+        value = values[field.input_names.index(name)]
     else:
         (value,) = _run(field.observables[name], values, into, columns)
     return into.program([value.value, *(s or into.constant(0.0) for s in value.slopes)])
@@ -175,11 +175,11 @@ def derivatives(field: Field, name: str, variables: Sequence[str]) -> Program:
 
 def _inputs(field: Field, added: Sequence[StateVariable]) -> tuple[str, ...]:
     names = (variable.name for variable in added)
-    return ("drive_phase", *field.state, *names, *field.parameters, *field.waveforms)
+    return ("drive_phase", *field.state_names, *names, *field.parameters, *field.waveforms)
 
 
 def _run(
-    program: Program, values: Sequence[_Dual], into: Instructions, columns: int
+    program: Program, values: Sequence[_Dual], into: InstructionBuilder, columns: int
 ) -> list[_Dual]:
     return program(
         values,
@@ -197,7 +197,7 @@ def _widened(field: Field, added: tuple[StateVariable, ...], rates: Program) -> 
         waveforms=field.waveforms,
         rates=rates,
         observable=field.observable,
-        watched=_with_inputs(field.watched, inputs),
+        observable_and_rates=_with_inputs(field.observable_and_rates, inputs),
         observables={name: _with_inputs(p, inputs) for name, p in field.observables.items()},
     )
 
@@ -206,19 +206,19 @@ def _with_inputs(
     program: Program, inputs: tuple[str, ...], names: Mapping[str, str] = MappingProxyType({})
 ) -> Program:
     """The same code for another list of inputs, of which some have other names."""
-    before, more = len(program.inputs), len(inputs) - len(program.inputs)
+    before, more = len(program.input_names), len(inputs) - len(program.input_names)
 
     def moved(slot: int) -> int:
         if slot >= before:
             return slot + more
-        name = program.inputs[slot]
+        name = program.input_names[slot]
         return inputs.index(names.get(name, name))
 
     return Program(
-        inputs=inputs,
+        input_names=inputs,
         constants=program.constants,
-        code=tuple((step[0], *map(moved, step[1:])) for step in program.code),  # type: ignore[misc]
-        outputs=tuple(map(moved, program.outputs)),
+        instructions=tuple((step[0], *map(moved, step[1:])) for step in program.instructions),  # type: ignore[misc]
+        output_slots=tuple(map(moved, program.output_slots)),
     )
 
 
@@ -226,9 +226,9 @@ def _with_inputs(
 class _Dual:
     """A recorded value and its derivative along each direction; None stands for zero."""
 
-    into: Instructions
-    value: Signed
-    slopes: tuple[Signed | None, ...]
+    into: InstructionBuilder
+    value: SignedValue
+    slopes: tuple[SignedValue | None, ...]
 
     def __add__(self, other: _Dual) -> _Dual:
         return self._with(self.into.add(self.value, other.value), other, self._sum)
@@ -240,7 +240,7 @@ class _Dual:
         return _Dual(self.into, _minus(self.value), tuple(s and _minus(s) for s in self.slopes))
 
     def __mul__(self, other: _Dual) -> _Dual:
-        def slope(a: Signed | None, b: Signed | None) -> Signed | None:
+        def slope(a: SignedValue | None, b: SignedValue | None) -> SignedValue | None:
             return self._sum(self._times(other.value, a), self._times(self.value, b))
 
         return self._with(self.into.mul(self.value, other.value), other, slope)
@@ -252,30 +252,30 @@ class _Dual:
         inverse = self.into.div(self.into.constant(1.0), other.value)
         quotient = self.into.mul(self.value, inverse)
 
-        def slope(a: Signed | None, b: Signed | None) -> Signed | None:
+        def slope(a: SignedValue | None, b: SignedValue | None) -> SignedValue | None:
             change = self._times(quotient, b)
             return self._times(inverse, self._sum(a, change and _minus(change)))
 
         return self._with(quotient, other, slope)
 
-    def mapped(self, value: Signed, factor: Signed) -> _Dual:
+    def mapped(self, value: SignedValue, factor: SignedValue) -> _Dual:
         """A function of this value with the derivative `factor`."""
         return _Dual(self.into, value, tuple(self._times(factor, s) for s in self.slopes))
 
-    def _with(self, value: Signed, other: _Dual, slope: Any) -> _Dual:
+    def _with(self, value: SignedValue, other: _Dual, slope: Any) -> _Dual:
         pairs = zip(self.slopes, other.slopes, strict=True)
         return _Dual(self.into, value, tuple(slope(a, b) for a, b in pairs))
 
-    def _times(self, factor: Signed, slope: Signed | None) -> Signed | None:
+    def _times(self, factor: SignedValue, slope: SignedValue | None) -> SignedValue | None:
         return None if slope is None else self.into.mul(factor, slope)
 
-    def _sum(self, a: Signed | None, b: Signed | None) -> Signed | None:
+    def _sum(self, a: SignedValue | None, b: SignedValue | None) -> SignedValue | None:
         if a is None or b is None:
             return b if a is None else a
         return self.into.add(a, b)
 
 
-def _minus(a: Signed) -> Signed:
+def _minus(a: SignedValue) -> SignedValue:
     return -a[0], a[1]
 
 

@@ -61,7 +61,7 @@ class BestAttempts:
     def trajectories(self, indices: IntArray) -> Trajectories:
         """What of some trajectories does not depend on how they are resolved."""
         timeline = self.problem.timeline
-        lengths = timeline.lengths[0, indices]
+        lengths = timeline.piece_lengths[0, indices]
         slowness = np.ones(indices.size)
         if timeline.periodic:
             slowness = (lengths / NOMINAL).clip(1.0, _MOST_SLOWNESS)
@@ -114,7 +114,7 @@ class BestAttempts:
     def _round_off(self, chunk: Chunk, horizon: FloatArray) -> FloatArray:
         """Least error that rounding makes: it walks at random, by a last place in each step."""
         timeline, initial = self.problem.timeline, self.problem.initial[chunk.indices]
-        cycle = timeline.lengths[0, chunk.indices] if timeline.periodic else NOMINAL
+        cycle = timeline.piece_lengths[0, chunk.indices] if timeline.periodic else NOMINAL
         steps = 2 * chunk.resolution * horizon / cycle
         scale = np.maximum(1.0, np.abs(initial).max(axis=1))
         return np.asarray(_ROUND_OFF * np.finfo(float).eps * scale * np.sqrt(1.0 + steps))
@@ -128,7 +128,7 @@ class BestAttempts:
             indices = pending.indices[members]
             steps = step_counts(self.problem, int(level), indices)
             # A cycle too long to be resolved at all, even if the run ends early in it.
-            too_long = (timeline.lengths[:, indices] > _LONGEST_CYCLE).any(axis=0)
+            too_long = (timeline.piece_lengths[:, indices] > _LONGEST_CYCLE).any(axis=0)
             possible[members] = (steps <= MAX_STEPS) & ~(timeline.periodic & too_long)
         self.outcome.status[pending.indices[~possible]] = Status.MAX_STEPS
         return Pending(pending.indices[possible], pending.resolution[possible])

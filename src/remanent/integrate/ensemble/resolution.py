@@ -140,4 +140,4 @@ def _beginnings(problem: Problem, indices: IntArray) -> Problem:
     if problem.timeline.periodic:
         cycles[indices] = cycle_counts(problem, indices)
     beginning = np.where(cycles >= _LONG_RUN, cycles // _BEGINNING, 0)
-    return replace(problem, duration=beginning * problem.timeline.lengths[0])
+    return replace(problem, duration=beginning * problem.timeline.piece_lengths[0])

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from remanent._field import BINARY
+from remanent._field import BINARY_OPERATOR_OF_OPERATION
 from remanent.integrate.kernel.compile import Kernel
 
 #: Instructions that a function such as ``exp`` stands for.
@@ -57,8 +57,11 @@ class WorkSizes:
 
     def steps_per_segment(self, kernel: Kernel, trajectories: int, *, recorded: bool) -> int:
         """Fine steps of each of so many trajectories in a segment."""
-        code = kernel.field.rates.code
-        cost = sum(1 if operation in BINARY else _FUNCTION_COST for operation, *_ in code)
+        code = kernel.field.rates.instructions
+        cost = sum(
+            1 if operation in BINARY_OPERATOR_OF_OPERATION else _FUNCTION_COST
+            for operation, *_ in code
+        )
         steps = self.segment_work // max(kernel.method.evaluations * cost, 1)
         padded = -(-trajectories // kernel.width) * kernel.width
         if recorded:

@@ -60,9 +60,9 @@ def outlined_rates(
     Empty where the rates are short, or where a method evaluates them so rarely that writing
     them out costs the compiler little.
     """
-    if len(field.rates.code) <= LONG or not isinstance(method, RungeKutta):
+    if len(field.rates.instructions) <= LONG or not isinstance(method, RungeKutta):
         return {}
-    states = len(field.state)
+    states = len(field.state_names)
     sizes = {states, options.coarse_variables or states}
     return {size: Outlined(field, writer, size) for size in sorted(sizes)}
 
@@ -98,19 +98,19 @@ class FieldCode:
         """The rates of all state variables, or of the first ones, on which no others act."""
         if self.outlined:
             return self.outlined[len(y)](load[0], y, load[1:])
-        absent = [self.writer.constant(0.0)] * (len(self.field.state) - len(y))
+        absent = [self.writer.constant(0.0)] * (len(self.field.state_names) - len(y))
         return self._run(self.field.rates, [*y, *absent], load, divide)[: len(y)]
 
     def watched(self, y: Sequence[Lanes], load: Load) -> TimeDerivatives:
         """The watched observable and its time derivatives."""
-        value, rate, acceleration, _ = self._run(self.field.watched, y, load)
+        value, rate, acceleration, _ = self._run(self.field.observable_and_rates, y, load)
         return TimeDerivatives(value, rate, acceleration)
 
     def direction(self, y: Sequence[Lanes], load: Load) -> Lanes:
         """A cheaper quantity with the sign of the watched observable's rate."""
         # The instructions of the other three outputs are written too; as nothing uses them,
         # the optimiser leaves them out.
-        return self._run(self.field.watched, y, load)[3]
+        return self._run(self.field.observable_and_rates, y, load)[3]
 
     def _run(
         self, program: Program, y: Sequence[Lanes], load: Load, divide: Divide = reciprocal_quotient

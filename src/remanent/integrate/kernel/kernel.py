@@ -150,7 +150,7 @@ class GroupKernel:
             LoadTable(w, table, nodes, columns) for table in (arguments.fine, arguments.coarse)
         )
         stepper = stepper_for(method, options, code, slots)
-        count = options.coarse_variables or len(code.field.state)
+        count = options.coarse_variables or len(code.field.state_names)
         monitor = ErrorMonitor.of(method, options, w, run, cells)
         tracker = None
         if options.extremes:

@@ -52,4 +52,4 @@ def layout_of(field: Field, options: Options) -> Layout:
     histories = tuple(i for i, partner in enumerate(partners(field)) if partner is None)
     if options.error_per_cycle:  # no method that needs a past
         histories = ()
-    return Layout(len(field.state), len(field.parameters), histories)
+    return Layout(len(field.state_names), len(field.parameters), histories)

@@ -139,7 +139,7 @@ class PeriodMap:
         phase: float = 0.0,
         error_control: ErrorControl = "all",
     ) -> None:
-        self.field, self.dimension = field, len(field.state)
+        self.field, self.dimension = field, len(field.state_names)
         self.directions, self.columns = directions, directions + len(parameters)
         with_tangents = tangent(field, directions=directions, parameters=parameters)
         method = default_method()
