@@ -64,7 +64,7 @@ def structure_fingerprint(structure: Structure) -> str:
 
 def _derive_field(system: System, drive: Drive) -> Field:
     """The field by derivation, which imports SymPy."""
-    field: Field = import_module("remanent.codegen.build").build(system, drive)
+    field: Field = import_module("remanent.codegen.build").build_field(system, drive)
     return field
 
 

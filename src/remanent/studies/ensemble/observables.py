@@ -52,8 +52,12 @@ def phase_and_piece(timeline: Timeline, times: FloatArray) -> tuple[FloatArray, 
     if timeline.periodic:
         with np.errstate(all="ignore"):  # more periods than numbers: no phase, and no states
             turns = times / timeline.piece_lengths[0][:, None]
-            near = np.rint(turns)
-            turns = np.where(np.abs(turns - near) < 1e-12 * np.maximum(near, 1.0), near, turns)
+            nearest_turns = np.rint(turns)
+            turns = np.where(
+                np.abs(turns - nearest_turns) < 1e-12 * np.maximum(nearest_turns, 1.0),
+                nearest_turns,
+                turns,
+            )
             return turns - np.floor(turns), np.zeros(times.shape, dtype=np.int64)
     ends = np.cumsum(timeline.piece_lengths, axis=0)
     piece = np.zeros(times.shape, dtype=np.int64)

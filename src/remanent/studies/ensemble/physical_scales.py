@@ -123,8 +123,8 @@ def lay_out_physical_scales(
     start = ens.initial.copy()
     for k, name in enumerate(ens.field.state_names):
         start[:, k] *= _ratio_of_kind(_kind_of_field(name), sizes)
-    own = replace(ens, values=values, initial=start, invalid=ens.invalid | broken)
-    return PhysicalScales(own, sizes)
+    in_own_units = replace(ens, values=values, initial=start, invalid=ens.invalid | broken)
+    return PhysicalScales(in_own_units, sizes)
 
 
 def _ratio_of_kind(kind: QuantityKind, sizes: FloatArray) -> FloatArray:

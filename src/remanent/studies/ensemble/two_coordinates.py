@@ -17,10 +17,10 @@ def with_two_coordinates(ens: Ensemble) -> tuple[Ensemble, dict[str, str]]:
     """
     actuator = require_actuator("system", ens.system)
     load = actuator.prestress
-    both = lay_out_ensemble(actuator.replace(prestress=(load, load)), ens.drive)
+    biaxial = lay_out_ensemble(actuator.replace(prestress=(load, load)), ens.drive)
     values = {name: v for name, v in ens.values.items() if name != "prestress"}
     values |= {f"prestress_{i}": ens.values["prestress"] for i in (1, 2)}
-    first, second = both.field.names_of_roles(Role.COORDINATE)
+    first, second = biaxial.field.names_of_roles(Role.COORDINATE)
     pairs = {first: second}
-    pairs |= zip(both.field.belonging_to(first), both.field.belonging_to(second), strict=True)
-    return replace(ens, system=both.system, field=both.field, values=values), pairs
+    pairs |= zip(biaxial.field.belonging_to(first), biaxial.field.belonging_to(second), strict=True)
+    return replace(ens, system=biaxial.system, field=biaxial.field, values=values), pairs

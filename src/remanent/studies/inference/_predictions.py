@@ -68,9 +68,9 @@ class Measurements:
             )
         values = np.concatenate([self.table[name].values for name in self.compared_variables])
         errors = [f"{name}_error" for name in self.compared_variables]
-        known = all(error in self.table for error in errors)
+        has_deviations = all(error in self.table for error in errors)
         deviation = np.ones(values.size)
-        if known:
+        if has_deviations:
             columns = [
                 np.broadcast_to(self.table[error], self.coordinate_values.size) for error in errors
             ]
@@ -84,7 +84,7 @@ class Measurements:
                 why="Each value counts by its deviation.",
                 fix="Leave such rows out.",
             )
-        return Observations(values, deviation, known)
+        return Observations(values, deviation, has_deviations)
 
     def observation_labels(self) -> dict[str, Labelled]:
         """What each value is, and where, along ``observation``."""

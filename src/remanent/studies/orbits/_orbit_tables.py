@@ -79,8 +79,8 @@ def _thickness_extremes(
     """Largest and smallest thickness stretch over one period of each orbit."""
     if not len(states):
         return np.empty(0), np.empty(0)
-    along = ens.with_initial_states(states, varied)
-    problem = initial_value_problem(along, period * require_drive_periods(along))
+    on_orbits = ens.with_initial_states(states, varied)
+    problem = initial_value_problem(on_orbits, period * require_drive_periods(on_orbits))
     outcome = integrate(problem, Request(extremes=True), tolerance=_EXTREMES_TOLERANCE)
     maximum, minimum = outcome.maximum, outcome.minimum
     missed = np.isnan(maximum)

@@ -160,15 +160,15 @@ def trace_through_orbits(tracing: Tracing, orbits: Orbits, values: FloatArray) -
         return []
     equations, settings = tracing.curve_equations, tracing.continuation_settings
     unknown = np.column_stack([orbits.state, values])
-    here = equations(unknown)
+    at_starts = equations(unknown)
     upwards = np.zeros(unknown.shape)
     upwards[:, -1] = 1.0
     starts = CurvePoints(
         unknown,
-        unit_tangents(here.derivative, upwards, settings.scale),
-        np.abs(here.value).max(axis=1),
-        here.error,
-        here.extra,
+        unit_tangents(at_starts.derivative, upwards, settings.scale),
+        np.abs(at_starts.value).max(axis=1),
+        at_starts.error,
+        at_starts.extra,
     )
     block = _SINGLE_CURVE_BLOCK_SIZE if len(values) == 1 else _MANY_CURVES_BLOCK_SIZE
     curves = continue_curves(equations, starts, replace(settings, block=block))

@@ -323,11 +323,11 @@ def _neighbours_on_different_sides(passage: SaddlePassage) -> tuple[int, int] | 
     Where motion passes far from the saddle its side means little.
     """
     decided = np.flatnonzero(passage.side)
-    side, near = passage.side[decided], passage.nearest[decided]
+    side, distance = passage.side[decided], passage.nearest[decided]
     change = np.flatnonzero(side[1:] != side[:-1])
     if not change.size:
         return None
-    k = int(change[np.argmin(near[change] + near[change + 1])])
+    k = int(change[np.argmin(distance[change] + distance[change + 1])])
     return int(decided[k]), int(decided[k + 1])
 
 

@@ -135,7 +135,7 @@ class ParameterSweep:
         subset = np.arange(len(states))
         no_tangents = np.empty((len(states), 0, states.shape[1]))
         error, trusted = np.zeros(len(states)), np.ones(len(states), dtype=np.bool_)
-        kept: list[FloatArray] = []
+        recorded: list[FloatArray] = []
         passed = _block_lengths(self.discarded_periods)
         for n, periods in enumerate([*passed, *_block_lengths(self.kept_periods)]):
             keeping = n >= len(passed)
@@ -143,8 +143,8 @@ class ParameterSweep:
             states = step.visited[:, -1]
             error, trusted = np.maximum(error, step.error), trusted & step.trusted
             if keeping:
-                kept.append(step.visited)
-        return _SettledMotions(states, np.concatenate(kept, axis=1), error, trusted)
+                recorded.append(step.visited)
+        return _SettledMotions(states, np.concatenate(recorded, axis=1), error, trusted)
 
 
 @dataclass(frozen=True)

@@ -183,12 +183,12 @@ def _decide_growth(path: LongRun, periods: int) -> tuple[np.ndarray, FloatArray,
         growth = logs.max(axis=1)
         middle = logs[:, periods // 2]
         halves = np.minimum(middle, logs[:, -1] - middle)
-        kept = growth <= np.log(periods) + _GROWTH_EXCESS
+        is_kept = growth <= np.log(periods) + _GROWTH_EXCESS
         lost = (growth >= _GROWTH_POWER * np.log(periods) + 2.0 * _GROWTH_EXCESS) & (
             halves >= _HALF_RUN_LOG_GROWTH
         )
         exponent = (logs[:, -1] - middle) / (periods - periods // 2 - 1)
-    return np.where(kept, "kept", np.where(lost, "lost", "undecided")), growth, exponent
+    return np.where(is_kept, "kept", np.where(lost, "lost", "undecided")), growth, exponent
 
 
 def _log_largest_growth(factors: FloatArray) -> FloatArray:

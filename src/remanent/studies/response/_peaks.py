@@ -145,11 +145,13 @@ def describe_peaks(member: Ensemble, varied: Iterable[str], peaks: Sequence[Peak
     omega = np.array([peak.omega for peak in peaks])
     amplitude = np.array([peak.amplitude for peak in peaks])
     period = np.array([peak.orbit_period for peak in peaks], dtype=np.int64)
-    along = member.with_initial_states(np.array([peak.state for peak in peaks]), {"omega": omega})
-    harmonics = _orbit_harmonics(along, period)
+    on_orbits = member.with_initial_states(
+        np.array([peak.state for peak in peaks]), {"omega": omega}
+    )
+    harmonics = _orbit_harmonics(on_orbits, period)
     mean, first = _load_mean_and_first_harmonic(drive)
     free = _free_frequency(system, mean, amplitude)
-    base = 2.0 * np.pi / (require_drive_periods(along) * period)
+    base = 2.0 * np.pi / (require_drive_periods(on_orbits) * period)
     evidence = resonant_harmonic(harmonics, base, free)
     names = [
         resonance_kind(evidence, k, peak.orbit_period, doubled=peak.is_doubled)
@@ -189,19 +191,19 @@ def _actuator_and_drive_of_member(
     return system, drive
 
 
-def _orbit_harmonics(along: Ensemble, period: IntArray) -> ComplexArray:
+def _orbit_harmonics(on_orbits: Ensemble, period: IntArray) -> ComplexArray:
     """Harmonics of the thickness stretch along each orbit, array (peak, harmonic).
 
     Parameters
     ----------
-    along : Ensemble
+    on_orbits : Ensemble
         Starts on the orbits.
     period : array (peak,) of int
         Of each orbit, in drive periods.
     """
-    lengths = period * require_drive_periods(along)
+    lengths = period * require_drive_periods(on_orbits)
     times = np.arange(_SAMPLES_PER_PERIOD) / _SAMPLES_PER_PERIOD * lengths[:, None]
-    problem = initial_value_problem(along, times[:, -1])
+    problem = initial_value_problem(on_orbits, times[:, -1])
     outcome = integrate(problem, Request(times=times), tolerance=_SAMPLE_TOLERANCE)
     assert outcome.states is not None
     states = blank_beyond_horizon(outcome.states, times, outcome)
@@ -232,11 +234,13 @@ def _free_frequency(system: Actuator, mean: float, amplitude: FloatArray) -> Flo
         lay_out_ensemble(elastic, Constant(mean), {"initial.stretch": starts}),
         _FREE_OSCILLATION_TOLERANCE,
     )
-    known = np.isfinite(free.amplitude) & np.isfinite(free.frequency)
+    is_finite = np.isfinite(free.amplitude) & np.isfinite(free.frequency)
     stiffening = _small_oscillation_frequency(system, mean) / _small_oscillation_frequency(
         elastic, mean
     )
-    frequency = np.interp(amplitude, free.amplitude[known], free.frequency[known], right=np.nan)
+    frequency = np.interp(
+        amplitude, free.amplitude[is_finite], free.frequency[is_finite], right=np.nan
+    )
     return np.asarray(stiffening * frequency)
 
 

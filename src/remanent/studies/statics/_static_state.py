@@ -79,10 +79,10 @@ class StaticState:
         def unbalance(u: FloatArray) -> FloatArray:
             return np.real(self._unbalance(u[:-1], u[-1], thickness))
 
-        near = np.full(len(self.free_indices), thickness**-0.5)
+        guess = np.full(len(self.free_indices), thickness**-0.5)
         solution = root(
             unbalance,
-            np.append(near, self.load),
+            np.append(guess, self.load),
             jac=self._jacobian,
             tol=_ROOT_TOLERANCE,
         )
@@ -123,8 +123,12 @@ class StaticState:
         digits where they are close.  Its component along the line is a complex step.
         """
         way = np.where(np.isin(np.arange(len(state)), self.moving_indices), state - self.state, 0.0)
-        along = 0.5 * (1.0 + _GAUSS_NODES) + 1j * _COMPLEX_STEP
-        inputs = [0.0 * along, *(self.state[:, None] + way[:, None] * along), *self.parameters]
+        fraction = 0.5 * (1.0 + _GAUSS_NODES) + 1j * _COMPLEX_STEP
+        inputs = [
+            0.0 * fraction,
+            *(self.state[:, None] + way[:, None] * fraction),
+            *self.parameters,
+        ]
         (energy,) = self.field.observables["energy"](inputs, functions=np)
         return float(0.5 * _GAUSS_WEIGHTS @ (np.imag(energy) / _COMPLEX_STEP))
 

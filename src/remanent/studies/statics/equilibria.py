@@ -136,9 +136,9 @@ def _equilibrium_properties(static: StaticEnsemble, stretch: FloatArray) -> dict
 
 def _transverse_stiffness(ens: Ensemble, case: IntArray, stretch: FloatArray) -> FloatArray:
     """omega_a^2 of a small difference of the in-plane stretches at rest."""
-    both, pairs = with_two_coordinates(ens)
-    field = transverse_field(both.field, pairs)
-    static = StaticEnsemble(replace(both, field=field))
+    biaxial, pairs = with_two_coordinates(ens)
+    field = transverse_field(biaxial.field, pairs)
+    static = StaticEnsemble(replace(biaxial, field=field))
     rates = static.run_program(field.rates, case, stretch)
     (rate,) = field.names_of_roles(Role.RATE)
     (difference,) = field.belonging_to(rate)
@@ -190,5 +190,5 @@ def _turning_points(static: StaticEnsemble, level: FloatArray) -> FloatArray:
     )
     nearest = distance.min(axis=1, initial=np.inf)
     shift = np.where(np.isfinite(nearest), nearest, np.nan) * direction
-    far = np.where(direction == 0.0, 1.0, 1.0 + shift)
-    return np.stack([static.thickness(case, rest), static.thickness(case, far)])
+    opposite_end = np.where(direction == 0.0, 1.0, 1.0 + shift)
+    return np.stack([static.thickness(case, rest), static.thickness(case, opposite_end)])
