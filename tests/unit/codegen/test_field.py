@@ -29,7 +29,7 @@ from remanent.models.materials.named import NeoHookean
 def fresh(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """An empty cache on disk, and nothing in memory."""
     monkeypatch.setenv("REMANENT_CACHE_DIR", str(tmp_path / "cache"))
-    monkeypatch.setattr(module, "_memory", {})
+    monkeypatch.setattr(module, "_fields_by_fingerprint", {})
     return tmp_path / "cache"
 
 
@@ -88,7 +88,7 @@ def test_field_is_read_from_the_cache(
     """A field from the cache is the one that was stored, and is not derived again."""
     first = field_for(Actuator(), Constant(0.1))
     assert len(list(fresh.rglob("*"))) == 2
-    monkeypatch.setattr(module, "_memory", {})
+    monkeypatch.setattr(module, "_fields_by_fingerprint", {})
     assert field_for(Actuator(), Constant(0.1)).to_json() == first.to_json()
     assert len(derivations) == 1
 
