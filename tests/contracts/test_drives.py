@@ -55,12 +55,14 @@ def through_timeline(
 
 @every
 def test_load_along_the_timeline_is_the_load_in_time(drive: Drive) -> None:
+    """The pieces and phases of a timeline carry the load that the drive has at that time."""
     times, loads = through_timeline(drive, {}, np.array([DURATION]))
     np.testing.assert_allclose(loads, drive(times), rtol=0.0, atol=1e-13)
 
 
 @every
 def test_each_of_a_batch_of_parameters_gives_its_own_load(drive: Drive) -> None:
+    """Every member of a batch has the load of a drive with its parameters alone."""
     factors = np.array([1.0, 1.1, 1.3])
     values = {name: value * factors for name, value in drive.parameters().items()}
     duration = np.array([DURATION, 3.0, 0.5])
@@ -74,6 +76,8 @@ def test_each_of_a_batch_of_parameters_gives_its_own_load(drive: Drive) -> None:
 
 @every
 def test_pieces_cover_the_run_exactly(drive: Drive) -> None:
+    """Pieces have no negative length and add up to the run; those of a periodic drive are
+    periods."""
     duration = np.array([DURATION, 3.0, 0.5])
     line = drive.timeline({}, duration)
     assert line.periodic == (drive.period is not None)
@@ -90,6 +94,7 @@ def test_pieces_cover_the_run_exactly(drive: Drive) -> None:
 
 @every
 def test_waveforms_keep_the_shape_of_the_phase(drive: Drive) -> None:
+    """Waveforms of an array of phases are arrays of its shape, one for each waveform."""
     line = drive.timeline({}, np.array([DURATION]))
     for shape in ((), (5,), (2, 3)):
         assert line.waveform(np.zeros(shape)).shape == (len(drive.waveforms), *shape)
@@ -97,6 +102,7 @@ def test_waveforms_keep_the_shape_of_the_phase(drive: Drive) -> None:
 
 @every
 def test_field_reports_the_load(drive: Drive) -> None:
+    """The observable `load` of a compiled field is the load of the drive."""
     actuator = Actuator()
     field = field_for(actuator, drive)
     line = drive.timeline({}, np.array([DURATION]))
@@ -116,6 +122,7 @@ def test_field_reports_the_load(drive: Drive) -> None:
 
 @periodic
 def test_period_is_a_period(drive: Drive) -> None:
+    """The load repeats itself after one period."""
     times = np.linspace(0.0, 5.0, 101)
     np.testing.assert_allclose(drive(times + period_of(drive)), drive(times), atol=1e-14)
 
@@ -123,12 +130,14 @@ def test_period_is_a_period(drive: Drive) -> None:
 @periodic
 @pytest.mark.parametrize("parts", [2, 3, 4, 5, 6, 7])
 def test_period_is_the_smallest(drive: Drive, parts: int) -> None:
+    """No n-th part of the period is a period too, for n up to 7."""
     times = np.linspace(0.0, 5.0, 101)
     assert np.max(np.abs(drive(times + period_of(drive) / parts) - drive(times))) > 1e-2
 
 
 @periodic
 def test_periods_of_a_batch(drive: Drive) -> None:
+    """Periods of many frequencies are those of the single drives."""
     omega = np.array([0.5, 2.0])
     expected = [drive.replace(omega=w).period for w in omega]
     periods = drive.periods({"omega": omega})
@@ -143,6 +152,7 @@ def period_of(drive: Drive) -> float:
 
 @every
 def test_drives_are_values(drive: Drive) -> None:
+    """Equal drives have equal hashes; other numbers make another drive of the same structure."""
     assert drive.replace() == drive
     assert hash(drive.replace()) == hash(drive)
     changed = drive.replace(**changes(drive))
@@ -152,12 +162,14 @@ def test_drives_are_values(drive: Drive) -> None:
 
 @every
 def test_structure_holds_no_number(drive: Drive) -> None:
+    """The structure, by which equations are cached, does not depend on numbers."""
     other = drive.replace(**{name: value + 0.125 for name, value in drive.parameters().items()})
     assert other.structure() == drive.structure()
 
 
 @every
 def test_unknown_fields_are_refused(drive: Drive) -> None:
+    """A field that the drive does not have is refused by its name."""
     with pytest.raises(InputError, match="`amplitude` must be a field of"):
         drive.replace(amplitude=1.0)
 
@@ -165,6 +177,8 @@ def test_unknown_fields_are_refused(drive: Drive) -> None:
 @every
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf, "1", None, True, [1.0], 1j])
 def test_every_number_is_checked(drive: Drive, bad: Any) -> None:
+    """Whatever is not a finite number is refused, in each parameter, by its name."""
+    assert drive.parameters() or drive.piece_parameters
     for name in drive.parameters():
         with pytest.raises(InputError, match=f"^`{name}` must be"):
             drive.replace(**{name: bad})
@@ -172,6 +186,8 @@ def test_every_number_is_checked(drive: Drive, bad: Any) -> None:
 
 @every
 def test_batch_check_agrees_with_single_check(drive: Drive) -> None:
+    """A batch marks as invalid exactly the values that a single drive refuses."""
+    assert drive.parameters() or drive.piece_parameters
     values = np.array([np.nan, np.inf, -1.0, -0.0, 0.0, 5e-324, 1.0, 1e308])
     for name in drive.parameters():
         expected = [refused(drive, name, value) for value in values]

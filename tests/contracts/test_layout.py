@@ -1,4 +1,4 @@
-"""What files may import from each other, beside the layers that import-linter holds."""
+"""What files may import, beside the layers that import-linter holds; tests state their laws."""
 
 from __future__ import annotations
 
@@ -13,6 +13,8 @@ import remanent
 
 #: The table of public names.
 STUB = Path(str(remanent.__file__)).with_suffix(".pyi")
+#: The folder of all tests.
+TESTS = Path(__file__).parents[1]
 
 
 @cache
@@ -31,6 +33,12 @@ def verb_files() -> set[str]:
         if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("studies.")
         if any(alias.name.islower() for alias in node.names)
     }
+
+
+def defined_tests(path: Path) -> list[ast.FunctionDef]:
+    """The test functions of a file."""
+    nodes = ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+    return [n for n in nodes if isinstance(n, ast.FunctionDef) and n.name.startswith("test_")]
 
 
 def circle(graph: dict[str, frozenset[str]]) -> list[str]:
@@ -62,5 +70,14 @@ def test_a_verb_imports_no_other_verb() -> None:
 
 def test_a_verb_stands_in_a_file_of_its_name() -> None:
     """A room is a list of verbs: `rm.name` is found in `name.py`."""
+    assert len(verb_files()) > 20
     for verb in verb_files():
         assert hasattr(remanent, verb.rpartition(".")[2]), verb
+
+
+def test_every_test_states_its_law() -> None:
+    """A test has a docstring: what must hold, so that a failure can be understood."""
+    tests = [(path, test) for path in TESTS.rglob("*.py") for test in defined_tests(path)]
+    assert len(tests) > 700
+    without = [f"{path.name}::{test.name}" for path, test in tests if not ast.get_docstring(test)]
+    assert without == []

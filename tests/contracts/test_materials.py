@@ -56,6 +56,7 @@ def acceleration(material: Material, stretch: Any, rate: Any, m: Any, **fields: 
 
 @every
 def test_undeformed_is_free_of_energy_and_stress(material: Material) -> None:
+    """The undeformed state has no energy, and no stress in either direction."""
     assert abs(float(energy(material, 1.0, 1.0))) <= 1e-14
     for l1, l2 in ((1.0 + 1e-30j, 1.0), (1.0, 1.0 + 1e-30j)):
         assert abs(energy(material, l1, l2).imag / 1e-30) <= 1e-13
@@ -99,6 +100,7 @@ def test_energy_keeps_its_digits_near_rest(material: Material) -> None:
 
 @every
 def test_stress_by_complex_steps_is_the_symbolic_one(material: Material) -> None:
+    """The derivative of the energy in complex arithmetic is the symbolic derivative."""
     l1, l2 = sp.symbols("l1 l2", positive=True)
     p = {name: sp.Symbol(f"p.{name}", real=True) for name in material.parameters()}
     values = {p[name]: value for name, value in material.parameters().items()}
@@ -121,6 +123,7 @@ def test_compiled_force_is_minus_the_slope_of_the_energy(material: Material) -> 
 
 @every
 def test_energy_does_not_know_the_order_of_stretches(material: Material) -> None:
+    """An isotropic energy is the same in every order of its stretches."""
     p = {name: np.float64(value) for name, value in material.parameters().items()}
     for l1, l2 in PAIRS:
         orders = permutations((l1, l2, 1.0 / (l1 * l2)))
@@ -142,6 +145,7 @@ def test_temperature_scales_out(material: Material) -> None:
 
 @every
 def test_an_energetic_solid_does_not_feel_temperature(material: Material) -> None:
+    """Without an entropic part, accelerations are the same at every temperature."""
     still = material.replace(entropic_fraction=0.0)
     x = PAIRS[:, 0]
     cold, warm = (
@@ -156,6 +160,7 @@ def test_an_energetic_solid_does_not_feel_temperature(material: Material) -> Non
 
 @every
 def test_materials_are_values(material: Material) -> None:
+    """Copies are equal, a repr rebuilds its material, and each number can be replaced alone."""
     copy = material.replace()
     assert copy == material
     assert hash(copy) == hash(material)
@@ -170,6 +175,8 @@ def test_materials_are_values(material: Material) -> None:
 @every
 @pytest.mark.parametrize("bad", [np.nan, np.inf, "1", None, True, [1.0], 1j])
 def test_every_number_is_checked(material: Material, bad: Any) -> None:
+    """Whatever is not a finite number is refused, in each parameter, by its name."""
+    assert "entropic_fraction" in material.parameters()
     for name in material.parameters():
         with pytest.raises(InputError, match=f"^`{name}` must be"):
             material.replace(**{name: bad})
@@ -177,6 +184,8 @@ def test_every_number_is_checked(material: Material, bad: Any) -> None:
 
 @every
 def test_batch_check_agrees_with_single_check(material: Material) -> None:
+    """A batch marks as invalid exactly the values that a single material refuses."""
+    assert "entropic_fraction" in material.parameters()
     values = np.array([np.nan, -np.inf, -1e3, -1.0, 0.0, 0.5, 1.0, 1.5, 40.0, 1e300])
     for name in material.parameters():
         expected = [refused(material, name, value) for value in values]
@@ -194,6 +203,7 @@ def refused(material: Material, name: str, value: float) -> bool:
 @every
 def test_numbers_may_be_varied_by_a_study(material: Material) -> None:
     """Each of a sweep is what the changed material gives by itself, bit for bit."""
+    assert "entropic_fraction" in material.parameters()
     drive = rm.Constant(0.2)
     for name, value in material.parameters().items():
         field, values = f"material.{name}", sorted((value, 0.95 * value))
@@ -293,6 +303,7 @@ LIMITS: dict[str, tuple[Material, Material, float]] = {
 
 @pytest.mark.parametrize("name", LIMITS)
 def test_limits_are_other_materials(name: str) -> None:
+    """In its limit a material has the energy of the simpler one."""
     one, other, tolerance = LIMITS[name]
     np.testing.assert_allclose(energy(one, *PAIRS.T), energy(other, *PAIRS.T), rtol=tolerance)
 
@@ -325,6 +336,7 @@ limited = pytest.mark.parametrize("material", LIMITED.values(), ids=LIMITED.keys
 
 @limited
 def test_a_state_beyond_the_limit_is_refused(material: Material) -> None:
+    """A start beyond the limit of the chains is refused alone, and invalid in an ensemble."""
     actuator, beyond = rm.Actuator(material=material), (1.7, 0.0)
     with pytest.raises(InputError, match="`initial` must be a state that the material can reach"):
         rm.simulate(actuator, rm.Constant(0.1), duration=1.0, initial=beyond)
@@ -349,11 +361,13 @@ def test_no_state_beyond_the_limit_is_ever_returned(material: Material) -> None:
     share = (2.0 * ds.stretch**2 + ds.stretch**-4 - 3.0) / 2.0
     assert 0.95 < float(share.max()) < 1.0
     assert set(ds.status.values.tolist()) <= {1, 2, 7}
+    assert (ds.status.values == 1).any()
     assert np.isfinite(ds.stretch.values[ds.status.values == 1]).all()
 
 
 @limited
 def test_rates_beyond_the_limit_do_not_exist(material: Material) -> None:
+    """Accelerations are NaN beyond the limit of the chains, and only there."""
     with np.errstate(invalid="ignore"):
         found = acceleration(material, np.array([1.0, 1.4, 1.7, 0.6]), 0.0, 0.1)
     assert np.isnan(found).tolist() == [False, False, True, True]
@@ -387,6 +401,7 @@ def test_rates_beyond_the_limit_do_not_exist(material: Material) -> None:
     ],
 )  # fmt: skip
 def test_bad_materials_are_explained(make: Any, message: str) -> None:
+    """The message names the constant, and says what it must be."""
     with pytest.raises(InputError, match=message):
         make()
 

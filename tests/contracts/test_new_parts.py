@@ -60,7 +60,9 @@ CONDITIONAL = ("beyond_the_limit",)
 
 def test_there_is_one_block_for_each_kind(monkeypatch: pytest.MonkeyPatch) -> None:
     """A material, an element and a drive, each of which `examples` finds by itself."""
-    for kind, block in zip(KINDS, BLOCKS, strict=False):
+    assert len(BLOCKS) >= len(KINDS)
+    for (kind, module), block in zip(KINDS.items(), BLOCKS, strict=False):
+        assert len(laws(module)) > 1
         name, part = added(block, monkeypatch)
         assert isinstance(examples(kind)[name], part)
 

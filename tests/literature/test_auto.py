@@ -108,7 +108,7 @@ def test_multipliers_along_branches(diagram: tuple[dict[str, Any], xr.Dataset]) 
     if known["parameters"]["eta"] == 0.0:
         np.testing.assert_allclose(product, 1.0, rtol=0.0, atol=1e-8)
     else:
-        assert (product.real < 1.0).all()
+        assert ((product.real > 0.0) & (product.real < 1.0)).all()
 
 
 def test_all_orbits_are_found(diagram: tuple[dict[str, Any], xr.Dataset]) -> None:
@@ -235,10 +235,11 @@ def test_doublings_lead_to_the_next_branch() -> None:
         for n in range(1, period):  # the other phases of the same orbits
             z = curve.points.unknown
             ours.append(np.column_stack([map_(z[:, :2], z[:, 2:], n).state, z[:, 2]]))
-        chain = np.concatenate(ours)
         columns = np.column_stack([branches[period][name] for name in ("x", "v", "F")])
-        away = np.abs((chain[None] - columns[:, None]) / scale).max(axis=2).min(axis=1)
-        assert away.max() < 0.03
+        assert len(columns) > 20
+        # All of its points lie on the same phase of ours, up to the sag of chords of 0.02.
+        away = [distance_to_chain(columns / scale, chain / scale).max() for chain in ours]
+        assert min(away) < 2e-4
         nearest = find_special_points(
             equations, curve.points, scale=scale, tolerance=1e-11, conservative=False
         )
@@ -266,6 +267,7 @@ def test_a_doubled_branch_is_that_of_a_direct_search() -> None:
 
 
 def test_a_fold_is_no_place_to_switch() -> None:
+    """A branch with a fold and no period doubling has no other branch to switch to."""
     body, drive = rm.Actuator(temperature=350), rm.SineSquared(0.4, 1.25)
     branch = rm.continue_orbit(body, drive, "omega", (1.2, 1.3), initial=(1.433, 0.0))
     with pytest.raises(rm.InputError, match="period doubling"):

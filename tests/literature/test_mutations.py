@@ -43,6 +43,7 @@ def right() -> Any:
 
 
 def test_all_six_resonances_lie_within_a_hundredth_of_the_published(right: Any) -> None:
+    """The unchanged equation gives the published resonances, so that mutations can be judged."""
     assert np.abs(right - np.array(PUBLISHED_RESONANCES)).max() <= RESONANCE_AGREEMENT
 
 
@@ -68,6 +69,7 @@ def _exponent(a: Any, x: Any, _v: Any) -> Any:
 def test_a_mutated_equation_moves_a_resonance(
     mutate: Callable[[Any, Any, Any], Any], right: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    """Each wrong term in the acceleration moves a resonance by more than the agreement."""
     original = lagrange.accelerations
 
     def mutated(motion: Motion) -> lagrange.Accelerations:
@@ -89,10 +91,12 @@ def test_a_mutated_equation_moves_a_resonance(
 
 
 def test_a_reference_temperature_off_by_ten_kelvin_moves_a_resonance(right: Any) -> None:
+    """Ten kelvin in the reference temperature move a resonance by more than the agreement."""
     wrong = resonances(rm.Actuator(reference_temperature=303.0))
     assert np.abs(wrong - right).max() > SEEN
 
 
 def test_a_wrong_prestress_moves_a_resonance(right: Any) -> None:
+    """A tenth in the prestress moves its resonances by more than the agreement."""
     wrong = resonances(rm.Actuator(), prestresses=(0.0, 0.9))
     assert np.abs(wrong - right)[1].max() > SEEN

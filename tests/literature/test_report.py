@@ -108,6 +108,7 @@ def test_the_page_needs_nothing_else(made: tuple[Paper, Path]) -> None:
 
 def test_pictures_come_as_vectors_and_as_points(made: tuple[Paper, Path]) -> None:
     """Each picture is a well-formed SVG and a PNG."""
+    assert len(DRAWINGS) > 5
     for name in DRAWINGS:
         root = ElementTree.parse(made[1] / "figures" / f"{name}.svg").getroot()
         assert root.tag == "{http://www.w3.org/2000/svg}svg"
@@ -118,8 +119,10 @@ def test_pictures_come_as_vectors_and_as_points(made: tuple[Paper, Path]) -> Non
 
 def test_matlab_can_read_the_data(made: tuple[Paper, Path]) -> None:
     """netCDF without complex, boolean or string variables and without groups."""
+    assert made[0].datasets
     for name in made[0].datasets:
         with h5py.File(made[1] / "data" / f"{name}.nc") as file:
+            assert len(file) > 0
             for variable in file.values():
                 assert isinstance(variable, h5py.Dataset)
                 assert variable.dtype.kind in "iuf"
@@ -149,6 +152,7 @@ def test_all_six_motions_are_quasi_periodic_with_evidence(summary: Any) -> None:
 
 def test_two_centres_and_a_saddle_stand_behind_every_peak(summary: Any) -> None:
     """Undamped, multipliers of each orbit are a pair whose product is 1."""
+    assert len(summary["resonances"]) == 6
     for peak in summary["resonances"]:
         orbits = [
             orbit

@@ -116,6 +116,7 @@ def test_a_member_that_breaks_a_rule_is_invalid_and_spoils_no_other(verb: Any) -
 
 
 def test_a_varied_field_cannot_be_the_parameter() -> None:
+    """A verb that follows a parameter refuses to vary the same one by `over`."""
     for verb in ("continue_orbit", "response_diagram", "locate_bifurcation", "manifold_crossing"):
         with pytest.raises(rm.InputError, match=r"^`over` must not name omega"):
             VERBS[verb]({"omega": [1.25]})
@@ -143,6 +144,7 @@ def test_members_without_an_orbit_have_diverged() -> None:
 
 
 def test_progress_is_told() -> None:
+    """Each member that is done adds its share, and the last share is 1."""
     told: list[float] = []
     rm.continue_orbit(DAMPED, DRIVE, "omega", (1.24, 1.26), over={"b": LOADS}, progress=told.append)
     assert sorted(told) == pytest.approx([1 / 3, 2 / 3, 1.0])

@@ -150,6 +150,7 @@ def test_multipliers_of_a_difference_are_those_of_two_coordinates() -> None:
 
 
 def test_a_damped_orbit_keeps_its_symmetry() -> None:
+    """With damping the transverse exponent is negative, and equal stretches stay equal."""
     damped = body().replace(dissipation=rm.Zener(0.5, 1.0))
     ds = rm.symmetry_check(damped, rm.SineSquared(0.4, 1.25), periods=100)
     assert str(ds.symmetry.values) == "kept"

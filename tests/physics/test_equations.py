@@ -48,6 +48,7 @@ def equation_16(stretch: Any, rate: Any, acceleration: Any, theta: Any, load: An
 
 
 def test_acceleration_is_equation_16() -> None:
+    """The derived acceleration solves [Thermal, eq. 16] identically."""
     system = derive(Actuator(), Constant(0.1))
     acceleration = written_out(system.rates[1], system).subs(PLAIN)
     assert sp.simplify(equation_16(STRETCH, RATE, acceleration, T / T0, M)) == 0
@@ -56,6 +57,7 @@ def test_acceleration_is_equation_16() -> None:
 
 
 def test_readable_equation_is_equation_16() -> None:
+    """The equation that is shown to readers is [Thermal, eq. 16] too."""
     row = equations(Actuator()).second_order[0]
     theta, load, stiffness = (sp.Symbol(n, positive=True) for n in ("theta", "load", "stiffness"))
     left = row.lhs.subs({sp.Symbol("effective_load", real=True): load, stiffness: theta})
@@ -64,6 +66,7 @@ def test_readable_equation_is_equation_16() -> None:
 
 
 def test_readable_equations_are_typeset() -> None:
+    """The equations are LaTeX, with the symbols of the field in place of our names."""
     shown = equations(Actuator(dissipation=Rayleigh(0.1)))
     assert shown._repr_latex_().startswith("$\\displaystyle \\begin{gathered}")
     assert r"\lambda''" in shown.latex
@@ -72,6 +75,7 @@ def test_readable_equations_are_typeset() -> None:
 
 
 def test_readable_equations_of_branches_and_heat() -> None:
+    """Internal variables and temperature have equations and symbols of their own."""
     body = blocks(2).replace(dissipation=Zener(0.5, 2.0), heat=Heat())
     shown = equations(body)
     assert [str(e.lhs) for e in shown.internal][-1] == "body_temperature'"
@@ -100,6 +104,7 @@ def test_kinetic_and_potential_energy_are_those_of_the_lagrangian() -> None:
 
 
 def test_energy_is_the_one_promised() -> None:
+    """The observable `energy` is the sum that the documentation writes down."""
     system = derive(Actuator(), Constant(0.1))
     energy = written_out(system.observables["energy"], system).subs(PLAIN)
     theta = T / T0
@@ -135,11 +140,13 @@ def blocks(coordinates: int) -> Actuator:
 
 @pytest.mark.parametrize("coordinates", [1, 2])
 def test_energy_is_conserved_without_dissipation(coordinates: int) -> None:
+    """Under a constant load the rate of the energy vanishes identically."""
     system = derive(blocks(coordinates), Constant(0.1))
     assert sp.simplify(power(system)) == 0
 
 
 def test_watched_are_time_derivatives_of_the_thickness_stretch() -> None:
+    """Watched values are the thickness stretch and its first two time derivatives."""
     system = derive(Actuator(), Constant(0.1))
     watched = [written_out(e, system) for e in system.watched]
     acceleration = written_out(system.rates[1], system)
@@ -179,12 +186,14 @@ def test_small_oscillations() -> None:
 
 
 def test_rotation_law_exerts_no_load() -> None:
+    """A magnet that only rotates exerts no load in a uniform stretch."""
     system = derive(Actuator(magnet=Magnet(law="rotation")), SineSquared(0.4, 1.25))
     acceleration = written_out(system.rates[1], system)
     assert not {"b", "sin_pi_phase"} & {s.name for s in acceleration.free_symbols}
 
 
 def test_magnet_weakens_with_temperature() -> None:
+    """Temperature acts on the load by the factor 1 + alpha (T - T0), and by nothing else."""
     system = derive(Actuator(), Constant(0.1))
     acceleration = written_out(system.rates[1], system)
     weakened = acceleration.subs(ALPHA, 0).subs(M, M * (1 + ALPHA * (T - T0)))
@@ -192,6 +201,7 @@ def test_magnet_weakens_with_temperature() -> None:
 
 
 def test_energetic_elasticity_does_not_depend_on_temperature() -> None:
+    """With f = 0 and alpha = 0 neither temperature occurs in the acceleration."""
     system = derive(Actuator(), Constant(0.1))
     acceleration = written_out(system.rates[1], system).subs({F: 0, ALPHA: 0})
     assert not {T, T0} & acceleration.free_symbols
@@ -211,6 +221,7 @@ def test_caloric_energy_is_that_of_a_constant_heat_capacity() -> None:
 
 
 def test_two_equal_stretches_move_as_one() -> None:
+    """With equal loads and stretches two coordinates have the equation of one."""
     one = derive(Actuator(), Constant(0.1))
     two = derive(blocks(2), Constant(0.1))
     (q1, v1, q2, v2), loads = two.state, (parameter(f"prestress_{i}") for i in (1, 2))
@@ -218,6 +229,7 @@ def test_two_equal_stretches_move_as_one() -> None:
     for rate in (two.rates[1], two.rates[3]):
         difference = written_out(rate, two).subs(equal) - written_out(one.rates[1], one)
         assert sp.simplify(difference) == 0
+    assert "energy" in one.observables
     for name, observable in one.observables.items():
         both = written_out(two.observables[name], two).subs(equal)
         assert sp.simplify(both - written_out(observable, one)) == 0
@@ -235,6 +247,7 @@ def test_lagrange_equations_of_two_stretches() -> None:
     on_path = dict(zip(motion.coordinates, path, strict=True))
     on_path |= dict(zip(motion.rates, (sp.diff(q, tau) for q in path), strict=True))
     dotted = {sp.Symbol(f"{v.name}'", real=True): sp.diff(on_path[v], tau) for v in motion.rates}
+    assert len(motion.coordinates) == 2
     for q, v, row in zip(motion.coordinates, motion.rates, second_order(motion), strict=True):
         momentum = sp.diff(kinetic, v).subs(on_path)
         force = sp.diff(kinetic - potential, q).subs(on_path)

@@ -121,6 +121,8 @@ def test_energetic_rubber_does_not_warm() -> None:
 
 @pytest.mark.slow
 def test_damped_bodies_grow_warm_and_find_a_periodic_state() -> None:
+    """Dissipation and exchange of heat balance on a stable orbit that is warmer than the
+    surroundings."""
     body = rm.Actuator(heat=rm.Heat(1e-2, 0.05), dissipation=rm.KelvinVoigt(0.1))
     orbit = rm.periodic_orbits(body, DRIVE)
     assert orbit.stability.values.tolist() == ["stable"]
@@ -128,12 +130,14 @@ def test_damped_bodies_grow_warm_and_find_a_periodic_state() -> None:
 
 
 def test_adiabatic_bodies_have_no_orbit_of_their_own() -> None:
+    """Without exchange of heat a damped body warms for ever: periodic orbits are refused."""
     body = rm.Actuator(heat=rm.Heat(1e-2), dissipation=rm.KelvinVoigt(0.1))
     with pytest.raises(rm.InputError, match="exchange heat"):
         rm.periodic_orbits(body, DRIVE)
 
 
 def test_loads_that_jump_are_refused_where_they_would_warm() -> None:
+    """Where heat depends on the rate of the load, a load that jumps is refused."""
     warm = rm.Actuator(heat=rm.Heat(), magnet=rm.Magnet(-1e-3))
     steps = rm.Steps([0.0, 1.0], [0.1, 0.2])
     with pytest.raises(rm.InputError, match="rate of its load in closed form"):

@@ -70,6 +70,7 @@ def test_motion() -> None:
     ],
 )
 def test_every_part_of_an_actuator(cool: dict[str, Any], hot: dict[str, Any]) -> None:
+    """A rescaled history is the history at the other temperature, for every part that scales."""
     times = np.linspace(0.0, 10.0, 21)
     scaled = rm.rescale(rm.simulate(rm.Actuator(**cool), DRIVE, times=times), temperature=HOT)
     body = rm.Actuator(temperature=HOT, **hot)
@@ -77,6 +78,7 @@ def test_every_part_of_an_actuator(cool: dict[str, Any], hot: dict[str, Any]) ->
 
 
 def test_loads_energies_and_their_balance() -> None:
+    """Energies scale with temperature as the loads do."""
     times = np.linspace(0.0, 10.0, 21)
     scaled = rm.rescale(rm.energy_balance(DAMPED, rm.Constant(0.3), times=times), temperature=HOT)
     load = rm.Constant(0.3 * ROOT**2)
@@ -95,6 +97,7 @@ def test_equilibria(prestress: Any) -> None:
 
 
 def test_a_response_and_its_window() -> None:
+    """Frequencies, durations and widths scale with the root of temperature, attributes included."""
     omega = np.linspace(1.0, 1.4, 9)
     scaled = rm.rescale(
         rm.frequency_response(DAMPED, DRIVE, omega, duration=40.0, resonance_width=1e-4),
@@ -115,6 +118,7 @@ def test_orbits() -> None:
 
 
 def test_the_fold_of_the_paper_from_the_reference_temperature() -> None:
+    """A branch at the reference temperature, rescaled, has the fold of the reproduced article."""
     drive = rm.SineSquared(0.4 / ROOT, 1.25 / ROOT)
     branch = rm.continue_orbit(
         rm.Actuator(), drive, "omega", (1.2 / ROOT, 1.3 / ROOT), initial=(1.433, 0.0)
@@ -144,12 +148,14 @@ def test_there_and_back_again() -> None:
     ],
 )
 def test_what_does_not_scale_is_refused(actuator: rm.Actuator, reason: str) -> None:
+    """Where a constant depends on temperature by itself, the message names it."""
     result = rm.simulate(actuator, DRIVE, periods=1)
     with pytest.raises(rm.InputError, match=reason):
         rm.rescale(result, temperature=HOT)
 
 
 def test_several_temperatures_are_refused() -> None:
+    """Results at several temperatures are refused together, and rescaled one by one."""
     result = rm.simulate(rm.Actuator(), DRIVE, periods=1, over={"temperature": [250.0, 350.0]})
     with pytest.raises(rm.InputError, match="one temperature"):
         rm.rescale(result, temperature=HOT)
@@ -157,6 +163,7 @@ def test_several_temperatures_are_refused() -> None:
 
 
 def test_a_drive_of_unknown_fields_is_refused() -> None:
+    """A drive whose scaling is not known is refused."""
     result = rm.simulate(rm.Actuator(), rm.Steps([0.0, 1.0], [0.1, 0.2]), duration=2.0)
     with pytest.raises(rm.InputError, match="how this one scales"):
         rm.rescale(result, temperature=HOT)

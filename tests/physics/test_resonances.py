@@ -17,6 +17,7 @@ from remanent.analysis.response.harmonics import (
 
 
 def test_harmonics_of_a_sum_of_cosines_are_its_coefficients() -> None:
+    """The amplitudes and phases that were put in come out."""
     t = 2.0 * np.pi * np.arange(64) / 64
     c = fourier_amplitudes((0.7 + 2.0 * np.cos(t - 0.3) + 0.5 * np.cos(3.0 * t + 1.0))[None], 5)[0]
     expected = [0.7, 2.0 * np.exp(-0.3j), 0.0, 0.5 * np.exp(1j), 0.0, 0.0]
@@ -24,6 +25,7 @@ def test_harmonics_of_a_sum_of_cosines_are_its_coefficients() -> None:
 
 
 def test_the_harmonic_that_resonates_is_the_one_nearest_to_the_free_oscillation() -> None:
+    """Its share is of the energy of all harmonics, its detuning relative to the free frequency."""
     found = resonant_harmonic(np.array([[1.0, 3.0, 4.0j, 0.0]]), np.array([1.0]), np.array([2.05]))
     assert found.harmonic.tolist() == [2]
     assert found.share[0] == pytest.approx(16.0 / 25.0)
@@ -45,12 +47,14 @@ def test_the_harmonic_that_resonates_is_the_one_nearest_to_the_free_oscillation(
 def test_orders_have_their_names(
     harmonic: int, period: int, doubled: bool, expected: tuple[str, int, int]
 ) -> None:
+    """The resonant harmonic and the period of the orbit decide the name of a resonance."""
     found = ResonantHarmonic(np.array([harmonic]), np.array([0.01]), np.array([0.9]))
     assert resonance_kind(found, 0, period, doubled=doubled) == expected
 
 
 @pytest.mark.parametrize(("detuning", "share"), [(0.2, 0.9), (-0.2, 0.9), (0.0, 0.01), (np.nan, 1)])
 def test_what_the_evidence_does_not_carry_is_undecided(detuning: float, share: float) -> None:
+    """A harmonic far from the free frequency, or with a small share, has no name."""
     found = ResonantHarmonic(np.array([1]), np.array([detuning]), np.array([share]))
     assert resonance_kind(found, 0, 1, doubled=False) == ("undecided", 0, 0)
 
@@ -93,6 +97,7 @@ def test_a_small_load_finds_the_resonance_of_a_relaxing_body(
 
 
 def test_resonances_of_a_body_that_warms_little_are_those_at_its_temperature() -> None:
+    """As the coupling to heat tends to 0, the resonances tend to those without heat."""
     drive, span = rm.SineSquared(0.03, 1.0), (1.1, 1.4)
     body = rm.Actuator(temperature=320.0, dissipation=rm.Rayleigh(0.2))
     warm = body.replace(heat=rm.Heat(1e-6, exchange=1.0))
@@ -103,6 +108,7 @@ def test_resonances_of_a_body_that_warms_little_are_those_at_its_temperature() -
 
 
 def test_two_coordinates_are_refused() -> None:
+    """A nonlinear mode is known for one coordinate only."""
     with pytest.raises(InputError, match="one coordinate"):
         rm.resonances(rm.Actuator(prestress=(0.0, 0.0)), rm.SineSquared(0.03, 1.0), (1.0, 1.5))
 

@@ -72,6 +72,7 @@ def test_the_jump_from_rest_is_where_another_integrator_sees_it() -> None:
 
 
 def test_a_bracket_without_a_crossing_is_refused() -> None:
+    """Where the sides of the bracket do not differ, there is no crossing to find."""
     with pytest.raises(rm.InputError, match="one crossing"):
         rm.manifold_crossing(
             rm.Actuator(temperature=350),
@@ -84,6 +85,7 @@ def test_a_bracket_without_a_crossing_is_refused() -> None:
 
 
 def test_an_elliptic_orbit_is_no_saddle() -> None:
+    """An elliptic orbit has no stable manifold, and is refused."""
     with pytest.raises(rm.InputError, match="near a saddle orbit"):
         rm.manifold_crossing(
             rm.Actuator(temperature=350),

@@ -28,6 +28,7 @@ def entry(folder: Path) -> Path:
 
 @pytest.mark.parametrize("data", [b"", b"\n", b"a\nb\n", bytes(range(256))])
 def test_what_is_stored_is_loaded(data: bytes) -> None:
+    """The same bytes come back, under their own kind and key only."""
     assert _cache.load_bytes("kind", "key") is None
     assert _cache.store_bytes("kind", "key", data)
     assert _cache.load_bytes("kind", "key") == data
@@ -35,6 +36,7 @@ def test_what_is_stored_is_loaded(data: bytes) -> None:
 
 
 def test_text_survives() -> None:
+    """Text comes back with its letters and ends of lines; what is no text is not loaded."""
     assert _cache.store_text("kind", "key", "λ₃\r\n")
     assert _cache.load_text("kind", "key") == "λ₃\r\n"
     assert _cache.load_text("kind", "none") is None
@@ -43,12 +45,14 @@ def test_text_survives() -> None:
 
 
 def test_the_last_to_store_wins() -> None:
+    """A second entry of the same key replaces the first."""
     _cache.store_text("kind", "key", "first")
     _cache.store_text("kind", "key", "second")
     assert _cache.load_text("kind", "key") == "second"
 
 
 def test_every_flipped_bit_and_every_truncation_is_noticed(folder: Path) -> None:
+    """A damaged entry is never loaded, wherever the damage is."""
     _cache.store_bytes("kind", "key", b"data")
     path = entry(folder)
     content = path.read_bytes()
@@ -63,6 +67,7 @@ def test_every_flipped_bit_and_every_truncation_is_noticed(folder: Path) -> None
 
 
 def test_damage_is_repaired_by_storing_again(folder: Path) -> None:
+    """A damaged entry can be replaced."""
     _cache.store_bytes("kind", "key", b"some data")
     entry(folder).write_bytes(b"")
     assert _cache.store_bytes("kind", "key", b"some data")
@@ -71,6 +76,7 @@ def test_damage_is_repaired_by_storing_again(folder: Path) -> None:
 
 @pytest.mark.parametrize("name", ["", "..", "a/b", "a\\b", ".hidden", "a" * 129, "ä", "a\n"])
 def test_names_cannot_leave_the_folder(name: str) -> None:
+    """A name that could reach outside of the cache is refused."""
     with pytest.raises(ValueError, match="not a name for a cache entry"):
         _cache.load_bytes("kind", name)
     with pytest.raises(ValueError, match="not a name for a cache entry"):
@@ -79,6 +85,7 @@ def test_names_cannot_leave_the_folder(name: str) -> None:
 
 @needs_posix
 def test_the_folder_is_private(folder: Path) -> None:
+    """Folders and entries can be read by their owner only."""
     _cache.store_bytes("kind", "key", b"some data")
     for path in (folder, folder / "kind"):
         assert path.stat().st_mode & 0o777 == 0o700
@@ -89,6 +96,7 @@ def test_the_folder_is_private(folder: Path) -> None:
 @pytest.mark.parametrize("mode", [0o770, 0o702])
 @pytest.mark.parametrize("part", ["", "kind"])
 def test_a_folder_that_others_can_write_is_not_used(folder: Path, mode: int, part: str) -> None:
+    """What others may have written is neither loaded nor added to."""
     _cache.store_bytes("kind", "key", b"some data")
     (folder / part).chmod(mode)
     assert _cache.load_bytes("kind", "key") is None
@@ -99,6 +107,7 @@ def test_a_folder_that_others_can_write_is_not_used(folder: Path, mode: int, par
 
 @needs_posix
 def test_a_folder_of_somebody_else_is_not_used(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A folder of another owner is neither loaded from nor added to."""
     _cache.store_bytes("kind", "key", b"some data")
     stranger = os.getuid() + 1
     monkeypatch.setattr(os, "getuid", lambda: stranger)
@@ -108,6 +117,7 @@ def test_a_folder_of_somebody_else_is_not_used(monkeypatch: pytest.MonkeyPatch) 
 
 @needs_posix
 def test_a_link_is_not_used(folder: Path, tmp_path: Path) -> None:
+    """A symbolic link in place of a folder is not followed."""
     (tmp_path / "elsewhere").mkdir(mode=0o700)
     folder.mkdir(mode=0o700, parents=True)
     (folder / "kind").symlink_to(tmp_path / "elsewhere")
@@ -118,6 +128,7 @@ def test_a_link_is_not_used(folder: Path, tmp_path: Path) -> None:
 def test_a_cache_that_cannot_be_written_is_silently_not_used(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    """Without a usable folder nothing is stored, nothing is loaded, and nothing is raised."""
     (tmp_path / "file").write_text("in the way")
     monkeypatch.setenv("REMANENT_CACHE_DIR", str(tmp_path / "file" / "cache"))
     assert not _cache.store_bytes("kind", "key", b"some data")
@@ -125,6 +136,7 @@ def test_a_cache_that_cannot_be_written_is_silently_not_used(
 
 
 def test_a_full_disk_leaves_the_old_entry(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """An entry that cannot be replaced stays whole, and leaves no scraps."""
     _cache.store_bytes("kind", "key", b"old data")
 
     def full(*_: object) -> None:
@@ -137,6 +149,7 @@ def test_a_full_disk_leaves_the_old_entry(folder: Path, monkeypatch: pytest.Monk
 
 
 def test_processes_that_store_at_once_leave_a_whole_entry() -> None:
+    """An entry is that of one process or of the other, never a mixture."""
     script = (
         "import sys; from remanent import _cache\n"
         "data = sys.argv[1].encode() * 100_000\n"

@@ -164,6 +164,7 @@ def test_files_that_pages_name_exist(page: str) -> None:
 def test_the_article_is_named() -> None:
     """Pages write the article's title or its key, not "the paper"."""
     vague = re.compile(r"\b[Tt]he paper\b")
+    assert len(PAGES) > 10
     assert not [str(page) for page in PAGES if vague.search(page.read_text("utf-8"))]
 
 
@@ -190,5 +191,6 @@ def test_words_in_backticks_are_names() -> None:
     pages = [*(DOCS / "how-to").glob("*.md"), DOCS / "getting-started.md", DOCS / "model.md"]
     code = "\n".join(text for page in pages for _, text in blocks_of(page))
     words = {word for page in pages for word in re.findall(r"`([a-z_]+)`", page.read_text("utf-8"))}
+    assert len(words & names) > 50
     unknown = {word for word in words - names if not re.search(rf"^{word} = ", code, re.MULTILINE)}
     assert not unknown

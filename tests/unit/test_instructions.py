@@ -46,6 +46,7 @@ def test_a_division_is_not_done_twice_for_a_sign() -> None:
 
 @pytest.mark.parametrize("signs", [(1, 1), (1, -1), (-1, 1), (-1, -1)])
 def test_signs_in_sums_products_and_powers(signs: tuple[int, int]) -> None:
+    """Sums, products, quotients and powers of signed values have the right sign."""
     instructions = Instructions(["a", "b"])
     a, b = ((sign, instructions.input(letter)[1]) for sign, letter in zip(signs, "ab", strict=True))
     results = [instructions.add(a, b), instructions.mul(a, b), instructions.div(a, b)]
@@ -57,6 +58,7 @@ def test_signs_in_sums_products_and_powers(signs: tuple[int, int]) -> None:
 
 @pytest.mark.parametrize("exponent", range(1, 20))
 def test_powers(exponent: int) -> None:
+    """A power has its value, with at most two multiplications for each bit of the exponent."""
     instructions = Instructions(["a"])
     program = instructions.program([instructions.power(instructions.input("a"), exponent)])
     assert program([A], functions=np) == [A**exponent]
@@ -64,6 +66,7 @@ def test_powers(exponent: int) -> None:
 
 
 def test_values_that_no_output_needs_are_left_out() -> None:
+    """A program holds only what its outputs need, and an output twice costs nothing."""
     instructions = Instructions(["a", "b"])
     instructions.mul(instructions.input("a"), instructions.constant(3.0))
     kept = instructions.add(instructions.input("a"), instructions.input("b"))

@@ -48,6 +48,7 @@ def derivations(fresh: Path, monkeypatch: pytest.MonkeyPatch) -> list[Any]:
 
 
 def test_names_of_the_field_of_the_reproduced_article() -> None:
+    """A field lists its states, parameters, waveforms and observables, in a fixed order."""
     field = field_for(Actuator(dissipation=Rayleigh(0.1)), SineSquared(0.4, 1.25))
     assert field.state == ("stretch", "stretch_rate")
     assert field.parameters == (
@@ -75,6 +76,7 @@ def test_names_of_the_field_of_the_reproduced_article() -> None:
 
 
 def test_values_of_parameters_make_no_new_field(derivations: list[Any]) -> None:
+    """Other numbers use the field that has been derived."""
     first = field_for(Actuator(), Constant(0.1))
     assert field_for(Actuator(temperature=350.0), Constant(0.2)) is first
     assert len(derivations) == 1
@@ -83,6 +85,7 @@ def test_values_of_parameters_make_no_new_field(derivations: list[Any]) -> None:
 def test_field_is_read_from_the_cache(
     derivations: list[Any], fresh: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    """A field from the cache is the one that was stored, and is not derived again."""
     first = field_for(Actuator(), Constant(0.1))
     assert len(list(fresh.rglob("*"))) == 2
     monkeypatch.setattr(module, "_memory", {})
@@ -92,6 +95,7 @@ def test_field_is_read_from_the_cache(
 
 @pytest.mark.parametrize("text", ["", "{}", "[]", "not JSON", '{"state": 1}'])
 def test_unreadable_entries_are_derived_again(text: str, derivations: list[Any]) -> None:
+    """A damaged entry costs a derivation, and changes nothing."""
     actuator, drive = Actuator(), Constant(0.1)
     key = module.fingerprint((actuator.structure(), drive.structure()))
     assert _cache.store_text("fields", key, text)
@@ -100,6 +104,7 @@ def test_unreadable_entries_are_derived_again(text: str, derivations: list[Any])
 
 
 def test_choices_and_kinds_have_their_own_fingerprint() -> None:
+    """Different structures have different fingerprints."""
     structures = [
         (actuator.structure(), drive.structure())
         for actuator in (Actuator(), Actuator(dissipation=Rayleigh(0.1)))
@@ -121,6 +126,7 @@ class Homemade(NeoHookean):
 
 
 def test_foreign_parts_are_derived_every_time(derivations: list[Any], fresh: Path) -> None:
+    """A part that is not of the package leaves nothing in the cache."""
     for _ in range(2):
         field_for(Actuator(material=Homemade()), Constant(0.1))
     assert len(derivations) == 2
@@ -129,6 +135,7 @@ def test_foreign_parts_are_derived_every_time(derivations: list[Any], fresh: Pat
 
 @pytest.mark.usefixtures("fresh")
 def test_a_cached_field_needs_no_sympy() -> None:
+    """SymPy is imported for the first derivation only."""
     script = (
         "import sys\n"
         "from remanent.codegen.field import field_for\n"

@@ -167,12 +167,14 @@ def check_against_sympy(name: str, count: int) -> None:
 
 @pytest.mark.parametrize("name", MODELS | UNEXPANDED)
 def test_code_agrees_with_sympy(name: str) -> None:
+    """The code of every model has the values of its symbolic expressions."""
     check_against_sympy(name, 50)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", MODELS)
 def test_code_agrees_with_sympy_at_many_points(name: str) -> None:
+    """The code of every model has the values of its symbolic expressions."""
     check_against_sympy(name, 10_000)
 
 
@@ -212,6 +214,7 @@ def test_jacobian_by_complex_steps() -> None:
 
 @pytest.mark.parametrize("name", MODELS)
 def test_one_division_by_the_state(name: str) -> None:
+    """In each step at most one division depends on the state."""
     field, _ = derived(name)
     for code in (field.rates, field.watched):
         assert dynamic(code, {*field.state, *field.waveforms, "drive_phase"})["div"] <= 1
@@ -229,27 +232,32 @@ def test_equation_16_is_short() -> None:
 
 
 def test_powers_share_multiplications() -> None:
+    """Powers of one base are built from each other."""
     assert operations(program(X**2 + X**3 + X**6))["mul"] <= 4
     assert operations(program(X**15))["mul"] <= 6
 
 
 def test_equal_values_are_computed_once() -> None:
+    """An expression that occurs several times is computed once."""
     counts = operations(program(A * sp.sin(A), A * sp.sin(A) + U, 1 + sp.sin(A)))
     assert counts == {"sin": 1, "mul": 1, "add": 2}
 
 
 def test_signs_cost_nothing() -> None:
+    """Signs are taken into sums and products; only a bare sign is an operation."""
     assert "neg" not in operations(program(-X - Y + A, -2 * X, X * (A - U) - Y))
     assert operations(program(-X)) == {"neg": 1}
 
 
 def test_what_is_known_beforehand_is_combined_first() -> None:
+    """In a product, constants and parameters are multiplied before the load and the state."""
     code = program(3 * A * U * X)
     assert dynamic(code, {"x", "u"})["mul"] == 2
     assert dynamic(code, {"x"})["mul"] == 1
 
 
 def test_what_is_computed_as_written_shares_reciprocals() -> None:
+    """Negative powers of one base share one division."""
     counts = operations(program(X**-2 + Y * X**-6 - A / X, as_written=True))
     assert counts["div"] == 1
 
@@ -278,6 +286,7 @@ def test_a_logarithm_near_one_keeps_its_digits() -> None:
 
 
 def test_half_powers_are_roots() -> None:
+    """Half powers use one square root, and neither exponential nor logarithm."""
     counts = operations(program(X ** sp.Rational(5, 2) + X ** sp.Rational(-3, 2), as_written=True))
     assert (counts["sqrt"], counts["exp"], counts["log"]) == (1, 0, 0)
 
@@ -316,6 +325,7 @@ def test_no_power_is_left() -> None:
     ],
 )
 def test_any_elementary_expression(expression: Any) -> None:
+    """Every elementary function is lowered to its value, in both ways of writing."""
     point = {X: 1.3, Y: 0.7, A: 2.1, U: 0.4}
     exact = float(expression.evalf(30, subs=point))
     for as_written in (False, True):

@@ -70,6 +70,7 @@ def test_tangents_are_complex_step_derivatives(field: Field) -> None:
 
 
 def test_derivatives_of_an_observable() -> None:
+    """Derivatives by states and parameters are those of a complex step."""
     field = field_for(Actuator(), SineSquared(0.4, 1.2))
     program = derivatives(field, "energy", ["stretch", "stretch_rate", "c"])
     values = values_of(field, np.random.default_rng(2))

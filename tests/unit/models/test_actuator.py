@@ -20,6 +20,7 @@ from remanent.models.materials.named import NeoHookean
 
 
 def test_defaults_are_those_of_the_paper() -> None:
+    """An actuator without arguments is that of the reproduced article."""
     assert Actuator().parameters() == {
         "c": 1.0,
         "temperature": 293.0,
@@ -31,11 +32,13 @@ def test_defaults_are_those_of_the_paper() -> None:
 
 
 def test_parameters_of_every_element_are_named_in_order() -> None:
+    """Each element has its number in the names of its parameters."""
     names = list(Actuator(dissipation=(Rayleigh(0.1), Rayleigh(0.2))).parameters())
     assert names[4:7] == ["material.entropic_fraction", "dissipation.0.eta", "dissipation.1.eta"]
 
 
 def test_numbers_do_not_change_the_structure_and_choices_do() -> None:
+    """The structure depends on which parts there are, and not on their numbers."""
     plain = Actuator()
     assert Actuator(c=0.1, material=NeoHookean(0.5)).structure() == plain.structure()
     assert Actuator(magnet=Magnet(law="rotation")).structure() != plain.structure()
@@ -46,6 +49,8 @@ def test_numbers_do_not_change_the_structure_and_choices_do() -> None:
 
 
 def test_structure_is_plain() -> None:
+    """The structure holds nothing but tuples, text and integers, so that it can be a key."""
+
     def plain(item: object) -> bool:
         return all(map(plain, item)) if isinstance(item, tuple) else isinstance(item, str | int)
 
@@ -53,12 +58,14 @@ def test_structure_is_plain() -> None:
 
 
 def test_one_element_may_stand_by_itself() -> None:
+    """One element, a list of one and a tuple of one are the same."""
     expected = Actuator(dissipation=(Rayleigh(0.1),))
     assert Actuator(dissipation=Rayleigh(0.1)) == expected
     assert Actuator(dissipation=[Rayleigh(0.1)]) == expected
 
 
 def test_replace_gives_a_changed_copy() -> None:
+    """The first actuator stays as it is, and the copy equals one that is built so."""
     first = Actuator()
     second = first.replace(temperature=350)
     assert (first.temperature, second.temperature) == (293.0, 350.0)
@@ -67,6 +74,7 @@ def test_replace_gives_a_changed_copy() -> None:
 
 
 def test_unknown_fields_are_refused() -> None:
+    """The message names the field that is unknown, and lists those that there are."""
     with pytest.raises(InputError, match="`temprature` must be a field of Actuator"):
         Actuator().replace(temprature=350.0)
     with pytest.raises(InputError, match="Its fields are: c, temperature"):
@@ -78,6 +86,7 @@ def test_unknown_fields_are_refused() -> None:
     ["c", "prestress", "material.entropic_fraction", "dissipation.1.eta"],
 )
 def test_any_parameter_can_be_changed_by_its_name(name: str) -> None:
+    """One parameter changes, and no other."""
     actuator = Actuator(dissipation=(Rayleigh(0.1), Rayleigh(0.2)))
     changed = actuator.with_parameter(name, 0.75)
     expected = {**actuator.parameters(), name: 0.75}
@@ -109,6 +118,7 @@ RULES: list[tuple[dict[str, Any], str]] = [
 
 @pytest.mark.parametrize(("fields", "message"), RULES)
 def test_bad_fields_are_explained(fields: dict[str, Any], message: str) -> None:
+    """The message names the field, and says what it must be."""
     with pytest.raises(InputError, match=message):
         Actuator(**fields)
 
@@ -127,11 +137,13 @@ def test_bad_fields_are_explained(fields: dict[str, Any], message: str) -> None:
     ],
 )
 def test_bad_parts_are_explained(make: Any, message: str) -> None:
+    """The message names the field of the part, and says what it must be."""
     with pytest.raises(InputError, match=message):
         make()
 
 
 def test_temperatures_in_degrees_are_suspected() -> None:
+    """A temperature that is likely in degrees Celsius draws a warning."""
     with pytest.warns(InputWarning, match="`temperature` is below 100 K"):
         Actuator(temperature=25.0)
     with pytest.warns(InputWarning, match="`reference_temperature` is below 100 K"):
@@ -139,6 +151,7 @@ def test_temperatures_in_degrees_are_suspected() -> None:
 
 
 def test_hot_magnets_are_pointed_out() -> None:
+    """Beyond the rating of its magnet an actuator draws a warning, and otherwise none."""
     with pytest.warns(InputWarning, match="rating of plain NdFeB"):
         Actuator(temperature=400.0, magnet=Magnet(-0.001))
     with warnings.catch_warnings():
@@ -148,6 +161,7 @@ def test_hot_magnets_are_pointed_out() -> None:
 
 
 def test_a_batch_is_warned_of_once() -> None:
+    """Many suspicious values draw one warning."""
     with pytest.warns(InputWarning) as caught:
         Actuator().warn_if_implausible({"temperature": np.array([20.0, 30.0, 300.0])})
     assert len(caught) == 1
@@ -158,6 +172,7 @@ NUMBERS = st.floats(allow_nan=True, allow_infinity=True)
 
 @given(name=st.sampled_from(list(Actuator(dissipation=(Rayleigh(0.1),)).parameters())), x=NUMBERS)
 def test_batch_check_agrees_with_single_check(name: str, x: float) -> None:
+    """A batch marks as invalid exactly the values that a single actuator refuses."""
     actuator = Actuator(dissipation=(Rayleigh(0.1),))
     invalid = actuator.invalid({name: np.array([x, 1.0])})
     assert invalid.tolist() == [refused(actuator, name, x), False]
@@ -174,6 +189,7 @@ def refused(actuator: Actuator, name: str, value: float) -> bool:
 
 
 def test_a_batch_broadcasts() -> None:
+    """Parameters of different shapes are judged on their common shape."""
     bad = Actuator().invalid(
         {"c": np.array([[1.0], [-1.0]]), "temperature": np.array([300.0, np.nan, 200.0])}
     )
@@ -181,6 +197,7 @@ def test_a_batch_broadcasts() -> None:
 
 
 def test_building_an_actuator_needs_neither_sympy_nor_pint() -> None:
+    """Heavy packages are imported when they are needed, and not before."""
     script = (
         "import sys, remanent as rm\n"
         "rm.Actuator(dissipation=rm.Rayleigh(0.1)); rm.SineSquared(0.4, 1.25).period\n"

@@ -26,6 +26,7 @@ def along(a: float, b: float, c: float) -> float:
 
 
 def test_a_cube_has_one_third() -> None:
+    """By symmetry the three factors of a cube are equal."""
     one = sp.Integer(1)
     exact = demagnetising_factor(one, one, one, sp)
     assert abs(sp.N(exact - sp.Rational(1, 3), 40)) < 1e-38
@@ -33,6 +34,7 @@ def test_a_cube_has_one_third() -> None:
 
 @pytest.mark.parametrize("edges", EDGES)
 def test_the_three_factors_add_up_to_one(edges: tuple[float, float, float]) -> None:
+    """The trace of the demagnetising tensor is 1."""
     a, b, c = edges
     assert along(a, b, c) + along(b, c, a) + along(c, a, b) == pytest.approx(1.0, abs=1e-13)
 
@@ -41,6 +43,7 @@ def test_the_three_factors_add_up_to_one(edges: tuple[float, float, float]) -> N
 def test_only_the_ratio_of_edges_matters_and_not_their_order(
     edges: tuple[float, float, float],
 ) -> None:
+    """The factor depends on ratios of edges, and is symmetric in the two that lie across."""
     a, b, c = edges
     assert along(3.0 * a, 3.0 * b, 3.0 * c) == pytest.approx(along(b, a, c), abs=1e-11)
 
@@ -158,6 +161,7 @@ def test_balances_close_where_the_remanence_of_the_own_field_warms(load: Any) ->
 
 
 def test_own_field_of_no_strength_changes_nothing() -> None:
+    """With strength 0 the motion is that of a magnet without a field of its own."""
     drive = rm.SineSquared(0.4, 1.25)
     plain = rm.simulate(rm.Actuator(), drive, times=[5.0])
     none = rm.simulate(rm.Actuator(magnet=rm.Magnet(demagnetisation=0.0)), drive, times=[5.0])
@@ -182,6 +186,7 @@ def test_a_block_without_load_is_flattened_or_not_by_its_own_field() -> None:
 
 
 def test_strength_comes_from_physical_units() -> None:
+    """The strength is B_r^2/(mu mu0), where it is asked for and a remanence is given."""
     made = {
         "shear_modulus": "100 kPa", "density": "2000 kg/m^3", "half_length": "5 mm",
         "half_thickness": "0.5 mm",
@@ -195,11 +200,13 @@ def test_strength_comes_from_physical_units() -> None:
 
 @pytest.mark.parametrize("bad", [-0.1, np.nan, "1", True])
 def test_bad_strengths_are_refused(bad: object) -> None:
+    """What is not a number of at least 0 is refused by name."""
     with pytest.raises(InputError, match="`demagnetisation` must be"):
         rm.Magnet(demagnetisation=bad)  # type: ignore[arg-type]
 
 
 def test_strength_can_be_varied_where_it_is_there() -> None:
+    """Equilibria move steadily with the strength; where there is none it cannot be varied."""
     own = rm.Actuator(magnet=rm.Magnet(demagnetisation=0.1))
     over = {"magnet.demagnetisation": [0.0, 0.1, 0.2]}
     found = rm.equilibria(own, 0.3, over=over).equilibrium_stretch.values[:, 0]

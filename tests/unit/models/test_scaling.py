@@ -43,11 +43,13 @@ def test_force_gives_the_nominal_stress() -> None:
 
 
 def test_temperatures_may_be_in_degrees() -> None:
+    """Degrees Celsius become kelvins."""
     film = Actuator.from_si(**FILM, temperature="76.85 degC", reference_temperature="293 K")
     assert film.temperature == pytest.approx(350.0, rel=1e-14)
 
 
 def test_scales_survive_replace_and_do_not_take_part_in_equality() -> None:
+    """Scales stay with a changed copy; actuators of equal numbers are equal with other scales."""
     film = Actuator.from_si(**FILM)
     assert film.replace(temperature=350.0).scales == film.scales
     assert film == Actuator(c=film.c)
@@ -55,6 +57,7 @@ def test_scales_survive_replace_and_do_not_take_part_in_equality() -> None:
 
 
 def test_pint_quantities_of_any_registry() -> None:
+    """A quantity converts the same whichever registry made it, arrays too."""
     registry: Any = pint.UnitRegistry()
     film = Actuator.from_si(**{**FILM, "shear_modulus": registry.Quantity(1.0, "bar")})
     assert film.c == pytest.approx(0.01, rel=1e-14)
@@ -64,6 +67,7 @@ def test_pint_quantities_of_any_registry() -> None:
 
 
 def test_frequencies_count_cycles_or_radians() -> None:
+    """Hertz and revolutions are cycles, of 2 pi radians each."""
     film = Actuator.from_si(**FILM)
     turned = [film.frequency(text) for text in ("3 kHz", "180000 rpm")]
     assert turned == pytest.approx([film.frequency(f"{2 * np.pi * 3000.0!r} rad/s")] * 2, rel=1e-14)
@@ -91,6 +95,7 @@ def test_round_trips(modulus: float, density: float, length: float, remanence: f
 
 
 def test_without_a_remanence_there_is_no_scale_of_loads() -> None:
+    """Loads cannot be converted without a remanence, and the message says so."""
     scales = Scales(shear_modulus=1e5, density=2e3, half_length=5e-3)
     assert "load_T" not in scales.si_factors()
     given_up = Actuator.from_si(**{k: v for k, v in FILM.items() if k != "remanence"})
@@ -99,6 +104,7 @@ def test_without_a_remanence_there_is_no_scale_of_loads() -> None:
 
 
 def test_a_dimensionless_actuator_converts_nothing() -> None:
+    """Without scales each conversion says how to make an actuator that has them."""
     for convert, text in (("load", "1 mT"), ("frequency", "1 Hz"), ("time", "1 s")):
         with pytest.raises(InputError, match="`actuator` must be made by"):
             getattr(Actuator(), convert)(text)
@@ -125,11 +131,13 @@ def test_a_dimensionless_actuator_converts_nothing() -> None:
     ],
 )
 def test_bad_quantities_are_explained(changes: dict[str, Any], message: str) -> None:
+    """The message names the quantity, and says which dimension it must have."""
     with pytest.raises(InputError, match=message):
         Actuator.from_si(**{**FILM, **changes})
 
 
 def test_many_values_are_refused_where_one_is_meant() -> None:
+    """An array in place of one quantity is refused by name."""
     many = pint.UnitRegistry().Quantity(np.array([1.0, 2.0]), "kPa")
     with pytest.raises(InputError, match="`shear_modulus` must be a single quantity"):
         Actuator.from_si(**{**FILM, "shear_modulus": many})
@@ -137,5 +145,6 @@ def test_many_values_are_refused_where_one_is_meant() -> None:
 
 @pytest.mark.parametrize("text", ["50 1/s", "3 mT", "fast"])
 def test_ambiguous_frequencies_are_refused(text: str) -> None:
+    """A unit that counts neither cycles nor radians is refused."""
     with pytest.raises(InputError, match="`frequency` must be a"):
         Actuator.from_si(**FILM).frequency(text)

@@ -32,6 +32,7 @@ def test_every_basin_has_the_colour_of_its_attractor() -> None:
 
 
 def test_the_legend_of_basins_gives_shares_with_their_errors() -> None:
+    """Each attractor has its share and the error of it in the legend."""
     axes = Figure().add_subplot()
     plots.basins(synthetic.basins_of_two(), ax=axes)
     legend = axes.get_legend()
@@ -42,6 +43,7 @@ def test_the_legend_of_basins_gives_shares_with_their_errors() -> None:
 
 
 def test_without_dissipation_islands_are_drawn_as_a_map() -> None:
+    """Where there are no attractors, colours follow the rotation number."""
     whole = synthetic.basins_of_two()
     regime = whole["regime"].copy(data=np.full((9, 5), "quasi-periodic"))
     turns = whole["basin"].copy(data=np.linspace(0.0, 1.0, 45).reshape(9, 5))
@@ -52,6 +54,7 @@ def test_without_dissipation_islands_are_drawn_as_a_map() -> None:
 
 
 def test_basins_of_one_variable_are_refused() -> None:
+    """A map of basins needs two state variables."""
     with pytest.raises(InputError, match="two state variables"):
         plots.basins(synthetic.basins_of_two().isel(stretch=0))
 

@@ -199,7 +199,9 @@ def test_history_takes_times_of_each_trajectory() -> None:
     times = np.outer([1.0, 2.0, 3.0], dataset["time"].values)
     attrs = dataset["time"].attrs
     dataset = dataset.drop_vars("time").assign_coords(time=(("temperature", "cycle"), times, attrs))
-    for k, artist in enumerate(plots.history(dataset)):
+    lines = plots.history(dataset)
+    assert len(lines) == len(times)
+    for k, artist in enumerate(lines):
         np.testing.assert_array_equal(artist.get_xdata(), times[k])
 
 
@@ -252,7 +254,9 @@ def test_curves_pass_through_their_resonance() -> None:
     dataset = synthetic.frequency_response(7, 10.0).isel(prestress=0)
     shape = dataset["resonance"]
     dataset["resonance_amplitude"] = shape.copy(data=np.full(shape.shape, 9.0))
-    for artist in plots.response(dataset):
+    curves = plots.response(dataset)
+    assert len(curves) == shape.size
+    for artist in curves:
         assert np.max(np.asarray(artist.get_ydata())) == 9.0
         assert (np.diff(np.asarray(artist.get_xdata())) >= 0).all()
 
@@ -292,11 +296,17 @@ def test_gaps_and_empty_members_draw() -> None:
         dataset[name].values[0, 0] = np.nan
         dataset[name].values[1, 1, 30:] = np.nan
     for draw in (plots.history, plots.phase):
-        png(figure_of(draw(dataset)))
+        lines = draw(dataset)
+        png(figure_of(lines))
+        drawn = [int(np.isfinite(np.asarray(line.get_ydata())).sum()) for line in lines]
+        assert drawn == [0, 61, 61, 30, 61, 61]
     response: Any = synthetic.frequency_response(7, 10.0).copy(deep=True)
     response["amplitude"].values[0, 0] = np.nan
     response["resonance"].values[0, 0] = np.nan
-    png(figure_of(plots.response(response)))
+    curves = plots.response(response)
+    png(figure_of(curves))
+    empty = [bool(np.isnan(np.asarray(curve.get_ydata())).all()) for curve in curves]
+    assert empty == [True, False, False, False, False, False]
 
 
 def test_a_curve_has_the_band_of_its_quantiles() -> None:

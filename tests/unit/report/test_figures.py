@@ -106,7 +106,9 @@ def test_no_peak_is_cut_off() -> None:
     dataset = synthetic.frequency_response(7, 10.0).copy(deep=True)
     dataset["amplitude"].values[1, 2, 3] = 5.0  # the last panel has the highest peak
     dataset["resonance"].values[1, 2] = float(dataset["omega"][3])
-    for axes in figures.figure_4(dataset).axes:
+    panels = figures.figure_4(dataset).axes
+    assert len(panels) == 2
+    for axes in panels:
         bottom, top = axes.get_ylim()
         assert bottom == 0.0
         assert top > 5.0
@@ -127,6 +129,7 @@ def test_pairs_of_sections_share_their_scale() -> None:
     axes = evidence_figures.compare_solvers(
         synthetic.two_tolerances(12), synthetic.drift(10.0)
     ).axes
+    assert len(axes) == 14
     for first, second in zip(axes[0:12:2], axes[1:12:2], strict=True):
         assert first.get_xlim() == second.get_xlim()
         assert first.get_ylim() == second.get_ylim()

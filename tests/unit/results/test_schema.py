@@ -63,6 +63,9 @@ def test_symbols_tell_the_coordinates_of_one_figure_apart() -> None:
 
 def test_frequencies_and_temperatures_have_their_units() -> None:
     """Kind and unit agree."""
+    assert {QuantityKind.TEMPERATURE, QuantityKind.FREQUENCY} <= {
+        row.kind for row in DESCRIPTIONS.values()
+    }
     for row in DESCRIPTIONS.values():
         assert (row.units == "K") == (row.kind is QuantityKind.TEMPERATURE), row.name
         if row.kind is QuantityKind.FREQUENCY:

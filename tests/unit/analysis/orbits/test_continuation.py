@@ -114,6 +114,7 @@ def test_curves_followed_together_are_those_followed_alone() -> None:
     x = np.array([0.0, 1.1, -1.3])
     starts = start(equations, np.stack([x, x**3 - x], axis=1), scale)
     together = continue_curves(equations, starts, settings)
+    assert len(together) == x.size
     for k, curve in enumerate(together):
         (alone,) = continue_curves(equations, starts.subset(slice(k, k + 1)), settings)
         np.testing.assert_array_equal(curve.points.unknown, alone.points.unknown)

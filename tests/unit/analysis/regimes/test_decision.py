@@ -277,6 +277,7 @@ def test_labels_do_not_depend_on_company() -> None:
     """Determinism: an orbit alone and among others has the same evidence, bit for bit."""
     r = np.array([2.8, 3.2, 3.5, 4.0, 3.65, 3.0, 2.95])[:, None]
     together = label(logistic, np.full((7, 1), 0.3), r, 300)
+    assert together.evidence.columns
     for k in range(7):
         alone = label(logistic, np.full((1, 1), 0.3), r[k : k + 1], 300)
         assert alone.regime[0] == together.regime[k]

@@ -30,6 +30,7 @@ def test_energy_balances(case: tuple[rm.Actuator, rm.SineSquared]) -> None:
 
 
 def test_a_free_block_only_loses() -> None:
+    """Without a load no work is done, and all stored energy is dissipated in the end."""
     damped = rm.Actuator(dissipation=rm.Rayleigh(0.1))
     ds = rm.energy_balance(damped, rm.Constant(0.0), duration=50.0, initial=(1.3, 0.0))
     assert not ds.drive_work.any()
@@ -38,6 +39,8 @@ def test_a_free_block_only_loses() -> None:
 
 
 def test_energy_is_stored_energy_and_that_in_the_field() -> None:
+    """The observable `energy` is the stored energy less m lambda_3, that of the magnet in the
+    field."""
     actuator, drive = rm.Actuator(temperature=350.0), rm.Sine(0.2, 1.1, mean=0.1)
     times = np.linspace(0.0, 30.0, 50)
     whole = rm.simulate(actuator, drive, times=times)
@@ -47,6 +50,7 @@ def test_energy_is_stored_energy_and_that_in_the_field() -> None:
 
 
 def test_the_mean_is_that_of_many_samples() -> None:
+    """The mean stretch is the integral of the history over its length."""
     actuator, drive = rm.Actuator(), rm.Sines([0.3], [1], 1.3)
     ds = rm.energy_balance(actuator, drive, periods=10)
     fine = rm.simulate(actuator, drive, times=np.linspace(0.0, float(ds.time[-1]), 20_001))

@@ -118,19 +118,6 @@ def test_bits_do_not_depend_on_the_processors(
     assert_bits(simulated(over=over), reference)
 
 
-def test_sections_do_not_depend_on_their_neighbours() -> None:
-    """A sweep of sections equals its own parts and its mirror image."""
-    omega = np.linspace(0.6, 2.2, 24)
-    drive = rm.SineSquared(0.9, 1.0)
-    body = rm.Actuator(c=0.1, temperature=350.0)
-    whole = rm.poincare_section(body, drive, periods=40, over={"omega": omega})
-    assert set(whole.status.values.tolist()) <= {1, 2}
-    for part in (slice(0, 5), slice(7, 8), slice(9, 24)):
-        some = rm.poincare_section(body, drive, periods=40, over={"omega": omega[part]})
-        for name in ("stretch", "stretch_rate", "error", "horizon", "status"):
-            np.testing.assert_array_equal(some[name].values, whole[name].values[part])
-
-
 def test_invalid_points_leave_the_others_alone() -> None:
     """Status invalid and NaN there; every other point keeps its bits."""
     good = [250.0, 300.0, 350.0]
@@ -143,16 +130,3 @@ def test_invalid_points_leave_the_others_alone() -> None:
     assert np.isnan(ds.energy.values[[1, 3, 5]]).all()
     for name in ("stretch", "energy", "error"):
         np.testing.assert_array_equal(ds[name].values[[0, 2, 4]], reference[name].values)
-
-
-def test_a_strongly_driven_motion_ends_at_its_horizon() -> None:
-    """Status horizon: numbers before it, NaN after it, never the last good value."""
-    ds = rm.simulate(rm.Actuator(), rm.SineSquared(2.5, 1.5), duration=600.0, tolerance=1e-9)
-    assert int(ds.status) == 2
-    horizon = float(ds.horizon)
-    assert 10.0 < horizon < 600.0
-    before = ds.time.values <= horizon
-    assert np.isfinite(ds.stretch.values[before]).all()
-    for name in ("stretch", "stretch_rate", "thickness_stretch", "energy"):
-        assert np.isnan(ds[name].values[~before]).all()
-    assert 0.0 < float(ds.error) <= 1e-9

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
 from scipy.optimize import brentq
 
 import remanent as rm
-from remanent._errors import InputError
 from remanent._typing import FloatArray
 
 MATERIALS = {
@@ -31,11 +28,9 @@ def slope_of_balance(x: float, S: float) -> float:
     return 3.0 * S * x**2 - 4.0 * x**3 - 2.0 * x**-3
 
 
-# Folds ----------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("S", [1.9, 2.2, 2.6])
 def test_folds_over_the_load_are_extremes_of_the_balancing_load(S: float) -> None:
+    """Equilibria fold where the load that balances a stretch has an extreme."""
     ds = rm.equilibria(rm.Actuator(prestress=S), over={"m": np.linspace(0.5, 6.0, 12)})
     peak = max(np.linspace(0.8, 2.0, 400), key=lambda x: slope_of_balance(x, S))
     roots = [
@@ -66,26 +61,14 @@ def test_folds_end_in_the_cusp() -> None:
     assert above.fold_stretch.values.mean() == pytest.approx(1.1650, abs=2e-4)
 
 
-def test_folds_are_found_for_each_of_the_other_fields() -> None:
-    loads = np.linspace(0.5, 6.0, 4)
-    over: dict[str, Any] = {"m": loads, "prestress": [1.0, 1.9, 2.2], "temperature": [293.0]}
-    ds = rm.equilibria(rm.Actuator(), over=over)
-    assert ds.fold_m.dims == ("prestress", "temperature", "fold")
-    single = rm.equilibria(rm.Actuator(prestress=2.2), over={"m": loads})
-    np.testing.assert_array_equal(ds.fold_m.values[2, 0], single.fold_m.values)
-    assert np.isnan(ds.fold_m.values[0]).all()
-
-
 def test_there_is_no_fold_without_prestress_or_under_the_rotation_law() -> None:
+    """Without prestress, or without a magnetic load, there is one equilibrium at every load."""
     loads = {"m": np.linspace(-5.0, 5.0, 5)}
     turned = rm.Actuator(prestress=2.2, magnet=rm.Magnet(law="rotation"))
     for actuator in (rm.Actuator(), turned):
         ds = rm.equilibria(actuator, over=loads)
         assert ds.sizes["fold"] == 0
         assert ds.sizes["equilibrium"] == 1
-
-
-# Equilibria of every material -----------------------------------------------------------
 
 
 @pytest.mark.parametrize("material", MATERIALS.values(), ids=MATERIALS.keys())
@@ -122,14 +105,12 @@ def test_equilibria_near_the_limit_of_the_chains_are_found(load: float) -> None:
     assert ds.stability.values.tolist() == ["stable"]
 
 
-# Snap through ---------------------------------------------------------------------------
-
-
 def energy(x: FloatArray | float, S: float, m: float) -> FloatArray | float:
     return x**2 + x**-4 / 2.0 - 2.0 * S * x - m * x**-2
 
 
 def test_threshold_is_where_the_saddle_has_the_energy_of_the_start() -> None:
+    """A step from rest passes the saddle from the load on at which their energies are equal."""
     S = 2.2
     thin = brentq(lambda x: x - x**-5 - S, 1.5, 3.0, xtol=1e-14)
     ds = rm.snap_through(rm.Actuator(prestress=S), "m", (1.0, 4.0), initial=thin)
@@ -168,29 +149,6 @@ def test_a_start_on_the_saddle_itself() -> None:
 
 
 def test_nothing_snaps_without_prestress() -> None:
+    """With one equilibrium at every load there is nothing to snap to."""
     ds = rm.snap_through(rm.Actuator(), "m", (-3.0, 10.0))
     assert (ds.sizes["fold"], ds.sizes["snap"]) == (0, 0)
-
-
-def test_thresholds_over_other_fields() -> None:
-    over = {"prestress": [-1.0, 1.9, 2.2], "c": [0.1, 1.0]}
-    ds = rm.snap_through(rm.Actuator(), "m", (1.0, 4.0), over=over, initial=1.9)
-    assert ds.snap_m.dims == ("prestress", "c", "snap")
-    np.testing.assert_array_equal(ds.snap_m[:, 0], ds.snap_m[:, 1])
-    assert np.isnan(ds.snap_m.values[0]).all()
-
-
-@pytest.mark.parametrize(
-    ("fields", "message"),
-    [
-        ({"actuator": rm.Actuator(dissipation=rm.Rayleigh(0.1))}, "no dissipation and no heat"),
-        ({"parameter": "load"}, "`parameter` must be one of"),
-        ({"parameter_range": (2.0, 1.0)}, "`parameter_range` must be the lowest and the highest"),
-        ({"over": {"m": [1.0]}}, "`over` must not hold m"),
-        ({"initial": -1.0}, "`initial` must have a stretch greater than 0"),
-    ],
-)
-def test_bad_arguments_are_explained(fields: dict[str, object], message: str) -> None:
-    given = {"actuator": rm.Actuator(), "parameter": "m", "parameter_range": (0.0, 1.0), **fields}
-    with pytest.raises(InputError, match=message):
-        rm.snap_through(**given)  # type: ignore[arg-type]

@@ -9,6 +9,7 @@ from typing import Any
 import mpmath
 import numpy as np
 import pytest
+from tests.unit.integrate.observed_order import WITHIN, order
 
 from remanent._typing import FloatArray
 from remanent.codegen.field import field_for
@@ -63,6 +64,34 @@ def test_runge_kutta_is_of_order_8_in_double_precision() -> None:
     errors = [max(abs(a - b) for a, b in zip(y, exact, strict=True)) for y in found]
     assert min(errors) > 1e-12
     np.testing.assert_allclose(slopes(errors), 8.0, atol=0.2)
+
+
+def local_errors(part: Any, steps: list[Any]) -> list[Any]:
+    """Errors of y' = y cos t after a step of length part * h from t = 0.3."""
+    method = cooper_verner_8(mpmath.sqrt, mpmath.mpf)
+    begin = mpmath.mpf("0.3")
+    errors = []
+    for h in steps:
+        length = part * h
+
+        def rates(node: int, y: list[Any], length: Any = length) -> list[Any]:
+            return [y[0] * mpmath.cos(begin + method.nodes[node] * length)]
+
+        exact = mpmath.exp(mpmath.sin(begin + length) - mpmath.sin(begin))
+        errors.append(abs(method.step(rates, [mpmath.mpf(1)], length)[0] - exact))
+    return errors
+
+
+@pytest.mark.parametrize("part", [0.1, 0.5, 0.9, 1.0])
+def test_order_of_a_step_in_fifty_digits(part: float) -> None:
+    """Whole steps, and the shorter ones that give states between them: O(h**9).
+
+    Law: Order of the methods.
+    """
+    with mpmath.workdps(50):
+        steps = [mpmath.mpf(2) ** -k for k in range(4, 9)]
+        errors = local_errors(mpmath.mpf(part), steps)
+    assert order([1 / float(h) for h in steps], errors) == pytest.approx(9.0, abs=WITHIN)
 
 
 def test_states_between_steps_have_the_order_of_a_step() -> None:

@@ -33,8 +33,6 @@ def test_energy_jumps_with_the_load() -> None:
     """At a step the energy is that of the load that begins: -m lambda**-2 jumps."""
     times = [0.0, 1.0 - 1e-9, 1.0]
     ds = rm.simulate(rm.Actuator(), rm.Steps([0.0, 1.0], [0.0, 0.5]), times=[*times, 2.0])
-    assert (
-        float(ds.energy[1]) == float(ds.energy[0]) or abs(float(ds.energy[1] - ds.energy[0])) < 1e-8
-    )
+    assert abs(float(ds.energy[1] - ds.energy[0])) < 1e-8
     jump = float(ds.energy[2] - ds.energy[1])
     assert abs(jump + 0.5 * float(ds.stretch[2]) ** -2) < 1e-8

@@ -56,7 +56,5 @@ def test_where_the_bound_is_not_met_there_is_no_amplitude() -> None:
         duration=200.0,
         resonance_width=10.0,
     )
-    short = ds.status.values == 2
-    assert short.any()
-    assert np.isnan(ds.amplitude.values[short]).all()
-    assert np.isfinite(ds.amplitude.values[ds.status.values == 1]).all()
+    assert ds.status.values.tolist() == [1, 1, 2, 2]
+    assert np.isfinite(ds.amplitude.values).tolist() == [True, True, False, False]

@@ -12,9 +12,7 @@ import remanent as rm
 from remanent._field import Field, Role, StateVariable
 from remanent.codegen import reference
 from remanent.codegen.field import field_for
-from remanent.derivation.derive import derive
 from remanent.integrate.variations import tangent, transverse_field, with_integrals
-from remanent.models.system import System
 
 DRIVE = rm.Constant(0.0)
 ACTUATORS: dict[str, rm.Actuator] = {
@@ -25,6 +23,8 @@ ACTUATORS: dict[str, rm.Actuator] = {
         prestress=(0.0, 0.0), dissipation=rm.Zener(0.5, 2.0), heat=rm.Heat(exchange=0.1)
     ),
 }
+
+
 every = pytest.mark.parametrize("actuator", ACTUATORS.values(), ids=ACTUATORS.keys())
 
 
@@ -110,30 +110,3 @@ def test_variations_are_marked() -> None:
     assert [v.belongs_to for v in difference.variables[2:]] == ["stretch_1", "stretch_1_rate"]
     assert {v.role for v in (*tangents, *difference.variables[2:])} == {Role.VARIATION}
     assert with_integrals(both, ["drive_power"]).variables[-1].role is Role.INTEGRAL
-
-
-def test_an_actuator_is_a_system() -> None:
-    """It has all that verbs ask for; a drive, a material and a number do not."""
-    assert isinstance(rm.Actuator(), System)
-    assert not any(isinstance(x, System) for x in (DRIVE, rm.Steps([0.0], [0.1]), rm.Gent(9.0), 1))
-
-
-def test_a_system_without_a_derivation_is_refused() -> None:
-    """The message says which kind has none."""
-    with pytest.raises(rm.InputError, match="No derivation is registered for object"):
-        derive(object(), DRIVE)
-
-
-class TwoLoads(rm.Constant):
-    """A drive that gives loads which an actuator does not have."""
-
-    @property
-    def load_names(self) -> tuple[str, ...]:
-        """Two names."""
-        return ("left", "right")
-
-
-def test_a_drive_gives_the_loads_of_its_system() -> None:
-    """Their names are compared, before anything is derived."""
-    with pytest.raises(rm.InputError, match=r"give the loads of the system: load; got left, right"):
-        field_for(rm.Actuator(), TwoLoads(0.1))

@@ -1,17 +1,18 @@
-"""Progress is told by a bar, by a function, or not at all; seeds decide what is drawn."""
+"""Progress is told by a bar, by a function, or not at all."""
 
 from __future__ import annotations
 
 import sys
+from typing import Any
 
 import numpy as np
 import pytest
 
 import remanent as rm
-from remanent.studies.ensemble.checks import as_seed
 from remanent.studies.ensemble.progress import as_progress, within
 
 BODY, DRIVE = rm.Actuator(), rm.SineSquared(0.4, 1.25)
+DAMPED = rm.Actuator(dissipation=rm.Rayleigh(0.2))
 
 
 def test_a_function_is_told_the_share_that_is_done() -> None:
@@ -64,11 +65,21 @@ def test_a_part_of_the_work_reports_its_share_of_the_whole() -> None:
     assert within(None, slice(0, 1), 1) is None
 
 
-def test_seeds() -> None:
-    """Nothing is one fixed seed, a number is itself, a generator is asked and left as it is."""
-    assert as_seed(None) == as_seed(None) == as_seed(0)
-    assert as_seed(5) == 5
-    generator = np.random.default_rng(1)
-    assert as_seed(generator) == as_seed(generator) == as_seed(np.random.default_rng(1))
-    generator.integers(2)
-    assert as_seed(generator) != as_seed(np.random.default_rng(1))
+def test_verbs_of_long_runs_tell_their_progress_up_to_the_end() -> None:
+    """Shares grow and the last of them is 1, for every verb of long runs."""
+    over = {"omega": [1.25, 1.3]}
+    calls: dict[str, Any] = {
+        "lyapunov": lambda f: rm.lyapunov(DAMPED, DRIVE, periods=100, over=over, progress=f),
+        "classify": lambda f: rm.classify(DAMPED, DRIVE, periods=100, over=over, progress=f),
+        "symmetry_check": lambda f: rm.symmetry_check(
+            DAMPED, DRIVE, periods=50, over=over, progress=f
+        ),
+        "bifurcation_diagram": lambda f: rm.bifurcation_diagram(
+            DAMPED, DRIVE, "b", [0.3, 0.4], discard=10, keep=1, progress=f
+        ),
+    }
+    for name, call in calls.items():
+        shares: list[float] = []
+        call(shares.append)
+        assert shares == sorted(shares), name
+        assert shares[-1] == 1.0, name

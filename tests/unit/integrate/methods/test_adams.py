@@ -1,0 +1,81 @@
+"""The formulas of the Adams method: published coefficients, and their order.
+
+Law: Order of the methods.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+from tests.unit.integrate.observed_order import WITHIN, order
+
+from remanent.integrate.methods.adams import adams
+
+
+def test_coefficients_of_adams_are_the_published_ones() -> None:
+    """The Adams-Bashforth formula of order 8 and the next term of its series.
+
+    Law: Order of the methods.
+    """
+    numerators = [434241, -1152169, 2183877, -2664477, 2102243, -1041723, 295767, -36799]
+    published = [float(Fraction(n, 120960)) for n in numerators]
+    np.testing.assert_allclose(adams(8).single, published, rtol=1e-15)
+    assert adams(8).single_correction == float(Fraction(1070017, 3628800))
+
+
+def test_the_next_terms_are_integrals_of_newtons_polynomial() -> None:
+    """The integral of s (s + 1) ... (s + 7)/8! over a step, and its double integral.
+
+    Law: Order of the methods.
+    """
+
+    def newton(s: Any) -> Any:
+        return mpmath.rf(s, 8) / mpmath.factorial(8)
+
+    single = mpmath.quad(newton, [0, 1])
+    double = mpmath.quad(lambda s: (1 - s) * newton(s), [0, 1])
+    assert adams(8).single_correction == pytest.approx(float(single), rel=1e-14)
+    assert adams(8).double_correction == pytest.approx(float(double), rel=1e-14)
+
+
+def adams_march(steps: int) -> Any:
+    """Error of the limit cycle after 2 units of time, in fifty digits, from exact past rates.
+
+    The formulas of the kernel are written out once more; its rounded weights are quotients
+    of integers below 10**8, which are found again.
+    """
+    method, number = adams(8), mpmath.mpf
+
+    def exact(weights: Any) -> list[Any]:
+        parts = [Fraction(w).limit_denominator(10**8) for w in weights]
+        return [number(p.numerator) / p.denominator for p in parts]
+
+    single, double, difference = map(exact, (method.single, method.double, method.difference))
+    correction = exact([method.double_correction, method.single_correction])
+    h = number(2) / steps
+    q, v = mpmath.cos(7 * h), -mpmath.sin(7 * h)
+    past = [-mpmath.cos(j * h) for j in range(7, -1, -1)]
+    for _ in range(steps - 7):
+        guess = q + h * (v + h * mpmath.fdot(double, past)), v + h * mpmath.fdot(single, past)
+        surprise = acceleration(*guess) + mpmath.fdot(difference, past)
+        q, v = guess[0] + h * h * surprise * correction[0], guess[1] + h * surprise * correction[1]
+        past = [acceleration(q, v), *past[:-1]]
+    return max(abs(q - mpmath.cos(2)), abs(v + mpmath.sin(2)))
+
+
+def acceleration(q: Any, v: Any) -> Any:
+    """Of the limit cycle."""
+    return -q + (1 - q * q - v * v) * v / 2
+
+
+def test_order_of_adams_in_fifty_digits() -> None:
+    """Order of the methods: the formulas of the kernel are of order 9, with exact weights."""
+    levels = [100, 200, 400]
+    with mpmath.workdps(50):
+        errors = [adams_march(n) for n in levels]
+    assert max(errors) < 1e-12
+    assert order(levels, errors) == pytest.approx(9.0, abs=WITHIN)

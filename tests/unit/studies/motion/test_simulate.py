@@ -1,0 +1,52 @@
+"""Histories: the error that is told, and where they end."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from tests.physics.block import Block
+
+import remanent as rm
+
+
+def test_a_strongly_driven_motion_ends_at_its_horizon() -> None:
+    """Status horizon: numbers before it, NaN after it, never the last good value."""
+    ds = rm.simulate(rm.Actuator(), rm.SineSquared(2.5, 1.5), duration=600.0, tolerance=1e-9)
+    assert int(ds.status) == 2
+    horizon = float(ds.horizon)
+    assert 10.0 < horizon < 600.0
+    before = ds.time.values <= horizon
+    assert np.isfinite(ds.stretch.values[before]).all()
+    for name in ("stretch", "stretch_rate", "thickness_stretch", "energy"):
+        assert np.isnan(ds[name].values[~before]).all()
+    assert 0.0 < float(ds.error) <= 1e-9
+
+
+@pytest.mark.parametrize("tolerance", [1e-5, 1e-8])
+def test_bounds_hold_at_loose_tolerances(tolerance: float) -> None:
+    """The true error is at most the error that is told, and that is at most the tolerance.
+
+    Law: Coverage.
+    """
+    times, drive = np.linspace(0.0, 6.0, 13), rm.Sine(0.3, 1.7, 0.1, 0.4)
+    block = Block(
+        loads=(0.3, 0.0),
+        branches=((0.5, 1.3),),
+        theta=0.8,
+        m=lambda t: 0.1 + 0.3 * math.sin(1.7 * t + 0.4),
+        m_rate=lambda t: 0.3 * 1.7 * math.cos(1.7 * t + 0.4),
+    )
+    actuator = rm.Actuator(
+        prestress=(0.3, 0.0),
+        dissipation=rm.Zener(0.5, 1.3),
+        temperature=300.0 * 0.8,
+        reference_temperature=300.0,
+    )
+    ds = rm.simulate(actuator, drive, times=times, tolerance=tolerance)
+    names = ["stretch_1", "stretch_1_rate", "stretch_2", "stretch_2_rate"]
+    names += [f"dissipation.0.viscous_stretch_{k}" for k in (1, 2)]
+    states = np.stack([ds[name].values for name in names], axis=1)
+    true = np.abs(states - block.run(times)[:, :6]).max()
+    assert true <= float(ds.error) <= tolerance

@@ -1,0 +1,27 @@
+"""Boxes of states: what they default to, and what is refused."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import remanent as rm
+from remanent.studies.ensemble.layout import lay_out
+from remanent.studies.orbits._checks import require_state_box
+
+DRIVE = rm.SineSquared(0.4, 1.25)
+WARM = rm.Actuator(heat=rm.Heat(1e-3, exchange=0.1), dissipation=rm.Rayleigh(0.1))
+
+
+def test_a_box_without_a_temperature_is_refused_by_name() -> None:
+    """NaN around the body leaves no default; a given pair needs none."""
+    ens = lay_out(WARM, DRIVE, {"temperature": [np.nan, 300.0]})
+    assert require_state_box("state_box", None, ens)[-1].tolist() == [295.0, 305.0]
+    with pytest.raises(rm.InputError, match=r"^`box` must name state variables, stretch"):
+        require_state_box("box", {"strech": (0.3, 4.0)}, ens)
+    with pytest.raises(rm.InputError, match=r"^`box` must give stretch a lower"):
+        require_state_box("box", {"stretch": (4.0, 0.3)}, ens)
+    ds = rm.periodic_orbits(WARM, DRIVE, over={"temperature": [np.nan, 300.0]})
+    assert ds.status.values.tolist() == [rm.Status.INVALID, rm.Status.OK]
+    assert ds.orbits.values.tolist()[0] == 0
+    assert ds.orbits.values.tolist()[1] > 0

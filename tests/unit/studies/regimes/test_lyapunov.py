@@ -1,0 +1,68 @@
+"""Exponents of actuators that are known."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import remanent as rm
+
+DRIVE = rm.SineSquared(0.4, 1.25)
+DAMPED = rm.Actuator(dissipation=rm.Rayleigh(0.2))
+
+
+def test_exponents_of_an_undamped_actuator_are_a_pair() -> None:
+    """Their sum is what M(start)/M(end) leaves over, and tends to 0 as the run grows."""
+    ds = rm.lyapunov(rm.Actuator(), rm.SineSquared(2.0, 0.85), periods=400, count=2)
+    assert ds.exponent.dims == ("exponent_number",)
+    length = 0.9 * 400 * float(ds.drive_period)
+    assert abs(float(ds.exponent.sum())) < np.log(3.0) / length
+    assert ds.exponent_history.dims == ("period", "exponent_number")
+
+
+def test_exponents_at_rest_are_those_of_the_equilibrium() -> None:
+    """A load of nothing: -3 eta/(2 M) and the pair's real part; M = 3 at c = 1."""
+    eta = 0.2
+    ds = rm.lyapunov(
+        rm.Actuator(dissipation=rm.Rayleigh(eta)), rm.SineSquared(0.0, 1.0), periods=400, count=2
+    )
+    exact = -3.0 * eta / (2.0 * 3.0)
+    np.testing.assert_allclose(ds.exponent, exact, atol=3e-3)
+    assert float(ds.exponent.mean()) == pytest.approx(exact, abs=1e-8)
+
+
+def test_an_overdamped_equilibrium_has_two_exponents() -> None:
+    """M s^2 + 3 eta s + 18 = 0 at rest, with real roots: 1 % and better."""
+    eta = 8.0
+    body = rm.Actuator(dissipation=rm.Rayleigh(eta))
+    ds = rm.lyapunov(body, rm.SineSquared(0.0, 2.0), periods=200, count=2)
+    np.testing.assert_allclose(ds.exponent, np.sort(np.roots([3.0, 3.0 * eta, 18.0]))[::-1],
+                               rtol=1e-6)  # fmt: skip
+
+
+def test_one_exponent_at_rest_is_known_although_the_state_needs_no_steps() -> None:
+    """The state stands still at any step; the tangent, judged where steps matter, does not."""
+    eta = 8.0
+    body = rm.Actuator(dissipation=rm.Rayleigh(eta))
+    ds = rm.lyapunov(body, rm.SineSquared(0.0, 2.0), periods=400)
+    exact = float(np.roots([3.0, 3.0 * eta, 18.0]).max())
+    assert abs(float(ds.exponent) - exact) <= float(ds.exponent_error) + 1e-12
+    assert float(ds.exponent_error) < 1e-6
+
+
+def test_an_invalid_point_does_not_stop_the_rest() -> None:
+    """A failure is a status, then NaN, at its own point only."""
+    over = {"omega": xr.DataArray([-1.0, 1.25], dims="case")}
+    ds = rm.lyapunov(DAMPED, DRIVE, periods=120, over=over)
+    assert ds.status.values.tolist() == [4, 1]
+    assert np.isnan(ds.exponent[0])
+    assert np.isfinite(ds.exponent[1])
+
+
+def test_bad_arguments_say_what_to_do() -> None:
+    """Bad input: the message names the argument that was passed."""
+    with pytest.raises(rm.InputError, match="`periods`"):
+        rm.lyapunov(DAMPED, DRIVE, periods=0)
+    with pytest.raises(rm.InputError, match="at most 2"):
+        rm.lyapunov(DAMPED, DRIVE, periods=10, count=3)
