@@ -129,7 +129,7 @@ def test_rayleigh_damping_joins_the_bracket() -> None:
 
 def power(system: Any) -> Any:
     """Rate of the energy along the motion."""
-    rates = dict(zip(system.state, system.rates, strict=True))
+    rates = dict(zip(system.state_symbols, system.rates, strict=True))
     energy = written_out(system.observables["energy"], system)
     return written_out(time_derivative(energy, rates), system)
 
