@@ -29,7 +29,7 @@ from remanent._typing import FloatArray
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Outcome, Request
 from remanent.models.drives.base import Drive
-from remanent.studies.ensemble.layout import lay_out
+from remanent.studies.ensemble.layout import lay_out_ensemble
 from remanent.studies.ensemble.problem import initial_value_problem
 
 #: Results and pages are written below it.
@@ -158,7 +158,9 @@ class Group:
     def computed(self) -> Outcome:
         """What the package answers."""
         over = {name: xr.DataArray(v, dims="case") for name, v in self.values.items()}
-        problem = initial_value_problem(lay_out(self.actuator, self.drive, over), self.duration)
+        problem = initial_value_problem(
+            lay_out_ensemble(self.actuator, self.drive, over), self.duration
+        )
         request = Request(times=self.times())
         if self.kind.extremes:
             request = Request(wants_extremes=True, extremes_begin=self.begin())

@@ -25,7 +25,7 @@ from remanent.analysis.orbits.correction import correct_points
 from remanent.analysis.orbits.curves import Curve
 from remanent.analysis.orbits.orbit_equations import orbit_equations
 from remanent.analysis.orbits.stability import floquet_multipliers
-from remanent.studies.ensemble.layout import lay_out
+from remanent.studies.ensemble.layout import lay_out_ensemble
 from remanent.studies.orbits._period_map import StroboscopicMap
 
 #: Step along the branch, with which as many points as AUTO's cover the same part of it.
@@ -78,7 +78,9 @@ def measure(plan: Plan) -> dict[str, Any]:
 
 def _defect(states: FloatArray, omega: FloatArray) -> float:
     """Largest distance between the ends of an orbit of the single branch after a period."""
-    ens = lay_out(rm.Actuator(temperature=auto07p.TEMPERATURE), rm.SineSquared(auto07p.B, _HIGH))
+    ens = lay_out_ensemble(
+        rm.Actuator(temperature=auto07p.TEMPERATURE), rm.SineSquared(auto07p.B, _HIGH)
+    )
     image = StroboscopicMap(ens, ("omega",), _JUDGING_TOLERANCE).run(states, omega[:, None], 1)
     return float(np.abs(image.state - states).max())
 
@@ -111,9 +113,9 @@ def _timed(work: Callable[[], list[Curve]], repeats: int) -> dict[str, Any]:
 
 def _traced(cases: FloatArray, block: int, tolerance: float) -> list[Curve]:
     """The branch of the smallest orbit of every actuator, down from the highest frequency."""
-    ens = lay_out(rm.Actuator(), rm.SineSquared(0.4, _HIGH))
+    ens = lay_out_ensemble(rm.Actuator(), rm.SineSquared(0.4, _HIGH))
     held = ("temperature", "prestress")
-    map_ = StroboscopicMap(ens, (*held, "omega"), 0.5 * tolerance, held=held)
+    map_ = StroboscopicMap(ens, (*held, "omega"), 0.5 * tolerance, undifferentiated_names=held)
     equations = orbit_equations(map_, 1)
     scale = np.array([1.0, 1.0, 100.0, 1.0, _HIGH - _LOW])
     rest = np.array([_equilibrium(t / 293.0, s) for t, s in cases])

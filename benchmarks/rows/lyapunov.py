@@ -22,7 +22,7 @@ from benchmarks.rows.plan import Plan
 from benchmarks.tools import pynamicalsys_rk45
 from remanent._typing import FloatArray
 from remanent.integrate.maps.period_map import PeriodMap
-from remanent.studies.ensemble.layout import lay_out
+from remanent.studies.ensemble.layout import lay_out_ensemble
 from remanent.studies.ensemble.problem import initial_value_problem
 
 #: Drive periods over which exponents are averaged.
@@ -130,7 +130,7 @@ def _ours(
 ) -> Callable[[float], tuple[FloatArray, FloatArray]]:
     """States after a period, and its length, by the map that the verb iterates."""
     over = {name: xr.DataArray(starts[name], dims="case") for name in ("omega", "b")}
-    problem = initial_value_problem(lay_out(hot, drive, over), np.ones(_STARTS))
+    problem = initial_value_problem(lay_out_ensemble(hot, drive, over), np.ones(_STARTS))
     flow = PeriodMap(problem.field, problem.timeline.waveform, directions=1, error_control="state")
     states, length = np.column_stack([starts["x"], starts["v"]]), np.pi / starts["omega"]
 

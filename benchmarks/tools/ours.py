@@ -10,7 +10,7 @@ from benchmarks.tools.tool import TOLERANCES, Package, Run, Tool, clocked
 from remanent._typing import FloatArray
 from remanent.integrate.ensemble.ensemble import integrate_without_error_bound
 from remanent.integrate.ensemble.problem import Problem, Request
-from remanent.studies.ensemble.layout import lay_out
+from remanent.studies.ensemble.layout import lay_out_ensemble
 from remanent.studies.ensemble.problem import initial_value_problem
 
 
@@ -21,7 +21,7 @@ def actuator(job: Job) -> rm.Actuator:
 
 def response_problem(job: Job, omegas: FloatArray) -> Problem:
     """The initial value problems of a job, in plain arrays."""
-    ens = lay_out(actuator(job), rm.SineSquared(job.b, 1.0), {"omega": omegas})
+    ens = lay_out_ensemble(actuator(job), rm.SineSquared(job.b, 1.0), {"omega": omegas})
     return initial_value_problem(ens, np.full(omegas.size, job.window))
 
 

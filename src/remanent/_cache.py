@@ -18,8 +18,8 @@ from typing import Final
 
 from platformdirs import user_cache_path
 
-_HEADER: Final = b"remanent-cache-1 "
-_NAME: Final = re.compile(r"[A-Za-z0-9_-]{1,128}")
+_ENTRY_HEADER: Final = b"remanent-cache-1 "
+_ENTRY_NAME_PATTERN: Final = re.compile(r"[A-Za-z0-9_-]{1,128}")
 
 
 def source_digest(*parts: str) -> str:
@@ -48,15 +48,15 @@ def load_bytes(kind: str, key: str) -> bytes | None:
     kind, key
         Letters, digits, ``-`` and ``_``: a family of entries, and the entry.
     """
-    path = _path(kind, key)
+    path = _entry_path(kind, key)
     try:
-        if not _private(path.parent):
+        if not _is_private_folder(path.parent):
             return None
         content = path.read_bytes()
     except OSError:
         return None
     header, _, data = content.partition(b"\n")
-    return data if header == _checksum(data) else None
+    return data if header == _header_with_checksum(data) else None
 
 
 def store_bytes(kind: str, key: str, data: bytes) -> bool:
@@ -64,14 +64,14 @@ def store_bytes(kind: str, key: str, data: bytes) -> bool:
 
     The entry appears whole or not at all, also when two processes store it at once.
     """
-    path = _path(kind, key)
+    path = _entry_path(kind, key)
     try:
         path.parent.parent.parent.mkdir(parents=True, exist_ok=True)
         for folder in (path.parent.parent, path.parent):
             folder.mkdir(mode=0o700, exist_ok=True)
-        if not _private(path.parent):
+        if not _is_private_folder(path.parent):
             return False
-        _replace(path, _checksum(data) + b"\n" + data)
+        _write_atomically(path, _header_with_checksum(data) + b"\n" + data)
     except OSError:
         return False
     return True
@@ -93,29 +93,29 @@ def store_text(kind: str, key: str, text: str) -> bool:
     return store_bytes(kind, key, text.encode())
 
 
-def directory() -> Path:
+def cache_directory() -> Path:
     """The directory of the cache; it may not exist."""
     chosen = os.environ.get("REMANENT_CACHE_DIR")
     return Path(chosen) if chosen else user_cache_path("remanent")
 
 
-def _path(kind: str, key: str) -> Path:
+def _entry_path(kind: str, key: str) -> Path:
     for name in (kind, key):
-        if not _NAME.fullmatch(name):
+        if not _ENTRY_NAME_PATTERN.fullmatch(name):
             raise ValueError(f"not a name for a cache entry: {name!r}")
-    return directory() / kind / key
+    return cache_directory() / kind / key
 
 
-def _checksum(data: bytes) -> bytes:
-    return _HEADER + hashlib.sha256(data).hexdigest().encode()
+def _header_with_checksum(data: bytes) -> bytes:
+    return _ENTRY_HEADER + hashlib.sha256(data).hexdigest().encode()
 
 
-def _private(folder: Path) -> bool:
+def _is_private_folder(folder: Path) -> bool:
     """Whether the folder and its parent, the cache, are ours and only ours to write."""
-    return all(_ours(part.lstat()) for part in (folder, folder.parent))
+    return all(_is_writable_only_by_user(part.lstat()) for part in (folder, folder.parent))
 
 
-def _ours(status: os.stat_result) -> bool:
+def _is_writable_only_by_user(status: os.stat_result) -> bool:
     if not stat.S_ISDIR(status.st_mode):
         return False
     if os.name != "posix":
@@ -123,7 +123,7 @@ def _ours(status: os.stat_result) -> bool:
     return status.st_uid == os.getuid() and not status.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
 
 
-def _replace(path: Path, content: bytes) -> None:
+def _write_atomically(path: Path, content: bytes) -> None:
     handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=".new-")
     try:
         with os.fdopen(handle, "wb") as file:

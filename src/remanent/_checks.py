@@ -13,9 +13,9 @@ from remanent._errors import InputError
 from remanent._typing import ArrayLike, BoolArray, FloatArray
 
 #: Kinds of NumPy data that are real numbers: truth values, integers, floats.
-_REAL_KINDS = "biuf"
+_REAL_DTYPE_KINDS = "biuf"
 #: How the least number of entries is said in a message.
-_NUMERALS = {1: "one", 2: "two"}
+_NUMBER_WORDS = {1: "one", 2: "two"}
 
 
 @dataclass(frozen=True)
@@ -36,24 +36,24 @@ class Rule:
     why: str
     fix: str
 
-    def satisfied(self, values: ArrayLike) -> BoolArray:
+    def is_satisfied_by(self, values: ArrayLike) -> BoolArray:
         """Elementwise: whether each of `values` is finite and satisfies the rule."""
         array = np.asarray(values, dtype=np.float64)
         finite = np.isfinite(array)
         return np.asarray(finite & self.holds(np.where(finite, array, 0.0)))
 
 
-def finite(reason: str, remedy: str = "Pass a finite number.") -> Rule:
+def finite_rule(reason: str, remedy: str = "Pass a finite number.") -> Rule:
     """The rule that every finite number satisfies."""
     return Rule("be a finite number", lambda x: np.ones_like(x, dtype=np.bool_), reason, remedy)
 
 
-def positive(reason: str, remedy: str) -> Rule:
+def positive_rule(reason: str, remedy: str) -> Rule:
     """The rule that finite numbers above zero satisfy."""
     return Rule("be a finite number greater than 0", lambda x: x > 0, reason, remedy)
 
 
-def not_negative(reason: str, remedy: str) -> Rule:
+def not_negative_rule(reason: str, remedy: str) -> Rule:
     """The rule that zero and finite numbers above it satisfy."""
     return Rule("be a finite number, at least 0", lambda x: x >= 0, reason, remedy)
 
@@ -77,7 +77,7 @@ def require_real(name: str, value: object, rule: Rule) -> float:
             fix="For many values pass over={...} to the verb; for units use from_si.",
         )
     number = _to_float(value)
-    if not rule.satisfied(number):
+    if not rule.is_satisfied_by(number):
         raise InputError(name, must=rule.must, got=value, why=rule.why, fix=rule.fix)
     return number
 
@@ -114,7 +114,7 @@ def require_choice(name: str, value: object, choices: Sequence[str]) -> str:
     return value
 
 
-def require_known(names: Iterable[str], known: Iterable[str], owner: str) -> None:
+def require_known_names(names: Iterable[str], known: Iterable[str], owner: str) -> None:
     """Raise if one of `names` is not among the `known` fields of `owner`."""
     fields = list(known)
     for name in names:
@@ -128,7 +128,7 @@ def require_known(names: Iterable[str], known: Iterable[str], owner: str) -> Non
             )
 
 
-def require_names(name: str, value: object, known: Iterable[str], owner: str) -> list[str]:
+def require_field_names(name: str, value: object, known: Iterable[str], owner: str) -> list[str]:
     """Names of numeric fields, at least one, of which a single one may stand by itself.
 
     Parameters
@@ -150,11 +150,13 @@ def require_names(name: str, value: object, known: Iterable[str], owner: str) ->
     }
     if not isinstance(names, Iterable) or not (entries := list(names)):
         raise InputError(
-            name, must=f"name fields of {owner}, at least one", got=shortened(value), **message
+            name, must=f"name fields of {owner}, at least one", got=shortened_repr(value), **message
         )
     for entry in entries:
         if not isinstance(entry, str) or entry not in fields:
-            raise InputError(name, must=f"name fields of {owner}", got=shortened(entry), **message)
+            raise InputError(
+                name, must=f"name fields of {owner}", got=shortened_repr(entry), **message
+            )
     return entries
 
 
@@ -164,7 +166,7 @@ def require_mapping(name: str, value: object, *, what: str, fix: str) -> Mapping
         raise InputError(
             name,
             must=f"be a mapping of {what}",
-            got=shortened(value),
+            got=shortened_repr(value),
             why="What is not named keeps its usual value.",
             fix=fix,
         )
@@ -177,7 +179,7 @@ def require_flag(name: str, value: object) -> bool:
         raise InputError(
             name,
             must="be True or False",
-            got=shortened(value),
+            got=shortened_repr(value),
             why="It switches a part of the work on.",
             fix="Pass True or False.",
         )
@@ -231,7 +233,7 @@ def as_float_array(
         array = np.asarray(value)
     except (TypeError, ValueError, OverflowError):  # rows of different lengths, among others
         array = np.empty(0, dtype=np.object_)
-    sound = array.dtype.kind in _REAL_KINDS and array.size >= least
+    sound = array.dtype.kind in _REAL_DTYPE_KINDS and array.size >= least
     sound = sound and (ndim is None or array.ndim == ndim)
     if sound:
         floats = np.array(array, dtype=np.float64)
@@ -241,8 +243,8 @@ def as_float_array(
     raise InputError(
         name,
         must=f"be {shape}{'finite' if finite else 'real'} numbers ({what})"
-        + (f", at least {_NUMERALS.get(least, str(least))}" if least else ""),
-        got=shortened(value),
+        + (f", at least {_NUMBER_WORDS.get(least, str(least))}" if least else ""),
+        got=shortened_repr(value),
         why=why,
         fix=fix,
     )
@@ -283,7 +285,7 @@ def require_named_numbers(name: str, values: object, rule: Rule) -> tuple[tuple[
             raise InputError(
                 name,
                 must="be a mapping of names to numbers",
-                got=shortened(values),
+                got=shortened_repr(values),
                 why="Each number is a field of the model, under its name.",
                 fix='Pass for example {"a": 0.5}.',
             )
@@ -303,24 +305,24 @@ def require_increasing(name: str, values: object, *, what: str, why: str) -> Flo
         What they are, in the plural, and a sentence on why they are needed.
     """
     numbers = require_numbers(name, values, what=what, why=why)
-    if not increases(numbers):
+    if not is_increasing(numbers):
         raise InputError(
             name,
             must="increase from each entry to the next",
-            got=shortened(numbers.tolist()),
+            got=shortened_repr(numbers.tolist()),
             why="Unsorted or repeated entries have no unique meaning.",
             fix="Sort them and remove duplicates.",
         )
     return numbers
 
 
-def increases(values: FloatArray) -> bool:
+def is_increasing(values: FloatArray) -> bool:
     """Whether entries are finite and each is greater than the one before; little memory."""
     ends = values.size and np.isfinite(values[[0, -1]]).all()
     return bool(ends and (values[1:] > values[:-1]).all())
 
 
-def broken(rules: Mapping[str, Rule], values: Mapping[str, ArrayLike]) -> BoolArray:
+def is_rule_broken(rules: Mapping[str, Rule], values: Mapping[str, ArrayLike]) -> BoolArray:
     """Where a batch of parameter values breaks a rule.
 
     Parameters
@@ -338,11 +340,11 @@ def broken(rules: Mapping[str, Rule], values: Mapping[str, ArrayLike]) -> BoolAr
     invalid = np.zeros((), dtype=np.bool_)
     for name, value in values.items():
         if name in rules:
-            invalid = invalid | ~rules[name].satisfied(value)
+            invalid = invalid | ~rules[name].is_satisfied_by(value)
     return np.asarray(invalid)
 
 
-def shortened(values: object) -> str:
+def shortened_repr(values: object) -> str:
     """`values` as they are written, on one line of at most 80 characters."""
     text = " ".join(repr(values).split())
     return text if len(text) <= 80 else f"{text[:77]}..."

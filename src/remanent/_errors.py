@@ -33,10 +33,10 @@ class InputError(RemanentError, ValueError):
 
     def __reduce__(self) -> tuple[Callable[..., InputError], tuple[str, ...]]:
         """Keywords do not survive pickling by themselves, as workers of a pool need."""
-        return _restored, (self.name, self.must, str(self.got), self.why, self.fix)
+        return _restore_input_error, (self.name, self.must, str(self.got), self.why, self.fix)
 
 
-def _restored(name: str, must: str, got: str, why: str, fix: str) -> InputError:
+def _restore_input_error(name: str, must: str, got: str, why: str, fix: str) -> InputError:
     return InputError(name, must=must, got=got, why=why, fix=fix)
 
 

@@ -19,7 +19,7 @@ from types import MappingProxyType
 from typing import Any
 
 #: Binary operations, with the Python operator each stands for.
-BINARY: Mapping[str, Callable[[Any, Any], Any]] = MappingProxyType(
+BINARY_OPERATOR_OF_OPERATION: Mapping[str, Callable[[Any, Any], Any]] = MappingProxyType(
     {
         "add": add,
         "sub": sub,
@@ -28,7 +28,7 @@ BINARY: Mapping[str, Callable[[Any, Any], Any]] = MappingProxyType(
     }
 )
 #: Unary operations: ``neg`` and functions looked up by name on the `functions` argument.
-UNARY = frozenset({"neg", "sqrt", "exp", "log", "sin", "cos", "atan"})
+UNARY_OPERATIONS = frozenset({"neg", "sqrt", "exp", "log", "sin", "cos", "atan"})
 
 
 @dataclass(frozen=True)
@@ -40,18 +40,26 @@ class Program:
     ``(operation, slot, slot)`` and may use earlier slots only.
     """
 
-    inputs: tuple[str, ...]
+    input_names: tuple[str, ...]
     constants: tuple[float, ...]
-    code: tuple[tuple[str, int] | tuple[str, int, int], ...]
-    outputs: tuple[int, ...]
+    instructions: tuple[tuple[str, int] | tuple[str, int, int], ...]
+    output_slots: tuple[int, ...]
 
     def __post_init__(self) -> None:
-        first = len(self.inputs) + len(self.constants)
-        for position, (operation, *operands) in enumerate(self.code):
-            arity = 2 if operation in BINARY else 1 if operation in UNARY else 0
+        first = len(self.input_names) + len(self.constants)
+        for position, (operation, *operands) in enumerate(self.instructions):
+            arity = (
+                2
+                if operation in BINARY_OPERATOR_OF_OPERATION
+                else 1
+                if operation in UNARY_OPERATIONS
+                else 0
+            )
             if len(operands) != arity or not all(0 <= k < first + position for k in operands):
-                raise ValueError(f"malformed instruction {position}: {self.code[position]!r}")
-        if not all(0 <= k < first + len(self.code) for k in self.outputs):
+                raise ValueError(
+                    f"malformed instruction {position}: {self.instructions[position]!r}"
+                )
+        if not all(0 <= k < first + len(self.instructions) for k in self.output_slots):
             raise ValueError("an output names a slot that does not exist")
 
     def __call__(
@@ -81,20 +89,20 @@ class Program:
         list
             One value per output.
         """
-        if len(values) != len(self.inputs):
-            raise ValueError(f"expected {len(self.inputs)} values, got {len(values)}")
+        if len(values) != len(self.input_names):
+            raise ValueError(f"expected {len(self.input_names)} values, got {len(values)}")
         slots = [*values, *map(constant, self.constants)]
-        for operation, *operands in self.code:
+        for operation, *operands in self.instructions:
             arguments = [slots[k] for k in operands]
             if operation == "div":
                 slots.append(divide(*arguments))
-            elif operation in BINARY:
-                slots.append(BINARY[operation](*arguments))
+            elif operation in BINARY_OPERATOR_OF_OPERATION:
+                slots.append(BINARY_OPERATOR_OF_OPERATION[operation](*arguments))
             elif operation == "neg":
                 slots.append(-arguments[0])
             else:
                 slots.append(getattr(functions, operation)(arguments[0]))
-        return [slots[k] for k in self.outputs]
+        return [slots[k] for k in self.output_slots]
 
 
 class Role(StrEnum):
@@ -169,7 +177,7 @@ class Field:
     observable
         Name of the quantity whose extremes are followed between steps, ``thickness_stretch``
         of an actuator; its rate is observed under this name and ``_rate``.
-    watched
+    observable_and_rates
         Four outputs: that quantity, its first and second time derivative, and a cheaper
         quantity with the sign of the first.
     observables
@@ -183,11 +191,11 @@ class Field:
     waveforms: tuple[str, ...]
     rates: Program
     observable: str
-    watched: Program
+    observable_and_rates: Program
     observables: Mapping[str, Program]
 
     @cached_property
-    def state(self) -> tuple[str, ...]:
+    def state_names(self) -> tuple[str, ...]:
         """Names of the state variables, in order."""
         return tuple(variable.name for variable in self.variables)
 
@@ -197,48 +205,53 @@ class Field:
         return tuple(variable.role for variable in self.variables)
 
     @cached_property
-    def rest(self) -> tuple[float | str, ...]:
+    def rest_values(self) -> tuple[float | str, ...]:
         """Value at rest of each state variable, a number or the name of a parameter."""
         return tuple(variable.rest for variable in self.variables)
 
     @property
-    def watched_names(self) -> tuple[str, str]:
+    def observable_and_rate_names(self) -> tuple[str, str]:
         """Names of the quantity whose extremes are followed, and of its rate."""
         return self.observable, f"{self.observable}_rate"
 
-    def indices(self, *roles: Role) -> list[int]:
+    def indices_of_roles(self, *roles: Role) -> list[int]:
         """Positions in the state of the variables that have one of these roles."""
         return [k for k, role in enumerate(self.roles) if role in roles]
 
-    def names(self, *roles: Role) -> list[str]:
+    def names_of_roles(self, *roles: Role) -> list[str]:
         """Names of the state variables that have one of these roles."""
-        return [self.state[k] for k in self.indices(*roles)]
+        return [self.state_names[k] for k in self.indices_of_roles(*roles)]
 
     def variable(self, name: str) -> StateVariable:
         """The state variable of this name."""
-        return self.variables[self.state.index(name)]
+        return self.variables[self.state_names.index(name)]
 
     def belonging_to(self, name: str) -> list[str]:
         """Names of the state variables that belong to the variable `name`, in order."""
         return [variable.name for variable in self.variables if variable.belongs_to == name]
 
     @property
-    def inputs(self) -> tuple[str, ...]:
+    def input_names(self) -> tuple[str, ...]:
         """Names of the inputs of every program of this field, in order."""
-        return ("drive_phase", *self.state, *self.parameters, *self.waveforms)
+        return ("drive_phase", *self.state_names, *self.parameters, *self.waveforms)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "observables", MappingProxyType(dict(self.observables)))
-        if any(v.belongs_to not in {None, *self.state} for v in self.variables):
+        if any(v.belongs_to not in {None, *self.state_names} for v in self.variables):
             raise ValueError("a state variable belongs to one that does not exist")
         if not {*self.loads} <= {*self.observables}:
             raise ValueError("a load is not observed")
         if not {v.rest for v in self.variables if isinstance(v.rest, str)} <= {*self.parameters}:
             raise ValueError("a value at rest is a parameter that does not exist")
-        for program in (self.rates, self.watched, *self.observables.values()):
-            if program.inputs != self.inputs:
-                raise ValueError(f"program inputs {program.inputs} differ from {self.inputs}")
-        if len(self.rates.outputs) != len(self.state) or len(self.watched.outputs) != 4:
+        for program in (self.rates, self.observable_and_rates, *self.observables.values()):
+            if program.input_names != self.input_names:
+                raise ValueError(
+                    f"program inputs {program.input_names} differ from {self.input_names}"
+                )
+        if (
+            len(self.rates.output_slots) != len(self.state_names)
+            or len(self.observable_and_rates.output_slots) != 4
+        ):
             raise ValueError("wrong number of outputs")
 
     @cached_property
@@ -254,10 +267,10 @@ class Field:
                 "loads": self.loads,
                 "parameters": self.parameters,
                 "waveforms": self.waveforms,
-                "rates": _program_to_plain(self.rates),
+                "rates": _program_to_dict(self.rates),
                 "observable": self.observable,
-                "watched": _program_to_plain(self.watched),
-                "observables": {k: _program_to_plain(v) for k, v in self.observables.items()},
+                "watched": _program_to_dict(self.observable_and_rates),
+                "observables": {k: _program_to_dict(v) for k, v in self.observables.items()},
             },
             sort_keys=True,
         )
@@ -267,7 +280,7 @@ class Field:
         """Read what :meth:`to_json` wrote; malformed text raises ``ValueError``."""
         try:
             plain = json.loads(text)
-            variables = tuple(map(_variable_from_plain, plain["variables"]))
+            variables = tuple(map(_variable_from_dict, plain["variables"]))
             loads, parameters, waveforms = (
                 tuple(map(str, plain[k])) for k in ("loads", "parameters", "waveforms")
             )
@@ -278,18 +291,18 @@ class Field:
                 loads=loads,
                 parameters=parameters,
                 waveforms=waveforms,
-                rates=_program_from_plain(inputs, plain["rates"]),
+                rates=_program_from_dict(inputs, plain["rates"]),
                 observable=str(plain["observable"]),
-                watched=_program_from_plain(inputs, plain["watched"]),
+                observable_and_rates=_program_from_dict(inputs, plain["watched"]),
                 observables={
-                    k: _program_from_plain(inputs, v) for k, v in plain["observables"].items()
+                    k: _program_from_dict(inputs, v) for k, v in plain["observables"].items()
                 },
             )
         except (KeyError, TypeError) as error:
             raise ValueError(f"not a stored field: {error!r}") from error
 
 
-def _variable_from_plain(plain: Mapping[str, Any]) -> StateVariable:
+def _variable_from_dict(plain: Mapping[str, Any]) -> StateVariable:
     rest, belongs_to = plain["rest"], plain["belongs_to"]
     return StateVariable(
         name=str(plain["name"]),
@@ -300,18 +313,18 @@ def _variable_from_plain(plain: Mapping[str, Any]) -> StateVariable:
     )
 
 
-def _program_to_plain(program: Program) -> dict[str, Any]:
+def _program_to_dict(program: Program) -> dict[str, Any]:
     return {
         "constants": program.constants,
-        "code": program.code,
-        "outputs": program.outputs,
+        "code": program.instructions,
+        "outputs": program.output_slots,
     }
 
 
-def _program_from_plain(inputs: tuple[str, ...], plain: Mapping[str, Any]) -> Program:
+def _program_from_dict(inputs: tuple[str, ...], plain: Mapping[str, Any]) -> Program:
     return Program(
-        inputs=inputs,
+        input_names=inputs,
         constants=tuple(float(x) for x in plain["constants"]),
-        code=tuple((str(step[0]), *map(int, step[1:])) for step in plain["code"]),  # type: ignore[misc]
-        outputs=tuple(int(k) for k in plain["outputs"]),
+        instructions=tuple((str(step[0]), *map(int, step[1:])) for step in plain["code"]),  # type: ignore[misc]
+        output_slots=tuple(int(k) for k in plain["outputs"]),
     )

@@ -13,7 +13,7 @@ from scipy.optimize import elementwise
 from remanent._typing import BoolArray, FloatArray
 
 #: ``f(x, *args)`` with arrays (bracket,) of which any part may be passed.
-Elementwise = Callable[..., Any]
+ElementwiseFunction = Callable[..., Any]
 
 
 class Roots(Protocol):
@@ -39,7 +39,7 @@ class Roots(Protocol):
 
 
 def find_root(
-    f: Elementwise,
+    f: ElementwiseFunction,
     bracket: tuple[FloatArray, FloatArray],
     *,
     args: tuple[Any, ...] = (),
@@ -68,7 +68,7 @@ def find_root(
 
 
 def find_minimum(
-    f: Elementwise,
+    f: ElementwiseFunction,
     bracket: tuple[FloatArray, FloatArray, FloatArray],
     *,
     args: tuple[Any, ...] = (),

@@ -37,10 +37,10 @@ class Status(IntEnum):
     @property
     def explanation(self) -> str:
         """What it means, in a sentence."""
-        return _EXPLANATIONS[self]
+        return _EXPLANATION_OF_STATUS[self]
 
 
-_EXPLANATIONS = {
+_EXPLANATION_OF_STATUS = {
     Status.NOT_COMPUTED: "It has not been computed yet.",
     Status.OK: "All that was asked for was computed within the tolerance.",
     Status.HORIZON: "The tolerance was met up to the horizon only; later values are NaN.",

@@ -14,12 +14,12 @@ class Timeline:
 
     Attributes
     ----------
-    lengths : array (piece, trajectory)
+    piece_lengths : array (piece, trajectory)
         Length of each piece in units of tau.  A periodic load has one piece, its
         smallest period.
     periodic : bool
         Whether the pieces repeat for ever.  Otherwise they end with the last.
-    parameters : mapping of name to array (piece, trajectory)
+    piece_parameters : mapping of name to array (piece, trajectory)
         Parameters of the field that change from piece to piece (the levels of a
         step drive, the coefficients of a spline); empty for a periodic load.
     waveform : callable
@@ -27,7 +27,7 @@ class Timeline:
         ``(waveform, *phase.shape)``: values of the field's waveforms.
     """
 
-    lengths: FloatArray
+    piece_lengths: FloatArray
     periodic: bool
-    parameters: Mapping[str, FloatArray]
+    piece_parameters: Mapping[str, FloatArray]
     waveform: Callable[[FloatArray], FloatArray]

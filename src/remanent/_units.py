@@ -15,11 +15,13 @@ from remanent._typing import FloatArray
 #: Text such as ``"100 kPa"``, or a pint quantity.  (Pint is imported when needed.)
 Quantity: TypeAlias = Any
 
-_TEXT: Final = re.compile(r"\s*((?>[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?))\s*(\S.*?)\s*")
-_ANGLES: Final = frozenset({"radian", "degree", "turn", "revolution", "cycle", "milliradian"})
+_QUANTITY_PATTERN: Final = re.compile(
+    r"\s*((?>[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?))\s*(\S.*?)\s*"
+)
+_ANGLE_UNITS: Final = frozenset({"radian", "degree", "turn", "revolution", "cycle", "milliradian"})
 
 
-def magnitude(name: str, quantity: Quantity, unit: str) -> float | FloatArray:
+def magnitude_in_unit(name: str, quantity: Quantity, unit: str) -> float | FloatArray:
     """The number of `unit` in `quantity`: a float, or an array for an array.
 
     Parameters
@@ -36,25 +38,25 @@ def magnitude(name: str, quantity: Quantity, unit: str) -> float | FloatArray:
     InputError
         If it has no unit, an unknown unit, or one of another dimension.
     """
-    value = _parsed(name, quantity, unit)
+    value = _parse_quantity(name, quantity, unit)
     try:
         converted = value.to(unit).magnitude
     except Exception as error:  # pint raises from several unrelated families
-        raise _wrong_unit(name, quantity, unit) from error
-    return _number(converted)
+        raise _wrong_unit_error(name, quantity, unit) from error
+    return _as_float_or_array(converted)
 
 
-def quantity(name: str, values: FloatArray, unit: str) -> Quantity:
+def with_unit(name: str, values: FloatArray, unit: str) -> Quantity:
     """Numbers with a unit, ``"ms"``."""
     try:
-        return _registry().Quantity(values, unit)
+        return _unit_registry().Quantity(values, unit)
     except Exception as error:  # pint raises from several unrelated families
-        raise _wrong_unit(name, unit, "s, Hz, T, K") from error
+        raise _wrong_unit_error(name, unit, "s, Hz, T, K") from error
 
 
-def positive(name: str, quantity: Quantity, unit: str) -> float:
+def positive_magnitude(name: str, quantity: Quantity, unit: str) -> float:
     """The number of `unit` in one quantity that must be finite and greater than 0."""
-    number = single(name, quantity, unit)
+    number = single_magnitude(name, quantity, unit)
     if not 0.0 < number < float("inf"):
         raise InputError(
             name,
@@ -66,9 +68,9 @@ def positive(name: str, quantity: Quantity, unit: str) -> float:
     return number
 
 
-def single(name: str, quantity: Quantity, unit: str) -> float:
+def single_magnitude(name: str, quantity: Quantity, unit: str) -> float:
     """The number of `unit` in one quantity, not an array of them."""
-    number = magnitude(name, quantity, unit)
+    number = magnitude_in_unit(name, quantity, unit)
     if not isinstance(number, float):
         raise InputError(
             name,
@@ -80,15 +82,15 @@ def single(name: str, quantity: Quantity, unit: str) -> float:
     return number
 
 
-def angular_frequency(name: str, quantity: Quantity) -> float | FloatArray:
+def radians_per_second(name: str, quantity: Quantity) -> float | FloatArray:
     """Radians per second of a frequency, cycles (``"50 Hz"``) or angles (``"rad/s"``)."""
-    value = _parsed(name, quantity, "Hz")
+    value = _parse_quantity(name, quantity, "Hz")
     units = {str(unit) for unit, _ in value.unit_items()}
     roots = {str(unit) for unit, _ in value.to_root_units().unit_items()}
     if any(unit.endswith("hertz") for unit in units):
-        return 2.0 * np.pi * magnitude(name, value, "Hz")
-    if roots & _ANGLES:
-        return magnitude(name, value, "rad/s")
+        return 2.0 * np.pi * magnitude_in_unit(name, value, "Hz")
+    if roots & _ANGLE_UNITS:
+        return magnitude_in_unit(name, value, "rad/s")
     raise InputError(
         name,
         must="be a frequency in Hz or an angular frequency in rad/s",
@@ -98,11 +100,11 @@ def angular_frequency(name: str, quantity: Quantity) -> float | FloatArray:
     )
 
 
-def _parsed(name: str, quantity: Quantity, unit: str) -> Any:
+def _parse_quantity(name: str, quantity: Quantity, unit: str) -> Any:
     """A pint quantity."""
     if hasattr(quantity, "to") and hasattr(quantity, "magnitude"):
         return quantity
-    match = _TEXT.fullmatch(quantity) if isinstance(quantity, str) else None
+    match = _QUANTITY_PATTERN.fullmatch(quantity) if isinstance(quantity, str) else None
     if match is None:
         raise InputError(
             name,
@@ -112,17 +114,17 @@ def _parsed(name: str, quantity: Quantity, unit: str) -> Any:
             fix=f'Write for example "1.5 {unit}", or pass a pint quantity.',
         )
     try:
-        return _registry().Quantity(float(match[1]), match[2])
+        return _unit_registry().Quantity(float(match[1]), match[2])
     except Exception as error:  # pint raises from several unrelated families
-        raise _wrong_unit(name, quantity, unit) from error
+        raise _wrong_unit_error(name, quantity, unit) from error
 
 
-def _number(value: Any) -> float | FloatArray:
+def _as_float_or_array(value: Any) -> float | FloatArray:
     array = np.asarray(value, dtype=np.float64)
     return float(array) if array.ndim == 0 else array
 
 
-def _wrong_unit(name: str, quantity: Quantity, unit: str) -> InputError:
+def _wrong_unit_error(name: str, quantity: Quantity, unit: str) -> InputError:
     return InputError(
         name,
         must=f"have a unit of the dimension of {unit}",
@@ -133,6 +135,6 @@ def _wrong_unit(name: str, quantity: Quantity, unit: str) -> InputError:
 
 
 @cache
-def _registry() -> Any:
+def _unit_registry() -> Any:
     """The registry of units, made on first use (it takes a while)."""
     return import_module("pint").UnitRegistry(cache_folder=None)

@@ -42,10 +42,10 @@ def through_timeline(
     """
     line = drive.timeline(values, duration)
     times, loads = [], []
-    starts = np.cumsum(line.lengths, axis=0) - line.lengths
-    for piece, (start, length) in enumerate(zip(starts, line.lengths, strict=True)):
+    starts = np.cumsum(line.piece_lengths, axis=0) - line.piece_lengths
+    for piece, (start, length) in enumerate(zip(starts, line.piece_lengths, strict=True)):
         own = {k: np.broadcast_to(v, duration.shape) for k, v in drive.parameters().items()}
-        p = own | values | {name: rows[piece] for name, rows in line.parameters.items()}
+        p = own | values | {name: rows[piece] for name, rows in line.piece_parameters.items()}
         for s in np.linspace(0.0, 0.999, 23):
             u = dict(zip(drive.waveforms, line.waveform(np.asarray(s)), strict=True))
             times.append(np.where(length > 0.0, start + s * length, np.nan))
@@ -81,15 +81,15 @@ def test_pieces_cover_the_run_exactly(drive: Drive) -> None:
     duration = np.array([DURATION, 3.0, 0.5])
     line = drive.timeline({}, duration)
     assert line.periodic == (drive.period is not None)
-    assert line.lengths.shape[1:] == (3,)
-    assert np.all(line.lengths >= 0.0)
+    assert line.piece_lengths.shape[1:] == (3,)
+    assert np.all(line.piece_lengths >= 0.0)
     if line.periodic:
-        assert line.lengths.tolist() == [[drive.period] * 3]
+        assert line.piece_lengths.tolist() == [[drive.period] * 3]
     else:
-        np.testing.assert_allclose(line.lengths.sum(axis=0), duration, rtol=1e-15)
-        assert np.all(line.lengths.max(axis=1) > 0.0)
-    assert set(line.parameters) == set(drive.piece_parameters)
-    assert all(rows.shape == line.lengths.shape for rows in line.parameters.values())
+        np.testing.assert_allclose(line.piece_lengths.sum(axis=0), duration, rtol=1e-15)
+        assert np.all(line.piece_lengths.max(axis=1) > 0.0)
+    assert set(line.piece_parameters) == set(drive.piece_parameters)
+    assert all(rows.shape == line.piece_lengths.shape for rows in line.piece_parameters.values())
 
 
 @every
@@ -106,7 +106,7 @@ def test_field_reports_the_load(drive: Drive) -> None:
     actuator = Actuator()
     field = field_for(actuator, drive)
     line = drive.timeline({}, np.array([DURATION]))
-    hidden = {name: rows[0, 0] for name, rows in line.parameters.items()}
+    hidden = {name: rows[0, 0] for name, rows in line.piece_parameters.items()}
     values = {**actuator.parameters(), **drive.parameters(), **hidden}
     assert list(values) == list(field.parameters)
     phase = 0.37
@@ -117,7 +117,9 @@ def test_field_reports_the_load(drive: Drive) -> None:
         np.array([list(values.values())]),
         line.waveform(np.asarray(phase)),
     )
-    assert seen["load"][0] == pytest.approx(float(drive(phase * line.lengths[0, 0])), abs=1e-14)
+    assert seen["load"][0] == pytest.approx(
+        float(drive(phase * line.piece_lengths[0, 0])), abs=1e-14
+    )
 
 
 @periodic

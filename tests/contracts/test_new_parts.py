@@ -133,7 +133,7 @@ def test_a_file_and_a_line_are_enough(tmp_path: Path) -> None:
     with stub.open("a", encoding="utf-8") as text:
         text.writelines(f"{line}\n" for line, _ in LINES)
     table = package / TABLE
-    first, module = "INDICATORS: Mapping", "remanent.analysis.regimes.scatter"
+    first, module = "INDICATOR_FUNCTIONS: Mapping", "remanent.analysis.regimes.scatter"
     head, tail = table.read_text("utf-8").split(first)
     tail = tail.replace("    {\n", f"    {{\n        {INDICATOR_LINE[0]}\n", 1)
     imports = f"from {module} import scatter\n"

@@ -77,8 +77,8 @@ def mean_trace(name: str) -> float:
         body, DRIVE, times=phase * PERIOD, initial=orbit(name).initial, tolerance=1e-11
     )
     total = 0.0
-    for k in range(len(field.state)):
-        y: Any = np.column_stack([path[n].values for n in field.state]).astype(complex)
+    for k in range(len(field.state_names)):
+        y: Any = np.column_stack([path[n].values for n in field.state_names]).astype(complex)
         y[:, k] += 1e-30j
         rate: Any = reference.rates(field, phase, y, p, u)[:, k]
         total += float(rate.imag.mean()) / 1e-30

@@ -85,7 +85,7 @@ def test_a_mutated_equation_moves_a_resonance(
         return lagrange.Accelerations({}, (changed,), thickness)
 
     monkeypatch.setattr(lagrange, "accelerations", mutated)
-    field = codegen_build.build(rm.Actuator(), rm.SineSquared(0.4, 1.0))
+    field = codegen_build.build_field(rm.Actuator(), rm.SineSquared(0.4, 1.0))
     monkeypatch.setattr(layout, "field_for", lambda *_: field)
     assert np.nanmax(np.abs(resonances(rm.Actuator()) - right)) > SEEN
 

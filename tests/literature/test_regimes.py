@@ -32,7 +32,7 @@ from remanent.integrate.maps.period_map import PeriodMap
 from remanent.models.actuator import Actuator
 from remanent.models.dissipation import Rayleigh
 from remanent.models.drives.waves import SineSquared
-from remanent.studies.ensemble.layout import lay_out
+from remanent.studies.ensemble.layout import lay_out_ensemble
 from remanent.studies.ensemble.problem import initial_value_problem
 
 CASES: list[dict[str, Any]] = json.loads(
@@ -87,8 +87,8 @@ def actuator(par: FloatArray, tolerance: float, count: int) -> TangentMap:
     names = ("omega", "temperature", "prestress", "b", "c", "dissipation.0.eta")
     values = par * [1.0, 293.0, 1.0, 1.0, 1.0, 1.0]
     over = {n: xr.DataArray(v, dims="case") for n, v in zip(names, values.T, strict=True)}
-    ens = lay_out(Actuator(dissipation=Rayleigh(0.1)), SineSquared(0.4, 1.0), over)
-    asked, length = initial_value_problem(ens, np.ones(ens.count)), ens.periods()
+    ens = lay_out_ensemble(Actuator(dissipation=Rayleigh(0.1)), SineSquared(0.4, 1.0), over)
+    asked, length = initial_value_problem(ens, np.ones(ens.count)), ens.drive_periods()
     assert length is not None
     flow = PeriodMap(asked.field, asked.timeline.waveform, directions=count)
     return BlockAdvancer(flow, asked.parameters, length, tolerance)

@@ -10,7 +10,7 @@ import xarray as xr
 
 import remanent as rm
 from remanent.analysis.orbits.maps import MapImage
-from remanent.studies.ensemble.layout import lay_out
+from remanent.studies.ensemble.layout import lay_out_ensemble
 from remanent.studies.orbits._period_map import StroboscopicMap
 
 HOT, DRIVE = rm.Actuator(temperature=350), rm.SineSquared(0.4, 1.25)
@@ -22,7 +22,7 @@ OMEGA = np.resize(np.linspace(0.7, 1.5, 7), 45)[:, None]
 
 
 def fresh_map() -> StroboscopicMap:
-    return StroboscopicMap(lay_out(HOT, DRIVE), ("omega",), 1e-10)
+    return StroboscopicMap(lay_out_ensemble(HOT, DRIVE), ("omega",), 1e-10)
 
 
 def assert_same_image(one: MapImage, many: MapImage, rows: slice) -> None:
@@ -48,7 +48,7 @@ def test_points_differ_in_the_resolution_they_need() -> None:
     """The test above would say nothing if all points began alike."""
     map_ = fresh_map()
     map_(STATES, OMEGA, 1)
-    assert len(set(map_._resolution.cache.values())) > 5
+    assert len(set(map_._pilot_resolution.resolution_of_cell.values())) > 5
 
 
 def same(one: xr.Dataset, other: xr.Dataset) -> None:

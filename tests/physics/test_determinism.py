@@ -16,7 +16,7 @@ from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Outcome, Request
 from remanent.integrate.ensemble.work_sizes import DEFAULT_WORK_SIZES, WorkSizes
 from remanent.models.drives.base import Drive
-from remanent.studies.ensemble.layout import lay_out
+from remanent.studies.ensemble.layout import lay_out_ensemble
 from remanent.studies.ensemble.problem import initial_value_problem
 from remanent.studies.response.frequency_response import response_extremes
 
@@ -53,7 +53,7 @@ def run(
         "strobe": Request(strobe_cycles=2),
         "extremes": Request(wants_extremes=True, extremes_begin=0.3 * end),
     }[asked]
-    whole = initial_value_problem(lay_out(body, drive, over), end)
+    whole = initial_value_problem(lay_out_ensemble(body, drive, over), end)
     outcome = integrate(whole, request, tolerance=1e-8, workers=workers, sizes=sizes)
     found = columns(outcome)
     if asked == "strobe":
@@ -166,7 +166,7 @@ def test_bits_do_not_depend_on_the_batches_of_a_response() -> None:
     actuator, drive = rm.Actuator(temperature=350), rm.SineSquared(0.4, 1.0)
     columns = []
     for size in (100, 37):
-        ens = lay_out(actuator, drive, over, batch_size=size)
+        ens = lay_out_ensemble(actuator, drive, over, batch_size=size)
         outcome = response_extremes(ens, 100.0, None, 0.0, 1e-7, batch_size=size)
         columns.append([outcome.maximum, outcome.minimum, outcome.error, outcome.status])
     for at_once, batched in zip(*columns, strict=True):

@@ -10,7 +10,7 @@ import sympy as sp
 from remanent.derivation import block, lagrange
 from remanent.derivation.derive import derive
 from remanent.derivation.readable import equations, second_order
-from remanent.derivation.symbols import parameter, time_derivative
+from remanent.derivation.symbols import parameter_symbol, time_derivative
 from remanent.models import heat
 from remanent.models.actuator import Actuator
 from remanent.models.dissipation import Dissipation, KelvinVoigt, Rayleigh, Zener
@@ -21,11 +21,12 @@ from remanent.models.materials.strain_energy import StrainEnergy
 from remanent.models.temperature_shift import WLF
 
 STRETCH, RATE = sp.Symbol("stretch", positive=True), sp.Symbol("stretch_rate", real=True)
-C, T, T0 = (parameter(n) for n in ("c", "temperature", "reference_temperature"))
+C, T, T0 = (parameter_symbol(n) for n in ("c", "temperature", "reference_temperature"))
 S, M, ETA, F = (
-    parameter(n) for n in ("prestress", "m", "dissipation.0.eta", "material.entropic_fraction")
+    parameter_symbol(n)
+    for n in ("prestress", "m", "dissipation.0.eta", "material.entropic_fraction")
 )
-ALPHA = parameter("magnet.temperature_coefficient")
+ALPHA = parameter_symbol("magnet.temperature_coefficient")
 PLAIN = {F: 1, ALPHA: 0}
 
 
@@ -53,7 +54,7 @@ def test_acceleration_is_equation_16() -> None:
     acceleration = written_out(system.rates[1], system).subs(PLAIN)
     assert sp.simplify(equation_16(STRETCH, RATE, acceleration, T / T0, M)) == 0
     assert system.rates[0] == RATE
-    assert system.state == (STRETCH, RATE)
+    assert system.state_symbols == (STRETCH, RATE)
 
 
 def test_readable_equation_is_equation_16() -> None:
@@ -94,7 +95,7 @@ def test_long_formulas_are_shown_as_they_are_written() -> None:
 
 def test_kinetic_and_potential_energy_are_those_of_the_lagrangian() -> None:
     """L = M v^2/2 - V is 3/2 of the energies per 8 H L^2 mu, up to a constant."""
-    motion = block.motion(Actuator(), Constant(0.1))
+    motion = block.build_motion(Actuator(), Constant(0.1))
     potential = written_out(motion.potential, motion).subs(PLAIN)
     kinetic = motion.eliminate_thickness(motion.kinetic)
     bracket = T / T0 * (STRETCH**2 / 2 + STRETCH**-4 / 4) - S * STRETCH - M * STRETCH**-2 / 2
@@ -128,7 +129,7 @@ def test_rayleigh_damping_joins_the_bracket() -> None:
 
 def power(system: Any) -> Any:
     """Rate of the energy along the motion."""
-    rates = dict(zip(system.state, system.rates, strict=True))
+    rates = dict(zip(system.state_symbols, system.rates, strict=True))
     energy = written_out(system.observables["energy"], system)
     return written_out(time_derivative(energy, rates), system)
 
@@ -148,7 +149,7 @@ def test_energy_is_conserved_without_dissipation(coordinates: int) -> None:
 def test_watched_are_time_derivatives_of_the_thickness_stretch() -> None:
     """Watched values are the thickness stretch and its first two time derivatives."""
     system = derive(Actuator(), Constant(0.1))
-    watched = [written_out(e, system) for e in system.watched]
+    watched = [written_out(e, system) for e in system.observable_and_rates]
     acceleration = written_out(system.rates[1], system)
     assert sp.simplify(watched[0] - STRETCH**-2) == 0
     assert sp.simplify(watched[1] + 2 * RATE * STRETCH**-3) == 0
@@ -160,7 +161,7 @@ def test_watched_are_time_derivatives_of_the_thickness_stretch() -> None:
 def test_last_watched_quantity_has_the_sign_of_the_rate(coordinates: int) -> None:
     """It is the rate times a function that is positive for positive stretches."""
     system = derive(blocks(coordinates), Constant(0.1))
-    rate, sign = (written_out(system.watched[k], system) for k in (1, 3))
+    rate, sign = (written_out(system.observable_and_rates[k], system) for k in (1, 3))
     assert sp.simplify(rate / sign).is_positive
 
 
@@ -224,7 +225,10 @@ def test_two_equal_stretches_move_as_one() -> None:
     """With equal loads and stretches two coordinates have the equation of one."""
     one = derive(Actuator(), Constant(0.1))
     two = derive(blocks(2), Constant(0.1))
-    (q1, v1, q2, v2), loads = two.state, (parameter(f"prestress_{i}") for i in (1, 2))
+    (q1, v1, q2, v2), loads = (
+        two.state_symbols,
+        (parameter_symbol(f"prestress_{i}") for i in (1, 2)),
+    )
     equal = {q1: STRETCH, q2: STRETCH, v1: RATE, v2: RATE, **dict.fromkeys(loads, S)}
     for rate in (two.rates[1], two.rates[3]):
         difference = written_out(rate, two).subs(equal) - written_out(one.rates[1], one)
@@ -237,7 +241,7 @@ def test_two_equal_stretches_move_as_one() -> None:
 
 def test_lagrange_equations_of_two_stretches() -> None:
     """M and f against the energies on the page of two directions, along a motion."""
-    motion = block.motion(Actuator(edges=(1.0, 2.0)), Constant(0.1))
+    motion = block.build_motion(Actuator(edges=(1.0, 2.0)), Constant(0.1))
     kinetic, potential = (
         motion.eliminate_thickness(motion.kinetic),
         motion.eliminate_thickness(motion.potential),
@@ -258,10 +262,10 @@ def test_lagrange_equations_of_two_stretches() -> None:
 def test_loss_of_symmetry() -> None:
     """omega_a^2 = 3 [th (1 + l^-6) - m l^-4] for stretches that part from each other."""
     system = derive(blocks(2), Constant(0.1))
-    q1, v1, q2, v2 = system.state
+    q1, v1, q2, v2 = system.state_symbols
     theta = T / T0
     balance = theta * (STRETCH - STRETCH**-5) + M * STRETCH**-3
-    loads = {parameter(f"prestress_{i}"): balance for i in (1, 2)}
+    loads = {parameter_symbol(f"prestress_{i}"): balance for i in (1, 2)}
     rest = {q1: STRETCH, q2: STRETCH, v1: 0, v2: 0, **loads}
     acceleration = written_out(system.rates[1], system).subs(PLAIN)
     apart = sp.diff(acceleration, q1) - sp.diff(acceleration, q2)
@@ -285,9 +289,9 @@ ELEMENTS: dict[str, Dissipation] = {
 def test_accelerations_solve_lagranges_equations(element: Dissipation, weighted: bool) -> None:
     """The short form that is computed is M^-1 f of the long one that is shown."""
     for actuator in (blocks(1), blocks(2).replace(edges=(1.0, 2.0) if weighted else None)):
-        motion = block.motion(actuator.replace(dissipation=element), Constant(0.1))
-        system = lagrange.first_order(motion)
-        mass, force = lagrange.lagrange(motion)
+        motion = block.build_motion(actuator.replace(dissipation=element), Constant(0.1))
+        system = lagrange.first_order_form(motion)
+        mass, force = lagrange.mass_matrix_and_force(motion)
         n = len(motion.coordinates)
         solved = sp.Matrix([written_out(system.rates[2 * i + 1], system) for i in range(n)])
         residual = (mass * solved - force).applyfunc(lambda e: written_out(e, system))  # noqa: B023
@@ -299,11 +303,13 @@ def test_internal_variables_take_from_the_energy_what_they_dissipate(coordinates
     """dE/dtau = -2 eta (e1^2 + e2^2 + (e1 + e2)^2), e = x'/x: -12 eta e^2 if equal."""
     actuator = blocks(coordinates).replace(dissipation=Zener(0.5, 2.0))
     system = derive(actuator, Constant(0.1))
-    rates = dict(zip(system.state, system.rates, strict=True))
-    internal = system.state[2 * coordinates :]
+    rates = dict(zip(system.state_symbols, system.rates, strict=True))
+    internal = system.state_symbols[2 * coordinates :]
     assert len(internal) == coordinates
     e1, e2 = (rates[x] / x for x in (internal[0], internal[-1]))
-    eta = parameter("dissipation.0.modulus") * parameter("dissipation.0.relaxation_time")
+    eta = parameter_symbol("dissipation.0.modulus") * parameter_symbol(
+        "dissipation.0.relaxation_time"
+    )
     lost = 2 * eta * (e1**2 + e2**2 + (e1 + e2) ** 2)
     assert sp.simplify(power(system) + written_out(lost, system)) == 0
 
@@ -311,8 +317,8 @@ def test_internal_variables_take_from_the_energy_what_they_dissipate(coordinates
 def test_internal_variable_of_equal_stretches() -> None:
     """x'/x = (th/6 t_r) (l^2 x^-2 - l^-4 x^4)."""
     system = derive(Actuator(dissipation=Zener(0.5, 2.0)), Constant(0.1))
-    x = system.state[2]
-    time = parameter("dissipation.0.relaxation_time")
+    x = system.state_symbols[2]
+    time = parameter_symbol("dissipation.0.relaxation_time")
     expected = T / T0 / (6 * time) * (STRETCH**2 / x**2 - x**4 / STRETCH**4)
     assert x.name == "dissipation.0.viscous_stretch"
     assert sp.simplify(written_out(system.rates[2], system) / x - expected) == 0

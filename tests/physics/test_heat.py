@@ -10,7 +10,7 @@ import sympy as sp
 
 import remanent as rm
 from remanent.derivation import block, lagrange
-from remanent.derivation.symbols import LOAD, in_symbols, parameter
+from remanent.derivation.symbols import LOAD, loads_in_symbols, parameter_symbol
 from remanent.models import heat
 
 DRIVE = rm.SineSquared(0.4, 1.25)
@@ -80,20 +80,22 @@ def test_energy_and_entropy_balance(load: Any, exchange: float) -> None:
 def test_the_rate_of_temperature_is_the_one_written_out() -> None:
     """rho c_p T' = (T/T0) d(f Psi_s + psi_v)/dt + D - h (T - T_env) - T alpha d(m x)/dt."""
     actuator = rm.Actuator(heat=rm.Heat(), dissipation=rm.Zener(0.5, 0.8), magnet=rm.Magnet(-1e-3))
-    motion = block.motion(actuator, rm.Sine(0.3, 1.0))
-    system = lagrange.first_order(motion)
-    rates = dict(zip(system.state, system.rates, strict=True))
-    symbols = {s.name: s for s in system.state}
+    motion = block.build_motion(actuator, rm.Sine(0.3, 1.0))
+    system = lagrange.first_order_form(motion)
+    rates = dict(zip(system.state_symbols, system.rates, strict=True))
+    symbols = {s.name: s for s in system.state_symbols}
     x, v = symbols["stretch"], symbols["stretch_rate"]
     xi, T = symbols["dissipation.0.viscous_stretch"], symbols["body_temperature"]
-    p = {name: parameter(name) for name in actuator.parameters()}
+    p = {name: parameter_symbol(name) for name in actuator.parameters()}
     mu, tr = p["dissipation.0.modulus"], p["dissipation.0.relaxation_time"]
     T0, outside = p["reference_temperature"], p["temperature"]
     flow = T / T0 / (6 * tr) * (x**2 / xi**2 - xi**4 / x**4)
     spring = mu / 2 * (2 * x**2 / xi**2 + xi**4 / x**4 - 3)
     stored = p["material.entropic_fraction"] * (2 * x**2 + x**-4 - 3) / 2 + spring
     drive = rm.Sine(0.3, 1.0)
-    m, m_rate = (in_symbols(laws, drive)[LOAD] for laws in (drive.load_laws, drive.load_rates))
+    m, m_rate = (
+        loads_in_symbols(laws, drive)[LOAD] for laws in (drive.load_laws, drive.load_rates)
+    )
     field = m_rate * x**-2 - 2 * m * x**-3 * v
     warmed = sp.diff(stored, x) * v + sp.diff(stored, xi) * xi * flow
     right = T / T0 * warmed + 12 * mu * tr * flow**2

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from remanent._checks import as_float_array, require_increasing, require_names
+from remanent._checks import as_float_array, require_field_names, require_increasing
 from remanent._errors import InputError
 
 
@@ -90,11 +90,11 @@ def test_increasing_numbers_increase() -> None:
 def test_names_may_stand_alone_or_together() -> None:
     """One name, several, or the keys of a mapping; none at all is refused."""
     known = ["c", "temperature"]
-    assert require_names("parameters", "c", known, "the system") == ["c"]
-    assert require_names("parameters", {"c": 1.0}, known, "the system") == ["c"]
+    assert require_field_names("parameters", "c", known, "the system") == ["c"]
+    assert require_field_names("parameters", {"c": 1.0}, known, "the system") == ["c"]
     for value in ("x", [], ["c", "x"], 1, None, [1]):
         with pytest.raises(InputError, match=r"`parameters` must name fields of the system"):
-            require_names("parameters", value, known, "the system")
+            require_field_names("parameters", value, known, "the system")
 
 
 def test_an_input_error_survives_the_way_to_another_process() -> None:

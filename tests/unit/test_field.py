@@ -46,14 +46,14 @@ def test_nothing_moves_at_rest(actuator: rm.Actuator) -> None:
 def test_every_coordinate_has_its_rate(actuator: rm.Actuator) -> None:
     """The rate of a coordinate is the state variable of that role that belongs to it."""
     field = field_for(actuator, DRIVE)
-    assert len(field.indices(Role.COORDINATE)) == actuator.coordinate_count
-    state = np.random.default_rng(1).uniform(0.9, 1.1, (1, len(field.state)))
+    assert len(field.indices_of_roles(Role.COORDINATE)) == actuator.coordinate_count
+    state = np.random.default_rng(1).uniform(0.9, 1.1, (1, len(field.state_names)))
     p = {**actuator.parameters(), **DRIVE.parameters()}
     rows = np.array([[p[name] for name in field.parameters]])
     rates = reference.rates(field, 0.0, state, rows, np.empty(0))[0]
-    for name in field.names(Role.COORDINATE):
+    for name in field.names_of_roles(Role.COORDINATE):
         (rate,) = (n for n in field.belonging_to(name) if field.variable(n).role is Role.RATE)
-        assert rates[field.state.index(name)] == state[0, field.state.index(rate)]
+        assert rates[field.state_names.index(name)] == state[0, field.state_names.index(rate)]
 
 
 def test_the_roles_of_a_full_state() -> None:
@@ -106,8 +106,8 @@ def test_what_a_variable_names_exists(wrong: dict[str, Any]) -> None:
 def test_variations_are_marked() -> None:
     """Derivatives and differences of the state belong to what they vary; integrals to nothing."""
     both = field_for(ACTUATORS["two coordinates"], DRIVE)
-    tangents = field_with_tangents(both, directions=2).variables[len(both.state) :]
-    assert [v.belongs_to for v in tangents] == 2 * [*both.state]
+    tangents = field_with_tangents(both, directions=2).variables[len(both.state_names) :]
+    assert [v.belongs_to for v in tangents] == 2 * [*both.state_names]
     difference = transverse_field(
         both, {"stretch_1": "stretch_2", "stretch_1_rate": "stretch_2_rate"}
     )

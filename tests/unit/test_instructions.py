@@ -7,10 +7,10 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from remanent._instructions import Instructions, Signed
+from remanent._instructions import InstructionBuilder, SignedValue
 
 A, B, C = 3.0, 5.0, 7.0
-Make = Callable[[Instructions, list[Signed]], Signed]
+Make = Callable[[InstructionBuilder, list[SignedValue]], SignedValue]
 NEGATED: dict[str, tuple[Make, float, int]] = {
     "a difference": (lambda i, x: i.add(x[0], minus(x[1])), B - A, 1),
     "a product with a difference": (lambda i, x: i.mul(x[2], i.add(x[0], minus(x[1]))), C * 2, 2),
@@ -21,7 +21,7 @@ NEGATED: dict[str, tuple[Make, float, int]] = {
 }
 
 
-def minus(value: Signed) -> Signed:
+def minus(value: SignedValue) -> SignedValue:
     return -value[0], value[1]
 
 
@@ -29,25 +29,25 @@ def minus(value: Signed) -> Signed:
 def test_negative_outputs(name: str) -> None:
     """A sign is moved into a difference or a constant where there is one."""
     make, expected, length = NEGATED[name]
-    instructions = Instructions(["a", "b", "c"])
+    instructions = InstructionBuilder(["a", "b", "c"])
     value = make(instructions, [instructions.input(letter) for letter in "abc"])
     program = instructions.program([minus(value)])
     assert program([A, B, C], functions=np) == [expected]
-    assert len(program.code) == length
+    assert len(program.instructions) == length
 
 
 def test_a_division_is_not_done_twice_for_a_sign() -> None:
     """Negating 1/a anew for a second output would cost more than a negation."""
-    instructions = Instructions(["a", "b"])
+    instructions = InstructionBuilder(["a", "b"])
     inverse = instructions.div(instructions.constant(1.0), instructions.input("a"))
     program = instructions.program([inverse, minus(inverse)])
-    assert [step[0] for step in program.code] == ["div", "neg"]
+    assert [step[0] for step in program.instructions] == ["div", "neg"]
 
 
 @pytest.mark.parametrize("signs", [(1, 1), (1, -1), (-1, 1), (-1, -1)])
 def test_signs_in_sums_products_and_powers(signs: tuple[int, int]) -> None:
     """Sums, products, quotients and powers of signed values have the right sign."""
-    instructions = Instructions(["a", "b"])
+    instructions = InstructionBuilder(["a", "b"])
     a, b = ((sign, instructions.input(letter)[1]) for sign, letter in zip(signs, "ab", strict=True))
     results = [instructions.add(a, b), instructions.mul(a, b), instructions.div(a, b)]
     results += [instructions.power(a, 2), instructions.power(a, 3)]
@@ -59,17 +59,17 @@ def test_signs_in_sums_products_and_powers(signs: tuple[int, int]) -> None:
 @pytest.mark.parametrize("exponent", range(1, 20))
 def test_powers(exponent: int) -> None:
     """A power has its value, with at most two multiplications for each bit of the exponent."""
-    instructions = Instructions(["a"])
+    instructions = InstructionBuilder(["a"])
     program = instructions.program([instructions.power(instructions.input("a"), exponent)])
     assert program([A], functions=np) == [A**exponent]
-    assert len(program.code) <= 2 * exponent.bit_length() - 2
+    assert len(program.instructions) <= 2 * exponent.bit_length() - 2
 
 
 def test_values_that_no_output_needs_are_left_out() -> None:
     """A program holds only what its outputs need, and an output twice costs nothing."""
-    instructions = Instructions(["a", "b"])
+    instructions = InstructionBuilder(["a", "b"])
     instructions.mul(instructions.input("a"), instructions.constant(3.0))
     kept = instructions.add(instructions.input("a"), instructions.input("b"))
     program = instructions.program([kept, kept])
-    assert (len(program.code), program.constants) == (1, ())
+    assert (len(program.instructions), program.constants) == (1, ())
     assert program([A, B], functions=np) == [A + B] * 2

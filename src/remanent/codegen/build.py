@@ -5,31 +5,31 @@ from __future__ import annotations
 from typing import Any
 
 from remanent._field import Field, Program
-from remanent.codegen.lower import Level, lower
+from remanent.codegen.lower import DependenceLevel, lower_to_program
 from remanent.derivation.derive import derive
 from remanent.derivation.motion import FirstOrderForm
-from remanent.derivation.symbols import PHASE, Symbol, parameter, waveform
+from remanent.derivation.symbols import DRIVE_PHASE, Symbol, parameter_symbol, waveform_symbol
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
 
 
-def build(system: System, drive: Drive) -> Field:
+def build_field(system: System, drive: Drive) -> Field:
     """Derive the equations of motion and translate them to straight-line code.
 
     Only the structure of both arguments is used, never a numeric value.
     """
     form = derive(system, drive)
-    state = tuple(symbol.name for symbol in form.state)
+    state = tuple(symbol.name for symbol in form.state_symbols)
     parameters = (
         *system.parameters(),
         *drive.parameters(),
         *drive.piece_parameters,
     )
     inputs = ("drive_phase", *state, *parameters, *drive.waveforms)
-    levels = _levels(form, parameters, drive)
+    levels = _level_of_symbol(form, parameters, drive)
 
     def program(*outputs: Any, **options: Any) -> Program:
-        return lower(
+        return lower_to_program(
             outputs,
             inputs=inputs,
             levels=levels,
@@ -44,16 +44,18 @@ def build(system: System, drive: Drive) -> Field:
         waveforms=drive.waveforms,
         rates=program(*form.rates, admissibility=form.admissibility),
         observable=form.observable,
-        watched=program(*form.watched),
+        observable_and_rates=program(*form.observable_and_rates),
         observables={name: program(e, as_written=True) for name, e in form.observables.items()},
     )
 
 
-def _levels(form: FirstOrderForm, parameters: tuple[str, ...], drive: Drive) -> dict[Symbol, Level]:
+def _level_of_symbol(
+    form: FirstOrderForm, parameters: tuple[str, ...], drive: Drive
+) -> dict[Symbol, DependenceLevel]:
     """What each input varies with."""
     return (
-        dict.fromkeys(form.state, Level.STATE)
-        | {parameter(name): Level.PARAMETER for name in parameters}
-        | {waveform(name): Level.DRIVE for name in drive.waveforms}
-        | {PHASE: Level.DRIVE}
+        dict.fromkeys(form.state_symbols, DependenceLevel.STATE)
+        | {parameter_symbol(name): DependenceLevel.PARAMETER for name in parameters}
+        | {waveform_symbol(name): DependenceLevel.DRIVE for name in drive.waveforms}
+        | {DRIVE_PHASE: DependenceLevel.DRIVE}
     )

@@ -19,7 +19,7 @@ from remanent.models.parts import Structure
 from remanent.models.system import System
 
 #: The family of entries in the cache.
-_KIND: Final = "fields"
+_CACHE_KIND: Final = "fields"
 #: Fields by the fingerprint of their structure.
 _fields_by_fingerprint: Final[dict[str, Field]] = {}
 
@@ -46,42 +46,44 @@ def field_for(system: System, drive: Drive) -> Field:
             fix="Pass a drive for each load.",
         )
     structure = (system.structure(), drive.structure())
-    if not _reproducible(structure):
-        return _derived(system, drive)
-    key = fingerprint(structure)
+    if not _has_only_own_classes(structure):
+        return _derive_field(system, drive)
+    key = structure_fingerprint(structure)
     if key not in _fields_by_fingerprint:
-        _fields_by_fingerprint[key] = _load(key) or _store(key, _derived(system, drive))
+        _fields_by_fingerprint[key] = _load_from_cache(key) or _store_in_cache(
+            key, _derive_field(system, drive)
+        )
     return _fields_by_fingerprint[key]
 
 
-def fingerprint(structure: Structure) -> str:
+def structure_fingerprint(structure: Structure) -> str:
     """A digest of what a field depends on: the structure and this package's code."""
-    text = json.dumps([structure, *_sources()])
+    text = json.dumps([structure, *_version_and_source_digest()])
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def _derived(system: System, drive: Drive) -> Field:
+def _derive_field(system: System, drive: Drive) -> Field:
     """The field by derivation, which imports SymPy."""
-    field: Field = import_module("remanent.codegen.build").build(system, drive)
+    field: Field = import_module("remanent.codegen.build").build_field(system, drive)
     return field
 
 
-def _load(key: str) -> Field | None:
+def _load_from_cache(key: str) -> Field | None:
     """The field from the cache on disk, or None where there is none that can be read."""
-    text = _cache.load_text(_KIND, key)
+    text = _cache.load_text(_CACHE_KIND, key)
     if text is not None:
         with suppress(ValueError):
             return Field.from_json(text)
     return None
 
 
-def _store(key: str, field: Field) -> Field:
+def _store_in_cache(key: str, field: Field) -> Field:
     """The field itself, after writing it to the cache on disk."""
-    _cache.store_text(_KIND, key, field.to_json())
+    _cache.store_text(_CACHE_KIND, key, field.to_json())
     return field
 
 
-def _reproducible(structure: Structure) -> bool:
+def _has_only_own_classes(structure: Structure) -> bool:
     """Whether every class in `structure` is this package's; others may change unseen."""
     return all(name.startswith("remanent.") for name in _class_names(structure))
 
@@ -95,7 +97,7 @@ def _class_names(structure: Structure) -> Iterator[str]:
 
 
 @cache
-def _sources() -> tuple[str, str]:
+def _version_and_source_digest() -> tuple[str, str]:
     """Version of the package, and a digest of the code that makes fields."""
     digest = _cache.source_digest(
         "_field.py", "_instructions.py", "models", "derivation", "codegen"

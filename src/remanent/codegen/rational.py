@@ -14,16 +14,16 @@ from remanent.derivation.symbols import Expression, Symbol
 class Quotient:
     """numerator / (static * product of factors to their powers), in lowest terms.
 
-    Numerator and factors are polynomials; every factor depends on the state, `static`
+    Numerator and factors are polynomials; every factor depends on the state, `static_denominator`
     does not.
     """
 
     numerator: Expression
-    static: Expression
-    factors: Mapping[Expression, int]
+    static_denominator: Expression
+    denominator_powers: Mapping[Expression, int]
 
 
-def quotient(expression: Expression, dynamic: frozenset[Symbol]) -> Quotient:
+def as_quotient(expression: Expression, dynamic: frozenset[Symbol]) -> Quotient:
     """`expression`, a rational function, in lowest terms; `dynamic` symbols vary with state."""
     numerator, denominator = sp.fraction(sp.cancel(sp.together(expression)))
     content, pairs = sp.factor_list(denominator)
@@ -32,11 +32,11 @@ def quotient(expression: Expression, dynamic: frozenset[Symbol]) -> Quotient:
     return Quotient(numerator, static, factors)
 
 
-def common(quotients: Sequence[Quotient]) -> dict[Expression, int]:
+def least_common_multiple(quotients: Sequence[Quotient]) -> dict[Expression, int]:
     """Least common multiple of the factors, in a definite order."""
     powers: dict[Expression, int] = {}
     for item in quotients:
-        for base, k in item.factors.items():
+        for base, k in item.denominator_powers.items():
             powers[base] = max(k, powers.get(base, 0))
     return {base: powers[base] for base in sorted(powers, key=sp.default_sort_key)}
 
@@ -52,16 +52,16 @@ def rationalised(expression: Expression, generators: dict[Expression, Symbol]) -
     if expression.is_Pow and not expression.exp.is_Integer:
         return sp.Mul(
             *(
-                _power(expression.base, term, generators)
+                _power_of_generator(expression.base, term, generators)
                 for term in sp.Add.make_args(expression.exp)
             )
         )
     if expression.is_Function:
-        return _generator(expression, generators)
+        return _generator_symbol(expression, generators)
     return expression.func(*(rationalised(a, generators) for a in expression.args))
 
 
-def _power(
+def _power_of_generator(
     base: Expression, exponent: Expression, generators: dict[Expression, Symbol]
 ) -> Expression:
     """base^exponent as an integer power of a generator, base^(p r/q) = (base^(r/q))^p."""
@@ -70,11 +70,13 @@ def _power(
     if root == 1:
         return rationalised(base, generators) ** coefficient.p
     if root == sp.Rational(1, 2):
-        return _generator(sp.sqrt(base), generators) ** coefficient.p
-    return _generator(sp.exp(root * sp.log(base), evaluate=False), generators) ** coefficient.p
+        return _generator_symbol(sp.sqrt(base), generators) ** coefficient.p
+    return (
+        _generator_symbol(sp.exp(root * sp.log(base), evaluate=False), generators) ** coefficient.p
+    )
 
 
-def _generator(function: Expression, generators: dict[Expression, Symbol]) -> Symbol:
+def _generator_symbol(function: Expression, generators: dict[Expression, Symbol]) -> Symbol:
     if function not in generators:
         generators[function] = sp.Symbol(f"generator_{len(generators)}", real=True)
     return generators[function]

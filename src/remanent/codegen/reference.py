@@ -31,14 +31,14 @@ def rates(field: Field, phase: ArrayLike, y: FloatArray, p: FloatArray, u: Array
     -------
     array (trajectory, state)
     """
-    return _evaluate(field, field.rates, phase, y, p, u)
+    return _evaluate_program(field, field.rates, phase, y, p, u)
 
 
-def watched(
+def observable_and_rates(
     field: Field, phase: ArrayLike, y: FloatArray, p: FloatArray, u: ArrayLike
 ) -> FloatArray:
     """The watched observable, two rates, and the sign of the first: array (trajectory, 4)."""
-    return _evaluate(field, field.watched, phase, y, p, u)
+    return _evaluate_program(field, field.observable_and_rates, phase, y, p, u)
 
 
 def observables(
@@ -53,16 +53,16 @@ def observables(
         them.
     """
     return {
-        name: _evaluate(field, program, phase, y, p, u)[:, 0]
+        name: _evaluate_program(field, program, phase, y, p, u)[:, 0]
         for name, program in field.observables.items()
     }
 
 
-def _evaluate(
+def _evaluate_program(
     field: Field, program: Program, phase: ArrayLike, y: FloatArray, p: FloatArray, u: ArrayLike
 ) -> FloatArray:
-    if y.shape[1:] != (len(field.state),) or p.shape != (len(y), len(field.parameters)):
-        raise ValueError(f"shapes {y.shape} and {p.shape} do not fit {field.inputs}")
+    if y.shape[1:] != (len(field.state_names),) or p.shape != (len(y), len(field.parameters)):
+        raise ValueError(f"shapes {y.shape} and {p.shape} do not fit {field.input_names}")
     values = [np.asarray(phase), *y.T, *p.T, *np.asarray(u)]
     columns = program(values, functions=np)
     return np.stack([np.broadcast_to(column, len(y)) for column in columns], axis=1)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import sympy as sp
 
 from remanent.derivation.energy_balance import heat_balance
-from remanent.derivation.motion import Energies, HeatBalance, Motion, Term
+from remanent.derivation.motion import Energies, EnergyTerm, HeatBalance, Motion
 from remanent.derivation.symbols import (
     AREA,
     BODY_TEMPERATURE,
@@ -25,8 +25,8 @@ from remanent.derivation.symbols import (
     Expression,
     Symbol,
     coordinate_symbols,
-    in_symbols,
-    parameter,
+    loads_in_symbols,
+    parameter_symbol,
 )
 from remanent.derivation.unexpanded import Unexpanded
 from remanent.models import heat
@@ -36,7 +36,7 @@ from remanent.models.drives.base import Drive
 from remanent.models.parts import part_parameters
 
 
-def motion(actuator: Actuator, drive: Drive | None) -> Motion:
+def build_motion(actuator: Actuator, drive: Drive | None) -> Motion:
     """Energies of an actuator; without a drive, the load is left as a symbol.
 
     Equations, per 8 H L1 L2 mu [Thermal, eqs. 3 to 12], l3 = 1/(l1 l2):
@@ -44,15 +44,15 @@ def motion(actuator: Actuator, drive: Drive | None) -> Motion:
     U = mu(T)/mu W(l1, l2, l3) - m l3 - S1 (l1 - 1) - S2 (l2 - 1) + viscous energy
     + the magnet's energy in its own field.
     """
-    p = {name: parameter(name) for name in actuator.parameters()}
+    p = {name: parameter_symbol(name) for name in actuator.parameters()}
     q, v = coordinate_symbols(actuator.coordinate_count)
     # Of one coordinate both stretches are the same symbol, so that energies are written once.
     pair, pair_rates = (q[0], q[-1]), (v[0], v[-1])
     elements = [
-        _element(f"dissipation.{i}", part, (*pair, THICKNESS), pair_rates, actuator, p)
+        _dissipative_element(f"dissipation.{i}", part, (*pair, THICKNESS), pair_rates, actuator, p)
         for i, part in enumerate(actuator.dissipative_elements())
     ]
-    energies = _energies(actuator, pair, elements, p)
+    energies = _potential_energies(actuator, pair, elements, p)
     geometry = {
         AREA: pair[0] * pair[1],
         THICKNESS: 1 / AREA,
@@ -64,60 +64,64 @@ def motion(actuator: Actuator, drive: Drive | None) -> Motion:
     return Motion(
         coordinates=q,
         rates=v,
-        weights=(*_weights(actuator, p), p["c"]),
+        kinetic_weights=(*_kinetic_weights(actuator, p), p["c"]),
         energies=energies,
         rayleigh=sum((e.rayleigh for e in elements), start=sp.Integer(0)),
-        internal={xi: rate for e in elements for xi, rate in e.internal.items()},
+        internal_rates={xi: rate for e in elements for xi, rate in e.internal_rates.items()},
         relaxes_to={xi: stretch for e in elements for xi, stretch in e.relaxes_to.items()},
         load=LOAD,
         theta=TEMPERATURE_RATIO,
         definitions=_definitions(actuator, drive, p) | geometry,
         admissibility=tuple(admissibility),
-        heat=_heat(actuator, drive, p, energies),
+        heat_balance=_heat_balance(actuator, drive, p, energies),
     )
 
 
-def _energies(
+def _potential_energies(
     actuator: Actuator,
     pair: tuple[Symbol, Symbol],
-    elements: Sequence[_Element],
+    elements: Sequence[_DissipativeElement],
     p: Mapping[str, Symbol],
 ) -> Energies:
     """The parts of the potential energy."""
     stretches = (*pair, THICKNESS)
     strain = actuator.material.energy(*stretches, part_parameters("material", p), sp)
-    edges = (*_edges(actuator, p), sp.sqrt(p["c"]))
+    edges = (*_edge_ratios(actuator, p), sp.sqrt(p["c"]))
     self_field = actuator.magnet.self_energy(stretches, edges, part_parameters("magnet", p), sp)
-    work = sum(s * (stretch - 1) for s, stretch in zip(_pair(p, "prestress"), pair, strict=True))
+    work = sum(
+        s * (stretch - 1) for s, stretch in zip(_parameter_pair(p, "prestress"), pair, strict=True)
+    )
     return Energies(
-        strain=Term(
+        strain=EnergyTerm(
             STIFFNESS_RATIO, strain if actuator.material.expand_energy else Unexpanded(strain)
         ),
-        field=Term(1, actuator.magnet.energy(EFFECTIVE_LOAD, THICKNESS)),
-        dead_loads=Term(1, -work),
-        self_field=Term(Unexpanded(_remanence(actuator, p) ** 2), Unexpanded(self_field)),
-        viscous=tuple(Term(TEMPERATURE_RATIO, e.stored_energy) for e in elements),
+        field=EnergyTerm(1, actuator.magnet.energy(EFFECTIVE_LOAD, THICKNESS)),
+        dead_loads=EnergyTerm(1, -work),
+        self_field=EnergyTerm(
+            Unexpanded(_remanence_ratio(actuator, p) ** 2), Unexpanded(self_field)
+        ),
+        viscous=tuple(EnergyTerm(TEMPERATURE_RATIO, e.stored_energy) for e in elements),
     )
 
 
 @dataclass(frozen=True)
-class _Element:
+class _DissipativeElement:
     """Rayleigh's function, stored energy and rates of internal variables of an element."""
 
     rayleigh: Expression
     stored_energy: Expression
-    internal: Mapping[Symbol, Expression]
+    internal_rates: Mapping[Symbol, Expression]
     relaxes_to: Mapping[Symbol, Symbol]
 
 
-def _element(
+def _dissipative_element(
     prefix: str,
     part: Dissipation,
     stretches: Sequence[Symbol],
     rates: Sequence[Symbol],
     actuator: Actuator,
     p: Mapping[str, Symbol],
-) -> _Element:
+) -> _DissipativeElement:
     """One dissipative element; equal stretches share one internal variable per kind."""
     suffixes = ("", "") if actuator.coordinate_count == 1 else ("_1", "_2")
     symbols, directions = [], []
@@ -128,10 +132,10 @@ def _element(
     temperature, reference = body_temperature(actuator), p["reference_temperature"]
     numbers = part.at_temperature(temperature, reference, part_parameters(prefix, p), sp)
     internal_rates = part.internal_rates(stretches, symbols, TEMPERATURE_RATIO, numbers)
-    return _Element(
+    return _DissipativeElement(
         rayleigh=sp.sympify(part.rayleigh(stretches, rates, numbers)),
         stored_energy=sp.sympify(part.stored_energy(stretches, symbols, numbers)),
-        internal=dict(zip(symbols, internal_rates, strict=True)),
+        internal_rates=dict(zip(symbols, internal_rates, strict=True)),
         relaxes_to=dict(zip(symbols, directions, strict=True)),
     )
 
@@ -146,12 +150,12 @@ def _definitions(
         STIFFNESS_RATIO: heat.entropic_stiffness(TEMPERATURE_RATIO, fraction),
     }
     if drive is not None:
-        definitions[LOAD] = in_symbols(drive.load_laws, drive)[LOAD]
-    definitions[EFFECTIVE_LOAD] = _remanence(actuator, p) * LOAD
+        definitions[LOAD] = loads_in_symbols(drive.load_laws, drive)[LOAD]
+    definitions[EFFECTIVE_LOAD] = _remanence_ratio(actuator, p) * LOAD
     return definitions
 
 
-def _heat(
+def _heat_balance(
     actuator: Actuator, drive: Drive | None, p: Mapping[str, Symbol], energies: Energies
 ) -> HeatBalance | None:
     """The heat balance: factors of the energies in terms of theta, and the load itself."""
@@ -166,15 +170,15 @@ def _heat(
         energies,
         of_theta,
         p=p,
-        in_field=Term(
-            _remanence(actuator, p).subs(of_theta),
+        in_field=EnergyTerm(
+            _remanence_ratio(actuator, p).subs(of_theta),
             energies.field.energy.subs(EFFECTIVE_LOAD, LOAD),
         ),
-        load_rate=None if drive is None else in_symbols(drive.load_rates, drive)[LOAD],
+        load_rate=None if drive is None else loads_in_symbols(drive.load_rates, drive)[LOAD],
     )
 
 
-def _remanence(actuator: Actuator, p: Mapping[str, Symbol]) -> Expression:
+def _remanence_ratio(actuator: Actuator, p: Mapping[str, Symbol]) -> Expression:
     """B_r(T)/B_r(T0)."""
     temperature, reference = body_temperature(actuator), p["reference_temperature"]
     return actuator.magnet.remanence(temperature, reference, part_parameters("magnet", p))
@@ -182,21 +186,21 @@ def _remanence(actuator: Actuator, p: Mapping[str, Symbol]) -> Expression:
 
 def body_temperature(actuator: Actuator) -> Symbol:
     """The symbol of T: a state where there is a heat balance, else a numeric field."""
-    return parameter("temperature") if actuator.heat is None else BODY_TEMPERATURE
+    return parameter_symbol("temperature") if actuator.heat is None else BODY_TEMPERATURE
 
 
-def _pair(p: Mapping[str, Symbol], name: str) -> tuple[Symbol, Symbol]:
+def _parameter_pair(p: Mapping[str, Symbol], name: str) -> tuple[Symbol, Symbol]:
     return (p[name], p[name]) if name in p else (p[f"{name}_1"], p[f"{name}_2"])
 
 
-def _edges(actuator: Actuator, p: Mapping[str, Symbol]) -> tuple[Expression, Expression]:
+def _edge_ratios(actuator: Actuator, p: Mapping[str, Symbol]) -> tuple[Expression, Expression]:
     """L1/L and L2/L."""
-    return (sp.Integer(1), sp.Integer(1)) if actuator.edges is None else _pair(p, "edges")
+    return (sp.Integer(1), sp.Integer(1)) if actuator.edges is None else _parameter_pair(p, "edges")
 
 
-def _weights(actuator: Actuator, p: Mapping[str, Symbol]) -> tuple[Expression, ...]:
+def _kinetic_weights(actuator: Actuator, p: Mapping[str, Symbol]) -> tuple[Expression, ...]:
     """Of the coordinates in the kinetic energy: (L_i/L)^2, 1 where edges are equal."""
-    edge_1, edge_2 = _edges(actuator, p)
+    edge_1, edge_2 = _edge_ratios(actuator, p)
     if actuator.coordinate_count == 2:
         return edge_1**2, edge_2**2
     return (edge_1**2 + edge_2**2,)

@@ -13,7 +13,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 import sympy as sp
 
-from remanent.derivation.motion import Energies, HeatBalance, Motion, Term
+from remanent.derivation.motion import Energies, EnergyTerm, HeatBalance, Motion
 from remanent.derivation.symbols import (
     BODY_TEMPERATURE,
     TEMPERATURE_RATIO,
@@ -31,7 +31,7 @@ def heat_balance(
     of_theta: Mapping[Symbol, Expression],
     *,
     p: Mapping[str, Symbol],
-    in_field: Term,
+    in_field: EnergyTerm,
     load_rate: Expression | None,
 ) -> HeatBalance:
     """The heat balance of a body with these energies.
@@ -55,13 +55,16 @@ def heat_balance(
     """
     coupling, exchange = p["heat.coupling"], p["heat.exchange"]
     mechanical = (energies.strain, energies.self_field, *energies.viscous)
-    caloric = Term(heat.caloric_energy(TEMPERATURE_RATIO, coupling, sp), sp.Integer(1))
+    caloric = EnergyTerm(heat.caloric_energy(TEMPERATURE_RATIO, coupling, sp), sp.Integer(1))
     return HeatBalance(
         temperature=BODY_TEMPERATURE,
-        reference=p["reference_temperature"],
-        free=(*(Term(t.factor.subs(of_theta), t.energy) for t in mechanical), caloric),
-        free_in_field=in_field,
-        surroundings=p["temperature"] / p["reference_temperature"],
+        reference_temperature=p["reference_temperature"],
+        free_energy_terms=(
+            *(EnergyTerm(t.temperature_factor.subs(of_theta), t.energy) for t in mechanical),
+            caloric,
+        ),
+        free_energy_in_field=in_field,
+        surroundings_theta=p["temperature"] / p["reference_temperature"],
         conductance=exchange / coupling,
         load_rate=load_rate,
     )
@@ -73,7 +76,7 @@ def heat_balance(
 def dissipated_power(motion: Motion) -> Expression:
     """The power that becomes heat: sum of q' dD/dq' - dU_v/dxi xi'."""
     stored = motion.in_principal_stretches(motion.viscous_energy)
-    return dashpot_power(motion) - time_derivative(stored, motion.internal)
+    return dashpot_power(motion) - time_derivative(stored, motion.internal_rates)
 
 
 def dashpot_power(motion: Motion) -> Expression:
@@ -98,13 +101,17 @@ def temperature_rate(
         Rates of coordinates, their rates, and internal variables.
     """
     theta = motion.theta
-    outer_rates = _rates_but_temperature(rates, motion, balance)
-    internal_rates = {xi: outer_rates.pop(xi) for xi in motion.internal}
+    outer_rates = _rates_without_temperature(rates, motion, balance)
+    internal_rates = {xi: outer_rates.pop(xi) for xi in motion.internal_rates}
     entropy = _entropy(balance, theta, motion.in_principal_stretches)
-    capacity = sum(-theta * sp.diff(t.factor, theta, 2) * t.energy for t in balance.terms)
+    capacity = sum(
+        -theta * sp.diff(t.temperature_factor, theta, 2) * t.energy
+        for t in balance.all_free_energy_terms
+    )
     relaxation_power = -sum(
-        t.factor * time_derivative(motion.in_principal_stretches(t.energy), internal_rates)
-        for t in _internal_energy_terms(balance.terms, theta)
+        t.temperature_factor
+        * time_derivative(motion.in_principal_stretches(t.energy), internal_rates)
+        for t in _internal_energy_terms(balance.all_free_energy_terms, theta)
     )
     power = (
         dashpot_power(motion)
@@ -112,10 +119,10 @@ def temperature_rate(
         - _heat_flow(motion, balance)
         - theta * time_derivative(entropy, outer_rates)
     )
-    return {balance.temperature: balance.reference * power / capacity}
+    return {balance.temperature: balance.reference_temperature * power / capacity}
 
 
-def _rates_but_temperature(
+def _rates_without_temperature(
     rates: Mapping[Symbol, Expression], motion: Motion, balance: HeatBalance
 ) -> dict[Symbol, Expression]:
     """Rates of everything on which the free energy depends beside the temperature."""
@@ -132,31 +139,36 @@ def _entropy(
     rewrite: Callable[[Expression], Expression] = sp.sympify,
 ) -> Expression:
     """s = -dPsi/dtheta, the energies rewritten by a function."""
-    return sum(-sp.diff(t.factor, theta) * rewrite(t.energy) for t in balance.terms)
+    return sum(
+        -sp.diff(t.temperature_factor, theta) * rewrite(t.energy)
+        for t in balance.all_free_energy_terms
+    )
 
 
 def _heat_flow(motion: Motion, balance: HeatBalance) -> Expression:
     """Power given to the surroundings, h (theta - theta_env)."""
-    return balance.conductance * (motion.theta - balance.surroundings)
+    return balance.conductance * (motion.theta - balance.surroundings_theta)
 
 
 # Balances -----------------------------------------------------------------------------
 
 
-def balances(motion: Motion, rates: Mapping[Symbol, Expression]) -> dict[str, Expression]:
+def stored_energy_and_powers(
+    motion: Motion, rates: Mapping[Symbol, Expression]
+) -> dict[str, Expression]:
     """The energy without that in the field, and the powers that change it.
 
     Equations, where temperature is held: stored = T + U - U_m; stored' = drive power -
     dissipated power, where the drive's power is -dU_m/dq q' and the dissipated one q'
-    dD/dq' - dU_v/dxi xi'.  Where it is a state, see :func:`_thermal_balances`.
+    dD/dq' - dU_v/dxi xi'.  Where it is a state, see :func:`_internal_energy_and_flows`.
 
     Parameters
     ----------
     rates
         Rate of each state variable.
     """
-    if motion.heat is not None:
-        return _thermal_balances(motion, motion.heat, rates)
+    if motion.heat_balance is not None:
+        return _internal_energy_and_flows(motion, motion.heat_balance, rates)
     in_field = motion.energies.field.energy
     return {
         "stored_energy": motion.kinetic + motion.potential - in_field,
@@ -165,7 +177,7 @@ def balances(motion: Motion, rates: Mapping[Symbol, Expression]) -> dict[str, Ex
     }
 
 
-def _thermal_balances(
+def _internal_energy_and_flows(
     motion: Motion, balance: HeatBalance, rates: Mapping[Symbol, Expression]
 ) -> dict[str, Expression]:
     """Internal energy without that in the field, and what changes it and the entropy.
@@ -176,18 +188,20 @@ def _thermal_balances(
     entropy' = entropy production - entropy flow, the flow being what the surroundings
     gain, and the production D/theta + h (theta - theta_env)^2/(theta theta_env).
     """
-    theta, surroundings = motion.theta, balance.surroundings
+    theta, surroundings = motion.theta, balance.surroundings_theta
     dissipated, heat_flow = dissipated_power(motion), _heat_flow(motion, balance)
-    in_field, load = balance.free_in_field, motion.load
-    all_rates = _rates_but_temperature(rates, motion, balance)
-    all_rates[theta] = rates[balance.temperature] / balance.reference
+    in_field, load = balance.free_energy_in_field, motion.load
+    all_rates = _rates_without_temperature(rates, motion, balance)
+    all_rates[theta] = rates[balance.temperature] / balance.reference_temperature
     # The load is held here, since its part cancels.
     load_rate = all_rates.pop(load, sp.Integer(0))
     dead_loads = motion.energies.dead_loads.energy
     return {
-        "stored_energy": motion.kinetic + dead_loads + _internal_energy(balance.free, theta),
+        "stored_energy": motion.kinetic
+        + dead_loads
+        + _internal_energy(balance.free_energy_terms, theta),
         "drive_power": theta
-        * sp.diff(in_field.factor, theta)
+        * sp.diff(in_field.temperature_factor, theta)
         * sp.diff(in_field.energy, load)
         * load_rate
         - time_derivative(_internal_energy([in_field], theta), all_rates),
@@ -200,10 +214,15 @@ def _thermal_balances(
     }
 
 
-def _internal_energy(terms: Sequence[Term], theta: Symbol) -> Expression:
+def _internal_energy(terms: Sequence[EnergyTerm], theta: Symbol) -> Expression:
     """e = Psi - theta dPsi/dtheta, with the logarithms cancelled."""
     return sum(term.product for term in _internal_energy_terms(terms, theta))
 
 
-def _internal_energy_terms(terms: Sequence[Term], theta: Symbol) -> list[Term]:
-    return [Term(sp.expand(t.factor - theta * sp.diff(t.factor, theta)), t.energy) for t in terms]
+def _internal_energy_terms(terms: Sequence[EnergyTerm], theta: Symbol) -> list[EnergyTerm]:
+    return [
+        EnergyTerm(
+            sp.expand(t.temperature_factor - theta * sp.diff(t.temperature_factor, theta)), t.energy
+        )
+        for t in terms
+    ]

@@ -9,7 +9,7 @@ from typing import Any
 import sympy as sp
 
 from remanent._field import Role, StateVariable
-from remanent.derivation.energy_balance import balances, temperature_rate
+from remanent.derivation.energy_balance import stored_energy_and_powers, temperature_rate
 from remanent.derivation.motion import FirstOrderForm, Motion
 from remanent.derivation.symbols import (
     AREA,
@@ -21,37 +21,37 @@ from remanent.derivation.symbols import (
 )
 
 
-def first_order(motion: Motion) -> FirstOrderForm:
+def first_order_form(motion: Motion) -> FirstOrderForm:
     """Solve Lagrange's equations for the accelerations and list all rates."""
     solution = accelerations(motion)
     rates: dict[Symbol, Expression] = {}
     pairs = zip(motion.coordinates, motion.rates, solution.coordinates, strict=True)
     for coordinate, rate, acceleration in pairs:
         rates[coordinate], rates[rate] = rate, acceleration
-    rates |= motion.internal
-    if motion.heat is not None:
-        rates |= temperature_rate(motion, motion.heat, rates)
-    rate_sign = _sign_of(motion.eliminate_thickness(THICKNESS_RATE))
+    rates |= motion.internal_rates
+    if motion.heat_balance is not None:
+        rates |= temperature_rate(motion, motion.heat_balance, rates)
+    rate_sign = _same_sign_without_division(motion.eliminate_thickness(THICKNESS_RATE))
     return FirstOrderForm(
-        state=tuple(rates),
-        variables=tuple(_variable(symbol, motion) for symbol in rates),
+        state_symbols=tuple(rates),
+        variables=tuple(_state_variable(symbol, motion) for symbol in rates),
         loads=(motion.load.name,),
         definitions={**motion.definitions, **solution.definitions},
         rates=tuple(rates.values()),
         observable="thickness_stretch",
-        watched=(THICKNESS, THICKNESS_RATE, solution.thickness, rate_sign),
+        observable_and_rates=(THICKNESS, THICKNESS_RATE, solution.thickness, rate_sign),
         observables={
             "thickness_stretch": THICKNESS,
             "thickness_stretch_rate": THICKNESS_RATE,
             "energy": motion.kinetic + motion.potential,
             motion.load.name: motion.load,
-            **balances(motion, rates),
+            **stored_energy_and_powers(motion, rates),
         },
         admissibility=motion.admissibility,
     )
 
 
-def _variable(symbol: Symbol, motion: Motion) -> StateVariable:
+def _state_variable(symbol: Symbol, motion: Motion) -> StateVariable:
     """What a state variable is: all stretches are 1 at rest, the body as warm as its surroundings.
 
     Stretches and absolute temperatures are positive, which their symbols know.
@@ -62,13 +62,13 @@ def _variable(symbol: Symbol, motion: Motion) -> StateVariable:
     if symbol in motion.rates:
         coordinate = motion.coordinates[motion.rates.index(symbol)]
         return StateVariable(symbol.name, Role.RATE, 0.0, coordinate.name, positive)
-    if symbol in motion.internal:
+    if symbol in motion.internal_rates:
         coordinate = motion.relaxes_to[symbol]
         return StateVariable(symbol.name, Role.INTERNAL, 1.0, coordinate.name, positive)
     return StateVariable(symbol.name, Role.TEMPERATURE, "temperature", None, positive)
 
 
-def _sign_of(expression: Expression) -> Expression:
+def _same_sign_without_division(expression: Expression) -> Expression:
     """Something with the same sign and without a division, where there is one."""
     numerator, denominator = sp.fraction(sp.together(expression))
     return numerator if denominator.is_positive else expression
@@ -108,7 +108,7 @@ def accelerations(motion: Motion) -> Accelerations:
     x'' = [w_2 g_1 (A_1 - g_1 F) + w_1 g_2 (A_2 - g_2 F) + w_1 w_2 K]/det,  F = 3 dU/dx:
     in sum g_i q_i'' + K, most of K would cancel.
     """
-    c = motion.weights[-1]
+    c = motion.kinetic_weights[-1]
     # Symbols have the letters of the equations above.  SymPy sorts sums and products by names,
     # so these names also decide the order of the instructions, and with it the last digits.
     g, a = _gradient_symbols(motion), _force_symbols(motion)
@@ -118,17 +118,19 @@ def accelerations(motion: Motion) -> Accelerations:
     x_rate = motion.definitions[THICKNESS_RATE]
     for g_i, a_i, coordinate, rate in zip(g, a, motion.coordinates, motion.rates, strict=True):
         definitions[g_i] = sp.diff(x_rate, rate)
-        definitions[a_i] = -3 * (_slope(motion, coordinate) + sp.diff(motion.rayleigh, rate))
-    definitions[force] = 3 * _slope(motion, THICKNESS)
+        definitions[a_i] = -3 * (
+            _potential_slope(motion, coordinate) + sp.diff(motion.rayleigh, rate)
+        )
+    definitions[force] = 3 * _potential_slope(motion, THICKNESS)
     definitions[convective] = _convective_acceleration(motion)
     definitions[resistance] = force + c * convective
     # Each acceleration is its numerator over the determinant.
     if len(g) == 1:
-        (w, _), (g_1,), (a_1,) = motion.weights, g, a
+        (w, _), (g_1,), (a_1,) = motion.kinetic_weights, g, a
         determinant, numerators = w + c * g_1**2, [a_1 - g_1 * resistance]
         thickness = g_1 * (a_1 - g_1 * force) + w * convective
     else:
-        (w_1, w_2, _), (g_1, g_2), (a_1, a_2) = motion.weights, g, a
+        (w_1, w_2, _), (g_1, g_2), (a_1, a_2) = motion.kinetic_weights, g, a
         cross_force = sp.Symbol("r")
         definitions[cross_force] = c * (g_2 * a_1 - g_1 * a_2)
         determinant = w_1 * w_2 + c * (w_2 * g_1**2 + w_1 * g_2**2)
@@ -142,7 +144,9 @@ def accelerations(motion: Motion) -> Accelerations:
             + w_1 * w_2 * convective
         )
     # The gradients are x^2 times a stretch: in units of x^4 the determinant is a polynomial.
-    definitions[inertia] = _over_fourth_power(determinant.subs({k: definitions[k] for k in g}))
+    definitions[inertia] = _determinant_over_fourth_power(
+        determinant.subs({k: definitions[k] for k in g})
+    )
     definitions[inverse_inertia] = AREA**4 / inertia
     return Accelerations(
         definitions,
@@ -161,7 +165,7 @@ def _force_symbols(motion: Motion) -> list[Symbol]:
     return [sp.Symbol(f"A_{i + 1}") for i in range(len(motion.coordinates))]
 
 
-def _over_fourth_power(determinant: Expression) -> Expression:
+def _determinant_over_fourth_power(determinant: Expression) -> Expression:
     """The determinant over x^4, the area being 1/x."""
     constant = determinant.subs(THICKNESS, 0)
     rest = sp.factor_terms(sp.expand((determinant - constant) / THICKNESS**4))
@@ -175,15 +179,15 @@ def _convective_acceleration(motion: Motion) -> Expression:
     return sp.factor_terms(time_derivative(motion.definitions[THICKNESS_RATE], rates))
 
 
-def _slope(motion: Motion, stretch: Symbol) -> Expression:
+def _potential_slope(motion: Motion, stretch: Symbol) -> Expression:
     """dU/d(stretch), term by term, with the thickness stretch as a stretch of its own."""
     return sum(
-        term.factor * sp.diff(motion.in_principal_stretches(term.energy), stretch)
+        term.temperature_factor * sp.diff(motion.in_principal_stretches(term.energy), stretch)
         for term in motion.energies
     )
 
 
-def lagrange(motion: Motion) -> tuple[Any, Any]:
+def mass_matrix_and_force(motion: Motion) -> tuple[Any, Any]:
     """Mass matrix M and force f of Lagrange's equations M(q) q'' = f(q, q').
 
     Equation: d/dtau dT/dq' - dT/dq + dU/dq + dD/dq' = 0 [Thermal, eq. 8].

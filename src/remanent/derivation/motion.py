@@ -22,24 +22,24 @@ from remanent.derivation.unexpanded import Unexpanded
 
 
 @dataclass(frozen=True)
-class Term:
+class EnergyTerm:
     """A product f e of a factor f, which depends on temperature alone, and an energy e.
 
     Attributes
     ----------
-    factor
+    temperature_factor
         f(theta); 1 where the energy does not depend on temperature.
     energy
         e(state), per reference volume over mu.
     """
 
-    factor: Expression
+    temperature_factor: Expression
     energy: Expression
 
     @property
     def product(self) -> Expression:
         """f e."""
-        return self.factor * self.energy
+        return self.temperature_factor * self.energy
 
 
 @dataclass(frozen=True)
@@ -60,13 +60,13 @@ class Energies:
         What each dissipative element stores, times theta: its springs are entropic.
     """
 
-    strain: Term
-    field: Term
-    dead_loads: Term
-    self_field: Term
-    viscous: tuple[Term, ...]
+    strain: EnergyTerm
+    field: EnergyTerm
+    dead_loads: EnergyTerm
+    self_field: EnergyTerm
+    viscous: tuple[EnergyTerm, ...]
 
-    def __iter__(self) -> Iterator[Term]:
+    def __iter__(self) -> Iterator[EnergyTerm]:
         yield from (self.strain, self.field, self.dead_loads, self.self_field, *self.viscous)
 
 
@@ -78,13 +78,13 @@ class HeatBalance:
     ----------
     temperature
         Symbol of T, a state.
-    reference
+    reference_temperature
         Symbol of T0.
-    free
+    free_energy_terms
         Terms of the free energy without the part that the applied field makes.
-    free_in_field
+    free_energy_in_field
         That part, which is proportional to the load.
-    surroundings
+    surroundings_theta
         Temperature of the surroundings over T0.
     conductance
         h, exchanged power per unit of theta.
@@ -93,17 +93,17 @@ class HeatBalance:
     """
 
     temperature: Symbol
-    reference: Symbol
-    free: tuple[Term, ...]
-    free_in_field: Term
-    surroundings: Expression
+    reference_temperature: Symbol
+    free_energy_terms: tuple[EnergyTerm, ...]
+    free_energy_in_field: EnergyTerm
+    surroundings_theta: Expression
     conductance: Expression
     load_rate: Expression | None
 
     @property
-    def terms(self) -> tuple[Term, ...]:
+    def all_free_energy_terms(self) -> tuple[EnergyTerm, ...]:
         """All terms of the free energy."""
-        return (*self.free, self.free_in_field)
+        return (*self.free_energy_terms, self.free_energy_in_field)
 
 
 @dataclass(frozen=True)
@@ -118,14 +118,14 @@ class Motion:
     ----------
     coordinates, rates
         In-plane stretches and their rates.
-    weights
+    kinetic_weights
         Of each coordinate in the kinetic energy, and c, that of the thickness stretch:
         T = (sum of weight rate^2)/6.
     energies
         The parts of the potential energy.
     rayleigh
         Rayleigh's dissipation function.
-    internal
+    internal_rates
         Rate of each internal variable.
     relaxes_to
         The coordinate to which each internal variable relaxes.
@@ -135,28 +135,28 @@ class Motion:
         What symbols stand for that are neither parameters nor states, in order.
     admissibility
         What is positive in the states that the material can reach.
-    heat
+    heat_balance
         The heat balance; None where temperature is held.
     """
 
     coordinates: tuple[Symbol, ...]
     rates: tuple[Symbol, ...]
-    weights: tuple[Expression, ...]
+    kinetic_weights: tuple[Expression, ...]
     energies: Energies
     rayleigh: Expression
-    internal: Mapping[Symbol, Expression]
+    internal_rates: Mapping[Symbol, Expression]
     relaxes_to: Mapping[Symbol, Symbol]
     load: Symbol
     theta: Symbol
     definitions: Mapping[Symbol, Expression]
     admissibility: tuple[Expression, ...] = ()
-    heat: HeatBalance | None = None
+    heat_balance: HeatBalance | None = None
 
     @property
     def kinetic(self) -> Expression:
         """Kinetic energy: T = (w1 l1'^2 + w2 l2'^2 + c l3'^2)/6."""
         rates = (*self.rates, THICKNESS_RATE)
-        return sum((w * v**2 for w, v in zip(self.weights, rates, strict=True))) / 6
+        return sum((w * v**2 for w, v in zip(self.kinetic_weights, rates, strict=True))) / 6
 
     @property
     def potential(self) -> Expression:
@@ -214,7 +214,7 @@ class FirstOrderForm:
 
     Attributes
     ----------
-    state
+    state_symbols
         Symbols of the state variables.
     variables
         Their names, roles and values at rest.
@@ -227,7 +227,7 @@ class FirstOrderForm:
         Rate of each state variable.
     observable
         Name of the quantity whose extremes are followed, among the observables.
-    watched
+    observable_and_rates
         That quantity (the thickness stretch), its rate, its acceleration, and something with
         the sign of the rate.
     observables
@@ -236,12 +236,12 @@ class FirstOrderForm:
         What is positive in the states that the material can reach.
     """
 
-    state: tuple[Symbol, ...]
+    state_symbols: tuple[Symbol, ...]
     variables: tuple[StateVariable, ...]
     loads: tuple[str, ...]
     definitions: Mapping[Symbol, Expression]
     rates: tuple[Expression, ...]
     observable: str
-    watched: tuple[Expression, ...]
+    observable_and_rates: tuple[Expression, ...]
     observables: Mapping[str, Expression]
     admissibility: tuple[Expression, ...] = ()

@@ -9,7 +9,7 @@ import sympy as sp
 from remanent._errors import InputError
 from remanent.derivation import block
 from remanent.derivation.energy_balance import temperature_rate
-from remanent.derivation.lagrange import lagrange
+from remanent.derivation.lagrange import mass_matrix_and_force
 from remanent.derivation.motion import Motion
 from remanent.derivation.symbols import Expression, Symbol
 from remanent.derivation.unexpanded import Unexpanded
@@ -79,21 +79,21 @@ def equations(system: System) -> Equations:
             why="Only its equations can be typeset.",
             fix="Pass for example rm.Actuator().",
         )
-    motion = block.motion(system, None)
+    motion = block.build_motion(system, None)
     rows = second_order(motion)
-    rates = {**motion.internal, **_temperature_rate(motion)}
-    internal = tuple(sp.Eq(dotted(k), e, evaluate=False) for k, e in rates.items())
+    rates = {**motion.internal_rates, **_temperature_rate(motion)}
+    internal = tuple(sp.Eq(dotted_symbol(k), e, evaluate=False) for k, e in rates.items())
     definitions = tuple(sp.Eq(k, e, evaluate=False) for k, e in motion.definitions.items())
-    lines = [_latex(e, motion) for e in (*rows, *internal, *definitions)]
+    lines = [_equation_latex(e, motion) for e in (*rows, *internal, *definitions)]
     return Equations(rows, internal, definitions, _join_latex_lines(lines))
 
 
 def _temperature_rate(motion: Motion) -> dict[Expression, Expression]:
     """Rate of the temperature, where that is a state."""
-    if motion.heat is None:
+    if motion.heat_balance is None:
         return {}
-    rates = dict(zip(motion.coordinates, motion.rates, strict=True)) | dict(motion.internal)
-    return temperature_rate(motion, motion.heat, rates)
+    rates = dict(zip(motion.coordinates, motion.rates, strict=True)) | dict(motion.internal_rates)
+    return temperature_rate(motion, motion.heat_balance, rates)
 
 
 def second_order(motion: Motion) -> tuple[Expression, ...]:
@@ -102,14 +102,14 @@ def second_order(motion: Motion) -> tuple[Expression, ...]:
     [Thermal, eq. 16] is Lagrange's equation of the energies per 8 H L^2 mu, where the
     stretch has mass 2/3, times 3/2.
     """
-    mass, force = lagrange(motion)
+    mass, force = mass_matrix_and_force(motion)
     scale = sp.Rational(3, 2) if len(motion.coordinates) == 1 else sp.Integer(3)
-    accelerations = sp.Matrix([dotted(rate) for rate in motion.rates])
+    accelerations = sp.Matrix([dotted_symbol(rate) for rate in motion.rates])
     residuals = mass * accelerations - force
-    return tuple(sp.Eq(_expanded(scale * row), 0, evaluate=False) for row in residuals)
+    return tuple(sp.Eq(_expand_sum(scale * row), 0, evaluate=False) for row in residuals)
 
 
-def _expanded(expression: Expression) -> Expression:
+def _expand_sum(expression: Expression) -> Expression:
     """`expression` as a sum, its unexpanded parts as they are written."""
     placeholders = {part: sp.Dummy(real=True) for part in expression.atoms(Unexpanded)}
     expanded = sp.expand(expression.xreplace(placeholders))
@@ -117,7 +117,7 @@ def _expanded(expression: Expression) -> Expression:
 
 
 #: Letters of the numbers and internal variables of dissipative elements.
-_LETTERS = {
+_LATEX_OF_NAME = {
     "modulus": r"\mu_v",
     "relaxation_time": "t_r",
     "viscous_stretch": r"\xi",
@@ -126,12 +126,12 @@ _LETTERS = {
 }
 
 
-def dotted(symbol: Symbol) -> Symbol:
+def dotted_symbol(symbol: Symbol) -> Symbol:
     """The symbol of a time derivative."""
     return sp.Symbol(f"{symbol.name}'", real=True)
 
 
-def _latex(equation: Expression, motion: Motion) -> str:
+def _equation_latex(equation: Expression, motion: Motion) -> str:
     names = {
         "c": "c",
         "temperature": "T",
@@ -153,31 +153,35 @@ def _latex(equation: Expression, motion: Motion) -> str:
         "thickness": r"\lambda_3",
         "thickness_rate": r"{\lambda_3'}",
     }
-    if motion.heat is not None:
+    if motion.heat_balance is not None:
         names["temperature"] = r"T_\infty"
-    return str(sp.latex(equation, symbol_names=_named(equation, names | _letters(motion))))
+    return str(
+        sp.latex(
+            equation, symbol_names=_latex_of_symbol(equation, names | _latex_of_motion_name(motion))
+        )
+    )
 
 
-def _letters(motion: Motion) -> dict[str, str]:
+def _latex_of_motion_name(motion: Motion) -> dict[str, str]:
     """Letters of stretches, their rates and the dead loads."""
     letters = {}
     for i, (stretch, rate) in enumerate(zip(motion.coordinates, motion.rates, strict=True), 1):
         index = f"_{i}" if len(motion.coordinates) > 1 else ""
         letters[stretch.name] = rf"\lambda{index}"
         letters[rate.name] = rf"{{\lambda{index}'}}"
-        letters[dotted(rate).name] = rf"{{\lambda{index}''}}"
+        letters[dotted_symbol(rate).name] = rf"{{\lambda{index}''}}"
         letters["prestress" + index] = f"S{index}"
     return letters
 
 
-def _named(equation: Expression, names: dict[str, str]) -> dict[Expression, str]:
-    return {s: names.get(s.name, _field_letter(s.name)) for s in equation.free_symbols}
+def _latex_of_symbol(equation: Expression, names: dict[str, str]) -> dict[Expression, str]:
+    return {s: names.get(s.name, _field_latex(s.name)) for s in equation.free_symbols}
 
 
-def _field_letter(name: str) -> str:
+def _field_latex(name: str) -> str:
     """For ``dissipation.0.eta`` the letter eta with the index 0."""
     words = name.split(".")
-    letter = _LETTERS.get(words[-1].rstrip("'"))
+    letter = _LATEX_OF_NAME.get(words[-1].rstrip("'"))
     if letter is not None:
         prime = "'" if name.endswith("'") else ""
         return f"{{{letter}^{{({words[1]})}}{prime}}}"

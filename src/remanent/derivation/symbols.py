@@ -15,7 +15,7 @@ Expression = Any
 Symbol = Any
 
 #: Phase of the drive in [0, 1), or the fraction of the current piece of the load.
-PHASE = sp.Symbol("drive_phase", real=True)
+DRIVE_PHASE = sp.Symbol("drive_phase", real=True)
 #: The product of the in-plane stretches, one over the thickness stretch.
 AREA = sp.Symbol("area", positive=True)
 #: The thickness stretch, which incompressibility makes 1/area.
@@ -39,14 +39,14 @@ _POSITIVE_PARAMETERS = frozenset(
 )
 
 
-def parameter(name: str) -> Symbol:
+def parameter_symbol(name: str) -> Symbol:
     """The symbol of a numeric field."""
     if name in _POSITIVE_PARAMETERS:
         return sp.Symbol(name, positive=True)
     return sp.Symbol(name, real=True)
 
 
-def waveform(name: str) -> Symbol:
+def waveform_symbol(name: str) -> Symbol:
     """The symbol of a waveform of the drive."""
     return sp.Symbol(name, real=True)
 
@@ -56,7 +56,9 @@ def load_symbol(name: str) -> Symbol:
     return sp.Symbol(name, real=True)
 
 
-def in_symbols(laws: Callable[..., Mapping[str, Any]], drive: Drive) -> dict[Symbol, Expression]:
+def loads_in_symbols(
+    laws: Callable[..., Mapping[str, Any]], drive: Drive
+) -> dict[Symbol, Expression]:
     """The loads of a drive, or their rates, in symbols; None where there is no closed form.
 
     Parameters
@@ -65,11 +67,11 @@ def in_symbols(laws: Callable[..., Mapping[str, Any]], drive: Drive) -> dict[Sym
         ``drive.load_laws`` or ``drive.load_rates``.
     """
     names = (*drive.parameters(), *drive.piece_parameters)
-    p = {name: parameter(name) for name in names}
-    u = {name: waveform(name) for name in drive.waveforms}
+    p = {name: parameter_symbol(name) for name in names}
+    u = {name: waveform_symbol(name) for name in drive.waveforms}
     return {
         load_symbol(name): None if law is None else sp.sympify(law)
-        for name, law in laws(p, u, PHASE, sp).items()
+        for name, law in laws(p, u, DRIVE_PHASE, sp).items()
     }
 
 

@@ -143,7 +143,7 @@ class _CrossingFinder:
     @classmethod
     def for_observable(cls, problem: Problem, name: str, value: float, tolerance: float) -> Self:
         """A finder for one observable."""
-        program = observable_derivatives(problem.field, name, problem.field.state)
+        program = observable_derivatives(problem.field, name, problem.field.state_names)
         if _depends_on_drive(program, problem.field):
             raise ValueError(f"{name} depends on the drive itself, not only on the state")
         return cls(problem.field, problem.timeline.waveform, program, value, tolerance)
@@ -287,10 +287,10 @@ class _WindowSteps:
 
 def _depends_on_drive(program: Program, field: Field) -> BoolArray | bool:
     """Whether the phase or a waveform enters."""
-    first = len(field.inputs) - len(field.waveforms)
-    driven = {0, *range(first, len(field.inputs))}
-    base = len(program.inputs) + len(program.constants)
-    for k, (_, *operands) in enumerate(program.code):
+    first = len(field.input_names) - len(field.waveforms)
+    driven = {0, *range(first, len(field.input_names))}
+    base = len(program.input_names) + len(program.constants)
+    for k, (_, *operands) in enumerate(program.instructions):
         if driven.intersection(operands):
             driven.add(base + k)
-    return bool(driven.intersection(program.outputs))
+    return bool(driven.intersection(program.output_slots))

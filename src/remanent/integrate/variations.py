@@ -12,7 +12,7 @@ from types import MappingProxyType
 from typing import Any
 
 from remanent._field import Field, Program, Role, StateVariable
-from remanent._instructions import Instructions, Signed
+from remanent._instructions import InstructionBuilder, SignedValue
 
 #: Stands among `parameters` of :func:`field_with_tangents` for the logarithm of the length of
 #: a cycle.
@@ -45,17 +45,17 @@ def field_with_tangents(field: Field, *, directions: int, parameters: Sequence[s
     added = tuple(
         StateVariable(f"tangent.{k}.{name}", Role.VARIATION, belongs_to=name)
         for k in range(columns)
-        for name in field.state
+        for name in field.state_names
     )
     inputs = _widened_inputs(field, added)
-    into = Instructions(inputs)
-    values = [_Dual(into, into.input(name), (None,) * columns) for name in field.inputs]
-    for i, name in enumerate(field.state):
+    into = InstructionBuilder(inputs)
+    values = [_Dual(into, into.input(name), (None,) * columns) for name in field.input_names]
+    for i, name in enumerate(field.state_names):
         slopes = tuple(into.input(f"tangent.{k}.{name}") for k in range(columns))
         values[1 + i] = replace(values[1 + i], slopes=slopes)
     for k, name in enumerate(parameters, start=directions):
         if name != LOG_PERIOD:
-            at = field.inputs.index(name)
+            at = field.input_names.index(name)
             unit = tuple(into.constant(1.0) if j == k else None for j in range(columns))
             values[at] = replace(values[at], slopes=unit)
     rates = _run_with_duals(field.rates, values, into, columns)
@@ -96,20 +96,20 @@ def transverse_field(field: Field, pairs: Mapping[str, str]) -> Field:
     variables = (*kept_variables, *added)
     state = tuple(variable.name for variable in variables)
     inputs = ("drive_phase", *state, *field.parameters, *field.waveforms)
-    into = Instructions(inputs)
+    into = InstructionBuilder(inputs)
     first_of = {second: name for name, second in pairs.items()}
     values = []
-    for name in field.inputs:
+    for name in field.input_names:
         representative = first_of.get(name, name)
         # Along (1, -1): a change of the first by the difference, of the second by its negative.
         difference = into.input(f"transverse.{representative}") if representative in pairs else None
         slope = difference and (_negated(difference) if name in first_of else difference)
         values.append(_Dual(into, into.input(representative), (slope,)))
-    rates = dict(zip(field.state, _run_with_duals(field.rates, values, into, 1), strict=True))
+    rates = dict(zip(field.state_names, _run_with_duals(field.rates, values, into, 1), strict=True))
     zero = into.constant(0.0)
     outputs = [rates[variable.name].recorded_value for variable in kept_variables]
     outputs += [rates[name].slopes[0] or zero for name in pairs]
-    names = {name: first_of.get(name, name) for name in field.inputs}
+    names = {name: first_of.get(name, name) for name in field.input_names}
     return Field(
         variables=variables,
         loads=field.loads,
@@ -117,7 +117,7 @@ def transverse_field(field: Field, pairs: Mapping[str, str]) -> Field:
         waveforms=field.waveforms,
         rates=into.program(outputs),
         observable=field.observable,
-        watched=_program_with_inputs(field.watched, inputs, names),
+        observable_and_rates=_program_with_inputs(field.observable_and_rates, inputs, names),
         observables={
             k: _program_with_inputs(p, inputs, names) for k, p in field.observables.items()
         },
@@ -140,8 +140,8 @@ def field_with_integrals(field: Field, names: Sequence[str]) -> Field:
         State ``(*y, "integral.NAME", ...)``.
     """
     added = tuple(StateVariable(f"integral.{name}", Role.INTEGRAL) for name in names)
-    into = Instructions(_widened_inputs(field, added))
-    values = [_Dual(into, into.input(name), ()) for name in field.inputs]
+    into = InstructionBuilder(_widened_inputs(field, added))
+    values = [_Dual(into, into.input(name), ()) for name in field.input_names]
     programs = (field.rates, *(field.observables[name] for name in names))
     outputs = [
         rate.recorded_value
@@ -167,14 +167,14 @@ def observable_derivatives(field: Field, name: str, variables: Sequence[str]) ->
     Program
         Outputs: the value, then one derivative for each of `variables`.
     """
-    into = Instructions(field.inputs)
+    into = InstructionBuilder(field.input_names)
     one, columns = into.constant(1.0), len(variables)
     values = [
         _Dual(into, into.input(i), tuple(one if i == v else None for v in variables))
-        for i in field.inputs
+        for i in field.input_names
     ]
-    if name in field.state:
-        value = values[field.inputs.index(name)]
+    if name in field.state_names:
+        value = values[field.input_names.index(name)]
     else:
         (value,) = _run_with_duals(field.observables[name], values, into, columns)
     return into.program([value.recorded_value, *(s or into.constant(0.0) for s in value.slopes)])
@@ -182,11 +182,11 @@ def observable_derivatives(field: Field, name: str, variables: Sequence[str]) ->
 
 def _widened_inputs(field: Field, added: Sequence[StateVariable]) -> tuple[str, ...]:
     names = (variable.name for variable in added)
-    return ("drive_phase", *field.state, *names, *field.parameters, *field.waveforms)
+    return ("drive_phase", *field.state_names, *names, *field.parameters, *field.waveforms)
 
 
 def _run_with_duals(
-    program: Program, values: Sequence[_Dual], into: Instructions, columns: int
+    program: Program, values: Sequence[_Dual], into: InstructionBuilder, columns: int
 ) -> list[_Dual]:
     return program(
         values,
@@ -204,7 +204,7 @@ def _widened_field(field: Field, added: tuple[StateVariable, ...], rates: Progra
         waveforms=field.waveforms,
         rates=rates,
         observable=field.observable,
-        watched=_program_with_inputs(field.watched, inputs),
+        observable_and_rates=_program_with_inputs(field.observable_and_rates, inputs),
         observables={
             name: _program_with_inputs(p, inputs) for name, p in field.observables.items()
         },
@@ -215,19 +215,19 @@ def _program_with_inputs(
     program: Program, inputs: tuple[str, ...], names: Mapping[str, str] = MappingProxyType({})
 ) -> Program:
     """The same code for another list of inputs, of which some have other names."""
-    before, more = len(program.inputs), len(inputs) - len(program.inputs)
+    before, more = len(program.input_names), len(inputs) - len(program.input_names)
 
     def moved(slot: int) -> int:
         if slot >= before:
             return slot + more
-        name = program.inputs[slot]
+        name = program.input_names[slot]
         return inputs.index(names.get(name, name))
 
     return Program(
-        inputs=inputs,
+        input_names=inputs,
         constants=program.constants,
-        code=tuple((step[0], *map(moved, step[1:])) for step in program.code),  # type: ignore[misc]
-        outputs=tuple(map(moved, program.outputs)),
+        instructions=tuple((step[0], *map(moved, step[1:])) for step in program.instructions),  # type: ignore[misc]
+        output_slots=tuple(map(moved, program.output_slots)),
     )
 
 
@@ -235,9 +235,9 @@ def _program_with_inputs(
 class _Dual:
     """A recorded value and its derivative along each direction; None stands for zero."""
 
-    instructions: Instructions
-    recorded_value: Signed
-    slopes: tuple[Signed | None, ...]
+    instructions: InstructionBuilder
+    recorded_value: SignedValue
+    slopes: tuple[SignedValue | None, ...]
 
     def __add__(self, other: _Dual) -> _Dual:
         return self._combined(
@@ -255,7 +255,7 @@ class _Dual:
         )
 
     def __mul__(self, other: _Dual) -> _Dual:
-        def slope(a: Signed | None, b: Signed | None) -> Signed | None:
+        def slope(a: SignedValue | None, b: SignedValue | None) -> SignedValue | None:
             return self._slope_sum(
                 self._scaled_slope(other.recorded_value, a),
                 self._scaled_slope(self.recorded_value, b),
@@ -275,32 +275,32 @@ class _Dual:
         inverse = self.instructions.div(self.instructions.constant(1.0), other.recorded_value)
         quotient = self.instructions.mul(self.recorded_value, inverse)
 
-        def slope(a: Signed | None, b: Signed | None) -> Signed | None:
+        def slope(a: SignedValue | None, b: SignedValue | None) -> SignedValue | None:
             change = self._scaled_slope(quotient, b)
             return self._scaled_slope(inverse, self._slope_sum(a, change and _negated(change)))
 
         return self._combined(quotient, other, slope)
 
-    def with_chain_rule(self, value: Signed, factor: Signed) -> _Dual:
+    def with_chain_rule(self, value: SignedValue, factor: SignedValue) -> _Dual:
         """A function of this value with the derivative `factor`."""
         return _Dual(
             self.instructions, value, tuple(self._scaled_slope(factor, s) for s in self.slopes)
         )
 
-    def _combined(self, value: Signed, other: _Dual, slope: Any) -> _Dual:
+    def _combined(self, value: SignedValue, other: _Dual, slope: Any) -> _Dual:
         pairs = zip(self.slopes, other.slopes, strict=True)
         return _Dual(self.instructions, value, tuple(slope(a, b) for a, b in pairs))
 
-    def _scaled_slope(self, factor: Signed, slope: Signed | None) -> Signed | None:
+    def _scaled_slope(self, factor: SignedValue, slope: SignedValue | None) -> SignedValue | None:
         return None if slope is None else self.instructions.mul(factor, slope)
 
-    def _slope_sum(self, a: Signed | None, b: Signed | None) -> Signed | None:
+    def _slope_sum(self, a: SignedValue | None, b: SignedValue | None) -> SignedValue | None:
         if a is None or b is None:
             return b if a is None else a
         return self.instructions.add(a, b)
 
 
-def _negated(a: Signed) -> Signed:
+def _negated(a: SignedValue) -> SignedValue:
     return -a[0], a[1]
 
 

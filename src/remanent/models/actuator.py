@@ -34,7 +34,7 @@ _SINGLE_PART_FIELDS: Final = ("material", "heat", "magnet")
 _PART_FIELDS: Final = (*_SINGLE_PART_FIELDS, "dissipation")
 
 #: The rule of both temperatures.
-_TEMPERATURE_RULE: Final = _checks.positive(
+_TEMPERATURE_RULE: Final = _checks.positive_rule(
     "It is an absolute temperature in kelvin.", "For t degrees Celsius pass t + 273.15."
 )
 
@@ -92,14 +92,14 @@ class Actuator:
     #: The rule of each of the actuator's own numeric fields.
     rules: ClassVar[Mapping[str, Rule]] = MappingProxyType(
         {
-            "c": _checks.positive(
+            "c": _checks.positive_rule(
                 "It is the square of a ratio of lengths, H^2/L^2.",
                 "Pass 1 for a cube, less for a film.",
             ),
             "temperature": _TEMPERATURE_RULE,
             "reference_temperature": _TEMPERATURE_RULE,
-            "prestress": _checks.finite("It is a nominal stress over the shear modulus."),
-            "edges": _checks.positive("It is a ratio of lengths.", "Pass 1 for an edge 2 L."),
+            "prestress": _checks.finite_rule("It is a nominal stress over the shear modulus."),
+            "edges": _checks.positive_rule("It is a ratio of lengths.", "Pass 1 for an edge 2 L."),
         }
     )
     #: Fields that may be pairs; the numbers of a pair have their own names.
@@ -221,7 +221,7 @@ class Actuator:
             Arrays by dotted name that broadcast against each other; other names are
             ignored.
         """
-        broken = _checks.broken(self._field_rules(), values)
+        broken = _checks.is_rule_broken(self._field_rules(), values)
         for prefix, part in self.parts().items():
             broken = broken | part.invalid(part_parameters(prefix, values))
         p = {**self.parameters(), **values}
@@ -272,12 +272,12 @@ class Actuator:
 
     def replace(self, **changes: Any) -> Self:
         """A copy with some fields changed; unknown fields raise `InputError`."""
-        _checks.require_known(changes, [f.name for f in fields(self)], "Actuator")
+        _checks.require_known_names(changes, [f.name for f in fields(self)], "Actuator")
         return replace_fields(self, **changes)
 
     def with_parameter(self, name: str, value: float) -> Self:
         """A copy with one numeric field, given by its dotted name, changed."""
-        _checks.require_known([name], self.parameters(), "the actuator and its parts")
+        _checks.require_known_names([name], self.parameters(), "the actuator and its parts")
         for field_name, values in self._numbers().items():
             if name in values:
                 numbers = tuple({**values, name: value}.values())
@@ -341,25 +341,28 @@ class Actuator:
         >>> round(film.c, 12), round(film.load("140 mT"), 4)
         (0.01, 0.1593)
         """
-        _checks.require_known(parts, _PART_FIELDS, "Actuator.from_si")
+        _checks.require_known_names(parts, _PART_FIELDS, "Actuator.from_si")
         scales = Scales.from_quantities(
             shear_modulus=shear_modulus,
             density=density,
             half_length=half_length,
             remanence=remanence,
         )
-        thickness = _units.positive("half_thickness", half_thickness, "m")
+        thickness = _units.positive_magnitude("half_thickness", half_thickness, "m")
         edges = None
         if half_width is not None:
-            edges = (1.0, _units.positive("half_width", half_width, "m") / scales.half_length)
+            edges = (
+                1.0,
+                _units.positive_magnitude("half_width", half_width, "m") / scales.half_length,
+            )
         if own_field:
             magnet = parts.get("magnet", Magnet())
             _checks.require_instance("magnet", magnet, Magnet, "Magnet()")
             parts["magnet"] = magnet.replace(demagnetisation=scales.demagnetisation)
         return cls(
             c=(thickness / scales.half_length) ** 2,
-            temperature=_units.single("temperature", temperature, "K"),
-            reference_temperature=_units.single(
+            temperature=_units.single_magnitude("temperature", temperature, "K"),
+            reference_temperature=_units.single_magnitude(
                 "reference_temperature", reference_temperature, "K"
             ),
             prestress=scales.nominal_stress(force, thickness, edges),

@@ -14,7 +14,7 @@ from remanent.models.parts import Part, part_parameters
 from remanent.models.temperature_shift import TemperatureShift
 
 #: The rule of a viscosity.
-_VISCOSITY_RULE = _checks.not_negative(
+_VISCOSITY_RULE = _checks.not_negative_rule(
     "A dashpot takes energy out of the motion.", "Pass 0 for no damping."
 )
 
@@ -201,11 +201,11 @@ class Zener(Dissipation):
 
     rules: ClassVar[Mapping[str, Rule]] = MappingProxyType(
         {
-            "modulus": _checks.not_negative(
+            "modulus": _checks.not_negative_rule(
                 "It is the shear modulus of a spring over that of the solid.",
                 "Pass 0 for none.",
             ),
-            "relaxation_time": _checks.positive(
+            "relaxation_time": _checks.positive_rule(
                 "It is the time in which the spring relaxes.",
                 "For a spring that never relaxes, raise the shear modulus itself.",
             ),

@@ -42,11 +42,11 @@ class Heat(Part):
 
     rules: ClassVar[Mapping[str, Rule]] = MappingProxyType(
         {
-            "coupling": _checks.positive(
+            "coupling": _checks.positive_rule(
                 "It is mu/(rho c_p T0), by which strain energy warms the body.",
                 "Pass about 2e-4; to hold the temperature leave `heat` out.",
             ),
-            "exchange": _checks.not_negative(
+            "exchange": _checks.not_negative_rule(
                 "It is a rate of cooling per unit of tau.", "Pass 0 for an adiabatic body."
             ),
         }

@@ -51,11 +51,11 @@ class Magnet(Part):
 
     rules: ClassVar[Mapping[str, Rule]] = MappingProxyType(
         {
-            "temperature_coefficient": _checks.finite(
+            "temperature_coefficient": _checks.finite_rule(
                 "It is the relative change of the remanence per kelvin.",
                 "Pass 0 for a constant remanence, or about -0.001 for NdFeB.",
             ),
-            "demagnetisation": _checks.not_negative(
+            "demagnetisation": _checks.not_negative_rule(
                 "It is the square of the remanence over mu mu0.",
                 "Pass None to leave the block's own field out.",
             ),

@@ -142,7 +142,7 @@ class Part:
         """A copy with some fields changed; unknown fields raise `InputError`."""
         entries = [name for name in self.numeric_rules() if name not in self.rules]
         field_names = [f.name for f in fields(self) if f.init]
-        _checks.require_known(changes, [*field_names, *entries], type(self).__name__)
+        _checks.require_known_names(changes, [*field_names, *entries], type(self).__name__)
         values = {name: value for name, value in changes.items() if name not in entries}
         # Several entries of one table change together, so each starts from what is in `values`.
         for name in changes.keys() - values.keys():
@@ -153,9 +153,9 @@ class Part:
 
     def invalid(self, values: Mapping[str, ArrayLike]) -> BoolArray:
         """Where a batch of values of the numeric fields breaks a rule."""
-        broken = _checks.broken(self.numeric_rules(), values)
+        broken = _checks.is_rule_broken(self.numeric_rules(), values)
         for value, rule in self._derived_numbers(values).values():
-            broken = broken | ~rule.satisfied(value)
+            broken = broken | ~rule.is_satisfied_by(value)
         return np.asarray(broken)
 
     def _derived_numbers(self, values: Mapping[str, ArrayLike]) -> Mapping[str, tuple[Any, Rule]]:

@@ -113,7 +113,7 @@ def from_plain(table: Mapping[str, Any]) -> Any:
         name: _rebuilt_content(content) for name, content in table.items() if name != KIND_KEY
     }
     known = [field for field in fields(cls) if field.init]
-    _checks.require_known(arguments, [field.name for field in known], str(kind))
+    _checks.require_known_names(arguments, [field.name for field in known], str(kind))
     for field in known:
         if _is_required(field) and field.name not in arguments:
             raise InputError(

@@ -49,10 +49,12 @@ class Scales:
     ) -> Self:
         """Scales from quantities with units, ``"100 kPa"`` or pint's."""
         return cls(
-            shear_modulus=_units.positive("shear_modulus", shear_modulus, "Pa"),
-            density=_units.positive("density", density, "kg/m^3"),
-            half_length=_units.positive("half_length", half_length, "m"),
-            remanence=None if remanence is None else _units.positive("remanence", remanence, "T"),
+            shear_modulus=_units.positive_magnitude("shear_modulus", shear_modulus, "Pa"),
+            density=_units.positive_magnitude("density", density, "kg/m^3"),
+            half_length=_units.positive_magnitude("half_length", half_length, "m"),
+            remanence=None
+            if remanence is None
+            else _units.positive_magnitude("remanence", remanence, "T"),
         )
 
     @property
@@ -90,30 +92,30 @@ class Scales:
 
     def dimensionless_stress(self, stress: Quantity) -> float | FloatArray:
         """Stress or modulus over mu, of ``"50 kPa"``."""
-        return _units.magnitude("stress", stress, "Pa") / self.shear_modulus
+        return _units.magnitude_in_unit("stress", stress, "Pa") / self.shear_modulus
 
     def dimensionless_viscosity(self, viscosity: Quantity) -> float | FloatArray:
         """eta over mu times the unit of time, of ``"20 Pa s"``."""
         unit = self.shear_modulus * self.time
-        return _units.magnitude("viscosity", viscosity, "Pa s") / unit
+        return _units.magnitude_in_unit("viscosity", viscosity, "Pa s") / unit
 
     def dimensionless_load(self, flux_density: Quantity) -> float | FloatArray:
         """Magnetic load m = B_r B/(mu mu0) of a flux density, ``"140 mT"``."""
-        return _units.magnitude("flux_density", flux_density, "T") / self.flux_density
+        return _units.magnitude_in_unit("flux_density", flux_density, "T") / self.flux_density
 
     def dimensionless_frequency(self, frequency: Quantity) -> float | FloatArray:
         """omega in radians per unit of tau, of ``"50 Hz"`` or ``"314 rad/s"``."""
-        return _units.angular_frequency("frequency", frequency) * self.time
+        return _units.radians_per_second("frequency", frequency) * self.time
 
     def dimensionless_time(self, time: Quantity) -> float | FloatArray:
         """tau of a time, ``"1 s"``."""
-        return _units.magnitude("time", time, "s") / self.time
+        return _units.magnitude_in_unit("time", time, "s") / self.time
 
     def thermal_coupling(
         self, heat_capacity: Quantity, reference_temperature: float
     ) -> float | FloatArray:
         """mu/(rho c_p T0) of a heat capacity c_p, ``"1.9 kJ/(kg K)"``, and T0 in kelvin."""
-        capacity = _units.magnitude("heat_capacity", heat_capacity, "J/(kg K)")
+        capacity = _units.magnitude_in_unit("heat_capacity", heat_capacity, "J/(kg K)")
         return self.shear_modulus / (self.density * reference_temperature * capacity)
 
     def nominal_stress(
@@ -140,13 +142,13 @@ class Scales:
         """
         unit = 4.0 * self.half_length * half_thickness * self.shear_modulus
         if edges is None and not is_pair(force):
-            return _units.single("force", force, "N") / unit
+            return _units.single_magnitude("force", force, "N") / unit
         force_1, force_2 = numbered_pair("force", force).values()
         edge_1, edge_2 = edges or (1.0, 1.0)
         # A force along one edge pulls at the faces that the other edge spans.
         return (
-            _units.single("force", force_1, "N") / (unit * edge_2),
-            _units.single("force", force_2, "N") / (unit * edge_1),
+            _units.single_magnitude("force", force_1, "N") / (unit * edge_2),
+            _units.single_magnitude("force", force_2, "N") / (unit * edge_1),
         )
 
     # From dimensionless to SI ---------------------------------------------------------

@@ -67,8 +67,8 @@ class WLF(TemperatureShift):
 
     rules: ClassVar[Mapping[str, Rule]] = MappingProxyType(
         {
-            "c1": _checks.finite("It is the first WLF constant.", "Pass for example 8.86."),
-            "c2": _checks.positive(
+            "c1": _checks.finite_rule("It is the first WLF constant.", "Pass for example 8.86."),
+            "c2": _checks.positive_rule(
                 "It is the distance in kelvin of T0 from where motion freezes.",
                 "Pass for example 101.6.",
             ),
@@ -111,7 +111,7 @@ class Arrhenius(TemperatureShift):
 
     rules: ClassVar[Mapping[str, Rule]] = MappingProxyType(
         {
-            "activation_temperature": _checks.finite(
+            "activation_temperature": _checks.finite_rule(
                 "It is an activation energy over the gas constant, in kelvin.",
                 "Pass for example 6000.",
             )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import xarray as xr
 
-from remanent._checks import shortened
+from remanent._checks import shortened_repr
 from remanent._errors import InputError
 
 
@@ -14,7 +14,7 @@ def require_dataset(name: str, value: object) -> xr.Dataset:
         raise InputError(
             name,
             must="be an xarray.Dataset",
-            got=shortened(value),
+            got=shortened_repr(value),
             why="Its variables are read by name.",
             fix="Pass the result of a verb.",
         )

@@ -13,7 +13,7 @@ import pandas as pd
 import xarray as xr
 
 from remanent import _units
-from remanent._checks import as_float_array, require_mapping, shortened
+from remanent._checks import as_float_array, require_mapping, shortened_repr
 from remanent._errors import InputError
 from remanent._typing import FloatArray
 from remanent.models.system import System
@@ -82,7 +82,7 @@ def read_measurements(
         raise InputError(
             "actuator",
             must="be a system, or left out",
-            got=shortened(actuator),
+            got=shortened_repr(actuator),
             why="Its scales turn units into dimensionless numbers.",
             fix="Pass one that Actuator.from_si made.",
         )
@@ -156,7 +156,7 @@ def _require_text_mapping(name: str, value: object) -> Mapping[str, str]:
             raise InputError(
                 f"{name}[{key!r}]",
                 must="be text",
-                got=shortened(text),
+                got=shortened_repr(text),
                 why="Names and units are written in words.",
                 fix=fix,
             )
@@ -182,7 +182,7 @@ def _read_table(data: Any) -> Mapping[str, Any]:
             raise InputError(
                 "data",
                 must="be a table: a path, a DataFrame, a mapping of names to arrays or a Dataset",
-                got=shortened(data),
+                got=shortened_repr(data),
                 why="Its columns are measurements.",
                 fix="Pass for example {'time': t, 'thickness_stretch': x}.",
             )
@@ -222,10 +222,10 @@ def _dimensionless_values(
     kind = describe(name).kind
     if unit in {None, "", "1"} or (unit == "K" and kind is QuantityKind.TEMPERATURE):
         return numbers
-    quantity = _units.quantity(argument, numbers, unit)
+    quantity = _units.with_unit(argument, numbers, unit)
     if kind in {QuantityKind.NONE, QuantityKind.TEMPERATURE}:
         unit = "K" if kind is not QuantityKind.NONE else ""
-        return np.asarray(_units.magnitude(argument, quantity, unit))
+        return np.asarray(_units.magnitude_in_unit(argument, quantity, unit))
     scales = None if actuator is None else actuator.scales
     if scales is None:
         raise InputError(
@@ -236,7 +236,7 @@ def _dimensionless_values(
             fix="Build it with Actuator.from_si.",
         )
     if kind is QuantityKind.FREQUENCY:
-        return np.asarray(_units.angular_frequency(argument, quantity) * scales.time)
+        return np.asarray(_units.radians_per_second(argument, quantity) * scales.time)
     if kind not in _SI_UNITS:
         raise InputError(
             argument,
@@ -247,4 +247,4 @@ def _dimensionless_values(
         )
     base, scale, power = _SI_UNITS[kind]
     one = scales.flux_density if kind is QuantityKind.LOAD else scales.si_factors()[scale]
-    return np.asarray(_units.magnitude(argument, quantity, base) * one**power)
+    return np.asarray(_units.magnitude_in_unit(argument, quantity, base) * one**power)

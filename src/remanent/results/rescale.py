@@ -11,7 +11,7 @@ from typing import Any, Final, TypeVar
 import numpy as np
 import xarray as xr
 
-from remanent._checks import positive, require_instance, require_real, shortened
+from remanent._checks import positive_rule, require_instance, require_real, shortened_repr
 from remanent._errors import InputError
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
@@ -45,7 +45,7 @@ _MATERIAL_TABLES = frozenset({"moduli", "exponents", "constants"})
 _STATE_ERRORS = frozenset({"error", "local_error", "residual", "tolerance"})
 #: Fields that say what the units are: those of the reference temperature.
 _UNSCALED_FIELDS: Final = frozenset({"scales"})
-_TEMPERATURE_RULE: Final = positive("Temperatures are absolute.", "Pass kelvin.")
+_TEMPERATURE_RULE: Final = positive_rule("Temperatures are absolute.", "Pass kelvin.")
 
 _Model = TypeVar("_Model", bound=Actuator | Part)
 
@@ -136,7 +136,7 @@ def _require_actuator(system: object) -> Actuator:
         raise InputError(
             "system",
             must="be an Actuator",
-            got=shortened(system),
+            got=shortened_repr(system),
             why="It is not known how other systems scale with temperature.",
             fix="Compute the result at the other temperature.",
         )

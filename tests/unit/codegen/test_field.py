@@ -16,7 +16,7 @@ from remanent import _cache
 from remanent._field import Field
 from remanent.codegen import field as module
 from remanent.codegen import reference
-from remanent.codegen.build import build
+from remanent.codegen.build import build_field
 from remanent.codegen.field import field_for
 from remanent.models.actuator import Actuator
 from remanent.models.dissipation import Rayleigh
@@ -29,7 +29,7 @@ from remanent.models.materials.named import NeoHookean
 def fresh(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """An empty cache on disk, and nothing in memory."""
     monkeypatch.setenv("REMANENT_CACHE_DIR", str(tmp_path / "cache"))
-    monkeypatch.setattr(module, "_memory", {})
+    monkeypatch.setattr(module, "_fields_by_fingerprint", {})
     return tmp_path / "cache"
 
 
@@ -41,16 +41,16 @@ def derivations(fresh: Path, monkeypatch: pytest.MonkeyPatch) -> list[Any]:
 
     def derived(actuator: Actuator, drive: Any) -> Field:
         done.append((actuator, drive))
-        return build(actuator, drive)
+        return build_field(actuator, drive)
 
-    monkeypatch.setattr(module, "_derived", derived)
+    monkeypatch.setattr(module, "_derive_field", derived)
     return done
 
 
 def test_names_of_the_field_of_the_reproduced_article() -> None:
     """A field lists its states, parameters, waveforms and observables, in a fixed order."""
     field = field_for(Actuator(dissipation=Rayleigh(0.1)), SineSquared(0.4, 1.25))
-    assert field.state == ("stretch", "stretch_rate")
+    assert field.state_names == ("stretch", "stretch_rate")
     assert field.parameters == (
         "c",
         "temperature",
@@ -88,7 +88,7 @@ def test_field_is_read_from_the_cache(
     """A field from the cache is the one that was stored, and is not derived again."""
     first = field_for(Actuator(), Constant(0.1))
     assert len(list(fresh.rglob("*"))) == 2
-    monkeypatch.setattr(module, "_memory", {})
+    monkeypatch.setattr(module, "_fields_by_fingerprint", {})
     assert field_for(Actuator(), Constant(0.1)).to_json() == first.to_json()
     assert len(derivations) == 1
 
@@ -97,9 +97,9 @@ def test_field_is_read_from_the_cache(
 def test_unreadable_entries_are_derived_again(text: str, derivations: list[Any]) -> None:
     """A damaged entry costs a derivation, and changes nothing."""
     actuator, drive = Actuator(), Constant(0.1)
-    key = module.fingerprint((actuator.structure(), drive.structure()))
+    key = module.structure_fingerprint((actuator.structure(), drive.structure()))
     assert _cache.store_text("fields", key, text)
-    assert field_for(actuator, drive).to_json() == build(actuator, drive).to_json()
+    assert field_for(actuator, drive).to_json() == build_field(actuator, drive).to_json()
     assert len(derivations) == 1
 
 
@@ -110,7 +110,7 @@ def test_choices_and_kinds_have_their_own_fingerprint() -> None:
         for actuator in (Actuator(), Actuator(dissipation=Rayleigh(0.1)))
         for drive in (Constant(0.1), SineSquared(0.4, 1.0), Steps([0.0], [0.1]))
     ]
-    assert len({module.fingerprint(s) for s in structures}) == len(structures)
+    assert len({module.structure_fingerprint(s) for s in structures}) == len(structures)
 
 
 def test_tables_of_all_kinds_and_lengths_share_their_equations() -> None:
@@ -167,7 +167,7 @@ def test_reference_evaluates_rows() -> None:
     np.testing.assert_allclose(rates[:, 1], prestresses - loads, rtol=1e-15)
     np.testing.assert_array_equal(rates[:, 0], 0.0)
     np.testing.assert_array_equal(reference.observables(field, 0.0, y, p, u)["energy"], -loads)
-    seen = reference.watched(field, 0.0, y, p, u)
+    seen = reference.observable_and_rates(field, 0.0, y, p, u)
     np.testing.assert_allclose(seen[:, 0], 1.0, rtol=1e-15)
     np.testing.assert_array_equal(seen[:, [1, 3]], 0.0)
     np.testing.assert_allclose(seen[:, 2], -2.0 * rates[:, 1], rtol=1e-15)

@@ -15,8 +15,8 @@ import pytest
 import sympy as sp
 
 from remanent._field import Field, Program
-from remanent.codegen.build import build
-from remanent.codegen.lower import Level, lower
+from remanent.codegen.build import build_field
+from remanent.codegen.lower import DependenceLevel, lower_to_program
 from remanent.derivation.derive import derive
 from remanent.derivation.motion import FirstOrderForm
 from remanent.derivation.unexpanded import Unexpanded
@@ -33,7 +33,12 @@ from remanent.models.materials.strain_energy import StrainEnergy
 from remanent.models.temperature_shift import WLF
 
 X, Y, A, U = sp.symbols("x y a u", positive=True)
-LEVELS = {X: Level.STATE, Y: Level.STATE, A: Level.PARAMETER, U: Level.DRIVE}
+LEVELS = {
+    X: DependenceLevel.STATE,
+    Y: DependenceLevel.STATE,
+    A: DependenceLevel.PARAMETER,
+    U: DependenceLevel.DRIVE,
+}
 
 ARTICLE = SineSquared(0.4, 1.25)
 PAIR = (0.0, 1.0)
@@ -69,19 +74,19 @@ UNEXPANDED: dict[str, tuple[Actuator, Drive]] = {
 
 def program(*outputs: Any, **options: Any) -> Program:
     names = ["x", "y", "a", "u"]
-    return lower(outputs, inputs=names, levels=LEVELS, definitions={}, **options)
+    return lower_to_program(outputs, inputs=names, levels=LEVELS, definitions={}, **options)
 
 
 def operations(code: Program) -> Counter[str]:
-    return Counter(step[0] for step in code.code)
+    return Counter(step[0] for step in code.instructions)
 
 
 def dynamic(code: Program, varying: set[str]) -> Counter[str]:
     """Operations on what varies: what remains when the rest is computed in advance."""
-    first = len(code.inputs) + len(code.constants)
-    moving = {i for i, name in enumerate(code.inputs) if name in varying}
+    first = len(code.input_names) + len(code.constants)
+    moving = {i for i, name in enumerate(code.input_names) if name in varying}
     counts: Counter[str] = Counter()
-    for slot, (operation, *operands) in enumerate(code.code, start=first):
+    for slot, (operation, *operands) in enumerate(code.instructions, start=first):
         if moving & set(operands):
             moving.add(slot)
             counts[operation] += 1
@@ -93,8 +98,8 @@ def dynamic(code: Program, varying: set[str]) -> Counter[str]:
 
 def random_inputs(field: Field, rng: np.random.Generator, count: int) -> np.ndarray:
     """Points over the whole range of use: slender and stout, cold and hot."""
-    values = rng.normal(size=(count, len(field.inputs)))
-    for i, name in enumerate(field.inputs):
+    values = rng.normal(size=(count, len(field.input_names)))
+    for i, name in enumerate(field.input_names):
         if name.endswith("temperature"):
             values[:, i] = rng.uniform(150.0, 600.0, count)
         elif name == "c":
@@ -120,8 +125,8 @@ class Exact:
     def __init__(self, field: Field, system: FirstOrderForm, expressions: list[Any]) -> None:
         written = [written_out(e, system) for e in expressions]
         symbols = {s.name: s for e in written for s in e.free_symbols}
-        self._used = [i for i, name in enumerate(field.inputs) if name in symbols]
-        arguments = [symbols[field.inputs[i]] for i in self._used]
+        self._used = [i for i, name in enumerate(field.input_names) if name in symbols]
+        arguments = [symbols[field.input_names[i]] for i in self._used]
         self._function = sp.lambdify(arguments, written, modules="mpmath", cse=True)
 
     def __call__(self, point: np.ndarray) -> list[tuple[Any, Any]]:
@@ -149,14 +154,14 @@ def written_out(expression: Any, system: FirstOrderForm) -> Any:
 @cache
 def derived(name: str) -> tuple[Field, FirstOrderForm]:
     actuator, drive = (MODELS | UNEXPANDED)[name]
-    return build(actuator, drive), derive(actuator, drive)
+    return build_field(actuator, drive), derive(actuator, drive)
 
 
 def check_against_sympy(name: str, count: int) -> None:
     """|computed - exact| <= 8 ulp times the condition number, for every output."""
     field, system = derived(name)
-    programs = [field.rates, field.watched, *field.observables.values()]
-    expressions = [*system.rates, *system.watched, *system.observables.values()]
+    programs = [field.rates, field.observable_and_rates, *field.observables.values()]
+    expressions = [*system.rates, *system.observable_and_rates, *system.observables.values()]
     exact = Exact(field, system, expressions)
     for point in random_inputs(field, np.random.default_rng(1), count):
         computed = [v for code in programs for v in code(list(point), functions=np)]
@@ -201,10 +206,10 @@ def test_jacobian_by_complex_steps() -> None:
     field, system = derived("article")
     point = random_inputs(field, np.random.default_rng(3), 1)[0]
     rate = written_out(system.rates[1], system)
-    at = {s: float(point[field.inputs.index(s.name)]) for s in rate.free_symbols}
-    for symbol in system.state:
+    at = {s: float(point[field.input_names.index(s.name)]) for s in rate.free_symbols}
+    for symbol in system.state_symbols:
         values = list(point.astype(complex))
-        values[field.inputs.index(symbol.name)] += 1e-40j
+        values[field.input_names.index(symbol.name)] += 1e-40j
         computed = field.rates(values, functions=np)[1].imag / 1e-40
         assert computed == pytest.approx(float(sp.diff(rate, symbol).subs(at)), rel=1e-12)
 
@@ -216,19 +221,19 @@ def test_jacobian_by_complex_steps() -> None:
 def test_one_division_by_the_state(name: str) -> None:
     """In each step at most one division depends on the state."""
     field, _ = derived(name)
-    for code in (field.rates, field.watched):
-        assert dynamic(code, {*field.state, *field.waveforms, "drive_phase"})["div"] <= 1
+    for code in (field.rates, field.observable_and_rates):
+        assert dynamic(code, {*field.state_names, *field.waveforms, "drive_phase"})["div"] <= 1
 
 
 def test_equation_16_is_short() -> None:
     """Sixteen additions and multiplications and a division, and five for the load."""
     field, _ = derived("article")
-    counts = dynamic(field.rates, {*field.state, *field.waveforms})
+    counts = dynamic(field.rates, {*field.state_names, *field.waveforms})
     assert counts["div"] == 1
     assert set(counts) <= {"add", "sub", "mul", "div"}
     assert counts.total() <= 22
-    still = build(Actuator(), Constant(0.1))
-    assert dynamic(still.rates, set(still.state)).total() <= 17
+    still = build_field(Actuator(), Constant(0.1))
+    assert dynamic(still.rates, set(still.state_names)).total() <= 17
 
 
 def test_powers_share_multiplications() -> None:

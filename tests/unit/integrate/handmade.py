@@ -12,7 +12,7 @@ import sympy as sp
 from remanent._field import Field, Role, StateVariable
 from remanent._timeline import Timeline
 from remanent._typing import ArrayLike, FloatArray
-from remanent.codegen.lower import Level, lower
+from remanent.codegen.lower import DependenceLevel, lower_to_program
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Outcome, Problem, Request
 
@@ -32,12 +32,14 @@ class Oscillator:
         names = tuple(self.parameters)
         symbols = {name: sp.Symbol(name, real=True) for name in names}
         inputs = ("drive_phase", "q", "v", *names, "sine", "cosine")
-        levels = dict.fromkeys((Q, V), Level.STATE) | dict.fromkeys((SINE, COSINE), Level.DRIVE)
-        levels |= dict.fromkeys(symbols.values(), Level.PARAMETER)
+        levels = dict.fromkeys((Q, V), DependenceLevel.STATE) | dict.fromkeys(
+            (SINE, COSINE), DependenceLevel.DRIVE
+        )
+        levels |= dict.fromkeys(symbols.values(), DependenceLevel.PARAMETER)
         acceleration = self.acceleration.subs({sp.Symbol(n): s for n, s in symbols.items()})
 
         def program(*outputs: Any) -> Any:
-            return lower(outputs, inputs=inputs, levels=levels, definitions={})
+            return lower_to_program(outputs, inputs=inputs, levels=levels, definitions={})
 
         return Field(
             variables=(
@@ -49,7 +51,7 @@ class Oscillator:
             waveforms=("sine", "cosine"),
             rates=program(V, acceleration),
             observable="position",
-            watched=program(Q, V, acceleration, V),
+            observable_and_rates=program(Q, V, acceleration, V),
             observables={"position": program(Q), "acceleration": program(acceleration)},
         )
 

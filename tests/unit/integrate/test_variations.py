@@ -40,7 +40,7 @@ def fields() -> list[Field]:
 
 def values_of(field: Field, rng: np.random.Generator) -> list[complex]:
     own = [300.0 * (1.0 + 0.2 * rng.random()) if "temperature" in name else rng.uniform(0.5, 1.5)
-           for name in field.inputs]  # fmt: skip
+           for name in field.input_names]  # fmt: skip
     return [complex(x) for x in own]
 
 
@@ -51,7 +51,7 @@ def test_tangents_are_complex_step_derivatives(field: Field) -> None:
     Law: Generated code.
     """
     rng = np.random.default_rng(5)
-    n, p = len(field.state), field.parameters[0]
+    n, p = len(field.state_names), field.parameters[0]
     carried = field_with_tangents(field, directions=2, parameters=(p, LOG_PERIOD))
     for _ in range(50):
         base = values_of(field, rng)
@@ -66,7 +66,7 @@ def test_tangents_are_complex_step_derivatives(field: Field) -> None:
             for i in range(n):
                 moved[1 + i] += 1j * STEP * w[k, i]
             if k == 2:
-                moved[field.inputs.index(p)] += 1j * STEP
+                moved[field.input_names.index(p)] += 1j * STEP
             expected = np.imag(field.rates(moved, functions=np)) / STEP
             if k == 3:
                 expected = expected + out[0]
@@ -82,7 +82,7 @@ def test_derivatives_of_an_observable() -> None:
     found = program([x.real for x in values], functions=np)
     for name, got in zip(("stretch", "stretch_rate", "c"), found[1:], strict=True):
         moved = list(values)
-        moved[field.inputs.index(name)] += 1j * STEP
+        moved[field.input_names.index(name)] += 1j * STEP
         assert got == pytest.approx(np.imag(field.observables["energy"](moved, functions=np)[0])
                                     / STEP, rel=1e-12)  # fmt: skip
 
@@ -131,7 +131,7 @@ def test_an_integral_is_the_integral() -> None:
     """The integral of q for q = cos tau is sin tau."""
     asked = problem(Oscillator(-Q, {}), (1.0, 0.0), 20.0)
     field = field_with_integrals(asked.field, ["position"])
-    assert field.state == ("q", "v", "integral.position")
+    assert field.state_names == ("q", "v", "integral.position")
     times = np.linspace(0.0, 20.0, 33)[None]
     out = integrate(carried(asked, field, np.zeros((1, 1))), Request(times=times), tolerance=1e-11)
     assert out.states is not None

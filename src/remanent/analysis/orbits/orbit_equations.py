@@ -31,8 +31,8 @@ def orbit_equations(map_: Map, iterate: int) -> CurveEquations:
     Returns
     -------
     callable
-        Its ``extra_arrays["jacobian"]`` is that of the iterate, ``extra_arrays["derivative"]`` that of the
-        equations.
+        Its ``extra_arrays["jacobian"]`` is that of the iterate,
+        ``extra_arrays["derivative"]`` that of the equations.
     """
 
     def equations(unknown: FloatArray) -> EquationValues:

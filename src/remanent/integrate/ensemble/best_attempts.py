@@ -61,7 +61,7 @@ class BestAttempts:
     def trajectory_scales(self, indices: IntArray) -> TrajectoryScales:
         """What of some trajectories does not depend on how they are resolved."""
         timeline = self.problem.timeline
-        lengths = timeline.lengths[0, indices]
+        lengths = timeline.piece_lengths[0, indices]
         slowness = np.ones(indices.size)
         if timeline.periodic:
             slowness = (lengths / NOMINAL_CYCLE_TIME).clip(1.0, _MAX_SLOWNESS)
@@ -122,7 +122,9 @@ class BestAttempts:
     def _round_off_error(self, chunk: Chunk, horizon: FloatArray) -> FloatArray:
         """Least error that rounding makes: it walks at random, by a last place in each step."""
         timeline, initial = self.problem.timeline, self.problem.initial_states[chunk.indices]
-        cycle = timeline.lengths[0, chunk.indices] if timeline.periodic else NOMINAL_CYCLE_TIME
+        cycle = (
+            timeline.piece_lengths[0, chunk.indices] if timeline.periodic else NOMINAL_CYCLE_TIME
+        )
         steps = 2 * chunk.resolution * horizon / cycle
         scale = np.maximum(1.0, np.abs(initial).max(axis=1))
         return np.asarray(_ROUND_OFF_FACTOR * np.finfo(float).eps * scale * np.sqrt(1.0 + steps))
@@ -136,7 +138,7 @@ class BestAttempts:
             indices = pending.indices[members]
             steps = fine_step_counts(self.problem, int(level), indices)
             # A cycle too long to be resolved at all, even if the run ends early in it.
-            too_long = (timeline.lengths[:, indices] > _LONGEST_RESOLVABLE_CYCLE).any(axis=0)
+            too_long = (timeline.piece_lengths[:, indices] > _LONGEST_RESOLVABLE_CYCLE).any(axis=0)
             possible[members] = (steps <= MAX_STEPS_PER_TRAJECTORY) & ~(
                 timeline.periodic & too_long
             )

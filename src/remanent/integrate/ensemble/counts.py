@@ -24,7 +24,7 @@ def double_step_counts(
     timeline: Timeline, resolution: int, indices: IntArray | slice = slice(None)
 ) -> IntArray:
     """Double steps in every piece, array (piece, trajectory), at a resolution."""
-    lengths = timeline.lengths[:, indices]
+    lengths = timeline.piece_lengths[:, indices]
     if timeline.periodic:
         return np.full(lengths.shape, resolution, dtype=np.int64)
     with np.errstate(over="ignore"):
@@ -38,7 +38,7 @@ def cycle_counts(problem: Problem, indices: IntArray | slice = slice(None)) -> I
     if not problem.timeline.periodic:
         return np.ones(duration.shape, dtype=np.int64)
     with np.errstate(over="ignore"):
-        ratio = duration / problem.timeline.lengths[0, indices]
+        ratio = duration / problem.timeline.piece_lengths[0, indices]
     return np.asarray(
         np.ceil(ratio * (1 - _CYCLE_COUNT_SLACK)).clip(1, _MAX_CYCLE_COUNT), dtype=np.int64
     )

@@ -144,4 +144,4 @@ def _beginnings_of_long_runs(problem: Problem, indices: IntArray) -> Problem:
     if problem.timeline.periodic:
         cycles[indices] = cycle_counts(problem, indices)
     beginning = np.where(cycles >= _MIN_LONG_RUN_CYCLES, cycles // _BEGINNING_DIVISOR, 0)
-    return replace(problem, duration=beginning * problem.timeline.lengths[0])
+    return replace(problem, duration=beginning * problem.timeline.piece_lengths[0])

@@ -158,8 +158,8 @@ def cut_into_segments(
         Of one trajectory in a segment.
     """
     start = np.zeros(indices.size)
-    for k, lengths in enumerate(timeline.lengths[:, indices]):
-        parameters = {name: v[k, indices] for name, v in timeline.parameters.items()}
+    for k, lengths in enumerate(timeline.piece_lengths[:, indices]):
+        parameters = {name: v[k, indices] for name, v in timeline.piece_parameters.items()}
         total = cycles if timeline.periodic else 1
         resolution = int(double_steps[k])
         for first, count, part, has_past in _cut_piece(

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from remanent._field import BINARY
+from remanent._field import BINARY_OPERATOR_OF_OPERATION
 from remanent.integrate.kernel.compile import Kernel
 
 #: Instructions that a function such as ``exp`` stands for.
@@ -61,9 +61,10 @@ class WorkSizes:
 
     def steps_per_segment(self, kernel: Kernel, trajectories: int, *, recorded: bool) -> int:
         """Fine steps of each of so many trajectories in a segment."""
-        code = kernel.field.rates.code
+        code = kernel.field.rates.instructions
         cost = sum(
-            1 if operation in BINARY else _INSTRUCTIONS_PER_FUNCTION for operation, *_ in code
+            1 if operation in BINARY_OPERATOR_OF_OPERATION else _INSTRUCTIONS_PER_FUNCTION
+            for operation, *_ in code
         )
         steps = self.instructions_per_segment // max(kernel.method.evaluations_per_step * cost, 1)
         padded = -(-trajectories // kernel.width) * kernel.width

@@ -190,7 +190,7 @@ class ExtremeTracker:
     ) -> Self:
         """A tracker at the beginning of a call."""
         w = code.writer
-        states = len(code.field.state)
+        states = len(code.field.state_names)
         kept = KeptStep.empty(w, states, loads.column_count, coarse=coarse_solution)
         state, load = cells.fine.get(), loads.load_in_step(w.integer_constant(0))(0)
         # The end of the call before is the same instant, but the phase there may be 1 instead

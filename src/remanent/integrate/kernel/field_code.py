@@ -62,11 +62,11 @@ def outlined_rates(
     Empty where the rates are short, or where a method evaluates them so rarely that writing
     them out costs the compiler little.
     """
-    if len(field.rates.code) <= MAX_INLINED_INSTRUCTIONS or not isinstance(
+    if len(field.rates.instructions) <= MAX_INLINED_INSTRUCTIONS or not isinstance(
         method, RungeKuttaMethod
     ):
         return {}
-    states = len(field.state)
+    states = len(field.state_names)
     sizes = {states, options.coarse_variable_count or states}
     return {size: OutlinedRates(field, writer, size) for size in sorted(sizes)}
 
@@ -107,19 +107,19 @@ class FieldCode:
         """The rates of all state variables, or of the first ones, on which no others act."""
         if self.outlined_rates:
             return self.outlined_rates[len(y)](load[0], y, load[1:])
-        absent = [self.writer.constant(0.0)] * (len(self.field.state) - len(y))
+        absent = [self.writer.constant(0.0)] * (len(self.field.state_names) - len(y))
         return self._run_program(self.field.rates, [*y, *absent], load, divide)[: len(y)]
 
     def watched_derivatives(self, y: Sequence[Lanes], load: PhaseAndWaveforms) -> TimeDerivatives:
         """The watched observable and its time derivatives."""
-        value, rate, acceleration, _ = self._run_program(self.field.watched, y, load)
+        value, rate, acceleration, _ = self._run_program(self.field.observable_and_rates, y, load)
         return TimeDerivatives(value, rate, acceleration)
 
     def watched_rate_sign(self, y: Sequence[Lanes], load: PhaseAndWaveforms) -> Lanes:
         """A cheaper quantity with the sign of the watched observable's rate."""
         # The instructions of the other three outputs are written too; as nothing uses them,
         # the optimiser leaves them out.
-        return self._run_program(self.field.watched, y, load)[3]
+        return self._run_program(self.field.observable_and_rates, y, load)[3]
 
     def _run_program(
         self,

@@ -151,7 +151,7 @@ class GroupKernel:
             for table in (arguments.fine_table, arguments.coarse_table)
         )
         stepper = create_stepper(method, options, code, slots)
-        count = options.coarse_variable_count or len(code.field.state)
+        count = options.coarse_variable_count or len(code.field.state_names)
         monitor = ErrorMonitor.for_method(method, options, w, run, cells)
         tracker = None
         if options.follows_extremes:

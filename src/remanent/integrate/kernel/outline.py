@@ -33,11 +33,11 @@ class OutlinedRates:
 
     def __init__(self, field: Field, writer: Writer, count: int) -> None:
         self._writer = writer
-        self._zeros_for_absent = [writer.constant(0.0)] * (len(field.state) - count)
-        rates = replace(field.rates, outputs=field.rates.outputs[:count])
+        self._zeros_for_absent = [writer.constant(0.0)] * (len(field.state_names) - count)
+        rates = replace(field.rates, output_slots=field.rates.output_slots[:count])
         self._fixed_program, self._moving_program = split_program(rates, field.parameters)
         with writer.builder.goto_entry_block():
-            self._input_array = self._allocate_array(len(self._moving_program.inputs))
+            self._input_array = self._allocate_array(len(self._moving_program.input_names))
             self._output_array = self._allocate_array(count)
         self._ir_function = _write_function(self._moving_program, writer, f"rates_{count}")
 
@@ -52,7 +52,7 @@ class OutlinedRates:
         values = self._fixed_program(
             list(parameters), functions=LaneFunctions(w), constant=w.constant
         )
-        first = len(self._moving_program.inputs) - len(values)
+        first = len(self._moving_program.input_names) - len(values)
         _store_vectors(w, values, self._input_array, first)
 
     def __call__(self, phase: Lanes, y: Sequence[Lanes], waves: Sequence[Lanes]) -> list[Lanes]:
@@ -76,27 +76,27 @@ def split_program(program: Program, fixed: Iterable[str]) -> tuple[Program, Prog
         Of the other inputs and the outputs of `first`.
     """
     names = tuple(fixed)
-    count, base = len(program.inputs), len(program.inputs) + len(program.constants)
-    fixed_slots = {i for i, name in enumerate(program.inputs) if name in names}
+    count, base = len(program.input_names), len(program.input_names) + len(program.constants)
+    fixed_slots = {i for i, name in enumerate(program.input_names) if name in names}
     available = fixed_slots | set(range(count, base))
     early, late = [], []
-    for slot, (operation, *operands) in enumerate(program.code, start=base):
+    for slot, (operation, *operands) in enumerate(program.instructions, start=base):
         if fixed_slots.intersection(operands) and available.issuperset(operands):
             fixed_slots.add(slot)
             available.add(slot)
             early.append((slot, operation, operands))
         else:
             late.append((slot, operation, operands))
-    used = [*(k for _, _, operands in late for k in operands), *program.outputs]
+    used = [*(k for _, _, operands in late for k in operands), *program.output_slots]
     passed_on = tuple(dict.fromkeys(k for k in used if k in fixed_slots))
     moving_slots = tuple(i for i in range(count) if i not in fixed_slots)
     first = _renumbered_program(
-        program, names, tuple(map(program.inputs.index, names)), early, passed_on
+        program, names, tuple(map(program.input_names.index, names)), early, passed_on
     )
-    moving = (program.inputs[i] for i in moving_slots)
+    moving = (program.input_names[i] for i in moving_slots)
     inputs = (*moving, *(f"fixed.{k}" for k in range(len(passed_on))))
     return first, _renumbered_program(
-        program, inputs, (*moving_slots, *passed_on), late, program.outputs
+        program, inputs, (*moving_slots, *passed_on), late, program.output_slots
     )
 
 
@@ -108,14 +108,17 @@ def _renumbered_program(
     outputs: tuple[int, ...],
 ) -> Program:
     """A part of a program, whose inputs have these slots in the program itself."""
-    constants = range(len(program.inputs), len(program.inputs) + len(program.constants))
+    constants = range(len(program.input_names), len(program.input_names) + len(program.constants))
     order = [*slots, *constants, *(slot for slot, _, _ in code)]
     at = {slot: k for k, slot in enumerate(order)}
     return Program(
-        inputs=inputs,
+        input_names=inputs,
         constants=program.constants,
-        code=tuple((operation, *map(at.__getitem__, operands)) for _, operation, operands in code),  # type: ignore[misc]
-        outputs=tuple(at[slot] for slot in outputs),
+        instructions=tuple(  # each with one or two operands
+            (operation, *map(at.__getitem__, operands))  # type: ignore[misc]
+            for _, operation, operands in code
+        ),
+        output_slots=tuple(at[slot] for slot in outputs),
     )
 
 
@@ -131,7 +134,7 @@ def _write_function(program: Program, kernel: Writer, name: str) -> ir.Function:
     w = replace(kernel, builder=ir.IRBuilder(function.append_basic_block("entry")))
     values = [
         w.load_lanes(function.args[0], w.integer_constant(i * w.width))
-        for i in range(len(program.inputs))
+        for i in range(len(program.input_names))
     ]
     outputs = program(
         values, functions=LaneFunctions(w), constant=w.constant, divide=reciprocal_quotient

@@ -143,7 +143,7 @@ class PeriodMap:
         phase: float = 0.0,
         error_control: ErrorControl = "all",
     ) -> None:
-        self.field, self.dimension = field, len(field.state)
+        self.field, self.dimension = field, len(field.state_names)
         self.direction_count, self.column_count = directions, directions + len(parameters)
         with_tangents = field_with_tangents(field, directions=directions, parameters=parameters)
         method = default_method()

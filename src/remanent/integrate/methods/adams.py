@@ -135,7 +135,10 @@ def rate_variable_indices(field: Field) -> tuple[int | None, ...]:
     Only rates that are not coordinates themselves count, so that every partner has a
     history of its own.
     """
-    rate_of = [slot - 1 if 1 <= slot <= len(field.state) else None for slot in field.rates.outputs]
+    rate_of = [
+        slot - 1 if 1 <= slot <= len(field.state_names) else None
+        for slot in field.rates.output_slots
+    ]
     return tuple(None if j is None or rate_of[j] is not None else j for j in rate_of)
 
 

@@ -134,7 +134,7 @@ def periodic_timeline(
 ) -> Timeline:
     """The timeline of a load that repeats itself: one piece, the period."""
     lengths = np.broadcast_to(period, np.shape(np.atleast_1d(duration)))[np.newaxis].copy()
-    return Timeline(lengths, periodic=True, parameters={}, waveform=waveform)
+    return Timeline(lengths, periodic=True, piece_parameters={}, waveform=waveform)
 
 
 def no_waveform(phase: FloatArray) -> FloatArray:

@@ -17,7 +17,7 @@ from remanent.models.drives.base import Drive, no_waveform
 from remanent.models.drives.waves import LOAD_RULE, PHASE_RULE
 
 #: The rule of the frequencies at both ends of the sweep.
-_END_FREQUENCY_RULE = _checks.not_negative(
+_END_FREQUENCY_RULE = _checks.not_negative_rule(
     "It is an angular frequency at one end of the sweep.", "Pass 0 or more."
 )
 
@@ -56,7 +56,7 @@ class Chirp(Drive):
             "m": LOAD_RULE,
             "start": _END_FREQUENCY_RULE,
             "stop": _END_FREQUENCY_RULE,
-            "duration": _checks.positive(
+            "duration": _checks.positive_rule(
                 "It is how long the sweep takes.", "For a single frequency use Sine."
             ),
             "mean": LOAD_RULE,
@@ -103,6 +103,6 @@ class Chirp(Drive):
         return Timeline(
             np.stack([swept, held + zero][:pieces]),
             periodic=False,
-            parameters={name: np.stack(pair[:pieces]) for name, pair in rows.items()},
+            piece_parameters={name: np.stack(pair[:pieces]) for name, pair in rows.items()},
             waveform=no_waveform,
         )

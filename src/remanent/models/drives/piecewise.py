@@ -110,7 +110,7 @@ class PiecewiseDrive(Drive):
                 zip(self.piece_parameters, self.coefficients(), strict=True)
             )
         }
-        return Timeline(lengths, periodic=False, parameters=scaled, waveform=no_waveform)
+        return Timeline(lengths, periodic=False, piece_parameters=scaled, waveform=no_waveform)
 
     def _covered(self, name: str, times: FloatArray) -> FloatArray:
         """`times` themselves, if the table defines the load up to the last of them."""

@@ -178,7 +178,10 @@ class Sines(Drive):
         lengths = np.array(duration, dtype=np.float64, ndmin=1)[np.newaxis]
         angle = lengths * self.field_values(values, "omega")
         return Timeline(
-            lengths, periodic=False, parameters={_ANGLE_PARAMETER: angle}, waveform=no_waveform
+            lengths,
+            periodic=False,
+            piece_parameters={_ANGLE_PARAMETER: angle},
+            waveform=no_waveform,
         )
 
 

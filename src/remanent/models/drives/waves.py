@@ -16,11 +16,11 @@ from remanent._typing import ArrayLike, FloatArray
 from remanent.models.drives.base import Drive, no_waveform, periodic_timeline
 
 #: The rule of a magnetic load.
-LOAD_RULE = _checks.finite("It is a magnetic load, B_r B/(mu mu0).")
+LOAD_RULE = _checks.finite_rule("It is a magnetic load, B_r B/(mu mu0).")
 #: The rule of an angle.
-PHASE_RULE = _checks.finite("It is an angle in radians.")
+PHASE_RULE = _checks.finite_rule("It is an angle in radians.")
 #: The rule of an angular frequency.
-OMEGA_RULE = _checks.positive(
+OMEGA_RULE = _checks.positive_rule(
     "It is an angular frequency per unit of tau.",
     "Pass a number above 0; for a load that does not change use Constant.",
 )
@@ -66,7 +66,7 @@ class Constant(Drive):
     def timeline(self, values: Mapping[str, FloatArray], duration: FloatArray) -> Timeline:
         """One piece that lasts as long as the trajectory."""
         lengths = np.array(duration, dtype=np.float64, ndmin=1)[np.newaxis]
-        return Timeline(lengths, periodic=False, parameters={}, waveform=no_waveform)
+        return Timeline(lengths, periodic=False, piece_parameters={}, waveform=no_waveform)
 
 
 @dataclass(frozen=True)
@@ -98,7 +98,7 @@ class SineSquared(Drive):
     has_load_rate: ClassVar[bool] = True
     rules: ClassVar[Mapping[str, Rule]] = MappingProxyType(
         {
-            "b": _checks.finite("Its square is the largest magnetic load."),
+            "b": _checks.finite_rule("Its square is the largest magnetic load."),
             "omega": OMEGA_RULE,
             "phase": PHASE_RULE,
         }

@@ -25,7 +25,7 @@ __all__ = [
 ]  # fmt: skip
 
 #: The rule of the shear modulus that follows from the constants.
-_MODULUS_RULE = _checks.positive(
+_MODULUS_RULE = _checks.positive_rule(
     "It is the shear modulus of the undeformed solid, by which the energy is divided.",
     "Without a positive one the undeformed state is not stable; check constants and signs.",
 )
@@ -93,7 +93,7 @@ class Gent(Material):
 
     rules: ClassVar[Mapping[str, Rule]] = MappingProxyType(
         {
-            "jm": _checks.positive(
+            "jm": _checks.positive_rule(
                 "It is the value of I1 - 3 at which the chains are fully stretched.",
                 "Pass about 30 to 100 for rubber, or use NeoHookean() for no limit.",
             ),
@@ -147,7 +147,7 @@ class MooneyRivlin(Material):
     c2: float
     entropic_fraction: float = 1.0
 
-    _constant: ClassVar[Rule] = _checks.not_negative(
+    _constant: ClassVar[Rule] = _checks.not_negative_rule(
         "With a negative constant the energy has no lower bound.", "Check its sign."
     )
     rules: ClassVar[Mapping[str, Rule]] = MappingProxyType(
@@ -206,7 +206,7 @@ class Ogden(Material):
     )
     table_rules: ClassVar[Mapping[str, Rule]] = MappingProxyType(
         {
-            "moduli": _checks.finite("It is the factor of one term of the energy."),
+            "moduli": _checks.finite_rule("It is the factor of one term of the energy."),
             "exponents": Rule(
                 "be a finite number other than 0",
                 lambda x: x != 0,

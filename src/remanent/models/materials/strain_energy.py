@@ -32,7 +32,7 @@ _SAMPLE_STRETCHES: Final = ((1.05, 0.98, 1 / (1.05 * 0.98)), (0.97, 1.01, 1 / (0
 #: Largest difference between these energies, relative to 1 plus the largest of them.
 _ISOTROPY_TOLERANCE: Final = 1e-10
 #: The rule of the shear modulus that follows from the formula.
-_MODULUS_RULE: Final = _checks.positive(
+_MODULUS_RULE: Final = _checks.positive_rule(
     "It is the curvature of the energy at rest, by which the energy is divided; the undeformed "
     "state must be stable.",
     "Check the formula and the signs of its constants.",
@@ -90,7 +90,7 @@ class StrainEnergy(Material):
         {"entropic_fraction": ENTROPIC_FRACTION_RULE}
     )
     mapping_rules: ClassVar[Mapping[str, Rule]] = MappingProxyType(
-        {"constants": _checks.finite("It is a constant of the strain energy.")}
+        {"constants": _checks.finite_rule("It is a constant of the strain energy.")}
     )
     choice_fields: ClassVar[tuple[str, ...]] = ("expression",)
     expand_energy: ClassVar[bool] = False

@@ -18,22 +18,22 @@ from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.statics._static_state import StaticState
 
 #: Numbers of stages in which the target is moved out from the start, tried in this order.
-_STAGES = (1, 4, 16)
+_STAGE_COUNTS = (1, 4, 16)
 #: Spacing of the steps over half a period where the start is not at rest.
-_UNEVEN_SPACING = 0.8
+_MOVING_START_SPACING = 0.8
 #: A state nearer to rest than this is at rest.
-_REST_DISTANCE = 1e-9
+_MAX_REST_DISTANCE = 1e-9
 #: A command is accepted if its conditions are met to this many times the tolerance.
-_ACCEPTANCE = 100.0
+_ACCEPTED_TOLERANCE_FACTOR = 100.0
 #: Tolerance of the motion over that of the command.
-_MOTION_TOLERANCE = 0.1
+_MOTION_TOLERANCE_FACTOR = 0.1
 #: Changes of load and distances from rest below this do not set the scale of the loads.
-_SMALLEST_SCALE = 1e-3
+_SMALLEST_LOAD_SCALE = 1e-3
 #: Real part of a pole over the largest modulus, above which an equilibrium is unstable.
-_UNSTABLE = 1e-9
+_UNSTABLE_POLE_LIMIT = 1e-9
 
 
-def shaped_steps(
+def find_shaped_steps(
     single: Ensemble, target: float, robust_to: Sequence[str], tolerance: float
 ) -> tuple[StepSequence, float]:
     """The steps before the last, and the last load, for an ensemble of one actuator.
@@ -44,13 +44,13 @@ def shaped_steps(
         There is no such command, or none was found.
     """
     if single.invalid[0]:
-        raise _unreachable(target, "a field is invalid")
-    problem = _ShapingProblem.of(single, target, robust_to, tolerance)
-    for stages in _STAGES:
-        sequence, load = problem.in_stages(stages)
-        if sequence.largest_terminal_residual <= problem.accepted:
+        raise _unreachable_error(target, "a field is invalid")
+    problem = _ShapingProblem.from_ensemble(single, target, robust_to, tolerance)
+    for stages in _STAGE_COUNTS:
+        sequence, load = problem.solve_in_stages(stages)
+        if sequence.largest_terminal_residual <= problem.accepted_residual:
             return sequence, load
-    raise _unreachable(
+    raise _unreachable_error(
         target, f"the best command misses rest by {sequence.largest_terminal_residual:.1e}"
     )
 
@@ -62,114 +62,121 @@ class _ShapingProblem:
     Attributes
     ----------
     actuator : Actuator
-    body : StaticState
+    unloaded_body : StaticState
         As the motion starts, under no load.
-    start : StaticState
+    start_rest : StaticState
         At rest at the thickness stretch that the motion starts with, where it can be, else
         the body as it starts.
-    displacement : array (state,)
+    start_displacement : array (state,)
         Of the initial state from that rest.
-    thickness, target : float
+    start_thickness, target_thickness : float
         Thickness stretch at the start and in the end.
     robust_to : sequence of str
-    tolerance : float
+    state_tolerance : float
         Of the state at the last step.
     motion_tolerance : float
         Of the motion; above that of the state where a state variable exceeds 10.
     """
 
     actuator: Actuator
-    body: StaticState
-    start: StaticState
-    displacement: FloatArray
-    thickness: float
-    target: float
+    unloaded_body: StaticState
+    start_rest: StaticState
+    start_displacement: FloatArray
+    start_thickness: float
+    target_thickness: float
     robust_to: Sequence[str]
-    tolerance: float
+    state_tolerance: float
     motion_tolerance: float
 
     @property
-    def accepted(self) -> float:
+    def accepted_residual(self) -> float:
         """The largest residual that a command may have."""
-        return _ACCEPTANCE * max(self.tolerance, self.motion_tolerance)
+        return _ACCEPTED_TOLERANCE_FACTOR * max(self.state_tolerance, self.motion_tolerance)
 
     @classmethod
-    def of(
+    def from_ensemble(
         cls, single: Ensemble, target: float, robust_to: Sequence[str], tolerance: float
     ) -> _ShapingProblem:
         """The problem of one trajectory of an ensemble."""
         row = np.array([float(single.values[name][0]) for name in single.field.parameters])
         body = StaticState(single.field, row, single.initial[0])
         thickness = body.thickness()
-        start = body.at_thickness(thickness) or body
+        start = body.rest_at_thickness(thickness) or body
         offset = body.state - start.state
         size = max(1.0, float(np.abs(body.state).max()))
         return cls(
-            actuator=_with_values(single),
-            body=body,
-            start=start,
-            displacement=np.where(np.abs(offset) > _REST_DISTANCE, offset, 0.0),
-            thickness=thickness,
-            target=target,
+            actuator=_actuator_with_values(single),
+            unloaded_body=body,
+            start_rest=start,
+            start_displacement=np.where(np.abs(offset) > _MAX_REST_DISTANCE, offset, 0.0),
+            start_thickness=thickness,
+            target_thickness=target,
             robust_to=robust_to,
-            tolerance=tolerance,
-            motion_tolerance=_MOTION_TOLERANCE * tolerance * size,
+            state_tolerance=tolerance,
+            motion_tolerance=_MOTION_TOLERANCE_FACTOR * tolerance * size,
         )
 
-    def in_stages(self, stages: int) -> tuple[StepSequence, float]:
+    def solve_in_stages(self, stages: int) -> tuple[StepSequence, float]:
         """The command to the target by way of nearer ones, and its last load.
 
         The command to each is the guess for the next, with loads and the displacement at the
         start in proportion.  A stage that fails ends the search: shorter ones are tried next.
         """
         parts = np.linspace(0.0, 1.0, stages + 1)[1:]
-        rests = self._rests(parts)
-        guess = self._linear_steps(rests[0])
+        rests = self._rest_states(parts)
+        guess = self._linear_guess(rests[0])
         before = parts[0]
         for part, rest in zip(parts, rests, strict=True):
-            loads = self.start.load + part / before * (guess.loads - self.start.load)
+            loads = self.start_rest.load + part / before * (guess.loads - self.start_rest.load)
             guess = self._solve(rest, replace(guess, loads=loads), part)
             before = part
-            if guess.largest_terminal_residual > self.accepted:
+            if guess.largest_terminal_residual > self.accepted_residual:
                 break
         return guess, rests[-1].load
 
-    def _rests(self, parts: FloatArray) -> list[StaticState]:
+    def _rest_states(self, parts: FloatArray) -> list[StaticState]:
         """The body at rest after each part of the way."""
-        ends = [self.thickness + part * (self.target - self.thickness) for part in parts]
-        rests = [rest for end in ends if (rest := self.body.at_thickness(end)) is not None]
+        ends = [
+            self.start_thickness + part * (self.target_thickness - self.start_thickness)
+            for part in parts
+        ]
+        rests = [
+            rest for end in ends if (rest := self.unloaded_body.rest_at_thickness(end)) is not None
+        ]
         if len(rests) < len(ends):
-            raise _unreachable(self.target, "no load holds it there")
+            raise _unreachable_error(self.target_thickness, "no load holds it there")
         return rests
 
     def _solve(self, rest: StaticState, guess: StepSequence, part: float) -> StepSequence:
         """The command to a state of rest near a guess."""
-        initial = self.start.state + part * self.displacement
+        initial = self.start_rest.state + part * self.start_displacement
         conditions = TerminalConditions(
             self.actuator, rest, initial, self.robust_to, self.motion_tolerance
         )
-        distance = float(np.abs(self.displacement).max())
-        scale = max(abs(rest.load - self.start.load), distance, _SMALLEST_SCALE)
-        return shaping.solve_step_sequence(conditions, guess, scale=scale, tolerance=self.tolerance)
+        distance = float(np.abs(self.start_displacement).max())
+        scale = max(abs(rest.load - self.start_rest.load), distance, _SMALLEST_LOAD_SCALE)
+        return shaping.solve_step_sequence(
+            conditions, guess, scale=scale, tolerance=self.state_tolerance
+        )
 
-    def _linear_steps(self, rest: StaticState) -> StepSequence:
+    def _linear_guess(self, rest: StaticState) -> StepSequence:
         """The steps for a small move, by the linear motion about the target.
 
         A start that is not at rest needs as many steps as there are poles.  At half a period
         the roots of two poles would coincide, and give one step for both: the spacing is then
         another.
         """
-        poles = shaping.controllable_poles(*rest.linearised())
-        if (poles.real > _UNSTABLE * np.abs(poles).max()).any():
-            raise _unreachable(self.target, "the equilibrium there is unstable")
-        moving = bool(self.displacement.any())
-        spacing = shaping.impulse_spacing(poles) * (_UNEVEN_SPACING if moving else 1.0)
+        poles = shaping.controllable_poles(*rest.rate_derivatives())
+        if (poles.real > _UNSTABLE_POLE_LIMIT * np.abs(poles).max()).any():
+            raise _unreachable_error(self.target_thickness, "the equilibrium there is unstable")
+        moving = bool(self.start_displacement.any())
+        spacing = shaping.impulse_spacing(poles) * (_MOVING_START_SPACING if moving else 1.0)
         parts = shaping.impulse_amplitudes(poles, spacing, 1 + len(self.robust_to))
-        loads = self.start.load + (rest.load - self.start.load) * np.cumsum(parts)[:-1]
+        loads = self.start_rest.load + (rest.load - self.start_rest.load) * np.cumsum(parts)[:-1]
         return StepSequence(loads, np.full(loads.size, spacing))
 
 
-def _with_values(single: Ensemble) -> Actuator:
+def _actuator_with_values(single: Ensemble) -> Actuator:
     """The actuator with the values that its trajectory has."""
     actuator = require_actuator("actuator", single.system)
     for name, value in actuator.parameters().items():
@@ -178,7 +185,7 @@ def _with_values(single: Ensemble) -> Actuator:
     return actuator
 
 
-def _unreachable(target: float, why: str) -> InputError:
+def _unreachable_error(target: float, why: str) -> InputError:
     return InputError(
         "target",
         must="be a thickness stretch that steps can reach at rest",

@@ -11,11 +11,11 @@ from remanent._typing import FloatArray
 from remanent.analysis.control import settling
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Outcome, Problem, Request
-from remanent.studies.ensemble.observables import observe
+from remanent.studies.ensemble.observables import evaluate_observable
 from remanent.studies.statics._static_state import StaticState
 
 #: Shares of the change between which the rise is timed.
-_RISE = (0.1, 0.9)
+_RISE_SHARES = (0.1, 0.9)
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class StepMotion:
     outcome: Outcome
 
     @classmethod
-    def of(cls, problem: Problem, tolerance: float) -> StepMotion:
+    def from_problem(cls, problem: Problem, tolerance: float) -> StepMotion:
         """Integrate the motion once for its extremes."""
         return cls(
             problem,
@@ -43,7 +43,7 @@ class StepMotion:
             integrate(problem, Request(wants_extremes=True), tolerance=tolerance),
         )
 
-    def states(self, times: FloatArray) -> FloatArray:
+    def states_at(self, times: FloatArray) -> FloatArray:
         """States (trajectory, time, state) at ascending times (trajectory, time)."""
         outcome = integrate(self.problem, Request(times=times), tolerance=self.tolerance)
         assert outcome.states is not None
@@ -53,9 +53,9 @@ class StepMotion:
         """Thickness stretch and its rate at times (trajectory, time) in any order."""
         order = np.argsort(times, axis=1)
         ascending = np.take_along_axis(times, order, axis=1)
-        states, back = self.states(ascending), np.argsort(order, axis=1)
+        states, back = self.states_at(ascending), np.argsort(order, axis=1)
         names = ("thickness_stretch", "thickness_stretch_rate")
-        x, v = (observe(self.problem, name, ascending, states) for name in names)
+        x, v = (evaluate_observable(self.problem, name, ascending, states) for name in names)
         return np.take_along_axis(x, back, axis=1), np.take_along_axis(v, back, axis=1)
 
 
@@ -82,7 +82,7 @@ def residual_vibration(
             # from rest: an amplitude is not linear in errors where it vanishes.
             error_energy = body.energy_above(body.state + error[k])
             energies = np.array([max(energy, 0.0), error_energy])
-            amplitudes = np.sqrt(2.0 * energies / body.stiffness())
+            amplitudes = np.sqrt(2.0 * energies / body.thickness_stiffness())
             table[k] = [body.thickness(), energy, *amplitudes]
     return dict(zip(names, table.T, strict=True))
 
@@ -94,51 +94,60 @@ class Transient:
     Attributes
     ----------
     motion : StepMotion
-    start, final : array (trajectory,)
+    start_thickness, final_thickness : array (trajectory,)
         Thickness stretch at the start and at the final rest.
-    band : float
+    settling_band : float
         Share of the change within which the motion counts as settled.
-    spacing : float
+    sample_spacing : float
         Between the samples among which passages of levels are bracketed.
     time_unit : array (trajectory,)
         The actuator's unit of time in that of each trajectory.
     """
 
     motion: StepMotion
-    start: FloatArray
-    final: FloatArray
-    band: float
-    spacing: float
+    start_thickness: FloatArray
+    final_thickness: FloatArray
+    settling_band: float
+    sample_spacing: float
     time_unit: FloatArray
 
     @property
-    def change(self) -> FloatArray:
+    def thickness_change(self) -> FloatArray:
         """Of the thickness stretch, array (trajectory,); NaN where there is none."""
-        return np.where(self.final == self.start, np.nan, self.final - self.start)
+        return np.where(
+            self.final_thickness == self.start_thickness,
+            np.nan,
+            self.final_thickness - self.start_thickness,
+        )
 
     def metrics(self) -> dict[str, FloatArray]:
         """Rise, settling, peak and overshoot with their errors, by name."""
-        return self._times() | self._extremes()
+        return self._rise_and_settling() | self._peak_and_overshoot()
 
-    def _times(self) -> dict[str, FloatArray]:
+    def _rise_and_settling(self) -> dict[str, FloatArray]:
         """Rise and settling times in the actuator's unit.
 
         Samples bracket the first passages of 10 and 90 %, and the last passage of the edge of
         the band that the motion enters by; each is refined on the dense output.
         """
         end = self.motion.problem.duration
-        samples = int(np.ceil(end.max() / self.spacing)) + 1
+        samples = int(np.ceil(end.max() / self.sample_spacing)) + 1
         grid = np.linspace(0.0, 1.0, samples) * end[:, None]
         with np.errstate(all="ignore"):
-            share = (self.motion(grid)[0] - self.start[:, None]) / self.change[:, None]
-        outside = settling.last_index_outside_band(share, 1.0 - self.band, 1.0 + self.band)
+            share = (self.motion(grid)[0] - self.start_thickness[:, None]) / self.thickness_change[
+                :, None
+            ]
+        outside = settling.last_index_outside_band(
+            share, 1.0 - self.settling_band, 1.0 + self.settling_band
+        )
         before = np.stack(
-            [*(settling.first_index_at_or_above(share, s) - 1 for s in _RISE), outside], axis=1
+            [*(settling.first_index_at_or_above(share, s) - 1 for s in _RISE_SHARES), outside],
+            axis=1,
         )
         above = share[np.arange(len(share)), outside] > 1.0
-        edge = 1.0 + np.where(above, self.band, -self.band)
-        levels = np.stack([*(np.full(len(share), s) for s in _RISE), edge])
-        stretches = self.start[:, None] + levels.T * self.change[:, None]
+        edge = 1.0 + np.where(above, self.settling_band, -self.settling_band)
+        levels = np.stack([*(np.full(len(share), s) for s in _RISE_SHARES), edge])
+        stretches = self.start_thickness[:, None] + levels.T * self.thickness_change[:, None]
         passages = settling.locate_level_crossings(self.motion, grid, before, stretches)
         unit = self.time_unit[:, None]
         # A passage is late by the error of the stretch over the speed of the passage.
@@ -151,13 +160,13 @@ class Transient:
             "settling_time_error": np.where(outside < 0, 0.0, error[:, 2]),
         }
 
-    def _extremes(self) -> dict[str, FloatArray]:
+    def _peak_and_overshoot(self) -> dict[str, FloatArray]:
         """The farthest thickness stretch, and by how much it exceeds the final one."""
-        outcome, change = self.motion.outcome, self.change
+        outcome, change = self.motion.outcome, self.thickness_change
         peak = np.where(change > 0.0, outcome.maximum, outcome.minimum)
         return {
             "farthest": peak,
             "farthest_error": outcome.error,
-            "overshoot": np.maximum((peak - self.final) / change, 0.0),
+            "overshoot": np.maximum((peak - self.final_thickness) / change, 0.0),
             "overshoot_error": outcome.error / np.abs(change),
         }

@@ -17,11 +17,15 @@ from remanent.integrate.ensemble.problem import Request
 from remanent.integrate.variations import field_with_tangents
 from remanent.models.actuator import Actuator
 from remanent.models.drives.waves import Constant
-from remanent.studies.ensemble.physical_scales import PHYSICAL, PhysicalScales, lay_out_physical
+from remanent.studies.ensemble.physical_scales import (
+    PHYSICAL_SIZES,
+    PhysicalScales,
+    lay_out_physical_scales,
+)
 from remanent.studies.statics._static_state import StaticState
 
 #: Half the relative change of a parameter in the difference by which insensitivity is judged.
-_HALF_WIDTH = 1e-3
+_PARAMETER_HALF_WIDTH = 1e-3
 
 
 @dataclass(frozen=True)
@@ -32,9 +36,9 @@ class TerminalConditions:
     ----------
     actuator : Actuator
         What moves.
-    final : StaticState
+    target_rest : StaticState
         The body at rest at the target, under the last load.
-    initial : array (state,) or None
+    initial_state : array (state,) or None
         The state at τ = 0.
     robust_to : sequence of str
         Names of fields and physical sizes; the derivative by each of them of the distance
@@ -44,8 +48,8 @@ class TerminalConditions:
     """
 
     actuator: Actuator
-    final: StaticState
-    initial: ArrayLike | None
+    target_rest: StaticState
+    initial_state: ArrayLike | None
     robust_to: Sequence[str]
     motion_tolerance: float
 
@@ -64,15 +68,15 @@ class TerminalConditions:
         by_load, by_duration : array (condition, step)
         """
         state, by_load, by_duration = self._final_states(loads, durations)
-        moving = self.final.moving
+        moving = self.target_rest.moving_indices
         distance = (state - self._rest_states)[:, moving]
         return (
-            self._conditions(distance),
-            self._conditions(by_load[:, moving]),
-            self._conditions(by_duration[:, moving]),
+            self._nominal_and_differences(distance),
+            self._nominal_and_differences(by_load[:, moving]),
+            self._nominal_and_differences(by_duration[:, moving]),
         )
 
-    def _conditions(self, values: FloatArray) -> FloatArray:
+    def _nominal_and_differences(self, values: FloatArray) -> FloatArray:
         """Values of the nominal actuator, then central differences by each parameter.
 
         Parameters
@@ -80,29 +84,31 @@ class TerminalConditions:
         values : array (variant, state, ...)
         """
         pairs = values[1:].reshape(-1, 2, *values.shape[1:])
-        slopes = (pairs[:, 1] - pairs[:, 0]) / (2.0 * _HALF_WIDTH)
+        slopes = (pairs[:, 1] - pairs[:, 0]) / (2.0 * _PARAMETER_HALF_WIDTH)
         rows = np.concatenate([values[:1], slopes])
         return rows.reshape(rows.shape[0] * rows.shape[1], *rows.shape[2:])
 
     @cached_property
     def variants(self) -> PhysicalScales:
         """The actuator itself, then with each parameter a little less and a little more."""
-        nominal = {**self.actuator.parameters(), **dict.fromkeys(PHYSICAL, 1.0)}
+        nominal = {**self.actuator.parameters(), **dict.fromkeys(PHYSICAL_SIZES, 1.0)}
         count = 1 + 2 * len(self.robust_to)
         over = {}
         for k, name in enumerate(self.robust_to):
             values = np.full(count, nominal[name])
-            width = _HALF_WIDTH * (nominal[name] or 1.0)
+            width = _PARAMETER_HALF_WIDTH * (nominal[name] or 1.0)
             values[1 + 2 * k : 3 + 2 * k] += np.array([-1.0, 1.0]) * width
             over[name] = xr.DataArray(values, dims="variant")
-        return lay_out_physical(self.actuator, Constant(self.final.load), over, self.initial)
+        return lay_out_physical_scales(
+            self.actuator, Constant(self.target_rest.load), over, self.initial_state
+        )
 
     @cached_property
     def _rest_states(self) -> FloatArray:
         """States of rest of all variants under the last load, array (variant, state)."""
         ens = self.variants.ensemble
         columns = np.column_stack([ens.values[name] for name in ens.field.parameters])
-        bodies = [replace(self.final, parameters=row).relax() for row in columns]
+        bodies = [replace(self.target_rest, parameters=row).rest_nearby() for row in columns]
         states = [body.state for body in bodies if body is not None]
         if len(states) < len(bodies):
             raise InputError(
@@ -118,7 +124,7 @@ class TerminalConditions:
     def _variational_field(self) -> Field:
         """The motion with its derivatives by the initial state and by the load."""
         field = self.variants.ensemble.field
-        return field_with_tangents(field, directions=len(field.state), parameters=("m",))
+        return field_with_tangents(field, directions=len(field.state_names), parameters=("m",))
 
     def _final_states(
         self, loads: FloatArray, durations: FloatArray
@@ -133,18 +139,18 @@ class TerminalConditions:
         states : array (variant, state)
         by_load, by_duration : array (variant, state, step)
         """
-        ens, d = self.variants.ensemble, len(self.final.state)
+        ens, d = self.variants.ensemble, len(self.target_rest.state)
         state = ens.initial
         by_load = np.zeros((ens.count, d, loads.size))
         by_duration = np.zeros_like(by_load)
         for k, (load, duration) in enumerate(zip(loads, durations, strict=True)):
-            state, fundamental, by_own_load, rate = self._step(state, load, duration)
+            state, fundamental, by_own_load, rate = self._integrate_step(state, load, duration)
             by_load, by_duration = fundamental @ by_load, fundamental @ by_duration
-            by_load[:, :, k] = by_own_load * self.variants.load[:, None]
-            by_duration[:, :, k] = rate * self.variants.time[:, None]
+            by_load[:, :, k] = by_own_load * self.variants.load_ratio[:, None]
+            by_duration[:, :, k] = rate * self.variants.time_ratio[:, None]
         return state, by_load, by_duration
 
-    def _step(
+    def _integrate_step(
         self, state: FloatArray, load: float, duration: float
     ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """One step from `state` (variant, state).
@@ -157,9 +163,9 @@ class TerminalConditions:
         by_load, rate : array (variant, state)
             Derivatives by the load and by the time, in the units of each variant.
         """
-        ens, d = self.variants.ensemble, len(self.final.state)
-        problem = self.variants.problem(np.full(ens.count, duration))
-        problem.parameters[:, ens.field.parameters.index("m")] = load * self.variants.load
+        ens, d = self.variants.ensemble, len(self.target_rest.state)
+        problem = self.variants.problem_lasting(np.full(ens.count, duration))
+        problem.parameters[:, ens.field.parameters.index("m")] = load * self.variants.load_ratio
         unit = np.tile(np.eye(d).ravel(), (ens.count, 1))
         start = np.hstack([state, unit, np.zeros((ens.count, d))])
         outcome = integrate(

@@ -8,25 +8,27 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from remanent._checks import positive, require_names, require_real
+from remanent._checks import positive_rule, require_field_names, require_real
 from remanent._errors import InputError
 from remanent._status import Status
 from remanent._typing import ArrayLike, FloatArray
 from remanent.models.actuator import Actuator
 from remanent.models.drives.piecewise import Steps
 from remanent.models.drives.waves import Constant
-from remanent.studies.control._shaped_steps import shaped_steps
+from remanent.studies.control._shaped_steps import find_shaped_steps
 from remanent.studies.ensemble.checks import require_tolerance
-from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
+from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
 from remanent.studies.ensemble.ensemble import Ensemble
-from remanent.studies.ensemble.layout import Over, lay_out
-from remanent.studies.ensemble.physical_scales import PHYSICAL
+from remanent.studies.ensemble.layout import Over, lay_out_ensemble
+from remanent.studies.ensemble.physical_scales import PHYSICAL_SIZES
 
-_TARGET = positive("It is a thickness stretch, a ratio of lengths.", "Pass for example 1.2.")
+_TARGET_RULE = positive_rule(
+    "It is a thickness stretch, a ratio of lengths.", "Pass for example 1.2."
+)
 #: The load of the ensemble's own drive: each step has its load in place of it.
 _NO_LOAD = Constant(0.0)
 #: Names of dimensions that results have of their own.
-_RESERVED = frozenset({"step"})
+_RESERVED_DIMENSIONS = frozenset({"step"})
 
 
 def shape_command(
@@ -149,16 +151,18 @@ def shape_commands(
     remanent.shape_command : one command, as a drive.
     remanent.sensitivity : how a switching time depends on a field.
     """
-    target = require_real("target", target, _TARGET)
+    target = require_real("target", target, _TARGET_RULE)
     require_tolerance(tolerance, "the error of the state at the last step")
-    ens = lay_out(actuator, _NO_LOAD, over, initial, reserved=_RESERVED, system_argument="actuator")
+    ens = lay_out_ensemble(
+        actuator, _NO_LOAD, over, initial, reserved=_RESERVED_DIMENSIONS, system_argument="actuator"
+    )
     fields = [name for name in ens.field.parameters if name != "m"]
-    names = _robust_to(robust_to, [*fields, *PHYSICAL])
-    commands = [_command(ens, k, target, names, tolerance) for k in range(ens.count)]
+    names = _require_robust_to(robust_to, [*fields, *PHYSICAL_SIZES])
+    commands = [_find_command(ens, k, target, names, tolerance) for k in range(ens.count)]
     longest = max(command.times.size for command in commands) or 1
     return to_dataset(
         ens,
-        _variables(commands, longest, ens),
+        _command_variables(commands, longest, ens),
         coords={"step": (("step",), np.arange(longest))},
         tolerance=tolerance,
         driven=False,
@@ -167,10 +171,12 @@ def shape_commands(
     )
 
 
-def _robust_to(robust_to: str | Sequence[str], known: Sequence[str]) -> tuple[str, ...]:
+def _require_robust_to(robust_to: str | Sequence[str], known: Sequence[str]) -> tuple[str, ...]:
     if isinstance(robust_to, Sequence) and not robust_to and not isinstance(robust_to, str):
         return ()
-    return tuple(require_names("robust_to", robust_to, known, "the actuator, or physical sizes"))
+    return tuple(
+        require_field_names("robust_to", robust_to, known, "the actuator, or physical sizes")
+    )
 
 
 @dataclass(frozen=True)
@@ -183,22 +189,22 @@ class _Command:
         Empty where there is no command.
     residual : float
         Largest distance of the state from rest at the last step.
-    error : float
+    time_error : float
         Of the time of the last step.
     """
 
     times: FloatArray
     loads: FloatArray
     residual: float = np.nan
-    error: float = np.nan
+    time_error: float = np.nan
 
 
-def _command(
+def _find_command(
     ens: Ensemble, index: int, target: float, robust_to: Sequence[str], tolerance: float
 ) -> _Command:
     """The steps for one trajectory; an empty command where there is none on a grid."""
     try:
-        sequence, last = shaped_steps(ens.member(index), target, robust_to, tolerance)
+        sequence, last = find_shaped_steps(ens.single_member(index), target, robust_to, tolerance)
     except InputError:
         if not ens.sizes:
             raise
@@ -211,9 +217,9 @@ def _command(
     )
 
 
-def _variables(
+def _command_variables(
     commands: Sequence[_Command], longest: int, ens: Ensemble
-) -> dict[str, PerTrajectory]:
+) -> dict[str, PerTrajectoryArray]:
     """Commands as arrays, filled up with NaN to the longest."""
     times, loads = np.full((2, ens.count, longest), np.nan)
     for k, command in enumerate(commands):
@@ -225,7 +231,7 @@ def _variables(
         "step_time": (("step",), times),
         "step_load": (("step",), loads),
         "switch_time": np.fmax.reduce(times, axis=1),
-        "switch_time_error": np.array([command.error for command in commands]),
+        "switch_time_error": np.array([command.time_error for command in commands]),
         "residual": np.array([command.residual for command in commands]),
         "status": np.where(ens.invalid, Status.INVALID, codes),
     }

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from remanent._checks import positive, require_real
+from remanent._checks import positive_rule, require_real
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, FloatArray
 from remanent.analysis.control import shaping
@@ -18,17 +18,17 @@ from remanent.models.drives.waves import Constant
 from remanent.models.system import System
 from remanent.studies.control._step_metrics import StepMotion, Transient, residual_vibration
 from remanent.studies.ensemble.checks import require_tolerance
-from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
+from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
 from remanent.studies.ensemble.layout import Over
-from remanent.studies.ensemble.physical_scales import PhysicalScales, lay_out_physical
+from remanent.studies.ensemble.physical_scales import PhysicalScales, lay_out_physical_scales
 from remanent.studies.statics._static_state import StaticState
 
-_BAND = positive("It is a share of the change of thickness stretch.", "Pass 0.02.")
-_TIME = positive("A run takes a positive time.", "Pass a time in units of tau.")
+_BAND_RULE = positive_rule("It is a share of the change of thickness stretch.", "Pass 0.02.")
+_DURATION_RULE = positive_rule("A run takes a positive time.", "Pass a time in units of tau.")
 #: Half periods after the last step that are followed by default.
-_HALF_PERIODS = 20.0
+_FOLLOWED_HALF_PERIODS = 20.0
 #: Samples in each half period.
-_SAMPLES = 24
+_SAMPLES_PER_HALF_PERIOD = 24
 
 
 def step_response(
@@ -111,23 +111,27 @@ def step_response(
     remanent.simulate : the motion itself.
     """
     require_tolerance(tolerance, "the global error of the state")
-    band = require_real("band", band, _BAND)
-    _require_steps(drive)
-    scaled = lay_out_physical(system, drive, over, initial)
+    band = require_real("band", band, _BAND_RULE)
+    _require_step_drive(drive)
+    scaled = lay_out_physical_scales(system, drive, over, initial)
     ens = scaled.ensemble
-    rests = _rests(scaled)
-    half_period = _half_periods(rests)
-    last_step = _last_step(scaled)
+    rests = _final_rest_states(scaled)
+    half_period = _longest_half_periods(rests)
+    last_step = _last_step_times(scaled)
     if duration is None:
-        duration = float(np.nanmax((last_step + _HALF_PERIODS * half_period) / scaled.time))
-    duration = require_real("duration", duration, _TIME)
-    motion = StepMotion.of(scaled.problem(np.full(ens.count, duration)), tolerance)
-    after_last = motion.states(last_step[:, None])[:, 0]
+        duration = float(
+            np.nanmax((last_step + _FOLLOWED_HALF_PERIODS * half_period) / scaled.time_ratio)
+        )
+    duration = require_real("duration", duration, _DURATION_RULE)
+    motion = StepMotion.from_problem(
+        scaled.problem_lasting(np.full(ens.count, duration)), tolerance
+    )
+    after_last = motion.states_at(last_step[:, None])[:, 0]
     values = residual_vibration(rests, after_last, motion.outcome.error)
     start = motion(np.zeros((ens.count, 1)))[0][:, 0]
-    spacing = float(np.nanmin(half_period)) / _SAMPLES
-    values |= Transient(motion, start, values["final"], band, spacing, scaled.time).metrics()
-    variables: dict[str, PerTrajectory] = {
+    spacing = float(np.nanmin(half_period)) / _SAMPLES_PER_HALF_PERIOD
+    values |= Transient(motion, start, values["final"], band, spacing, scaled.time_ratio).metrics()
+    variables: dict[str, PerTrajectoryArray] = {
         name: np.where(ens.invalid, np.nan, column) for name, column in values.items()
     }
     return to_dataset(
@@ -140,7 +144,7 @@ def step_response(
     )
 
 
-def _require_steps(drive: object) -> None:
+def _require_step_drive(drive: object) -> None:
     if not isinstance(drive, Steps | Constant):
         raise InputError(
             "drive",
@@ -151,23 +155,27 @@ def _require_steps(drive: object) -> None:
         )
 
 
-def _last_step(scaled: PhysicalScales) -> FloatArray:
+def _last_step_times(scaled: PhysicalScales) -> FloatArray:
     """Time of the last step of each trajectory, in its own unit."""
     drive = scaled.ensemble.drive
-    return scaled.time * (float(drive.times[-1]) if isinstance(drive, Steps) else 0.0)
+    return scaled.time_ratio * (float(drive.times[-1]) if isinstance(drive, Steps) else 0.0)
 
 
-def _rests(scaled: PhysicalScales) -> list[StaticState | None]:
+def _final_rest_states(scaled: PhysicalScales) -> list[StaticState | None]:
     """Every trajectory's state of rest under the last load."""
     ens = scaled.ensemble
     drive = ens.drive
-    loads = scaled.load * float(drive.loads[-1]) if isinstance(drive, Steps) else ens.values["m"]
+    loads = (
+        scaled.load_ratio * float(drive.loads[-1]) if isinstance(drive, Steps) else ens.values["m"]
+    )
     field = field_for(ens.system, Constant(0.0))
     rests: list[StaticState | None] = []
     for k in np.arange(ens.count):
         values = {name: v[k] for name, v in ens.values.items()} | {"m": loads[k]}
         row = np.array([float(values[name]) for name in field.parameters])
-        rests.append(None if ens.invalid[k] else StaticState(field, row, ens.initial[k]).relax())
+        rests.append(
+            None if ens.invalid[k] else StaticState(field, row, ens.initial[k]).rest_nearby()
+        )
     if all(body is None for body in rests):
         raise InputError(
             "drive",
@@ -179,13 +187,13 @@ def _rests(scaled: PhysicalScales) -> list[StaticState | None]:
     return rests
 
 
-def _half_periods(rests: Sequence[StaticState | None]) -> FloatArray:
+def _longest_half_periods(rests: Sequence[StaticState | None]) -> FloatArray:
     """Half the longest natural period at every rest, array (trajectory,)."""
     return np.array(
         [
             np.nan
             if b is None
-            else shaping.impulse_spacing(shaping.controllable_poles(*b.linearised()))
+            else shaping.impulse_spacing(shaping.controllable_poles(*b.rate_derivatives()))
             for b in rests
         ]
     )

@@ -12,11 +12,11 @@ from remanent._checks import (
     Rule,
     as_float_array,
     require_choice,
+    require_field_names,
     require_instance,
     require_mapping,
-    require_names,
     require_real,
-    shortened,
+    shortened_repr,
 )
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, FloatArray
@@ -26,13 +26,13 @@ from remanent.models.system import System
 from remanent.studies.ensemble.ensemble import Ensemble
 
 #: Below this, round-off in double precision is all that is left.
-FINEST = 1e-13
+FINEST_TOLERANCE = 1e-13
 #: Above this, an error bound says nothing.
-COARSEST = 0.1
+COARSEST_TOLERANCE = 0.1
 #: What ``rng`` accepts.
 Rng: TypeAlias = int | np.random.Generator | None
 #: The seed of all random choices where none is given.
-_SEED = 0
+_DEFAULT_SEED = 0
 #: Seeds that are drawn from a generator are smaller than this.
 _SEED_LIMIT = 2**31
 
@@ -48,8 +48,8 @@ def require_tolerance(value: object, of: str = "the absolute global error") -> f
         What it is asked of, as in ``"the residual"``.
     """
     rule = Rule(
-        f"lie between {FINEST:g} and {COARSEST:g}",
-        lambda x: np.asarray((x >= FINEST) & (x <= COARSEST)),
+        f"lie between {FINEST_TOLERANCE:g} and {COARSEST_TOLERANCE:g}",
+        lambda x: np.asarray((x >= FINEST_TOLERANCE) & (x <= COARSEST_TOLERANCE)),
         f"It is asked of {of}, in double precision.",
         "Pass for example 1e-9.",
     )
@@ -62,7 +62,7 @@ def require_system(name: str, system: object) -> System:
         raise InputError(
             name,
             must="be a system that can move",
-            got=shortened(system),
+            got=shortened_repr(system),
             why="The equations of motion are derived from it.",
             fix="Pass for example rm.Actuator().",
         )
@@ -75,7 +75,7 @@ def require_actuator(name: str, system: object) -> Actuator:
         raise InputError(
             name,
             must="be an actuator",
-            got=shortened(system),
+            got=shortened_repr(system),
             why="Only an actuator has in-plane stretches, dead loads and a magnetic load.",
             fix="Pass for example rm.Actuator().",
         )
@@ -108,7 +108,7 @@ def require_interval(
     fix = "Pass two increasing numbers."
     pair = as_float_array(name, value, what=what, why=why, fix=fix, ndim=1, finite=finite)
     if pair.size != 2 or not pair[0] < pair[1]:
-        raise InputError(name, must=f"be {what}", got=shortened(value), why=why, fix=fix)
+        raise InputError(name, must=f"be {what}", got=shortened_repr(value), why=why, fix=fix)
     return float(pair[0]), float(pair[1])
 
 
@@ -135,7 +135,7 @@ def require_intervals(
     fix = "Pass for example {'temperature': (280.0, 300.0)}."
     table = require_mapping(name, value, what="names of fields to two numbers", fix=fix)
     if table:
-        require_names(name, table, known, owner)
+        require_field_names(name, table, known, owner)
     return {
         field: require_interval(
             f"{name}[{field!r}]",
@@ -148,7 +148,7 @@ def require_intervals(
     }
 
 
-def require_range(
+def require_parameter_range(
     name: str, value: object, parameter: str, ens: Ensemble, why: str
 ) -> tuple[float, float]:
     """The lowest and the highest value of a numeric field.
@@ -193,13 +193,13 @@ def require_parameter(name: str, value: object, ens: Ensemble) -> str:
 
 def require_state(name: str, value: ArrayLike, ens: Ensemble, *, why: str, fix: str) -> FloatArray:
     """All state variables of one point, array (state,)."""
-    names = ens.field.state
+    names = ens.field.state_names
     state = as_float_array(name, value, what=", ".join(names), why=why, fix=fix, finite=True)
     if state.size != len(names):
         raise InputError(
             name,
             must=f"be {len(names)} numbers, ({', '.join(names)})",
-            got=shortened(value),
+            got=shortened_repr(value),
             why=why,
             fix=fix,
         )
@@ -215,14 +215,14 @@ def as_seed(rng: Rng) -> int:
     with the same arguments, draws what the whole grid draws.
     """
     if rng is None:
-        return _SEED
+        return _DEFAULT_SEED
     if isinstance(rng, np.random.Generator):
         return int(deepcopy(rng).integers(_SEED_LIMIT))
     if isinstance(rng, bool | np.bool_) or not isinstance(rng, int | np.integer) or rng < 0:
         raise InputError(
             "rng",
             must="be an integer that is not negative, or a numpy.random.Generator",
-            got=shortened(rng),
+            got=shortened_repr(rng),
             why="Equal seeds give equal results.",
             fix="Pass for example 1, or leave it out for one fixed seed.",
         )

@@ -16,12 +16,12 @@ from remanent.results.build import Labelled
 from remanent.studies.ensemble.ensemble import Ensemble
 
 #: An array (trajectory, ...) with the names of its later dimensions; none if it is bare.
-PerTrajectory = NDArray[Any] | tuple[tuple[str, ...], NDArray[Any]]
+PerTrajectoryArray = NDArray[Any] | tuple[tuple[str, ...], NDArray[Any]]
 
 
 def to_dataset(
     ens: Ensemble,
-    variables: Mapping[str, PerTrajectory],
+    variables: Mapping[str, PerTrajectoryArray],
     *,
     tolerance: float | None,
     coords: Mapping[str, Labelled] | None = None,
@@ -62,14 +62,16 @@ def to_dataset(
     -------
     xarray.Dataset
     """
-    evidence: dict[str, PerTrajectory] = {}
+    evidence: dict[str, PerTrajectoryArray] = {}
     if outcome is not None:
         evidence = {error: outcome.error, "horizon": outcome.horizon, "status": outcome.status}
     elif status is not None:
         evidence = {"status": status}
     elif "status" not in variables:
         evidence = {"status": np.where(ens.invalid, Status.INVALID, Status.OK)}
-    labelled = {name: _labelled(ens, values) for name, values in {**variables, **evidence}.items()}
+    labelled = {
+        name: _label_for_ensemble(ens, values) for name, values in {**variables, **evidence}.items()
+    }
     drive = ens.drive if driven else None
     attributes = provenance.attributes(ens.system, drive, tolerance, over=ens.coords, **settings)
     return build.dataset(
@@ -77,6 +79,6 @@ def to_dataset(
     )
 
 
-def _labelled(ens: Ensemble, values: PerTrajectory) -> Labelled:
+def _label_for_ensemble(ens: Ensemble, values: PerTrajectoryArray) -> Labelled:
     dims, array = values if isinstance(values, tuple) else ((), values)
-    return (*ens.dims, *dims), ens.shaped(array)
+    return (*ens.dims, *dims), ens.reshape_to_dims(array)

@@ -6,16 +6,16 @@ from typing import Any
 
 import numpy as np
 
-from remanent._checks import Rule, positive, require_real, shortened
+from remanent._checks import Rule, positive_rule, require_real, shortened_repr
 from remanent._errors import InputError
 from remanent._typing import FloatArray
 from remanent.studies.ensemble.ensemble import Ensemble
 
 #: Larger integers are not exact in double precision.
-_LARGEST_COUNT = 2**53
+_LARGEST_EXACT_COUNT = 2**53
 #: Default length of the window of a response, in units of tau: that of [Thermal].
-RESPONSE_WINDOW = 100.0
-_TIME: Rule = positive("A run takes a positive time.", "Pass a time in units of tau.")
+DEFAULT_RESPONSE_WINDOW = 100.0
+_DURATION_RULE: Rule = positive_rule("A run takes a positive time.", "Pass a time in units of tau.")
 
 
 def require_count(name: str, value: Any, why: str, least: int = 1) -> int:
@@ -36,14 +36,14 @@ def require_count(name: str, value: Any, why: str, least: int = 1) -> int:
         raise InputError(
             name,
             must="be a positive integer" if least == 1 else f"be an integer, at least {least}",
-            got=shortened(value),
+            got=shortened_repr(value),
             why=why,
             fix=f"Pass at least {least}.",
         )
-    if value > _LARGEST_COUNT:
+    if value > _LARGEST_EXACT_COUNT:
         raise InputError(
             name,
-            must=f"be at most {_LARGEST_COUNT}",
+            must=f"be at most {_LARGEST_EXACT_COUNT}",
             got=f"a number of {len(str(value))} digits",
             why=why,
             fix="Pass as many as a computer can take.",
@@ -51,12 +51,12 @@ def require_count(name: str, value: Any, why: str, least: int = 1) -> int:
     return int(value)
 
 
-def require_periods(ens: Ensemble) -> FloatArray:
+def require_drive_periods(ens: Ensemble) -> FloatArray:
     """The drive period of every trajectory, array (trajectory,); raises where there is none.
 
     For verbs that make no sense without a periodic load.
     """
-    periods = ens.periods()
+    periods = ens.drive_periods()
     if periods is None:
         raise InputError(
             "drive",
@@ -70,10 +70,10 @@ def require_periods(ens: Ensemble) -> FloatArray:
 
 def require_duration(duration: object) -> float:
     """The length of a run in units of tau."""
-    return require_real("duration", duration, _TIME)
+    return require_real("duration", duration, _DURATION_RULE)
 
 
-def durations(ens: Ensemble, duration: float | None, periods: int | None) -> FloatArray:
+def trajectory_durations(ens: Ensemble, duration: float | None, periods: int | None) -> FloatArray:
     """Length of every trajectory, array (trajectory,), from one of `duration` and `periods`.
 
     For verbs that take both, of which exactly one is given.
@@ -81,7 +81,7 @@ def durations(ens: Ensemble, duration: float | None, periods: int | None) -> Flo
     if periods is None:
         return np.broadcast_to(require_duration(duration), ens.count)
     count = require_count("periods", periods, "Runs are counted in whole drive periods.")
-    lengths = ens.periods()
+    lengths = ens.drive_periods()
     if lengths is None:
         raise InputError(
             "periods",
@@ -93,7 +93,7 @@ def durations(ens: Ensemble, duration: float | None, periods: int | None) -> Flo
     return count * lengths
 
 
-def require_exactly_one(**given: Any) -> None:
+def require_exactly_one_argument(**given: Any) -> None:
     """Exactly one of the arguments must not be None."""
     present = [name for name, value in given.items() if value is not None]
     if len(present) != 1:

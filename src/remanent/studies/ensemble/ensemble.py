@@ -60,20 +60,20 @@ class Ensemble:
         """Names of the dimensions, in order."""
         return tuple(self.sizes)
 
-    def shaped(self, values: Any) -> Any:
+    def reshape_to_dims(self, values: Any) -> Any:
         """From (trajectory, ...) to one axis for each dimension of the ensemble."""
         return np.reshape(values, (*self.sizes.values(), *np.shape(values)[1:]))
 
-    def periods(self) -> FloatArray | None:
+    def drive_periods(self) -> FloatArray | None:
         """Smallest period of the load of every trajectory, or None where it has none."""
         periods = load_periods(self.drive, self.values)
         return None if periods is None else np.broadcast_to(periods, (self.count,)).astype(float)
 
-    def member(self, k: int) -> Ensemble:
+    def single_member(self, k: int) -> Ensemble:
         """Trajectory `k` as an ensemble of its own, without dimensions."""
-        return replace(self._part(slice(k, k + 1)), sizes={}, coords={})
+        return replace(self._sliced(slice(k, k + 1)), sizes={}, coords={})
 
-    def with_states(self, states: FloatArray, varied: Mapping[str, FloatArray]) -> Ensemble:
+    def with_initial_states(self, states: FloatArray, varied: Mapping[str, FloatArray]) -> Ensemble:
         """Many trajectories like this single one, from other states and with some other values.
 
         Parameters
@@ -102,9 +102,9 @@ class Ensemble:
     def batches(self, size: int = BATCH_SIZE) -> Iterator[tuple[slice, Ensemble]]:
         """The trajectories `size` at a time, so that work on them takes memory for a batch only."""
         for part in batch_slices(self.count, size):
-            yield part, replace(self._part(part), sizes={"trajectory": part.stop - part.start})
+            yield part, replace(self._sliced(part), sizes={"trajectory": part.stop - part.start})
 
-    def _part(self, part: slice) -> Ensemble:
+    def _sliced(self, part: slice) -> Ensemble:
         return replace(
             self,
             values={name: column[part] for name, column in self.values.items()},

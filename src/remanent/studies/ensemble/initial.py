@@ -6,14 +6,14 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from remanent._checks import as_float_array, shortened
+from remanent._checks import as_float_array, shortened_repr
 from remanent._errors import InputError
 from remanent._field import Field, Role, StateVariable
 from remanent._typing import ArrayLike, BoolArray, FloatArray
 from remanent.models.system import System
 
 #: Largest stretch and rate, and inverse of the smallest stretch, to start from.
-FARTHEST = 1e6
+LARGEST_STARTING_STATE = 1e6
 
 
 def initial_states(
@@ -45,17 +45,17 @@ def initial_states(
     """
     rest = [rest_values(variable, values, count) for variable in field.variables]
     first = np.array([column[0] for column in rest])
-    given = first[:0] if initial is None else _given_state(initial, field)
+    given = first[:0] if initial is None else _require_given_state(initial, field)
     columns = {
         k: varied[f"initial.{name}"]
-        for k, name in enumerate(field.state)
+        for k, name in enumerate(field.state_names)
         if f"initial.{name}" in varied
     }
     for k, column in enumerate(rest):
         # A column with a stride holds values that differ: a temperature that `over` varies.
         if k >= given.size and column.strides != (0,):
             columns.setdefault(k, column)
-    _refuse_fixed(given, [k for k in range(given.size) if k not in columns], field)
+    _require_valid_fixed_part(given, [k for k in range(given.size) if k not in columns], field)
     row = np.append(given, first[given.size :])
     states = np.broadcast_to(row, (count, len(rest)))
     if columns:
@@ -65,26 +65,27 @@ def initial_states(
     return states
 
 
-def _given_state(initial: ArrayLike, field: Field) -> FloatArray:
+def _require_given_state(initial: ArrayLike, field: Field) -> FloatArray:
     """The state to start from, array (given,): coordinates and rates, or all of it."""
-    moving = field.names(Role.COORDINATE, Role.RATE)
-    entire = f", or all of {', '.join(field.state)}" if moving != [*field.state] else ""
+    moving = field.names_of_roles(Role.COORDINATE, Role.RATE)
+    entire = f", or all of {', '.join(field.state_names)}" if moving != [*field.state_names] else ""
     what = f"{', '.join(moving)}{entire}"
     why = "A motion starts from one state."
-    fix = f"Leave it out to start from rest; vary it by over={{'initial.{field.state[0]}': ...}}."
+    first = field.state_names[0]
+    fix = f"Leave it out to start from rest; vary it by over={{'initial.{first}': ...}}."
     state = as_float_array("initial", initial, what=what, why=why, fix=fix, ndim=1, finite=True)
-    if state.size not in {len(moving), len(field.state)}:
+    if state.size not in {len(moving), len(field.state_names)}:
         raise InputError(
             "initial",
             must=f"be {len(moving)} finite numbers, ({', '.join(moving)}){entire}",
-            got=shortened(initial),
+            got=shortened_repr(initial),
             why=why,
             fix=fix,
         )
     return state
 
 
-def _refuse_fixed(given: FloatArray, fixed: list[int], field: Field) -> None:
+def _require_valid_fixed_part(given: FloatArray, fixed: list[int], field: Field) -> None:
     """Raise where what all trajectories start from is no state; what varies has a status."""
     for k in fixed:
         variable = field.variables[k]
@@ -109,9 +110,9 @@ def invalid_states(
     system: System, values: Mapping[str, FloatArray], states: FloatArray, field: Field
 ) -> BoolArray:
     """Where a state is no state to start from, array (trajectory,) of bool."""
-    invalid = ~(np.abs(states) <= FARTHEST).all(axis=1)
-    invalid |= ~(states[:, _positive_indices(field)] >= 1.0 / FARTHEST).all(axis=1)
-    return np.asarray(invalid | ~_admissible(system, values, states, field))
+    invalid = ~(np.abs(states) <= LARGEST_STARTING_STATE).all(axis=1)
+    invalid |= ~(states[:, _positive_indices(field)] >= 1.0 / LARGEST_STARTING_STATE).all(axis=1)
+    return np.asarray(invalid | ~_is_admissible(system, values, states, field))
 
 
 def require_admissible_state(
@@ -119,18 +120,18 @@ def require_admissible_state(
 ) -> None:
     """Raise what is wrong with the first of the states, if anything is."""
     state = states[0]
-    _refuse_fixed(state, list(range(state.size)), field)
-    inside = (state[_positive_indices(field)] >= 1.0 / FARTHEST).all()
-    if not (inside and (np.abs(state) <= FARTHEST).all()):
+    _require_valid_fixed_part(state, list(range(state.size)), field)
+    inside = (state[_positive_indices(field)] >= 1.0 / LARGEST_STARTING_STATE).all()
+    if not (inside and (np.abs(state) <= LARGEST_STARTING_STATE).all()):
         raise InputError(
             "initial",
-            must=f"have stretches from {1.0 / FARTHEST:g} to {FARTHEST:g} and rates up to "
-            f"{FARTHEST:g}",
+            must=f"have stretches from {1.0 / LARGEST_STARTING_STATE:g} to "
+            f"{LARGEST_STARTING_STATE:g} and rates up to {LARGEST_STARTING_STATE:g}",
             got=state.tolist(),
             why="No motion gets beyond them, and high powers lose their digits there.",
             fix="Pass (1, 0) for rest.",
         )
-    if not _admissible(system, values, states, field).all():
+    if not _is_admissible(system, values, states, field).all():
         raise InputError(
             "initial",
             must="be a state that the material can reach",
@@ -145,9 +146,9 @@ def _positive_indices(field: Field) -> list[int]:
     return [k for k, variable in enumerate(field.variables) if variable.positive]
 
 
-def _admissible(
+def _is_admissible(
     system: System, values: Mapping[str, FloatArray], states: FloatArray, field: Field
 ) -> BoolArray:
     """Whether the energies exist in each state, array (trajectory,) of bool."""
-    coordinates = (states[:, k] for k in field.indices(Role.COORDINATE))
+    coordinates = (states[:, k] for k in field.indices_of_roles(Role.COORDINATE))
     return system.admissible(values, *coordinates)

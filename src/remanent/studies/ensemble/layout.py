@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 import xarray as xr
 
-from remanent._checks import as_float_array, increases, shortened
+from remanent._checks import as_float_array, is_increasing, shortened_repr
 from remanent._errors import InputError
 from remanent._field import Field
 from remanent._typing import ArrayLike, BoolArray, FloatArray
@@ -28,23 +28,23 @@ from remanent.studies.ensemble.initial import (
     invalid_states,
     require_admissible_state,
 )
-from remanent.studies.ensemble.memory import TRAJECTORY_BYTES, require_memory
+from remanent.studies.ensemble.memory import BYTES_PER_TRAJECTORY, require_memory
 
 #: What ``over`` accepts.
 Over = Mapping[str, ArrayLike | xr.DataArray]
 #: Names of dimensions that results have of their own.
-RESERVED = frozenset(
+RESERVED_DIMENSIONS = frozenset(
     {"time", "cycle", "period", "crossing", "equilibrium", "thickness_stretch", "fold", "snap"}
 )
 
 
-def lay_out(
+def lay_out_ensemble(
     system: System,
     drive: Drive,
     over: Over | None = None,
     initial: ArrayLike | None = None,
     *,
-    reserved: frozenset[str] = RESERVED,
+    reserved: frozenset[str] = RESERVED_DIMENSIONS,
     extra: Mapping[str, float] | None = None,
     system_argument: str = "system",
     batch_size: int = BATCH_SIZE,
@@ -84,21 +84,24 @@ def lay_out(
     _require_load_rate(system, drive, over)
     field = field_for(system, drive)
     defaults = {**system.parameters(), **drive.parameters(), **(extra or {})}
-    names = [*defaults, *(f"initial.{variable}" for variable in field.state)]
-    arrays = {name: _labelled(name, value, names, reserved) for name, value in (over or {}).items()}
-    sizes = _sizes(arrays)
+    names = [*defaults, *(f"initial.{variable}" for variable in field.state_names)]
+    arrays = {
+        name: _label_over_values(name, value, names, reserved)
+        for name, value in (over or {}).items()
+    }
+    sizes = _dimension_sizes(arrays)
     count = math.prod(sizes.values())
-    require_memory("over", count * TRAJECTORY_BYTES, f"{count} trajectories")
-    varied = {name: _outer_product(*array, sizes) for name, array in arrays.items()}
+    require_memory("over", count * BYTES_PER_TRAJECTORY, f"{count} trajectories")
+    varied = {name: _repeat_over_outer_product(*array, sizes) for name, array in arrays.items()}
     shared = {name: np.broadcast_to(v, count) for name, v in defaults.items()}  # takes no memory
     values = {name: varied.get(name, shared[name]) for name in defaults}
     states = initial_states(initial, varied, field, values, count)
     invalid = np.empty(count, dtype=np.bool_)
     for part in batch_slices(count, batch_size):
         batch = {name: column[part] for name, column in values.items()}
-        invalid[part] = _invalid(system, drive, batch, states[part], field)
+        invalid[part] = _is_invalid_trajectory(system, drive, batch, states[part], field)
     if not sizes and invalid.any():
-        _refuse_period(drive, values)
+        _require_finite_periods(drive, values)
         require_admissible_state(system, values, states, field)
     return Ensemble(system, drive, field, sizes, dict(arrays), values, states, invalid)
 
@@ -109,7 +112,7 @@ def require_over(over: object) -> None:
         raise InputError(
             "over",
             must="be a mapping of names to values",
-            got=shortened(over),
+            got=shortened_repr(over),
             why="It says which fields take many values.",
             fix="Pass for example {'temperature': [250, 350, 400]}.",
         )
@@ -121,13 +124,13 @@ def _require_load_rate(system: System, drive: Drive, over: Over | None) -> None:
         raise InputError(
             "drive",
             must="have a rate of its load in closed form where the remanence warms the body",
-            got=shortened(drive),
+            got=shortened_repr(drive),
             why="A change of the field warms a magnet whose remanence depends on temperature.",
             fix="Use Constant, Sine, SineSquared or Sines, or a temperature_coefficient of 0.",
         )
 
 
-def _labelled(
+def _label_over_values(
     name: str, value: ArrayLike | xr.DataArray, names: list[str], reserved: frozenset[str]
 ) -> Labelled:
     """The values of a field with the names of their dimensions."""
@@ -149,7 +152,7 @@ def _labelled(
     )
     if isinstance(value, xr.DataArray):
         dims = tuple(map(str, value.dims))
-        _require_free(name, dims, reserved)
+        _require_unreserved_dims(name, dims, reserved)
         return dims, array
     if array.ndim == 0:
         array = array[None]
@@ -161,11 +164,11 @@ def _labelled(
             why="Its values become a dimension of the result.",
             fix="Pass a one-dimensional array, or an xarray.DataArray that names its dimensions.",
         )
-    _require_grid(name, array)
+    _require_increasing_grid(name, array)
     return (name,), array
 
 
-def _require_free(name: str, dims: tuple[str, ...], reserved: frozenset[str]) -> None:
+def _require_unreserved_dims(name: str, dims: tuple[str, ...], reserved: frozenset[str]) -> None:
     for dim in dims:
         if dim in reserved:
             raise InputError(
@@ -177,8 +180,8 @@ def _require_free(name: str, dims: tuple[str, ...], reserved: frozenset[str]) ->
             )
 
 
-def _require_grid(name: str, array: FloatArray) -> None:
-    if increases(array):
+def _require_increasing_grid(name: str, array: FloatArray) -> None:
+    if is_increasing(array):
         return
     finite = array[np.isfinite(array)]
     if (np.diff(finite) <= 0).any():
@@ -191,7 +194,7 @@ def _require_grid(name: str, array: FloatArray) -> None:
         )
 
 
-def _sizes(arrays: Mapping[str, Labelled]) -> dict[str, int]:
+def _dimension_sizes(arrays: Mapping[str, Labelled]) -> dict[str, int]:
     """Length of each dimension, in the order in which they are named."""
     sizes: dict[str, int] = {}
     for name, (dims, values) in arrays.items():
@@ -207,7 +210,7 @@ def _sizes(arrays: Mapping[str, Labelled]) -> dict[str, int]:
     return sizes
 
 
-def _outer_product(
+def _repeat_over_outer_product(
     dims: tuple[str, ...], values: FloatArray, sizes: Mapping[str, int]
 ) -> FloatArray:
     """Values along some dimensions for every combination, array (trajectory,)."""
@@ -217,7 +220,7 @@ def _outer_product(
     return np.broadcast_to(moved.reshape(shape), tuple(sizes.values())).reshape(-1)
 
 
-def _invalid(
+def _is_invalid_trajectory(
     system: System,
     drive: Drive,
     values: Mapping[str, FloatArray],
@@ -232,7 +235,7 @@ def _invalid(
     return np.asarray(invalid_states(system, values, states, field) | broken)
 
 
-def _refuse_period(drive: Drive, values: Mapping[str, FloatArray]) -> None:
+def _require_finite_periods(drive: Drive, values: Mapping[str, FloatArray]) -> None:
     periods = load_periods(drive, values)
     if periods is not None and not np.isfinite(periods).all():
         raise InputError(

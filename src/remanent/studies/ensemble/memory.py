@@ -7,13 +7,13 @@ import os
 from remanent._errors import InputError
 
 #: Bytes that a trajectory costs while it is computed, beside its samples.
-TRAJECTORY_BYTES = 1024.0
+BYTES_PER_TRAJECTORY = 1024.0
 #: Bytes of one sample of a trajectory: its state, its observables, and their copies.
-SAMPLE_BYTES = 80.0
+BYTES_PER_SAMPLE = 80.0
 #: Share of the machine's memory that one request may take.
-_ALLOWED_SHARE = 0.5
+_ALLOWED_MEMORY_SHARE = 0.5
 #: Bytes that are assumed where the machine does not tell how many it has.
-_ASSUMED_MEMORY = 8.0 * 2**30
+_ASSUMED_MEMORY_BYTES = 8.0 * 2**30
 
 
 def require_memory(name: str, needed: float, what: str) -> None:
@@ -33,7 +33,7 @@ def require_memory(name: str, needed: float, what: str) -> None:
     InputError
         If it is more than half of this machine's memory.
     """
-    limit = _ALLOWED_SHARE * _physical_memory()
+    limit = _ALLOWED_MEMORY_SHARE * _physical_memory_bytes()
     if needed > limit:
         raise InputError(
             name,
@@ -44,8 +44,8 @@ def require_memory(name: str, needed: float, what: str) -> None:
         )
 
 
-def _physical_memory() -> float:
+def _physical_memory_bytes() -> float:
     try:
         return float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
     except (AttributeError, ValueError, OSError):
-        return _ASSUMED_MEMORY
+        return _ASSUMED_MEMORY_BYTES

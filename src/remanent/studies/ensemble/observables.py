@@ -9,7 +9,9 @@ from remanent._typing import FloatArray
 from remanent.integrate.ensemble.problem import Outcome, Problem
 
 
-def observe(problem: Problem, name: str, times: FloatArray, states: FloatArray) -> FloatArray:
+def evaluate_observable(
+    problem: Problem, name: str, times: FloatArray, states: FloatArray
+) -> FloatArray:
     """An observable of the field, array (trajectory, time).
 
     Parameters
@@ -23,7 +25,7 @@ def observe(problem: Problem, name: str, times: FloatArray, states: FloatArray) 
     row = np.arange(times.shape[0])[:, None]
     columns = []
     for k, parameter in enumerate(problem.field.parameters):
-        by_piece = problem.timeline.parameters.get(parameter)
+        by_piece = problem.timeline.piece_parameters.get(parameter)
         column = problem.parameters[:, k][:, None] if by_piece is None else by_piece[piece, row]
         columns.append(column)
     inputs = [phase, *np.moveaxis(states, 2, 0), *columns, *problem.timeline.waveform(phase)]
@@ -49,16 +51,20 @@ def phase_and_piece(timeline: Timeline, times: FloatArray) -> tuple[FloatArray, 
     """
     if timeline.periodic:
         with np.errstate(all="ignore"):  # more periods than numbers: no phase, and no states
-            turns = times / timeline.lengths[0][:, None]
-            near = np.rint(turns)
-            turns = np.where(np.abs(turns - near) < 1e-12 * np.maximum(near, 1.0), near, turns)
+            turns = times / timeline.piece_lengths[0][:, None]
+            nearest_turns = np.rint(turns)
+            turns = np.where(
+                np.abs(turns - nearest_turns) < 1e-12 * np.maximum(nearest_turns, 1.0),
+                nearest_turns,
+                turns,
+            )
             return turns - np.floor(turns), np.zeros(times.shape, dtype=np.int64)
-    ends = np.cumsum(timeline.lengths, axis=0)
+    ends = np.cumsum(timeline.piece_lengths, axis=0)
     piece = np.zeros(times.shape, dtype=np.int64)
     for end in ends[:-1]:
         piece += times >= end[:, None] * (1 - 1e-15)
     row = np.arange(times.shape[0])[:, None]
-    length = timeline.lengths[piece, row]
+    length = timeline.piece_lengths[piece, row]
     start = ends[piece, row] - length
     with np.errstate(all="ignore"):
         phase = np.where(length > 0, (times - start) / length, 0.0)

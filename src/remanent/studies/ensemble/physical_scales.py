@@ -8,7 +8,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from remanent._checks import Rule, positive
+from remanent._checks import Rule, positive_rule
 from remanent._errors import InputError
 from remanent._timeline import Timeline
 from remanent._typing import ArrayLike, FloatArray
@@ -18,19 +18,19 @@ from remanent.models.drives.piecewise import PiecewiseDrive
 from remanent.models.system import System
 from remanent.results.schema import QuantityKind, describe
 from remanent.studies.ensemble.ensemble import Ensemble
-from remanent.studies.ensemble.layout import Over, lay_out
+from remanent.studies.ensemble.layout import Over, lay_out_ensemble
 from remanent.studies.ensemble.problem import initial_value_problem
 
 #: Names of the sizes; each counts in units of what the actuator was built with.
-PHYSICAL = ("shear_modulus", "density", "remanence")
-RULE: Rule = positive(
+PHYSICAL_SIZES = ("shear_modulus", "density", "remanence")
+PHYSICAL_SIZE_RULE: Rule = positive_rule(
     "It is a physical size over the one that the actuator was built with.",
     "Pass 1 for no change, 1.05 for five per cent more.",
 )
 #: Exponents of shear modulus, density and remanence in a quantity of each kind, held
 #: fixed in SI: stresses count in mu, times in L sqrt(rho/mu), loads in mu mu0/B_r, the
 #: own field is B_r^2/(mu mu0), and what couples heat mu/(rho c_p T0).
-_EXPONENTS: Mapping[QuantityKind, tuple[float, float, float]] = MappingProxyType(
+_SIZE_EXPONENTS_OF_KIND: Mapping[QuantityKind, tuple[float, float, float]] = MappingProxyType(
     {
         QuantityKind.STRESS: (-1.0, 0.0, 0.0),
         QuantityKind.LOAD: (-1.0, 0.0, 1.0),
@@ -53,40 +53,42 @@ class PhysicalScales:
     ----------
     ensemble
         Its values are in the units of each trajectory's own sizes.
-    sizes : array (size, trajectory)
-        :data:`PHYSICAL`, over what the actuator was built with.
+    size_ratios : array (size, trajectory)
+        :data:`PHYSICAL_SIZES`, over what the actuator was built with.
     """
 
     ensemble: Ensemble
-    sizes: FloatArray
+    size_ratios: FloatArray
 
     @property
-    def time(self) -> FloatArray:
+    def time_ratio(self) -> FloatArray:
         """Own times over times in the actuator's unit, array (trajectory,)."""
-        return _factor(QuantityKind.TIME, self.sizes)
+        return _ratio_of_kind(QuantityKind.TIME, self.size_ratios)
 
     @property
-    def load(self) -> FloatArray:
+    def load_ratio(self) -> FloatArray:
         """Own loads over loads in the actuator's unit, array (trajectory,)."""
-        return _factor(QuantityKind.LOAD, self.sizes)
+        return _ratio_of_kind(QuantityKind.LOAD, self.size_ratios)
 
-    def factor(self, name: str) -> FloatArray:
+    def variable_ratio(self, name: str) -> FloatArray:
         """Own values of a variable over those in the actuator's unit, array (trajectory,)."""
-        return _factor(_kind(name), self.sizes)
+        return _ratio_of_kind(_kind_of_field(name), self.size_ratios)
 
-    def problem(self, duration: FloatArray) -> Problem:
+    def problem_lasting(self, duration: FloatArray) -> Problem:
         """The trajectories, each lasting `duration` in the actuator's unit of time."""
         ens = self.ensemble
         if not isinstance(ens.drive, PiecewiseDrive):
-            return initial_value_problem(ens, duration * self.time)
+            return initial_value_problem(ens, duration * self.time_ratio)
         plain = initial_value_problem(ens, duration)
         line = plain.timeline
-        scaled = {name: rows * self.load for name, rows in line.parameters.items()}
-        timeline = Timeline(line.lengths * self.time, line.periodic, scaled, line.waveform)
-        return replace(plain, timeline=timeline, duration=plain.duration * self.time)
+        scaled = {name: rows * self.load_ratio for name, rows in line.piece_parameters.items()}
+        timeline = Timeline(
+            line.piece_lengths * self.time_ratio, line.periodic, scaled, line.waveform
+        )
+        return replace(plain, timeline=timeline, duration=plain.duration * self.time_ratio)
 
 
-def lay_out_physical(
+def lay_out_physical_scales(
     system: System,
     drive: Drive,
     over: Over | None = None,
@@ -94,37 +96,43 @@ def lay_out_physical(
     *,
     reserved: frozenset[str] = frozenset({"time", "cycle", "step"}),
 ) -> PhysicalScales:
-    """Lay out trajectories over numeric fields and over :data:`PHYSICAL` sizes.
+    """Lay out trajectories over numeric fields and over :data:`PHYSICAL_SIZES` sizes.
 
     Flux densities, times, dead loads and viscosities keep their values in SI, so the
     dimensionless numbers change: m ~ B_r/mu, S ~ 1/mu, omega ~ sqrt(rho/mu) ...
     """
-    ens = lay_out(
-        system, drive, over, initial, reserved=reserved, extra=dict.fromkeys(PHYSICAL, 1.0)
+    ens = lay_out_ensemble(
+        system, drive, over, initial, reserved=reserved, extra=dict.fromkeys(PHYSICAL_SIZES, 1.0)
     )
-    sizes = np.stack([ens.values[name] for name in PHYSICAL])
-    broken = ~np.all([RULE.satisfied(row) for row in sizes], axis=0)
+    sizes = np.stack([ens.values[name] for name in PHYSICAL_SIZES])
+    broken = ~np.all([PHYSICAL_SIZE_RULE.is_satisfied_by(row) for row in sizes], axis=0)
     if not ens.sizes and broken.any():
-        raise InputError("over", must=RULE.must, got=sizes[:, 0], why=RULE.why, fix=RULE.fix)
+        raise InputError(
+            "over",
+            must=PHYSICAL_SIZE_RULE.must,
+            got=sizes[:, 0],
+            why=PHYSICAL_SIZE_RULE.why,
+            fix=PHYSICAL_SIZE_RULE.fix,
+        )
     sizes = np.where(broken, 1.0, sizes)
     values = {
-        name: value * _factor(_kind(name), sizes)
+        name: value * _ratio_of_kind(_kind_of_field(name), sizes)
         for name, value in ens.values.items()
-        if name not in PHYSICAL
+        if name not in PHYSICAL_SIZES
     }
     start = ens.initial.copy()
-    for k, name in enumerate(ens.field.state):
-        start[:, k] *= _factor(_kind(name), sizes)
-    own = replace(ens, values=values, initial=start, invalid=ens.invalid | broken)
-    return PhysicalScales(own, sizes)
+    for k, name in enumerate(ens.field.state_names):
+        start[:, k] *= _ratio_of_kind(_kind_of_field(name), sizes)
+    in_own_units = replace(ens, values=values, initial=start, invalid=ens.invalid | broken)
+    return PhysicalScales(in_own_units, sizes)
 
 
-def _factor(kind: QuantityKind, sizes: FloatArray) -> FloatArray:
-    exponents = _EXPONENTS.get(kind, (0.0, 0.0, 0.0))
+def _ratio_of_kind(kind: QuantityKind, sizes: FloatArray) -> FloatArray:
+    exponents = _SIZE_EXPONENTS_OF_KIND.get(kind, (0.0, 0.0, 0.0))
     return np.asarray(np.prod(sizes ** np.array(exponents)[:, None], axis=0))
 
 
-def _kind(name: str) -> QuantityKind:
+def _kind_of_field(name: str) -> QuantityKind:
     """How a field scales; what the table does not name is a plain number."""
     base = "mean" if name.startswith("loads.") else name
     try:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from remanent._checks import shortened
+from remanent._checks import shortened_repr
 from remanent._errors import InputError
 from remanent._timeline import Timeline
 from remanent._typing import FloatArray
@@ -27,8 +27,8 @@ def initial_value_problem(ens: Ensemble, duration: FloatArray) -> Problem:
         name: np.where(ens.invalid, defaults[name], column) for name, column in ens.values.items()
     }
     timeline = _timeline(ens.drive, values, durations)
-    lengths = np.broadcast_to(timeline.lengths, (len(timeline.lengths), ens.count))
-    timeline = Timeline(lengths, timeline.periodic, timeline.parameters, timeline.waveform)
+    lengths = np.broadcast_to(timeline.piece_lengths, (len(timeline.piece_lengths), ens.count))
+    timeline = Timeline(lengths, timeline.periodic, timeline.piece_parameters, timeline.waveform)
     # Parameters that the timeline gives piece by piece have no value of their own.
     columns = [values.get(name, np.zeros(ens.count)) for name in ens.field.parameters]
     parameters = np.column_stack(columns) if columns else np.zeros((ens.count, 0))
@@ -45,7 +45,7 @@ def _timeline(drive: Drive, values: Mapping[str, FloatArray], end: FloatArray) -
         raise InputError(
             "drive",
             must="have loads that a spline can pass through in floating point",
-            got=shortened(drive),
+            got=shortened_repr(drive),
             why=f"Interpolation failed: {error}",
             fix="Use loads and times of ordinary size.",
         ) from error

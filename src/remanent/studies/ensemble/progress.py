@@ -6,18 +6,18 @@ import sys
 from collections.abc import Callable
 from typing import TypeAlias
 
-from remanent._checks import shortened
+from remanent._checks import shortened_repr
 from remanent._errors import InputError
 
 #: A function that is called with the share that is done, in [0, 1].
-Report: TypeAlias = Callable[[float], None]
+ProgressFunction: TypeAlias = Callable[[float], None]
 #: What verbs accept as ``progress``.
-Progress: TypeAlias = bool | Report | None
+Progress: TypeAlias = bool | ProgressFunction | None
 #: Characters of a bar.
-_WIDTH = 40
+_BAR_WIDTH_CHARACTERS = 40
 
 
-def as_progress(progress: Progress) -> Report | None:
+def as_progress(progress: Progress) -> ProgressFunction | None:
     """A function to call with the share that is done, or None.
 
     Parameters
@@ -34,26 +34,28 @@ def as_progress(progress: Progress) -> Report | None:
     if progress is None or progress is False:
         return None
     if progress is True:
-        return _Bar(_drawing())
+        return _ProgressBar(_choose_bar_drawer())
     if callable(progress):
         return progress
     raise InputError(
         "progress",
         must="be True, False, None or a function of one number",
-        got=shortened(progress),
+        got=shortened_repr(progress),
         why="It is told the share that is done, in [0, 1].",
         fix="Pass True for a bar.",
     )
 
 
-def within(report: Report | None, part: slice, count: int) -> Report | None:
+def report_part_of_whole(
+    report: ProgressFunction | None, part: slice, count: int
+) -> ProgressFunction | None:
     """Report of the share done of a `part` of `count` equal pieces of work, as one of the whole."""
     if report is None:
         return None
     return lambda done: report((part.start + done * (part.stop - part.start)) / count)
 
 
-class _Bar:
+class _ProgressBar:
     """A line on standard error that is written again as work goes on.
 
     Calling it changes the line, and what it remembers of it.  It needs no end: no thread runs
@@ -62,33 +64,33 @@ class _Bar:
 
     def __init__(self, draw: Callable[[float, str], None]) -> None:
         self._draw = draw
-        self._percent = -1
+        self._drawn_percent = -1
 
     def __call__(self, done: float) -> None:
         """Draw the share that is done, if it looks different from before."""
         percent = int(100.0 * min(max(done, 0.0), 1.0))
-        if percent != self._percent:
-            self._percent = percent
+        if percent != self._drawn_percent:
+            self._drawn_percent = percent
             self._draw(percent / 100.0, "\n" if percent == 100 else "\r")
 
 
-def _drawing() -> Callable[[float, str], None]:
+def _choose_bar_drawer() -> Callable[[float, str], None]:
     """How a bar is drawn: by Rich where it is installed, else in plain text."""
     try:
         from rich.console import Console
         from rich.progress_bar import ProgressBar
     except ImportError:
-        return _draw_plain
+        return _draw_plain_bar
     console = Console(stderr=True)
 
     def draw(done: float, end: str) -> None:
-        bar = ProgressBar(total=1.0, completed=done, width=_WIDTH)
+        bar = ProgressBar(total=1.0, completed=done, width=_BAR_WIDTH_CHARACTERS)
         console.print(bar, f" {done:4.0%}", end=end, highlight=False)
 
     return draw
 
 
-def _draw_plain(done: float, end: str) -> None:
-    filled = round(_WIDTH * done)
-    bar = "#" * filled + "-" * (_WIDTH - filled)
+def _draw_plain_bar(done: float, end: str) -> None:
+    filled = round(_BAR_WIDTH_CHARACTERS * done)
+    bar = "#" * filled + "-" * (_BAR_WIDTH_CHARACTERS - filled)
     print(f"[{bar}] {done:4.0%}", end=end, file=sys.stderr, flush=True)

@@ -10,9 +10,9 @@ from remanent._checks import require_increasing
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, FloatArray
 from remanent.results.build import Labelled
-from remanent.studies.ensemble.durations import durations
+from remanent.studies.ensemble.durations import trajectory_durations
 from remanent.studies.ensemble.ensemble import Ensemble
-from remanent.studies.ensemble.memory import SAMPLE_BYTES, require_memory
+from remanent.studies.ensemble.memory import BYTES_PER_SAMPLE, require_memory
 
 #: Points of the default time grid per unit of tau.
 _POINTS_PER_TAU = 20
@@ -21,7 +21,7 @@ _FEWEST_INTERVALS = 200
 #: Largest number of intervals of the default time grid.
 _MOST_INTERVALS = 20_000
 #: A run has to last: that of the one time 0 lasts this long.
-_SHORTEST = float(np.finfo(np.float64).tiny)
+_SHORTEST_DURATION = float(np.finfo(np.float64).tiny)
 
 
 @dataclass(frozen=True)
@@ -32,28 +32,28 @@ class TimeGrid:
     ----------
     times : array (trajectory, time)
         In tau, each row increasing.
-    shared : bool
+    is_shared : bool
         Whether all trajectories have the same times.
     """
 
     times: FloatArray
-    shared: bool
+    is_shared: bool
 
     @property
-    def duration(self) -> FloatArray:
+    def durations(self) -> FloatArray:
         """Length of every trajectory, up to the last of its times, array (trajectory,)."""
-        return np.maximum(self.times[:, -1], _SHORTEST)
+        return np.maximum(self.times[:, -1], _SHORTEST_DURATION)
 
     @property
-    def axis(self) -> str:
+    def time_dimension(self) -> str:
         """The dimension along which times lie: ``cycle`` where they differ."""
-        return "time" if self.shared else "cycle"
+        return "time" if self.is_shared else "cycle"
 
-    def labelled(self, ens: Ensemble) -> Labelled:
+    def time_coordinate(self, ens: Ensemble) -> Labelled:
         """The coordinate ``time``: one row where all share it, else one for each trajectory."""
-        if self.shared:
-            return (self.axis,), self.times[0]
-        return (*ens.dims, self.axis), ens.shaped(self.times)
+        if self.is_shared:
+            return (self.time_dimension,), self.times[0]
+        return (*ens.dims, self.time_dimension), ens.reshape_to_dims(self.times)
 
 
 def time_grid(
@@ -72,18 +72,18 @@ def time_grid(
         The times themselves.
     """
     if times is not None:
-        return _given(ens, times)
-    end = durations(ens, duration, periods)
+        return _grid_of_given_times(ens, times)
+    end = trajectory_durations(ens, duration, periods)
     longest = float(np.nanmax(np.where(ens.invalid, 0.0, end), initial=0.0))
     intervals = np.clip(np.ceil(_POINTS_PER_TAU * longest), _FEWEST_INTERVALS, _MOST_INTERVALS)
     points = int(intervals) + 1
-    require_samples("over", ens, points)
+    require_memory_for_samples("over", ens, points)
     grid = np.linspace(0.0, 1.0, points) * end[:, None]
     grid[:, -1] = end  # the product may differ from it in the last digit
-    return TimeGrid(grid, shared=bool(np.all(end == end[0])))
+    return TimeGrid(grid, is_shared=bool(np.all(end == end[0])))
 
 
-def _given(ens: Ensemble, times: ArrayLike) -> TimeGrid:
+def _grid_of_given_times(ens: Ensemble, times: ArrayLike) -> TimeGrid:
     instants = require_increasing(
         "times", times, what="instants in tau", why="The state is returned at each of them."
     )
@@ -95,10 +95,10 @@ def _given(ens: Ensemble, times: ArrayLike) -> TimeGrid:
             why="The motion starts at tau = 0.",
             fix="Pass times from 0 on.",
         )
-    require_samples("times", ens, instants.size)
-    return TimeGrid(np.tile(instants, (ens.count, 1)), shared=True)
+    require_memory_for_samples("times", ens, instants.size)
+    return TimeGrid(np.tile(instants, (ens.count, 1)), is_shared=True)
 
 
-def require_samples(name: str, ens: Ensemble, samples: int) -> None:
+def require_memory_for_samples(name: str, ens: Ensemble, samples: int) -> None:
     """Refuse more samples of each trajectory than memory holds, by the argument at fault."""
-    require_memory(name, SAMPLE_BYTES * ens.count * samples, f"{ens.count} x {samples} states")
+    require_memory(name, BYTES_PER_SAMPLE * ens.count * samples, f"{ens.count} x {samples} states")

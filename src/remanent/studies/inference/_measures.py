@@ -9,34 +9,34 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from remanent._checks import finite, require_names, require_real
+from remanent._checks import finite_rule, require_field_names, require_real
 from remanent._errors import InputError
 from remanent._typing import FloatArray
 from remanent.results import provenance
 from remanent.results.build import Labelled
-from remanent.studies.inference.measure import SAMPLE, Measure, Of
+from remanent.studies.inference.measure import SAMPLE_DIMENSION, Measure, MeasureOfType
 
 
-def as_values(
+def as_parameter_values(
     parameters: str | Sequence[str] | Mapping[str, float], nominal: Mapping[str, float]
 ) -> dict[str, float]:
     """Parameters by name, with the values given, or else with their nominal ones.
 
     Names that `nominal` does not have are refused.
     """
-    names = require_names(
+    names = require_field_names(
         "parameters", parameters, nominal, "the system or the drive, or a physical size"
     )
     if not isinstance(parameters, Mapping):
         return {name: float(nominal[name]) for name in names}
-    rule = finite("It is the value from which the search starts.")
+    rule = finite_rule("It is the value from which the search starts.")
     return {name: require_real(f"parameters[{name!r}]", parameters[name], rule) for name in names}
 
 
 def as_measure(
     measure: Measure | Callable[..., Any],
     arguments: tuple[Any, ...],
-    of: Of | None,
+    of: MeasureOfType | None,
     **options: Any,
 ) -> Measure:
     """A measure as it is, or made of a verb and its arguments."""
@@ -53,7 +53,7 @@ def as_measure(
     return measure
 
 
-def evaluate(
+def evaluate_measures(
     measures: Sequence[Measure], names: Sequence[str], candidates: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Values and errors of several measures.
@@ -93,15 +93,15 @@ class MeasureLayout:
     coords: Mapping[str, Labelled]
 
     @classmethod
-    def of(cls, values: xr.DataArray) -> MeasureLayout:
+    def from_values(cls, values: xr.DataArray) -> MeasureLayout:
         """The layout of a measure along ``sample``, which is its first dimension."""
-        dims = tuple(str(d) for d in values.dims if d != SAMPLE)
+        dims = tuple(str(d) for d in values.dims if d != SAMPLE_DIMENSION)
         coords: dict[str, Labelled] = {
             d: ((d,), values[d].values) for d in dims if d in values.coords
         }
         return cls(dims, values.shape[1:], coords)
 
-    def labelled(self, numbers: FloatArray, *first: str) -> Labelled:
+    def label_numbers(self, numbers: FloatArray, *first: str) -> Labelled:
         """Numbers (..., number), in which the measure is flat, with names of all dimensions."""
         leading = numbers.shape[: len(first)]
         return (*first, *self.dims), np.reshape(numbers, (*leading, *self.shape))

@@ -16,12 +16,12 @@ from remanent.integrate.ensemble.problem import Outcome, Problem, Request
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.results.build import Labelled
-from remanent.studies.ensemble.durations import durations
-from remanent.studies.ensemble.observables import blank_beyond_horizon, observe
-from remanent.studies.ensemble.physical_scales import PhysicalScales, lay_out_physical
+from remanent.studies.ensemble.durations import trajectory_durations
+from remanent.studies.ensemble.observables import blank_beyond_horizon, evaluate_observable
+from remanent.studies.ensemble.physical_scales import PhysicalScales, lay_out_physical_scales
 
 #: Variables of a table that say how good it is, and are not compared.
-_EVIDENCE = frozenset({"crossings", "balance", "status", "horizon", "error"})
+_UNCOMPARED_VARIABLES = frozenset({"crossings", "balance", "status", "horizon", "error"})
 
 
 @dataclass(frozen=True)
@@ -47,18 +47,18 @@ class Measurements:
         return np.asarray(self.table[self.dimension].values)
 
     @property
-    def variables(self) -> list[str]:
+    def compared_variables(self) -> list[str]:
         """Names of the variables that are compared."""
         names = [str(n) for n in self.table.data_vars if self.table[n].dims == (self.dimension,)]
-        return [n for n in names if not n.endswith("_error") and n not in _EVIDENCE]
+        return [n for n in names if not n.endswith("_error") and n not in _UNCOMPARED_VARIABLES]
 
-    def data(self) -> Observations:
+    def observations(self) -> Observations:
         """The values with their standard deviations.
 
         Deviations count only where every variable has them: else there is no common unit in
         which one variable's residuals could be weighed against another's.
         """
-        if self.dimension not in self.table.dims or not self.variables:
+        if self.dimension not in self.table.dims or not self.compared_variables:
             raise InputError(
                 "data",
                 must="hold variables along `time` or `omega`",
@@ -66,11 +66,11 @@ class Measurements:
                 why="They are compared with a history or a response.",
                 fix="Use rm.read_measurements(...).",
             )
-        values = np.concatenate([self.table[name].values for name in self.variables])
-        errors = [f"{name}_error" for name in self.variables]
-        known = all(error in self.table for error in errors)
+        values = np.concatenate([self.table[name].values for name in self.compared_variables])
+        errors = [f"{name}_error" for name in self.compared_variables]
+        has_deviations = all(error in self.table for error in errors)
         deviation = np.ones(values.size)
-        if known:
+        if has_deviations:
             columns = [
                 np.broadcast_to(self.table[error], self.coordinate_values.size) for error in errors
             ]
@@ -84,15 +84,18 @@ class Measurements:
                 why="Each value counts by its deviation.",
                 fix="Leave such rows out.",
             )
-        return Observations(values, deviation, known)
+        return Observations(values, deviation, has_deviations)
 
-    def labels(self) -> dict[str, Labelled]:
+    def observation_labels(self) -> dict[str, Labelled]:
         """What each value is, and where, along ``observation``."""
         return {
-            "quantity": (("observation",), np.repeat(self.variables, self.coordinate_values.size)),
+            "quantity": (
+                ("observation",),
+                np.repeat(self.compared_variables, self.coordinate_values.size),
+            ),
             self.dimension: (
                 ("observation",),
-                np.tile(self.coordinate_values, len(self.variables)),
+                np.tile(self.coordinate_values, len(self.compared_variables)),
             ),
         }
 
@@ -115,14 +118,16 @@ class ResponseWindow:
     periods: int | None
     discard: float
 
-    def integrate(self, scaled: PhysicalScales, tolerance: float) -> Outcome:
+    def integrate_extremes(self, scaled: PhysicalScales, tolerance: float) -> Outcome:
         """The extremes of every trajectory within the window."""
         ens = scaled.ensemble
         if self.periods is not None:
-            problem = scaled.problem(durations(ens, None, self.periods) / scaled.time)
+            problem = scaled.problem_lasting(
+                trajectory_durations(ens, None, self.periods) / scaled.time_ratio
+            )
         else:
-            problem = scaled.problem(durations(ens, self.duration, None))
-        request = Request(wants_extremes=True, extremes_begin=self.discard * scaled.time)
+            problem = scaled.problem_lasting(trajectory_durations(ens, self.duration, None))
+        request = Request(wants_extremes=True, extremes_begin=self.discard * scaled.time_ratio)
         return integrate(problem, request, tolerance=tolerance)
 
 
@@ -134,23 +139,23 @@ class Predictions:
     ----------
     system : System
     drive : Drive
-    names : tuple of str
+    parameter_names : tuple of str
         Of the parameters that differ between candidates.
     initial : array (state,) or None
     measurements : Measurements
     response_window : ResponseWindow
         Of a response.
-    tolerance : float
+    motion_tolerance : float
         Of the computed motion.
     """
 
     system: System
     drive: Drive
-    names: tuple[str, ...]
+    parameter_names: tuple[str, ...]
     initial: ArrayLike | None
     measurements: Measurements
     response_window: ResponseWindow
-    tolerance: float
+    motion_tolerance: float
 
     def __call__(self, candidates: FloatArray) -> FloatArray:
         """Predictions of candidates (candidate, parameter), array (candidate, datum).
@@ -159,45 +164,56 @@ class Predictions:
         """
         over = {
             name: xr.DataArray(column, dims="candidate")
-            for name, column in zip(self.names, candidates.T, strict=True)
+            for name, column in zip(self.parameter_names, candidates.T, strict=True)
         }
-        predict = self._history if self.measurements.dimension == "time" else self._response
+        predict = (
+            self._predict_history
+            if self.measurements.dimension == "time"
+            else self._predict_response
+        )
         columns = predict(over)
-        return np.concatenate([columns[name] for name in self.measurements.variables], axis=1)
+        return np.concatenate(
+            [columns[name] for name in self.measurements.compared_variables], axis=1
+        )
 
-    def _history(self, over: Mapping[str, xr.DataArray]) -> dict[str, FloatArray]:
-        scaled = lay_out_physical(self.system, self.drive, over, self.initial)
+    def _predict_history(self, over: Mapping[str, xr.DataArray]) -> dict[str, FloatArray]:
+        scaled = lay_out_physical_scales(self.system, self.drive, over, self.initial)
         times = self.measurements.coordinate_values
         end = max(float(times[-1]), np.finfo(float).tiny)
-        problem = scaled.problem(np.full(scaled.ensemble.count, end))
-        own_times = times * scaled.time[:, None]
-        outcome = integrate(problem, Request(times=own_times), tolerance=self.tolerance)
+        problem = scaled.problem_lasting(np.full(scaled.ensemble.count, end))
+        own_times = times * scaled.time_ratio[:, None]
+        outcome = integrate(problem, Request(times=own_times), tolerance=self.motion_tolerance)
         assert outcome.states is not None
         states = blank_beyond_horizon(outcome.states, own_times, outcome)
         return {
-            name: _column(problem, name, own_times, states) / scaled.factor(name)[:, None]
-            for name in self.measurements.variables
+            name: _variable_history(problem, name, own_times, states)
+            / scaled.variable_ratio(name)[:, None]
+            for name in self.measurements.compared_variables
         }
 
-    def _response(self, over: Mapping[str, xr.DataArray]) -> dict[str, FloatArray]:
+    def _predict_response(self, over: Mapping[str, xr.DataArray]) -> dict[str, FloatArray]:
         omega = xr.DataArray(self.measurements.coordinate_values, dims="frequency")
-        scaled = lay_out_physical(self.system, self.drive, {**over, "omega": omega}, self.initial)
-        outcome = self.response_window.integrate(scaled, self.tolerance)
-        low, high = (scaled.ensemble.shaped(v) for v in (outcome.minimum, outcome.maximum))
+        scaled = lay_out_physical_scales(
+            self.system, self.drive, {**over, "omega": omega}, self.initial
+        )
+        outcome = self.response_window.integrate_extremes(scaled, self.motion_tolerance)
+        low, high = (scaled.ensemble.reshape_to_dims(v) for v in (outcome.minimum, outcome.maximum))
         return {"maximum": high, "minimum": low, "amplitude": 0.5 * (high - low)}
 
 
-def _column(problem: Problem, name: str, times: FloatArray, states: FloatArray) -> FloatArray:
+def _variable_history(
+    problem: Problem, name: str, times: FloatArray, states: FloatArray
+) -> FloatArray:
     """A state variable or an observable, array (trajectory, time)."""
     field = problem.field
-    if name in field.state:
-        return states[:, :, field.state.index(name)]
+    if name in field.state_names:
+        return states[:, :, field.state_names.index(name)]
     if name not in field.observables:
         raise InputError(
             "data",
-            must=f"hold variables among {', '.join([*field.state, *field.observables])}",
+            must=f"hold variables among {', '.join([*field.state_names, *field.observables])}",
             got=name,
             why="They are what a history has.",
             fix="Name the columns so, by rm.read_measurements(names=...).",
         )
-    return observe(problem, name, times, states)
+    return evaluate_observable(problem, name, times, states)

@@ -9,19 +9,23 @@ import numpy as np
 import xarray as xr
 from scipy.optimize import least_squares
 
-from remanent._checks import as_float_array, positive, require_real, shortened
+from remanent._checks import as_float_array, positive_rule, require_real, shortened_repr
 from remanent._errors import InputError
 from remanent._typing import FloatArray
 from remanent.analysis.inference.fitting import ParameterBox, difference_jacobian
 from remanent.results import build
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_intervals
-from remanent.studies.inference._measures import as_values, evaluate, measure_provenance
+from remanent.studies.inference._measures import (
+    as_parameter_values,
+    evaluate_measures,
+    measure_provenance,
+)
 from remanent.studies.inference.measure import Measure
 
-_STEP = positive("It is the relative change of a field in a difference.", "Pass 1e-3.")
+_STEP_RULE = positive_rule("It is the relative change of a field in a difference.", "Pass 1e-3.")
 #: Distances are relative to the target, or to this where the target is smaller.
-_SMALLEST_WEIGHT = 1e-3
+_SMALLEST_TARGET_SCALE = 1e-3
 #: Evaluations of the measures in the search, at most, beside those of differences.
 _MAX_EVALUATIONS = 60
 #: Singular values of the slopes over the largest, below which fields can be exchanged.
@@ -83,18 +87,20 @@ def design(
     remanent.fit : fields from measurements.
     remanent.Measure : what a verb computes, as a function of fields.
     """
-    measures = _measures(measures)
-    step = require_real("step", step, _STEP)
-    guess = _guesses(measures, parameters)
-    problem = _Problem(
+    measures = _require_measures(measures)
+    step = require_real("step", step, _STEP_RULE)
+    guess = _parameter_guesses(measures, parameters)
+    problem = _DesignProblem(
         measures,
-        _targets(targets, measures),
+        _require_targets(targets, measures),
         list(guess),
-        _box(guess, parameter_ranges),
+        _parameter_box(guess, parameter_ranges),
         step,
     )
     solution = problem.solve(np.array(list(guess.values())))
-    reached, errors = (part[0] for part in evaluate(measures, problem.names, solution[None]))
+    reached, errors = (
+        part[0] for part in evaluate_measures(measures, problem.parameter_names, solution[None])
+    )
     variables: dict[str, Labelled] = {
         "solution": (("field",), solution),
         "solution_error": (("field",), problem.solution_error(solution, reached, errors)),
@@ -103,70 +109,74 @@ def design(
         "reached_error": (("measure",), errors),
     }
     coords: dict[str, Labelled] = {
-        "field": (("field",), np.array(problem.names)),
+        "field": (("field",), np.array(problem.parameter_names)),
         "measure": (("measure",), np.array([repr(measure) for measure in measures])),
     }
-    return build.dataset(variables, coords, measure_provenance(measures[0], over=problem.names))
+    return build.dataset(
+        variables, coords, measure_provenance(measures[0], over=problem.parameter_names)
+    )
 
 
 @dataclass(frozen=True)
-class _Problem:
+class _DesignProblem:
     """Least squares of the relative distances of measures from their targets.
 
     Attributes
     ----------
     measures : sequence of Measure
     targets : array (measure,)
-    names : sequence of str
+    parameter_names : sequence of str
         Of the fields that change.
-    box : ParameterBox
+    parameter_box : ParameterBox
         Their scales and ranges.
-    step : float
+    relative_step : float
         Relative change of a field in differences.
     """
 
     measures: Sequence[Measure]
     targets: FloatArray
-    names: Sequence[str]
-    box: ParameterBox
-    step: float
+    parameter_names: Sequence[str]
+    parameter_box: ParameterBox
+    relative_step: float
 
     @property
-    def weights(self) -> FloatArray:
+    def target_scales(self) -> FloatArray:
         """What distances are relative to, array (measure,)."""
-        return np.maximum(np.abs(self.targets), _SMALLEST_WEIGHT)
+        return np.maximum(np.abs(self.targets), _SMALLEST_TARGET_SCALE)
 
-    def distances(self, candidates: FloatArray) -> FloatArray:
+    def relative_distances(self, candidates: FloatArray) -> FloatArray:
         """Relative distances from the targets, array (candidate, measure)."""
-        values, _ = evaluate(self.measures, self.names, candidates)
-        return np.asarray((values - self.targets) / self.weights)
+        values, _ = evaluate_measures(self.measures, self.parameter_names, candidates)
+        return np.asarray((values - self.targets) / self.target_scales)
 
-    def slopes(self, x: FloatArray) -> FloatArray:
+    def distance_derivatives(self, x: FloatArray) -> FloatArray:
         """Derivatives of the distances at one point, array (measure, field)."""
-        return difference_jacobian(self.distances, x, self.box, self.step)
+        return difference_jacobian(
+            self.relative_distances, x, self.parameter_box, self.relative_step
+        )
 
     def solve(self, guess: FloatArray) -> FloatArray:
         """The point nearest to all targets, array (field,)."""
-        begin = self.distances(guess[None])
+        begin = self.relative_distances(guess[None])
         if not np.isfinite(begin).all() or begin.shape[1] != len(self.measures):
             raise InputError(
                 "parameters",
                 must="start where each measure is one known number",
-                got=dict(zip(self.names, guess.tolist(), strict=True)),
+                got=dict(zip(self.parameter_names, guess.tolist(), strict=True)),
                 why="The search starts there.",
                 fix="Pass other guesses, or reduce the measure by its `of`.",
             )
 
         def residual(x: FloatArray) -> FloatArray:
-            return np.asarray(self.distances(x[None])[0])
+            return np.asarray(self.relative_distances(x[None])[0])
 
         with np.errstate(all="ignore"):  # of a measure that stops changing
             optimum = least_squares(
                 residual,
                 guess,
-                jac=self.slopes,
-                bounds=(self.box.lower_bounds, self.box.upper_bounds),
-                x_scale=self.box.scales,
+                jac=self.distance_derivatives,
+                bounds=(self.parameter_box.lower_bounds, self.parameter_box.upper_bounds),
+                x_scale=self.parameter_box.scales,
                 xtol=1e-12,
                 ftol=1e-15,
                 gtol=None,
@@ -182,14 +192,14 @@ class _Problem:
         NaN where the fields can be exchanged for one another: the measures then leave a
         direction among them undetermined.
         """
-        slopes = self.slopes(solution) * self.box.scales
-        if np.linalg.matrix_rank(slopes, rtol=_RANK_TOLERANCE) < len(self.names):
-            return np.full(len(self.names), np.nan)
-        distance = (errors + np.abs(reached - self.targets)) / self.weights
-        return np.asarray(self.box.scales * (np.abs(np.linalg.pinv(slopes)) @ distance))
+        slopes = self.distance_derivatives(solution) * self.parameter_box.scales
+        if np.linalg.matrix_rank(slopes, rtol=_RANK_TOLERANCE) < len(self.parameter_names):
+            return np.full(len(self.parameter_names), np.nan)
+        distance = (errors + np.abs(reached - self.targets)) / self.target_scales
+        return np.asarray(self.parameter_box.scales * (np.abs(np.linalg.pinv(slopes)) @ distance))
 
 
-def _targets(targets: float | Sequence[float], measures: Sequence[Measure]) -> FloatArray:
+def _require_targets(targets: float | Sequence[float], measures: Sequence[Measure]) -> FloatArray:
     values = np.atleast_1d(
         as_float_array(
             "targets",
@@ -212,16 +222,16 @@ def _targets(targets: float | Sequence[float], measures: Sequence[Measure]) -> F
     return values
 
 
-def _guesses(
+def _parameter_guesses(
     measures: Sequence[Measure], parameters: Mapping[str, float] | Sequence[str] | str
 ) -> dict[str, float]:
-    guess = as_values(parameters, measures[0].nominal_values())
+    guess = as_parameter_values(parameters, measures[0].nominal_values())
     for measure in measures:
         measure.require_parameters("parameters", list(guess))
     return guess
 
 
-def _measures(measures: Measure | Sequence[Measure]) -> list[Measure]:
+def _require_measures(measures: Measure | Sequence[Measure]) -> list[Measure]:
     listed = [measures] if isinstance(measures, Measure) else measures
     if (
         not isinstance(listed, Sequence)
@@ -231,14 +241,14 @@ def _measures(measures: Measure | Sequence[Measure]) -> list[Measure]:
         raise InputError(
             "measures",
             must="be an rm.Measure, or several of them",
-            got=shortened(measures),
+            got=shortened_repr(measures),
             why="They say what is computed from the fields.",
             fix="Pass for example rm.Measure(rm.shape_commands, actuator, 1.5, of='switch_time').",
         )
     return list(listed)
 
 
-def _box(guess: Mapping[str, float], parameter_ranges: object) -> ParameterBox:
+def _parameter_box(guess: Mapping[str, float], parameter_ranges: object) -> ParameterBox:
     """Scales and ranges of the fields, inside which the guesses lie."""
     ranges = require_intervals(
         "parameter_ranges", parameter_ranges, guess, "`parameters`", "The search stays inside."

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
-from remanent._checks import Rule, not_negative, require_flag, require_real
+from remanent._checks import Rule, not_negative_rule, require_flag, require_real
 from remanent._errors import InputError
 from remanent._typing import ArrayLike
 from remanent.analysis.inference import fitting
@@ -18,24 +18,32 @@ from remanent.results import build, provenance
 from remanent.results.build import Labelled
 from remanent.results.read_measurements import MeasurementTable, read_measurements
 from remanent.studies.ensemble.checks import require_intervals, require_tolerance
-from remanent.studies.ensemble.durations import RESPONSE_WINDOW, require_count, require_duration
-from remanent.studies.ensemble.physical_scales import PHYSICAL, RULE, lay_out_physical
-from remanent.studies.inference._measures import as_values
+from remanent.studies.ensemble.durations import (
+    DEFAULT_RESPONSE_WINDOW,
+    require_count,
+    require_duration,
+)
+from remanent.studies.ensemble.physical_scales import (
+    PHYSICAL_SIZE_RULE,
+    PHYSICAL_SIZES,
+    lay_out_physical_scales,
+)
+from remanent.studies.inference._measures import as_parameter_values
 from remanent.studies.inference._predictions import Measurements, Predictions, ResponseWindow
 
-_CONFIDENCE = Rule(
+_CONFIDENCE_RULE = Rule(
     "lie between 0 and 1",
     lambda x: np.asarray((x > 0) & (x < 1)),
     "It is the share of repeated experiments whose interval holds the truth.",
     "Pass 0.95.",
 )
-_DISCARD = not_negative("It is the time before the window.", "Pass 0 to start at once.")
+_DISCARD_RULE = not_negative_rule("It is the time before the window.", "Pass 0 to start at once.")
 #: Scale of a parameter whose guess is smaller.
-_SMALLEST_SCALE = 0.1
+_SMALLEST_PARAMETER_SCALE = 0.1
 #: Distance from an end that a rule excludes, over the parameter's scale.
-_OPEN_END = 1e-6
+_OPEN_END_DISTANCE = 1e-6
 #: A number that breaks every rule with an upper end.
-_LARGE = 1e6
+_BEYOND_UPPER_BOUNDS = 1e6
 
 
 def fit(
@@ -131,26 +139,29 @@ def fit(
     remanent.uncertainty : what errors of parameters make of a prediction.
     """
     require_tolerance(tolerance, "the error of the computed motion")
-    confidence = require_real("confidence", confidence, _CONFIDENCE)
-    discard = require_real("discard", discard, _DISCARD)
+    confidence = require_real("confidence", confidence, _CONFIDENCE_RULE)
+    discard = require_real("discard", discard, _DISCARD_RULE)
     profile = require_flag("profile", profile)
-    _require_window(duration, periods)
-    guess = _guesses(system, drive, parameters, initial)
+    _require_run_length(duration, periods)
+    guess = _parameter_guesses(system, drive, parameters, initial)
     measurements = Measurements(read_measurements(data, system))
     if measurements.dimension == "omega" and duration is None and periods is None:
-        duration = RESPONSE_WINDOW
+        duration = DEFAULT_RESPONSE_WINDOW
     model = Predictions(
         system=system,
         drive=drive,
-        names=tuple(guess),
+        parameter_names=tuple(guess),
         initial=initial,
         measurements=measurements,
         response_window=ResponseWindow(duration, periods, discard),
-        tolerance=tolerance,
+        motion_tolerance=tolerance,
     )
-    observed, box = measurements.data(), _box(system, drive, guess, parameter_ranges)
+    observed, box = (
+        measurements.observations(),
+        _parameter_box(system, drive, guess, parameter_ranges),
+    )
     best = fitting.fit_least_squares(model, observed, np.array(list(guess.values())), box)
-    variables = _variables(best, observed, confidence)
+    variables = _fit_variables(best, observed, confidence)
     if profile:
         ends = [
             fitting.profile_interval(model, observed, best, box, k, confidence)
@@ -167,10 +178,10 @@ def fit(
         periods=periods,
         scaled=False,
     )
-    return build.dataset(variables, _coordinates(guess, measurements), attributes)
+    return build.dataset(variables, _fit_coordinates(guess, measurements), attributes)
 
 
-def _require_window(duration: float | None, periods: int | None) -> None:
+def _require_run_length(duration: float | None, periods: int | None) -> None:
     """Check the length of a response's runs, also where the data are a history."""
     if duration is not None:
         require_duration(duration)
@@ -178,7 +189,7 @@ def _require_window(duration: float | None, periods: int | None) -> None:
         require_count("periods", periods, "Runs are counted in whole drive periods.")
 
 
-def _variables(
+def _fit_variables(
     best: LeastSquaresFit, observed: Observations, confidence: float
 ) -> dict[str, Labelled]:
     """What is told of a fit, by name."""
@@ -202,34 +213,36 @@ def _variables(
     }
 
 
-def _coordinates(guess: Mapping[str, float], measurements: Measurements) -> dict[str, Labelled]:
+def _fit_coordinates(guess: Mapping[str, float], measurements: Measurements) -> dict[str, Labelled]:
     names = np.array(list(guess))
     return {
         "parameter": (("parameter",), names),
         "other_parameter": (("other_parameter",), names),
         "bound": (("bound",), np.array(["lower", "upper"])),
-        **measurements.labels(),
+        **measurements.observation_labels(),
     }
 
 
-def _guesses(
+def _parameter_guesses(
     system: System,
     drive: Drive,
     parameters: Sequence[str] | Mapping[str, float],
     initial: ArrayLike | None,
 ) -> dict[str, float]:
-    ens = lay_out_physical(system, drive, None, initial).ensemble
-    start = {f"initial.{n}": float(v) for n, v in zip(ens.field.state, ens.initial[0], strict=True)}
+    ens = lay_out_physical_scales(system, drive, None, initial).ensemble
+    start = {
+        f"initial.{n}": float(v) for n, v in zip(ens.field.state_names, ens.initial[0], strict=True)
+    }
     nominal = {
         **system.parameters(),
         **drive.parameters(),
         **start,
-        **dict.fromkeys(PHYSICAL, 1.0),
+        **dict.fromkeys(PHYSICAL_SIZES, 1.0),
     }
-    return as_values(parameters, nominal)
+    return as_parameter_values(parameters, nominal)
 
 
-def _box(
+def _parameter_box(
     system: System,
     drive: Drive,
     guess: Mapping[str, float],
@@ -239,12 +252,16 @@ def _box(
     ranges = require_intervals(
         "parameter_ranges", parameter_ranges, guess, "`parameters`", "The search stays inside."
     )
-    rules = {**system.parameter_rules(), **drive.numeric_rules(), **dict.fromkeys(PHYSICAL, RULE)}
+    rules = {
+        **system.parameter_rules(),
+        **drive.numeric_rules(),
+        **dict.fromkeys(PHYSICAL_SIZES, PHYSICAL_SIZE_RULE),
+    }
     values = np.array(list(guess.values()))
-    scale = np.maximum(np.abs(values), _SMALLEST_SCALE)
+    scale = np.maximum(np.abs(values), _SMALLEST_PARAMETER_SCALE)
     ends = np.array(
         [
-            ranges.get(name, _admissible(rules.get(name), size))
+            ranges.get(name, _admissible_range(rules.get(name), size))
             for name, size in zip(guess, scale, strict=True)
         ]
     )
@@ -261,15 +278,15 @@ def _box(
     return ParameterBox(scale, lower, upper)
 
 
-def _admissible(rule: Rule | None, scale: float) -> tuple[float, float]:
+def _admissible_range(rule: Rule | None, scale: float) -> tuple[float, float]:
     """The range in which a rule holds, as far as trying some values tells.
 
     Rules say what holds, not where: all of them are half lines or the interval from 0 to 1,
     open or closed at 0.  An open end is kept a little away from.
     """
     lower, upper = -np.inf, np.inf
-    if rule is not None and not rule.satisfied(-1.0):
-        lower = 0.0 if rule.satisfied(0.0) else _OPEN_END * scale
-    if rule is not None and not rule.satisfied(_LARGE):
+    if rule is not None and not rule.is_satisfied_by(-1.0):
+        lower = 0.0 if rule.is_satisfied_by(0.0) else _OPEN_END_DISTANCE * scale
+    if rule is not None and not rule.is_satisfied_by(_BEYOND_UPPER_BOUNDS):
         upper = 1.0
     return lower, upper

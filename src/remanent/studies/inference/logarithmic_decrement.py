@@ -7,7 +7,7 @@ from collections.abc import Hashable
 import numpy as np
 import xarray as xr
 
-from remanent._checks import Rule, require_real, shortened
+from remanent._checks import Rule, require_real, shortened_repr
 from remanent._errors import InputError
 from remanent._typing import FloatArray
 from remanent.analysis.inference.ringdown import DecayFit, fit_exponential_decay
@@ -15,14 +15,14 @@ from remanent.results import build, provenance
 from remanent.results.build import Labelled
 from remanent.results.checks import require_dataset
 
-_SHARE = Rule(
+_SMALLEST_SWING_RULE = Rule(
     "lie between 0 and 1",
     lambda x: np.asarray((x >= 0) & (x < 1)),
     "Smaller swings, lost in noise, are left out.",
     "Pass 0.05 for a noisy record, 0 for a computed one.",
 )
 #: Variables of the result.
-_NAMES = (
+_RESULT_VARIABLES = (
     "decrement",
     "decrement_error",
     "frequency",
@@ -78,23 +78,23 @@ def logarithmic_decrement(
     --------
     remanent.fit : parameters of the model from the whole record.
     """
-    smallest = require_real("smallest", smallest, _SHARE)
+    smallest = require_real("smallest", smallest, _SMALLEST_SWING_RULE)
     require_dataset("history", history)
     axis = _time_dimension(history, variable)
     values, time = xr.broadcast(history[variable], history["time"])
     motion_dims = [d for d in values.dims if d != axis]
     values, time = (array.transpose(*motion_dims, axis) for array in (values, time))
     rows = [
-        _statistics(
+        _decay_statistics(
             fit_exponential_decay(t[np.isfinite(x)], x[np.isfinite(x)], prominence=smallest)
         )
-        for t, x in zip(_rows(time), _rows(values), strict=True)
+        for t, x in zip(_flatten_to_rows(time), _flatten_to_rows(values), strict=True)
     ]
     shape = tuple(values.sizes[d] for d in motion_dims)
     dims = tuple(map(str, motion_dims))
     variables: dict[str, Labelled] = {
         name: (dims, np.reshape(column, shape))
-        for name, column in zip(_NAMES, np.transpose(rows), strict=True)
+        for name, column in zip(_RESULT_VARIABLES, np.transpose(rows), strict=True)
     }
     coords: dict[str, Labelled] = {
         str(d): ((str(d),), history[d].values) for d in motion_dims if d in history.coords
@@ -110,7 +110,7 @@ def _time_dimension(history: xr.Dataset, variable: str) -> Hashable:
         raise InputError(
             "variable",
             must="be a variable of `history`",
-            got=shortened(variable),
+            got=shortened_repr(variable),
             why="Its decay is measured.",
             fix=f"Pass one of {', '.join(map(str, history.data_vars)) or 'those it has'}.",
         )
@@ -125,14 +125,14 @@ def _time_dimension(history: xr.Dataset, variable: str) -> Hashable:
     return dims[0]
 
 
-def _rows(array: xr.DataArray) -> FloatArray:
+def _flatten_to_rows(array: xr.DataArray) -> FloatArray:
     return np.reshape(array.values, (-1, array.shape[-1]))
 
 
-def _statistics(ring_down: DecayFit | None) -> list[float]:
+def _decay_statistics(ring_down: DecayFit | None) -> list[float]:
     """The variables of one motion, in the order of their names; NaN where it has no decay."""
     if ring_down is None:
-        return [np.nan] * len(_NAMES)
+        return [np.nan] * len(_RESULT_VARIABLES)
     delta, delta_error = ring_down.logarithmic_decrement, ring_down.logarithmic_decrement_error
     size = np.hypot(2.0 * np.pi, delta)
     slope = 4.0 * np.pi**2 / size**3  # of delta/sqrt(4 pi^2 + delta^2)

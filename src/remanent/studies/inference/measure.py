@@ -15,13 +15,13 @@ from remanent._errors import InputError
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.models.drives.waves import Constant
-from remanent.studies.ensemble.layout import lay_out
-from remanent.studies.ensemble.physical_scales import PHYSICAL
+from remanent.studies.ensemble.layout import lay_out_ensemble
+from remanent.studies.ensemble.physical_scales import PHYSICAL_SIZES
 
 #: The dimension along which sets of parameters are laid out.
-SAMPLE = "sample"
+SAMPLE_DIMENSION = "sample"
 #: A variable of a result, or what to make of the whole of it.
-Of = str | Callable[[xr.Dataset], Any]
+MeasureOfType = str | Callable[[xr.Dataset], Any]
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
@@ -53,11 +53,15 @@ class Measure:
 
     verb: Callable[..., Any]
     arguments: tuple[Any, ...]
-    of: Of | None
+    of: MeasureOfType | None
     options: Mapping[str, Any]
 
     def __init__(
-        self, verb: Callable[..., Any], *arguments: Any, of: Of | None = None, **options: Any
+        self,
+        verb: Callable[..., Any],
+        *arguments: Any,
+        of: MeasureOfType | None = None,
+        **options: Any,
     ) -> None:
         if not callable(verb):
             raise InputError(
@@ -87,7 +91,7 @@ class Measure:
     @property
     def actuator(self) -> Actuator:
         """The first actuator among the arguments."""
-        actuator = next((a for a in self._arguments() if isinstance(a, Actuator)), None)
+        actuator = next((a for a in self._all_arguments() if isinstance(a, Actuator)), None)
         if actuator is None:
             raise InputError(
                 "measure",
@@ -101,26 +105,29 @@ class Measure:
     @property
     def drive(self) -> Drive | None:
         """The first drive among the arguments, if there is one."""
-        return next((a for a in self._arguments() if isinstance(a, Drive)), None)
+        return next((a for a in self._all_arguments() if isinstance(a, Drive)), None)
 
     def nominal_values(self) -> dict[str, float]:
         """Values that the parameters have where they do not vary, by name."""
         drive = self.drive
-        ens = lay_out(self.actuator, drive or Constant(0.0), None, self.options.get("initial"))
+        ens = lay_out_ensemble(
+            self.actuator, drive or Constant(0.0), None, self.options.get("initial")
+        )
         fields = {name: float(v[0]) for name, v in ens.values.items() if drive or name != "m"}
-        if not self._takes_over:
+        if not self._verb_takes_over:
             return fields
         start = {
-            f"initial.{n}": float(v) for n, v in zip(ens.field.state, ens.initial[0], strict=True)
+            f"initial.{n}": float(v)
+            for n, v in zip(ens.field.state_names, ens.initial[0], strict=True)
         }
-        return {**fields, **start, **dict.fromkeys(PHYSICAL, 1.0)}
+        return {**fields, **start, **dict.fromkeys(PHYSICAL_SIZES, 1.0)}
 
     def require_parameters(self, argument: str, names: Sequence[str]) -> None:
         """Raise, about the verb's own argument, unless all names are parameters."""
         nominal = self.nominal_values()
         for name in names:
             if name not in nominal:
-                raise _unknown(argument, name, nominal)
+                raise _unknown_name_error(argument, name, nominal)
 
     def at(self, values: Mapping[str, Any]) -> tuple[xr.DataArray, xr.DataArray]:
         """The measure and its error at sets of parameters.
@@ -137,26 +144,28 @@ class Measure:
             which the verb states, 0 where it states none.
         """
         columns = {name: np.asarray(v, dtype=np.float64) for name, v in values.items()}
-        if self._takes_over:
-            over = {name: xr.DataArray(v, dims=SAMPLE) for name, v in columns.items()}
-            return self._read(self.verb(*self.arguments, **self.options, over=over))
+        if self._verb_takes_over:
+            over = {name: xr.DataArray(v, dims=SAMPLE_DIMENSION) for name, v in columns.items()}
+            return self._read_measure_and_error(
+                self.verb(*self.arguments, **self.options, over=over)
+            )
         count = len(next(iter(columns.values())))
         rows = [{name: float(v[k]) for name, v in columns.items()} for k in range(count)]
-        results = [_as_dataset(self._call(row)) for row in rows]
-        return self._read(xr.concat(results, dim=SAMPLE, join="outer"))
+        results = [_as_dataset(self._call_verb(row)) for row in rows]
+        return self._read_measure_and_error(xr.concat(results, dim=SAMPLE_DIMENSION, join="outer"))
 
     @property
-    def _takes_over(self) -> bool:
+    def _verb_takes_over(self) -> bool:
         """Whether the verb computes many sets of parameters in one call."""
         return "over" in inspect.signature(self.verb).parameters
 
-    def _read(self, result: xr.Dataset) -> tuple[xr.DataArray, xr.DataArray]:
+    def _read_measure_and_error(self, result: xr.Dataset) -> tuple[xr.DataArray, xr.DataArray]:
         """The measure and its error in a result of the verb."""
-        value = self.of(result) if callable(self.of) else self._variable(result)
-        if not isinstance(value, xr.DataArray) or SAMPLE not in value.dims:
+        value = self.of(result) if callable(self.of) else self._measured_variable(result)
+        if not isinstance(value, xr.DataArray) or SAMPLE_DIMENSION not in value.dims:
             raise InputError(
                 "of",
-                must=f"keep the dimension `{SAMPLE}`",
+                must=f"keep the dimension `{SAMPLE_DIMENSION}`",
                 got=repr(self.of),
                 why="The verb was asked for many values at once.",
                 fix="Reduce other dimensions only.",
@@ -164,10 +173,10 @@ class Measure:
         name = f"{self.of}_error" if isinstance(self.of, str) else ""
         error = result.get(name, result.get("error", xr.zeros_like(value)))
         error = error if set(error.dims) <= set(value.dims) else xr.zeros_like(value)
-        value = value.transpose(SAMPLE, ...)
+        value = value.transpose(SAMPLE_DIMENSION, ...)
         return value, error.broadcast_like(value).transpose(*value.dims)
 
-    def _variable(self, result: xr.Dataset) -> xr.DataArray:
+    def _measured_variable(self, result: xr.Dataset) -> xr.DataArray:
         """The variable that `of` names; ``value`` where it names none."""
         name = self.of if isinstance(self.of, str) else "value"
         if name not in result:
@@ -180,10 +189,10 @@ class Measure:
             )
         return result[name]
 
-    def _arguments(self) -> list[Any]:
+    def _all_arguments(self) -> list[Any]:
         return [*self.arguments, *self.options.values()]
 
-    def _call(self, values: Mapping[str, float]) -> Any:
+    def _call_verb(self, values: Mapping[str, float]) -> Any:
         """The verb for one set of parameters, put into its actuator and its drive."""
         actuator, drive = self.actuator, self.drive
         changed_actuator, changed_drive = actuator, drive
@@ -193,7 +202,7 @@ class Measure:
             elif changed_drive is not None and name in changed_drive.parameters():
                 changed_drive = changed_drive.replace(**{name: value})
             else:
-                raise _unknown("values", name, self.nominal_values())
+                raise _unknown_name_error("values", name, self.nominal_values())
 
         def changed(argument: Any) -> Any:
             if argument is actuator:
@@ -204,7 +213,7 @@ class Measure:
         return self.verb(*map(changed, self.arguments), **options)
 
 
-def _unknown(argument: str, name: str, nominal: Mapping[str, float]) -> InputError:
+def _unknown_name_error(argument: str, name: str, nominal: Mapping[str, float]) -> InputError:
     return InputError(
         argument,
         must="name numeric fields of the actuator or the drive",

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from remanent._checks import positive, require_real
+from remanent._checks import positive_rule, require_real
 from remanent._typing import FloatArray
 from remanent.analysis.inference.differences import difference_offsets, richardson_derivative
 from remanent.results import build
@@ -17,21 +17,23 @@ from remanent.results.build import Labelled
 from remanent.studies.inference._measures import (
     MeasureLayout,
     as_measure,
-    as_values,
+    as_parameter_values,
     measure_provenance,
 )
-from remanent.studies.inference.measure import Measure, Of
+from remanent.studies.inference.measure import Measure, MeasureOfType
 
-_STEP_RULE = positive("It is the largest relative change of a field.", "Pass for example 0.02.")
+_STEP_RULE = positive_rule(
+    "It is the largest relative change of a field.", "Pass for example 0.02."
+)
 #: Differences of each field, each half as wide as the last.
-_LEVELS = 6
+_EXTRAPOLATION_LEVELS = 6
 
 
 def sensitivity(
     measure: Measure | Callable[..., Any],
     *arguments: Any,
     parameters: str | Sequence[str],
-    of: Of | None = None,
+    of: MeasureOfType | None = None,
     step: float = 0.02,
     **options: Any,
 ) -> xr.Dataset:
@@ -85,10 +87,10 @@ def sensitivity(
     """
     measure = as_measure(measure, arguments, of, **options)
     step = require_real("step", step, _STEP_RULE)
-    centre = as_values(parameters, measure.nominal_values())
+    centre = as_parameter_values(parameters, measure.nominal_values())
     differences = _Differences.centred_at(np.array(list(centre.values())), step)
     values, errors = measure.at(dict(zip(centre, differences.points.T, strict=True)))
-    layout = MeasureLayout.of(values)
+    layout = MeasureLayout.from_values(values)
     flat, noise = (
         array.values.reshape(len(values), -1).astype(float) for array in (values, errors)
     )
@@ -98,12 +100,12 @@ def sensitivity(
         ratio = differences.centre[:, None] / value
         relative_error = slope_error + np.abs(slope) * value_error / np.abs(value)
     variables: dict[str, Labelled] = {
-        "value": layout.labelled(value),
-        "value_error": layout.labelled(value_error),
-        "derivative": layout.labelled(slope, "field"),
-        "derivative_error": layout.labelled(slope_error, "field"),
-        "elasticity": layout.labelled(slope * ratio, "field"),
-        "elasticity_error": layout.labelled(np.abs(ratio) * relative_error, "field"),
+        "value": layout.label_numbers(value),
+        "value_error": layout.label_numbers(value_error),
+        "derivative": layout.label_numbers(slope, "field"),
+        "derivative_error": layout.label_numbers(slope_error, "field"),
+        "elasticity": layout.label_numbers(slope * ratio, "field"),
+        "elasticity_error": layout.label_numbers(np.abs(ratio) * relative_error, "field"),
     }
     coords: dict[str, Labelled] = {"field": (("field",), np.array(list(centre))), **layout.coords}
     return build.dataset(
@@ -117,23 +119,25 @@ class _Differences:
 
     Attributes
     ----------
-    centre, widths : array (parameter,)
+    centre, largest_changes : array (parameter,)
         The largest change of each parameter.
     points : array (point, parameter)
         The centre first, then the points of each parameter in turn.
     """
 
     centre: FloatArray
-    widths: FloatArray
+    largest_changes: FloatArray
     points: FloatArray
 
     @classmethod
     def centred_at(cls, centre: FloatArray, step: float) -> _Differences:
         """Differences whose largest is `step`, relative where the centre is not 0."""
         widths = step * np.where(centre == 0.0, 1.0, np.abs(centre))
-        changes = np.concatenate([difference_offsets(width, _LEVELS) for width in widths])
+        changes = np.concatenate(
+            [difference_offsets(width, _EXTRAPOLATION_LEVELS) for width in widths]
+        )
         points = np.repeat(centre[None], 1 + changes.size, axis=0)
-        changed = np.repeat(np.arange(centre.size), 2 * _LEVELS)
+        changed = np.repeat(np.arange(centre.size), 2 * _EXTRAPOLATION_LEVELS)
         points[np.arange(1, changes.size + 1), changed] += changes
         return cls(centre, widths, points)
 
@@ -146,11 +150,12 @@ class _Differences:
             The measure and its errors.
         """
         rows = [
-            slice(1 + 2 * _LEVELS * k, 1 + 2 * _LEVELS * (k + 1)) for k in range(len(self.widths))
+            slice(1 + 2 * _EXTRAPOLATION_LEVELS * k, 1 + 2 * _EXTRAPOLATION_LEVELS * (k + 1))
+            for k in range(len(self.largest_changes))
         ]
         tables = [
             richardson_derivative(values[block], noise[block], width)
-            for block, width in zip(rows, self.widths, strict=True)
+            for block, width in zip(rows, self.largest_changes, strict=True)
         ]
         slopes, errors = (np.array(part) for part in zip(*tables, strict=True))
         return slopes, errors

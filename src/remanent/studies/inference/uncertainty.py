@@ -26,17 +26,17 @@ from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import Rng, as_seed, require_interval
 from remanent.studies.ensemble.durations import require_count
 from remanent.studies.inference._measures import MeasureLayout, as_measure, measure_provenance
-from remanent.studies.inference.measure import Measure, Of
+from remanent.studies.inference.measure import Measure, MeasureOfType
 
 #: Statistics without a dimension of their own.
-_MOMENTS = ("average", "average_error", "deviation", "deviation_error", "known")
+_MOMENT_NAMES = ("average", "average_error", "deviation", "deviation_error", "known")
 
 
 def uncertainty(
     measure: Measure | Callable[..., Any],
     *arguments: Any,
     parameter_ranges: Mapping[str, Any],
-    of: Of | None = None,
+    of: MeasureOfType | None = None,
     samples: int = 1024,
     quantiles: Sequence[float] = (0.05, 0.5, 0.95),
     sobol: bool = False,
@@ -105,25 +105,25 @@ def uncertainty(
     remanent.fit : fields from measurements, with their errors.
     """
     measure = as_measure(measure, arguments, of, **options)
-    names = _require_names(parameter_ranges)
+    names = _require_parameter_names(parameter_ranges)
     measure.require_parameters("parameter_ranges", names)
-    distributions = [_distribution(name, parameter_ranges[name]) for name in names]
+    distributions = [_as_distribution(name, parameter_ranges[name]) for name in names]
     sobol = require_flag("sobol", sobol)
-    shares = _shares(quantiles)
-    samples = _samples(samples, shares)
+    shares = _require_quantiles(quantiles)
+    samples = _require_sample_count(samples, shares)
     generator = np.random.default_rng(as_seed(rng))
-    function = _Evaluation(measure, names)
+    function = _MeasureEvaluation(measure, names)
     statistics = propagate_distributions(function, distributions, shares, samples, generator)
     layout = function.layout
     name = measure.of if isinstance(measure.of, str) else "value"
     variables: dict[str, Labelled] = {
-        name: layout.labelled(statistics.quantiles, "quantile"),
-        f"{name}_error": layout.labelled(statistics.quantiles_error, "quantile"),
-        **_moments(statistics, layout),
+        name: layout.label_numbers(statistics.quantiles, "quantile"),
+        f"{name}_error": layout.label_numbers(statistics.quantiles_error, "quantile"),
+        **_moment_variables(statistics, layout),
     }
     coords: dict[str, Labelled] = {"quantile": (("quantile",), shares)}
     if sobol:
-        variables |= _shares_of_variance(
+        variables |= _sobol_variables(
             estimate_sobol_indices(function, distributions, samples, generator), layout
         )
         coords["field"] = (("field",), np.array(names))
@@ -135,7 +135,7 @@ def uncertainty(
 
 
 @dataclass
-class _Evaluation:
+class _MeasureEvaluation:
     """The measure as a function of points (point, parameter), one row of numbers for each.
 
     It learns one thing from its first call: the layout of the measure, which is known from
@@ -143,12 +143,12 @@ class _Evaluation:
     """
 
     measure: Measure
-    names: Sequence[str]
+    parameter_names: Sequence[str]
     _layout: MeasureLayout | None = None
 
     def __call__(self, points: FloatArray) -> FloatArray:
-        values, _ = self.measure.at(dict(zip(self.names, points.T, strict=True)))
-        self._layout = MeasureLayout.of(values)
+        values, _ = self.measure.at(dict(zip(self.parameter_names, points.T, strict=True)))
+        self._layout = MeasureLayout.from_values(values)
         return values.values.reshape(len(points), -1).astype(np.float64)
 
     @property
@@ -158,21 +158,23 @@ class _Evaluation:
         return self._layout
 
 
-def _moments(statistics: PropagatedStatistics, layout: MeasureLayout) -> dict[str, Labelled]:
-    return {name: layout.labelled(getattr(statistics, name)) for name in _MOMENTS}
+def _moment_variables(
+    statistics: PropagatedStatistics, layout: MeasureLayout
+) -> dict[str, Labelled]:
+    return {name: layout.label_numbers(getattr(statistics, name)) for name in _MOMENT_NAMES}
 
 
-def _shares_of_variance(sobol: SobolIndices, layout: MeasureLayout) -> dict[str, Labelled]:
+def _sobol_variables(sobol: SobolIndices, layout: MeasureLayout) -> dict[str, Labelled]:
     values = {
         "first_index": sobol.first_order,
         "first_index_error": sobol.first_order_error,
         "total_index": sobol.total_effect,
         "total_index_error": sobol.total_effect_error,
     }
-    return {name: layout.labelled(array, "field") for name, array in values.items()}
+    return {name: layout.label_numbers(array, "field") for name, array in values.items()}
 
 
-def _require_names(parameter_ranges: object) -> list[str]:
+def _require_parameter_names(parameter_ranges: object) -> list[str]:
     if not isinstance(parameter_ranges, Mapping) or not parameter_ranges:
         raise InputError(
             "parameter_ranges",
@@ -184,7 +186,7 @@ def _require_names(parameter_ranges: object) -> list[str]:
     return list(parameter_ranges)
 
 
-def _samples(samples: int, shares: FloatArray) -> int:
+def _require_sample_count(samples: int, shares: FloatArray) -> int:
     samples = require_count("samples", samples, "They fill the ranges.")
     needed = REPLICATE_COUNT / float(np.minimum(shares, 1.0 - shares).min())
     if samples & (samples - 1) or samples < needed:
@@ -199,7 +201,7 @@ def _samples(samples: int, shares: FloatArray) -> int:
     return samples
 
 
-def _distribution(name: str, given: Any) -> Distribution:
+def _as_distribution(name: str, given: Any) -> Distribution:
     """A distribution as it is, or the uniform one between two numbers."""
     if hasattr(given, "ppf"):
         return given  # type: ignore[no-any-return]
@@ -212,7 +214,7 @@ def _distribution(name: str, given: Any) -> Distribution:
     return uniform(low, high - low)
 
 
-def _shares(quantiles: Sequence[float]) -> FloatArray:
+def _require_quantiles(quantiles: Sequence[float]) -> FloatArray:
     shares = np.atleast_1d(
         as_float_array(
             "quantiles",

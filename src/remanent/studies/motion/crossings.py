@@ -8,23 +8,23 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from remanent._checks import finite, require_choice, require_real
+from remanent._checks import finite_rule, require_choice, require_real
 from remanent._typing import ArrayLike, BoolArray
 from remanent.integrate import events
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.dataset import to_dataset
-from remanent.studies.ensemble.durations import durations, require_exactly_one
+from remanent.studies.ensemble.durations import require_exactly_one_argument, trajectory_durations
 from remanent.studies.ensemble.ensemble import Ensemble
-from remanent.studies.ensemble.layout import Over, lay_out
+from remanent.studies.ensemble.layout import Over, lay_out_ensemble
 from remanent.studies.ensemble.memory import require_memory
 from remanent.studies.ensemble.problem import initial_value_problem
 from remanent.studies.ensemble.progress import Progress, as_progress
 
-_VALUE = finite("It is the value that is passed.")
+_VALUE_RULE = finite_rule("It is the value that is passed.")
 #: Signs of the passages that each `direction` stands for; 0 is a touch.
-_DIRECTIONS = {"both": (-1, 0, 1), "up": (1,), "down": (-1,)}
+_SIGNS_OF_DIRECTION = {"both": (-1, 0, 1), "up": (1,), "down": (-1,)}
 
 
 def crossings(
@@ -106,18 +106,22 @@ def crossings(
     >>> ds.sizes["crossing"], float(ds.crossing_time[0].round(3))
     (8, 1.318)
     """
-    require_exactly_one(duration=duration, periods=periods)
+    require_exactly_one_argument(duration=duration, periods=periods)
     require_tolerance(tolerance, "the global error of the state")
-    value = require_real("value", value, _VALUE)
-    require_choice("direction", direction, list(_DIRECTIONS))
+    value = require_real("value", value, _VALUE_RULE)
+    require_choice("direction", direction, list(_SIGNS_OF_DIRECTION))
     report = as_progress(progress)
-    ens = lay_out(system, drive, over, initial)
-    require_choice("variable", variable, [*ens.field.watched_names, *ens.field.state])
-    problem = initial_value_problem(ens, durations(ens, duration, periods))
+    ens = lay_out_ensemble(system, drive, over, initial)
+    require_choice(
+        "variable", variable, [*ens.field.observable_and_rate_names, *ens.field.state_names]
+    )
+    problem = initial_value_problem(ens, trajectory_durations(ens, duration, periods))
     passages, outcome = events.find_crossings(
         problem, variable, value, tolerance=tolerance, progress=report
     )
-    variables = _table(ens, passages, np.isin(passages.direction, _DIRECTIONS[direction]))
+    variables = _passage_table(
+        ens, passages, np.isin(passages.direction, _SIGNS_OF_DIRECTION[direction])
+    )
     columns = int(variables["crossings"].max(initial=0))
     return to_dataset(
         ens,
@@ -133,12 +137,16 @@ def crossings(
     )
 
 
-def _table(ens: Ensemble, passages: events.Crossings, subset: BoolArray) -> dict[str, NDArray[Any]]:
+def _passage_table(
+    ens: Ensemble, passages: events.Crossings, subset: BoolArray
+) -> dict[str, NDArray[Any]]:
     """A subset of the passages with one row for each trajectory, padded at its end."""
     row = passages.trajectory[subset]
     count = np.bincount(row, minlength=ens.count)
     width = int(count.max(initial=0))
-    require_memory("over", 8.0 * ens.count * width * (2 + len(ens.field.state)), "the crossings")
+    require_memory(
+        "over", 8.0 * ens.count * width * (2 + len(ens.field.state_names)), "the crossings"
+    )
     column = np.arange(row.size) - (np.cumsum(count) - count)[row]
 
     def padded(values: NDArray[Any], missing: float) -> NDArray[Any]:
@@ -147,7 +155,7 @@ def _table(ens: Ensemble, passages: events.Crossings, subset: BoolArray) -> dict
         return rows
 
     columns = {"crossing_time": padded(passages.time, np.nan)}
-    for k, name in enumerate(ens.field.state):
+    for k, name in enumerate(ens.field.state_names):
         columns[name] = padded(passages.states[:, k], np.nan)
     columns["direction"] = padded(passages.direction.astype(np.int8), 0)
     columns["crossings"] = count

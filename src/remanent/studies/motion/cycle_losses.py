@@ -14,18 +14,18 @@ from remanent.integrate.variations import field_with_integrals
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.studies.ensemble.checks import require_tolerance
-from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
-from remanent.studies.ensemble.durations import require_count, require_periods
-from remanent.studies.ensemble.layout import Over, lay_out
+from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
+from remanent.studies.ensemble.durations import require_count, require_drive_periods
+from remanent.studies.ensemble.layout import Over, lay_out_ensemble
 from remanent.studies.ensemble.memory import require_memory
 from remanent.studies.ensemble.observables import blank_beyond_horizon
 from remanent.studies.ensemble.problem import initial_value_problem
 from remanent.studies.ensemble.progress import Progress, as_progress
 
 #: Bytes that a period of one trajectory takes.
-_PERIOD_BYTES = 100.0
+_BYTES_PER_PERIOD = 100.0
 #: The integral over each period, and what is integrated.
-_POWERS = {"dissipated_energy": "dissipated_power", "drive_work": "drive_power"}
+_POWER_OF_INTEGRAL = {"dissipated_energy": "dissipated_power", "drive_work": "drive_power"}
 
 
 def cycle_losses(
@@ -97,20 +97,22 @@ def cycle_losses(
     discard = require_count("discard", discard, "Losses are counted in whole periods.", 0)
     require_tolerance(tolerance, "the global error of the state and of the integrals")
     report = as_progress(progress)
-    ens = lay_out(system, drive, over, initial)
-    length = require_periods(ens)
-    require_memory("periods", _PERIOD_BYTES * ens.count * periods, f"{ens.count} x {periods} sums")
+    ens = lay_out_ensemble(system, drive, over, initial)
+    length = require_drive_periods(ens)
+    require_memory(
+        "periods", _BYTES_PER_PERIOD * ens.count * periods, f"{ens.count} x {periods} sums"
+    )
     problem = initial_value_problem(ens, periods * length)
-    start = np.pad(problem.initial_states, ((0, 0), (0, len(_POWERS))))
-    field = field_with_integrals(problem.field, tuple(_POWERS.values()))
+    start = np.pad(problem.initial_states, ((0, 0), (0, len(_POWER_OF_INTEGRAL))))
+    field = field_with_integrals(problem.field, tuple(_POWER_OF_INTEGRAL.values()))
     problem = replace(problem, field=field, initial_states=start)
     outcome = integrate(problem, Request(strobe_cycles=1), tolerance=tolerance, progress=report)
     assert outcome.states is not None
     ends = np.arange(periods + 1) * length[:, None]
-    sums = outcome.states[:, : periods + 1, -len(_POWERS) :]
+    sums = outcome.states[:, : periods + 1, -len(_POWER_OF_INTEGRAL) :]
     losses = np.diff(blank_beyond_horizon(sums, ends, outcome), axis=1)[:, discard:]
-    variables: dict[str, PerTrajectory] = {
-        name: (("period",), losses[:, :, k]) for k, name in enumerate(_POWERS)
+    variables: dict[str, PerTrajectoryArray] = {
+        name: (("period",), losses[:, :, k]) for k, name in enumerate(_POWER_OF_INTEGRAL)
     }
     variables["drive_period"] = length
     return to_dataset(

@@ -15,22 +15,22 @@ from remanent.integrate.variations import field_with_integrals
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.studies.ensemble.checks import require_tolerance
-from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
-from remanent.studies.ensemble.durations import require_exactly_one
-from remanent.studies.ensemble.layout import Over, lay_out
-from remanent.studies.ensemble.observables import blank_beyond_horizon, observe
+from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
+from remanent.studies.ensemble.durations import require_exactly_one_argument
+from remanent.studies.ensemble.layout import Over, lay_out_ensemble
+from remanent.studies.ensemble.observables import blank_beyond_horizon, evaluate_observable
 from remanent.studies.ensemble.problem import initial_value_problem
 from remanent.studies.ensemble.progress import Progress, as_progress
 from remanent.studies.ensemble.time_grid import time_grid
 
 #: What is integrated along a motion, and the name of the integral.
-_INTEGRALS = {
+_INTEGRAL_OF_OBSERVABLE = {
     "thickness_stretch": "mean_thickness_stretch",
     "drive_power": "drive_work",
     "dissipated_power": "dissipated_energy",
 }
 #: The same of a heat balance.
-_HEAT_INTEGRALS = {
+_HEAT_INTEGRAL_OF_OBSERVABLE = {
     "heat_flow": "heat_given_off",
     "entropy_flow": "entropy_given_off",
     "entropy_production": "entropy_produced",
@@ -111,29 +111,29 @@ def energy_balance(
     >>> bool(abs(ds.balance).max() < 1e-8)
     True
     """
-    require_exactly_one(duration=duration, periods=periods, times=times)
+    require_exactly_one_argument(duration=duration, periods=periods, times=times)
     require_tolerance(tolerance, "the global error of the state and of the integrals")
     report = as_progress(progress)
-    ens = lay_out(system, drive, over, initial)
+    ens = lay_out_ensemble(system, drive, over, initial)
     grid = time_grid(ens, duration, periods, times)
-    warms = bool(ens.field.indices(Role.TEMPERATURE))
-    integrals = _INTEGRALS | (_HEAT_INTEGRALS if warms else {})
-    problem = _with_integrals(initial_value_problem(ens, grid.duration), integrals)
+    warms = bool(ens.field.indices_of_roles(Role.TEMPERATURE))
+    integrals = _INTEGRAL_OF_OBSERVABLE | (_HEAT_INTEGRAL_OF_OBSERVABLE if warms else {})
+    problem = _append_integrals(initial_value_problem(ens, grid.durations), integrals)
     request = Request(times=grid.times)
     outcome = integrate(problem, request, tolerance=tolerance, progress=report)
     assert outcome.states is not None
     states = blank_beyond_horizon(outcome.states, grid.times, outcome)
     sums = np.moveaxis(states[:, :, -len(integrals) :], 2, 0)
-    columns = _balances(
+    columns = _balance_variables(
         problem, grid.times, states, dict(zip(integrals.values(), sums, strict=True)), warms
     )
-    variables: dict[str, PerTrajectory] = {
-        name: ((grid.axis,), values) for name, values in columns.items()
+    variables: dict[str, PerTrajectoryArray] = {
+        name: ((grid.time_dimension,), values) for name, values in columns.items()
     }
     return to_dataset(
         ens,
         variables,
-        coords={"time": grid.labelled(ens)},
+        coords={"time": grid.time_coordinate(ens)},
         outcome=outcome,
         tolerance=tolerance,
         duration=duration,
@@ -141,7 +141,7 @@ def energy_balance(
     )
 
 
-def _with_integrals(problem: Problem, integrals: dict[str, str]) -> Problem:
+def _append_integrals(problem: Problem, integrals: dict[str, str]) -> Problem:
     """The problem with integrals of observables as further state variables, from 0."""
     start = np.pad(problem.initial_states, ((0, 0), (0, len(integrals))))
     return replace(
@@ -149,7 +149,7 @@ def _with_integrals(problem: Problem, integrals: dict[str, str]) -> Problem:
     )
 
 
-def _balances(
+def _balance_variables(
     problem: Problem,
     times: FloatArray,
     states: FloatArray,
@@ -161,19 +161,23 @@ def _balances(
 
     def gain(name: str) -> FloatArray:
         """What a function of the state has gained since the start."""
-        before = observe(problem, name, np.zeros((len(times), 1)), problem.initial_states[:, None])
-        return observe(problem, name, times, states) - before
+        before = evaluate_observable(
+            problem, name, np.zeros((len(times), 1)), problem.initial_states[:, None]
+        )
+        return evaluate_observable(problem, name, times, states) - before
 
-    at_once = observe(problem, "thickness_stretch", times, states)  # the mean over no time
+    at_once = evaluate_observable(
+        problem, "thickness_stretch", times, states
+    )  # the mean over no time
     with np.errstate(all="ignore"):
         columns["mean_thickness_stretch"] = np.where(
             times > 0.0, columns["mean_thickness_stretch"] / times, at_once
         )
-    columns["stored_energy"] = observe(problem, "stored_energy", times, states)
+    columns["stored_energy"] = evaluate_observable(problem, "stored_energy", times, states)
     outflow = columns["heat_given_off" if warms else "dissipated_energy"]
     columns["balance"] = gain("stored_energy") - columns["drive_work"] + outflow
     if warms:
-        columns["entropy"] = observe(problem, "entropy", times, states)
+        columns["entropy"] = evaluate_observable(problem, "entropy", times, states)
         inner = gain("entropy") - columns["entropy_produced"]
         columns["entropy_balance"] = inner + columns["entropy_given_off"]
     return columns

@@ -12,15 +12,15 @@ from remanent.integrate.ensemble.problem import Request
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.studies.ensemble.checks import require_tolerance
-from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
-from remanent.studies.ensemble.durations import require_count, require_periods
-from remanent.studies.ensemble.layout import Over, lay_out
-from remanent.studies.ensemble.observables import blank_beyond_horizon, observe
+from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
+from remanent.studies.ensemble.durations import require_count, require_drive_periods
+from remanent.studies.ensemble.layout import Over, lay_out_ensemble
+from remanent.studies.ensemble.observables import blank_beyond_horizon, evaluate_observable
 from remanent.studies.ensemble.problem import initial_value_problem
 from remanent.studies.ensemble.progress import Progress, as_progress
-from remanent.studies.ensemble.time_grid import require_samples
+from remanent.studies.ensemble.time_grid import require_memory_for_samples
 
-_PHASE = Rule(
+_SECTION_PHASE_RULE = Rule(
     "lie in [0, 1)",
     lambda x: np.asarray((x >= 0.0) & (x < 1.0)),
     "It is the fraction of a drive period at which the state is taken.",
@@ -97,12 +97,12 @@ def poincare_section(
     """
     periods = require_count("periods", periods, "Sections are taken after whole drive periods.")
     every = require_count("every", every, "Points are whole drive periods apart.")
-    section_phase = require_real("section_phase", section_phase, _PHASE)
+    section_phase = require_real("section_phase", section_phase, _SECTION_PHASE_RULE)
     require_tolerance(tolerance, "the global error of the state")
     report = as_progress(progress)
-    ens = lay_out(system, drive, over, initial)
-    length = require_periods(ens)
-    require_samples("periods", ens, periods // every + 1)
+    ens = lay_out_ensemble(system, drive, over, initial)
+    length = require_drive_periods(ens)
+    require_memory_for_samples("periods", ens, periods // every + 1)
     number = np.arange(0, periods + 1, every)
     number = number[number + section_phase <= periods]
     with np.errstate(invalid="ignore"):  # where the period is none, the status says so
@@ -113,11 +113,11 @@ def poincare_section(
     outcome = integrate(problem, request, tolerance=tolerance, progress=report)
     assert outcome.states is not None
     states = blank_beyond_horizon(outcome.states[:, : number.size], times, outcome)
-    variables: dict[str, PerTrajectory] = {
-        name: (("period",), states[:, :, k]) for k, name in enumerate(ens.field.state)
+    variables: dict[str, PerTrajectoryArray] = {
+        name: (("period",), states[:, :, k]) for k, name in enumerate(ens.field.state_names)
     }
-    for name in ens.field.watched_names:
-        variables[name] = (("period",), observe(problem, name, times, states))
+    for name in ens.field.observable_and_rate_names:
+        variables[name] = (("period",), evaluate_observable(problem, name, times, states))
     variables["drive_period"] = length
     return to_dataset(
         ens,

@@ -11,10 +11,10 @@ from remanent.integrate.ensemble.problem import Request
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.studies.ensemble.checks import require_tolerance
-from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
-from remanent.studies.ensemble.durations import require_exactly_one
-from remanent.studies.ensemble.layout import Over, lay_out
-from remanent.studies.ensemble.observables import blank_beyond_horizon, observe
+from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
+from remanent.studies.ensemble.durations import require_exactly_one_argument
+from remanent.studies.ensemble.layout import Over, lay_out_ensemble
+from remanent.studies.ensemble.observables import blank_beyond_horizon, evaluate_observable
 from remanent.studies.ensemble.problem import initial_value_problem
 from remanent.studies.ensemble.progress import Progress, as_progress
 from remanent.studies.ensemble.time_grid import time_grid
@@ -93,28 +93,29 @@ def simulate(
     >>> float(ds.thickness_stretch.max().round(4))
     1.0948
     """
-    require_exactly_one(duration=duration, periods=periods, times=times)
+    require_exactly_one_argument(duration=duration, periods=periods, times=times)
     require_tolerance(tolerance, "the global error of the state")
     report = as_progress(progress)
-    ens = lay_out(system, drive, over, initial)
+    ens = lay_out_ensemble(system, drive, over, initial)
     grid = time_grid(ens, duration, periods, times)
-    problem = initial_value_problem(ens, grid.duration)
+    problem = initial_value_problem(ens, grid.durations)
     request = Request(times=grid.times)
     outcome = integrate(problem, request, tolerance=tolerance, progress=report)
     assert outcome.states is not None
     states = blank_beyond_horizon(outcome.states, grid.times, outcome)
-    variables: dict[str, PerTrajectory] = {
-        name: ((grid.axis,), states[:, :, k]) for k, name in enumerate(ens.field.state)
+    variables: dict[str, PerTrajectoryArray] = {
+        name: ((grid.time_dimension,), states[:, :, k])
+        for k, name in enumerate(ens.field.state_names)
     }
-    for name in (*ens.field.watched_names, "energy", "load"):
-        values = observe(problem, name, grid.times, states)
+    for name in (*ens.field.observable_and_rate_names, "energy", "load"):
+        values = evaluate_observable(problem, name, grid.times, states)
         # The load does not depend on the state: without this it would go on past the horizon.
         values = np.where(np.isnan(states[:, :, 0]), np.nan, values)
-        variables[name] = ((grid.axis,), values)
+        variables[name] = ((grid.time_dimension,), values)
     return to_dataset(
         ens,
         variables,
-        coords={"time": grid.labelled(ens)},
+        coords={"time": grid.time_coordinate(ens)},
         outcome=outcome,
         tolerance=tolerance,
         duration=duration,

@@ -17,32 +17,32 @@ from remanent.analysis.orbits.bifurcations import SpecialPoint
 from remanent.analysis.orbits.curves import CurvePoints
 from remanent.analysis.orbits.periodic_orbits import PeriodicOrbits
 from remanent.results.build import Labelled
-from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
+from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.orbits._members import stack_padded, stack_tables
 from remanent.studies.orbits._orbit_tables import describe_orbits, empty_orbit_table
 from remanent.studies.orbits._tracing import Branch, TracingOptions
 
 #: What results call the ends of curves that their users cannot know under another name.
-_END_REASONS = MappingProxyType({"points": "max_points"})
+_RESULT_NAME_OF_END_REASON = MappingProxyType({"points": "max_points"})
 #: Length of the longest reason.
-_REASON_TYPE = "<U10"
+_END_REASON_DTYPE = "<U10"
 #: Length of the longest kind of special point.
-_KIND_TYPE = "<U15"
+_SPECIAL_KIND_DTYPE = "<U15"
 #: Reasons that leave a branch unfinished.
-_UNFINISHED = ("max_points", "lost")
+_UNFINISHED_END_REASONS = ("max_points", "lost")
 #: Labels of the two ends: before the first point and after the last.
 END_LABELS = ("first", "last")
 
 #: Columns along points that have a value for each multiplier.
-_BY_MULTIPLIER = ("multipliers", "multipliers_error")
+_COLUMNS_BY_MULTIPLIER = ("multipliers", "multipliers_error")
 #: Columns along points that have one value.
-_BY_POINT = ("stability", "amplitude", "maximum", "minimum", "residual", "error")
+_COLUMNS_BY_POINT = ("stability", "amplitude", "maximum", "minimum", "residual", "error")
 #: Columns along special points that keep their name in results.
-_BY_SPECIAL = ("kind", "branch", "error", "amplitude")
+_COLUMNS_BY_SPECIAL_POINT = ("kind", "branch", "error", "amplitude")
 
 #: Columns by name, each an array whose first axes are padded.
-Table = dict[str, NDArray[Any]]
+ColumnTable = dict[str, NDArray[Any]]
 
 
 @dataclass(frozen=True)
@@ -51,22 +51,22 @@ class BranchTable:
 
     Attributes
     ----------
-    points : list of Table
+    point_tables : list of Table
         Of each branch, columns along its points.
-    special : Table
+    special_point_table : Table
         Columns along the special points of all branches; ``branch`` is the number of theirs.
-    end_reason : array (branch, end) of str
+    end_reasons : array (branch, end) of str
     """
 
-    points: list[Table]
-    special: Table
-    end_reason: NDArray[Any]
+    point_tables: list[ColumnTable]
+    special_point_table: ColumnTable
+    end_reasons: NDArray[Any]
 
 
-def end_reasons(ends: Sequence[tuple[str, str]]) -> NDArray[Any]:
+def end_reasons_of_curves(ends: Sequence[tuple[str, str]]) -> NDArray[Any]:
     """Why curves ended, array (curve, end): ``bounds``, ``closed``, ``max_points``, ``lost``."""
-    words = [[_END_REASONS.get(end, end) for end in both] for both in ends]
-    return np.array(words, dtype=_REASON_TYPE).reshape(-1, len(END_LABELS))
+    words = [[_RESULT_NAME_OF_END_REASON.get(end, end) for end in both] for both in ends]
+    return np.array(words, dtype=_END_REASON_DTYPE).reshape(-1, len(END_LABELS))
 
 
 def describe_branches(
@@ -83,20 +83,20 @@ def describe_branches(
     """
     points = [_describe_points(ens, branch.curve.points, options) for branch in branches]
     rows = [
-        _describe_special(ens, special, number, options)
+        _describe_special_point(ens, special, number, options)
         for number, branch in enumerate(branches)
-        for special in branch.special
+        for special in branch.special_points
     ]
     special = {
         name: np.array([row[name] for row in rows], dtype=least.dtype).reshape(-1, *least.shape[1:])
-        for name, least in _empty_special(len(ens.field.state)).items()
+        for name, least in _empty_special_point_table(len(ens.field.state_names)).items()
     }
     return BranchTable(
-        points, special, end_reasons([branch.curve.end_reasons for branch in branches])
+        points, special, end_reasons_of_curves([branch.curve.end_reasons for branch in branches])
     )
 
 
-def _describe_points(ens: Ensemble, points: CurvePoints, options: TracingOptions) -> Table:
+def _describe_points(ens: Ensemble, points: CurvePoints, options: TracingOptions) -> ColumnTable:
     """Columns along points of a curve: orbits with their parameter."""
     values = points.unknown[:, -1]
     orbits = PeriodicOrbits(
@@ -109,7 +109,7 @@ def _describe_points(ens: Ensemble, points: CurvePoints, options: TracingOptions
     return columns | {"parameter": values}
 
 
-def _describe_special(
+def _describe_special_point(
     ens: Ensemble, special: SpecialPoint, branch: int, options: TracingOptions
 ) -> dict[str, Any]:
     orbit = _describe_points(ens, special.point, options)
@@ -123,13 +123,13 @@ def _describe_special(
     }
 
 
-def _empty_points(state_variables: int) -> Table:
+def _empty_point_table(state_variables: int) -> ColumnTable:
     return empty_orbit_table(state_variables) | {"parameter": np.empty(0)}
 
 
-def _empty_special(state_variables: int) -> Table:
+def _empty_special_point_table(state_variables: int) -> ColumnTable:
     return {
-        "kind": np.empty(0, dtype=_KIND_TYPE),
+        "kind": np.empty(0, dtype=_SPECIAL_KIND_DTYPE),
         "branch": np.empty(0, dtype=np.int64),
         "parameter": np.empty(0),
         "state": np.empty((0, state_variables)),
@@ -164,24 +164,24 @@ def label_branches(
         points = {name: column[:, 0] for name, column in points.items()}
         end_reason = end_reason[:, 0]
     rows = ("point",) if single else ("branch", "point")
-    variables: dict[str, PerTrajectory] = {
+    variables: dict[str, PerTrajectoryArray] = {
         options.parameter: (rows, points["parameter"]),
-        **{name: (rows, points["initial"][..., k]) for k, name in enumerate(ens.field.state)},
-        **{name: ((*rows, "multiplier"), points[name]) for name in _BY_MULTIPLIER},
-        **{name: (rows, points[name]) for name in _BY_POINT},
-        **{f"special_{name}": (("special",), special[name]) for name in _BY_SPECIAL},
+        **{name: (rows, points["initial"][..., k]) for k, name in enumerate(ens.field.state_names)},
+        **{name: ((*rows, "multiplier"), points[name]) for name in _COLUMNS_BY_MULTIPLIER},
+        **{name: (rows, points[name]) for name in _COLUMNS_BY_POINT},
+        **{f"special_{name}": (("special",), special[name]) for name in _COLUMNS_BY_SPECIAL_POINT},
         f"special_{options.parameter}": (("special",), special["parameter"]),
         **{
             f"special_{name}": (("special",), special["state"][..., k])
-            for k, name in enumerate(ens.field.state)
+            for k, name in enumerate(ens.field.state_names)
         },
         "end_reason": ((*rows[:-1], "end"), end_reason),
     }
     sizes = dict(zip(rows, points["parameter"].shape[1:], strict=True))
-    sizes |= {"multiplier": len(ens.field.state), "special": special["kind"].shape[1]}
+    sizes |= {"multiplier": len(ens.field.state_names), "special": special["kind"].shape[1]}
     coords: dict[str, Labelled] = {name: ((name,), np.arange(n)) for name, n in sizes.items()}
     coords["end"] = (("end",), np.array(END_LABELS))
-    reasons = [None if table is None else table.end_reason for table in tables]
+    reasons = [None if table is None else table.end_reasons for table in tables]
     status = member_status(ens, reasons, Status.DIVERGED)
     return to_dataset(
         ens, variables, coords=coords, status=status, tolerance=options.tolerance,
@@ -191,20 +191,24 @@ def label_branches(
 
 def _join_members(
     ens: Ensemble, tables: Sequence[BranchTable | None], *, least: int
-) -> tuple[Table, Table, NDArray[Any]]:
+) -> tuple[ColumnTable, ColumnTable, NDArray[Any]]:
     """Columns (member, branch, point, ...) and (member, special, ...), and ends of branches.
 
     There are as many branches as the member with most of them has, but not fewer than `least`.
     """
-    d = len(ens.field.state)
-    no_points = stack_tables([None] * least, _empty_points(d))
+    d = len(ens.field.state_names)
+    no_points = stack_tables([None] * least, _empty_point_table(d))
     of_members = [
-        None if table is None else stack_tables(table.points, _empty_points(d)) for table in tables
+        None if table is None else stack_tables(table.point_tables, _empty_point_table(d))
+        for table in tables
     ]
     points = stack_tables(of_members, no_points)
-    special = stack_tables([None if t is None else t.special for t in tables], _empty_special(d))
-    no_reason = np.full((least, len(END_LABELS)), "", dtype=_REASON_TYPE)
-    reasons = [no_reason if table is None else table.end_reason for table in tables]
+    special = stack_tables(
+        [None if t is None else t.special_point_table for t in tables],
+        _empty_special_point_table(d),
+    )
+    no_reason = np.full((least, len(END_LABELS)), "", dtype=_END_REASON_DTYPE)
+    reasons = [no_reason if table is None else table.end_reasons for table in tables]
     return points, special, stack_padded(reasons, no_reason)
 
 
@@ -225,7 +229,7 @@ def member_status(
         [
             Status.INVALID if invalid
             else missing if reasons is None
-            else Status.INCOMPLETE if np.isin(reasons, _UNFINISHED).any()
+            else Status.INCOMPLETE if np.isin(reasons, _UNFINISHED_END_REASONS).any()
             else Status.OK
             for reasons, invalid in zip(end_reason, ens.invalid, strict=True)
         ]

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from remanent._checks import as_float_array, shortened
+from remanent._checks import as_float_array, shortened_repr
 from remanent._errors import InputError
 from remanent._field import Role, StateVariable
 from remanent._typing import FloatArray
@@ -16,16 +16,16 @@ from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.initial import rest_values
 
 #: Default range of stretches.
-STRETCH_RANGE = (0.3, 4.0)
+DEFAULT_STRETCH_RANGE = (0.3, 4.0)
 #: Default range of rates of stretches.
-RATE_RANGE = (-8.0, 8.0)
+DEFAULT_RATE_RANGE = (-8.0, 8.0)
 #: Kelvin around the surroundings in which a body's temperature is looked for.
-TEMPERATURE_MARGIN = 5.0
+TEMPERATURE_MARGIN_KELVIN = 5.0
 #: Special points that are looked for by themselves.
-BIFURCATIONS = ("fold", "period doubling")
+BIFURCATION_KINDS = ("fold", "period doubling")
 #: Why there is a box.
-_WHY = "Orbits are looked for, and branches end, in a box of states at phase 0."
-_FIX = "Pass for example {'stretch': (0.3, 4.0)}."
+_STATE_BOX_REASON = "Orbits are looked for, and branches end, in a box of states at phase 0."
+_STATE_BOX_REMEDY = "Pass for example {'stretch': (0.3, 4.0)}."
 
 
 def require_state_box(name: str, box: Mapping[str, Any] | None, ens: Ensemble) -> FloatArray:
@@ -44,55 +44,65 @@ def require_state_box(name: str, box: Mapping[str, Any] | None, ens: Ensemble) -
         raise InputError(
             name,
             must="be a mapping of state variables to pairs of numbers",
-            got=shortened(box),
-            why=_WHY,
-            fix=_FIX,
+            got=shortened_repr(box),
+            why=_STATE_BOX_REASON,
+            fix=_STATE_BOX_REMEDY,
         )
-    given, state = dict(box or {}), ens.field.state
+    given, state = dict(box or {}), ens.field.state_names
     for variable in given:
         if variable not in state:
             raise InputError(
                 name,
                 must=f"name state variables, {', '.join(state)}",
-                got=shortened(variable),
-                why=_WHY,
-                fix=_FIX,
+                got=shortened_repr(variable),
+                why=_STATE_BOX_REASON,
+                fix=_STATE_BOX_REMEDY,
             )
     return np.array(
         [
-            _pair(name, variable, given[variable.name])
+            _require_bounds(name, variable, given[variable.name])
             if variable.name in given
-            else _default(name, variable, ens)
+            else _default_bounds(name, variable, ens)
             for variable in ens.field.variables
         ]
     )
 
 
-def _pair(name: str, variable: StateVariable, bounds: Any) -> FloatArray:
+def _require_bounds(name: str, variable: StateVariable, bounds: Any) -> FloatArray:
     """The two bounds that were given for one state variable."""
     rule = f"give {variable.name} a lower and a larger upper number"
     pair = as_float_array(
-        f"{name}[{variable.name!r}]", bounds, what="two numbers", why=_WHY, fix=_FIX
+        f"{name}[{variable.name!r}]",
+        bounds,
+        what="two numbers",
+        why=_STATE_BOX_REASON,
+        fix=_STATE_BOX_REMEDY,
     )
     if pair.shape != (2,) or not np.isfinite(pair).all() or not pair[0] < pair[1]:
-        raise InputError(name, must=rule, got=shortened(bounds), why=_WHY, fix=_FIX)
+        raise InputError(
+            name,
+            must=rule,
+            got=shortened_repr(bounds),
+            why=_STATE_BOX_REASON,
+            fix=_STATE_BOX_REMEDY,
+        )
     if variable.positive and pair[0] <= 0.0:
         raise InputError(
             name,
             must=f"keep {variable.name} above 0",
             got=float(pair[0]),
             why="A stretch is a ratio of lengths, a temperature is absolute.",
-            fix=_FIX,
+            fix=_STATE_BOX_REMEDY,
         )
     return pair
 
 
-def _default(name: str, variable: StateVariable, ens: Ensemble) -> FloatArray:
+def _default_bounds(name: str, variable: StateVariable, ens: Ensemble) -> FloatArray:
     """The bounds of a state variable that none were given for."""
     if variable.role is Role.RATE:
-        return np.array(RATE_RANGE)
+        return np.array(DEFAULT_RATE_RANGE)
     if variable.role is not Role.TEMPERATURE:
-        return np.array(STRETCH_RANGE)
+        return np.array(DEFAULT_STRETCH_RANGE)
     valid = np.flatnonzero(~ens.invalid)
     if not valid.size:  # nothing is computed
         return np.array([0.0, 1.0])
@@ -105,12 +115,14 @@ def _default(name: str, variable: StateVariable, ens: Ensemble) -> FloatArray:
             why="By default they lie around the temperature of the surroundings.",
             fix=f"Pass {{{variable.name!r}: (290.0, 300.0)}}, or a finite temperature.",
         )
-    return np.array([surroundings - TEMPERATURE_MARGIN, surroundings + TEMPERATURE_MARGIN])
+    return np.array(
+        [surroundings - TEMPERATURE_MARGIN_KELVIN, surroundings + TEMPERATURE_MARGIN_KELVIN]
+    )
 
 
 def require_heat_exchange(ens: Ensemble) -> None:
     """Refuse adiabatic bodies: they warm for ever, or have an orbit for each entropy."""
-    warms = bool(ens.field.indices(Role.TEMPERATURE))
+    warms = bool(ens.field.indices_of_roles(Role.TEMPERATURE))
     if warms and not (ens.values["heat.exchange"] > 0.0).all():
         raise InputError(
             "system",
@@ -126,7 +138,7 @@ def require_orbit_period(value: object, name: str = "orbit_period") -> int:
     return require_count(name, value, "Orbits close after whole drive periods.")
 
 
-def require_free(parameters: tuple[str, ...], ens: Ensemble) -> None:
+def require_not_in_over(parameters: tuple[str, ...], ens: Ensemble) -> None:
     """Refuse `over` that varies a field which varies along a curve, or is solved for."""
     for parameter in parameters:
         if parameter in ens.coords:

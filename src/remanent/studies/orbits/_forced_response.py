@@ -8,11 +8,11 @@ import numpy as np
 
 from remanent._errors import InputError
 from remanent._typing import ArrayLike
-from remanent.studies.ensemble.checks import require_range
+from remanent.studies.ensemble.checks import require_parameter_range
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.orbits._branch_tables import BranchTable, describe_branches
-from remanent.studies.orbits._checks import require_free
-from remanent.studies.orbits._tracing import TracingOptions, trace_all
+from remanent.studies.orbits._checks import require_not_in_over
+from remanent.studies.orbits._tracing import TracingOptions, trace_all_branches
 
 
 def require_frequencies(omega_range: ArrayLike, ens: Ensemble) -> tuple[float, float]:
@@ -25,13 +25,13 @@ def require_frequencies(omega_range: ArrayLike, ens: Ensemble) -> tuple[float, f
             why="The frequency of the drive is what varies along the branches.",
             fix="Pass rm.SineSquared(b, omega) or rm.Sine(m, omega).",
         )
-    require_free(("omega",), ens)
-    return require_range(
+    require_not_in_over(("omega",), ens)
+    return require_parameter_range(
         "omega_range", omega_range, "omega", ens, "Branches are followed between them."
     )
 
 
-def trace_member(member: Ensemble, options: TracingOptions, slices: int) -> BranchTable:
+def trace_forced_response(member: Ensemble, options: TracingOptions, slices: int) -> BranchTable:
     """All branches of forced response of one trajectory.
 
     Parameters
@@ -45,4 +45,6 @@ def trace_member(member: Ensemble, options: TracingOptions, slices: int) -> Bran
     """
     middle = np.array([0.5 * sum(options.parameter_range)])
     centred = replace(member, values={**member.values, "omega": middle})
-    return describe_branches(centred, trace_all(options.tracing(centred), slices), options)
+    return describe_branches(
+        centred, trace_all_branches(options.tracing_of_member(centred), slices), options
+    )

@@ -13,15 +13,17 @@ from numpy.typing import NDArray
 
 from remanent._errors import InputError
 from remanent.studies.ensemble.ensemble import Ensemble
-from remanent.studies.ensemble.progress import Report
+from remanent.studies.ensemble.progress import ProgressFunction
 
 T = TypeVar("T")
 #: What stands where an array ends before others, by the kind of its numbers.
-_PADDING = MappingProxyType({"f": np.nan, "c": complex(np.nan, 0.0), "i": -1, "U": "", "b": False})
+_PADDING_OF_DTYPE_KIND = MappingProxyType(
+    {"f": np.nan, "c": complex(np.nan, 0.0), "i": -1, "U": "", "b": False}
+)
 
 
 def for_each_member(
-    ens: Ensemble, compute: Callable[[Ensemble], T], report: Report | None = None
+    ens: Ensemble, compute: Callable[[Ensemble], T], report: ProgressFunction | None = None
 ) -> list[T | None]:
     """What `compute` makes of each trajectory of an ensemble alone, on all processors.
 
@@ -50,7 +52,7 @@ def for_each_member(
         outcome = None
         if not ens.invalid[k]:
             try:
-                outcome = compute(ens.member(k))
+                outcome = compute(ens.single_member(k))
             except InputError:
                 if not ens.sizes:
                     raise
@@ -76,7 +78,7 @@ def stack_padded(arrays: Sequence[NDArray[Any]], shortest: NDArray[Any]) -> NDAr
     """
     shape = np.max([np.shape(a) for a in (*arrays, shortest)], axis=0, initial=0)
     kind = np.result_type(shortest, *arrays)
-    stacked = np.full((len(arrays), *shape), _PADDING[kind.kind], dtype=kind)
+    stacked = np.full((len(arrays), *shape), _PADDING_OF_DTYPE_KIND[kind.kind], dtype=kind)
     for row, array in zip(stacked, arrays, strict=True):
         row[tuple(slice(n) for n in np.shape(array))] = array
     return stacked

@@ -14,16 +14,16 @@ from remanent.analysis.orbits.periodic_orbits import PeriodicOrbits
 from remanent.analysis.orbits.stability import Stability, floquet_multipliers, orbit_stability
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Request
-from remanent.studies.ensemble.durations import require_periods
+from remanent.studies.ensemble.durations import require_drive_periods
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.problem import initial_value_problem
 
 #: Dimensions that results about orbits have of their own.
-DIMENSIONS = frozenset(
+ORBIT_DIMENSIONS = frozenset(
     {"orbit", "state", "multiplier", "branch", "point", "special", "end", "peak", "harmonic"}
 )
 #: Length of the longest word for stability.
-_STABILITY_TYPE = "<U9"
+_STABILITY_DTYPE = "<U9"
 #: Tolerance of the extremes along an orbit.
 _EXTREMES_TOLERANCE = 1e-8
 #: The same for motions of large amplitude, which have fewer digits.
@@ -47,12 +47,12 @@ def describe_orbits(
     """
     values, errors = floquet_multipliers(orbits.jacobian, orbits.image_error)
     kinds = orbit_stability(values, errors, conservative=ens.system.conservative)
-    maximum, minimum = _extremes(ens, orbits.state, period, varied)
+    maximum, minimum = _thickness_extremes(ens, orbits.state, period, varied)
     return {
         "initial": orbits.state,
         "multipliers": values,
         "multipliers_error": errors,
-        "stability": np.array([Stability(k).meaning for k in kinds], dtype=_STABILITY_TYPE),
+        "stability": np.array([Stability(k).meaning for k in kinds], dtype=_STABILITY_DTYPE),
         "maximum": maximum,
         "minimum": minimum,
         "amplitude": 0.5 * (maximum - minimum),
@@ -68,19 +68,19 @@ def empty_orbit_table(state_variables: int) -> dict[str, NDArray[Any]]:
         "initial": rows,
         "multipliers": rows.astype(complex),
         "multipliers_error": rows,
-        "stability": np.empty(0, dtype=_STABILITY_TYPE),
+        "stability": np.empty(0, dtype=_STABILITY_DTYPE),
         **dict.fromkeys(("maximum", "minimum", "amplitude", "residual", "error"), np.empty(0)),
     }
 
 
-def _extremes(
+def _thickness_extremes(
     ens: Ensemble, states: FloatArray, period: int, varied: Mapping[str, FloatArray]
 ) -> tuple[FloatArray, FloatArray]:
     """Largest and smallest thickness stretch over one period of each orbit."""
     if not len(states):
         return np.empty(0), np.empty(0)
-    along = ens.with_states(states, varied)
-    problem = initial_value_problem(along, period * require_periods(along))
+    on_orbits = ens.with_initial_states(states, varied)
+    problem = initial_value_problem(on_orbits, period * require_drive_periods(on_orbits))
     outcome = integrate(problem, Request(wants_extremes=True), tolerance=_EXTREMES_TOLERANCE)
     maximum, minimum = outcome.maximum, outcome.minimum
     missed = np.isnan(maximum)

@@ -14,18 +14,18 @@ from remanent.integrate.ensemble.problem import Problem
 from remanent.integrate.ensemble.resolution import MAX_RESOLUTION
 from remanent.integrate.maps.period_map import PeriodMap, PeriodMapImage
 from remanent.integrate.variations import LOG_PERIOD
-from remanent.studies.ensemble.durations import require_periods
+from remanent.studies.ensemble.durations import require_drive_periods
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.problem import initial_value_problem
 from remanent.studies.orbits._pilot_resolution import PilotResolution
 
 #: Largest error that a period adds, where the residual may be larger.
-_MAX_ERROR = 1e-10
+_MAX_PERIOD_ERROR = 1e-10
 
 
 def map_tolerance(tolerance: float, share: float = 0.1) -> float:
     """Error of a period that leaves a residual of `tolerance` its meaning."""
-    return min(share * tolerance, _MAX_ERROR)
+    return min(share * tolerance, _MAX_PERIOD_ERROR)
 
 
 @dataclass(frozen=True)
@@ -39,35 +39,35 @@ class StroboscopicMap:
     ----------
     ensemble : Ensemble
         Of one trajectory, whose values hold for all fields that do not vary.
-    names : sequence of str
+    parameter_names : sequence of str
         Fields that vary: they are the map's parameters.
-    tolerance : float
+    period_tolerance : float
         Of the error that a period adds.
     section_phase : float
         Of the section within the drive period, in [0, 1).
-    held : sequence of str
-        Those of `names` by which no derivative is wanted: it is given as 0.
-    finest : int
+    undifferentiated_names : sequence of str
+        Those of `parameter_names` by which no derivative is wanted: it is given as 0.
+    finest_resolution : int
         Largest resolution tried, double steps per period.
-    cell_bits : int
+    state_cell_bits : int
         Binary digits of a state variable that tell its cell of equal first resolution.
     """
 
     ensemble: Ensemble
-    names: Sequence[str]
-    tolerance: float
+    parameter_names: Sequence[str]
+    period_tolerance: float
     section_phase: float = 0.0
-    held: Sequence[str] = ()
-    finest: int = MAX_RESOLUTION
-    cell_bits: int = 4
+    undifferentiated_names: Sequence[str] = ()
+    finest_resolution: int = MAX_RESOLUTION
+    state_cell_bits: int = 4
 
     def __post_init__(self) -> None:
-        require_periods(self.ensemble)
+        require_drive_periods(self.ensemble)
 
     @property
     def dimension(self) -> int:
         """Number of state variables."""
-        return self._flow.dimension
+        return self._period_map.dimension
 
     def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> MapImage:
         """Apply the map; see :class:`remanent.analysis.orbits.maps.Map`."""
@@ -82,7 +82,7 @@ class StroboscopicMap:
         ----------
         states : array (point, state)
         parameters : array (point, parameter)
-            In the order of `names`.
+            In the order of `parameter_names`.
         iterate : int
             How many times.
         half : bool
@@ -91,12 +91,14 @@ class StroboscopicMap:
 
         def pilot(x: FloatArray, p: FloatArray, resolution: IntArray) -> PeriodMapImage:
             # Any error will do, so each point is run once, at the resolution it is told.
-            return self._apply(x, p, iterate, half, resolution, tolerance=np.inf, finest=0)
+            return self._flow_over_periods(
+                x, p, iterate, half, resolution, tolerance=np.inf, finest=0
+            )
 
-        resolution = self._resolution(pilot, states, parameters, iterate=iterate, half=half)
-        image = self._apply(
+        resolution = self._pilot_resolution(pilot, states, parameters, iterate=iterate, half=half)
+        image = self._flow_over_periods(
             states, parameters, iterate, half, resolution,
-            tolerance=self.tolerance, finest=self.finest,
+            tolerance=self.period_tolerance, finest=self.finest_resolution,
         )  # fmt: skip
         return self._map_image(image, parameters, iterate)
 
@@ -122,13 +124,15 @@ class StroboscopicMap:
         array (point,) of int
             Resolutions that would have been enough.
         """
-        image = self._apply(
+        image = self._flow_over_periods(
             states, parameters, iterate, False, resolution,
-            tolerance=self.tolerance, finest=self.finest,
+            tolerance=self.period_tolerance, finest=self.finest_resolution,
         )  # fmt: skip
-        return self._map_image(image, parameters, iterate), self._resolution.enough(image)
+        return self._map_image(
+            image, parameters, iterate
+        ), self._pilot_resolution.sufficient_resolutions(image)
 
-    def _apply(
+    def _flow_over_periods(
         self,
         states: FloatArray,
         parameters: FloatArray,
@@ -140,9 +144,10 @@ class StroboscopicMap:
         finest: int,
     ) -> PeriodMapImage:
         """The flow over some periods, with the resolutions to begin with and at most."""
-        values = self._columns(parameters)
-        return self._flow(
-            states, self._parameters(values, len(states)), self._lengths(values, len(states)),
+        values = self._parameter_columns(parameters)
+        return self._period_map(
+            states, self._field_parameters(values, len(states)),
+            self._period_lengths(values, len(states)),
             tolerance=tolerance, cycles=iterate, half=half, resolution=resolution,
             max_resolution=finest,
         )  # fmt: skip
@@ -150,33 +155,38 @@ class StroboscopicMap:
     def _map_image(self, image: PeriodMapImage, parameters: FloatArray, iterate: int) -> MapImage:
         """What analysis wants of an image."""
         jacobian = np.moveaxis(image.tangents[:, : self.dimension], 1, 2)
-        slope = self._slope(image, self._columns(parameters))
+        slope = self._parameter_derivatives(image, self._parameter_columns(parameters))
         return MapImage(image.state, jacobian, slope, image.largest_period_error * max(iterate, 1))
 
-    def _slope(self, image: PeriodMapImage, values: dict[str, FloatArray]) -> FloatArray:
+    def _parameter_derivatives(
+        self, image: PeriodMapImage, values: dict[str, FloatArray]
+    ) -> FloatArray:
         """Derivatives by the map's parameters, array (point, state, parameter)."""
         count, d = image.state.shape
-        slope = np.zeros((count, d, len(self.names)))
-        for k, name in enumerate(self.names):
+        slope = np.zeros((count, d, len(self.parameter_names)))
+        for k, name in enumerate(self.parameter_names):
             if name == self.ensemble.drive.frequency_field:
                 # The period is inversely proportional to this field.
                 slope[:, :, k] = image.tangents[:, -1] / -values[name][:, None]
-            if name in self._carried:
-                slope[:, :, k] += image.tangents[:, d + self._carried.index(name)]
+            if name in self._carried_parameters:
+                slope[:, :, k] += image.tangents[:, d + self._carried_parameters.index(name)]
         return slope
 
-    def _columns(self, parameters: FloatArray) -> dict[str, FloatArray]:
+    def _parameter_columns(self, parameters: FloatArray) -> dict[str, FloatArray]:
         """Values of the fields that vary, each an array (point,)."""
-        return {name: np.ascontiguousarray(parameters[:, k]) for k, name in enumerate(self.names)}
+        return {
+            name: np.ascontiguousarray(parameters[:, k])
+            for k, name in enumerate(self.parameter_names)
+        }
 
-    def _parameters(self, values: dict[str, FloatArray], count: int) -> FloatArray:
+    def _field_parameters(self, values: dict[str, FloatArray], count: int) -> FloatArray:
         """Parameters of the vector field, array (point, parameter)."""
         rows = np.tile(self._problem.parameters, (count, 1))
-        for name in self._varied:
+        for name in self._varied_field_parameters:
             rows[:, self._problem.field.parameters.index(name)] = values[name]
         return rows
 
-    def _lengths(self, values: dict[str, FloatArray], count: int) -> FloatArray:
+    def _period_lengths(self, values: dict[str, FloatArray], count: int) -> FloatArray:
         """Drive periods, array (point,)."""
         fields = {name: np.broadcast_to(v, count) for name, v in self.ensemble.values.items()}
         lengths = self.ensemble.drive.periods(fields | values)
@@ -188,12 +198,12 @@ class StroboscopicMap:
         return initial_value_problem(self.ensemble, np.ones(1))
 
     @cached_property
-    def _varied(self) -> list[str]:
+    def _varied_field_parameters(self) -> list[str]:
         """Those of the varied fields that the vector field knows."""
-        return [name for name in self.names if name in self._problem.field.parameters]
+        return [name for name in self.parameter_names if name in self._problem.field.parameters]
 
     @cached_property
-    def _carried(self) -> list[str]:
+    def _carried_parameters(self) -> list[str]:
         """Fields whose derivatives the kernel carries along.
 
         The field that times the drive acts through the length of the period, and through the
@@ -202,26 +212,34 @@ class StroboscopicMap:
         timed = self.ensemble.drive.frequency_field
         return [
             name
-            for name in self._varied
-            if name not in self.held and (name != timed or self._load_rate_matters)
+            for name in self._varied_field_parameters
+            if name not in self.undifferentiated_names
+            and (name != timed or self._load_rate_matters)
         ]
 
     @property
     def _load_rate_matters(self) -> bool:
         """Whether rates of the loads enter the equations."""
-        return self.ensemble.system.needs_load_rate(self.ensemble.values, varied=self.names)
+        return self.ensemble.system.needs_load_rate(
+            self.ensemble.values, varied=self.parameter_names
+        )
 
     @cached_property
-    def _flow(self) -> PeriodMap:
-        last = [LOG_PERIOD] if self.ensemble.drive.frequency_field in self.names else []
+    def _period_map(self) -> PeriodMap:
+        last = [LOG_PERIOD] if self.ensemble.drive.frequency_field in self.parameter_names else []
         return PeriodMap(
             self._problem.field,
             self._problem.timeline.waveform,
-            directions=len(self._problem.field.state),
-            parameters=(*self._carried, *last),
+            directions=len(self._problem.field.state_names),
+            parameters=(*self._carried_parameters, *last),
             phase=self.section_phase,
         )
 
     @cached_property
-    def _resolution(self) -> PilotResolution:
-        return PilotResolution(self.tolerance, self._flow.order, self.finest, self.cell_bits)
+    def _pilot_resolution(self) -> PilotResolution:
+        return PilotResolution(
+            self.period_tolerance,
+            self._period_map.order,
+            self.finest_resolution,
+            self.state_cell_bits,
+        )

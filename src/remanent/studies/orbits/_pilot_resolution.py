@@ -23,7 +23,7 @@ from remanent.integrate.maps.period_map import PeriodMapImage
 #: Double steps per period of the first pilot run, and the fewest that are foreseen.
 FIRST_RESOLUTION = 8
 #: Share of the tolerance that the error is to have.
-_TARGET_ERROR = 0.5
+_TARGET_ERROR_SHARE = 0.5
 #: Factor of refinement up to which the error of a run foretells the resolution.
 _MAX_EXTRAPOLATION = 8.0
 #: Smallest factor from one pilot run to the next.
@@ -36,46 +36,47 @@ _MIN_COARSENING = 0.25
 #: cell may be better off than its centre, so they begin coarsely.
 _UNRELIABLE_RESOLUTION = 32
 #: Binary digits of a parameter that tell its cell.
-_PARAMETER_BITS = 4
+_PARAMETER_CELL_BITS = 4
 #: Binary exponent that no parameter is below.
-_NO_FLOOR = -2000
+_NO_FLOOR_EXPONENT = -2000
 
 #: ``run(states, parameters, resolution)``: the map with exactly these resolutions.
-PilotRun = Callable[[FloatArray, FloatArray, IntArray], PeriodMapImage]
+PilotRunFunction = Callable[[FloatArray, FloatArray, IntArray], PeriodMapImage]
 #: One cell, and the iterate of the map that is asked of it.
-Cell = tuple[int, bool, bytes]
+CellKey = tuple[int, bool, bytes]
 
 
 @dataclass(frozen=True)
 class PilotResolution:
     """Resolutions to begin with, from one pilot run for each cell.
 
-    The pilot runs are kept in `cache`, which grows with each new cell.  It holds values of a
-    function of the cell alone: what it holds decides how long a call takes, never its result.
+    The pilot runs are kept in `resolution_of_cell`, which grows with each new cell.  It holds
+    values of a function of the cell alone: what it holds decides how long a call takes, never
+    its result.
 
     Attributes
     ----------
-    tolerance : float
+    period_tolerance : float
         Of the error that a period adds.
-    order : int
+    convergence_order : int
         By which power of the resolution the error falls.
-    finest : int
+    finest_resolution : int
         Largest resolution.
-    state_bits : int
+    state_cell_bits : int
         Binary digits of a state variable that tell its cell; the cells of numbers below 1
         are as large as those at 1.
-    cache : dict of Cell to int
+    resolution_of_cell : dict of Cell to int
     """
 
-    tolerance: float
-    order: int
-    finest: int
-    state_bits: int
-    cache: dict[Cell, int] = field(default_factory=dict, repr=False, compare=False)
+    period_tolerance: float
+    convergence_order: int
+    finest_resolution: int
+    state_cell_bits: int
+    resolution_of_cell: dict[CellKey, int] = field(default_factory=dict, repr=False, compare=False)
 
     def __call__(
         self,
-        run: PilotRun,
+        run: PilotRunFunction,
         states: FloatArray,
         parameters: FloatArray,
         *,
@@ -95,27 +96,32 @@ class PilotResolution:
             Whether it lasts half a period more.
         """
         centres = np.hstack(
-            [_rounded(states, self.state_bits, 0), _rounded(parameters, _PARAMETER_BITS, _NO_FLOOR)]
+            [
+                _round_to_bits(states, self.state_cell_bits, 0),
+                _round_to_bits(parameters, _PARAMETER_CELL_BITS, _NO_FLOOR_EXPONENT),
+            ]
         )
-        cells: list[Cell] = [(iterate, half, row.tobytes()) for row in centres]
-        unseen = {cell: k for k, cell in enumerate(cells) if cell not in self.cache}
+        cells: list[CellKey] = [(iterate, half, row.tobytes()) for row in centres]
+        unseen = {cell: k for k, cell in enumerate(cells) if cell not in self.resolution_of_cell}
         if unseen:
             rows = centres[list(unseen.values())]
-            wanted = self._pilot(run, *np.split(rows, [states.shape[1]], axis=1))
-            self.cache.update(zip(unseen, wanted.tolist(), strict=True))
-        return np.array([self.cache[cell] for cell in cells], dtype=np.int64)
+            wanted = self._pilot_resolutions(run, *np.split(rows, [states.shape[1]], axis=1))
+            self.resolution_of_cell.update(zip(unseen, wanted.tolist(), strict=True))
+        return np.array([self.resolution_of_cell[cell] for cell in cells], dtype=np.int64)
 
-    def enough(self, image: PeriodMapImage) -> IntArray:
+    def sufficient_resolutions(self, image: PeriodMapImage) -> IntArray:
         """Resolutions that would have been enough for an image, array (point,)."""
         with np.errstate(all="ignore"):
-            factor = (image.largest_period_error / (_TARGET_ERROR * self.tolerance)) ** (
-                1.0 / self.order
-            )
+            factor = (
+                image.largest_period_error / (_TARGET_ERROR_SHARE * self.period_tolerance)
+            ) ** (1.0 / self.convergence_order)
         factor = np.where(np.isfinite(factor), factor, 1.0).clip(_MIN_COARSENING, 1.0)
         foreseen = round_up_resolution(np.maximum(image.resolution * factor, FIRST_RESOLUTION))
-        return np.asarray(np.minimum(foreseen, self.finest))
+        return np.asarray(np.minimum(foreseen, self.finest_resolution))
 
-    def _pilot(self, run: PilotRun, states: FloatArray, parameters: FloatArray) -> IntArray:
+    def _pilot_resolutions(
+        self, run: PilotRunFunction, states: FloatArray, parameters: FloatArray
+    ) -> IntArray:
         """Resolutions that the errors of pilot runs ask for, array (point,)."""
         wanted = np.full(len(states), FIRST_RESOLUTION)
         resolution = np.full(len(states), FIRST_RESOLUTION)
@@ -124,9 +130,9 @@ class PilotResolution:
         while pending.size:
             image = run(states[pending], parameters[pending], resolution[pending])
             with np.errstate(all="ignore"):
-                factor = (image.largest_period_error / (_TARGET_ERROR * self.tolerance)) ** (
-                    1.0 / self.order
-                )
+                factor = (
+                    image.largest_period_error / (_TARGET_ERROR_SHARE * self.period_tolerance)
+                ) ** (1.0 / self.convergence_order)
             reliable = np.isfinite(factor) & (factor <= _MAX_EXTRAPOLATION)
             foreseen = round_up_resolution(
                 np.maximum(np.where(reliable, factor, 1.0) * image.resolution, FIRST_RESOLUTION)
@@ -137,13 +143,13 @@ class PilotResolution:
             finer = round_up_resolution(
                 image.resolution * growth.clip(_MIN_REFINEMENT, _MAX_REFINEMENT)
             )
-            again = ~reliable & (image.resolution < self.finest)
+            again = ~reliable & (image.resolution < self.finest_resolution)
             pending = pending[again]
-            resolution[pending] = np.minimum(finer[again], self.finest)
-        return np.asarray(np.minimum(wanted, self.finest))
+            resolution[pending] = np.minimum(finer[again], self.finest_resolution)
+        return np.asarray(np.minimum(wanted, self.finest_resolution))
 
 
-def _rounded(values: FloatArray, bits: int, floor: int) -> FloatArray:
+def _round_to_bits(values: FloatArray, bits: int, floor: int) -> FloatArray:
     """Numbers with some of their binary digits, as if none were below 2**floor / 2.
 
     Adding 0 turns -0 into 0, so that both lie in the same cell.

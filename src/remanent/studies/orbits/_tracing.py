@@ -22,7 +22,7 @@ from remanent.analysis.orbits.curves import (
 from remanent.analysis.orbits.orbit_equations import orbit_equations
 from remanent.analysis.orbits.periodic_orbits import PeriodicOrbits
 from remanent.studies.ensemble.checks import require_tolerance
-from remanent.studies.ensemble.durations import require_count, require_periods
+from remanent.studies.ensemble.durations import require_count, require_drive_periods
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.orbits._checks import (
     require_heat_exchange,
@@ -30,20 +30,20 @@ from remanent.studies.orbits._checks import (
     require_state_box,
 )
 from remanent.studies.orbits._period_map import StroboscopicMap, map_tolerance
-from remanent.studies.orbits._search import Search, find_all_orbits, is_reversible
+from remanent.studies.orbits._search import OrbitSearch, find_all_orbits, is_reversible
 
 #: A point nearer to a curve than this, in scaled unknowns, is on it.
-_DISTANCE_ON_CURVE = 1e-3
+_MAX_DISTANCE_ON_CURVE = 1e-3
 #: Chords of a curve, nearest to a point, on whose arcs it is looked for.
-_NEAREST_CHORDS = 3
+_NEAREST_CHORD_COUNT = 3
 #: First step along a branch, in scaled unknowns.
 FIRST_STEP = 0.005
 #: Longest step along a branch, in scaled unknowns.
 LONGEST_STEP = 0.02
 #: Points predicted at once where a single curve is followed.
-_BLOCK_OF_ONE = 16
+_SINGLE_CURVE_BLOCK_SIZE = 16
 #: Points predicted at once on each of many curves.
-_BLOCK_OF_MANY = 8
+_MANY_CURVES_BLOCK_SIZE = 8
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class Branch:
     """A branch with its special points."""
 
     curve: Curve
-    special: list[SpecialPoint]
+    special_points: list[SpecialPoint]
 
 
 @dataclass(frozen=True)
@@ -61,44 +61,48 @@ class Tracing:
     Attributes
     ----------
     map : StroboscopicMap
-    box : array (state, 2)
+    state_box : array (state, 2)
         A branch ends where the state at phase 0 leaves it.
     parameter_range : (float, float)
     orbit_period : int
         In drive periods.
-    tolerance : float
+    residual_tolerance : float
         Of the residual.
     max_points : int
         In each direction from the start.
     """
 
     map: StroboscopicMap
-    box: FloatArray
+    state_box: FloatArray
     parameter_range: tuple[float, float]
     orbit_period: int
-    tolerance: float
+    residual_tolerance: float
     max_points: int
 
     @property
-    def equations(self) -> CurveEquations:
+    def curve_equations(self) -> CurveEquations:
         """Equations of the curve: state and parameter are the unknowns."""
         return orbit_equations(self.map, self.orbit_period)
 
     @property
-    def settings(self) -> ContinuationSettings:
+    def continuation_settings(self) -> ContinuationSettings:
         """Bounds, scale and steps of the continuation."""
-        lower, upper = (np.append(self.box[:, k], self.parameter_range[k]) for k in (0, 1))
-        scale = np.append(np.ones(len(self.box)), self.parameter_range[1] - self.parameter_range[0])
+        lower, upper = (np.append(self.state_box[:, k], self.parameter_range[k]) for k in (0, 1))
+        scale = np.append(
+            np.ones(len(self.state_box)), self.parameter_range[1] - self.parameter_range[0]
+        )
         return ContinuationSettings(
             lower, upper, scale, first_step=FIRST_STEP, max_step=LONGEST_STEP,
-            tolerance=0.1 * self.tolerance, max_points=self.max_points,
+            tolerance=0.1 * self.residual_tolerance, max_points=self.max_points,
         )  # fmt: skip
 
-    def search(self, *, dense: bool = True) -> Search:
+    def orbit_search(self, *, dense: bool = True) -> OrbitSearch:
         """How orbits to start from are looked for."""
         ens = self.map.ensemble
         reversible = is_reversible(ens.system, ens.drive)
-        return Search(self.map, self.box, self.orbit_period, self.tolerance, reversible, dense)
+        return OrbitSearch(
+            self.map, self.state_box, self.orbit_period, self.residual_tolerance, reversible, dense
+        )
 
 
 @dataclass(frozen=True)
@@ -121,28 +125,30 @@ class TracingOptions:
     max_points: int
     tolerance: float
 
-    def check(self, ens: Ensemble) -> None:
+    def require_valid(self, ens: Ensemble) -> None:
         """Refuse what is wrong with these options for an ensemble."""
         require_tolerance(self.tolerance, "the residual")
-        require_periods(ens)
+        require_drive_periods(ens)
         require_heat_exchange(ens)
         require_state_box("state_box", self.state_box, ens)
         require_orbit_period(self.orbit_period)
         require_count("max_points", self.max_points, "A branch is made of points.")
 
-    def tracing(self, member: Ensemble) -> Tracing:
+    def tracing_of_member(self, member: Ensemble) -> Tracing:
         """For one trajectory."""
         return Tracing(
             map=StroboscopicMap(member, (self.parameter,), map_tolerance(self.tolerance)),
-            box=require_state_box("state_box", self.state_box, member),
+            state_box=require_state_box("state_box", self.state_box, member),
             parameter_range=self.parameter_range,
             orbit_period=self.orbit_period,
-            tolerance=self.tolerance,
+            residual_tolerance=self.tolerance,
             max_points=self.max_points,
         )
 
 
-def trace_through(tracing: Tracing, orbits: PeriodicOrbits, values: FloatArray) -> list[Branch]:
+def trace_through_orbits(
+    tracing: Tracing, orbits: PeriodicOrbits, values: FloatArray
+) -> list[Branch]:
     """The branches through some orbits, each once.
 
     Parameters
@@ -154,45 +160,45 @@ def trace_through(tracing: Tracing, orbits: PeriodicOrbits, values: FloatArray) 
     """
     if not len(values):
         return []
-    equations, settings = tracing.equations, tracing.settings
+    equations, settings = tracing.curve_equations, tracing.continuation_settings
     unknown = np.column_stack([orbits.state, values])
-    here = equations(unknown)
+    at_starts = equations(unknown)
     upwards = np.zeros(unknown.shape)
     upwards[:, -1] = 1.0
     starts = CurvePoints(
         unknown,
-        unit_tangents(here.derivative, upwards, settings.scale),
-        np.abs(here.value).max(axis=1),
-        here.value_error,
-        here.extra_arrays,
+        unit_tangents(at_starts.derivative, upwards, settings.scale),
+        np.abs(at_starts.value).max(axis=1),
+        at_starts.value_error,
+        at_starts.extra_arrays,
     )
-    block = _BLOCK_OF_ONE if len(values) == 1 else _BLOCK_OF_MANY
+    block = _SINGLE_CURVE_BLOCK_SIZE if len(values) == 1 else _MANY_CURVES_BLOCK_SIZE
     curves = continue_curves(equations, starts, replace(settings, block_size=block))
     # Orbits on both arms of a fold lie on the same branch.  It was followed from each.
     distinct: list[Curve] = []
     for curve, start in zip(curves, unknown, strict=True):
-        if not any(contains(earlier, start, settings.scale) for earlier in distinct):
-            distinct.append(_clipped(equations, curve, settings))
-    return [Branch(curve, _special_points(tracing, curve)) for curve in distinct]
+        if not any(curve_contains(earlier, start, settings.scale) for earlier in distinct):
+            distinct.append(_clip_to_bounds(equations, curve, settings))
+    return [Branch(curve, _find_special_points(tracing, curve)) for curve in distinct]
 
 
-def _special_points(tracing: Tracing, curve: Curve) -> list[SpecialPoint]:
+def _find_special_points(tracing: Tracing, curve: Curve) -> list[SpecialPoint]:
     return find_special_points(
-        tracing.equations,
+        tracing.curve_equations,
         curve.points,
-        scale=tracing.settings.scale,
-        tolerance=tracing.settings.tolerance,
+        scale=tracing.continuation_settings.scale,
+        tolerance=tracing.continuation_settings.tolerance,
         conservative=tracing.map.ensemble.system.conservative,
     )
 
 
-def trace_all(tracing: Tracing, slices: int) -> list[Branch]:
+def trace_all_branches(tracing: Tracing, slices: int) -> list[Branch]:
     """All branches that pass through one of several evenly spaced values of the parameter."""
     low, high = tracing.parameter_range
     values = low + (high - low) * (np.arange(slices) + 0.5) / slices
-    orbits_at = find_all_orbits(tracing.search(dense=False), values[:, None])
+    orbits_at = find_all_orbits(tracing.orbit_search(dense=False), values[:, None])
     branches: list[Branch] = []
-    scale = tracing.settings.scale
+    scale = tracing.continuation_settings.scale
     # From the middle outwards: most branches pass there, and are followed together.
     for k in np.argsort(np.abs(values - values.mean()), kind="stable"):
         orbits = orbits_at[k]
@@ -200,18 +206,18 @@ def trace_all(tracing: Tracing, slices: int) -> list[Branch]:
         new = [
             i
             for i, point in enumerate(points)
-            if not any(contains(branch.curve, point, scale) for branch in branches)
+            if not any(curve_contains(branch.curve, point, scale) for branch in branches)
         ]
         subset = orbits.subset(np.array(new, dtype=np.int64))
-        branches += trace_through(tracing, subset, np.full(len(new), values[k]))
+        branches += trace_through_orbits(tracing, subset, np.full(len(new), values[k]))
     return branches
 
 
-def contains(curve: Curve, point: FloatArray, scale: FloatArray) -> bool:
+def curve_contains(curve: Curve, point: FloatArray, scale: FloatArray) -> bool:
     """Whether a curve passes through a point, array (n + 1,)."""
     points = curve.points
     if len(points) < 2:
-        return bool(np.linalg.norm((points.unknown[0] - point) / scale) < _DISTANCE_ON_CURVE)
+        return bool(np.linalg.norm((points.unknown[0] - point) / scale) < _MAX_DISTANCE_ON_CURVE)
     chain = points.unknown / scale
     chord = np.diff(chain, axis=0)
     away = point / scale - chain[:-1]
@@ -220,12 +226,14 @@ def contains(curve: Curve, point: FloatArray, scale: FloatArray) -> bool:
     distance = np.linalg.norm(away - part[:, None] * chord, axis=1)
     # Between its points a curve bends away from the chord by more than the distance that
     # counts as on it, so the point is compared with the cubic.
-    nearest = np.argsort(distance)[:_NEAREST_CHORDS]
+    nearest = np.argsort(distance)[:_NEAREST_CHORD_COUNT]
     guess, _ = interpolate_curve(points, nearest, part[nearest], scale)
-    return bool((np.linalg.norm((guess - point) / scale, axis=1) < _DISTANCE_ON_CURVE).any())
+    return bool((np.linalg.norm((guess - point) / scale, axis=1) < _MAX_DISTANCE_ON_CURVE).any())
 
 
-def _clipped(equations: CurveEquations, curve: Curve, settings: ContinuationSettings) -> Curve:
+def _clip_to_bounds(
+    equations: CurveEquations, curve: Curve, settings: ContinuationSettings
+) -> Curve:
     """The curve up to the bounds exactly, where it left them."""
     points = curve.points
     if curve.end_reasons[1] == "bounds":

@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from remanent._checks import require_choice, shortened
+from remanent._checks import require_choice, shortened_repr
 from remanent._errors import InputError
 from remanent._status import Status
 from remanent._typing import ArrayLike, FloatArray
@@ -23,25 +23,25 @@ from remanent.models.system import System
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import (
     require_parameter,
-    require_range,
+    require_parameter_range,
     require_state,
     require_tolerance,
 )
-from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
-from remanent.studies.ensemble.durations import require_count, require_periods
+from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
+from remanent.studies.ensemble.durations import require_count, require_drive_periods
 from remanent.studies.ensemble.ensemble import Ensemble
-from remanent.studies.ensemble.layout import Over, lay_out
+from remanent.studies.ensemble.layout import Over, lay_out_ensemble
 from remanent.studies.ensemble.progress import Progress, as_progress
-from remanent.studies.orbits._branch_tables import END_LABELS, end_reasons, member_status
+from remanent.studies.orbits._branch_tables import END_LABELS, end_reasons_of_curves, member_status
 from remanent.studies.orbits._checks import (
-    BIFURCATIONS,
-    require_free,
+    BIFURCATION_KINDS,
     require_heat_exchange,
+    require_not_in_over,
     require_orbit_period,
     require_state_box,
 )
 from remanent.studies.orbits._members import for_each_member, stack_tables
-from remanent.studies.orbits._orbit_tables import DIMENSIONS
+from remanent.studies.orbits._orbit_tables import ORBIT_DIMENSIONS
 from remanent.studies.orbits._period_map import StroboscopicMap, map_tolerance
 from remanent.studies.orbits._tracing import FIRST_STEP, LONGEST_STEP
 
@@ -136,14 +136,14 @@ def continue_bifurcation(
     >>> bool(ds.residual.max() < 1e-8), ds.omega.size > 20
     (True, True)
     """
-    require_choice("kind", kind, BIFURCATIONS)
+    require_choice("kind", kind, BIFURCATION_KINDS)
     require_tolerance(tolerance, "the residual")
     require_orbit_period(orbit_period)
     require_count("max_points", max_points, "A curve is made of points.")
-    ens = lay_out(system, drive, over, reserved=DIMENSIONS)
-    require_periods(ens)
+    ens = lay_out_ensemble(system, drive, over, reserved=ORBIT_DIMENSIONS)
+    require_drive_periods(ens)
     require_heat_exchange(ens)
-    names, limits = _require_plane(parameters, parameter_ranges, ens)
+    names, limits = _require_two_parameters(parameters, parameter_ranges, ens)
     require_state_box("state_box", state_box, ens)
     state = require_state(
         "initial", initial, ens, why="The special point is looked for from there.",
@@ -152,13 +152,13 @@ def continue_bifurcation(
 
     def trace(member: Ensemble) -> dict[str, NDArray[Any]]:
         box = require_state_box("state_box", state_box, member)
-        plane = _Plane(member, names, limits, box, orbit_period, tolerance, max_points)
-        return _columns(plane.trace(kind, state), names, ens.field.state)
+        plane = _ParameterPlane(member, names, limits, box, orbit_period, tolerance, max_points)
+        return _curve_columns(plane.trace_bifurcation(kind, state), names, ens.field.state_names)
 
     tables = for_each_member(ens, trace, as_progress(progress))
-    columns = stack_tables(tables, _columns(None, names, ens.field.state))
+    columns = stack_tables(tables, _curve_columns(None, names, ens.field.state_names))
     reasons = [None if table is None else table["end_reason"] for table in tables]
-    variables: dict[str, PerTrajectory] = {
+    variables: dict[str, PerTrajectoryArray] = {
         name: (("end",) if name == "end_reason" else ("point",), column)
         for name, column in columns.items()
     }
@@ -172,7 +172,7 @@ def continue_bifurcation(
     )  # fmt: skip
 
 
-def _require_plane(
+def _require_two_parameters(
     parameters: Sequence[str], ranges: Sequence[ArrayLike], ens: Ensemble
 ) -> tuple[tuple[str, str], list[tuple[float, float]]]:
     """Two different fields and their ranges."""
@@ -180,24 +180,26 @@ def _require_plane(
         ("parameters", parameters, "different fields", "('omega', 'b')"),
         ("parameter_ranges", ranges, "ranges", "[(1.0, 1.4), (0.2, 0.6)]"),
     ):
-        if not _is_pair(pair):
+        if not _is_distinct_pair(pair):
             raise InputError(
                 name,
                 must=f"be two {what}",
-                got=shortened(pair),
+                got=shortened_repr(pair),
                 why="A curve lies in a plane.",
                 fix=f"Pass for example {example}.",
             )
     first, second = (require_parameter("parameters", name, ens) for name in parameters)
-    require_free((first, second), ens)
+    require_not_in_over((first, second), ens)
     limits = [
-        require_range("parameter_ranges", pair, name, ens, "The curve is followed between them.")
+        require_parameter_range(
+            "parameter_ranges", pair, name, ens, "The curve is followed between them."
+        )
         for name, pair in zip(parameters, ranges, strict=True)
     ]
     return (first, second), limits
 
 
-def _is_pair(value: object) -> bool:
+def _is_distinct_pair(value: object) -> bool:
     """Whether `value` is a sequence of two entries that are not the same."""
     if not isinstance(value, Sequence | np.ndarray) or isinstance(value, str) or len(value) != 2:
         return False
@@ -205,47 +207,49 @@ def _is_pair(value: object) -> bool:
 
 
 @dataclass(frozen=True)
-class _Plane:
+class _ParameterPlane:
     """The plane of two parameters of one system, in which a curve is followed.
 
     Attributes
     ----------
-    ens : Ensemble
+    ensemble : Ensemble
         Of one trajectory.
     parameters : (str, str)
-    limits : two of (float, float)
-    box : array (state, 2)
+    parameter_ranges : two of (float, float)
+    state_box : array (state, 2)
     orbit_period : int
     tolerance : float
     max_points : int
     """
 
-    ens: Ensemble
+    ensemble: Ensemble
     parameters: tuple[str, str]
-    limits: list[tuple[float, float]]
-    box: FloatArray
+    parameter_ranges: list[tuple[float, float]]
+    state_box: FloatArray
     orbit_period: int
     tolerance: float
     max_points: int
 
     @property
-    def settings(self) -> ContinuationSettings:
+    def continuation_settings(self) -> ContinuationSettings:
         """Bounds, scale and steps of the continuation."""
-        lower, upper = np.concatenate([self.box, np.array(self.limits)]).T
-        scale = np.concatenate([np.ones(len(self.box)), np.ptp(np.array(self.limits), axis=1)])
+        lower, upper = np.concatenate([self.state_box, np.array(self.parameter_ranges)]).T
+        scale = np.concatenate(
+            [np.ones(len(self.state_box)), np.ptp(np.array(self.parameter_ranges), axis=1)]
+        )
         return ContinuationSettings(
             lower, upper, scale, first_step=FIRST_STEP, max_step=LONGEST_STEP,
             tolerance=self.tolerance, max_points=self.max_points,
         )  # fmt: skip
 
-    def trace(self, kind: str, state: FloatArray) -> Curve:
+    def trace_bifurcation(self, kind: str, state: FloatArray) -> Curve:
         """The curve through the special point nearest to a state, at the system's own values."""
-        settings = self.settings
+        settings = self.continuation_settings
         # The determinant of the Jacobian has to be right, so the map is more precise than
         # for a branch.
-        map_ = StroboscopicMap(self.ens, self.parameters, map_tolerance(self.tolerance, 0.01))
+        map_ = StroboscopicMap(self.ensemble, self.parameters, map_tolerance(self.tolerance, 0.01))
         equations = bifurcation_equations(map_, self.orbit_period, kind, settings.scale)
-        values = [float(self.ens.values[name][0]) for name in self.parameters]
+        values = [float(self.ensemble.values[name][0]) for name in self.parameters]
         guess = np.concatenate([state, values])[None]
         fixed = np.zeros(guess.shape)
         fixed[0, -1] = 1.0  # the second parameter
@@ -264,19 +268,19 @@ class _Plane:
         return curve
 
 
-def _columns(
+def _curve_columns(
     curve: Curve | None, parameters: tuple[str, str], state: Sequence[str]
 ) -> dict[str, NDArray[Any]]:
     """Columns along a curve; without one, their kinds."""
     names = (*parameters, *state)
     if curve is None:
         empty = dict.fromkeys((*names, "residual", "error"), np.empty(0))
-        return {**empty, "end_reason": end_reasons([("", "")])[0]}
+        return {**empty, "end_reason": end_reasons_of_curves([("", "")])[0]}
     points = curve.points
     order = [*range(len(state), len(state) + 2), *range(len(state))]
     return {
         **{name: points.unknown[:, k] for name, k in zip(names, order, strict=True)},
         "residual": points.residual,
         "error": points.residual_error,
-        "end_reason": end_reasons([curve.end_reasons])[0],
+        "end_reason": end_reasons_of_curves([curve.end_reasons])[0],
     }

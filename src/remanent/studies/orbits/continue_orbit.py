@@ -13,18 +13,22 @@ from remanent._typing import ArrayLike, FloatArray
 from remanent.analysis.orbits.periodic_orbits import PeriodicOrbits, newton_fixed_points
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
-from remanent.studies.ensemble.checks import require_parameter, require_range, require_state
+from remanent.studies.ensemble.checks import (
+    require_parameter,
+    require_parameter_range,
+    require_state,
+)
 from remanent.studies.ensemble.ensemble import Ensemble
-from remanent.studies.ensemble.layout import Over, lay_out
+from remanent.studies.ensemble.layout import Over, lay_out_ensemble
 from remanent.studies.ensemble.progress import Progress, as_progress
 from remanent.studies.orbits._branch_tables import BranchTable, describe_branches, label_branches
-from remanent.studies.orbits._checks import require_free
+from remanent.studies.orbits._checks import require_not_in_over
 from remanent.studies.orbits._members import for_each_member
-from remanent.studies.orbits._orbit_tables import DIMENSIONS
+from remanent.studies.orbits._orbit_tables import ORBIT_DIMENSIONS
 from remanent.studies.orbits._search import find_all_orbits, nearest_to_rest
-from remanent.studies.orbits._tracing import Tracing, TracingOptions, trace_through
+from remanent.studies.orbits._tracing import Tracing, TracingOptions, trace_through_orbits
 
-_STATE_FIX = "Take one from periodic_orbits, at phase 0."
+_INITIAL_STATE_REMEDY = "Take one from periodic_orbits, at phase 0."
 
 
 def continue_orbit(
@@ -112,31 +116,33 @@ def continue_orbit(
     >>> ds.special_kind.values.tolist(), float(ds.special_omega[0].round(4))
     (['fold'], 1.2668)
     """
-    ens = lay_out(system, drive, over, reserved=DIMENSIONS)
+    ens = lay_out_ensemble(system, drive, over, reserved=ORBIT_DIMENSIONS)
     require_parameter("parameter", parameter, ens)
-    limits = require_range(
+    limits = require_parameter_range(
         "parameter_range", parameter_range, parameter, ens, "A branch is followed between them."
     )
-    require_free((parameter,), ens)
-    _require_inside(float(ens.values[parameter][0]), limits)
+    require_not_in_over((parameter,), ens)
+    _require_start_inside(float(ens.values[parameter][0]), limits)
     options = TracingOptions(parameter, limits, state_box, orbit_period, max_points, tolerance)
-    options.check(ens)
+    options.require_valid(ens)
     guess = None
     if initial is not None:
         guess = require_state(
-            "initial", initial, ens, why="The branch starts near it.", fix=_STATE_FIX
+            "initial", initial, ens, why="The branch starts near it.", fix=_INITIAL_STATE_REMEDY
         )
 
     def trace(member: Ensemble) -> BranchTable:
-        tracing, value = options.tracing(member), float(member.values[parameter][0])
-        branches = trace_through(tracing, _start(tracing, guess, value), np.array([value]))
+        tracing, value = options.tracing_of_member(member), float(member.values[parameter][0])
+        branches = trace_through_orbits(
+            tracing, _start_orbit(tracing, guess, value), np.array([value])
+        )
         return describe_branches(member, branches, options)
 
     tables = for_each_member(ens, trace, as_progress(progress))
     return label_branches(ens, tables, options, single=True, parameter=parameter)
 
 
-def _require_inside(value: float, limits: tuple[float, float]) -> None:
+def _require_start_inside(value: float, limits: tuple[float, float]) -> None:
     """The parameter's own value, where the branch starts, is between the limits."""
     if not limits[0] <= value <= limits[1]:
         raise InputError(
@@ -148,15 +154,15 @@ def _require_inside(value: float, limits: tuple[float, float]) -> None:
         )
 
 
-def _start(tracing: Tracing, guess: FloatArray | None, value: float) -> PeriodicOrbits:
+def _start_orbit(tracing: Tracing, guess: FloatArray | None, value: float) -> PeriodicOrbits:
     """The orbit to start from, at the parameter's own value."""
     if guess is None:
-        (orbits,) = find_all_orbits(tracing.search(), np.array([[value]]))
+        (orbits,) = find_all_orbits(tracing.orbit_search(), np.array([[value]]))
         why = "None was found at the parameter's own value."
     else:
         orbits = newton_fixed_points(
             tracing.map, guess[None], np.array([[value]]), iterate=tracing.orbit_period,
-            tolerance=tracing.tolerance, box=tracing.box,
+            tolerance=tracing.residual_tolerance, box=tracing.state_box,
         )  # fmt: skip
         why = "Newton's method reached none from it."
     if not orbits.residual.size:

@@ -18,16 +18,16 @@ from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.studies.ensemble.checks import require_parameter, require_state, require_tolerance
 from remanent.studies.ensemble.dataset import to_dataset
-from remanent.studies.ensemble.durations import require_periods
+from remanent.studies.ensemble.durations import require_drive_periods
 from remanent.studies.ensemble.ensemble import Ensemble
-from remanent.studies.ensemble.layout import Over, lay_out
+from remanent.studies.ensemble.layout import Over, lay_out_ensemble
 from remanent.studies.orbits._checks import (
-    BIFURCATIONS,
-    require_free,
+    BIFURCATION_KINDS,
     require_heat_exchange,
+    require_not_in_over,
     require_orbit_period,
 )
-from remanent.studies.orbits._orbit_tables import DIMENSIONS
+from remanent.studies.orbits._orbit_tables import ORBIT_DIMENSIONS
 from remanent.studies.orbits._period_map import StroboscopicMap, map_tolerance
 
 #: Steps in which other fields are moved from the system's own values.
@@ -96,21 +96,23 @@ def locate_bifurcation(
     >>> float(ds.omega.round(6))
     1.266795
     """
-    require_choice("kind", kind, BIFURCATIONS)
+    require_choice("kind", kind, BIFURCATION_KINDS)
     require_tolerance(tolerance, "the residual")
     require_orbit_period(orbit_period)
-    single = lay_out(system, drive)
-    require_periods(single)
+    single = lay_out_ensemble(system, drive)
+    require_drive_periods(single)
     require_parameter("parameter", parameter, single)
-    ens = lay_out(system, drive, over, reserved=DIMENSIONS)
+    ens = lay_out_ensemble(system, drive, over, reserved=ORBIT_DIMENSIONS)
     require_heat_exchange(ens)
-    require_free((parameter,), ens)
+    require_not_in_over((parameter,), ens)
     state = require_state(
         "initial", initial, ens, why="The special point is looked for from there.",
         fix="Take it from the special points of a branch.",
     )  # fmt: skip
-    outcome = _locate(single, ens, _Target(kind, parameter, state, orbit_period, tolerance))
-    if not ens.sizes and not outcome.reached[0]:
+    outcome = _locate_in_all_members(
+        single, ens, _BifurcationTarget(kind, parameter, state, orbit_period, tolerance)
+    )
+    if not ens.sizes and not outcome.has_converged[0]:
         raise InputError(
             "initial",
             must=f"be near a {kind}",
@@ -119,62 +121,67 @@ def locate_bifurcation(
             fix="Pass the state and the parameter of a special point of a branch.",
         )
     columns = {
-        parameter: outcome.unknown[:, state.size],
-        f"{parameter}_error": outcome.error,
+        parameter: outcome.unknowns[:, state.size],
+        f"{parameter}_error": outcome.parameter_error,
         "residual": outcome.residual,
-        **{name: outcome.unknown[:, k] for k, name in enumerate(ens.field.state)},
+        **{name: outcome.unknowns[:, k] for k, name in enumerate(ens.field.state_names)},
     }
     missing = np.where(ens.invalid, Status.INVALID, Status.DIVERGED)
     return to_dataset(
-        ens, {name: np.where(outcome.reached, v, np.nan) for name, v in columns.items()},
-        status=np.where(outcome.reached, Status.OK, missing), tolerance=tolerance, kind=kind,
+        ens, {name: np.where(outcome.has_converged, v, np.nan) for name, v in columns.items()},
+        status=np.where(outcome.has_converged, Status.OK, missing), tolerance=tolerance, kind=kind,
         orbit_period=orbit_period,
     )  # fmt: skip
 
 
 @dataclass(frozen=True)
-class _Target:
+class _BifurcationTarget:
     """The special point that is looked for, and from where."""
 
     kind: str
     parameter: str
-    state: FloatArray
+    initial_state: FloatArray
     orbit_period: int
     tolerance: float
 
 
 @dataclass(frozen=True)
-class _Located:
+class _LocatedBifurcations:
     """What was reached for each member.
 
     Attributes
     ----------
-    unknown : array (member, state + 2)
+    unknowns : array (member, state + 2)
         State, parameter, and the number of the member.
-    residual, error : array (member,)
+    residual, parameter_error : array (member,)
         The error is that of the parameter.
-    reached : array (member,) of bool
+    has_converged : array (member,) of bool
         Whether Newton's method converged.
     """
 
-    unknown: FloatArray
+    unknowns: FloatArray
     residual: FloatArray
-    error: FloatArray
-    reached: BoolArray
+    parameter_error: FloatArray
+    has_converged: BoolArray
 
 
-def _locate(single: Ensemble, ens: Ensemble, target: _Target) -> _Located:
+def _locate_in_all_members(
+    single: Ensemble, ens: Ensemble, target: _BifurcationTarget
+) -> _LocatedBifurcations:
     """The special point of every member, all together, moved there from the system's own."""
     # Named, not compared by value: whether a field counts as varied must not depend on the
     # values of other members.
     fields = [name for name in ens.coords if name in ens.values]
     held = tuple(fields)
     map_ = StroboscopicMap(
-        single, (target.parameter, *fields), map_tolerance(target.tolerance, 0.01), held=held
+        single,
+        (target.parameter, *fields),
+        map_tolerance(target.tolerance, 0.01),
+        undifferentiated_names=held,
     )
     members = np.flatnonzero(~ens.invalid)
-    size = target.state.size + 2
-    located = _Located(
+    size = target.initial_state.size + 2
+    located = _LocatedBifurcations(
         np.full((ens.count, size), np.nan), np.full(ens.count, np.nan),
         np.full(ens.count, np.nan), np.zeros(ens.count, dtype=np.bool_),
     )  # fmt: skip
@@ -184,12 +191,12 @@ def _locate(single: Ensemble, ens: Ensemble, target: _Target) -> _Located:
     end = np.array([ens.values[name][members] for name in fields]).T
     end = end.reshape(members.size, len(fields))
     value = float(single.values[target.parameter][0])
-    scale = np.concatenate([np.ones(target.state.size), [abs(value) or 1.0, 1.0]])
-    start = np.tile(np.append(target.state, value), (members.size, 1))
+    scale = np.concatenate([np.ones(target.initial_state.size), [abs(value) or 1.0, 1.0]])
+    start = np.tile(np.append(target.initial_state, value), (members.size, 1))
     guess = np.column_stack([start, np.arange(members.size)])
     fixed = np.tile(np.eye(size)[-1], (members.size, 1))  # the number of the member
     for share in np.linspace(0.0, 1.0, _HOMOTOPY_STEPS + 1) if fields else [0.0]:
-        numbered = _NumberedMap(map_, begin + share * (end - begin))
+        numbered = _MemberNumberMap(map_, begin + share * (end - begin))
         equations = bifurcation_equations(numbered, target.orbit_period, target.kind, scale)
         points, reached = correct_points(
             equations, guess, fixed, scale=scale, tolerance=target.tolerance
@@ -198,15 +205,15 @@ def _locate(single: Ensemble, ens: Ensemble, target: _Target) -> _Located:
     square = equations(points.unknown).derivative[:, :, :-1]
     with np.errstate(all="ignore"):
         inverse = np.linalg.pinv(np.nan_to_num(square))
-        spread = np.abs(inverse)[:, target.state.size].sum(axis=1)
-    located.unknown[members], located.reached[members] = points.unknown, reached
+        spread = np.abs(inverse)[:, target.initial_state.size].sum(axis=1)
+    located.unknowns[members], located.has_converged[members] = points.unknown, reached
     located.residual[members] = points.residual
-    located.error[members] = spread * (points.residual + points.residual_error)
+    located.parameter_error[members] = spread * (points.residual + points.residual_error)
     return located
 
 
 @dataclass(frozen=True)
-class _NumberedMap:
+class _MemberNumberMap:
     """A map of one parameter and of the number of a member, which has its own fields.
 
     Curves have two parameters; here the second only says which member a point belongs to.
@@ -215,11 +222,11 @@ class _NumberedMap:
     ----------
     map : StroboscopicMap
         Of the parameter and of the fields.
-    fields : array (member, field)
+    member_field_values : array (member, field)
     """
 
     map: StroboscopicMap
-    fields: FloatArray
+    member_field_values: FloatArray
 
     @property
     def dimension(self) -> int:
@@ -231,7 +238,7 @@ class _NumberedMap:
 
         The number is rounded, so that a finite difference in it changes nothing.
         """
-        rows = self.fields[np.rint(parameters[:, 1]).astype(np.int64)]
+        rows = self.member_field_values[np.rint(parameters[:, 1]).astype(np.int64)]
         image = self.map.run(states, np.hstack([parameters[:, :1], rows]), iterate)
         slope = np.pad(image.parameter_jacobian[:, :, :1], ((0, 0), (0, 0), (0, 1)))
         return MapImage(image.state, image.jacobian, slope, image.error)

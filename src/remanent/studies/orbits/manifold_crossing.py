@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from remanent._checks import positive, require_real
+from remanent._checks import positive_rule, require_real
 from remanent._errors import InputError
 from remanent._status import Status
 from remanent._typing import ArrayLike, ComplexArray, FloatArray
@@ -23,38 +23,38 @@ from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.studies.ensemble.checks import (
     require_parameter,
-    require_range,
+    require_parameter_range,
     require_state,
     require_tolerance,
 )
 from remanent.studies.ensemble.dataset import to_dataset
-from remanent.studies.ensemble.durations import require_count, require_periods
+from remanent.studies.ensemble.durations import require_count, require_drive_periods
 from remanent.studies.ensemble.ensemble import Ensemble
-from remanent.studies.ensemble.layout import Over, lay_out
+from remanent.studies.ensemble.layout import Over, lay_out_ensemble
 from remanent.studies.ensemble.observables import blank_beyond_horizon
 from remanent.studies.ensemble.problem import initial_value_problem
 from remanent.studies.ensemble.progress import Progress, as_progress
 from remanent.studies.orbits._checks import (
-    require_free,
+    require_not_in_over,
     require_orbit_period,
     require_state_box,
 )
 from remanent.studies.orbits._members import for_each_member
-from remanent.studies.orbits._orbit_tables import DIMENSIONS
+from remanent.studies.orbits._orbit_tables import ORBIT_DIMENSIONS
 from remanent.studies.orbits._period_map import StroboscopicMap, map_tolerance
-from remanent.studies.orbits._search import Search, find_all_orbits, is_reversible
+from remanent.studies.orbits._search import OrbitSearch, find_all_orbits, is_reversible
 
 #: Values inside a bracket that are tried at once: one for each lane of a kernel.
-_TRIED_AT_ONCE = 16
+_VALUES_TRIED_AT_ONCE = 16
 #: Drive periods of the first runs.
 _FIRST_PERIODS = 48
 #: Periods of the orbit that next runs last beyond what the last ones took.
-_MORE_PERIODS = 12
+_EXTRA_ORBIT_PERIODS = 12
 #: Residual of the saddle.
 _SADDLE_RESIDUAL = 1e-11
 #: Residual of the saddles that are looked for without a guess.
-_SEARCH_RESIDUAL = 1e-9
-_WIDTH = positive("It is the width of the last bracket.", "Pass for example 1e-8.")
+_SADDLE_SEARCH_RESIDUAL = 1e-9
+_WIDTH_RULE = positive_rule("It is the width of the last bracket.", "Pass for example 1e-8.")
 
 
 def manifold_crossing(
@@ -144,129 +144,133 @@ def manifold_crossing(
     1.254
     """
     require_tolerance(tolerance, "the states along the runs")
-    width = require_real("width", width, _WIDTH)
+    width = require_real("width", width, _WIDTH_RULE)
     require_orbit_period(orbit_period)
     require_count("periods", periods, "The motion must have time to leave.", 3)
-    ens = lay_out(system, drive, over, initial, reserved=DIMENSIONS)
-    require_periods(ens)
+    ens = lay_out_ensemble(system, drive, over, initial, reserved=ORBIT_DIMENSIONS)
+    require_drive_periods(ens)
     require_parameter("parameter", parameter, ens)
-    limits = require_range(
+    limits = require_parameter_range(
         "parameter_range", parameter_range, parameter, ens, "The motion jumps between them."
     )
-    require_free((parameter,), ens)
+    require_not_in_over((parameter,), ens)
     guess = None
     if saddle is not None:
         guess = require_state("saddle", saddle, ens, why="It is a state at phase 0.",
                               fix="Take one from periodic_orbits.")  # fmt: skip
 
-    def bracket(member: Ensemble) -> _Crossing:
-        return _Runs(member, parameter, orbit_period, periods, tolerance).bracket(
-            limits, guess, width
-        )
+    def bracket(member: Ensemble) -> _ManifoldCrossing:
+        return _MotionsPastSaddle(
+            member, parameter, orbit_period, periods, tolerance
+        ).bracket_crossing(limits, guess, width)
 
     crossings = for_each_member(ens, bracket, as_progress(progress))
-    return _label(ens, crossings, parameter, tolerance=tolerance, orbit_period=orbit_period,
-                  periods=periods, width=width)  # fmt: skip
+    return _crossings_dataset(
+        ens, crossings, parameter, tolerance=tolerance, orbit_period=orbit_period,
+        periods=periods, width=width,
+    )  # fmt: skip
 
 
 @dataclass(frozen=True)
-class _Crossing:
+class _ManifoldCrossing:
     """Where motion crosses the stable manifold, with the saddle there.
 
     Attributes
     ----------
-    value, gap : float
+    parameter_value, bracket_width : float
         Middle and width of the bracket.
-    saddle : array (state,)
-    multipliers : array (multiplier,) of complex
-    residual : float
+    saddle_state : array (state,)
+    saddle_multipliers : array (multiplier,) of complex
+    saddle_residual : float
         Of the saddle.
     """
 
-    value: float
-    gap: float
-    saddle: FloatArray
-    multipliers: ComplexArray
-    residual: float
+    parameter_value: float
+    bracket_width: float
+    saddle_state: FloatArray
+    saddle_multipliers: ComplexArray
+    saddle_residual: float
 
 
 @dataclass(frozen=True)
-class _Runs:
+class _MotionsPastSaddle:
     """Motions of one system and its saddles at many values of the parameter.
 
     Attributes
     ----------
-    ens : Ensemble
+    ensemble : Ensemble
         Of one trajectory.
     parameter : str
     orbit_period : int
         Of the saddle, in drive periods.
-    periods : int
+    max_periods : int
         Longest run, in drive periods.
-    tolerance : float
+    state_tolerance : float
         Of the states along the runs.
     """
 
-    ens: Ensemble
+    ensemble: Ensemble
     parameter: str
     orbit_period: int
-    periods: int
-    tolerance: float
+    max_periods: int
+    state_tolerance: float
 
-    def bracket(
+    def bracket_crossing(
         self, limits: tuple[float, float], guess: FloatArray | None, width: float
-    ) -> _Crossing:
+    ) -> _ManifoldCrossing:
         """Divide a range until the crossing lies in a bracket of some width."""
         state = self._nearest_saddle(limits[0]) if guess is None else guess
-        values = np.linspace(*limits, _TRIED_AT_ONCE + 2)
-        length = min(_FIRST_PERIODS, self.periods)
+        values = np.linspace(*limits, _VALUES_TRIED_AT_ONCE + 2)
+        length = min(_FIRST_PERIODS, self.max_periods)
         while True:
             points, passage = self._pass_saddle(values, state, length)
-            ends = _sign_change(passage)
+            ends = _neighbours_on_different_sides(passage)
             if ends is None:
-                if length >= self.periods:
-                    raise _no_crossing(passage, limits)
-                length = min(2 * length, self.periods)
+                if length >= self.max_periods:
+                    raise _no_crossing_error(passage, limits)
+                length = min(2 * length, self.max_periods)
                 continue
             gap = float(values[ends[1]] - values[ends[0]])
             state = points.unknown[ends[0], :-1]
             divided = gap <= 0.5 * (values[-1] - values[0])
             if gap <= width or not divided:
                 break
-            latest = int(passage.departure_iterate[list(ends)].max()) + _MORE_PERIODS
-            length = min(latest * self.orbit_period, self.periods)
-            values = np.linspace(values[ends[0]], values[ends[1]], _TRIED_AT_ONCE + 2)
+            latest = int(passage.departure_iterate[list(ends)].max()) + _EXTRA_ORBIT_PERIODS
+            length = min(latest * self.orbit_period, self.max_periods)
+            values = np.linspace(values[ends[0]], values[ends[1]], _VALUES_TRIED_AT_ONCE + 2)
         there = points.subset(slice(ends[0], ends[0] + 1))
         multipliers, _ = floquet_multipliers(there.extra_arrays["jacobian"], there.residual_error)
-        return _Crossing(
+        return _ManifoldCrossing(
             float(values[ends[0]] + 0.5 * gap), gap, state, multipliers[0],
             float(there.residual[0]),
         )  # fmt: skip
 
-    def _visited(self, values: FloatArray, length: int) -> tuple[FloatArray, FloatArray]:
+    def _section_states(self, values: FloatArray, length: int) -> tuple[FloatArray, FloatArray]:
         """States (value, iterate, state) once per period of the orbit, and their errors."""
-        start = np.tile(self.ens.initial, (values.size, 1))
-        runs = self.ens.with_states(start, {self.parameter: values})
-        periods = require_periods(runs)
+        start = np.tile(self.ensemble.initial, (values.size, 1))
+        runs = self.ensemble.with_initial_states(start, {self.parameter: values})
+        periods = require_drive_periods(runs)
         outcome = integrate(
             initial_value_problem(runs, length * periods),
             Request(strobe_cycles=self.orbit_period),
-            tolerance=self.tolerance,
+            tolerance=self.state_tolerance,
         )
         assert outcome.states is not None
         number = np.arange(0, length + 1, self.orbit_period)
         states = outcome.states[:, : number.size]
         states = blank_beyond_horizon(states, number * periods[:, None], outcome)
-        return states, np.nan_to_num(outcome.error, nan=self.tolerance)
+        return states, np.nan_to_num(outcome.error, nan=self.state_tolerance)
 
     def _nearest_saddle(self, value: float) -> FloatArray:
         """The saddle nearest to the motion at a value, array (state,)."""
-        there = replace(self.ens, values={**self.ens.values, self.parameter: np.array([value])})
-        search = Search(
-            StroboscopicMap(there, (), map_tolerance(_SEARCH_RESIDUAL)),
+        there = replace(
+            self.ensemble, values={**self.ensemble.values, self.parameter: np.array([value])}
+        )
+        search = OrbitSearch(
+            StroboscopicMap(there, (), map_tolerance(_SADDLE_SEARCH_RESIDUAL)),
             require_state_box("state_box", None, there),
             self.orbit_period,
-            _SEARCH_RESIDUAL,
+            _SADDLE_SEARCH_RESIDUAL,
             is_reversible(there.system, there.drive),
         )
         (orbits,) = find_all_orbits(search, np.empty((1, 0)))
@@ -283,7 +287,7 @@ class _Runs:
                 why="Motion is told by the side on which it passes one.",
                 fix="Pass `saddle`.",
             )
-        states, _ = self._visited(np.array([value]), min(_FIRST_PERIODS, self.periods))
+        states, _ = self._section_states(np.array([value]), min(_FIRST_PERIODS, self.max_periods))
         distance = np.linalg.norm(states[0][:, None] - saddles, axis=2)
         return np.asarray(saddles[np.nanmin(distance, axis=0).argmin()])
 
@@ -291,7 +295,7 @@ class _Runs:
         self, values: FloatArray, state: FloatArray, length: int
     ) -> tuple[CurvePoints, SaddlePassage]:
         """The saddle at each value, and how the motion passes it."""
-        map_ = StroboscopicMap(self.ens, (self.parameter,), 0.1 * _SADDLE_RESIDUAL)
+        map_ = StroboscopicMap(self.ensemble, (self.parameter,), 0.1 * _SADDLE_RESIDUAL)
         guess = np.column_stack([np.tile(state, (values.size, 1)), values])
         fixed = np.zeros(guess.shape)
         fixed[:, -1] = 1.0  # the parameter
@@ -308,26 +312,26 @@ class _Runs:
                 why="Newton's method reached none, or another kind of orbit.",
                 fix="Pass a narrower range, or a saddle's state from periodic_orbits.",
             )
-        states, error = self._visited(values, length)
+        states, error = self._section_states(values, length)
         uncertainty = error + points.residual_error + points.residual
         return points, saddle_passages(states, points.unknown[:, :-1], jacobian, uncertainty)
 
 
-def _sign_change(passage: SaddlePassage) -> tuple[int, int] | None:
+def _neighbours_on_different_sides(passage: SaddlePassage) -> tuple[int, int] | None:
     """Neighbours among the decided that pass on different sides: those that come nearest.
 
     Where motion passes far from the saddle its side means little.
     """
     decided = np.flatnonzero(passage.side)
-    side, near = passage.side[decided], passage.least_distance[decided]
+    side, distance = passage.side[decided], passage.least_distance[decided]
     change = np.flatnonzero(side[1:] != side[:-1])
     if not change.size:
         return None
-    k = int(change[np.argmin(near[change] + near[change + 1])])
+    k = int(change[np.argmin(distance[change] + distance[change + 1])])
     return int(decided[k]), int(decided[k + 1])
 
 
-def _no_crossing(passage: SaddlePassage, limits: tuple[float, float]) -> InputError:
+def _no_crossing_error(passage: SaddlePassage, limits: tuple[float, float]) -> InputError:
     return InputError(
         "parameter_range",
         must="hold one crossing between its ends",
@@ -338,23 +342,23 @@ def _no_crossing(passage: SaddlePassage, limits: tuple[float, float]) -> InputEr
     )
 
 
-def _label(
-    ens: Ensemble, crossings: list[_Crossing | None], parameter: str, **settings: Any
+def _crossings_dataset(
+    ens: Ensemble, crossings: list[_ManifoldCrossing | None], parameter: str, **settings: Any
 ) -> xr.Dataset:
     """Crossings of all members as a Dataset, NaN where there are none."""
-    d = len(ens.field.state)
-    nothing = _Crossing(np.nan, np.nan, np.full(d, np.nan), np.full(d, np.nan + 0j), np.nan)
+    d = len(ens.field.state_names)
+    nothing = _ManifoldCrossing(np.nan, np.nan, np.full(d, np.nan), np.full(d, np.nan + 0j), np.nan)
     rows = [nothing if crossing is None else crossing for crossing in crossings]
-    saddles = np.array([row.saddle for row in rows])
+    saddles = np.array([row.saddle_state for row in rows])
     missing = np.where(ens.invalid, Status.INVALID, Status.DIVERGED)
     dataset = to_dataset(
         ens,
         {
-            parameter: np.array([row.value for row in rows]),
-            f"{parameter}_error": np.array([row.gap for row in rows]),
-            "multipliers": (("multiplier",), np.array([row.multipliers for row in rows])),
-            "residual": np.array([row.residual for row in rows]),
-            **{name: saddles[:, k] for k, name in enumerate(ens.field.state)},
+            parameter: np.array([row.parameter_value for row in rows]),
+            f"{parameter}_error": np.array([row.bracket_width for row in rows]),
+            "multipliers": (("multiplier",), np.array([row.saddle_multipliers for row in rows])),
+            "residual": np.array([row.saddle_residual for row in rows]),
+            **{name: saddles[:, k] for k, name in enumerate(ens.field.state_names)},
         },
         coords={"multiplier": (("multiplier",), np.arange(d))},
         status=np.where([crossing is not None for crossing in crossings], Status.OK, missing),

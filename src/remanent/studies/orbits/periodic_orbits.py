@@ -14,10 +14,10 @@ from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
-from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
-from remanent.studies.ensemble.durations import require_periods
+from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
+from remanent.studies.ensemble.durations import require_drive_periods
 from remanent.studies.ensemble.ensemble import Ensemble
-from remanent.studies.ensemble.layout import Over, lay_out
+from remanent.studies.ensemble.layout import Over, lay_out_ensemble
 from remanent.studies.ensemble.progress import Progress, as_progress
 from remanent.studies.orbits._checks import (
     require_heat_exchange,
@@ -25,12 +25,16 @@ from remanent.studies.orbits._checks import (
     require_state_box,
 )
 from remanent.studies.orbits._members import for_each_member, stack_tables
-from remanent.studies.orbits._orbit_tables import DIMENSIONS, describe_orbits, empty_orbit_table
+from remanent.studies.orbits._orbit_tables import (
+    ORBIT_DIMENSIONS,
+    describe_orbits,
+    empty_orbit_table,
+)
 from remanent.studies.orbits._period_map import StroboscopicMap, map_tolerance
-from remanent.studies.orbits._search import Search, find_all_orbits, is_reversible
+from remanent.studies.orbits._search import OrbitSearch, find_all_orbits, is_reversible
 
 #: Dimensions of columns beyond that of the orbits.
-_COLUMN_DIMENSIONS = MappingProxyType(
+_DIMENSIONS_OF_COLUMN = MappingProxyType(
     {"initial": ("state",), "multipliers": ("multiplier",), "multipliers_error": ("multiplier",)}
 )
 
@@ -107,28 +111,28 @@ def periodic_orbits(
     """
     orbit_period = require_orbit_period(orbit_period)
     require_tolerance(tolerance, "the residual")
-    ens = lay_out(system, drive, over, reserved=DIMENSIONS)
-    require_periods(ens)
+    ens = lay_out_ensemble(system, drive, over, reserved=ORBIT_DIMENSIONS)
+    require_drive_periods(ens)
     require_heat_exchange(ens)
     require_state_box("state_box", state_box, ens)
 
     def find(member: Ensemble) -> dict[str, NDArray[Any]]:
         map_ = StroboscopicMap(member, (), map_tolerance(tolerance))
         box = require_state_box("state_box", state_box, member)
-        search = Search(map_, box, orbit_period, tolerance, is_reversible(system, drive))
+        search = OrbitSearch(map_, box, orbit_period, tolerance, is_reversible(system, drive))
         (orbits,) = find_all_orbits(search, np.empty((1, 0)))
         return describe_orbits(member, orbits, orbit_period, {})
 
     tables = for_each_member(ens, find, as_progress(progress))
-    columns = stack_tables(tables, empty_orbit_table(len(ens.field.state)))
-    variables: dict[str, PerTrajectory] = {
-        name: (("orbit", *_COLUMN_DIMENSIONS.get(name, ())), column)
+    columns = stack_tables(tables, empty_orbit_table(len(ens.field.state_names)))
+    variables: dict[str, PerTrajectoryArray] = {
+        name: (("orbit", *_DIMENSIONS_OF_COLUMN.get(name, ())), column)
         for name, column in columns.items()
     }
     variables["orbits"] = np.array([0 if t is None else len(t["residual"]) for t in tables])
     coords: dict[str, Labelled] = {
         "orbit": (("orbit",), np.arange(columns["residual"].shape[1])),
-        "state": (("state",), np.array(ens.field.state)),
-        "multiplier": (("multiplier",), np.arange(len(ens.field.state))),
+        "state": (("state",), np.array(ens.field.state_names)),
+        "multiplier": (("multiplier",), np.arange(len(ens.field.state_names))),
     }
     return to_dataset(ens, variables, coords=coords, tolerance=tolerance, orbit_period=orbit_period)

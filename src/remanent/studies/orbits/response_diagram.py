@@ -11,12 +11,12 @@ from remanent._typing import ArrayLike
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.studies.ensemble.durations import require_count
-from remanent.studies.ensemble.layout import Over, lay_out
+from remanent.studies.ensemble.layout import Over, lay_out_ensemble
 from remanent.studies.ensemble.progress import Progress, as_progress
 from remanent.studies.orbits._branch_tables import label_branches
-from remanent.studies.orbits._forced_response import require_frequencies, trace_member
+from remanent.studies.orbits._forced_response import require_frequencies, trace_forced_response
 from remanent.studies.orbits._members import for_each_member
-from remanent.studies.orbits._orbit_tables import DIMENSIONS
+from remanent.studies.orbits._orbit_tables import ORBIT_DIMENSIONS
 from remanent.studies.orbits._tracing import TracingOptions
 
 
@@ -92,12 +92,12 @@ def response_diagram(
     >>> [round(float(w), 4) for w in ds.special_omega[ds.special_kind == "fold"]]
     [1.2668]
     """
-    ens = lay_out(system, drive, over, reserved=DIMENSIONS)
+    ens = lay_out_ensemble(system, drive, over, reserved=ORBIT_DIMENSIONS)
     limits = require_frequencies(omega_range, ens)
     options = TracingOptions("omega", limits, state_box, orbit_period, max_points, tolerance)
-    options.check(ens)
+    options.require_valid(ens)
     slices = require_count("slices", slices, "Orbits are looked for at each of them.")
     tables = for_each_member(
-        ens, lambda member: trace_member(member, options, slices), as_progress(progress)
+        ens, lambda member: trace_forced_response(member, options, slices), as_progress(progress)
     )
     return label_branches(ens, tables, options, slices=slices)

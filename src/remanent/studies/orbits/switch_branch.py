@@ -17,15 +17,15 @@ from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.results import provenance
 from remanent.results.checks import require_dataset
-from remanent.studies.ensemble.checks import require_parameter, require_range
+from remanent.studies.ensemble.checks import require_parameter, require_parameter_range
 from remanent.studies.ensemble.durations import require_count
 from remanent.studies.ensemble.ensemble import Ensemble
-from remanent.studies.ensemble.layout import lay_out
+from remanent.studies.ensemble.layout import lay_out_ensemble
 from remanent.studies.orbits._branch_tables import describe_branches, label_branches
-from remanent.studies.orbits._tracing import Branch, Tracing, TracingOptions, trace_through
+from remanent.studies.orbits._tracing import Branch, Tracing, TracingOptions, trace_through_orbits
 
 #: Where other branches start, and how many times longer the period of their orbits is.
-_PERIOD_FACTORS: Final[Mapping[str, int]] = MappingProxyType(
+_PERIOD_FACTOR_OF_KIND: Final[Mapping[str, int]] = MappingProxyType(
     {"period doubling": 2, "branch point": 1}
 )
 
@@ -105,33 +105,33 @@ def switch_branch(
     >>> doubled.attrs["orbit_period"], set(doubled.stability.values.tolist()) >= {"stable"}
     (2, True)
     """
-    kind, number = _require_switch(branch, special_point)
-    system, drive = _made_by(branch, system, drive)
-    parameter = _given(branch, "parameter", parameter)
+    kind, number = _require_switching_point(branch, special_point)
+    system, drive = _system_and_drive_of_branch(branch, system, drive)
+    parameter = _setting_of_branch(branch, "parameter", parameter)
     single_period = require_count(
         "orbit_period",
-        _given(branch, "orbit_period", orbit_period),
+        _setting_of_branch(branch, "orbit_period", orbit_period),
         "Orbits close after whole drive periods.",
     )
-    ens = lay_out(system, drive)
+    ens = lay_out_ensemble(system, drive)
     require_parameter("parameter", parameter, ens)
-    limits = require_range(
+    limits = require_parameter_range(
         "parameter_range",
-        _given(branch, "parameter_range", parameter_range),
+        _setting_of_branch(branch, "parameter_range", parameter_range),
         parameter,
         ens,
         "The branch is followed between them.",
     )
-    period = single_period * _PERIOD_FACTORS[kind]
+    period = single_period * _PERIOD_FACTOR_OF_KIND[kind]
     options = TracingOptions(parameter, limits, state_box, period, max_points, tolerance)
-    options.check(ens)
-    crossing = _crossing(branch, number, ens, parameter)
-    branches = _cross(options.tracing(ens), crossing, kind)
+    options.require_valid(ens)
+    crossing = _crossing_point(branch, number, ens, parameter)
+    branches = _branch_across_point(options.tracing_of_member(ens), crossing, kind)
     tables = [describe_branches(ens, branches, options)]
     return label_branches(ens, tables, options, single=True, parameter=parameter)
 
 
-def _require_switch(branch: xr.Dataset, special_point: int) -> tuple[str, int]:
+def _require_switching_point(branch: xr.Dataset, special_point: int) -> tuple[str, int]:
     """The kind and the number of a special point at which another branch starts."""
     number = require_count("special_point", special_point, "It is the number of one.", 0)
     if "special_kind" not in require_dataset("branch", branch):
@@ -143,7 +143,7 @@ def _require_switch(branch: xr.Dataset, special_point: int) -> tuple[str, int]:
             fix="Pass the result of continue_orbit.",
         )
     kinds = [str(kind) for kind in branch["special_kind"].values.ravel()]
-    if number >= len(kinds) or kinds[number] not in _PERIOD_FACTORS:
+    if number >= len(kinds) or kinds[number] not in _PERIOD_FACTOR_OF_KIND:
         raise InputError(
             "special_point",
             must="be the number of a period doubling or of a branch point",
@@ -154,7 +154,7 @@ def _require_switch(branch: xr.Dataset, special_point: int) -> tuple[str, int]:
     return kinds[number], number
 
 
-def _made_by(
+def _system_and_drive_of_branch(
     branch: xr.Dataset, system: System | None, drive: Drive | None
 ) -> tuple[System, Drive]:
     """The system and the drive of a branch, unless they are given."""
@@ -173,7 +173,7 @@ def _made_by(
     )
 
 
-def _given(branch: xr.Dataset, name: str, value: Any) -> Any:
+def _setting_of_branch(branch: xr.Dataset, name: str, value: Any) -> Any:
     """A setting of the branch: as it is given, else from the attributes."""
     if value is None and name not in branch.attrs:
         raise InputError(
@@ -186,16 +186,19 @@ def _given(branch: xr.Dataset, name: str, value: Any) -> Any:
     return branch.attrs[name] if value is None else value
 
 
-def _crossing(branch: xr.Dataset, number: int, ens: Ensemble, parameter: str) -> FloatArray:
+def _crossing_point(branch: xr.Dataset, number: int, ens: Ensemble, parameter: str) -> FloatArray:
     """Where the branches cross, array (state + 1,)."""
-    names = [f"special_{name}" for name in (*ens.field.state, parameter)]
+    names = [f"special_{name}" for name in (*ens.field.state_names, parameter)]
     return np.array([float(branch[name].values.ravel()[number]) for name in names])
 
 
-def _cross(tracing: Tracing, crossing: FloatArray, kind: str) -> list[Branch]:
+def _branch_across_point(tracing: Tracing, crossing: FloatArray, kind: str) -> list[Branch]:
     """The branch that crosses another one at a point."""
     point = find_point_on_crossing_branch(
-        tracing.equations, crossing, scale=tracing.settings.scale, tolerance=0.1 * tracing.tolerance
+        tracing.curve_equations,
+        crossing,
+        scale=tracing.continuation_settings.scale,
+        tolerance=0.1 * tracing.residual_tolerance,
     )
     if point is None:
         raise InputError(
@@ -209,4 +212,4 @@ def _cross(tracing: Tracing, crossing: FloatArray, kind: str) -> list[Branch]:
     orbit = PeriodicOrbits(
         z[:, :-1], point.extra_arrays["jacobian"], point.residual, point.residual_error
     )
-    return trace_through(tracing, orbit, z[:, -1])
+    return trace_through_orbits(tracing, orbit, z[:, -1])

@@ -9,7 +9,7 @@ from remanent._errors import InputError
 
 
 @contextmanager
-def renamed(arguments: Mapping[str, str]) -> Iterator[None]:
+def rename_arguments_in_errors(arguments: Mapping[str, str]) -> Iterator[None]:
     """Give errors the names that the verb's own arguments have.
 
     Some verbs add what they are given to the values of ``over`` before trajectories are laid

@@ -15,12 +15,12 @@ from remanent.analysis.regimes.attractors import (
 )
 from remanent.analysis.regimes.labels import Regime
 from remanent.results.build import Labelled
-from remanent.studies.regimes._regime_classifier import TEMPLATES, RegimeClassifier
+from remanent.studies.regimes._regime_classifier import LABEL_TEMPLATES, RegimeClassifier
 
 #: Periods at the end of a run that tell attractors apart.
-TAIL = 128
+TAIL_PERIODS = 128
 #: The dimension that attractors of one set of parameters have.
-ATTRACTOR = "attractor"
+ATTRACTOR_DIMENSION = "attractor"
 
 
 @dataclass(frozen=True)
@@ -30,66 +30,66 @@ class EndClassifier:
     Attributes
     ----------
     classifier : RegimeClassifier
-    tail : int
+    tail_length : int
         How many points are kept.
     """
 
     classifier: RegimeClassifier
-    tail: int
+    tail_length: int
 
     @property
-    def templates(self) -> dict[str, np.ndarray]:
+    def result_templates(self) -> dict[str, np.ndarray]:
         """Types and later dimensions of what is told of each trajectory."""
-        dimension = len(self.classifier.follower.ensemble.field.state)
-        points = np.empty((0, self.tail, dimension))
-        return {**TEMPLATES, "tail": points, "code": np.empty(0, dtype=np.int64)}
+        dimension = len(self.classifier.follower.ensemble.field.state_names)
+        points = np.empty((0, self.tail_length, dimension))
+        return {**LABEL_TEMPLATES, "tail": points, "code": np.empty(0, dtype=np.int64)}
 
     def __call__(self, indices: IntArray, cancelled: Callable[[], bool]) -> dict[str, np.ndarray]:
         """Labels and last points of a subset of the trajectories, by name."""
-        labels, path = self.classifier.decide(indices, cancelled)
+        labels, path = self.classifier.decide_regimes(indices, cancelled)
         assert path.visited_states is not None
-        tail = path.visited_states[:, -self.tail :].copy()
-        contracting = np.flatnonzero(self.classifier.damped[indices])
+        tail = path.visited_states[:, -self.tail_length :].copy()
+        contracting = np.flatnonzero(self.classifier.is_damped[indices])
         if contracting.size:
             tail[contracting] = replace_tails_by_limit_orbits(
-                self.classifier.iterate(indices[contracting]),
+                self.classifier.iterate_map(indices[contracting]),
                 tail[contracting],
                 labels.regime[contracting],
                 labels.period[contracting],
             )
-        variables = self.classifier.variables(indices, labels, path)
+        variables = self.classifier.label_variables(indices, labels, path)
         return variables | {"tail": tail, "code": labels.regime}
 
 
 @dataclass(frozen=True)
-class Ends:
+class MotionEnds:
     """How motions from the same initial states end, for each set of parameters.
 
     Attributes
     ----------
-    tail : array (parameters, start, iterate, state)
+    tail_states : array (parameters, start, iterate, state)
     regime, period : array (parameters, start)
-    damped : array (parameters,) of bool
+    is_damped : array (parameters,) of bool
         Only damped motion has attractors.
     """
 
-    tail: np.ndarray
+    tail_states: np.ndarray
     regime: IntArray
     period: IntArray
-    damped: BoolArray
+    is_damped: BoolArray
 
     @property
-    def starts(self) -> int:
+    def initial_state_count(self) -> int:
         """Number of initial states."""
         return int(self.regime.shape[1])
 
-    def sort(self) -> list[AttractorAssignment | None]:
+    def assign_attractors(self) -> list[AttractorAssignment | None]:
         """The attractors of each set of parameters, and who ends there."""
         return [
-            assign_attractors(self.tail[k], self.regime[k], self.period[k])
-            if self.damped[k]
+            assign_attractors(self.tail_states[k], self.regime[k], self.period[k])
+            if self.is_damped[k]
             else None
-            for k in range(len(self.damped))
+            for k in range(len(self.is_damped))
         ]
 
 
@@ -100,7 +100,7 @@ def basin_numbers(sorted_ends: list[AttractorAssignment | None], starts: int) ->
 
 
 def attractor_table(
-    ends: Ends,
+    ends: MotionEnds,
     sorted_ends: list[AttractorAssignment | None],
     dims: tuple[str, ...],
     shape: tuple[int, ...],
@@ -119,7 +119,7 @@ def attractor_table(
     )
     regime = np.zeros((points, count), dtype="<U14")
     period = np.zeros((points, count), dtype=ends.period.dtype)
-    state = np.full((points, count, ends.tail.shape[-1]), np.nan)
+    state = np.full((points, count, ends.tail_states.shape[-1]), np.nan)
     fraction = np.full((points, count), np.nan)
     for k, each in enumerate(sorted_ends):
         if each is None:
@@ -127,14 +127,17 @@ def attractor_table(
         first, number = each.representative_orbit, each.representative_orbit.size
         regime[k, :number] = [Regime(code).meaning for code in ends.regime[k, first]]
         period[k, :number] = ends.period[k, first]
-        state[k, :number] = ends.tail[k, first, -1]
+        state[k, :number] = ends.tail_states[k, first, -1]
         fraction[k, :number] = [np.mean(each.attractor_number == n) for n in range(number)]
     columns: dict[str, tuple[tuple[str, ...], np.ndarray]] = {
-        "attractor_regime": ((ATTRACTOR,), regime),
-        "attractor_period": ((ATTRACTOR,), period),
-        "attractor_state": ((ATTRACTOR, "state"), state),
-        "fraction": ((ATTRACTOR,), fraction),
-        "fraction_error": ((ATTRACTOR,), np.sqrt(fraction * (1.0 - fraction) / ends.starts)),
+        "attractor_regime": ((ATTRACTOR_DIMENSION,), regime),
+        "attractor_period": ((ATTRACTOR_DIMENSION,), period),
+        "attractor_state": ((ATTRACTOR_DIMENSION, "state"), state),
+        "fraction": ((ATTRACTOR_DIMENSION,), fraction),
+        "fraction_error": (
+            (ATTRACTOR_DIMENSION,),
+            np.sqrt(fraction * (1.0 - fraction) / ends.initial_state_count),
+        ),
     }
     return {
         name: ((*dims, *later), values.reshape(*shape, *values.shape[1:]))

@@ -11,16 +11,16 @@ import numpy as np
 from remanent._typing import IntArray
 from remanent.analysis.regimes.lyapunov import lyapunov_exponents
 from remanent.integrate.maps.period_map import ErrorControl
-from remanent.studies.regimes._follower import Follower, status_of
+from remanent.studies.regimes._follower import EnsembleFollower, status_of_run
 
 #: Points of the history, at most.
-MAX_HISTORY = 100
+MAX_HISTORY_POINTS = 100
 #: Standard errors by which two runs of a chaotic motion hardly ever differ.
-_CHANCE_LIMIT = 3.0
+_CHANCE_LIMIT_STANDARD_ERRORS = 3.0
 #: A tangent with less than this share of the growth of the first is rounding.
-_COLLAPSED = 1e-13
+_COLLAPSED_TANGENT_SHARE = 1e-13
 #: Periods between renormalisations of several tangents, which must not line up.
-_SHORTEST_BLOCK = 1
+_SHORTEST_BLOCK_PERIODS = 1
 
 
 @dataclass(frozen=True)
@@ -31,41 +31,41 @@ class ExponentEstimator:
     ----------
     follower : Follower
         With one tangent for each exponent.
-    tolerance : float
+    period_tolerance : float
         Bound of a period's error.
     """
 
-    follower: Follower
-    tolerance: float
+    follower: EnsembleFollower
+    period_tolerance: float
 
     @property
-    def count(self) -> int:
+    def exponent_count(self) -> int:
         """How many exponents."""
-        return self.follower.directions
+        return self.follower.tangent_count
 
     @property
-    def block(self) -> int | None:
+    def block_periods(self) -> int | None:
         """Periods between renormalisations; None is what suits one tangent."""
-        return None if self.count == 1 else _SHORTEST_BLOCK
+        return None if self.exponent_count == 1 else _SHORTEST_BLOCK_PERIODS
 
     @cached_property
     def history_blocks(self) -> IntArray:
         """Numbers of the blocks after which the mean is kept, array (point,)."""
-        blocks = self.follower.block_lengths(self.block).size
-        points = min(self.follower.periods, MAX_HISTORY)
+        blocks = self.follower.block_lengths(self.block_periods).size
+        points = min(self.follower.periods, MAX_HISTORY_POINTS)
         return np.unique(np.linspace(0, blocks - 1, points).astype(int))
 
     @property
     def history_periods(self) -> IntArray:
         """Periods after which the mean is kept, array (point,)."""
-        return np.cumsum(self.follower.block_lengths(self.block))[self.history_blocks]
+        return np.cumsum(self.follower.block_lengths(self.block_periods))[self.history_blocks]
 
     @property
-    def templates(self) -> dict[str, np.ndarray]:
+    def result_templates(self) -> dict[str, np.ndarray]:
         """Types and later dimensions of what is told of each trajectory."""
         return {
-            **dict.fromkeys(("exponent", "exponent_error"), np.empty((0, self.count))),
-            "exponent_history": np.empty((0, self.history_blocks.size, self.count)),
+            **dict.fromkeys(("exponent", "exponent_error"), np.empty((0, self.exponent_count))),
+            "exponent_history": np.empty((0, self.history_blocks.size, self.exponent_count)),
             **dict.fromkeys(("horizon", "local_error", "status"), np.empty(0)),
         }
 
@@ -77,26 +77,28 @@ class ExponentEstimator:
         the state, which are cheaper; where these turn out to matter more than chance, the
         trajectory is followed again with steps that suit the tangent too.
         """
-        if self.count > 1:
-            return _with_total_error(self._estimate(indices, "all", cancelled))
-        estimate = self._estimate(indices, "state", cancelled)
-        limit = np.maximum(self.tolerance, _CHANCE_LIMIT * estimate["scatter"])
+        if self.exponent_count > 1:
+            return _with_total_error(self._estimate_exponents(indices, "all", cancelled))
+        estimate = self._estimate_exponents(indices, "state", cancelled)
+        limit = np.maximum(
+            self.period_tolerance, _CHANCE_LIMIT_STANDARD_ERRORS * estimate["scatter"]
+        )
         repeated = (estimate["difference"] > limit).any(axis=1)
         if repeated.any():
-            better = self._estimate(indices[repeated], "all", cancelled)
+            better = self._estimate_exponents(indices[repeated], "all", cancelled)
             for name, values in estimate.items():
                 values[repeated] = better[name]
         return _with_total_error(estimate)
 
-    def _estimate(
+    def _estimate_exponents(
         self, indices: IntArray, error_control: ErrorControl, cancelled: Callable[[], bool]
     ) -> dict[str, np.ndarray]:
         """Means of a run, their scatter, and their difference from a run of coarser steps."""
         path, coarse_path = self.follower.follow_with_doubled_steps(
             indices,
-            self.tolerance,
+            self.period_tolerance,
             error_control=error_control,
-            block=self.block,
+            block=self.block_periods,
             cancelled=cancelled,
         )
         fine, coarse = (
@@ -104,7 +106,9 @@ class ExponentEstimator:
         )
         tau = self.follower.period_lengths[indices]
         # Tangents that lined up within a period leave a bound, not a value.
-        collapsed = (path.log_growth - path.log_growth[:, :, :1] < np.log(_COLLAPSED)).any(axis=1)
+        collapsed = (
+            path.log_growth - path.log_growth[:, :, :1] < np.log(_COLLAPSED_TANGENT_SHARE)
+        ).any(axis=1)
         return {
             "exponent": fine.mean / tau[:, None],
             "scatter": np.where(collapsed, np.inf, fine.error) / tau[:, None],
@@ -112,7 +116,7 @@ class ExponentEstimator:
             "exponent_history": fine.running_mean[:, self.history_blocks] / tau[:, None, None],
             "horizon": path.horizon * tau,
             "local_error": path.largest_period_error,
-            "status": status_of(path),
+            "status": status_of_run(path),
         }
 
 

@@ -22,17 +22,17 @@ from remanent.analysis.regimes.long_runs import (
 from remanent.integrate.ensemble.problem import Problem
 from remanent.integrate.maps.advance import BlockAdvancer, CoarseReplay
 from remanent.integrate.maps.period_map import ErrorControl, PeriodMap
-from remanent.studies.ensemble.durations import require_periods
+from remanent.studies.ensemble.durations import require_drive_periods
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.problem import initial_value_problem
-from remanent.studies.ensemble.progress import Report
+from remanent.studies.ensemble.progress import ProgressFunction
 
 #: Trajectories followed together: enough of each resolution to fill the lanes of a kernel.
 CHUNK_SIZE = 4096
 #: Arrays by name.
-Arrays = Mapping[str, np.ndarray]
+NamedArrays = Mapping[str, np.ndarray]
 #: ``work(indices, cancelled)``: arrays (trajectory, ...) of a chunk of trajectories.
-Work = Callable[[IntArray, Callable[[], bool]], Arrays]
+ChunkWork = Callable[[IntArray, Callable[[], bool]], NamedArrays]
 
 
 def never_cancelled() -> bool:
@@ -41,7 +41,7 @@ def never_cancelled() -> bool:
 
 
 @dataclass(frozen=True)
-class Follower:
+class EnsembleFollower:
     """Follows trajectories of an ensemble.
 
     What it returns of a trajectory depends on that trajectory alone.
@@ -51,13 +51,13 @@ class Follower:
     ensemble : Ensemble
     periods : int
         How many drive periods.
-    directions : int
+    tangent_count : int
         Tangents that are carried along.
     """
 
     ensemble: Ensemble
     periods: int
-    directions: int
+    tangent_count: int
 
     @cached_property
     def problem(self) -> Problem:
@@ -67,10 +67,10 @@ class Follower:
     @cached_property
     def period_lengths(self) -> FloatArray:
         """The drive period of each trajectory in tau, array (trajectory,); 1 where invalid."""
-        return np.where(self.ensemble.invalid, 1.0, require_periods(self.ensemble))
+        return np.where(self.ensemble.invalid, 1.0, require_drive_periods(self.ensemble))
 
     @cached_property
-    def period_map(self) -> Callable[..., PeriodMap]:
+    def period_map_maker(self) -> Callable[..., PeriodMap]:
         """``period_map(directions, error_control)``: the map, made once for each pair of these."""
         field, waveform = self.problem.field, self.problem.timeline.waveform
 
@@ -80,7 +80,7 @@ class Follower:
 
         return period_map
 
-    def advancer(
+    def make_advancer(
         self,
         indices: IntArray,
         tolerance: float,
@@ -89,12 +89,14 @@ class Follower:
         error_control: ErrorControl = "all",
     ) -> BlockAdvancer:
         """What advances a subset of the trajectories, which it numbers from 0."""
-        flow = self.period_map(self.directions if directions is None else directions, error_control)
+        flow = self.period_map_maker(
+            self.tangent_count if directions is None else directions, error_control
+        )
         return BlockAdvancer(
             flow, self.problem.parameters[indices], self.period_lengths[indices], tolerance
         )
 
-    def run(
+    def follow(
         self,
         indices: IntArray,
         tolerance: float,
@@ -120,9 +122,9 @@ class Follower:
         cancelled : callable
             Asked between blocks of periods whether to stop.
         """
-        directions = self.directions if directions is None else directions
+        directions = self.tangent_count if directions is None else directions
         return propagate_tangents(
-            self.advancer(indices, tolerance, directions=directions, error_control="state"),
+            self.make_advancer(indices, tolerance, directions=directions, error_control="state"),
             self.problem.initial_states[indices] if states is None else states,
             self.periods,
             directions=directions,
@@ -144,8 +146,8 @@ class Follower:
         The difference of the two runs is the error of discretisation: the second repeats the
         resolutions that the first chose, halved, and so has nothing of its own to choose.
         """
-        fine = self.advancer(indices, tolerance, error_control=error_control)
-        flow = self.period_map(self.directions, "none")
+        fine = self.make_advancer(indices, tolerance, error_control=error_control)
+        flow = self.period_map_maker(self.tangent_count, "none")
         coarse = CoarseReplay(flow, fine.parameters, fine.period_lengths, fine.resolution_history)
 
         def path(advance: TangentMap) -> LongRun:
@@ -153,7 +155,7 @@ class Follower:
                 advance,
                 self.problem.initial_states[indices],
                 self.periods,
-                directions=self.directions,
+                directions=self.tangent_count,
                 block=block,
                 cancelled=cancelled,
             )
@@ -162,13 +164,13 @@ class Follower:
 
     def block_lengths(self, block: int | None) -> IntArray:
         """Periods between renormalisations of the tangents, array (block,)."""
-        return block_lengths(self.periods, self.directions, block)
+        return block_lengths(self.periods, self.tangent_count, block)
 
-    def compute(
+    def compute_in_chunks(
         self,
-        work: Work,
-        templates: Arrays,
-        report: Report | None,
+        work: ChunkWork,
+        templates: NamedArrays,
+        report: ProgressFunction | None,
         *,
         chunk_size: int = CHUNK_SIZE,
     ) -> dict[str, np.ndarray]:
@@ -188,16 +190,18 @@ class Follower:
         dict of str to array (trajectory, ...)
             What was not computed is NaN, 0 or an empty text.
         """
-        results = {name: _missing(name, like, self.ensemble) for name, like in templates.items()}
-        chunks = self._chunks(chunk_size)
+        results = {
+            name: _missing_values(name, like, self.ensemble) for name, like in templates.items()
+        }
+        chunks = self._chunk_indices(chunk_size)
         if chunks:
-            self.period_map(self.directions)  # compiled before the threads ask for it
-        for indices, values in _in_threads(work, chunks, report):
+            self.period_map_maker(self.tangent_count)  # compiled before the threads ask for it
+        for indices, values in _run_in_threads(work, chunks, report):
             for name, result in results.items():
                 result[indices] = values[name]
         return results
 
-    def _chunks(self, chunk_size: int) -> list[IntArray]:
+    def _chunk_indices(self, chunk_size: int) -> list[IntArray]:
         """Indices of the valid trajectories, chunk by chunk.
 
         Chunk k of n takes every n-th trajectory, starting at the k-th.  Neighbours on a grid
@@ -210,12 +214,12 @@ class Follower:
         return [chunk for chunk in chunks if chunk.size]
 
 
-def _in_threads(
-    work: Work, chunks: list[IntArray], report: Report | None
-) -> list[tuple[IntArray, Arrays]]:
+def _run_in_threads(
+    work: ChunkWork, chunks: list[IntArray], report: ProgressFunction | None
+) -> list[tuple[IntArray, NamedArrays]]:
     """Results of `work` with the chunks they are of; an interrupt stops all threads."""
     stop = threading.Event()
-    results: list[tuple[IntArray, Arrays]] = []
+    results: list[tuple[IntArray, NamedArrays]] = []
     with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
         try:
             futures = {pool.submit(work, chunk, stop.is_set): chunk for chunk in chunks}
@@ -230,7 +234,7 @@ def _in_threads(
     return results
 
 
-def _missing(name: str, template: np.ndarray, ens: Ensemble) -> np.ndarray:
+def _missing_values(name: str, template: np.ndarray, ens: Ensemble) -> np.ndarray:
     """The values of trajectories that are not computed, array (trajectory, ...)."""
     if name == "status":
         codes = np.where(ens.invalid, int(Status.INVALID), int(Status.NOT_COMPUTED))
@@ -241,13 +245,13 @@ def _missing(name: str, template: np.ndarray, ens: Ensemble) -> np.ndarray:
     return np.zeros(shape, dtype=template.dtype)
 
 
-def damped(ens: Ensemble) -> BoolArray:
+def is_damped(ens: Ensemble) -> BoolArray:
     """Where the motion loses energy, array (trajectory,)."""
     dissipative = ens.system.dissipative(ens.values)
     return np.asarray(np.broadcast_to(dissipative, (ens.count,)))
 
 
-def status_of(path: LongRun) -> IntArray:
+def status_of_run(path: LongRun) -> IntArray:
     """Status of followed trajectories, array (trajectory,)."""
     codes = np.where(path.error_bound_met, int(Status.OK), int(Status.MAX_STEPS))
     return np.where(path.escaped, int(Status.ESCAPED), codes)

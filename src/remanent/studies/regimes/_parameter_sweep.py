@@ -13,16 +13,16 @@ from remanent.analysis.regimes.long_runs import ESCAPE_BOUND
 from remanent.integrate.ensemble.problem import Problem
 from remanent.integrate.maps.advance import BlockAdvancer
 from remanent.integrate.maps.period_map import PeriodMap
-from remanent.studies.ensemble.durations import require_periods
+from remanent.studies.ensemble.durations import require_drive_periods
 from remanent.studies.ensemble.ensemble import Ensemble
-from remanent.studies.ensemble.progress import Report
+from remanent.studies.ensemble.progress import ProgressFunction
 
 #: Periods advanced at once.
-_BLOCK = 64
+_PERIODS_PER_BLOCK = 64
 
 
 @dataclass(frozen=True)
-class Section:
+class SweepSection:
     """Points of the stroboscopic section at every value, for every sweep.
 
     Attributes
@@ -47,57 +47,57 @@ class ParameterSweep:
     ensemble : Ensemble
     problem : Problem
         Its trajectories as arrays.
-    directions : tuple of "up" and "down"
+    sweep_directions : tuple of "up" and "down"
         The order in which values are visited, for each sweep.
-    discard, keep : int
+    discarded_periods, kept_periods : int
         Periods that pass at each value before points are kept, and points kept.
-    tolerance : float
+    period_tolerance : float
         Bound of a period's error.
     """
 
     ensemble: Ensemble
     problem: Problem
-    directions: tuple[str, ...]
-    discard: int
-    keep: int
-    tolerance: float
+    sweep_directions: tuple[str, ...]
+    discarded_periods: int
+    kept_periods: int
+    period_tolerance: float
 
     @cached_property
-    def flow(self) -> PeriodMap:
+    def period_map(self) -> PeriodMap:
         """The map over one drive period."""
         return PeriodMap(self.problem.field, self.problem.timeline.waveform)
 
     @cached_property
     def period_lengths(self) -> FloatArray:
         """The drive period of each trajectory in tau, array (trajectory,)."""
-        return require_periods(self.ensemble)
+        return require_drive_periods(self.ensemble)
 
     @cached_property
-    def trajectories(self) -> IntArray:
+    def trajectory_indices(self) -> IntArray:
         """Numbers of the trajectories, array (other parameters, value)."""
         values = list(self.ensemble.sizes.values())[-1]
         return np.arange(self.ensemble.count).reshape(-1, values)
 
-    def run(self, report: Report | None) -> Section:
+    def run(self, report: ProgressFunction | None) -> SweepSection:
         """Visit all values, one after the other."""
-        count, values = self.trajectories.shape
-        sweep = np.repeat(np.arange(len(self.directions)), count)
-        shape = (self.ensemble.count, len(self.directions))
-        states = np.full((*shape, self.keep, self.flow.dimension), np.nan)
-        section = Section(states, np.full(shape, np.nan), np.zeros(shape, dtype=np.int8))
-        initial = np.tile(self.ensemble.initial[self.trajectories[:, 0]], (shape[1], 1))
+        count, values = self.trajectory_indices.shape
+        sweep = np.repeat(np.arange(len(self.sweep_directions)), count)
+        shape = (self.ensemble.count, len(self.sweep_directions))
+        states = np.full((*shape, self.kept_periods, self.period_map.dimension), np.nan)
+        section = SweepSection(states, np.full(shape, np.nan), np.zeros(shape, dtype=np.int8))
+        initial = np.tile(self.ensemble.initial[self.trajectory_indices[:, 0]], (shape[1], 1))
         current = initial.copy()
         for step in range(values):
-            visited = [step if d == "up" else values - 1 - step for d in self.directions]
-            trajectory = self.trajectories[:, visited].T.ravel()
-            current = self._visit(section, trajectory, sweep, current, initial)
+            visited = [step if d == "up" else values - 1 - step for d in self.sweep_directions]
+            trajectory = self.trajectory_indices[:, visited].T.ravel()
+            current = self._visit_value(section, trajectory, sweep, current, initial)
             if report is not None:
                 report((step + 1) / values)
         return section
 
-    def _visit(
+    def _visit_value(
         self,
-        section: Section,
+        section: SweepSection,
         trajectory: IntArray,
         sweep: IntArray,
         current: FloatArray,
@@ -113,28 +113,31 @@ class ParameterSweep:
         if not valid.size:
             return current
         rows, columns = trajectory[valid], sweep[valid]
-        outcome = self._settle(rows, current[valid])
-        escaped = ~(np.abs(outcome.visited) < ESCAPE_BOUND).all(axis=(1, 2))
-        codes = np.where(outcome.trusted, int(Status.OK), int(Status.MAX_STEPS))
+        outcome = self._settle_and_record(rows, current[valid])
+        escaped = ~(np.abs(outcome.recorded_states) < ESCAPE_BOUND).all(axis=(1, 2))
+        codes = np.where(outcome.is_trusted, int(Status.OK), int(Status.MAX_STEPS))
         section.status[rows, columns] = np.where(escaped, int(Status.ESCAPED), codes)
         section.error[rows, columns] = outcome.error
-        good = ~escaped & outcome.trusted
-        section.states[rows[good], columns[good]] = outcome.visited[good]
+        good = ~escaped & outcome.is_trusted
+        section.states[rows[good], columns[good]] = outcome.recorded_states[good]
         following = current.copy()
-        following[valid] = np.where(good[:, None], outcome.last, initial[valid])
+        following[valid] = np.where(good[:, None], outcome.last_states, initial[valid])
         return following
 
-    def _settle(self, rows: IntArray, states: FloatArray) -> _Settled:
+    def _settle_and_record(self, rows: IntArray, states: FloatArray) -> _SettledMotions:
         """Let periods pass at one value, then keep points."""
         advance = BlockAdvancer(
-            self.flow, self.problem.parameters[rows], self.period_lengths[rows], self.tolerance
+            self.period_map,
+            self.problem.parameters[rows],
+            self.period_lengths[rows],
+            self.period_tolerance,
         )
         subset = np.arange(len(states))
         no_tangents = np.empty((len(states), 0, states.shape[1]))
         error, trusted = np.zeros(len(states)), np.ones(len(states), dtype=np.bool_)
-        kept: list[FloatArray] = []
-        passed = _blocks(self.discard)
-        for n, periods in enumerate([*passed, *_blocks(self.keep)]):
+        recorded: list[FloatArray] = []
+        passed = _block_lengths(self.discarded_periods)
+        for n, periods in enumerate([*passed, *_block_lengths(self.kept_periods)]):
             keeping = n >= len(passed)
             step = advance(subset, states, no_tangents, periods, every=keeping)
             states = step.visited_states[:, -1]
@@ -143,30 +146,30 @@ class ParameterSweep:
                 trusted & step.error_bound_met,
             )
             if keeping:
-                kept.append(step.visited_states)
-        return _Settled(states, np.concatenate(kept, axis=1), error, trusted)
+                recorded.append(step.visited_states)
+        return _SettledMotions(states, np.concatenate(recorded, axis=1), error, trusted)
 
 
 @dataclass(frozen=True)
-class _Settled:
+class _SettledMotions:
     """What became of motions at one value of the parameter.
 
     Attributes
     ----------
-    last : array (motion, state)
-    visited : array (motion, period, state)
+    last_states : array (motion, state)
+    recorded_states : array (motion, period, state)
     error : array (motion,)
-    trusted : array (motion,) of bool
+    is_trusted : array (motion,) of bool
         Whether all periods met their error bound.
     """
 
-    last: FloatArray
-    visited: FloatArray
+    last_states: FloatArray
+    recorded_states: FloatArray
     error: FloatArray
-    trusted: BoolArray
+    is_trusted: BoolArray
 
 
-def _blocks(periods: int) -> list[int]:
+def _block_lengths(periods: int) -> list[int]:
     """Periods in parts that are advanced at once."""
-    full, rest = divmod(periods, _BLOCK)
-    return [_BLOCK] * full + [rest] * (rest > 0)
+    full, rest = divmod(periods, _PERIODS_PER_BLOCK)
+    return [_PERIODS_PER_BLOCK] * full + [rest] * (rest > 0)

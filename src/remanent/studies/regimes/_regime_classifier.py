@@ -17,15 +17,15 @@ from remanent.analysis.regimes.limit_orbits import IterateWithJacobian
 from remanent.analysis.regimes.long_runs import LongRun
 from remanent.analysis.regimes.problem import RegimeProblem
 from remanent.studies.ensemble.dataset import to_dataset
-from remanent.studies.ensemble.durations import require_count, require_periods
+from remanent.studies.ensemble.durations import require_count, require_drive_periods
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.memory import require_memory
-from remanent.studies.ensemble.progress import Report
+from remanent.studies.ensemble.progress import ProgressFunction
 from remanent.studies.regimes._follower import (
-    Follower,
-    damped,
+    EnsembleFollower,
+    is_damped,
     never_cancelled,
-    status_of,
+    status_of_run,
 )
 
 #: Factors between the tolerances whose labels have to agree, the finest first.
@@ -33,23 +33,23 @@ TOLERANCE_FACTORS = (1.0, 10.0, 100.0)
 #: Shorter runs say nothing of their regime.
 MIN_PERIODS = 100
 #: The evidence that is told of each trajectory, beside its exponent.
-EVIDENCE = ("digits", "zero_one", "sali", "rotation_number", "rotation_digits", "defect")
+EVIDENCE_VARIABLES = ("digits", "zero_one", "sali", "rotation_number", "rotation_digits", "defect")
 #: Types of what is told of each trajectory.
-TEMPLATES: Mapping[str, np.ndarray] = {
+LABEL_TEMPLATES: Mapping[str, np.ndarray] = {
     "regime": np.empty(0, dtype="<U14"),
     "period": np.empty(0, dtype=np.int64),
     **dict.fromkeys(("margin", "exponent", "exponent_error"), np.empty(0)),
     **dict.fromkeys(("horizon", "local_error", "status"), np.empty(0)),
-    **dict.fromkeys(EVIDENCE, np.empty(0)),
+    **dict.fromkeys(EVIDENCE_VARIABLES, np.empty(0)),
 }
 #: Tangents of the finest run: two, so that their alignment tells order from chaos.
-_TANGENTS = 2
+_TANGENT_COUNT = 2
 #: States kept in memory for one chunk, about: 40 MB.
-_STATES_IN_CHUNK = 2**20
+_STATES_PER_CHUNK = 2**20
 #: Trajectories in a chunk, at least, so that the lanes of a kernel are used.
-_SMALLEST_CHUNK = 16
+_SMALLEST_CHUNK_SIZE = 16
 #: Trajectories in a chunk, at most.
-_LARGEST_CHUNK = 4096
+_LARGEST_CHUNK_SIZE = 4096
 #: Memory that the result takes for each trajectory, bytes.
 BYTES_PER_LABEL = 300.0
 
@@ -60,13 +60,13 @@ def require_run_length(periods: Any) -> int:
 
 
 def regime_dataset(
-    ens: Ensemble, periods: int, tolerance: float, seed: int, report: Report | None
+    ens: Ensemble, periods: int, tolerance: float, seed: int, report: ProgressFunction | None
 ) -> xr.Dataset:
     """Label every trajectory of an ensemble with its regime and the evidence for it."""
-    period_lengths = require_periods(ens)
+    period_lengths = require_drive_periods(ens)
     require_memory("over", BYTES_PER_LABEL * ens.count, f"{ens.count} labels")
-    classifier = RegimeClassifier.of(ens, periods, tolerance, seed)
-    values = classifier.compute(classifier, TEMPLATES, report)
+    classifier = RegimeClassifier.from_ensemble(ens, periods, tolerance, seed)
+    values = classifier.compute_in_chunks(classifier, LABEL_TEMPLATES, report)
     return to_dataset(
         ens, {"drive_period": period_lengths, **values}, tolerance=tolerance, periods=periods
     )
@@ -79,44 +79,50 @@ class RegimeClassifier:
     Attributes
     ----------
     follower : Follower
-    tolerance : float
+    finest_period_tolerance : float
         The finest bound of a period's error.
     seed : int
         Of the frequencies of the 0-1 test, which are the same for every trajectory.
     """
 
-    follower: Follower
-    tolerance: float
+    follower: EnsembleFollower
+    finest_period_tolerance: float
     seed: int
 
     @classmethod
-    def of(cls, ens: Ensemble, periods: int, tolerance: float, seed: int) -> RegimeClassifier:
+    def from_ensemble(
+        cls, ens: Ensemble, periods: int, tolerance: float, seed: int
+    ) -> RegimeClassifier:
         """The classifier of an ensemble's motion over so many periods."""
-        tangents = min(_TANGENTS, len(ens.field.state))
-        return cls(Follower(ens, periods, tangents), tolerance, seed)
+        tangents = min(_TANGENT_COUNT, len(ens.field.state_names))
+        return cls(EnsembleFollower(ens, periods, tangents), tolerance, seed)
 
     @cached_property
-    def damped(self) -> BoolArray:
+    def is_damped(self) -> BoolArray:
         """Where the motion loses energy, array (trajectory,)."""
-        return damped(self.follower.ensemble)
+        return is_damped(self.follower.ensemble)
 
-    def compute(
+    def compute_in_chunks(
         self,
         work: Callable[[IntArray, Callable[[], bool]], Mapping[str, np.ndarray]],
         templates: Mapping[str, np.ndarray],
-        report: Report | None,
+        report: ProgressFunction | None,
     ) -> dict[str, np.ndarray]:
         """Do `work` on all trajectories, in chunks whose states fit into memory."""
         chunk_size = int(
-            np.clip(_STATES_IN_CHUNK // self.follower.periods, _SMALLEST_CHUNK, _LARGEST_CHUNK)
+            np.clip(
+                _STATES_PER_CHUNK // self.follower.periods,
+                _SMALLEST_CHUNK_SIZE,
+                _LARGEST_CHUNK_SIZE,
+            )
         )
-        return self.follower.compute(work, templates, report, chunk_size=chunk_size)
+        return self.follower.compute_in_chunks(work, templates, report, chunk_size=chunk_size)
 
     def __call__(self, indices: IntArray, cancelled: Callable[[], bool]) -> dict[str, np.ndarray]:
         """Label a subset of the trajectories: variables by name."""
-        return self.variables(indices, *self.decide(indices, cancelled))
+        return self.label_variables(indices, *self.decide_regimes(indices, cancelled))
 
-    def decide(
+    def decide_regimes(
         self, indices: IntArray, cancelled: Callable[[], bool] = never_cancelled
     ) -> tuple[RegimeLabels, LongRun]:
         """Labels of a subset of the trajectories, and the paths they were read from."""
@@ -124,11 +130,11 @@ class RegimeClassifier:
         def run(subset: IntArray, level: int, states: FloatArray | None = None, /) -> LongRun:
             # Only the finest run carries the second tangent: it is not needed where the two
             # coarser ones agree, and it costs as much as the first.
-            return self.follower.run(
+            return self.follower.follow(
                 indices[subset],
-                self.tolerance * TOLERANCE_FACTORS[level],
+                self.finest_period_tolerance * TOLERANCE_FACTORS[level],
                 states,
-                directions=self.follower.directions if level == 0 else 1,
+                directions=self.follower.tangent_count if level == 0 else 1,
                 every=True,
                 cancelled=cancelled,
             )
@@ -137,16 +143,18 @@ class RegimeClassifier:
             RegimeProblem(
                 run,
                 indices.size,
-                damped=self.damped[indices],
-                iterate_with_jacobian=self.iterate(indices),
+                damped=self.is_damped[indices],
+                iterate_with_jacobian=self.iterate_map(indices),
                 seed=self.seed,
             )
         )
 
-    def iterate(self, indices: IntArray) -> IterateWithJacobian:
+    def iterate_map(self, indices: IntArray) -> IterateWithJacobian:
         """Images and Jacobians of the trajectories' maps at the finest tolerance."""
-        dimension = len(self.follower.ensemble.field.state)
-        advance = self.follower.advancer(indices, self.tolerance, directions=dimension)
+        dimension = len(self.follower.ensemble.field.state_names)
+        advance = self.follower.make_advancer(
+            indices, self.finest_period_tolerance, directions=dimension
+        )
 
         def image(
             subset: IntArray, states: FloatArray, period: int
@@ -157,7 +165,7 @@ class RegimeClassifier:
 
         return image
 
-    def variables(
+    def label_variables(
         self, indices: IntArray, labels: RegimeLabels, path: LongRun
     ) -> dict[str, np.ndarray]:
         """What is told of a subset of the trajectories, by name."""
@@ -170,6 +178,6 @@ class RegimeClassifier:
             "exponent_error": labels.exponent_error / tau,
             "horizon": path.horizon * tau,
             "local_error": path.largest_period_error,
-            "status": status_of(path),
+            "status": status_of_run(path),
         }
-        return values | {name: labels.evidence[name] for name in EVIDENCE}
+        return values | {name: labels.evidence[name] for name in EVIDENCE_VARIABLES}

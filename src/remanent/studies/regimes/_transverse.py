@@ -15,21 +15,21 @@ from remanent.integrate.maps.advance import BlockImage
 from remanent.integrate.maps.period_map import PeriodMap
 from remanent.integrate.variations import transverse_field
 from remanent.studies.ensemble.checks import require_actuator
-from remanent.studies.ensemble.durations import require_periods
+from remanent.studies.ensemble.durations import require_drive_periods
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.problem import initial_value_problem
-from remanent.studies.ensemble.two_coordinates import two_coordinates
-from remanent.studies.regimes._follower import status_of
+from remanent.studies.ensemble.two_coordinates import with_two_coordinates
+from remanent.studies.regimes._follower import status_of_run
 
 #: Differences that do not grow exponentially grow at most like n e^EXCESS over n periods,
 #: and those that do grow at least like n^POWER e^(2 EXCESS).
-_EXCESS = 2.0
+_GROWTH_EXCESS = 2.0
 #: Power of the number of periods that exponential growth exceeds.
-_POWER = 1.5
+_GROWTH_POWER = 1.5
 #: Logarithm of the growth in each half of the run, at least, where it is exponential.
-_HALF = 2.0
+_HALF_RUN_LOG_GROWTH = 2.0
 #: A motion that closes within this after one period has multipliers.
-_CLOSED = 1e-6
+_CLOSURE_DISTANCE = 1e-6
 #: Size with which differences enter, as tangents do elsewhere.
 _DIFFERENCE_SIZE = 1e-3
 
@@ -40,26 +40,26 @@ class TransverseFlow:
 
     Attributes
     ----------
-    initial : array (trajectory, state)
-    flow : PeriodMap
+    initial_states : array (trajectory, state)
+    period_map : PeriodMap
         Of the motion and of one difference along it.
     parameters : array (trajectory, parameter)
     period_lengths : array (trajectory,)
-    width : int
+    difference_dimension : int
         Components of a difference.
-    tolerance : float
+    period_tolerance : float
         Bound of a period's error.
     """
 
-    initial: FloatArray
-    flow: PeriodMap
+    initial_states: FloatArray
+    period_map: PeriodMap
     parameters: FloatArray
     period_lengths: FloatArray
-    width: int
-    tolerance: float
+    difference_dimension: int
+    period_tolerance: float
 
     @classmethod
-    def of(cls, ens: Ensemble, tolerance: float) -> TransverseFlow:
+    def from_ensemble(cls, ens: Ensemble, tolerance: float) -> TransverseFlow:
         """The differences along an ensemble's motion, which has one coordinate."""
         actuator = require_actuator("system", ens.system)
         if actuator.coordinate_count != 1:
@@ -70,59 +70,59 @@ class TransverseFlow:
                 why="What is asked is whether that one is enough.",
                 fix="Pass one number as prestress, and no edges.",
             )
-        two, pairs = two_coordinates(ens)
+        two, pairs = with_two_coordinates(ens)
         arrays = initial_value_problem(two, np.ones(ens.count))
         flow = PeriodMap(transverse_field(two.field, pairs), arrays.timeline.waveform)
-        lengths = np.where(ens.invalid, 1.0, require_periods(ens))
+        lengths = np.where(ens.invalid, 1.0, require_drive_periods(ens))
         return cls(
-            initial=ens.initial,
-            flow=flow,
+            initial_states=ens.initial,
+            period_map=flow,
             parameters=arrays.parameters,
             period_lengths=lengths,
-            width=len(pairs),
-            tolerance=tolerance,
+            difference_dimension=len(pairs),
+            period_tolerance=tolerance,
         )
 
     @property
-    def templates(self) -> Mapping[str, np.ndarray]:
+    def result_templates(self) -> Mapping[str, np.ndarray]:
         """Types and later dimensions of what is told of each trajectory."""
         return {
             "symmetry": np.empty(0, dtype="<U9"),
             **dict.fromkeys(("transverse_growth", "transverse_exponent"), np.empty(0)),
-            "transverse_multipliers": np.empty((0, self.width), dtype=complex),
+            "transverse_multipliers": np.empty((0, self.difference_dimension), dtype=complex),
             **dict.fromkeys(("local_error", "status"), np.empty(0)),
         }
 
-    def examine(
+    def examine_growth(
         self, indices: IntArray, periods: int, cancelled: Callable[[], bool]
     ) -> dict[str, np.ndarray]:
         """Follow differences of a subset of the trajectories and say whether they grow."""
         path = propagate_tangents(
-            _Subset(self, indices),
-            self.initial[indices],
+            _SubsetMap(self, indices),
+            self.initial_states[indices],
             periods,
-            directions=self.width,
-            width=self.width,
+            directions=self.difference_dimension,
+            width=self.difference_dimension,
             block=1,
             cancelled=cancelled,
         )
-        label, growth, exponent = _decide(path, periods)
+        label, growth, exponent = _decide_growth(path, periods)
         return {
             "symmetry": label,
             "transverse_growth": growth,
             "transverse_exponent": exponent / self.period_lengths[indices],
             "transverse_multipliers": self._multipliers(indices),
             "local_error": path.largest_period_error,
-            "status": status_of(path),
+            "status": status_of_run(path),
         }
 
     def _multipliers(self, indices: IntArray) -> np.ndarray:
         """Of the difference, where the motion closes after one period; NaN elsewhere."""
-        start = self.initial[indices]
-        unit = np.tile(np.eye(self.width), (indices.size, 1, 1))
+        start = self.initial_states[indices]
+        unit = np.tile(np.eye(self.difference_dimension), (indices.size, 1, 1))
         once = self.advance(indices, start, unit, 1)
         values, _ = floquet_multipliers(np.moveaxis(once.tangents, 1, 2), once.largest_period_error)
-        values[np.abs(once.visited_states[:, -1] - start).max(axis=1) > _CLOSED] = np.nan
+        values[np.abs(once.visited_states[:, -1] - start).max(axis=1) > _CLOSURE_DISTANCE] = np.nan
         return np.asarray(values)
 
     def advance(
@@ -136,23 +136,27 @@ class TransverseFlow:
         per_motion = frame.shape[1]
         start = np.repeat(states, per_motion, axis=0)
         rows = np.repeat(indices, per_motion)
-        image = self.flow(
-            np.concatenate([start, _DIFFERENCE_SIZE * frame.reshape(-1, self.width)], axis=1),
+        image = self.period_map(
+            np.concatenate(
+                [start, _DIFFERENCE_SIZE * frame.reshape(-1, self.difference_dimension)], axis=1
+            ),
             self.parameters[rows],
             self.period_lengths[rows],
-            tolerance=self.tolerance,
+            tolerance=self.period_tolerance,
             cycles=periods,
         )
         d = states.shape[1]
         error = image.largest_period_error.reshape(-1, per_motion).max(axis=1)
-        differences = image.state[:, d:].reshape(-1, per_motion, self.width) / _DIFFERENCE_SIZE
+        differences = (
+            image.state[:, d:].reshape(-1, per_motion, self.difference_dimension) / _DIFFERENCE_SIZE
+        )
         return BlockImage(
-            image.state[::per_motion, None, :d], differences, error, error <= self.tolerance
+            image.state[::per_motion, None, :d], differences, error, error <= self.period_tolerance
         )
 
 
 @dataclass(frozen=True)
-class _Subset:
+class _SubsetMap:
     """A subset of the motions, numbered from 0, as a map that analysis can follow."""
 
     flow: TransverseFlow
@@ -172,20 +176,22 @@ class _Subset:
         return self.flow.advance(self.indices[which], states, tangents, periods)
 
 
-def _decide(path: LongRun, periods: int) -> tuple[np.ndarray, FloatArray, FloatArray]:
+def _decide_growth(path: LongRun, periods: int) -> tuple[np.ndarray, FloatArray, FloatArray]:
     """The label, the largest logarithm of the growth, and the exponent per period."""
-    logs = _log_norms(path.triangular_factors)
+    logs = _log_largest_growth(path.triangular_factors)
     with np.errstate(invalid="ignore"):
         growth = logs.max(axis=1)
         middle = logs[:, periods // 2]
         halves = np.minimum(middle, logs[:, -1] - middle)
-        kept = growth <= np.log(periods) + _EXCESS
-        lost = (growth >= _POWER * np.log(periods) + 2.0 * _EXCESS) & (halves >= _HALF)
+        is_kept = growth <= np.log(periods) + _GROWTH_EXCESS
+        lost = (growth >= _GROWTH_POWER * np.log(periods) + 2.0 * _GROWTH_EXCESS) & (
+            halves >= _HALF_RUN_LOG_GROWTH
+        )
         exponent = (logs[:, -1] - middle) / (periods - periods // 2 - 1)
-    return np.where(kept, "kept", np.where(lost, "lost", "undecided")), growth, exponent
+    return np.where(is_kept, "kept", np.where(lost, "lost", "undecided")), growth, exponent
 
 
-def _log_norms(factors: FloatArray) -> FloatArray:
+def _log_largest_growth(factors: FloatArray) -> FloatArray:
     """Logarithm of the largest growth of any difference up to each block, (point, block).
 
     The rows of a frame become R^T Q in each block; what counts is the largest singular value

@@ -16,18 +16,18 @@ from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import Rng, as_seed, require_tolerance
-from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
-from remanent.studies.ensemble.durations import require_periods
+from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
+from remanent.studies.ensemble.durations import require_drive_periods
 from remanent.studies.ensemble.ensemble import Ensemble
-from remanent.studies.ensemble.layout import RESERVED, Over, lay_out
+from remanent.studies.ensemble.layout import RESERVED_DIMENSIONS, Over, lay_out_ensemble
 from remanent.studies.ensemble.memory import require_memory
 from remanent.studies.ensemble.progress import Progress, as_progress
-from remanent.studies.regimes._arguments import renamed
+from remanent.studies.regimes._arguments import rename_arguments_in_errors
 from remanent.studies.regimes._attractors import (
-    ATTRACTOR,
-    TAIL,
+    ATTRACTOR_DIMENSION,
+    TAIL_PERIODS,
     EndClassifier,
-    Ends,
+    MotionEnds,
     attractor_table,
     basin_numbers,
 )
@@ -38,7 +38,7 @@ from remanent.studies.regimes._regime_classifier import (
 )
 
 #: Names of dimensions that results have of their own.
-_RESERVED = RESERVED | {ATTRACTOR, "state"}
+_RESERVED_DIMENSIONS = RESERVED_DIMENSIONS | {ATTRACTOR_DIMENSION, "state"}
 
 
 def basins(
@@ -125,27 +125,27 @@ def basins(
     """
     periods = require_run_length(periods)
     tolerance = require_tolerance(tolerance, "the error that one drive period adds")
-    layout = _Layout.of(system, drive, grid, over)
+    layout = _BasinLayout.from_grid(system, drive, grid, over)
     ens = layout.ensemble
-    period_lengths = require_periods(ens)
-    needed = (BYTES_PER_LABEL + 8.0 * TAIL * len(ens.field.state)) * ens.count
+    period_lengths = require_drive_periods(ens)
+    needed = (BYTES_PER_LABEL + 8.0 * TAIL_PERIODS * len(ens.field.state_names)) * ens.count
     require_memory("grid", needed, f"{ens.count} ends")
-    classifier = RegimeClassifier.of(ens, periods, tolerance, as_seed(rng))
-    work = EndClassifier(classifier, min(TAIL, periods))
-    values = classifier.compute(work, work.templates, as_progress(progress))
+    classifier = RegimeClassifier.from_ensemble(ens, periods, tolerance, as_seed(rng))
+    work = EndClassifier(classifier, min(TAIL_PERIODS, periods))
+    values = classifier.compute_in_chunks(work, work.result_templates, as_progress(progress))
     tail, code = values.pop("tail"), values.pop("code")
-    variables: dict[str, PerTrajectory] = {"drive_period": period_lengths, **values}
+    variables: dict[str, PerTrajectoryArray] = {"drive_period": period_lengths, **values}
     shared: dict[str, Labelled] = {}
     coords: dict[str, Labelled] = {}
-    if classifier.damped.any():
-        ends = layout.ends(tail, code, values["period"], classifier.damped)
-        attractors = ends.sort()
-        variables["basin"] = basin_numbers(attractors, ends.starts)
-        shared = attractor_table(ends, attractors, layout.dims, layout.shape)
+    if classifier.is_damped.any():
+        ends = layout.motion_ends(tail, code, values["period"], classifier.is_damped)
+        attractors = ends.assign_attractors()
+        variables["basin"] = basin_numbers(attractors, ends.initial_state_count)
+        shared = attractor_table(ends, attractors, layout.parameter_dims, layout.parameter_shape)
         numbers = np.arange(shared["fraction"][1].shape[-1])
         coords = {
-            ATTRACTOR: ((ATTRACTOR,), numbers),
-            "state": (("state",), np.array(ens.field.state)),
+            ATTRACTOR_DIMENSION: ((ATTRACTOR_DIMENSION,), numbers),
+            "state": (("state",), np.array(ens.field.state_names)),
         }
     result = to_dataset(
         ens, variables, shared=shared, coords=coords, tolerance=tolerance, periods=periods
@@ -154,46 +154,50 @@ def basins(
 
 
 @dataclass(frozen=True)
-class _Layout:
+class _BasinLayout:
     """Initial states on a grid, for each set of parameters.
 
     Attributes
     ----------
     ensemble : Ensemble
         The parameters' dimensions first, then those of the grid.
-    dims, shape
+    parameter_dims, parameter_shape
         Names and lengths of the parameters' dimensions.
     """
 
     ensemble: Ensemble
-    dims: tuple[str, ...]
-    shape: tuple[int, ...]
+    parameter_dims: tuple[str, ...]
+    parameter_shape: tuple[int, ...]
 
     @classmethod
-    def of(cls, system: System, drive: Drive, grid: Any, over: Over | None) -> _Layout:
-        starts = _starts(grid)
-        base = lay_out(system, drive, over, reserved=_RESERVED)
-        _require_states(grid, base)
-        _require_apart(over or {}, starts)
+    def from_grid(cls, system: System, drive: Drive, grid: Any, over: Over | None) -> _BasinLayout:
+        starts = _over_from_grid(grid)
+        base = lay_out_ensemble(system, drive, over, reserved=_RESERVED_DIMENSIONS)
+        _require_state_names(grid, base)
+        _require_disjoint_from_grid(over or {}, starts)
         own_names = {
             f"over[{start!r}]": f"grid[{name!r}]" for name, start in zip(grid, starts, strict=True)
         }
-        with renamed(own_names):
-            ens = lay_out(system, drive, {**(over or {}), **starts}, reserved=_RESERVED)
+        with rename_arguments_in_errors(own_names):
+            ens = lay_out_ensemble(
+                system, drive, {**(over or {}), **starts}, reserved=_RESERVED_DIMENSIONS
+            )
         grid_dims, _ = ens.coords[next(iter(starts))]
         split = ens.dims.index(grid_dims[0])
         return cls(ens, ens.dims[:split], tuple(ens.sizes.values())[:split])
 
-    def ends(self, tail: np.ndarray, regime: IntArray, period: IntArray, damped: BoolArray) -> Ends:
+    def motion_ends(
+        self, tail: np.ndarray, regime: IntArray, period: IntArray, damped: BoolArray
+    ) -> MotionEnds:
         """How motions end, arrays (trajectory, ...), with an axis for the parameters."""
 
         def apart(values: Any) -> Any:
-            return values.reshape(math.prod(self.shape), -1, *values.shape[1:])
+            return values.reshape(math.prod(self.parameter_shape), -1, *values.shape[1:])
 
-        return Ends(apart(tail), apart(regime), apart(period), apart(damped)[:, 0])
+        return MotionEnds(apart(tail), apart(regime), apart(period), apart(damped)[:, 0])
 
 
-def _starts(grid: Any) -> dict[str, Any]:
+def _over_from_grid(grid: Any) -> dict[str, Any]:
     if not isinstance(grid, Mapping) or not grid:
         raise InputError(
             "grid",
@@ -205,22 +209,24 @@ def _starts(grid: Any) -> dict[str, Any]:
     return {f"initial.{name}": values for name, values in grid.items()}
 
 
-def _require_states(grid: Mapping[str, Any], ens: Ensemble) -> None:
-    unknown = [name for name in grid if name not in ens.field.state]
+def _require_state_names(grid: Mapping[str, Any], ens: Ensemble) -> None:
+    unknown = [name for name in grid if name not in ens.field.state_names]
     if unknown:
         raise InputError(
             "grid",
             must="name state variables",
             got=", ".join(map(repr, unknown)),
             why="It says from where the motions start.",
-            fix=f"They are {', '.join(ens.field.state)}.",
+            fix=f"They are {', '.join(ens.field.state_names)}.",
         )
 
 
-def _require_apart(over: Mapping[str, Any], starts: Mapping[str, Any]) -> None:
+def _require_disjoint_from_grid(over: Mapping[str, Any], starts: Mapping[str, Any]) -> None:
     """Refuse parameters that share a name or a dimension with the grid."""
-    grid_dims = {dim for name, values in starts.items() for dim in _dims(name, values)}
-    common = {name for name, values in over.items() if set(_dims(name, values)) & grid_dims}
+    grid_dims = {dim for name, values in starts.items() for dim in _dims_of_values(name, values)}
+    common = {
+        name for name, values in over.items() if set(_dims_of_values(name, values)) & grid_dims
+    }
     common |= over.keys() & starts.keys()
     if common:
         raise InputError(
@@ -232,5 +238,5 @@ def _require_apart(over: Mapping[str, Any], starts: Mapping[str, Any]) -> None:
         )
 
 
-def _dims(name: str, values: Any) -> tuple[str, ...]:
+def _dims_of_values(name: str, values: Any) -> tuple[str, ...]:
     return tuple(map(str, values.dims)) if isinstance(values, xr.DataArray) else (name,)

@@ -15,23 +15,28 @@ from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_parameter, require_tolerance
-from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
-from remanent.studies.ensemble.durations import require_count, require_periods
+from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
+from remanent.studies.ensemble.durations import require_count, require_drive_periods
 from remanent.studies.ensemble.ensemble import Ensemble
-from remanent.studies.ensemble.layout import RESERVED, Over, lay_out, require_over
+from remanent.studies.ensemble.layout import (
+    RESERVED_DIMENSIONS,
+    Over,
+    lay_out_ensemble,
+    require_over,
+)
 from remanent.studies.ensemble.memory import require_memory
-from remanent.studies.ensemble.observables import observe
+from remanent.studies.ensemble.observables import evaluate_observable
 from remanent.studies.ensemble.problem import initial_value_problem
 from remanent.studies.ensemble.progress import Progress, as_progress
-from remanent.studies.regimes._arguments import renamed
-from remanent.studies.regimes._parameter_sweep import ParameterSweep, Section
+from remanent.studies.regimes._arguments import rename_arguments_in_errors
+from remanent.studies.regimes._parameter_sweep import ParameterSweep, SweepSection
 
 #: Sweeps of each direction asked for: the order in which values are visited.
-_SWEEPS = {"up": ("up",), "down": ("down",), "both": ("up", "down")}
+_SWEEPS_OF_DIRECTION = {"up": ("up",), "down": ("down",), "both": ("up", "down")}
 #: Bytes that a point of the section takes.
 _BYTES_PER_POINT = 64.0
 #: Names of dimensions that results have of their own.
-_RESERVED = RESERVED | {"sweep"}
+_RESERVED_DIMENSIONS = RESERVED_DIMENSIONS | {"sweep"}
 
 
 def bifurcation_diagram(
@@ -120,23 +125,23 @@ def bifurcation_diagram(
     discard = require_count("discard", discard, "Whole drive periods pass.", 0)
     keep = require_count("keep", keep, "It is a number of points.")
     tolerance = require_tolerance(tolerance, "the error that one drive period adds")
-    ens = _lay_out(system, drive, parameter, values, over, initial)
-    require_periods(ens)
-    directions = _SWEEPS[direction]
+    ens = _lay_out_sweep(system, drive, parameter, values, over, initial)
+    require_drive_periods(ens)
+    directions = _SWEEPS_OF_DIRECTION[direction]
     needed = _BYTES_PER_POINT * ens.count * keep * len(directions)
     require_memory("keep", needed, f"{ens.count} x {keep} points")
     sweep = ParameterSweep(
         ensemble=ens,
         problem=initial_value_problem(ens, np.ones(ens.count)),
-        directions=directions,
-        discard=discard,
-        keep=keep,
-        tolerance=tolerance,
+        sweep_directions=directions,
+        discarded_periods=discard,
+        kept_periods=keep,
+        period_tolerance=tolerance,
     )
     result = to_dataset(
         ens,
-        _variables(sweep, sweep.run(as_progress(progress))),
-        coords=_coordinates(sweep),
+        _diagram_variables(sweep, sweep.run(as_progress(progress))),
+        coords=_diagram_coordinates(sweep),
         tolerance=tolerance,
         direction=direction,
         discard=discard,
@@ -147,7 +152,7 @@ def bifurcation_diagram(
     return result
 
 
-def _lay_out(
+def _lay_out_sweep(
     system: System,
     drive: Drive,
     parameter: str,
@@ -156,16 +161,20 @@ def _lay_out(
     initial: ArrayLike | None,
 ) -> Ensemble:
     """Trajectories over the values of `over` first, then over those of the parameter."""
-    require_parameter("parameter", parameter, lay_out(system, drive, None, initial))
+    require_parameter("parameter", parameter, lay_out_ensemble(system, drive, None, initial))
     require_over(over)
-    _require_plain(parameter, values, over or {})
-    with renamed({f"over[{parameter!r}]": "values"}):
-        return lay_out(
-            system, drive, {**(over or {}), parameter: values}, initial, reserved=_RESERVED
+    _require_plain_values(parameter, values, over or {})
+    with rename_arguments_in_errors({f"over[{parameter!r}]": "values"}):
+        return lay_out_ensemble(
+            system,
+            drive,
+            {**(over or {}), parameter: values},
+            initial,
+            reserved=_RESERVED_DIMENSIONS,
         )
 
 
-def _require_plain(parameter: str, values: Any, over: Mapping[str, Any]) -> None:
+def _require_plain_values(parameter: str, values: Any, over: Mapping[str, Any]) -> None:
     """Refuse values that do not make a dimension of their own, the last one."""
     if isinstance(values, xr.DataArray) and values.dims != (parameter,):
         raise InputError(
@@ -190,19 +199,25 @@ def _require_plain(parameter: str, values: Any, over: Mapping[str, Any]) -> None
         )
 
 
-def _variables(sweep: ParameterSweep, section: Section) -> dict[str, PerTrajectory]:
+def _diagram_variables(
+    sweep: ParameterSweep, section: SweepSection
+) -> dict[str, PerTrajectoryArray]:
     """The state, what is observed of it, and the evidence, by name."""
-    ens, count = sweep.ensemble, len(sweep.directions)
+    ens, count = sweep.ensemble, len(sweep.sweep_directions)
 
-    def labelled(values: np.ndarray, *dims: str) -> PerTrajectory:
+    def labelled(values: np.ndarray, *dims: str) -> PerTrajectoryArray:
         return (("sweep", *dims), values) if count > 1 else (dims, values[:, 0])
 
-    variables: dict[str, PerTrajectory] = {
-        name: labelled(section.states[..., k], "period") for k, name in enumerate(ens.field.state)
+    variables: dict[str, PerTrajectoryArray] = {
+        name: labelled(section.states[..., k], "period")
+        for k, name in enumerate(ens.field.state_names)
     }
-    times = np.zeros((ens.count, sweep.keep))  # at the beginning of a period
-    for name in ens.field.watched_names:
-        observed = [observe(sweep.problem, name, times, section.states[:, k]) for k in range(count)]
+    times = np.zeros((ens.count, sweep.kept_periods))  # at the beginning of a period
+    for name in ens.field.observable_and_rate_names:
+        observed = [
+            evaluate_observable(sweep.problem, name, times, section.states[:, k])
+            for k in range(count)
+        ]
         variables[name] = labelled(np.stack(observed, axis=1), "period")
     variables["drive_period"] = sweep.period_lengths
     variables["local_error"] = labelled(section.error)
@@ -210,9 +225,9 @@ def _variables(sweep: ParameterSweep, section: Section) -> dict[str, PerTrajecto
     return variables
 
 
-def _coordinates(sweep: ParameterSweep) -> dict[str, Labelled]:
-    numbers = np.arange(1, sweep.keep + 1) + sweep.discard
+def _diagram_coordinates(sweep: ParameterSweep) -> dict[str, Labelled]:
+    numbers = np.arange(1, sweep.kept_periods + 1) + sweep.discarded_periods
     coords: dict[str, Labelled] = {"period": (("period",), numbers)}
-    if len(sweep.directions) > 1:
-        coords["sweep"] = (("sweep",), np.array(sweep.directions))
+    if len(sweep.sweep_directions) > 1:
+        coords["sweep"] = (("sweep",), np.array(sweep.sweep_directions))
     return coords

@@ -8,7 +8,7 @@ from remanent._typing import ArrayLike
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.studies.ensemble.checks import Rng, as_seed, require_tolerance
-from remanent.studies.ensemble.layout import Over, lay_out
+from remanent.studies.ensemble.layout import Over, lay_out_ensemble
 from remanent.studies.ensemble.progress import Progress, as_progress
 from remanent.studies.regimes._regime_classifier import regime_dataset, require_run_length
 
@@ -113,5 +113,5 @@ def classify(
     """
     periods = require_run_length(periods)
     tolerance = require_tolerance(tolerance, "the error that one drive period adds")
-    ens = lay_out(system, drive, over, initial)
+    ens = lay_out_ensemble(system, drive, over, initial)
     return regime_dataset(ens, periods, tolerance, as_seed(rng), as_progress(progress))

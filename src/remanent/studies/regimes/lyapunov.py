@@ -13,17 +13,17 @@ from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
-from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
-from remanent.studies.ensemble.durations import require_count, require_periods
+from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
+from remanent.studies.ensemble.durations import require_count, require_drive_periods
 from remanent.studies.ensemble.ensemble import Ensemble
-from remanent.studies.ensemble.layout import RESERVED, Over, lay_out
+from remanent.studies.ensemble.layout import RESERVED_DIMENSIONS, Over, lay_out_ensemble
 from remanent.studies.ensemble.memory import require_memory
 from remanent.studies.ensemble.progress import Progress, as_progress
-from remanent.studies.regimes._exponent_estimator import MAX_HISTORY, ExponentEstimator
-from remanent.studies.regimes._follower import Follower
+from remanent.studies.regimes._exponent_estimator import MAX_HISTORY_POINTS, ExponentEstimator
+from remanent.studies.regimes._follower import EnsembleFollower
 
 #: Variables with a value for each exponent.
-_PER_EXPONENT = ("exponent", "exponent_error")
+_VARIABLES_PER_EXPONENT = ("exponent", "exponent_error")
 
 
 def lyapunov(
@@ -109,18 +109,22 @@ def lyapunov(
     periods = require_count("periods", periods, "Exponents are averaged over whole drive periods.")
     count = require_count("count", count, "It is a number of exponents.")
     tolerance = require_tolerance(tolerance, "the error that one drive period adds")
-    ens = lay_out(system, drive, over, initial, reserved=RESERVED | {"exponent_number"})
-    period_lengths = require_periods(ens)
-    _require_exponents(count, ens)
-    needed = 8.0 * ens.count * count * (min(periods, MAX_HISTORY) + 3)
+    ens = lay_out_ensemble(
+        system, drive, over, initial, reserved=RESERVED_DIMENSIONS | {"exponent_number"}
+    )
+    period_lengths = require_drive_periods(ens)
+    _require_exponent_count(count, ens)
+    needed = 8.0 * ens.count * count * (min(periods, MAX_HISTORY_POINTS) + 3)
     require_memory("over", needed, f"{ens.count} histories")
-    estimator = ExponentEstimator(Follower(ens, periods, count), tolerance)
-    values = estimator.follower.compute(estimator, estimator.templates, as_progress(progress))
+    estimator = ExponentEstimator(EnsembleFollower(ens, periods, count), tolerance)
+    values = estimator.follower.compute_in_chunks(
+        estimator, estimator.result_templates, as_progress(progress)
+    )
     number: tuple[str, ...] = ("exponent_number",) if count > 1 else ()
-    variables: dict[str, PerTrajectory] = {"drive_period": period_lengths}
-    for name in _PER_EXPONENT:
-        variables[name] = (number, _one_or_all(values.pop(name)))
-    history = _one_or_all(values.pop("exponent_history"))
+    variables: dict[str, PerTrajectoryArray] = {"drive_period": period_lengths}
+    for name in _VARIABLES_PER_EXPONENT:
+        variables[name] = (number, _drop_single_exponent_axis(values.pop(name)))
+    history = _drop_single_exponent_axis(values.pop("exponent_history"))
     variables["exponent_history"] = (("period", *number), history)
     coords: dict[str, Labelled] = {"period": (("period",), estimator.history_periods)}
     if count > 1:
@@ -130,8 +134,8 @@ def lyapunov(
     )
 
 
-def _require_exponents(count: int, ens: Ensemble) -> None:
-    dimension = len(ens.field.state)
+def _require_exponent_count(count: int, ens: Ensemble) -> None:
+    dimension = len(ens.field.state_names)
     if count > dimension:
         raise InputError(
             "count",
@@ -142,6 +146,6 @@ def _require_exponents(count: int, ens: Ensemble) -> None:
         )
 
 
-def _one_or_all(values: np.ndarray) -> Any:
+def _drop_single_exponent_axis(values: np.ndarray) -> Any:
     """Values (..., exponent); without that dimension where there is one exponent."""
     return values[..., 0] if values.shape[-1] == 1 else values

@@ -10,12 +10,12 @@ from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.studies.ensemble.checks import Rng, as_seed, require_tolerance
 from remanent.studies.ensemble.ensemble import Ensemble
-from remanent.studies.ensemble.layout import Over, lay_out
+from remanent.studies.ensemble.layout import Over, lay_out_ensemble
 from remanent.studies.ensemble.progress import Progress, as_progress
 from remanent.studies.regimes._regime_classifier import regime_dataset, require_run_length
 
 #: Axes of a chart.
-_AXES = 2
+_AXIS_COUNT = 2
 
 
 def regime_chart(
@@ -89,13 +89,13 @@ def regime_chart(
     """
     periods = require_run_length(periods)
     tolerance = require_tolerance(tolerance, "the error that one drive period adds")
-    ens = lay_out(system, drive, over, initial)
+    ens = lay_out_ensemble(system, drive, over, initial)
     _require_two_axes(ens)
     return regime_dataset(ens, periods, tolerance, as_seed(rng), as_progress(progress))
 
 
 def _require_two_axes(ens: Ensemble) -> None:
-    if len(ens.sizes) != _AXES:
+    if len(ens.sizes) != _AXIS_COUNT:
         raise InputError(
             "over",
             must="have two axes",

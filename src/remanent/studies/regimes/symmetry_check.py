@@ -10,11 +10,11 @@ from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
-from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
-from remanent.studies.ensemble.durations import require_count, require_periods
-from remanent.studies.ensemble.layout import RESERVED, Over, lay_out
+from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
+from remanent.studies.ensemble.durations import require_count, require_drive_periods
+from remanent.studies.ensemble.layout import RESERVED_DIMENSIONS, Over, lay_out_ensemble
 from remanent.studies.ensemble.progress import Progress, as_progress
-from remanent.studies.regimes._follower import Follower
+from remanent.studies.regimes._follower import EnsembleFollower
 from remanent.studies.regimes._transverse import TransverseFlow
 
 #: Shorter runs cannot tell growth like a power of time from an exponential one.
@@ -97,16 +97,20 @@ def symmetry_check(
     """
     periods = require_count("periods", periods, "Growth shows in a long run.", _MIN_PERIODS)
     tolerance = require_tolerance(tolerance, "the error that one drive period adds")
-    ens = lay_out(system, drive, over, initial, reserved=RESERVED | {"multiplier"})
-    period_lengths = require_periods(ens)
-    flow = TransverseFlow.of(ens, tolerance)
-    values = Follower(ens, periods, 0).compute(
-        lambda indices, cancelled: flow.examine(indices, periods, cancelled),
-        flow.templates,
+    ens = lay_out_ensemble(
+        system, drive, over, initial, reserved=RESERVED_DIMENSIONS | {"multiplier"}
+    )
+    period_lengths = require_drive_periods(ens)
+    flow = TransverseFlow.from_ensemble(ens, tolerance)
+    values = EnsembleFollower(ens, periods, 0).compute_in_chunks(
+        lambda indices, cancelled: flow.examine_growth(indices, periods, cancelled),
+        flow.result_templates,
         as_progress(progress),
     )
-    multipliers: PerTrajectory = (("multiplier",), values.pop("transverse_multipliers"))
-    coords: dict[str, Labelled] = {"multiplier": (("multiplier",), np.arange(flow.width))}
+    multipliers: PerTrajectoryArray = (("multiplier",), values.pop("transverse_multipliers"))
+    coords: dict[str, Labelled] = {
+        "multiplier": (("multiplier",), np.arange(flow.difference_dimension))
+    }
     return to_dataset(
         ens,
         {"drive_period": period_lengths, "transverse_multipliers": multipliers, **values},

@@ -20,7 +20,7 @@ _FIRST_DURATION = 8.0
 #: Factor by which the time grows where none was found.
 _DURATION_GROWTH = 4.0
 #: How often it is looked for.
-_ATTEMPTS = 5
+_MAX_ATTEMPTS = 5
 
 
 @dataclass(frozen=True)
@@ -33,14 +33,14 @@ class FreeOscillations:
         Of one whole period each.
     outcome : Outcome
         With the extremes of the thickness stretch.
-    frequency, error : array (trajectory,)
+    frequency, frequency_error : array (trajectory,)
         NaN where no other turning point was found.
     """
 
     problem: Problem
     outcome: Outcome
     frequency: FloatArray
-    error: FloatArray
+    frequency_error: FloatArray
 
     @property
     def amplitude(self) -> FloatArray:
@@ -72,14 +72,14 @@ def free_oscillations(ens: Ensemble, tolerance: float) -> FreeOscillations:
     """
     half, error = np.full(ens.count, np.nan), np.full(ens.count, np.nan)
     duration = _FIRST_DURATION
-    for _ in range(_ATTEMPTS):
+    for _ in range(_MAX_ATTEMPTS):
         missing = np.isnan(half) & ~ens.invalid
         if not missing.any():
             break
         problem = initial_value_problem(ens, np.full(ens.count, duration))
         turns, outcome = events.find_crossings(problem, "stretch_rate", 0.0, tolerance=tolerance)
         rows, first = np.unique(turns.trajectory, return_index=True)
-        acceleration = _acceleration(problem, rows, turns.states[first])
+        acceleration = _rate_slope_at_zero(problem, rows, turns.states[first])
         half[rows] = turns.time[first]
         error[rows] = outcome.error[rows] / np.abs(acceleration)
         duration *= _DURATION_GROWTH
@@ -90,7 +90,7 @@ def free_oscillations(ens: Ensemble, tolerance: float) -> FreeOscillations:
     return FreeOscillations(problem, outcome, frequency, frequency * error / half)
 
 
-def _acceleration(problem: Problem, rows: IntArray, states: FloatArray) -> FloatArray:
+def _rate_slope_at_zero(problem: Problem, rows: IntArray, states: FloatArray) -> FloatArray:
     """How fast the rate passes zero, array (row,)."""
     inputs = [np.zeros(rows.size), *states.T, *problem.parameters[rows].T]
     return np.asarray(problem.field.rates(inputs, functions=np)[1])

@@ -11,8 +11,8 @@ from remanent.models.actuator import Actuator
 from remanent.models.drives.waves import Constant
 from remanent.studies.ensemble.checks import require_actuator, require_tolerance
 from remanent.studies.ensemble.dataset import to_dataset
-from remanent.studies.ensemble.layout import Over, lay_out, require_over
-from remanent.studies.ensemble.observables import observe
+from remanent.studies.ensemble.layout import Over, lay_out_ensemble, require_over
+from remanent.studies.ensemble.observables import evaluate_observable
 from remanent.studies.response._free_oscillations import (
     free_oscillations,
     require_free_oscillations,
@@ -84,7 +84,7 @@ def backbone(
         fix="Pass for example numpy.linspace(1.01, 1.5, 50).",
         least=1,
     )
-    ens = lay_out(
+    ens = lay_out_ensemble(
         actuator,
         Constant(m),
         {**(over or {}), "initial.stretch": stretches},
@@ -96,8 +96,10 @@ def backbone(
         ens,
         {
             "frequency": free.frequency,
-            "frequency_error": free.error,
-            "energy": observe(free.problem, "energy", start, ens.initial[:, None])[:, 0],
+            "frequency_error": free.frequency_error,
+            "energy": evaluate_observable(free.problem, "energy", start, ens.initial[:, None])[
+                :, 0
+            ],
             "maximum": free.outcome.maximum,
             "minimum": free.outcome.minimum,
             "amplitude": free.amplitude,

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
-from remanent._checks import not_negative, positive, require_increasing, require_real
+from remanent._checks import not_negative_rule, positive_rule, require_increasing, require_real
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, FloatArray, IntArray
 from remanent.analysis.response.subdivision import BracketedMaxima, refine_maxima
@@ -19,14 +19,23 @@ from remanent.models.system import System
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_drive, require_tolerance
 from remanent.studies.ensemble.dataset import to_dataset
-from remanent.studies.ensemble.durations import RESPONSE_WINDOW, durations, require_exactly_one
+from remanent.studies.ensemble.durations import (
+    DEFAULT_RESPONSE_WINDOW,
+    require_exactly_one_argument,
+    trajectory_durations,
+)
 from remanent.studies.ensemble.ensemble import BATCH_SIZE, Ensemble
-from remanent.studies.ensemble.layout import Over, lay_out, require_over
+from remanent.studies.ensemble.layout import Over, lay_out_ensemble, require_over
 from remanent.studies.ensemble.problem import initial_value_problem
-from remanent.studies.ensemble.progress import Progress, Report, as_progress, within
+from remanent.studies.ensemble.progress import (
+    Progress,
+    ProgressFunction,
+    as_progress,
+    report_part_of_whole,
+)
 
-_WIDTH = positive("It is the width of the last bracket.", "Pass for example 1e-6.")
-_DISCARD = not_negative("It is the time before the window.", "Pass 0 to start at once.")
+_WIDTH_RULE = positive_rule("It is the width of the last bracket.", "Pass for example 1e-6.")
+_DISCARD_RULE = not_negative_rule("It is the time before the window.", "Pass 0 to start at once.")
 
 
 def frequency_response(
@@ -105,25 +114,25 @@ def frequency_response(
     1.25
     """
     if periods is None and duration is None:
-        duration = RESPONSE_WINDOW
-    require_exactly_one(duration=duration, periods=periods)
+        duration = DEFAULT_RESPONSE_WINDOW
+    require_exactly_one_argument(duration=duration, periods=periods)
     require_tolerance(tolerance, "the error of the extremes")
-    discard = require_real("discard", discard, _DISCARD)
-    resonance_width = require_real("resonance_width", resonance_width, _WIDTH)
+    discard = require_real("discard", discard, _DISCARD_RULE)
+    resonance_width = require_real("resonance_width", resonance_width, _WIDTH_RULE)
     require_over(over)
-    grid = _frequencies(require_drive(drive), omega, over)
-    ens = lay_out(system, drive, {**(over or {}), "omega": grid}, initial)
+    grid = _require_frequencies(require_drive(drive), omega, over)
+    ens = lay_out_ensemble(system, drive, {**(over or {}), "omega": grid}, initial)
 
-    def respond(runs: Ensemble, report: Report | None = None) -> Outcome:
+    def respond(runs: Ensemble, report: ProgressFunction | None = None) -> Outcome:
         return response_extremes(runs, duration, periods, discard, tolerance, report)
 
     outcome = respond(ens, as_progress(progress))
     amplitude = _amplitude(outcome)
-    peak = _resonance(ens, grid, ens.shaped(amplitude), respond, resonance_width)
+    peak = _find_resonance(ens, grid, ens.reshape_to_dims(amplitude), respond, resonance_width)
     return to_dataset(
         ens,
         {"amplitude": amplitude, "maximum": outcome.maximum, "minimum": outcome.minimum},
-        shared=_peak_variables(ens, peak),
+        shared=_resonance_variables(ens, peak),
         outcome=outcome,
         error="amplitude_error",
         tolerance=tolerance,
@@ -133,7 +142,7 @@ def frequency_response(
     )
 
 
-def _frequencies(drive: Drive, omega: ArrayLike, over: Over | None) -> FloatArray:
+def _require_frequencies(drive: Drive, omega: ArrayLike, over: Over | None) -> FloatArray:
     if "omega" not in drive.parameters():
         raise InputError(
             "drive",
@@ -161,12 +170,12 @@ def response_extremes(
     periods: int | None,
     discard: float,
     tolerance: float,
-    progress: Report | None = None,
+    progress: ProgressFunction | None = None,
     *,
     batch_size: int = BATCH_SIZE,
 ) -> Outcome:
     """Extremes of the thickness stretch of every trajectory, worked out `batch_size` at a time."""
-    if ((durations(ens, duration, periods) <= discard) & ~ens.invalid).any():
+    if ((trajectory_durations(ens, duration, periods) <= discard) & ~ens.invalid).any():
         raise InputError(
             "discard",
             must="be shorter than the run",
@@ -178,8 +187,8 @@ def response_extremes(
     def parts() -> Iterator[tuple[slice, Outcome]]:
         for part, batch in ens.batches(batch_size):
             request = Request(wants_extremes=True, extremes_begin=np.full(batch.count, discard))
-            report = within(progress, part, ens.count)
-            problem = initial_value_problem(batch, durations(batch, duration, periods))
+            report = report_part_of_whole(progress, part, ens.count)
+            problem = initial_value_problem(batch, trajectory_durations(batch, duration, periods))
             yield part, integrate(problem, request, tolerance=tolerance, progress=report)
 
     return merge_outcomes(ens.count, parts())
@@ -191,7 +200,7 @@ def _amplitude(outcome: Outcome) -> FloatArray:
     return np.asarray(amplitude)
 
 
-def _resonance(
+def _find_resonance(
     ens: Ensemble,
     grid: FloatArray,
     amplitude: FloatArray,
@@ -205,12 +214,12 @@ def _resonance(
     index = np.ravel_multi_index(tuple(np.indices(first)), tuple(ens.sizes.values())).ravel()
 
     def measure(case: IntArray, omega: FloatArray) -> FloatArray:
-        return _amplitude(respond(_at(ens, index[case], omega)))
+        return _amplitude(respond(_at_frequencies(ens, index[case], omega)))
 
     return refine_maxima(grid, rows, measure, width=width)
 
 
-def _at(ens: Ensemble, indices: IntArray, omega: FloatArray) -> Ensemble:
+def _at_frequencies(ens: Ensemble, indices: IntArray, omega: FloatArray) -> Ensemble:
     """Trajectories like those of an ensemble with some indices, at other frequencies."""
     values = {name: column[indices] for name, column in ens.values.items()} | {"omega": omega}
     return replace(
@@ -223,7 +232,7 @@ def _at(ens: Ensemble, indices: IntArray, omega: FloatArray) -> Ensemble:
     )
 
 
-def _peak_variables(ens: Ensemble, peak: BracketedMaxima) -> dict[str, Labelled]:
+def _resonance_variables(ens: Ensemble, peak: BracketedMaxima) -> dict[str, Labelled]:
     """Resonances, along the dimensions of the ensemble but for that of frequency."""
     dims = tuple(d for d in ens.dims if d != "omega")
     shape = tuple(ens.sizes[d] for d in dims)

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from remanent._checks import shortened
+from remanent._checks import shortened_repr
 from remanent._errors import InputError
 from remanent._status import Status
 from remanent._typing import ArrayLike
@@ -17,21 +17,26 @@ from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_actuator
-from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
+from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
 from remanent.studies.ensemble.durations import require_count
 from remanent.studies.ensemble.ensemble import Ensemble
-from remanent.studies.ensemble.layout import Over, lay_out
+from remanent.studies.ensemble.layout import Over, lay_out_ensemble
 from remanent.studies.ensemble.progress import Progress, as_progress
-from remanent.studies.orbits._branch_tables import Table, member_status
+from remanent.studies.orbits._branch_tables import ColumnTable, member_status
 from remanent.studies.orbits._checks import require_orbit_period
-from remanent.studies.orbits._forced_response import require_frequencies, trace_member
+from remanent.studies.orbits._forced_response import require_frequencies, trace_forced_response
 from remanent.studies.orbits._members import for_each_member, stack_tables
-from remanent.studies.orbits._orbit_tables import DIMENSIONS
+from remanent.studies.orbits._orbit_tables import ORBIT_DIMENSIONS
 from remanent.studies.orbits._tracing import TracingOptions
-from remanent.studies.response._peaks import HARMONICS, describe_peaks, empty_peaks, find_peaks
+from remanent.studies.response._peaks import (
+    HARMONIC_COUNT,
+    describe_peaks,
+    empty_peak_table,
+    find_peaks,
+)
 
 #: Points of a branch, in each direction from where it was found.
-_MAX_POINTS = 2000
+_MAX_BRANCH_POINTS = 2000
 
 
 def resonances(
@@ -121,37 +126,37 @@ def resonances(
     """
     _require_orbit_periods(orbit_periods)
     _require_one_coordinate(system)
-    ens = lay_out(system, drive, over, reserved=DIMENSIONS)
+    ens = lay_out_ensemble(system, drive, over, reserved=ORBIT_DIMENSIONS)
     limits = require_frequencies(omega_range, ens)
     slices = require_count("slices", slices, "Orbits are looked for at each of them.")
     plans = [
-        TracingOptions("omega", limits, state_box, period, _MAX_POINTS, tolerance)
+        TracingOptions("omega", limits, state_box, period, _MAX_BRANCH_POINTS, tolerance)
         for period in orbit_periods
     ]
     for options in plans:
-        options.check(ens)
+        options.require_valid(ens)
 
-    def find(member: Ensemble) -> tuple[Table, NDArray[Any]]:
-        branches = [trace_member(member, options, slices) for options in plans]
+    def find(member: Ensemble) -> tuple[ColumnTable, NDArray[Any]]:
+        branches = [trace_forced_response(member, options, slices) for options in plans]
         peaks = [
             peak
             for table, options in zip(branches, plans, strict=True)
             for peak in find_peaks(table, options)
         ]
         peaks.sort(key=lambda peak: peak.omega)
-        reasons = np.concatenate([table.end_reason for table in branches])
+        reasons = np.concatenate([table.end_reasons for table in branches])
         return describe_peaks(member, ens.coords, peaks), reasons
 
     outcomes = for_each_member(ens, find, as_progress(progress))
-    columns = stack_tables([None if o is None else o[0] for o in outcomes], empty_peaks())
+    columns = stack_tables([None if o is None else o[0] for o in outcomes], empty_peak_table())
     reasons = [None if outcome is None else outcome[1] for outcome in outcomes]
-    variables: dict[str, PerTrajectory] = {
+    variables: dict[str, PerTrajectoryArray] = {
         name: (("peak", "harmonic") if name == "harmonics" else ("peak",), column)
         for name, column in columns.items()
     }
     coords: dict[str, Labelled] = {
         "peak": (("peak",), np.arange(columns["omega"].shape[1])),
-        "harmonic": (("harmonic",), np.arange(HARMONICS + 1)),
+        "harmonic": (("harmonic",), np.arange(HARMONIC_COUNT + 1)),
     }
     dataset = to_dataset(
         ens, variables, coords=coords, status=member_status(ens, reasons, Status.DIVERGED),
@@ -166,7 +171,7 @@ def _require_orbit_periods(orbit_periods: Sequence[int]) -> None:
         raise InputError(
             "orbit_periods",
             must="be a sequence of positive integers, at least one",
-            got=shortened(orbit_periods),
+            got=shortened_repr(orbit_periods),
             why="Peaks of the orbits of each period are found.",
             fix="Pass for example (1, 2).",
         )

@@ -14,28 +14,28 @@ from remanent.analysis.orbits.periodic_orbits import (
     distinct_orbits_of_least_period,
     newton_fixed_points,
 )
-from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
+from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.statics._static_ensemble import StaticEnsemble, farthest_inside
 
 #: Equilibria of two coordinates are sought up to this stretch and down to its inverse.
-_FARTHEST = 1000.0
+_FARTHEST_STRETCH = 1000.0
 #: Directions from rest in which they are sought.
-_DIRECTIONS = 96
+_DIRECTION_COUNT = 96
 #: Distances from rest at which they are sought in each direction.
-_DISTANCES = 96
+_DISTANCE_COUNT = 96
 #: Largest acceleration, relative to the loads', of what counts as an equilibrium.
-_RESIDUAL = 1e-12
+_MAX_RELATIVE_RESIDUAL = 1e-12
 
 
 def biaxial_equilibria(ens: Ensemble) -> xr.Dataset:
     """All equilibria of two coordinates, labelled."""
     static = StaticEnsemble(ens)
-    stretches = _stretches(static)
+    stretches = _equilibrium_stretches(static)
     count = stretches.shape[1]
     case = np.repeat(np.arange(ens.count), count).reshape(ens.count, count)
     pair = stretches[..., 0], stretches[..., 1]
-    matrix = _slopes(static, case, *pair)
+    matrix = _acceleration_derivatives(static, case, *pair)
     exists = np.isfinite(pair[0])
     values = np.linalg.eigvals(np.where(exists[..., None, None], -matrix, np.eye(2)))
     squared = np.sort(np.where(exists[..., None], values.real, np.nan), axis=-1)
@@ -49,7 +49,9 @@ def biaxial_equilibria(ens: Ensemble) -> xr.Dataset:
         "equilibrium_potential": static.potential(case, *pair),
         "stability": np.where(exists, stable, ""),
     }
-    variables: dict[str, PerTrajectory] = {k: (("equilibrium",), v) for k, v in columns.items()}
+    variables: dict[str, PerTrajectoryArray] = {
+        k: (("equilibrium",), v) for k, v in columns.items()
+    }
     variables["natural_frequency"] = (("equilibrium", "mode"), frequency)
     return to_dataset(
         ens,
@@ -62,17 +64,20 @@ def biaxial_equilibria(ens: Ensemble) -> xr.Dataset:
     )
 
 
-def _stretches(static: StaticEnsemble) -> FloatArray:
+def _equilibrium_stretches(static: StaticEnsemble) -> FloatArray:
     """Stretches of all equilibria, (case, equilibrium, 2), NaN where there are fewer."""
-    ens = static.ens
-    roots = [np.empty((0, 2)) if ens.invalid[k] else _roots_of(static, k) for k in range(ens.count)]
+    ens = static.ensemble
+    roots = [
+        np.empty((0, 2)) if ens.invalid[k] else _equilibria_of_case(static, k)
+        for k in range(ens.count)
+    ]
     stretches = np.full((ens.count, max((len(rows) for rows in roots), default=0), 2), np.nan)
     for k, rows in enumerate(roots):
         stretches[k, : len(rows)] = rows
     return stretches
 
 
-def _slopes(
+def _acceleration_derivatives(
     static: StaticEnsemble, case: IntArray, first: FloatArray, second: FloatArray
 ) -> FloatArray:
     """Derivatives of the accelerations by the stretches, by complex steps: (..., 2, 2)."""
@@ -86,24 +91,26 @@ def _slopes(
     return np.asarray(np.stack(columns, axis=-1).imag / step)
 
 
-def _roots_of(static: StaticEnsemble, k: int) -> FloatArray:
+def _equilibria_of_case(static: StaticEnsemble, k: int) -> FloatArray:
     """Stretches of the equilibria of one actuator, (equilibrium, 2).
 
     An equilibrium is a fixed point of the map that adds the accelerations to the logarithms
     of the stretches, which keeps these positive.
     """
     map_ = _AccelerationMap(static, k)
-    guesses = _guesses(static, k)
-    bounds = np.log(2.0 * _FARTHEST) * np.array([[-1.0, 1.0]] * 2)
+    guesses = _equilibrium_guesses(static, k)
+    bounds = np.log(2.0 * _FARTHEST_STRETCH) * np.array([[-1.0, 1.0]] * 2)
     none = np.empty((len(guesses), 0))
-    orbits = newton_fixed_points(map_, guesses, none, iterate=1, tolerance=_RESIDUAL, box=bounds)
+    orbits = newton_fixed_points(
+        map_, guesses, none, iterate=1, tolerance=_MAX_RELATIVE_RESIDUAL, box=bounds
+    )
     stretches = np.exp(distinct_orbits_of_least_period(map_, orbits, np.empty(0), iterate=1).state)
     return np.asarray(stretches[np.lexsort(stretches.T[::-1])])
 
 
-def _guesses(static: StaticEnsemble, k: int) -> FloatArray:
+def _equilibrium_guesses(static: StaticEnsemble, k: int) -> FloatArray:
     """Corners of the cells in which both accelerations change sign, and of those beside them."""
-    nodes = _nodes(static, k)
+    nodes = _log_stretch_nodes(static, k)
     case = np.full(nodes.shape[:2], k)
     accelerations = np.stack(static.accelerations(case, *np.moveaxis(np.exp(nodes), -1, 0)))
     corners = [
@@ -119,22 +126,22 @@ def _guesses(static: StaticEnsemble, k: int) -> FloatArray:
     return np.asarray(nodes[used])
 
 
-def _nodes(static: StaticEnsemble, k: int) -> FloatArray:
+def _log_stretch_nodes(static: StaticEnsemble, k: int) -> FloatArray:
     """Logarithms of stretches, (direction, distance, 2), from rest up to the limits.
 
     Where the material has a limit, 1 less the share of the way to it falls with the fourth
     power: forces grow without bound there, so that equilibria lie close to it.
     """
-    angle = np.linspace(0.0, 2.0 * np.pi, _DIRECTIONS, endpoint=False)
+    angle = np.linspace(0.0, 2.0 * np.pi, _DIRECTION_COUNT, endpoint=False)
     towards = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
-    reach = np.log(_FARTHEST) / np.abs(towards).max(axis=1)
+    reach = np.log(_FARTHEST_STRETCH) / np.abs(towards).max(axis=1)
 
     def inside(distance: FloatArray, row: IntArray) -> BoolArray:
         stretches = np.exp(distance[..., None] * towards[row])
-        return static.reachable(np.full(row.shape, k), stretches[..., 0], stretches[..., 1])
+        return static.is_reachable(np.full(row.shape, k), stretches[..., 0], stretches[..., 1])
 
     limited = np.flatnonzero(~inside(reach, np.arange(angle.size)))
-    share = np.linspace(0.0, 1.0, _DISTANCES)
+    share = np.linspace(0.0, 1.0, _DISTANCE_COUNT)
     shares = np.tile(share, (angle.size, 1))
     if limited.size:
         reach[limited] = farthest_inside(inside, 0.0 * reach[limited], reach[limited], limited)
@@ -147,12 +154,14 @@ class _AccelerationMap:
     """Logarithms of stretches plus accelerations, as a map whose fixed points are equilibria."""
 
     static: StaticEnsemble
-    case: int
+    case_index: int
     dimension: int = 2
 
     def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> MapImage:
-        case, stretches = np.full(len(states), self.case), np.exp(states)
+        case, stretches = np.full(len(states), self.case_index), np.exp(states)
         accelerations = np.stack(self.static.accelerations(case, *stretches.T), axis=1)
-        matrix = _slopes(self.static, case, *stretches.T) * stretches[:, None] + np.eye(2)
+        matrix = _acceleration_derivatives(self.static, case, *stretches.T) * stretches[
+            :, None
+        ] + np.eye(2)
         rounding = 4.0 * np.finfo(float).eps * (1.0 + np.abs(matrix).max(axis=(1, 2)))
         return MapImage(states + accelerations, matrix, np.zeros((len(states), 2, 0)), rounding)

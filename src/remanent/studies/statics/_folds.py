@@ -10,9 +10,9 @@ from remanent.results.build import Labelled
 from remanent.studies.statics._static_ensemble import StaticEnsemble
 
 
-def folds(static: StaticEnsemble) -> dict[str, Labelled]:
+def folds_along_first_field(static: StaticEnsemble) -> dict[str, Labelled]:
     """Folds along the first field in ``over``, labelled; nothing where there is none."""
-    ens = static.ens
+    ens = static.ensemble
     # The first field that has a dimension of its own.
     name = next((k for k, (dims, _) in ens.coords.items() if dims == (k,)), None)
     if name is None or name not in ens.field.parameters or ens.sizes[name] < 2:
@@ -43,18 +43,18 @@ def fold_points(
     static: StaticEnsemble, name: str, cases: IntArray, bounds: tuple[FloatArray, FloatArray]
 ) -> tuple[FloatArray, FloatArray]:
     """Stretches and parameters (case, fold) at which two equilibria meet."""
-    force = static.force_at(name)
+    force = static.force_of_parameter(name)
 
     def stiffness(row: IntArray, x: FloatArray) -> FloatArray:
         value = balancing_parameter(lambda i, y, p: force(cases[i], y, p), bounds, row, x)
         steepness = force_slope(lambda i, y: force(cases[i], y, value), row, x)
         return np.where(np.isnan(value), np.nan, steepness)
 
-    stretches = find_force_zeros(stiffness, cases.size, grid_of(static, cases))
-    return stretches, on_curve(static, name, cases, bounds, stretches)
+    stretches = find_force_zeros(stiffness, cases.size, stretch_grid_of_cases(static, cases))
+    return stretches, parameters_on_curve(static, name, cases, bounds, stretches)
 
 
-def on_curve(
+def parameters_on_curve(
     static: StaticEnsemble,
     name: str,
     cases: IntArray,
@@ -62,7 +62,7 @@ def on_curve(
     stretches: FloatArray,
 ) -> FloatArray:
     """The parameter that balances the force at stretches (case, point)."""
-    force = static.force_at(name)
+    force = static.force_of_parameter(name)
     row = np.repeat(np.arange(cases.size), stretches.shape[1])
     value = balancing_parameter(
         lambda i, y, p: force(cases[i], y, p), bounds, row, stretches.ravel()
@@ -70,6 +70,6 @@ def on_curve(
     return value.reshape(stretches.shape)
 
 
-def grid_of(static: StaticEnsemble, cases: IntArray) -> FloatArray:
+def stretch_grid_of_cases(static: StaticEnsemble, cases: IntArray) -> FloatArray:
     """The grid of some cases."""
-    return static.grid if static.grid.ndim == 1 else static.grid[cases]
+    return static.stretch_grid if static.stretch_grid.ndim == 1 else static.stretch_grid[cases]

@@ -15,10 +15,10 @@ from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.studies.ensemble.ensemble import Ensemble
 
 #: Stretches at which the force is computed, to find where it changes its sign.
-STRETCHES = np.geomspace(0.05, 20.0, 4001)
+DEFAULT_STRETCH_GRID = np.geomspace(0.05, 20.0, 4001)
 
 #: Values of parameters that stand in place of the ensemble's own, by name.
-Changed = Mapping[str, FloatArray]
+ChangedParameters = Mapping[str, FloatArray]
 
 
 @dataclass(frozen=True)
@@ -29,88 +29,107 @@ class StaticEnsemble:
     that the state holds as well are 1.
     """
 
-    ens: Ensemble
+    ensemble: Ensemble
 
     @cached_property
-    def grid(self) -> FloatArray:
+    def stretch_grid(self) -> FloatArray:
         """Equal stretches on which zeros are sought, array (point,) or (case, point).
 
         Where the material has limits they are the ends, and points are dense there.
         """
-        cases = np.arange(self.ens.count)
-        inside = self.reachable(cases[:, None], STRETCHES, STRETCHES)
+        cases = np.arange(self.ensemble.count)
+        inside = self.is_reachable(cases[:, None], DEFAULT_STRETCH_GRID, DEFAULT_STRETCH_GRID)
         if inside.all():
-            return STRETCHES
-        rest = STRETCHES.size // 2
+            return DEFAULT_STRETCH_GRID
+        rest = DEFAULT_STRETCH_GRID.size // 2
         outside = np.argmin(inside[:, rest:], axis=1), np.argmin(inside[:, rest::-1], axis=1)
-        top = self._edge(np.minimum(rest + outside[0], STRETCHES.size - 1), -1, outside[0] == 0)
-        bottom = self._edge(np.maximum(rest - outside[1], 0), 1, outside[1] == 0)
-        share = 0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, STRETCHES.size))
+        top = self._last_reachable_stretch(
+            np.minimum(rest + outside[0], DEFAULT_STRETCH_GRID.size - 1), -1, outside[0] == 0
+        )
+        bottom = self._last_reachable_stretch(np.maximum(rest - outside[1], 0), 1, outside[1] == 0)
+        share = 0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, DEFAULT_STRETCH_GRID.size))
         return np.asarray(bottom[:, None] * (top / bottom)[:, None] ** share)
 
-    def _edge(self, outside: IntArray, inward: int, unlimited: BoolArray) -> FloatArray:
+    def _last_reachable_stretch(
+        self, outside: IntArray, inward: int, unlimited: BoolArray
+    ) -> FloatArray:
         """The last stretch that can be reached, between two neighbours on the grid."""
-        last = np.where(unlimited, STRETCHES[-1 if inward < 0 else 0], STRETCHES[outside + inward])
+        last = np.where(
+            unlimited,
+            DEFAULT_STRETCH_GRID[-1 if inward < 0 else 0],
+            DEFAULT_STRETCH_GRID[outside + inward],
+        )
         case = np.flatnonzero(~unlimited)
         if case.size:
             last[case] = farthest_inside(
-                lambda x, i: self.reachable(i, x, x), last[case], STRETCHES[outside[case]], case
+                lambda x, i: self.is_reachable(i, x, x),
+                last[case],
+                DEFAULT_STRETCH_GRID[outside[case]],
+                case,
             )
         return last
 
-    def reachable(self, case: IntArray, first: FloatArray, second: FloatArray) -> BoolArray:
+    def is_reachable(self, case: IntArray, first: FloatArray, second: FloatArray) -> BoolArray:
         """Whether the material reaches in-plane stretches, arrays that broadcast with `case`."""
-        columns = {name: value[case] for name, value in self.ens.values.items()}
-        inside = self.ens.system.admissible(columns, first, second)
+        columns = {name: value[case] for name, value in self.ensemble.values.items()}
+        inside = self.ensemble.system.admissible(columns, first, second)
         return np.broadcast_to(inside, np.broadcast_shapes(case.shape, first.shape))
 
     def force(
-        self, case: IntArray, stretch: FloatArray, changed: Changed | None = None
+        self, case: IntArray, stretch: FloatArray, changed: ChangedParameters | None = None
     ) -> FloatArray:
         """The acceleration of the first coordinate, which has the sign of the force."""
         return np.asarray(self.accelerations(case, stretch, changed=changed)[0])
 
-    def force_at(self, name: str) -> Callable[[IntArray, FloatArray, FloatArray], FloatArray]:
+    def force_of_parameter(
+        self, name: str
+    ) -> Callable[[IntArray, FloatArray, FloatArray], FloatArray]:
         """The same as a function of case, stretch and one parameter."""
         return lambda case, stretch, value: self.force(case, stretch, {name: value})
 
     def accelerations(
-        self, case: IntArray, *stretches: Any, changed: Changed | None = None
+        self, case: IntArray, *stretches: Any, changed: ChangedParameters | None = None
     ) -> list[Any]:
         """Acceleration of each coordinate."""
-        rates = self.run(self.ens.field.rates, case, *stretches, changed=changed)
-        return [rates[k] for k in self.ens.field.indices(Role.RATE)]
+        rates = self.run_program(self.ensemble.field.rates, case, *stretches, changed=changed)
+        return [rates[k] for k in self.ensemble.field.indices_of_roles(Role.RATE)]
 
     def thickness(self, case: IntArray, *stretches: FloatArray) -> FloatArray:
         """The thickness stretch."""
-        (thickness,) = self.run(self.ens.field.observables["thickness_stretch"], case, *stretches)
+        (thickness,) = self.run_program(
+            self.ensemble.field.observables["thickness_stretch"], case, *stretches
+        )
         return np.asarray(thickness)
 
     def potential(
-        self, case: IntArray, *stretches: FloatArray, changed: Changed | None = None
+        self, case: IntArray, *stretches: FloatArray, changed: ChangedParameters | None = None
     ) -> FloatArray:
         """The energy."""
-        program = self.ens.field.observables["energy"]
-        (energy,) = self.run(program, case, *stretches, changed=changed)
+        program = self.ensemble.field.observables["energy"]
+        (energy,) = self.run_program(program, case, *stretches, changed=changed)
         return np.asarray(energy)
 
-    def run(
-        self, program: Program, case: IntArray, *stretches: Any, changed: Changed | None = None
+    def run_program(
+        self,
+        program: Program,
+        case: IntArray,
+        *stretches: Any,
+        changed: ChangedParameters | None = None,
     ) -> list[Any]:
         """Outputs of a program of the field, each an array (point,)."""
-        values = {name: column[case] for name, column in self.ens.values.items()}
+        values = {name: column[case] for name, column in self.ensemble.values.items()}
         values |= changed or {}
-        state = [self._value(v, stretches, values) for v in self.ens.field.variables]
-        columns = [values[name] for name in self.ens.field.parameters]
+        state = [self._static_value(v, stretches, values) for v in self.ensemble.field.variables]
+        columns = [values[name] for name in self.ensemble.field.parameters]
         with np.errstate(all="ignore"):
             outputs = program([0.0, *state, *columns], functions=np)
         return [np.broadcast_to(value, np.shape(stretches[0])) for value in outputs]
 
-    def _value(
+    def _static_value(
         self, variable: StateVariable, stretches: Sequence[Any], values: Mapping[str, FloatArray]
     ) -> Any:
         """A state variable where nothing moves and internal variables have relaxed."""
-        field = self.ens.field
+        field = self.ensemble.field
         if variable.role is Role.VARIATION:
             varied = variable.belongs_to
             moves = varied is not None and field.variable(varied).role is Role.RATE
@@ -121,7 +140,11 @@ class StaticEnsemble:
         if coordinate is None:
             return variable.value_at_rest(values)
         # Equal stretches are given once, and so is the one coordinate that stands for both.
-        return stretches[-1] if field.names(Role.COORDINATE).index(coordinate) else stretches[0]
+        return (
+            stretches[-1]
+            if field.names_of_roles(Role.COORDINATE).index(coordinate)
+            else stretches[0]
+        )
 
 
 def farthest_inside(

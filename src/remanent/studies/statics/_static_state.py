@@ -13,14 +13,14 @@ from remanent._field import Field, Role
 from remanent._typing import FloatArray
 
 #: Step of complex differences: its square vanishes beside 1, so nothing is cut off.
-_STEP = 1e-100
-_GAUSS = np.polynomial.legendre.leggauss(24)
+_COMPLEX_STEP = 1e-100
+_GAUSS_RULE = np.polynomial.legendre.leggauss(24)
 #: Nodes of the Gauss rule on [-1, 1].
-_NODES = _GAUSS[0]
+_GAUSS_NODES = _GAUSS_RULE[0]
 #: Weights of the Gauss rule.
-_WEIGHTS = _GAUSS[1]
+_GAUSS_WEIGHTS = _GAUSS_RULE[1]
 #: Unbalance, relative to the load, above which nothing is at rest.
-_UNBALANCE = 1e-9
+_MAX_RELATIVE_UNBALANCE = 1e-9
 #: Tolerance of the root finder: the last digit.
 _ROOT_TOLERANCE = 1e-15
 
@@ -44,51 +44,53 @@ class StaticState:
     state: FloatArray
 
     @cached_property
-    def free(self) -> list[int]:
+    def free_indices(self) -> list[int]:
         """State variables that rest determines: stretches and internal variables."""
-        return self.field.indices(Role.COORDINATE, Role.INTERNAL)
+        return self.field.indices_of_roles(Role.COORDINATE, Role.INTERNAL)
 
     @cached_property
-    def moving(self) -> list[int]:
+    def moving_indices(self) -> list[int]:
         """Those and the rates of stretches."""
-        return self.field.indices(Role.COORDINATE, Role.RATE, Role.INTERNAL)
+        return self.field.indices_of_roles(Role.COORDINATE, Role.RATE, Role.INTERNAL)
 
     @cached_property
-    def balanced(self) -> list[int]:
+    def balanced_indices(self) -> list[int]:
         """State variables whose rates vanish at rest by a balance, not by definition."""
-        variables = [self.field.variables[k] for k in self.moving]
+        variables = [self.field.variables[k] for k in self.moving_indices]
         has_rate = {v.belongs_to for v in variables if v.role is Role.RATE}
-        return [k for k, v in zip(self.moving, variables, strict=True) if v.name not in has_rate]
+        return [
+            k for k, v in zip(self.moving_indices, variables, strict=True) if v.name not in has_rate
+        ]
 
     @property
     def load(self) -> float:
         """The magnetic load."""
         return float(self.parameters[self.field.parameters.index("m")])
 
-    def at_load(self, load: float) -> StaticState:
+    def with_load(self, load: float) -> StaticState:
         """The same state under another load."""
         values = self.parameters.copy()
         values[self.field.parameters.index("m")] = load
         return replace(self, parameters=values)
 
-    def at_thickness(self, thickness: float) -> StaticState | None:
+    def rest_at_thickness(self, thickness: float) -> StaticState | None:
         """The state of rest with a thickness stretch, under the load for it, if there is one."""
 
         def unbalance(u: FloatArray) -> FloatArray:
             return np.real(self._unbalance(u[:-1], u[-1], thickness))
 
-        near = np.full(len(self.free), thickness**-0.5)
+        guess = np.full(len(self.free_indices), thickness**-0.5)
         solution = root(
             unbalance,
-            np.append(near, self.load),
+            np.append(guess, self.load),
             jac=self._jacobian,
             tol=_ROOT_TOLERANCE,
         )
-        if not np.abs(solution.fun).max() < _UNBALANCE * (1.0 + abs(solution.x[-1])):
+        if not np.abs(solution.fun).max() < _MAX_RELATIVE_UNBALANCE * (1.0 + abs(solution.x[-1])):
             return None
-        return self.at_load(float(solution.x[-1]))._at(solution.x[:-1])
+        return self.with_load(float(solution.x[-1]))._with_free_values(solution.x[:-1])
 
-    def relax(self) -> StaticState | None:
+    def rest_nearby(self) -> StaticState | None:
         """The state of rest nearby under the same load, if there is one."""
 
         def unbalance(u: FloatArray) -> FloatArray:
@@ -97,22 +99,22 @@ class StaticState:
         def jacobian(u: FloatArray) -> FloatArray:
             return self._jacobian(np.append(u, self.load))[:-1, :-1]
 
-        solution = root(unbalance, self.state[self.free], jac=jacobian, tol=_ROOT_TOLERANCE)
-        if not np.abs(solution.fun).max() < _UNBALANCE * (1.0 + abs(self.load)):
+        solution = root(unbalance, self.state[self.free_indices], jac=jacobian, tol=_ROOT_TOLERANCE)
+        if not np.abs(solution.fun).max() < _MAX_RELATIVE_UNBALANCE * (1.0 + abs(self.load)):
             return None
-        return self._at(solution.x)
+        return self._with_free_values(solution.x)
 
-    def stiffness(self) -> float:
+    def thickness_stiffness(self) -> float:
         """Force on the thickness stretch, over its change, from rest to rest."""
-        u = np.append(self.state[self.free], self.load)
+        u = np.append(self.state[self.free_indices], self.load)
         compliance = np.linalg.solve(self._jacobian(u), np.eye(len(u))[-1])[-1]
-        return float(compliance * self._conjugate())
+        return float(compliance * self._conjugate_thickness_slope())
 
-    def linearised(self) -> tuple[FloatArray, FloatArray]:
+    def rate_derivatives(self) -> tuple[FloatArray, FloatArray]:
         """Derivatives of the rates by the moving state variables, and by the load."""
-        moved = [self._rates(k) for k in self.moving]
+        moved = [self._rate_derivative(k) for k in self.moving_indices]
         column = 1 + len(self.state) + self.field.parameters.index("m")
-        return np.column_stack(moved), self._derivative(column)[self.moving]
+        return np.column_stack(moved), self._derivative_by_input(column)[self.moving_indices]
 
     def energy_above(self, state: FloatArray) -> float:
         """Energy of another state above that of this one.
@@ -120,52 +122,56 @@ class StaticState:
         The gradient is integrated along the straight line between them, which loses no
         digits where they are close.  Its component along the line is a complex step.
         """
-        way = np.where(np.isin(np.arange(len(state)), self.moving), state - self.state, 0.0)
-        along = 0.5 * (1.0 + _NODES) + 1j * _STEP
-        inputs = [0.0 * along, *(self.state[:, None] + way[:, None] * along), *self.parameters]
+        way = np.where(np.isin(np.arange(len(state)), self.moving_indices), state - self.state, 0.0)
+        fraction = 0.5 * (1.0 + _GAUSS_NODES) + 1j * _COMPLEX_STEP
+        inputs = [
+            0.0 * fraction,
+            *(self.state[:, None] + way[:, None] * fraction),
+            *self.parameters,
+        ]
         (energy,) = self.field.observables["energy"](inputs, functions=np)
-        return float(0.5 * _WEIGHTS @ (np.imag(energy) / _STEP))
+        return float(0.5 * _GAUSS_WEIGHTS @ (np.imag(energy) / _COMPLEX_STEP))
 
     def thickness(self) -> float:
         """The thickness stretch."""
         inputs = [0.0, *self.state, *self.parameters]
         return float(self.field.observables[self.field.observable](inputs, functions=np)[0])
 
-    def _at(self, free: FloatArray) -> StaticState:
+    def _with_free_values(self, free: FloatArray) -> StaticState:
         state = np.where([r is Role.RATE for r in self.field.roles], 0.0, self.state)
-        state[self.free] = free
+        state[self.free_indices] = free
         return replace(self, state=state)
 
     def _unbalance(self, free: Any, load: Any, thickness: float = 0.0) -> Any:
-        state = self._at(np.real(free)).state.astype(np.complex128)
-        state[self.free] = free
+        state = self._with_free_values(np.real(free)).state.astype(np.complex128)
+        state[self.free_indices] = free
         values = self.parameters.astype(np.complex128)
         values[self.field.parameters.index("m")] = load
         inputs = [0.0, *state, *values]
         rates = self.field.rates(inputs, functions=np)
         (x,) = self.field.observables[self.field.observable](inputs, functions=np)
-        return np.array([*(rates[k] for k in self.balanced), x - thickness])
+        return np.array([*(rates[k] for k in self.balanced_indices), x - thickness])
 
     def _jacobian(self, u: FloatArray) -> FloatArray:
         columns = []
         for k in range(len(u)):
             moved = u.astype(np.complex128)
-            moved[k] += 1j * _STEP
-            columns.append(np.imag(self._unbalance(moved[:-1], moved[-1])) / _STEP)
+            moved[k] += 1j * _COMPLEX_STEP
+            columns.append(np.imag(self._unbalance(moved[:-1], moved[-1])) / _COMPLEX_STEP)
         return np.column_stack(columns)
 
-    def _rates(self, k: int) -> FloatArray:
-        return self._derivative(1 + k)[self.moving]
+    def _rate_derivative(self, k: int) -> FloatArray:
+        return self._derivative_by_input(1 + k)[self.moving_indices]
 
-    def _derivative(self, column: int) -> FloatArray:
+    def _derivative_by_input(self, column: int) -> FloatArray:
         """Derivative of the rates by one input."""
         inputs = np.array([0.0, *self.state, *self.parameters], dtype=np.complex128)
-        inputs[column] += 1j * _STEP
-        return np.imag(np.array(self.field.rates(list(inputs), functions=np))) / _STEP
+        inputs[column] += 1j * _COMPLEX_STEP
+        return np.imag(np.array(self.field.rates(list(inputs), functions=np))) / _COMPLEX_STEP
 
-    def _conjugate(self) -> float:
+    def _conjugate_thickness_slope(self) -> float:
         """Minus the derivative of the energy by the load, over the thickness stretch."""
         inputs = np.array([0.0, *self.state, *self.parameters], dtype=np.complex128)
-        inputs[1 + len(self.state) + self.field.parameters.index("m")] += 1j * _STEP
+        inputs[1 + len(self.state) + self.field.parameters.index("m")] += 1j * _COMPLEX_STEP
         (energy,) = self.field.observables["energy"](list(inputs), functions=np)
-        return float(-np.imag(energy) / _STEP / self.thickness())
+        return float(-np.imag(energy) / _COMPLEX_STEP / self.thickness())

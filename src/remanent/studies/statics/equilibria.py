@@ -19,16 +19,16 @@ from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_actuator
 from remanent.studies.ensemble.dataset import to_dataset
 from remanent.studies.ensemble.ensemble import Ensemble
-from remanent.studies.ensemble.layout import Over, lay_out
-from remanent.studies.ensemble.two_coordinates import two_coordinates
+from remanent.studies.ensemble.layout import Over, lay_out_ensemble
+from remanent.studies.ensemble.two_coordinates import with_two_coordinates
 from remanent.studies.statics._biaxial import biaxial_equilibria
-from remanent.studies.statics._folds import folds
+from remanent.studies.statics._folds import folds_along_first_field
 from remanent.studies.statics._static_ensemble import StaticEnsemble
 
 #: Thickness stretches at which the potential is tabulated, around equilibria and rest.
-_POTENTIAL_POINTS = 401
+_POTENTIAL_POINT_COUNT = 401
 #: The smallest of them.
-_LEAST_THICKNESS = 0.05
+_LEAST_TABULATED_THICKNESS = 0.05
 
 
 def equilibria(actuator: Actuator, m: float = 0.0, *, over: Over | None = None) -> xr.Dataset:
@@ -94,14 +94,14 @@ def equilibria(actuator: Actuator, m: float = 0.0, *, over: Over | None = None) 
     [2.1777, 2.8483]
     """
     require_actuator("actuator", actuator)
-    ens = lay_out(actuator, Constant(m), over, system_argument="actuator")
+    ens = lay_out_ensemble(actuator, Constant(m), over, system_argument="actuator")
     if actuator.coordinate_count == 2:
         return biaxial_equilibria(ens)
     static = StaticEnsemble(ens)
-    stretch = find_force_zeros(static.force, ens.count, static.grid)
+    stretch = find_force_zeros(static.force, ens.count, static.stretch_grid)
     stretch[ens.invalid] = np.nan
-    variables = _properties(static, stretch)
-    fold_variables = folds(static)
+    variables = _equilibrium_properties(static, stretch)
+    fold_variables = folds_along_first_field(static)
     landscape = _potential_variables(static, variables["equilibrium_stretch"])
     coords: dict[str, Labelled] = {
         **({"fold": fold_variables.pop("fold")} if fold_variables else {}),
@@ -117,7 +117,7 @@ def equilibria(actuator: Actuator, m: float = 0.0, *, over: Over | None = None) 
     )
 
 
-def _properties(static: StaticEnsemble, stretch: FloatArray) -> dict[str, NDArray[Any]]:
+def _equilibrium_properties(static: StaticEnsemble, stretch: FloatArray) -> dict[str, NDArray[Any]]:
     """What is known of equilibria with in-plane stretches (case, equilibrium)."""
     case = np.repeat(np.arange(len(stretch)), stretch.shape[1]).reshape(stretch.shape)
     # A force that falls with the stretch brings it back.
@@ -130,19 +130,19 @@ def _properties(static: StaticEnsemble, stretch: FloatArray) -> dict[str, NDArra
         "equilibrium_potential": static.potential(case, stretch),
         "natural_frequency": frequency,
         "stability": np.where(stiffness > 0, "stable", np.where(stiffness <= 0, "unstable", "")),
-        "transverse_stiffness": _transverse_stiffness(static.ens, case, stretch),
+        "transverse_stiffness": _transverse_stiffness(static.ensemble, case, stretch),
     }
 
 
 def _transverse_stiffness(ens: Ensemble, case: IntArray, stretch: FloatArray) -> FloatArray:
     """omega_a^2 of a small difference of the in-plane stretches at rest."""
-    both, pairs = two_coordinates(ens)
-    field = transverse_field(both.field, pairs)
-    static = StaticEnsemble(replace(both, field=field))
-    rates = static.run(field.rates, case, stretch)
-    (rate,) = field.names(Role.RATE)
+    biaxial, pairs = with_two_coordinates(ens)
+    field = transverse_field(biaxial.field, pairs)
+    static = StaticEnsemble(replace(biaxial, field=field))
+    rates = static.run_program(field.rates, case, stretch)
+    (rate,) = field.names_of_roles(Role.RATE)
     (difference,) = field.belonging_to(rate)
-    return np.asarray(-rates[field.state.index(difference)])
+    return np.asarray(-rates[field.state_names.index(difference)])
 
 
 def _potential_variables(static: StaticEnsemble, equilibria: FloatArray) -> dict[str, Labelled]:
@@ -150,11 +150,13 @@ def _potential_variables(static: StaticEnsemble, equilibria: FloatArray) -> dict
 
     `equilibria` are thickness stretches (case, equilibrium).
     """
-    ens = static.ens
+    ens = static.ensemble
     places = np.concatenate([equilibria[np.isfinite(equilibria)], [1.0]])
     low, high = places.min(), places.max()
     margin = 0.75 * (high - low) + 0.1
-    grid = np.linspace(max(_LEAST_THICKNESS, low - margin), high + margin, _POTENTIAL_POINTS)
+    grid = np.linspace(
+        max(_LEAST_TABULATED_THICKNESS, low - margin), high + margin, _POTENTIAL_POINT_COUNT
+    )
     case = np.repeat(np.arange(ens.count), grid.size)
     potential = static.potential(case, np.tile(grid**-0.5, ens.count))
     level = static.potential(np.arange(ens.count), np.ones(ens.count))
@@ -163,10 +165,10 @@ def _potential_variables(static: StaticEnsemble, equilibria: FloatArray) -> dict
     rows = potential.reshape(ens.count, grid.size)
     return {
         "thickness_stretch": (("thickness_stretch",), grid),
-        "potential": ((*ens.dims, "thickness_stretch"), ens.shaped(rows)),
-        "level": (ens.dims, ens.shaped(level)),
-        "turning_lower": (ens.dims, ens.shaped(lower)),
-        "turning_upper": (ens.dims, ens.shaped(upper)),
+        "potential": ((*ens.dims, "thickness_stretch"), ens.reshape_to_dims(rows)),
+        "level": (ens.dims, ens.reshape_to_dims(level)),
+        "turning_lower": (ens.dims, ens.reshape_to_dims(lower)),
+        "turning_upper": (ens.dims, ens.reshape_to_dims(upper)),
     }
 
 
@@ -176,11 +178,11 @@ def _turning_points(static: StaticEnsemble, level: FloatArray) -> FloatArray:
     One of them is rest.  The other is the nearest stretch, in the direction in which the force
     pushes, at which the potential is again what it is at rest, `level`.
     """
-    count = static.ens.count
+    count = static.ensemble.count
     case, rest = np.arange(count), np.ones(count)
     # The grid is moved by a little, so that rest itself is not one of its points.
     passages = find_force_zeros(
-        lambda i, x: static.potential(i, x) - level[i], count, static.grid * (1.0 - 1e-9)
+        lambda i, x: static.potential(i, x) - level[i], count, static.stretch_grid * (1.0 - 1e-9)
     )
     direction = np.sign(static.force(case, rest))
     distance = np.where(
@@ -188,5 +190,5 @@ def _turning_points(static: StaticEnsemble, level: FloatArray) -> FloatArray:
     )
     nearest = distance.min(axis=1, initial=np.inf)
     shift = np.where(np.isfinite(nearest), nearest, np.nan) * direction
-    far = np.where(direction == 0.0, 1.0, 1.0 + shift)
-    return np.stack([static.thickness(case, rest), static.thickness(case, far)])
+    opposite_end = np.where(direction == 0.0, 1.0, 1.0 + shift)
+    return np.stack([static.thickness(case, rest), static.thickness(case, opposite_end)])

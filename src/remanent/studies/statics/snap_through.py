@@ -8,28 +8,34 @@ from functools import cached_property
 import numpy as np
 import xarray as xr
 
-from remanent._checks import finite, require_real
+from remanent._checks import finite_rule, require_real
 from remanent._errors import InputError
 from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.analysis.statics.equilibria import balancing_parameter, find_force_zeros, force_slope
 from remanent.models.actuator import Actuator
 from remanent.models.drives.waves import Constant
-from remanent.studies.ensemble.checks import require_actuator, require_parameter, require_range
-from remanent.studies.ensemble.dataset import PerTrajectory, to_dataset
+from remanent.studies.ensemble.checks import (
+    require_actuator,
+    require_parameter,
+    require_parameter_range,
+)
+from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
 from remanent.studies.ensemble.ensemble import Ensemble
-from remanent.studies.ensemble.layout import Over, lay_out
-from remanent.studies.statics._folds import fold_points, grid_of
+from remanent.studies.ensemble.layout import Over, lay_out_ensemble
+from remanent.studies.statics._folds import fold_points, stretch_grid_of_cases
 from remanent.studies.statics._static_ensemble import StaticEnsemble
 
 #: Points between start and saddle at which the energy is compared.
-_SAMPLES = 256
+_SAMPLES_TO_SADDLE = 256
 #: How much higher than at the start the energy on the way may seem, by rounding.
 _ENERGY_ROUNDING = 1e-9
 #: A saddle nearer to the start than this is the start itself.
-_SAME_STRETCH = 1e-6
+_SAME_STRETCH_DISTANCE = 1e-6
 #: A small change of the parameter, relative to its range.
-_PARAMETER_STEP = 1e-6
-_STRETCH = finite("It is a stretch, a ratio of lengths.", "Pass 1 for the undeformed block.")
+_RELATIVE_PARAMETER_STEP = 1e-6
+_STRETCH_RULE = finite_rule(
+    "It is a stretch, a ratio of lengths.", "Pass 1 for the undeformed block."
+)
 
 
 def snap_through(
@@ -96,19 +102,19 @@ def snap_through(
     ([2.1777, 2.8483], [2.4868])
     """
     _require_conservative(actuator)
-    initial = require_real("initial", initial, _STRETCH)
-    ens = lay_out(actuator, Constant(m), over, (initial, 0.0), system_argument="actuator")
+    initial = require_real("initial", initial, _STRETCH_RULE)
+    ens = lay_out_ensemble(actuator, Constant(m), over, (initial, 0.0), system_argument="actuator")
     require_parameter("parameter", parameter, ens)
-    low, high = require_range(
+    low, high = require_parameter_range(
         "parameter_range", parameter_range, parameter, ens, "Thresholds are sought between them."
     )
     _require_not_varied(parameter, ens)
     static, cases = StaticEnsemble(ens), np.flatnonzero(~ens.invalid)
     ends = np.full(cases.size, low), np.full(cases.size, high)
-    folds = _folds(static, parameter, cases, ends)
-    snaps = _snaps(static, parameter, cases, ends)
-    variables: dict[str, PerTrajectory] = {
-        f"{dim}_{name}": ((dim,), _rows(values, cases, ens.count))
+    folds = _fold_variables(static, parameter, cases, ends)
+    snaps = _snap_variables(static, parameter, cases, ends)
+    variables: dict[str, PerTrajectoryArray] = {
+        f"{dim}_{name}": ((dim,), _rows_for_all_cases(values, cases, ens.count))
         for dim, columns in (("fold", folds), ("snap", snaps))
         for name, values in columns.items()
     }
@@ -151,7 +157,7 @@ def _require_not_varied(parameter: str, ens: Ensemble) -> None:
         )
 
 
-def _folds(
+def _fold_variables(
     static: StaticEnsemble, parameter: str, cases: IntArray, ends: tuple[FloatArray, FloatArray]
 ) -> dict[str, FloatArray]:
     """Where a stable and an unstable equilibrium meet, arrays (case, fold)."""
@@ -163,11 +169,11 @@ def _folds(
     }
 
 
-def _snaps(
+def _snap_variables(
     static: StaticEnsemble, parameter: str, cases: IntArray, ends: tuple[FloatArray, FloatArray]
 ) -> dict[str, FloatArray]:
     """Where the motion from the start just reaches a saddle, arrays (case, snap)."""
-    stretch, value, direction = _Search(static, parameter, cases, ends).thresholds()
+    stretch, value, direction = _SnapSearch(static, parameter, cases, ends).thresholds()
     return {
         parameter: value,
         "stretch": stretch,
@@ -176,7 +182,7 @@ def _snaps(
     }
 
 
-def _rows(values: FloatArray, cases: IntArray, count: int) -> FloatArray:
+def _rows_for_all_cases(values: FloatArray, cases: IntArray, count: int) -> FloatArray:
     """Values of some cases (case, point) with a row of NaN for each of the others."""
     rows = np.full((count, values.shape[1]), np.nan)
     rows[cases] = values
@@ -184,79 +190,91 @@ def _rows(values: FloatArray, cases: IntArray, count: int) -> FloatArray:
 
 
 @dataclass(frozen=True)
-class _Search:
+class _SnapSearch:
     """The curve of equilibria, as the parameter that balances the force at each stretch.
 
     Attributes
     ----------
     static : StaticEnsemble
-    name : str
+    parameter_name : str
         The parameter.
-    cases : array (case,)
+    valid_cases : array (case,)
         Trajectories of the ensemble that are valid.
-    ends : two arrays (case,)
+    parameter_ends : two arrays (case,)
         Least and largest value of the parameter.
     """
 
     static: StaticEnsemble
-    name: str
-    cases: IntArray
-    ends: tuple[FloatArray, FloatArray]
+    parameter_name: str
+    valid_cases: IntArray
+    parameter_ends: tuple[FloatArray, FloatArray]
 
     @cached_property
-    def start(self) -> FloatArray:
+    def start_stretch(self) -> FloatArray:
         """Stretch from which the motion starts, array (case,)."""
-        return np.asarray(self.static.ens.initial[self.cases, 0])
+        return np.asarray(self.static.ensemble.initial[self.valid_cases, 0])
 
-    def value(self, row: IntArray, x: FloatArray) -> FloatArray:
+    def balancing_parameter(self, row: IntArray, x: FloatArray) -> FloatArray:
         """The parameter for which `x` is an equilibrium."""
-        force = self.static.force_at(self.name)
-        return balancing_parameter(lambda i, y, p: force(self.cases[i], y, p), self.ends, row, x)
+        force = self.static.force_of_parameter(self.parameter_name)
+        return balancing_parameter(
+            lambda i, y, p: force(self.valid_cases[i], y, p), self.parameter_ends, row, x
+        )
 
-    def rise(self, row: IntArray, x: FloatArray, value: FloatArray) -> FloatArray:
+    def potential_rise(self, row: IntArray, x: FloatArray, value: FloatArray) -> FloatArray:
         """V(x) - V(start)."""
-        changed, case = {self.name: value}, self.cases[row]
+        changed, case = {self.parameter_name: value}, self.valid_cases[row]
         potential = self.static.potential
         return potential(case, x, changed=changed) - potential(
-            case, self.start[row] + 0.0 * x, changed=changed
+            case, self.start_stretch[row] + 0.0 * x, changed=changed
         )
 
     def thresholds(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Stretch, parameter and direction of every threshold, arrays (case, threshold)."""
-        grid, count = grid_of(self.static, self.cases), self.cases.size
+        grid, count = stretch_grid_of_cases(self.static, self.valid_cases), self.valid_cases.size
         # Equilibria whose energy is that of the start, and the start, which has it anyway.
-        level = find_force_zeros(lambda i, x: self.rise(i, x, self.value(i, x)), count, grid)
-        level = np.where(np.abs(level - self.start[:, None]) > _SAME_STRETCH, level, np.nan)
-        level = np.concatenate([level, self.start[:, None]], axis=1)
+        level = find_force_zeros(
+            lambda i, x: self.potential_rise(i, x, self.balancing_parameter(i, x)), count, grid
+        )
+        level = np.where(
+            np.abs(level - self.start_stretch[:, None]) > _SAME_STRETCH_DISTANCE, level, np.nan
+        )
+        level = np.concatenate([level, self.start_stretch[:, None]], axis=1)
         row, x = np.repeat(np.arange(count), level.shape[1]), level.ravel()
-        value = self.value(row, x)
-        x = np.where(self._reached(row, x, value), x, np.nan)
+        value = self.balancing_parameter(row, x)
+        x = np.where(self._is_reached_saddle(row, x, value), x, np.nan)
         value = np.where(np.isnan(x), np.nan, value)
-        columns = [a.reshape(level.shape) for a in (x, value, self._direction(row, x, value))]
+        columns = [
+            a.reshape(level.shape) for a in (x, value, self._threshold_direction(row, x, value))
+        ]
         order = np.argsort(columns[1], axis=1)  # NaN last
         width = int(np.isfinite(value).reshape(level.shape).sum(axis=1).max(initial=0))
         first, second, third = (np.take_along_axis(a, order, axis=1)[:, :width] for a in columns)
         return first, second, third
 
-    def _direction(self, row: IntArray, x: FloatArray, value: FloatArray) -> FloatArray:
+    def _threshold_direction(self, row: IntArray, x: FloatArray, value: FloatArray) -> FloatArray:
         """1 where a larger parameter takes the motion to larger stretches, -1 to smaller."""
-        small = _PARAMETER_STEP * (self.ends[1] - self.ends[0])[row]
-        barrier = self.rise(row, x, value + small) - self.rise(row, x, value - small)
+        small = _RELATIVE_PARAMETER_STEP * (self.parameter_ends[1] - self.parameter_ends[0])[row]
+        barrier = self.potential_rise(row, x, value + small) - self.potential_rise(
+            row, x, value - small
+        )
         forces = [
-            self.static.force(self.cases[row], x, {self.name: value + side * small})
+            self.static.force(self.valid_cases[row], x, {self.parameter_name: value + side * small})
             for side in (1.0, -1.0)
         ]
-        beyond = x - self.start[row]
+        beyond = x - self.start_stretch[row]
         return np.sign(np.where(beyond == 0.0, forces[0] - forces[1], -barrier * beyond))
 
-    def _reached(self, row: IntArray, x: FloatArray, value: FloatArray) -> BoolArray:
+    def _is_reached_saddle(self, row: IntArray, x: FloatArray, value: FloatArray) -> BoolArray:
         """Whether `x` is a saddle with nothing higher on the way from the start."""
-        force = self.static.force_at(self.name)
-        steepness = force_slope(lambda i, y: force(self.cases[i], y, value), row, x)
-        share = np.linspace(0.0, 1.0, _SAMPLES)[1:-1]
-        begin = self.start[row]
+        force = self.static.force_of_parameter(self.parameter_name)
+        steepness = force_slope(lambda i, y: force(self.valid_cases[i], y, value), row, x)
+        share = np.linspace(0.0, 1.0, _SAMPLES_TO_SADDLE)[1:-1]
+        begin = self.start_stretch[row]
         way = begin[:, None] + (x - begin)[:, None] * share
         many = np.repeat(row, share.size)
-        rise = self.rise(many, way.ravel(), np.repeat(value, share.size)).reshape(way.shape)
+        rise = self.potential_rise(many, way.ravel(), np.repeat(value, share.size)).reshape(
+            way.shape
+        )
         below = (rise <= _ENERGY_ROUNDING * (1.0 + np.abs(value))[:, None]).all(axis=1)
         return np.asarray((steepness > 0.0) & below)

@@ -36,11 +36,11 @@ def crowd(count: int) -> Problem:
     start = np.column_stack([rng.uniform(-3.0, 3.0, count), rng.uniform(-1.0, 1.0, count)])
     period, load = rng.uniform(1.0, 9.0, count), rng.uniform(0.0, 2.0, count)
     everybody = problem(DRIVEN, start, rng.uniform(5.0, 60.0, count), period=1.0, a=load)
-    return replace(everybody, timeline=replace(everybody.timeline, lengths=period[None]))
+    return replace(everybody, timeline=replace(everybody.timeline, piece_lengths=period[None]))
 
 
 def subset(whole: Problem, which: np.ndarray) -> Problem:
-    timeline = replace(whole.timeline, lengths=whole.timeline.lengths[:, which])
+    timeline = replace(whole.timeline, piece_lengths=whole.timeline.piece_lengths[:, which])
     return Problem(
         whole.field,
         timeline,
@@ -88,7 +88,9 @@ def assert_same_states(
     if request.times is not None:
         times = request.times[rows]
     else:
-        times = request.strobe_cycles * problem.timeline.lengths[0][:, None] * np.arange(count)
+        times = (
+            request.strobe_cycles * problem.timeline.piece_lengths[0][:, None] * np.arange(count)
+        )
     end = np.minimum(outcome.horizon, problem.duration)
     inside = times <= end[:, None]
     assert np.isfinite(outcome.states[inside]).all()
@@ -200,7 +202,7 @@ def test_times_at_the_ends_of_cycles_are_all_reached() -> None:
     count = 8
     turns = np.arange(1, 400)
     everybody = crowd(count)
-    period = everybody.timeline.lengths[0]
+    period = everybody.timeline.piece_lengths[0]
     everybody = replace(
         everybody, duration=400 * period, initial_states=0.1 * everybody.initial_states
     )

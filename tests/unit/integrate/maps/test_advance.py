@@ -11,7 +11,7 @@ from remanent._field import Field, Role, StateVariable
 from remanent._typing import FloatArray
 from remanent.analysis.regimes.long_runs import LongRun, propagate_tangents
 from remanent.analysis.regimes.lyapunov import LyapunovExponents, lyapunov_exponents
-from remanent.codegen.lower import Level, lower
+from remanent.codegen.lower import DependenceLevel, lower_to_program
 from remanent.integrate.maps.advance import BlockAdvancer
 from remanent.integrate.maps.period_map import ErrorControl, PeriodMap, PeriodMapImage
 
@@ -23,10 +23,12 @@ def autonomous(rates: list[sp.Expr]) -> Field:
     names = ("x", "y", "z")[: len(rates)]
     inputs = ("drive_phase", *names, "sine", "cosine")
     waveforms = sp.symbols("sine cosine", real=True)
-    levels = dict.fromkeys((X, Y, Z), Level.STATE) | dict.fromkeys(waveforms, Level.DRIVE)
+    levels = dict.fromkeys((X, Y, Z), DependenceLevel.STATE) | dict.fromkeys(
+        waveforms, DependenceLevel.DRIVE
+    )
 
     def program(*outputs: sp.Expr) -> object:
-        return lower(outputs, inputs=inputs, levels=levels, definitions={})
+        return lower_to_program(outputs, inputs=inputs, levels=levels, definitions={})
 
     return Field(
         variables=tuple(StateVariable(name, Role.COORDINATE) for name in names),
@@ -35,7 +37,7 @@ def autonomous(rates: list[sp.Expr]) -> Field:
         waveforms=("sine", "cosine"),
         rates=program(*rates),  # type: ignore[arg-type]
         observable="x",
-        watched=program(X, rates[0], rates[0], rates[0]),  # type: ignore[arg-type]
+        observable_and_rates=program(X, rates[0], rates[0], rates[0]),  # type: ignore[arg-type]
         observables={},
     )
 

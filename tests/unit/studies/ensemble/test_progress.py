@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import remanent as rm
-from remanent.studies.ensemble.progress import as_progress, within
+from remanent.studies.ensemble.progress import as_progress, report_part_of_whole
 
 BODY, DRIVE = rm.Actuator(), rm.SineSquared(0.4, 1.25)
 DAMPED = rm.Actuator(dissipation=rm.Rayleigh(0.2))
@@ -56,13 +56,13 @@ def test_a_part_of_the_work_reports_its_share_of_the_whole() -> None:
     """The last part ends at 1 exactly, so that a bar ends."""
     shares: list[float] = []
     for part in (slice(0, 37), slice(37, 100)):
-        report = within(shares.append, part, 100)
+        report = report_part_of_whole(shares.append, part, 100)
         assert report is not None
         report(0.5)
         report(1.0)
     np.testing.assert_allclose(shares, [0.185, 0.37, 0.685, 1.0])
     assert shares[-1] == 1.0
-    assert within(None, slice(0, 1), 1) is None
+    assert report_part_of_whole(None, slice(0, 1), 1) is None
 
 
 def test_verbs_of_long_runs_tell_their_progress_up_to_the_end() -> None:

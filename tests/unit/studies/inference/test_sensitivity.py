@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 import remanent as rm
-from remanent.studies.ensemble.layout import lay_out
+from remanent.studies.ensemble.layout import lay_out_ensemble
 from remanent.studies.orbits._period_map import StroboscopicMap
 
 HOT = rm.Actuator(temperature=350.0)
@@ -32,7 +32,9 @@ def test_the_fold_moves_as_tangents_say() -> None:
     fields = ("temperature", "b", "c")
     place = rm.locate_bifurcation(HOT, FOLD, "fold", "omega", initial=START)
     omega, state = float(place.omega), np.array([float(place.stretch), float(place.stretch_rate)])
-    map_ = StroboscopicMap(lay_out(HOT, FOLD.replace(omega=omega)), ("omega", *fields), 1e-11)
+    map_ = StroboscopicMap(
+        lay_out_ensemble(HOT, FOLD.replace(omega=omega)), ("omega", *fields), 1e-11
+    )
     image = map_(state[None], np.array([[omega, 350.0, 0.4, 1.0]]), 1)
     left = np.linalg.svd(image.jacobian[0] - np.eye(2))[0][:, -1]
     push = left @ image.parameter_jacobian[0]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import remanent as rm
-from remanent.studies.ensemble.layout import lay_out
+from remanent.studies.ensemble.layout import lay_out_ensemble
 from remanent.studies.orbits._checks import require_state_box
 
 DRIVE = rm.SineSquared(0.4, 1.25)
@@ -15,7 +15,7 @@ WARM = rm.Actuator(heat=rm.Heat(1e-3, exchange=0.1), dissipation=rm.Rayleigh(0.1
 
 def test_a_box_without_a_temperature_is_refused_by_name() -> None:
     """NaN around the body leaves no default; a given pair needs none."""
-    ens = lay_out(WARM, DRIVE, {"temperature": [np.nan, 300.0]})
+    ens = lay_out_ensemble(WARM, DRIVE, {"temperature": [np.nan, 300.0]})
     assert require_state_box("state_box", None, ens)[-1].tolist() == [295.0, 305.0]
     with pytest.raises(rm.InputError, match=r"^`box` must name state variables, stretch"):
         require_state_box("box", {"strech": (0.3, 4.0)}, ens)

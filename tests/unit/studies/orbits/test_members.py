@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import remanent as rm
-from remanent.studies.ensemble.layout import lay_out
+from remanent.studies.ensemble.layout import lay_out_ensemble
 from remanent.studies.orbits._members import for_each_member, stack_padded, stack_tables
 
 DRIVE = rm.SineSquared(0.4, 1.25)
@@ -41,5 +41,8 @@ def test_a_single_member_says_why_it_failed_and_many_do_not() -> None:
         raise rm.InputError("x", must="be", got=0, why="It is not.", fix="Pass 1.")
 
     with pytest.raises(rm.InputError):
-        for_each_member(lay_out(rm.Actuator(), DRIVE), fail)
-    assert for_each_member(lay_out(rm.Actuator(), DRIVE, {"b": [0.1, 0.2]}), fail) == [None, None]
+        for_each_member(lay_out_ensemble(rm.Actuator(), DRIVE), fail)
+    assert for_each_member(lay_out_ensemble(rm.Actuator(), DRIVE, {"b": [0.1, 0.2]}), fail) == [
+        None,
+        None,
+    ]
