@@ -170,7 +170,7 @@ class Field:
     loads
         Names of the loads, each of which is an observable too; an actuator has one,
         ``load``.
-    parameters, waveforms
+    parameters, waveform_names
         Names.  Parameters are the user's own numeric fields under their own names.
     rates
         One output per state variable.
@@ -188,7 +188,7 @@ class Field:
     variables: tuple[StateVariable, ...]
     loads: tuple[str, ...]
     parameters: tuple[str, ...]
-    waveforms: tuple[str, ...]
+    waveform_names: tuple[str, ...]
     rates: Program
     observable: str
     observable_and_rates: Program
@@ -233,7 +233,7 @@ class Field:
     @property
     def input_names(self) -> tuple[str, ...]:
         """Names of the inputs of every program of this field, in order."""
-        return ("drive_phase", *self.state_names, *self.parameters, *self.waveforms)
+        return ("drive_phase", *self.state_names, *self.parameters, *self.waveform_names)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "observables", MappingProxyType(dict(self.observables)))
@@ -266,7 +266,7 @@ class Field:
                 "variables": [asdict(variable) for variable in self.variables],
                 "loads": self.loads,
                 "parameters": self.parameters,
-                "waveforms": self.waveforms,
+                "waveforms": self.waveform_names,
                 "rates": _program_to_dict(self.rates),
                 "observable": self.observable,
                 "watched": _program_to_dict(self.observable_and_rates),
@@ -290,7 +290,7 @@ class Field:
                 variables=variables,
                 loads=loads,
                 parameters=parameters,
-                waveforms=waveforms,
+                waveform_names=waveforms,
                 rates=_program_from_dict(inputs, plain["rates"]),
                 observable=str(plain["observable"]),
                 observable_and_rates=_program_from_dict(inputs, plain["watched"]),

@@ -47,7 +47,7 @@ def through_timeline(
         own = {k: np.broadcast_to(v, duration.shape) for k, v in drive.parameters().items()}
         p = own | values | {name: rows[piece] for name, rows in line.piece_parameters.items()}
         for s in np.linspace(0.0, 0.999, 23):
-            u = dict(zip(drive.waveforms, line.waveform(np.asarray(s)), strict=True))
+            u = dict(zip(drive.waveform_names, line.waveform(np.asarray(s)), strict=True))
             times.append(np.where(length > 0.0, start + s * length, np.nan))
             loads.append(np.where(length > 0.0, drive.load(p, u, s, np), np.nan))
     return np.array(times), np.array(loads)
@@ -97,7 +97,7 @@ def test_waveforms_keep_the_shape_of_the_phase(drive: Drive) -> None:
     """Waveforms of an array of phases are arrays of its shape, one for each waveform."""
     line = drive.timeline({}, np.array([DURATION]))
     for shape in ((), (5,), (2, 3)):
-        assert line.waveform(np.zeros(shape)).shape == (len(drive.waveforms), *shape)
+        assert line.waveform(np.zeros(shape)).shape == (len(drive.waveform_names), *shape)
 
 
 @every

@@ -25,7 +25,7 @@ def build_field(system: System, drive: Drive) -> Field:
         *drive.parameters(),
         *drive.piece_parameters,
     )
-    inputs = ("drive_phase", *state, *parameters, *drive.waveforms)
+    inputs = ("drive_phase", *state, *parameters, *drive.waveform_names)
     levels = _level_of_symbol(form, parameters, drive)
 
     def program(*outputs: Any, **options: Any) -> Program:
@@ -41,7 +41,7 @@ def build_field(system: System, drive: Drive) -> Field:
         variables=form.variables,
         loads=form.loads,
         parameters=parameters,
-        waveforms=drive.waveforms,
+        waveform_names=drive.waveform_names,
         rates=program(*form.rates, admissibility=form.admissibility),
         observable=form.observable,
         observable_and_rates=program(*form.observable_and_rates),
@@ -56,6 +56,6 @@ def _level_of_symbol(
     return (
         dict.fromkeys(form.state_symbols, DependenceLevel.STATE)
         | {parameter_symbol(name): DependenceLevel.PARAMETER for name in parameters}
-        | {waveform_symbol(name): DependenceLevel.DRIVE for name in drive.waveforms}
+        | {waveform_symbol(name): DependenceLevel.DRIVE for name in drive.waveform_names}
         | {DRIVE_PHASE: DependenceLevel.DRIVE}
     )

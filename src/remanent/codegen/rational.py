@@ -52,7 +52,7 @@ def rationalised(expression: Expression, generators: dict[Expression, Symbol]) -
     if expression.is_Pow and not expression.exp.is_Integer:
         return sp.Mul(
             *(
-                _power_of_generator(expression.base, term, generators)
+                _rationalised_power(expression.base, term, generators)
                 for term in sp.Add.make_args(expression.exp)
             )
         )
@@ -61,7 +61,7 @@ def rationalised(expression: Expression, generators: dict[Expression, Symbol]) -
     return expression.func(*(rationalised(a, generators) for a in expression.args))
 
 
-def _power_of_generator(
+def _rationalised_power(
     base: Expression, exponent: Expression, generators: dict[Expression, Symbol]
 ) -> Expression:
     """base^exponent as an integer power of a generator, base^(p r/q) = (base^(r/q))^p."""

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from remanent.derivation.energy_balance import heat_balance
+from remanent.derivation.energy_balance import assemble_heat_balance
 from remanent.derivation.motion import Energies, EnergyTerm, HeatBalance, Motion
 from remanent.derivation.symbols import (
     AREA,
@@ -166,7 +166,7 @@ def _heat_balance(
         STIFFNESS_RATIO: heat.entropic_stiffness(TEMPERATURE_RATIO, fraction),
         body_temperature(actuator): TEMPERATURE_RATIO * p["reference_temperature"],
     }
-    return heat_balance(
+    return assemble_heat_balance(
         energies,
         of_theta,
         p=p,

@@ -26,7 +26,7 @@ from remanent.derivation.symbols import (
 from remanent.models import heat
 
 
-def heat_balance(
+def assemble_heat_balance(
     energies: Energies,
     of_theta: Mapping[Symbol, Expression],
     *,

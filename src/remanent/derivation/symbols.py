@@ -68,7 +68,7 @@ def loads_in_symbols(
     """
     names = (*drive.parameters(), *drive.piece_parameters)
     p = {name: parameter_symbol(name) for name in names}
-    u = {name: waveform_symbol(name) for name in drive.waveforms}
+    u = {name: waveform_symbol(name) for name in drive.waveform_names}
     return {
         load_symbol(name): None if law is None else sp.sympify(law)
         for name, law in laws(p, u, DRIVE_PHASE, sp).items()

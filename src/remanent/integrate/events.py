@@ -287,7 +287,7 @@ class _WindowSteps:
 
 def _depends_on_drive(program: Program, field: Field) -> BoolArray | bool:
     """Whether the phase or a waveform enters."""
-    first = len(field.input_names) - len(field.waveforms)
+    first = len(field.input_names) - len(field.waveform_names)
     driven = {0, *range(first, len(field.input_names))}
     base = len(program.input_names) + len(program.constants)
     for k, (_, *operands) in enumerate(program.instructions):

@@ -95,7 +95,7 @@ def transverse_field(field: Field, pairs: Mapping[str, str]) -> Field:
     )
     variables = (*kept_variables, *added)
     state = tuple(variable.name for variable in variables)
-    inputs = ("drive_phase", *state, *field.parameters, *field.waveforms)
+    inputs = ("drive_phase", *state, *field.parameters, *field.waveform_names)
     into = InstructionBuilder(inputs)
     first_of = {second: name for name, second in pairs.items()}
     values = []
@@ -114,7 +114,7 @@ def transverse_field(field: Field, pairs: Mapping[str, str]) -> Field:
         variables=variables,
         loads=field.loads,
         parameters=field.parameters,
-        waveforms=field.waveforms,
+        waveform_names=field.waveform_names,
         rates=into.program(outputs),
         observable=field.observable,
         observable_and_rates=_program_with_inputs(field.observable_and_rates, inputs, names),
@@ -182,7 +182,7 @@ def observable_derivatives(field: Field, name: str, variables: Sequence[str]) ->
 
 def _widened_inputs(field: Field, added: Sequence[StateVariable]) -> tuple[str, ...]:
     names = (variable.name for variable in added)
-    return ("drive_phase", *field.state_names, *names, *field.parameters, *field.waveforms)
+    return ("drive_phase", *field.state_names, *names, *field.parameters, *field.waveform_names)
 
 
 def _run_with_duals(
@@ -201,7 +201,7 @@ def _widened_field(field: Field, added: tuple[StateVariable, ...], rates: Progra
         variables=(*field.variables, *added),
         loads=field.loads,
         parameters=field.parameters,
-        waveforms=field.waveforms,
+        waveform_names=field.waveform_names,
         rates=rates,
         observable=field.observable,
         observable_and_rates=_program_with_inputs(field.observable_and_rates, inputs),

@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Self
 
 from remanent import _checks
 from remanent._checks import Rule
-from remanent.models.materials.base import first_invariant
+from remanent.models.materials.base import first_invariant_minus_three
 from remanent.models.parts import Part, part_parameters
 from remanent.models.temperature_shift import TemperatureShift
 
@@ -225,7 +225,9 @@ class Zener(Dissipation):
         self, stretches: Sequence[Any], internal: Sequence[Any], p: Mapping[str, Any]
     ) -> Any:
         """(mu_v/mu) (q1 + q2 + q3 - 3)/2, without cancellation near rest."""
-        return p["modulus"] * first_invariant(*_spring_stretches(stretches, internal)) / 2
+        return (
+            p["modulus"] * first_invariant_minus_three(*_spring_stretches(stretches, internal)) / 2
+        )
 
     def internal_rates(
         self, stretches: Sequence[Any], internal: Sequence[Any], theta: Any, p: Mapping[str, Any]

@@ -61,7 +61,7 @@ class Magnet(Part):
             ),
         }
     )
-    choice_fields: ClassVar[tuple[str, ...]] = ("law",)
+    structural_fields: ClassVar[tuple[str, ...]] = ("law",)
 
     def checked_options(self) -> Mapping[str, Any]:
         """The law, if it is one of :data:`MAGNETISATION_LAWS`."""

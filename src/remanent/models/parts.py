@@ -26,7 +26,7 @@ class Part:
     continuation may vary, are the keys of :attr:`rules`, the entries of
     :attr:`table_rules`, the names in :attr:`mapping_rules`, and the numeric fields of the parts in
     :attr:`nested_types`.  Fields that decide the form of the equations are named in
-    :attr:`choice_fields`.
+    :attr:`structural_fields`.
     """
 
     #: The rule of each numeric field.  One that is None, where that is
@@ -39,7 +39,7 @@ class Part:
     #: under these names; it is kept as a tuple of pairs.
     mapping_rules: ClassVar[Mapping[str, Rule]] = MappingProxyType({})
     #: Names of the fields on which the form of the equations depends.
-    choice_fields: ClassVar[tuple[str, ...]] = ()
+    structural_fields: ClassVar[tuple[str, ...]] = ()
     #: The kind of each field that holds another part, or None; see :meth:`parts`.
     nested_types: ClassVar[Mapping[str, type[Part]]] = MappingProxyType({})
 
@@ -130,7 +130,7 @@ class Part:
         Its class, choices, lengths of tables, names in mappings, fields that are left out.
         """
         kind = type(self)
-        chosen = (getattr(self, name) for name in self.choice_fields)
+        chosen = (getattr(self, name) for name in self.structural_fields)
         lengths = (len(getattr(self, name)) for name in self.table_rules)
         names = (tuple(k for k, _ in pairs) for pairs in self._mapping_pairs().values())
         missing = filter(self._is_left_out, self.rules)

@@ -63,7 +63,7 @@ def test_names_of_the_field_of_the_reproduced_article() -> None:
         "omega",
         "phase",
     )
-    assert field.waveforms == ("sin_pi_phase", "cos_pi_phase")
+    assert field.waveform_names == ("sin_pi_phase", "cos_pi_phase")
     assert set(field.observables) == {
         "thickness_stretch",
         "thickness_stretch_rate",

@@ -222,13 +222,13 @@ def test_one_division_by_the_state(name: str) -> None:
     """In each step at most one division depends on the state."""
     field, _ = derived(name)
     for code in (field.rates, field.observable_and_rates):
-        assert dynamic(code, {*field.state_names, *field.waveforms, "drive_phase"})["div"] <= 1
+        assert dynamic(code, {*field.state_names, *field.waveform_names, "drive_phase"})["div"] <= 1
 
 
 def test_equation_16_is_short() -> None:
     """Sixteen additions and multiplications and a division, and five for the load."""
     field, _ = derived("article")
-    counts = dynamic(field.rates, {*field.state_names, *field.waveforms})
+    counts = dynamic(field.rates, {*field.state_names, *field.waveform_names})
     assert counts["div"] == 1
     assert set(counts) <= {"add", "sub", "mul", "div"}
     assert counts.total() <= 22

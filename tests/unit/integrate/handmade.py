@@ -48,7 +48,7 @@ class Oscillator:
             ),
             loads=(),
             parameters=names,
-            waveforms=("sine", "cosine"),
+            waveform_names=("sine", "cosine"),
             rates=program(V, acceleration),
             observable="position",
             observable_and_rates=program(Q, V, acceleration, V),

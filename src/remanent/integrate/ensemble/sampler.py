@@ -91,7 +91,9 @@ class Sampler:
             states = memory.by_trajectory(np.concatenate([before, record]))
             if self.run.request.inspect_window is not None:
                 self.inspection_results.append(
-                    self.run.request.inspect_window(self._step_window(states, memory, segment))
+                    self.run.request.inspect_window(
+                        self._build_step_window(states, memory, segment)
+                    )
                 )
             if places is not None:
                 self._interpolate_samples(places, states, memory, segment)
@@ -138,7 +140,9 @@ class Sampler:
         first = segment.first_cycle // strobe + 1
         self.states[:, first : first + states.shape[1]] = states
 
-    def _step_window(self, states: FloatArray, memory: LaneMemory, segment: Segment) -> StepWindow:
+    def _build_step_window(
+        self, states: FloatArray, memory: LaneMemory, segment: Segment
+    ) -> StepWindow:
         """The states of a segment as what ``Request.inspect_window`` takes."""
         nodes = np.arange(states.shape[1])
         return StepWindow(

@@ -145,7 +145,7 @@ class GroupKernel:
         """Read the numbers of a group."""
         w = slots.writer
         cells = TrajectoryCells.read_from_slots(slots)
-        nodes, columns = len(method.nodes), 1 + len(code.field.waveforms)
+        nodes, columns = len(method.nodes), 1 + len(code.field.waveform_names)
         fine, coarse = (
             LoadTable(w, table, nodes, columns)
             for table in (arguments.fine_table, arguments.coarse_table)

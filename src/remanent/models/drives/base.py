@@ -35,7 +35,7 @@ class Drive(Part, ABC):
         return ("load",)
 
     @property
-    def waveforms(self) -> tuple[str, ...]:
+    def waveform_names(self) -> tuple[str, ...]:
         """Names of the waveforms that :meth:`load` uses."""
         return ()
 

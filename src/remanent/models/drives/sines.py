@@ -66,7 +66,7 @@ class Sines(Drive):
     table_rules: ClassVar[Mapping[str, Rule]] = MappingProxyType(
         {"loads": LOAD_RULE, "phases": PHASE_RULE}
     )
-    choice_fields: ClassVar[tuple[str, ...]] = ("multiples",)
+    structural_fields: ClassVar[tuple[str, ...]] = ("multiples",)
 
     @classmethod
     def example(cls) -> Self:
@@ -114,7 +114,7 @@ class Sines(Drive):
         return math.gcd(*map(round, multiples))
 
     @property
-    def waveforms(self) -> tuple[str, ...]:
+    def waveform_names(self) -> tuple[str, ...]:
         """Sine and cosine of each term, where there is a period."""
         if self._common_divisor() is None:
             return ()

@@ -103,7 +103,7 @@ class SineSquared(Drive):
             "phase": PHASE_RULE,
         }
     )
-    waveforms: ClassVar[tuple[str, ...]] = ("sin_pi_phase", "cos_pi_phase")
+    waveform_names: ClassVar[tuple[str, ...]] = ("sin_pi_phase", "cos_pi_phase")
 
     @classmethod
     def example(cls) -> Self:
@@ -165,7 +165,7 @@ class Sine(Drive):
     rules: ClassVar[Mapping[str, Rule]] = MappingProxyType(
         {"m": LOAD_RULE, "omega": OMEGA_RULE, "mean": LOAD_RULE, "phase": PHASE_RULE}
     )
-    waveforms: ClassVar[tuple[str, ...]] = ("sin_2pi_phase", "cos_2pi_phase")
+    waveform_names: ClassVar[tuple[str, ...]] = ("sin_2pi_phase", "cos_2pi_phase")
 
     @classmethod
     def example(cls) -> Self:

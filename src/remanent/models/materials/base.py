@@ -81,11 +81,11 @@ def sum_of_squares_minus_three(a1: Any, a2: Any, a3: Any) -> Any:
     return (a1 - a2) ** 2 + (1 - a3) ** 2 * (2 + a3) / a3
 
 
-def first_invariant(l1: Any, l2: Any, l3: Any) -> Any:
+def first_invariant_minus_three(l1: Any, l2: Any, l3: Any) -> Any:
     """I1 - 3 = l1^2 + l2^2 + l3^2 - 3."""
     return sum_of_squares_minus_three(l1, l2, l3)
 
 
-def second_invariant(l1: Any, l2: Any, l3: Any) -> Any:
+def second_invariant_minus_three(l1: Any, l2: Any, l3: Any) -> Any:
     """I2 - 3 = l1^-2 + l2^-2 + l3^-2 - 3."""
     return sum_of_squares_minus_three(1 / l1, 1 / l2, 1 / l3)

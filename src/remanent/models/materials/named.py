@@ -14,8 +14,8 @@ from remanent._typing import FloatArray
 from remanent.models.materials.base import (
     ENTROPIC_FRACTION_RULE,
     Material,
-    first_invariant,
-    second_invariant,
+    first_invariant_minus_three,
+    second_invariant_minus_three,
     sum_of_squares_minus_three,
 )
 from remanent.models.materials.strain_energy import StrainEnergy
@@ -58,7 +58,7 @@ class NeoHookean(Material):
         With l1 l2 l3 = 1 this is (l1^2 + l2^2 + l3^2 - 3)/2, without the cancellation
         near rest: both terms are squares.
         """
-        return first_invariant(l1, l2, l3) / 2
+        return first_invariant_minus_three(l1, l2, l3) / 2
 
 
 @dataclass(frozen=True)
@@ -115,7 +115,7 @@ class Gent(Material):
         self, l1: Any, l2: Any, l3: Any, p: Mapping[str, Any], fn: Any
     ) -> Sequence[Any]:
         """1 - (I1 - 3)/J_m, what remains of the extension of the chains."""
-        return (1 - first_invariant(l1, l2, l3) / p["jm"],)
+        return (1 - first_invariant_minus_three(l1, l2, l3) / p["jm"],)
 
 
 @dataclass(frozen=True)
@@ -166,7 +166,9 @@ class MooneyRivlin(Material):
     def energy(self, l1: Any, l2: Any, l3: Any, p: Mapping[str, Any], fn: Any) -> Any:
         """W/mu = [c1 (I1 - 3) + c2 (I2 - 3)]/[2 (c1 + c2)]."""
         c1, c2 = p["c1"], p["c2"]
-        total = c1 * first_invariant(l1, l2, l3) + c2 * second_invariant(l1, l2, l3)
+        total = c1 * first_invariant_minus_three(l1, l2, l3) + c2 * second_invariant_minus_three(
+            l1, l2, l3
+        )
         return total / (2 * (c1 + c2))
 
 
@@ -319,7 +321,7 @@ class ArrudaBoyce(Material):
         I1^i - 3^i with its factor I1 - 3 taken out, which is small near rest;
         mu = 2 sum_i i C_i (3 y)^(i - 1), twice the slope of W in I1 at I1 = 3.
         """
-        invariant = first_invariant(l1, l2, l3)  # I1 - 3, small near rest
+        invariant = first_invariant_minus_three(l1, l2, l3)  # I1 - 3, small near rest
         y = 1 / p["locking_stretch"] ** 2
         total, modulus = 0, 0
         for i, (above, below) in enumerate(_ARRUDA_BOYCE_COEFFICIENTS):

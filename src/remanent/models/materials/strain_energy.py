@@ -92,7 +92,7 @@ class StrainEnergy(Material):
     mapping_rules: ClassVar[Mapping[str, Rule]] = MappingProxyType(
         {"constants": _checks.finite_rule("It is a constant of the strain energy.")}
     )
-    choice_fields: ClassVar[tuple[str, ...]] = ("expression",)
+    structural_fields: ClassVar[tuple[str, ...]] = ("expression",)
     expand_energy: ClassVar[bool] = False
 
     @classmethod

@@ -90,7 +90,7 @@ def design(
     measures = _require_measures(measures)
     step = require_real("step", step, _STEP_RULE)
     guess = _parameter_guesses(measures, parameters)
-    problem = _DesignProblem(
+    problem = _InverseDesignProblem(
         measures,
         _require_targets(targets, measures),
         list(guess),
@@ -103,7 +103,10 @@ def design(
     )
     variables: dict[str, Labelled] = {
         "solution": (("field",), solution),
-        "solution_error": (("field",), problem.solution_error(solution, reached, errors)),
+        "solution_error": (
+            ("field",),
+            problem.estimate_field_errors(solution, reached, errors),
+        ),
         "target": (("measure",), problem.targets),
         "reached": (("measure",), reached),
         "reached_error": (("measure",), errors),
@@ -118,7 +121,7 @@ def design(
 
 
 @dataclass(frozen=True)
-class _DesignProblem:
+class _InverseDesignProblem:
     """Least squares of the relative distances of measures from their targets.
 
     Attributes
@@ -184,7 +187,7 @@ class _DesignProblem:
             )
         return np.asarray(optimum.x)
 
-    def solution_error(
+    def estimate_field_errors(
         self, solution: FloatArray, reached: FloatArray, errors: FloatArray
     ) -> FloatArray:
         """What errors and distances of the measures make of the fields, array (field,).

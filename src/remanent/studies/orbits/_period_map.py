@@ -102,7 +102,7 @@ class StroboscopicMap:
         )  # fmt: skip
         return self._map_image(image, parameters, iterate)
 
-    def run_from(
+    def run_at_resolution(
         self, resolution: IntArray, states: FloatArray, parameters: FloatArray, iterate: int
     ) -> tuple[MapImage, IntArray]:
         """Apply the map, beginning with given resolutions.
@@ -182,7 +182,7 @@ class StroboscopicMap:
     def _field_parameters(self, values: dict[str, FloatArray], count: int) -> FloatArray:
         """Parameters of the vector field, array (point, parameter)."""
         rows = np.tile(self._problem.parameters, (count, 1))
-        for name in self._varied_field_parameters:
+        for name in self._varied_in_vector_field:
             rows[:, self._problem.field.parameters.index(name)] = values[name]
         return rows
 
@@ -198,7 +198,7 @@ class StroboscopicMap:
         return initial_value_problem(self.ensemble, np.ones(1))
 
     @cached_property
-    def _varied_field_parameters(self) -> list[str]:
+    def _varied_in_vector_field(self) -> list[str]:
         """Those of the varied fields that the vector field knows."""
         return [name for name in self.parameter_names if name in self._problem.field.parameters]
 
@@ -212,7 +212,7 @@ class StroboscopicMap:
         timed = self.ensemble.drive.frequency_field
         return [
             name
-            for name in self._varied_field_parameters
+            for name in self._varied_in_vector_field
             if name not in self.undifferentiated_names
             and (name != timed or self._load_rate_matters)
         ]

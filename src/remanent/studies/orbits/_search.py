@@ -157,7 +157,7 @@ class _GuessMap:
     def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> MapImage:
         """Apply the map; the last parameter is the number of the guess."""
         guess = parameters[:, -1].astype(np.int64)
-        image, self.resolution_of_guess[guess] = self.map.run_from(
+        image, self.resolution_of_guess[guess] = self.map.run_at_resolution(
             self.resolution_of_guess[guess], states, parameters[:, :-1], iterate
         )
         return image

@@ -34,7 +34,7 @@ def autonomous(rates: list[sp.Expr]) -> Field:
         variables=tuple(StateVariable(name, Role.COORDINATE) for name in names),
         loads=(),
         parameters=(),
-        waveforms=("sine", "cosine"),
+        waveform_names=("sine", "cosine"),
         rates=program(*rates),  # type: ignore[arg-type]
         observable="x",
         observable_and_rates=program(X, rates[0], rates[0], rates[0]),  # type: ignore[arg-type]

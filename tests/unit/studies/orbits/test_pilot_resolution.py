@@ -14,7 +14,9 @@ def test_resolutions_are_those_of_cells() -> None:
     class Image:
         def __init__(self, states: np.ndarray, resolution: np.ndarray) -> None:
             self.resolution = resolution
-            self.largest_period_error = 1e-6 * np.abs(states[:, 0]) * (FIRST_RESOLUTION / resolution) ** 8.0
+            self.largest_period_error = (
+                1e-6 * np.abs(states[:, 0]) * (FIRST_RESOLUTION / resolution) ** 8.0
+            )
 
     def run(states: np.ndarray, parameters: np.ndarray, resolution: np.ndarray) -> Image:
         runs.append(len(parameters))
