@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from difflib import get_close_matches
 from numbers import Real
 from typing import Any
 
@@ -73,8 +74,8 @@ def require_real(name: str, value: object, rule: Rule) -> float:
             name,
             must="be one real number",
             got=repr(value),
-            why="A model holds a single value of each field.",
-            fix="For many values pass over={...} to the verb; for units use from_si.",
+            why="It is one value, without a unit.",
+            fix="Pass a plain number; many values of a field go into over={...}.",
         )
     number = _to_float(value)
     if not rule.is_satisfied_by(number):
@@ -109,9 +110,14 @@ def require_choice(name: str, value: object, choices: Sequence[str]) -> str:
             must=f"be one of {', '.join(map(repr, choices))}",
             got=repr(value),
             why="Nothing else is defined.",
-            fix=f"Pass {choices[0]!r} if in doubt.",
+            fix=f"Pass {_closest_choice(value, choices)!r}, for example.",
         )
     return value
+
+
+def _closest_choice(value: object, choices: Sequence[str]) -> str:
+    """The choice that was most likely meant, or else the first."""
+    return next(iter(get_close_matches(str(value), choices, n=1)), choices[0])
 
 
 def require_known_names(names: Iterable[str], known: Iterable[str], owner: str) -> None:

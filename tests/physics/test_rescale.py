@@ -167,3 +167,14 @@ def test_a_drive_of_unknown_fields_is_refused() -> None:
     result = rm.simulate(rm.Actuator(), rm.Steps([0.0, 1.0], [0.1, 0.2]), duration=2.0)
     with pytest.raises(rm.InputError, match="how this one scales"):
         rm.rescale(result, temperature=HOT)
+
+
+def test_a_dropped_value_of_a_varied_field_is_refused() -> None:
+    """A result that no longer says its temperature or prestress is not scaled from another."""
+    over = {"temperature": [250.0, 350.0], "prestress": [0.0, 0.4]}
+    result = rm.simulate(rm.Actuator(), DRIVE, periods=1, over=over)
+    chosen = result.isel(temperature=0, prestress=1)
+    assert float(rm.rescale(chosen, temperature=HOT).temperature) == HOT
+    for name in over:
+        with pytest.raises(rm.InputError, match=f"without {name}"):
+            rm.rescale(chosen.drop_vars(name), temperature=HOT)

@@ -158,7 +158,7 @@ def _followed_parameter(dataset: xr.Dataset) -> str:
         "dataset",
         must="say which parameter was followed",
         got=", ".join(map(str, dataset.data_vars)),
-        why="Arithmetic drops the attribute `parameter`; a branch has special points of it.",
+        why="The attribute `parameter` says it in results of continue_orbit.",
         fix="Pass parameter=..., or the result of continue_orbit or response_diagram.",
     )
 

@@ -210,7 +210,7 @@ def _read_model(dataset: xr.Dataset, name: str) -> Any:
             "dataset",
             must=f"say which {name} made it",
             got=dataset.attrs.get(f"{name}_text", "one without the attribute"),
-            why="Arithmetic drops attributes, and only plain data can be read back.",
+            why="Some operations drop attributes, and only plain data can be read back.",
             fix=f"Pass {name}=... as well, or the result of a verb as it was.",
         )
     value = from_plain(table)

@@ -68,7 +68,7 @@ def rescale(
         The other temperature, K.
     system, drive : Actuator and Drive, optional
         Those that made `dataset`; by default they are read from its attributes, which
-        arithmetic drops.
+        some operations on a Dataset drop.
 
     Returns
     -------
@@ -109,6 +109,8 @@ def rescale(
     require_dataset("dataset", dataset)
     target = require_real("temperature", temperature, _TEMPERATURE_RULE)
     source = _require_actuator(provenance.read_system(dataset) if system is None else system)
+    if system is None:
+        _require_selected_values(dataset, source)
     _require_entropic(dataset, source)
     ratio = target / _single_temperature(dataset, source)
     scaled = dataset.copy()
@@ -128,6 +130,20 @@ def rescale(
             provenance.model_attributes("drive", _rescaled_model(drive, ratio, target))
         )
     return scaled
+
+
+def _require_selected_values(dataset: xr.Dataset, source: Actuator) -> None:
+    """Refuse a result that lost the value of a field of the actuator, by ``drop=True``."""
+    varied = set(str(dataset.attrs.get("over", "")).split())
+    lost = sorted(varied & source.parameters().keys() - set(map(str, dataset.variables)))
+    if lost:
+        raise InputError(
+            "dataset",
+            must="keep the values of the fields that were varied",
+            got=f"one without {', '.join(lost)}",
+            why="The attributes give the value before `over` changed it.",
+            fix="Select without drop=True, or pass system=... with the right value.",
+        )
 
 
 def _require_actuator(system: object) -> Actuator:

@@ -38,7 +38,7 @@ def require_count(name: str, value: Any, why: str, least: int = 1) -> int:
             must="be a positive integer" if least == 1 else f"be an integer, at least {least}",
             got=shortened_repr(value),
             why=why,
-            fix=f"Pass at least {least}.",
+            fix=f"Pass a whole number, at least {least}.",
         )
     if value > _LARGEST_EXACT_COUNT:
         raise InputError(

@@ -54,8 +54,8 @@ def switch_branch(
         twice the period starts, or a ``branch point``, where another of the same period does
         (the pair of orbits that break a symmetry).
     system, drive : System and Drive, optional
-        Those of the branch; by default they are read from its attributes, which arithmetic
-        drops.
+        Those of the branch; by default they are read from its attributes, which some
+        operations on a Dataset drop.
     parameter : str, optional
         The field that changes along the branch; by default read from its attributes.
     parameter_range : (float, float), optional
@@ -133,7 +133,8 @@ def switch_branch(
 
 def _require_switching_point(branch: xr.Dataset, special_point: int) -> tuple[str, int]:
     """The kind and the number of a special point at which another branch starts."""
-    number = require_count("special_point", special_point, "It is the number of one.", 0)
+    why = "It counts the special points of the branch from 0."
+    number = require_count("special_point", special_point, why, 0)
     if "special_kind" not in require_dataset("branch", branch):
         raise InputError(
             "branch",
@@ -180,7 +181,7 @@ def _setting_of_branch(branch: xr.Dataset, name: str, value: Any) -> Any:
             name,
             must="be given, or be an attribute of the branch",
             got="neither",
-            why="Arithmetic drops attributes.",
+            why="Some operations on a Dataset drop its attributes.",
             fix=f"Pass {name}=... as it was for the branch.",
         )
     return branch.attrs[name] if value is None else value
