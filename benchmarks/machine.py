@@ -56,4 +56,4 @@ def one_core() -> Iterator[None]:
 def _vectors() -> str:
     from remanent.integrate.kernel.compile import host_processor
 
-    return f"{32 * host_processor().width} bits"
+    return f"{32 * host_processor().lane_count} bits"

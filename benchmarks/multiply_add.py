@@ -22,7 +22,7 @@ CHAINS = 6
 _PASSES = 4_000_000
 
 
-def source(width: int) -> str:
+def source(lane_count: int) -> str:
     """LLVM assembly of ``void loop(double *values, long passes)``."""
     module = ir.Module(name="multiply_add")
     signature = ir.FunctionType(ir.VoidType(), [DOUBLE_TYPE.as_pointer(), INTEGER_TYPE])
@@ -32,8 +32,8 @@ def source(width: int) -> str:
     builder.branch(begin)
     builder.position_at_end(begin)
     values, passes = function.args
-    w = Writer(builder, width)
-    places = [w.integer_constant(k * width) for k in range(CHAINS + 2)]
+    w = Writer(builder, lane_count)
+    places = [w.integer_constant(k * lane_count) for k in range(CHAINS + 2)]
     factor, term = w.load_lanes(values, places[-2]), w.load_lanes(values, places[-1])
     chains = [w.new_cell_with(w.load_lanes(values, k)) for k in places[:-2]]
     with w.loop(passes):
@@ -48,7 +48,7 @@ def source(width: int) -> str:
 
 def lanes_per_second(target: TargetProcessor, repeats: int) -> float:
     """Multiply-adds of single numbers that one core does in a second, the median of runs."""
-    module = binding.parse_assembly(source(target.width))
+    module = binding.parse_assembly(source(target.lane_count))
     machine = target.create_target_machine()
     builder = binding.create_pass_builder(
         machine, binding.create_pipeline_tuning_options(speed_level=3)
@@ -57,10 +57,10 @@ def lanes_per_second(target: TargetProcessor, repeats: int) -> float:
     engine = binding.create_mcjit_compiler(module, machine)
     signature = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_int64)
     loop = signature(engine.get_function_address("loop"))
-    values = np.full((CHAINS + 2) * target.width, 0.5)
+    values = np.full((CHAINS + 2) * target.lane_count, 0.5)
     times = []
     for _ in range(repeats + 1):  # the first is for the caches
         begin = time.thread_time()
         loop(values.ctypes.data, _PASSES)
         times.append(time.thread_time() - begin)
-    return _PASSES * CHAINS * target.width / statistics.median(times[1:])
+    return _PASSES * CHAINS * target.lane_count / statistics.median(times[1:])

@@ -23,7 +23,7 @@ from remanent._typing import FloatArray
 from remanent.analysis.orbits.continuation import ContinuationSettings, continue_curves
 from remanent.analysis.orbits.correction import correct_points
 from remanent.analysis.orbits.curves import Curve
-from remanent.analysis.orbits.orbit_equations import orbit_equations
+from remanent.analysis.orbits.orbit_equations import build_orbit_equations
 from remanent.analysis.orbits.stability import floquet_multipliers
 from remanent.studies.ensemble.layout import lay_out_ensemble
 from remanent.studies.orbits._period_map import StroboscopicMap
@@ -116,7 +116,7 @@ def _traced(cases: FloatArray, block: int, tolerance: float) -> list[Curve]:
     ens = lay_out_ensemble(rm.Actuator(), rm.SineSquared(0.4, _HIGH))
     held = ("temperature", "prestress")
     map_ = StroboscopicMap(ens, (*held, "omega"), 0.5 * tolerance, undifferentiated_names=held)
-    equations = orbit_equations(map_, 1)
+    equations = build_orbit_equations(map_, 1)
     scale = np.array([1.0, 1.0, 100.0, 1.0, _HIGH - _LOW])
     rest = np.array([_equilibrium(t / 293.0, s) for t, s in cases])
     guess = np.column_stack([rest, np.zeros(len(cases)), cases, np.full(len(cases), _HIGH)])
@@ -125,8 +125,8 @@ def _traced(cases: FloatArray, block: int, tolerance: float) -> list[Curve]:
     starts, reached = correct_points(equations, guess, down, scale=scale, tolerance=tolerance)
     settings = ContinuationSettings(
         np.array([0.3, -8.0, 0.0, -9.0, _LOW]), np.array([4.0, 8.0, 999.0, 9.0, _HIGH + 1e-9]),
-        scale, first_step=_STEP, max_step=_STEP, tolerance=tolerance, block_size=block,
-        max_points=auto07p.POINTS, held_unknown_indices=(2, 3),
+        scale, first_step_length=_STEP, max_step_length=_STEP, tolerance=tolerance,
+        points_per_block=block, max_points=auto07p.POINTS, held_unknown_indices=(2, 3),
     )  # fmt: skip
     return continue_curves(equations, starts.subset(reached), settings)
 

@@ -101,7 +101,7 @@ def _row(method: Method, options: KernelOptions, repeats: int, peak: float) -> d
     return {
         "method": method.name,
         "work": dict(work),
-        "lanes": host_processor().width,
+        "lanes": host_processor().lane_count,
         "nanoseconds": seconds * 1e9,
         "share": slots / seconds / peak,
         "flops_share": (slots + work["fma"]) / seconds / (2.0 * peak),
@@ -119,7 +119,7 @@ def _operations(method: Method, options: KernelOptions) -> Counter[str]:
 def _seconds_per_pass(method: Method, options: KernelOptions, repeats: int) -> float:
     """Processor time of one double step of one group, the median of runs."""
     problem = ours.response_problem(
-        RESPONSE, np.linspace(*_OMEGA, _GROUPS * host_processor().width)
+        RESPONSE, np.linspace(*_OMEGA, _GROUPS * host_processor().lane_count)
     )
     start = compiled_kernel(problem.field, default_method(), options)
     seconds = []

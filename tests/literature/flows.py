@@ -13,7 +13,7 @@ from tests.unit.integrate.handmade import COSINE, Oscillator, Q, V, turning
 from remanent._typing import FloatArray
 from remanent.analysis.orbits.maps import MapImage
 from remanent.integrate.maps.period_map import PeriodMap
-from remanent.integrate.variations import LOG_PERIOD
+from remanent.integrate.variations import LOG_PERIOD_PARAMETER_NAME
 
 NAMES = ("omega", "d", "g", "a", "e", "k", "F")
 
@@ -37,7 +37,9 @@ class ForcedOscillator:
     def _flow(self) -> PeriodMap:
         own: Sequence[str] = () if self.free == "omega" else (self.free,)
         oscillator = Oscillator(acceleration(), dict.fromkeys(NAMES, 0.0))
-        return PeriodMap(oscillator.field(), turning, directions=2, parameters=(*own, LOG_PERIOD))
+        return PeriodMap(
+            oscillator.field(), turning, directions=2, parameters=(*own, LOG_PERIOD_PARAMETER_NAME)
+        )
 
     def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> MapImage:
         count = len(states)

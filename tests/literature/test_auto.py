@@ -20,7 +20,7 @@ from remanent.analysis.orbits.bifurcations import SpecialPoint, find_special_poi
 from remanent.analysis.orbits.continuation import ContinuationSettings, continue_curves
 from remanent.analysis.orbits.correction import unit_tangents
 from remanent.analysis.orbits.curves import CurvePoints
-from remanent.analysis.orbits.orbit_equations import orbit_equations
+from remanent.analysis.orbits.orbit_equations import build_orbit_equations
 from remanent.analysis.orbits.switching import find_point_on_crossing_branch
 
 HERE = Path(__file__).parent / "auto" / "reference"
@@ -142,7 +142,7 @@ def specials(
     period: int,
 ) -> list[SpecialPoint]:
     """Special points of the branch through a state."""
-    equations = orbit_equations(map_, period)
+    equations = build_orbit_equations(map_, period)
     scale = np.array([1.0, 1.0, bounds[1] - bounds[0]])
     unknown = np.array([[x, v, value]])
     here = equations(unknown)
@@ -158,10 +158,10 @@ def specials(
         np.array([-9.0, -9.0, bounds[0]]),
         np.array([9.0, 9.0, bounds[1]]),
         scale,
-        first_step=0.005,
-        max_step=0.02,
+        first_step_length=0.005,
+        max_step_length=0.02,
         tolerance=1e-11,
-        block_size=8,
+        points_per_block=8,
     )
     (curve,) = continue_curves(equations, start, settings)
     return find_special_points(
@@ -216,7 +216,7 @@ def test_doublings_lead_to_the_next_branch() -> None:
     map_ = ForcedOscillator({**known["parameters"], "F": 0.0}, "F")
     for mark, period in zip(marks[:2], (2, 4), strict=True):
         scale = np.array([1.0, 1.0, 0.05])
-        equations = orbit_equations(map_, period)
+        equations = build_orbit_equations(map_, period)
         crossing = np.array([mark["x"], mark["v"], mark["F"]])
         start = find_point_on_crossing_branch(equations, crossing, scale=scale, tolerance=1e-11)
         assert start is not None
@@ -225,10 +225,10 @@ def test_doublings_lead_to_the_next_branch() -> None:
             np.array([-9.0, -9.0, low]),
             np.array([9.0, 9.0, high]),
             scale,
-            first_step=0.005,
-            max_step=0.02,
+            first_step_length=0.005,
+            max_step_length=0.02,
             tolerance=1e-11,
-            block_size=8,
+            points_per_block=8,
         )
         (curve,) = continue_curves(equations, start, settings)
         ours = [curve.points.unknown]

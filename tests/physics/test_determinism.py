@@ -95,7 +95,7 @@ def test_bits_depend_on_nothing_but_the_trajectory(kind: type[Drive], asked: str
     for which in (mixed, mixed[:9], mixed[9:], mixed[:1]):
         assert_same(run(drive, asked, which), reference, which)
     assert_same(run(drive, asked, everybody, workers=1), reference, everybody)
-    sizes = WorkSizes(steps_per_chunk=1, samples_per_block=7)
+    sizes = WorkSizes(fine_steps_per_chunk=1, samples_per_block=7)
     assert_same(run(drive, asked, everybody, workers=3, sizes=sizes), reference, everybody)
 
 
@@ -106,7 +106,7 @@ def test_bits_do_not_depend_on_the_length_of_segments(kind: type[Drive], asked: 
     everybody = np.arange(COUNT)
     reference = run(drive, asked, everybody)
     for steps in (64, 300):
-        sizes = WorkSizes(min_steps_per_segment=steps, max_steps_per_segment=steps)
+        sizes = WorkSizes(min_fine_steps_per_segment=steps, max_fine_steps_per_segment=steps)
         assert_same(run(drive, asked, everybody, sizes=sizes), reference, everybody)
 
 

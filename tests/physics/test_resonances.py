@@ -10,9 +10,9 @@ from remanent._errors import InputError
 from remanent._typing import ComplexArray, FloatArray
 from remanent.analysis.response.harmonics import (
     ResonantHarmonic,
-    classify_resonance,
     find_resonant_harmonic,
     fourier_amplitudes,
+    resonance_kind_and_order,
 )
 
 
@@ -51,14 +51,14 @@ def test_orders_have_their_names(
 ) -> None:
     """The resonant harmonic and the period of the orbit decide the name of a resonance."""
     found = ResonantHarmonic(np.array([harmonic]), np.array([0.01]), np.array([0.9]))
-    assert classify_resonance(found, 0, period, doubled=doubled) == expected
+    assert resonance_kind_and_order(found, 0, period, doubled=doubled) == expected
 
 
 @pytest.mark.parametrize(("detuning", "share"), [(0.2, 0.9), (-0.2, 0.9), (0.0, 0.01), (np.nan, 1)])
 def test_what_the_evidence_does_not_carry_is_undecided(detuning: float, share: float) -> None:
     """A harmonic far from the free frequency, or with a small share, has no name."""
     found = ResonantHarmonic(np.array([1]), np.array([detuning]), np.array([share]))
-    assert classify_resonance(found, 0, 1, doubled=False) == ("undecided", 0, 0)
+    assert resonance_kind_and_order(found, 0, 1, doubled=False) == ("undecided", 0, 0)
 
 
 def test_a_small_load_finds_the_linear_resonance() -> None:

@@ -71,8 +71,8 @@ x86 = pytest.mark.skipif(
 @pytest.mark.parametrize("target", TARGETS_X86, ids=lambda target: target.cpu)
 def test_the_yardstick_is_one_multiply_add_per_chain(target: TargetProcessor) -> None:
     """A pass is one multiply-add of each chain and lane, however often LLVM would unroll it."""
-    work = work_per_pass(assembly(source(target.width), target))
-    assert work == {"fma": CHAINS * target.width}
+    work = work_per_pass(assembly(source(target.lane_count), target))
+    assert work == {"fma": CHAINS * target.lane_count}
 
 
 @x86
@@ -89,7 +89,7 @@ def test_operations_of_a_step_do_not_depend_on_the_processor() -> None:
         for target in TARGETS_X86[:2]
     ]
     assert counts[0] == counts[1]
-    assert counts[0]["fma"] > 10 * TARGETS_X86[0].width
+    assert counts[0]["fma"] > 10 * TARGETS_X86[0].lane_count
 
 
 @pytest.mark.parametrize("job", JOBS.values(), ids=lambda job: job.name)

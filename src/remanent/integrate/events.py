@@ -151,7 +151,7 @@ class _CrossingFinder:
     def find_in_window(self, window: StepWindow) -> Crossings | None:
         """The crossings in a window."""
         nodes = window.states.shape[1]
-        level, rate = self.level_and_rate(
+        level, rate = self.signed_distance_and_rate(
             np.moveaxis(window.states, 2, 0), window.parameters[:, :, None], window.phase
         )
         inside = np.arange(nodes - 1) < window.steps_in_run[:, None]
@@ -170,7 +170,7 @@ class _CrossingFinder:
             parts += _WindowSteps(self, window, *np.nonzero(turns)).locate_turns(side)
         return Crossings.concatenated(parts, window.states.shape[2]) if parts else None
 
-    def level_and_rate(
+    def signed_distance_and_rate(
         self, states: Any, parameters: FloatArray, phase: Any
     ) -> tuple[FloatArray, FloatArray]:
         """The observable less the value, and its rate."""
@@ -204,7 +204,7 @@ class _WindowSteps:
         return int(self.trajectory_rows.size)
 
     @property
-    def member_numbers(self) -> FloatArray:
+    def consecutive_numbers(self) -> FloatArray:
         """Numbers of the steps, as a root finder hands them on."""
         return np.arange(self.count, dtype=np.float64)
 
@@ -229,7 +229,7 @@ class _WindowSteps:
             phase=window.phase[j], span=span, time=part * window.segment.fine_step_length[i],
         )  # fmt: skip
         phase = window.phase[j] + span
-        return *finder.level_and_rate(list(states.T), parameters, phase), states
+        return *finder.signed_distance_and_rate(list(states.T), parameters, phase), states
 
     def time_at(self, part: FloatArray) -> FloatArray:
         """Time at a fraction of each step, tau."""
@@ -242,12 +242,12 @@ class _WindowSteps:
         root = find_root(
             lambda s, k: self.evaluate_at(s, k)[0],
             (start, high),
-            args=(self.member_numbers,),
+            args=(self.consecutive_numbers,),
             tolerances=_ROOT_TOLERANCES,
         )
         # Where rounding hides the change of sign, the crossing is at the end of the step.
         part = np.where(root.success, root.x, high)
-        _, rate, states = self.evaluate_at(part, self.member_numbers)
+        _, rate, states = self.evaluate_at(part, self.consecutive_numbers)
         direction = np.sign(rate).astype(np.int64)
         return Crossings(
             self.window.indices[self.trajectory_rows], self.time_at(part), states, direction
@@ -264,9 +264,9 @@ class _WindowSteps:
         turn = find_root(
             lambda s, k: self.evaluate_at(s, k)[1],
             (np.zeros(self.count), np.ones(self.count)),
-            args=(self.member_numbers,),
+            args=(self.consecutive_numbers,),
         )
-        level, _, states = self.evaluate_at(turn.x, self.member_numbers)
+        level, _, states = self.evaluate_at(turn.x, self.consecutive_numbers)
         touches = turn.success & (np.abs(level) <= self.finder.tolerance)
         passes_twice = (
             turn.success & ~touches & (level * side[self.trajectory_rows, self.step_numbers] < 0.0)

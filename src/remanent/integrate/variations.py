@@ -16,7 +16,7 @@ from remanent._instructions import InstructionBuilder, SignedValue
 
 #: Stands among `parameters` of :func:`field_with_tangents` for the logarithm of the length of
 #: a cycle.
-LOG_PERIOD = "log_period"
+LOG_PERIOD_PARAMETER_NAME = "log_period"
 
 
 def field_with_tangents(field: Field, *, directions: int, parameters: Sequence[str] = ()) -> Field:
@@ -34,7 +34,7 @@ def field_with_tangents(field: Field, *, directions: int, parameters: Sequence[s
     directions : int
         How many derivatives along changes of the initial state.
     parameters : sequence of str
-        Names of parameters, or :data:`LOG_PERIOD`.
+        Names of parameters, or :data:`LOG_PERIOD_PARAMETER_NAME`.
 
     Returns
     -------
@@ -47,21 +47,21 @@ def field_with_tangents(field: Field, *, directions: int, parameters: Sequence[s
         for k in range(columns)
         for name in field.state_names
     )
-    inputs = _widened_inputs(field, added)
+    inputs = _widened_input_names(field, added)
     into = InstructionBuilder(inputs)
     values = [_Dual(into, into.input(name), (None,) * columns) for name in field.input_names]
     for i, name in enumerate(field.state_names):
         slopes = tuple(into.input(f"tangent.{k}.{name}") for k in range(columns))
         values[1 + i] = replace(values[1 + i], slopes=slopes)
     for k, name in enumerate(parameters, start=directions):
-        if name != LOG_PERIOD:
+        if name != LOG_PERIOD_PARAMETER_NAME:
             at = field.input_names.index(name)
             unit = tuple(into.constant(1.0) if j == k else None for j in range(columns))
             values[at] = replace(values[at], slopes=unit)
     rates = _run_with_duals(field.rates, values, into, columns)
     outputs = [rate.recorded_value for rate in rates]
     for k in range(columns):
-        itself = k >= directions and parameters[k - directions] == LOG_PERIOD
+        itself = k >= directions and parameters[k - directions] == LOG_PERIOD_PARAMETER_NAME
         for rate in rates:
             slope = rate.slopes[k] or into.constant(0.0)
             outputs.append(into.add(slope, rate.recorded_value) if itself else slope)
@@ -140,7 +140,7 @@ def field_with_integrals(field: Field, names: Sequence[str]) -> Field:
         State ``(*y, "integral.NAME", ...)``.
     """
     added = tuple(StateVariable(f"integral.{name}", Role.INTEGRAL) for name in names)
-    into = InstructionBuilder(_widened_inputs(field, added))
+    into = InstructionBuilder(_widened_input_names(field, added))
     values = [_Dual(into, into.input(name), ()) for name in field.input_names]
     programs = (field.rates, *(field.observables[name] for name in names))
     outputs = [
@@ -180,7 +180,7 @@ def observable_derivatives(field: Field, name: str, variables: Sequence[str]) ->
     return into.program([value.recorded_value, *(s or into.constant(0.0) for s in value.slopes)])
 
 
-def _widened_inputs(field: Field, added: Sequence[StateVariable]) -> tuple[str, ...]:
+def _widened_input_names(field: Field, added: Sequence[StateVariable]) -> tuple[str, ...]:
     names = (variable.name for variable in added)
     return ("drive_phase", *field.state_names, *names, *field.parameters, *field.waveform_names)
 
@@ -196,7 +196,7 @@ def _run_with_duals(
 
 
 def _widened_field(field: Field, added: tuple[StateVariable, ...], rates: Program) -> Field:
-    inputs = _widened_inputs(field, added)
+    inputs = _widened_input_names(field, added)
     return Field(
         variables=(*field.variables, *added),
         loads=field.loads,

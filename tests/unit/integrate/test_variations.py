@@ -15,7 +15,7 @@ from remanent.codegen.field import field_for
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Problem, Request
 from remanent.integrate.variations import (
-    LOG_PERIOD,
+    LOG_PERIOD_PARAMETER_NAME,
     field_with_integrals,
     field_with_tangents,
     observable_derivatives,
@@ -52,7 +52,7 @@ def test_tangents_are_complex_step_derivatives(field: Field) -> None:
     """
     rng = np.random.default_rng(5)
     n, p = len(field.state_names), field.parameters[0]
-    carried = field_with_tangents(field, directions=2, parameters=(p, LOG_PERIOD))
+    carried = field_with_tangents(field, directions=2, parameters=(p, LOG_PERIOD_PARAMETER_NAME))
     for _ in range(50):
         base = values_of(field, rng)
         w = rng.normal(size=(4, n))
@@ -121,7 +121,7 @@ def test_the_period_enters_by_its_logarithm() -> None:
         return np.asarray(out.states[0, -1])
 
     field = field_with_tangents(problem(oscillator, (1.0, 0.0), 1.0).field, directions=0,
-                    parameters=(LOG_PERIOD,))  # fmt: skip
+                    parameters=(LOG_PERIOD_PARAMETER_NAME,))  # fmt: skip
     h, period = 1e-4, 2.2
     difference = (end(period * np.exp(h)) - end(period * np.exp(-h))) / (2.0 * h)
     np.testing.assert_allclose(end(period, field)[2:], difference, atol=1e-6)

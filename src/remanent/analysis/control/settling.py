@@ -12,7 +12,7 @@ from remanent._typing import FloatArray, IntArray
 #: ``response(t)`` with times (case, instant) gives the response and its rate there.
 ResponseAndRateFunction = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 #: Newton steps from the middle between two samples, of which a period has many.
-_NEWTON_STEPS = 5
+_NEWTON_STEP_COUNT = 5
 
 
 @dataclass(frozen=True)
@@ -85,7 +85,7 @@ def locate_level_crossings(
     low, high = times[row, k], times[row, k + 1]
     t = 0.5 * (low + high)
     rate = np.ones_like(t)
-    for _ in range(_NEWTON_STEPS):
+    for _ in range(_NEWTON_STEP_COUNT):
         value, rate = response(t)
         with np.errstate(all="ignore"):
             moved = t - (value - levels) / rate

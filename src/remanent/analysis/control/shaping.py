@@ -15,12 +15,12 @@ from remanent._typing import ComplexArray, FloatArray
 #: ``arrive(loads, durations)``: how far from rest the system is after steps of these loads
 #: and durations, arrays (step,), an array (condition,), and the derivatives by the loads and
 #: by the durations, arrays (condition, step).
-TerminalResidualFunction = Callable[
+TerminalResidualAndJacobianFunction = Callable[
     [FloatArray, FloatArray], tuple[FloatArray, FloatArray, FloatArray]
 ]
 
 #: Directions that the input moves less than this, relative to others, are not controllable.
-_MIN_CONTROLLABILITY = 1e-7
+_CONTROLLABILITY_RANK_TOLERANCE = 1e-7
 #: Factor between the durations of a solution and those of the guess, at most.
 _MAX_DURATION_CHANGE_FACTOR = 3.0
 #: Roots that differ by less than this, relative to their size, are one.
@@ -71,11 +71,11 @@ def controllable_poles(a: FloatArray, b: FloatArray) -> ComplexArray:
     for _ in range(len(b) - 1):
         column = a @ columns[-1]
         columns.append(column / max(float(np.linalg.norm(column)), 1e-300))
-    basis = orth(np.column_stack(columns), rcond=_MIN_CONTROLLABILITY)
+    basis = orth(np.column_stack(columns), rcond=_CONTROLLABILITY_RANK_TOLERANCE)
     return np.asarray(np.linalg.eigvals(basis.T @ a @ basis), dtype=np.complex128)
 
 
-def impulse_spacing(poles: ComplexArray) -> float:
+def default_impulse_spacing(poles: ComplexArray) -> float:
     """Half the period of the slowest oscillation; without one, the longest time constant.
 
     Parameters
@@ -90,7 +90,9 @@ def impulse_spacing(poles: ComplexArray) -> float:
     return float(1.0 / np.abs(poles.real).min())
 
 
-def impulse_amplitudes(poles: ComplexArray, spacing: float, multiplicity: int = 1) -> FloatArray:
+def zero_vibration_impulse_amplitudes(
+    poles: ComplexArray, spacing: float, multiplicity: int = 1
+) -> FloatArray:
     """Parts of a step, `spacing` apart, after which a linear system is at rest.
 
     Equation: parts A_i at times i T leave a mode s alone where sum A_i z^i = 0,
@@ -125,7 +127,11 @@ def impulse_amplitudes(poles: ComplexArray, spacing: float, multiplicity: int = 
 
 
 def solve_step_sequence(
-    arrive: TerminalResidualFunction, guess: StepSequence, *, scale: float, tolerance: float
+    arrive: TerminalResidualAndJacobianFunction,
+    guess: StepSequence,
+    *,
+    scale: float,
+    tolerance: float,
 ) -> StepSequence:
     """Loads and durations from which the system arrives at rest, near a guess.
 

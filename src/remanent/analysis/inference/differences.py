@@ -7,7 +7,7 @@ import numpy as np
 from remanent._typing import FloatArray
 
 
-def difference_offsets(step: float, levels: int) -> FloatArray:
+def richardson_offsets(step: float, levels: int) -> FloatArray:
     """Where a function has to be evaluated: +h, -h, +h/2, -h/2 ..., array (2 levels,).
 
     Parameters
@@ -24,7 +24,7 @@ def difference_offsets(step: float, levels: int) -> FloatArray:
 def richardson_derivative(
     values: FloatArray, noise: FloatArray, step: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Derivative at 0 of functions known at :func:`difference_offsets`, and its error.
+    """Derivative at 0 of functions known at :func:`richardson_offsets`, and its error.
 
     Central differences D(h) have errors in even powers of h, so T[i, j] = (4^j T[i, j-1] -
     T[i-1, j-1])/(4^j - 1) removes one after the other (Richardson 1911).  The entry is taken

@@ -19,11 +19,11 @@ PredictionFunction = Callable[[FloatArray], FloatArray]
 _RELATIVE_DIFFERENCE_STEP = 1e-4
 #: Distance from the estimate up to which the end of a profile is looked for, in half widths of
 #: the linear interval.
-_MAX_PROFILE_HALF_WIDTHS = 8.0
+_MAX_PROFILE_DISTANCE_IN_HALF_WIDTHS = 8.0
 #: Places on each side at which a profile is tried before its end is located.
 _PROFILE_TRIALS_PER_SIDE = 4
 #: Tolerance of the end of a profile, in half widths of the linear interval.
-_PROFILE_END_TOLERANCE = 1e-3
+_PROFILE_END_TOLERANCE_IN_HALF_WIDTHS = 1e-3
 #: Condition number of the curvature above which the data do not determine the parameters.
 _MAX_CONDITION_NUMBER = 1e14
 #: Relative change of the parameters at which least squares stop.
@@ -187,7 +187,7 @@ def difference_jacobian(
     return np.asarray((values[:count] - values[count:]).T / width)
 
 
-def profile_interval(
+def profile_likelihood_interval(
     model: PredictionFunction,
     data: Observations,
     best: LeastSquaresFit,
@@ -239,10 +239,14 @@ def profile_interval(
     ends = []
     for side, bound in ((-1.0, box.lower_bounds[k]), (1.0, box.upper_bounds[k])):
         rest, inner, end = best.estimate[free], best.estimate[k], side * np.inf
-        for width in np.geomspace(1.0, _MAX_PROFILE_HALF_WIDTHS, _PROFILE_TRIALS_PER_SIDE):
+        for width in np.geomspace(
+            1.0, _MAX_PROFILE_DISTANCE_IN_HALF_WIDTHS, _PROFILE_TRIALS_PER_SIDE
+        ):
             outer = float(np.clip(best.estimate[k] + side * width * half, *sorted((inner, bound))))
             if excess(outer) > 0.0:
-                end = brentq(excess, inner, outer, xtol=_PROFILE_END_TOLERANCE * half)
+                end = brentq(
+                    excess, inner, outer, xtol=_PROFILE_END_TOLERANCE_IN_HALF_WIDTHS * half
+                )
                 break
             inner = outer
         ends.append(end)

@@ -14,7 +14,7 @@ from remanent._typing import FloatArray
 #: ``function(x)`` with points (point, argument) gives values (point, number).
 PointwiseFunction = Callable[[FloatArray], FloatArray]
 #: Independently scrambled parts of a sample, whose scatter is the error of what they give.
-REPLICATE_COUNT = 8
+SCRAMBLED_REPLICATE_COUNT = 8
 
 
 class Distribution(Protocol):
@@ -64,7 +64,7 @@ def propagate_distributions(
 ) -> PropagatedStatistics:
     """Propagate independent distributions through a function.
 
-    Sobol' points in :data:`REPLICATE_COUNT` parts, each scrambled by itself (Owen 1998).
+    Sobol' points in :data:`SCRAMBLED_REPLICATE_COUNT` parts, each scrambled by itself (Owen 1998).
     Results are means over the parts, and their errors the standard errors of these means.  NaN
     where some part knows no value.
 
@@ -82,13 +82,13 @@ def propagate_distributions(
         Scrambles the points.
     """
     blocks = [
-        _draw_sobol_points(distributions, samples // REPLICATE_COUNT, rng)
-        for _ in range(REPLICATE_COUNT)
+        _draw_sobol_points(distributions, samples // SCRAMBLED_REPLICATE_COUNT, rng)
+        for _ in range(SCRAMBLED_REPLICATE_COUNT)
     ]
     values = function(np.concatenate(blocks))
     finite = np.isfinite(values)
     values = np.where(finite, values, np.nan)
-    parts = values.reshape(REPLICATE_COUNT, samples // REPLICATE_COUNT, -1)
+    parts = values.reshape(SCRAMBLED_REPLICATE_COUNT, samples // SCRAMBLED_REPLICATE_COUNT, -1)
     # A statistic is given only where every replicate has a value for it.
     unknown = ~finite.reshape(parts.shape).any(axis=1).all(axis=0)
 
@@ -96,7 +96,7 @@ def propagate_distributions(
         statistic: Callable[[FloatArray], FloatArray],
     ) -> tuple[FloatArray, FloatArray]:
         by_part = np.stack([statistic(np.where(unknown, 0.0, part)) for part in parts])
-        error = by_part.std(axis=0, ddof=1) / np.sqrt(REPLICATE_COUNT)
+        error = by_part.std(axis=0, ddof=1) / np.sqrt(SCRAMBLED_REPLICATE_COUNT)
         return np.where(unknown, np.nan, by_part.mean(axis=0)), np.where(unknown, np.nan, error)
 
     def sample_quantiles(x: FloatArray) -> FloatArray:
@@ -119,10 +119,11 @@ def estimate_sobol_indices(
 ) -> SobolIndices:
     """Shares of the variance that arguments account for alone, and with all others.
 
-    Saltelli's estimators (2010) as SciPy has them, for each of :data:`REPLICATE_COUNT` parts
-    scrambled by itself; their mean, and its standard error.  (A bootstrap takes the points for
-    independent, which they are not.)  ``samples * (arguments + 2)`` points, all in one call.
-    NaN where the function is constant, or unknown somewhere.
+    Saltelli's estimators (2010) as SciPy has them, for each of
+    :data:`SCRAMBLED_REPLICATE_COUNT` parts scrambled by itself; their mean, and its standard
+    error.  (A bootstrap takes the points for independent, which they are not.)
+    ``samples * (arguments + 2)`` points, all in one call.  NaN where the function is
+    constant, or unknown somewhere.
 
     Parameters
     ----------
@@ -135,14 +136,16 @@ def estimate_sobol_indices(
     rng : numpy.random.Generator
         Scrambles the points.
     """
-    count, size = len(distributions), samples // REPLICATE_COUNT
-    sequence = [qmc.Sobol(2 * count, rng=rng).random(size) for _ in range(REPLICATE_COUNT)]
+    count, size = len(distributions), samples // SCRAMBLED_REPLICATE_COUNT
+    sequence = [
+        qmc.Sobol(2 * count, rng=rng).random(size) for _ in range(SCRAMBLED_REPLICATE_COUNT)
+    ]
     rows = [_saltelli_points(part[:, :count], part[:, count:]) for part in sequence]
     values = function(_map_from_unit_cube(distributions, np.concatenate(rows)))
-    values = values.reshape(REPLICATE_COUNT, count + 2, size, -1).transpose(1, 0, 3, 2)
+    values = values.reshape(SCRAMBLED_REPLICATE_COUNT, count + 2, size, -1).transpose(1, 0, 3, 2)
     usable = np.isfinite(values).all(axis=(0, 1, 3)) & (np.ptp(values, axis=(0, 1, 3)) > 0.0)
-    by_part = np.full((2, REPLICATE_COUNT, count, len(usable)), np.nan)
-    for part in range(REPLICATE_COUNT):
+    by_part = np.full((2, SCRAMBLED_REPLICATE_COUNT, count, len(usable)), np.nan)
+    for part in range(SCRAMBLED_REPLICATE_COUNT):
         # Less the mean, which changes no variance but saves digits.
         runs = values[:, part, usable] - values[:2, part, usable].mean(axis=(0, 2))[:, None]
         if usable.any():
@@ -153,7 +156,7 @@ def estimate_sobol_indices(
             for k, order in enumerate((shares.first_order, shares.total_order)):
                 by_part[k, part][:, usable] = np.reshape(order, (-1, count))[:-1].T
     first, total = by_part.mean(axis=1)
-    error = by_part.std(axis=1, ddof=1) / np.sqrt(REPLICATE_COUNT)
+    error = by_part.std(axis=1, ddof=1) / np.sqrt(SCRAMBLED_REPLICATE_COUNT)
     return SobolIndices(first, error[0], total, error[1])
 
 

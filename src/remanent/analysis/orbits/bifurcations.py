@@ -24,15 +24,15 @@ from remanent.analysis.orbits.correction import correct_points
 from remanent.analysis.orbits.curves import CurveEquations, CurvePoints, interpolate_curve
 
 #: A test function is beyond zero if it is by this many times its error.
-_BEYOND_ZERO_ERROR_FACTOR = 8.0
+_MIN_CROSSING_DEPTH_OVER_ERROR = 8.0
 #: Tolerance of a root, relative to its place along the branch, which counts points.
-_ROOT_POSITION_TOLERANCE = 1e-13
+_RELATIVE_ROOT_POSITION_TOLERANCE = 1e-13
 #: Tolerance of a minimum along the branch.
-_MINIMUM_POSITION_TOLERANCE = 1e-7
+_LOCATED_MINIMUM_POSITION_TOLERANCE = 1e-7
 #: Relative tolerance of the value of a minimum.
-_MINIMUM_VALUE_TOLERANCE = 1e-9
+_LOCATED_MINIMUM_RELATIVE_VALUE_TOLERANCE = 1e-9
 #: Iterations of the search for a root or a minimum, at most.
-_MAX_ITERATIONS = 60
+_MAX_ROOT_OR_MINIMUM_ITERATIONS = 60
 #: Smallest imaginary part of a complex multiplier.
 _MIN_COMPLEX_IMAGINARY_PART = 1e-6
 
@@ -140,7 +140,7 @@ def find_special_points(
     Parameters
     ----------
     equations : callable
-        Of the orbits, as :func:`~remanent.analysis.orbits.orbit_equations.orbit_equations`
+        Of the orbits, as :func:`~remanent.analysis.orbits.orbit_equations.build_orbit_equations`
         makes them.
     points : CurvePoints
         Along the branch, with ``jacobian`` and ``derivative`` in their ``extra_arrays``.
@@ -206,23 +206,23 @@ def _bracket_double_crossings(
         lambda x, side: side * value(x),
         (x - 1.0, x, x + 1.0),
         args=(side,),
-        maxiter=_MAX_ITERATIONS,
+        maxiter=_MAX_ROOT_OR_MINIMUM_ITERATIONS,
         tolerances={
-            "xatol": _MINIMUM_POSITION_TOLERANCE,
+            "xatol": _LOCATED_MINIMUM_POSITION_TOLERANCE,
             "xrtol": 0.0,
             "fatol": 0.0,
-            "frtol": _MINIMUM_VALUE_TOLERANCE,
+            "frtol": _LOCATED_MINIMUM_RELATIVE_VALUE_TOLERANCE,
         },
     )
     # A function that only touches zero is beyond it by rounding: that is no crossing.
-    rounding = _BEYOND_ZERO_ERROR_FACTOR * (
+    rounding = _MIN_CROSSING_DEPTH_OVER_ERROR * (
         points.residual_error[k] + points.residual[k] + np.finfo(float).eps
     )
-    beyond = least.f_x < -rounding * _largest_jacobian_entries(points)[k]
+    beyond = least.f_x < -rounding * _state_error_magnifications(points)[k]
     return least.x[beyond], x[beyond] - 1.0, x[beyond] + 1.0
 
 
-def _largest_jacobian_entries(points: CurvePoints) -> FloatArray:
+def _state_error_magnifications(points: CurvePoints) -> FloatArray:
     """Largest entry of each Jacobian, at least 1: what errors of the state are magnified by."""
     return np.asarray(np.maximum(1.0, np.abs(points.extra_arrays["jacobian"]).max(axis=(1, 2))))
 
@@ -239,21 +239,27 @@ def _locate_special_points(
         value,
         (low, high),
         tolerances={
-            "xatol": _ROOT_POSITION_TOLERANCE,
-            "xrtol": _ROOT_POSITION_TOLERANCE,
+            "xatol": _RELATIVE_ROOT_POSITION_TOLERANCE,
+            "xrtol": _RELATIVE_ROOT_POSITION_TOLERANCE,
             "fatol": 0.0,
             "frtol": 0.0,
         },
-        maxiter=_MAX_ITERATIONS,
+        maxiter=_MAX_ROOT_OR_MINIMUM_ITERATIONS,
     )
     scale = branch.scale
     located, ends = branch.points_at(root.x), (branch.points_at(low), branch.points_at(high))
     steps = [np.linalg.norm((end.unknown - located.unknown) / scale, axis=1) for end in ends]
     # The slope is taken no steeper than towards either end: next to a turn it is half as steep.
     slope = np.minimum(*(np.abs(value(x)) / s for x, s in zip((low, high), steps, strict=True)))
-    error = (located.residual_error + located.residual) * _largest_jacobian_entries(located)
+    error = (located.residual_error + located.residual) * _state_error_magnifications(located)
     shift = error / np.maximum(slope, 1e-300)
-    shift += 2.0 * _ROOT_POSITION_TOLERANCE * (1.0 + root.x) * (steps[0] + steps[1]) / (high - low)
+    shift += (
+        2.0
+        * _RELATIVE_ROOT_POSITION_TOLERANCE
+        * (1.0 + root.x)
+        * (steps[0] + steps[1])
+        / (high - low)
+    )
     # A shift along the branch moves the parameter by the tangent's part; at a fold that part is
     # zero, and the shift itself tilts the tangent.
     uncertainty = scale[-1] * (error + shift * (np.abs(located.tangent[:, -1]) + shift))

@@ -20,7 +20,7 @@ from remanent.analysis.orbits.correction import correct_points
 from remanent.analysis.orbits.curves import Curve, CurveEquations, CurvePoints, concatenate_points
 
 #: Length of a correction relative to the step, beyond which a point is not what was predicted.
-_MAX_CORRECTION_SHARE = 0.25
+_MAX_CORRECTION_IN_STEPS = 0.25
 #: Cosine of the turn of the tangent from point to point, at least.
 _MIN_TURN_COSINE = 0.97
 #: Distance of neighbouring points relative to the step, at least.
@@ -28,15 +28,15 @@ _MIN_GAP_IN_STEPS = 0.5
 #: Distance of neighbouring points relative to the step, at most.
 _MAX_GAP_IN_STEPS = 2.0
 #: The step grows if all corrections of a block are shorter than this share of it.
-_MAX_CORRECTION_SHARE_FOR_GROWTH = 0.02
+_MAX_CORRECTION_IN_STEPS_FOR_GROWTH = 0.02
 #: Factor by which the step grows.
 _STEP_GROWTH_FACTOR = 1.5
 #: Factor by which the step shrinks if less than half a block is kept.
-_STEP_SHRINK_FACTOR = 0.5
+_STEP_SHRINK_FACTOR_IF_FEW_KEPT = 0.5
 #: Factor by which the step shrinks if nothing of a block is kept.
-_STRONG_STEP_SHRINK_FACTOR = 0.25
+_STEP_SHRINK_FACTOR_IF_NONE_KEPT = 0.25
 #: A step shorter than this share of the first ends the curve.
-_MIN_STEP_SHARE = 1e-7
+_MIN_STEP_SHARE_OF_FIRST = 1e-7
 #: Fewest points of a curve that may be back at its start.
 _MIN_CLOSED_CURVE_POINTS = 10
 #: Distance from the start, in steps, within which a curve may be back at it.
@@ -53,15 +53,15 @@ class ContinuationSettings:
 
     Attributes
     ----------
-    lower, upper : array (n + 1,)
+    lower_bounds, upper_bounds : array (n + 1,)
         Box that a curve stays in.
     scale : array (n + 1,)
         Units of the unknowns, in which lengths are measured.
-    first_step, max_step : float
+    first_step_length, max_step_length : float
         Along a curve, in scaled unknowns.
     tolerance : float
         Of the equations.
-    block_size : int
+    points_per_block : int
         Points predicted at once on each curve.
     max_points : int
         Of a curve, in each direction.
@@ -69,13 +69,13 @@ class ContinuationSettings:
         Unknowns that do not change along a curve.
     """
 
-    lower: FloatArray
-    upper: FloatArray
+    lower_bounds: FloatArray
+    upper_bounds: FloatArray
     scale: FloatArray
-    first_step: float = 0.01
-    max_step: float = 0.05
+    first_step_length: float = 0.01
+    max_step_length: float = 0.05
     tolerance: float = 1e-10
-    block_size: int = 8
+    points_per_block: int = 8
     max_points: int = 1000
     held_unknown_indices: tuple[int, ...] = ()
 
@@ -153,8 +153,8 @@ def _grow_arms(
 def _start_arm(head: CurvePoints, settings: ContinuationSettings) -> _CurveArm:
     """An arm of one point; the one before it is made up, on the tangent."""
     z, t = head.unknown[0], head.tangent[0]
-    before = (z - settings.first_step * t * settings.scale, t)
-    step = settings.first_step
+    before = (z - settings.first_step_length * t * settings.scale, t)
+    step = settings.first_step_length
     return _CurveArm([head], step, step, before, z / settings.scale)
 
 
@@ -171,7 +171,7 @@ def _predict_points(
     curve2 = ((2.0 * t1 + t0 - 3.0 * secant) / gap)[:, None]
     curve3 = ((t1 + t0 - 2.0 * secant) / gap**2)[:, None]
     steps = np.array([arm.step_length for arm in arms])[:, None]
-    ahead = (steps * np.arange(1, settings.block_size + 1))[:, :, None]
+    ahead = (steps * np.arange(1, settings.points_per_block + 1))[:, :, None]
     guess = scaled1[:, None] + ahead * (t1[:, None] + ahead * (curve2 + ahead * curve3))
     direction = t1[:, None] + ahead * (2.0 * curve2 + 3.0 * ahead * curve3)
     length = np.linalg.norm(direction, axis=2, keepdims=True)
@@ -188,7 +188,7 @@ class _BlockInspection:
 
     Attributes
     ----------
-    first_index : int
+    first_point_index : int
         Number of the first of them among all that were corrected together.
     kept_count : int
         How many are what was predicted.
@@ -202,7 +202,7 @@ class _BlockInspection:
         Of all of them.
     """
 
-    first_index: int
+    first_point_index: int
     kept_count: int
     leaves_box: bool
     count_before_closure: int | None
@@ -223,7 +223,7 @@ def _inspect_blocks(
     it converged near its guess, its tangent is nearly that of the point before, and the
     distance from that point is about a step.  After the first that fails nothing counts.
     """
-    shape = (len(arms), settings.block_size)
+    shape = (len(arms), settings.points_per_block)
     correction = np.linalg.norm((points.unknown - guess) / settings.scale, axis=1).reshape(shape)
     heads = np.array([arm.last_point[0] for arm in arms])[:, None]
     head_tangents = np.array([arm.last_point[1] for arm in arms])[:, None]
@@ -233,11 +233,11 @@ def _inspect_blocks(
     gap = np.linalg.norm(np.diff(chain, axis=1), axis=2)
     turn_cosine = np.einsum("kij,kij->ki", before, tangent)
     step = np.array([arm.step_length for arm in arms])[:, None]
-    is_close = correction < _MAX_CORRECTION_SHARE * step
+    is_close = correction < _MAX_CORRECTION_IN_STEPS * step
     even = (gap > _MIN_GAP_IN_STEPS * step) & (gap < _MAX_GAP_IN_STEPS * step)
     good = reached.reshape(shape) & is_close & (turn_cosine > _MIN_TURN_COSINE) & even
     kept = np.cumprod(good, axis=1).sum(axis=1)
-    inside = ((unknown >= settings.lower) & (unknown <= settings.upper)).all(axis=2)
+    inside = ((unknown >= settings.lower_bounds) & (unknown <= settings.upper_bounds)).all(axis=2)
     within = np.cumprod(inside, axis=1).sum(axis=1)
     home = _count_points_before_closure(arms, chain[:, 1:], tangent)
     blocks = []
@@ -247,7 +247,7 @@ def _inspect_blocks(
         count = int(within[i]) + 1 if outside else int(kept[i])
         blocks.append(
             _BlockInspection(
-                first_index=i * settings.block_size,
+                first_point_index=i * settings.points_per_block,
                 kept_count=count,
                 leaves_box=outside,
                 count_before_closure=int(home[i]) if home[i] < count and not outside else None,
@@ -299,7 +299,7 @@ def _extend_arm(
         "bounds" if block.leaves_box else "closed" if block.count_before_closure is not None else ""
     )
     if kept:
-        part = points.subset(slice(block.first_index, block.first_index + kept))
+        part = points.subset(slice(block.first_point_index, block.first_point_index + kept))
         last_but_one = kept - 2
         if last_but_one >= 0:
             arm.point_before_last = (part.unknown[last_but_one], part.tangent[last_but_one])
@@ -310,7 +310,7 @@ def _extend_arm(
     if not arm.end_reason and arm.point_count >= settings.max_points:
         arm.end_reason = "points"
     arm.step_length = _next_step_length(arm.step_length, kept, block, settings)
-    if not arm.end_reason and arm.step_length < _MIN_STEP_SHARE * arm.first_step_length:
+    if not arm.end_reason and arm.step_length < _MIN_STEP_SHARE_OF_FIRST * arm.first_step_length:
         arm.end_reason = "lost"
 
 
@@ -325,13 +325,15 @@ def _next_step_length(
     """
     gentle = block.least_turn_cosine > _MIN_TURN_COSINE**0.5
     if (
-        kept == settings.block_size
-        and block.largest_correction < _MAX_CORRECTION_SHARE_FOR_GROWTH * step
+        kept == settings.points_per_block
+        and block.largest_correction < _MAX_CORRECTION_IN_STEPS_FOR_GROWTH * step
         and gentle
     ):
-        return min(_STEP_GROWTH_FACTOR * step, settings.max_step)
-    if kept < settings.block_size // 2:
-        return step * (_STRONG_STEP_SHRINK_FACTOR if kept == 0 else _STEP_SHRINK_FACTOR)
+        return min(_STEP_GROWTH_FACTOR * step, settings.max_step_length)
+    if kept < settings.points_per_block // 2:
+        return step * (
+            _STEP_SHRINK_FACTOR_IF_NONE_KEPT if kept == 0 else _STEP_SHRINK_FACTOR_IF_FEW_KEPT
+        )
     return step
 
 

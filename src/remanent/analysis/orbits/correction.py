@@ -10,7 +10,7 @@ from remanent.analysis.orbits.curves import CurveEquations, CurvePoints, Equatio
 #: Newton steps at most.
 _MAX_NEWTON_STEPS = 6
 #: A residual cannot be expected to fall below this many times the error of the equations.
-_RESIDUAL_ERROR_FACTOR = 4.0
+_RESIDUAL_FLOOR_OVER_ERROR = 4.0
 
 
 def unit_tangents(derivative: FloatArray, like: FloatArray, scale: FloatArray) -> FloatArray:
@@ -75,7 +75,7 @@ def correct_points(
         offset = np.einsum("ij,ij->i", direction[moving], (guess - z)[moving] / scale)
         right = np.concatenate([-equation_values.value[moving], offset[:, None]], axis=1)
         z[moving] += _solve_linear_systems(matrix, right) * scale
-        equation_values = equation_values.with_rows(moving, equations(z[moving]))
+        equation_values = equation_values.with_replaced_rows(moving, equations(z[moving]))
     residual, reached, finite = _residuals_and_convergence(equation_values, tolerance)
     derivative = np.where(finite[:, None, None], equation_values.derivative, 0.0)
     tangent = unit_tangents(derivative, direction, scale)
@@ -93,7 +93,7 @@ def _residuals_and_convergence(
     finite = np.isfinite(equation_values.derivative).all(axis=(1, 2)) & np.isfinite(residual)
     return (
         residual,
-        residual <= np.maximum(tolerance, _RESIDUAL_ERROR_FACTOR * equation_values.value_error),
+        residual <= np.maximum(tolerance, _RESIDUAL_FLOOR_OVER_ERROR * equation_values.value_error),
         finite,
     )
 

@@ -29,7 +29,7 @@ class EquationValues:
     value_error: FloatArray
     extra_arrays: Mapping[str, FloatArray]
 
-    def with_rows(self, indices: IntArray, rows: EquationValues) -> EquationValues:
+    def with_replaced_rows(self, indices: IntArray, rows: EquationValues) -> EquationValues:
         """The equations with their values at some points replaced."""
 
         def put(values: FloatArray, new: FloatArray) -> FloatArray:

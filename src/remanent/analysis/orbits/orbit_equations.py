@@ -11,12 +11,12 @@ from remanent.analysis.orbits.curves import CurveEquations, EquationValues
 from remanent.analysis.orbits.maps import Map
 
 #: Half the distance over which a test function is differenced, in scaled unknowns.
-_DIFFERENCE_STEP = 1e-5
+_SCALED_DIFFERENCE_HALF_STEP = 1e-5
 #: The test function of each kind is det(J + sign 1).
 _IDENTITY_SIGN_OF_KIND = MappingProxyType({"fold": -1.0, "period doubling": 1.0})
 
 
-def orbit_equations(map_: Map, iterate: int) -> CurveEquations:
+def build_orbit_equations(map_: Map, iterate: int) -> CurveEquations:
     """Periodic orbits as curves: unknowns (state, parameters), equations map^q(x) - x = 0.
 
     The last parameter varies along a curve; those before it, if there are any, stay as they
@@ -54,7 +54,9 @@ def orbit_equations(map_: Map, iterate: int) -> CurveEquations:
     return equations
 
 
-def bifurcation_equations(map_: Map, iterate: int, kind: str, scale: FloatArray) -> CurveEquations:
+def build_bifurcation_equations(
+    map_: Map, iterate: int, kind: str, scale: FloatArray
+) -> CurveEquations:
     """Folds or period doublings as curves: unknowns (state, two parameters).
 
     Equations: map^q(x) - x = 0 and det(J - 1) = 0 at a fold, det(J + 1) = 0 at a doubling.
@@ -81,11 +83,13 @@ def bifurcation_equations(map_: Map, iterate: int, kind: str, scale: FloatArray)
         d = size - 2
         # The point itself, then a step forwards in each unknown, then one backwards: one call.
         steps = np.concatenate([np.zeros((1, size)), np.diag(scale), -np.diag(scale)])
-        places = (unknown[:, None, :] + _DIFFERENCE_STEP * steps).reshape(-1, size)
+        places = (unknown[:, None, :] + _SCALED_DIFFERENCE_HALF_STEP * steps).reshape(-1, size)
         image = map_(places[:, :d], places[:, d:], iterate)
         test = determinant(image.jacobian).reshape(count, -1)
         here = slice(None, None, 2 * size + 1)
-        slope = (test[:, 1 : 1 + size] - test[:, 1 + size :]) / (2.0 * _DIFFERENCE_STEP * scale)
+        slope = (test[:, 1 : 1 + size] - test[:, 1 + size :]) / (
+            2.0 * _SCALED_DIFFERENCE_HALF_STEP * scale
+        )
         jacobian = image.jacobian[here]
         orbit = np.concatenate([jacobian - np.eye(d), image.parameter_jacobian[here]], axis=2)
         value = np.column_stack([image.state[here] - unknown[:, :d], test[:, 0]])

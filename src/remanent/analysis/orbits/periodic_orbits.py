@@ -12,19 +12,19 @@ from remanent.analysis.orbits.maps import Map
 #: Newton steps at most.
 _MAX_NEWTON_STEPS = 25
 #: Longest step of a component of the state: far from an orbit a whole step leads anywhere.
-_MAX_NEWTON_STEP_LENGTH = 0.25
+_MAX_NEWTON_STEP_COMPONENT = 0.25
 #: A residual cannot be expected to fall below this many times the error of the image.
-_RESIDUAL_ERROR_FACTOR = 4.0
+_RESIDUAL_FLOOR_OVER_ERROR = 4.0
 #: Share of its width by which a point may lie outside the box, for rounding.
-_BOX_SLACK_SHARE = 1e-9
+_BOX_SLACK_SHARE_OF_WIDTH = 1e-9
 #: Orbits nearer to each other than this are one, whatever their errors.
 _MIN_ORBIT_DISTANCE = 1e-7
 #: Orbits nearer to each other than this many times their errors are one, too.
-_ORBIT_DISTANCE_ERROR_FACTOR = 10.0
+_MIN_ORBIT_DISTANCE_OVER_ERROR = 10.0
 #: Smallest singular value of 1 - J that an error of a point is divided by.
-_MIN_SINGULAR_VALUE = 1e-12
+_MIN_SINGULAR_VALUE_OF_ONE_MINUS_JACOBIAN = 1e-12
 #: Digits of the states by which orbits are put in order.
-_SORTING_DIGITS = 6
+_STATE_DIGITS_FOR_SORTING = 6
 
 
 @dataclass(frozen=True)
@@ -89,10 +89,10 @@ def newton_fixed_points(
     parts: list[PeriodicOrbits] = []
     for _ in range(_MAX_NEWTON_STEPS):
         image = map_(x, p, iterate)
-        move, residual = newton_step(
-            x, image.state, image.jacobian, longest=_MAX_NEWTON_STEP_LENGTH
+        move, residual = fixed_point_newton_step(
+            x, image.state, image.jacobian, longest=_MAX_NEWTON_STEP_COMPONENT
         )
-        converged = residual <= np.maximum(tolerance, _RESIDUAL_ERROR_FACTOR * image.error)
+        converged = residual <= np.maximum(tolerance, _RESIDUAL_FLOOR_OVER_ERROR * image.error)
         accurate = image.error <= max_error
         reached = converged & accurate & _is_inside_box(x, box)
         if reached.any():
@@ -107,11 +107,11 @@ def newton_fixed_points(
 
 
 def _is_inside_box(x: FloatArray, box: FloatArray) -> BoolArray:
-    slack = _BOX_SLACK_SHARE * (box[:, 1] - box[:, 0])
+    slack = _BOX_SLACK_SHARE_OF_WIDTH * (box[:, 1] - box[:, 0])
     return np.asarray(((x >= box[:, 0] - slack) & (x <= box[:, 1] + slack)).all(axis=1))
 
 
-def newton_step(
+def fixed_point_newton_step(
     x: FloatArray, image: FloatArray, jacobian: FloatArray, *, longest: float = np.inf
 ) -> tuple[FloatArray, FloatArray]:
     """The next move of every point towards one that is its own image, and its residual.
@@ -172,13 +172,13 @@ def distinct_orbits_of_least_period(
     """
     if not orbits.residual.size:
         return orbits
-    order = np.lexsort(np.round(orbits.state, _SORTING_DIGITS).T[::-1])
+    order = np.lexsort(np.round(orbits.state, _STATE_DIGITS_FOR_SORTING).T[::-1])
     orbits = orbits.subset(order)
     points = [orbits.state]
     for _ in range(iterate - 1):
         points.append(map_(points[-1], np.tile(parameter, (len(order), 1)), 1).state)
     path = np.stack(points)  # (iterate, orbit, state)
-    slack = _MIN_ORBIT_DISTANCE + _ORBIT_DISTANCE_ERROR_FACTOR * _position_errors(orbits)
+    slack = _MIN_ORBIT_DISTANCE + _MIN_ORBIT_DISTANCE_OVER_ERROR * _position_errors(orbits)
     divisors = [j for j in range(1, iterate) if iterate % j == 0]
     kept: list[int] = []
     for k in range(len(order)):
@@ -203,7 +203,10 @@ def _position_errors(orbits: PeriodicOrbits) -> FloatArray:
     smallest = np.linalg.svd(matrix, compute_uv=False)[:, -1]
     defect = orbits.residual + orbits.image_error
     return np.asarray(
-        np.minimum(defect / np.maximum(smallest, _MIN_SINGULAR_VALUE), np.sqrt(defect))
+        np.minimum(
+            defect / np.maximum(smallest, _MIN_SINGULAR_VALUE_OF_ONE_MINUS_JACOBIAN),
+            np.sqrt(defect),
+        )
     )
 
 

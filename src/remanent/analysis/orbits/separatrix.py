@@ -18,7 +18,7 @@ _MIN_DEPARTURE_RATIO = 2.0
 #: Least distance from the saddle relative to that at the start, for motion that comes near it.
 _MAX_APPROACH_DISTANCE_RATIO = 0.6
 #: The sign of a coordinate counts if it exceeds its error by this factor.
-_MIN_COORDINATE_OVER_ERROR = 10.0
+_MIN_UNSTABLE_COORDINATE_OVER_ERROR = 10.0
 
 
 @dataclass(frozen=True)
@@ -27,19 +27,19 @@ class SaddlePassage:
 
     Attributes
     ----------
-    side : array (trajectory,)
+    side_relative_to_start : array (trajectory,)
         1 where motion leaves on the side of the saddle from which it started, −1 where on
         the other, 0 where it does not come near, does not leave within the run, or where an
         error could change the sign.
     departure_iterate : array (trajectory,)
         At which it has left.
-    least_distance : array (trajectory,)
+    least_distance_before_departure : array (trajectory,)
         Least distance from the saddle until then.
     """
 
-    side: IntArray
+    side_relative_to_start: IntArray
     departure_iterate: IntArray
-    least_distance: FloatArray
+    least_distance_before_departure: FloatArray
 
 
 def unstable_directions(jacobian: FloatArray) -> tuple[FloatArray, FloatArray, BoolArray]:
@@ -65,7 +65,7 @@ def unstable_directions(jacobian: FloatArray) -> tuple[FloatArray, FloatArray, B
     return right[row, :, k].real, left[row, k].real, np.asarray(saddle)
 
 
-def saddle_passages(
+def find_first_saddle_passages(
     visited: FloatArray, saddle: FloatArray, jacobian: FloatArray, error: FloatArray
 ) -> SaddlePassage:
     """See on which side of a saddle motions pass it.
@@ -101,7 +101,7 @@ def saddle_passages(
     first = departed.argmax(axis=1)
     row = np.arange(len(visited))
     sure = departed[row, first] & (
-        np.abs(unstable_coordinate[row, first]) > _MIN_COORDINATE_OVER_ERROR * error
+        np.abs(unstable_coordinate[row, first]) > _MIN_UNSTABLE_COORDINATE_OVER_ERROR * error
     )
     side = np.where(sure, np.sign(unstable_coordinate[row, first]), 0.0).astype(np.int64)
     return SaddlePassage(side, first, np.fmin.accumulate(distance, axis=1)[row, first])

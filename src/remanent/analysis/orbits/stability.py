@@ -13,7 +13,7 @@ _MAX_UNIT_CIRCLE_DISTANCE = 1e-6
 #: Smallest singular value of the eigenvectors below which two multipliers have met.
 _MIN_EIGENVECTOR_SINGULAR_VALUE = 1e-7
 #: Multipliers are told from 1 in size only beyond this many times their error.
-_MODULUS_ERROR_FACTOR = 4.0
+_MIN_MODULUS_DEPARTURE_OVER_ERROR = 4.0
 #: Of two conjugate multipliers, the one with the positive imaginary part comes first.
 _CONJUGATE_SORTING_WEIGHT = 1e-9
 
@@ -83,7 +83,7 @@ def orbit_stability(values: ComplexArray, errors: FloatArray, *, conservative: b
     array (orbit,) of int
         Values of :class:`Stability`; undecided where an error could change the answer.
     """
-    size, slack = np.abs(values), _MODULUS_ERROR_FACTOR * errors
+    size, slack = np.abs(values), _MIN_MODULUS_DEPARTURE_OVER_ERROR * errors
     outside, inside = size > 1.0 + slack, size < 1.0 - slack
     if conservative:
         # Multipliers off the unit circle are real, but for quartets of four or more.

@@ -32,7 +32,7 @@ def periodic_rule(
     must shrink.  Without damping they may grow like n.
     """
     defect = np.where(damped, e.late_defect, e.defect)
-    quiet = np.where(damped, e.log_growth < 0.0, _grows_at_most_like_a_power(e, periods, t))
+    quiet = np.where(damped, e.log_growth < 0.0, _tangents_grow_at_most_linearly(e, periods, t))
     margin = np.log(defect) / np.log(t.max_closed_return_defect)
     return (defect <= t.max_closed_return_defect) & quiet, margin
 
@@ -45,7 +45,9 @@ def quasi_periodic_rule(
     Averages have to reach many digits; or fewer, where the rotation number converges and the
     other evidence is clearer than it need be otherwise.
     """
-    attracts = _stays_open(e, t) & (e["band_extent"] >= t.min_torus_band_extent)
+    attracts = _does_not_settle_on_periodic_orbit(e, t) & (
+        e["relative_band_scatter"] >= t.min_torus_relative_band_scatter
+    )
     many_digits = (e["digits"] >= t.min_torus_digits) & ~(e["zero_one"] > t.max_torus_zero_one)
     fewer_digits = (
         (e["digits"] >= t.min_torus_digits_if_rotation_converges)
@@ -57,7 +59,9 @@ def quasi_periodic_rule(
         many_digits, t.min_torus_digits, t.min_torus_digits_if_rotation_converges
     )
     torus = (
-        _does_not_close(e, t) & _grows_at_most_like_a_power(e, periods, t) & (~damped | attracts)
+        _has_open_orbit(e, t)
+        & _tangents_grow_at_most_linearly(e, periods, t)
+        & (~damped | attracts)
     )
     return torus & (many_digits | fewer_digits), margin
 
@@ -72,7 +76,7 @@ def chaotic_rule(
     significance = e.exponent / (t.min_chaos_exponent_over_error * e.exponent_error)
     least_growth = t.min_chaos_growth_power * np.log(periods) + t.min_chaos_log_growth_excess
     chaotic = (
-        _does_not_close(e, t)
+        _has_open_orbit(e, t)
         & (significance > 1.0)
         & (e.log_growth >= least_growth)
         & (e.log_growth_of_halves.min(axis=1) >= t.min_chaos_log_growth_per_half)
@@ -91,17 +95,19 @@ DEFAULT_REGIME_RULES: RegimeRules = (
 )
 
 
-def _does_not_close(e: EvidenceTable, t: RegimeThresholds) -> BoolArray:
+def _has_open_orbit(e: EvidenceTable, t: RegimeThresholds) -> BoolArray:
     return np.asarray(np.maximum(e.defect, e.late_defect) >= t.min_open_return_defect)
 
 
-def _grows_at_most_like_a_power(e: EvidenceTable, periods: int, t: RegimeThresholds) -> BoolArray:
+def _tangents_grow_at_most_linearly(
+    e: EvidenceTable, periods: int, t: RegimeThresholds
+) -> BoolArray:
     """Tangents grow at most in proportion to time, and no faster at the end."""
     bound = np.log(periods) + t.max_regular_log_growth_excess
     return np.asarray((e.log_growth <= bound) & (e.late_log_growth <= t.max_torus_late_log_growth))
 
 
-def _stays_open(e: EvidenceTable, t: RegimeThresholds) -> BoolArray:
+def _does_not_settle_on_periodic_orbit(e: EvidenceTable, t: RegimeThresholds) -> BoolArray:
     """The motion does not close in on a periodic orbit."""
     lasting = e.late_log_growth >= t.min_torus_late_log_growth
     return np.asarray(lasting & (e.late_defect >= t.min_torus_late_defect_share * e.defect))

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from remanent._typing import BoolArray, FloatArray, IntArray
-from remanent.analysis.regimes.birkhoff import weighted_average
+from remanent.analysis.regimes.birkhoff import weighted_birkhoff_average
 from remanent.analysis.regimes.labels import Regime
 from remanent.analysis.regimes.limit_orbits import IterateWithJacobian, find_limit_orbits
 
 #: Distance between two points of one periodic orbit, relative to the extent of all motion.
-_MAX_RELATIVE_ORBIT_DISTANCE = 1e-4
+_MAX_RELATIVE_DISTANCE_FROM_SAME_ORBIT = 1e-4
 #: Difference of averages over one attractor of another kind, relative to their scatter.
 _MAX_RELATIVE_AVERAGE_DIFFERENCE = 0.25
 #: Motion smaller than this counts as this large.
@@ -65,17 +65,17 @@ def assign_attractors(tails: FloatArray, regime: IntArray, period: IntArray) -> 
         k = int(unassigned[0])
         alike = (regime[unassigned] == regime[k]) & (period[unassigned] == period[k])
         candidates = unassigned[alike]
-        distance = _MAX_RELATIVE_ORBIT_DISTANCE * max(width, _MIN_MOTION_EXTENT)
+        distance = _MAX_RELATIVE_DISTANCE_FROM_SAME_ORBIT * max(width, _MIN_MOTION_EXTENT)
         if regime[k] == Regime.PERIODIC:
-            same = _end_on_orbit(tails[candidates], tails[k, -int(period[k]) :], distance)
+            same = _ends_on_orbit(tails[candidates], tails[k, -int(period[k]) :], distance)
         else:
             same = _have_equal_averages(features, candidates, k, distance)
         number[candidates[same]] = number[k] = len(representative)
         representative.append(k)
-    return _number_by_visits(number, representative)
+    return _renumber_most_visited_first(number, representative)
 
 
-def _end_on_orbit(tails: FloatArray, orbit: FloatArray, max_distance: float) -> BoolArray:
+def _ends_on_orbit(tails: FloatArray, orbit: FloatArray, max_distance: float) -> BoolArray:
     """Whether motions (motion, iterate, state) end on a point of an orbit (point, state)."""
     distance = np.abs(tails[:, None, -1] - orbit[None]).max(axis=2)
     return np.asarray(distance.min(axis=1) <= max_distance)
@@ -93,10 +93,12 @@ def _have_equal_averages(
 def _averages_and_scatter(tails: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Averages of coordinates and squares, and the scatter of what is averaged."""
     values = np.concatenate([tails, tails**2], axis=2)
-    return weighted_average(np.moveaxis(values, 1, 2)), np.std(values, axis=1)
+    return weighted_birkhoff_average(np.moveaxis(values, 1, 2)), np.std(values, axis=1)
 
 
-def _number_by_visits(number: IntArray, representative: list[int]) -> AttractorAssignment:
+def _renumber_most_visited_first(
+    number: IntArray, representative: list[int]
+) -> AttractorAssignment:
     count = len(representative)
     order = np.argsort([-(number == n).sum() for n in range(count)], kind="stable")
     rank = np.empty(count + 1, dtype=np.int64)

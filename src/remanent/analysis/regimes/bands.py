@@ -19,7 +19,7 @@ _MAX_RELATIVE_BAND_SCATTER = 0.5
 #: Fewest points that an average within a band is made of.
 _MIN_POINTS_PER_BAND = 24
 #: At the end of a cascade of doublings an orbit has many bands; every eighth point shows them.
-_BAND_EXTENT_STRIDE = 8
+_BAND_SCATTER_STRIDE_IN_ITERATES = 8
 
 
 def convergence_digits_within_bands(batch: OrbitBatch) -> FloatArray:
@@ -46,6 +46,8 @@ def relative_band_scatter(batch: OrbitBatch) -> FloatArray:
     About 1 on a torus and in chaos, small where the orbit lies in 2^k narrow bands.
     """
     values = np.moveaxis(batch.observable_values, 1, 2)
-    band, every = (np.ascontiguousarray(v) for v in (values[..., ::_BAND_EXTENT_STRIDE], values))
+    band, every = (
+        np.ascontiguousarray(v) for v in (values[..., ::_BAND_SCATTER_STRIDE_IN_ITERATES], values)
+    )
     with np.errstate(all="ignore"):
         return np.asarray(np.fmin.reduce(band.std(axis=2) / every.std(axis=2), axis=1))

@@ -14,12 +14,12 @@ import numpy as np
 from remanent._typing import FloatArray
 
 #: Digits of two numbers that are equal.
-MAX_DIGITS = 16.0
+MAX_CONVERGENCE_DIGITS = 16.0
 #: An orbit encircles a centre if no gap between the directions to its points is wider, turns.
 _MAX_ANGLE_GAP_IN_TURNS = 0.5
 
 
-def weighted_average(values: FloatArray) -> FloatArray:
+def weighted_birkhoff_average(values: FloatArray) -> FloatArray:
     """Average along the last axis with the smooth weight exp(-1/(s(1 - s))).
 
     Along a quasi-periodic orbit its error falls faster than any power of the number of
@@ -63,13 +63,17 @@ def birkhoff_convergence_digits(values: FloatArray) -> FloatArray:
     spread = np.std(np.ascontiguousarray(values), axis=-1)
     with np.errstate(divide="ignore", invalid="ignore"):
         digits = -np.log10(np.abs(first - last) / spread)
-    return np.asarray(np.where(spread == 0.0, MAX_DIGITS, np.minimum(digits, MAX_DIGITS)))
+    return np.asarray(
+        np.where(spread == 0.0, MAX_CONVERGENCE_DIGITS, np.minimum(digits, MAX_CONVERGENCE_DIGITS))
+    )
 
 
 def _first_and_last_averages(values: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Weighted averages over the first and the last two thirds."""
     window = -(-2 * values.shape[-1] // 3)
-    return weighted_average(values[..., :window]), weighted_average(values[..., -window:])
+    return weighted_birkhoff_average(values[..., :window]), weighted_birkhoff_average(
+        values[..., -window:]
+    )
 
 
 @dataclass(frozen=True)
@@ -110,7 +114,7 @@ def rotation_numbers(points: FloatArray, centre: FloatArray | None = None) -> Ro
     Rotation
     """
     if centre is None:
-        centre = weighted_average(np.moveaxis(points, 1, -1))
+        centre = weighted_birkhoff_average(np.moveaxis(points, 1, -1))
     displacement = points - centre[:, None]
     size = np.std(np.ascontiguousarray(np.moveaxis(displacement, 1, -1)), axis=-1)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -125,11 +129,11 @@ def rotation_numbers(points: FloatArray, centre: FloatArray | None = None) -> Ro
     step = (step - cut[:, None]) % 1.0 + cut[:, None]
     first, last = _first_and_last_averages(step)
     with np.errstate(divide="ignore"):
-        digits = np.minimum(-np.log10(np.abs(first - last)), MAX_DIGITS)
+        digits = np.minimum(-np.log10(np.abs(first - last)), MAX_CONVERGENCE_DIGITS)
     encircles = (_widest_gap_on_circle(turn % 1.0)[1] <= _MAX_ANGLE_GAP_IN_TURNS) & np.isfinite(
         first + last
     )
-    number = weighted_average(step) % 1.0
+    number = weighted_birkhoff_average(step) % 1.0
     return RotationNumbers(np.where(encircles, number, np.nan), np.where(encircles, digits, 0.0))
 
 

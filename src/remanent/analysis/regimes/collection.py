@@ -57,7 +57,7 @@ INDICATOR_FUNCTIONS: Mapping[str, IndicatorFunction] = MappingProxyType(
     {
         "digits": _birkhoff_digits,
         "banded_digits": convergence_digits_within_bands,
-        "band_extent": relative_band_scatter,
+        "relative_band_scatter": relative_band_scatter,
         "zero_one": _zero_one_statistic,
         "sali": _final_alignment_index,
     }
@@ -114,7 +114,7 @@ def _evidence_columns(
     points = observables(run.visited_states[orbits, int(transient * run.periods) :])
     batch = OrbitBatch(points, run.triangular_factors[orbits], seed)
     return {
-        **_growth_columns(run.log_growth[orbits], run.block_lengths, transient),
+        **_growth_columns(run.log_growth[orbits], run.block_lengths_in_periods, transient),
         **_return_and_rotation_columns(points),
         **{name: indicator(batch) for name, indicator in indicators.items()},
     }

@@ -17,7 +17,10 @@ import numpy as np
 from remanent._typing import FloatArray, IntArray
 from remanent.analysis.regimes.evidence import EvidenceTable
 from remanent.analysis.regimes.labels import Regime, RegimeLabels
-from remanent.analysis.regimes.limit_orbits import IterateWithJacobian, settling_periods
+from remanent.analysis.regimes.limit_orbits import (
+    IterateWithJacobian,
+    find_approached_orbit_periods,
+)
 from remanent.analysis.regimes.long_runs import LongRun
 from remanent.analysis.regimes.problem import RegimeProblem
 from remanent.analysis.regimes.transients import LOOSEST_TOLERANCE_INDEX, chaos_lasts
@@ -38,7 +41,7 @@ class PartialLabelling:
     margin : array (orbit,)
     evidence : EvidenceTable
         At the finest tolerance so far.
-    exponent_spread : array (orbit,)
+    exponent_spread_between_tolerances : array (orbit,)
         Of the exponents at the tolerances so far.
     run : LongRun
         At the finest tolerance so far.
@@ -48,12 +51,12 @@ class PartialLabelling:
     period: IntArray
     margin: FloatArray
     evidence: EvidenceTable
-    exponent_spread: FloatArray
+    exponent_spread_between_tolerances: FloatArray
     run: LongRun
 
     def to_regime_labels(self) -> RegimeLabels:
         """The labels with their evidence."""
-        error = np.hypot(self.evidence.exponent_error, self.exponent_spread)
+        error = np.hypot(self.evidence.exponent_error, self.exponent_spread_between_tolerances)
         return RegimeLabels(self.regime, self.period, self.margin, self.evidence, error)
 
 
@@ -108,9 +111,9 @@ def screen_at_loose_tolerances(
     # An orbit whose error was not met at the loosest tolerance will not meet a finer one.
     trusted = np.flatnonzero(first.error_bound_met)
     second = problem.run_at_tolerance(trusted, LOOSEST_TOLERANCE_INDEX - 1)
-    evidence = loosest.with_rows(trusted, problem.evidence_of_run(second, trusted))
+    evidence = loosest.with_replaced_rows(trusted, problem.evidence_of_run(second, trusted))
     regime, margin = problem.agreed_regime([evidence, loosest], everyone, first.periods)
-    run = first.with_rows(trusted, second)
+    run = first.with_replaced_rows(trusted, second)
 
     regular = np.isin(regime[trusted], (Regime.PERIODIC, Regime.QUASI_PERIODIC))
     unclear = (first.escaped[trusted] != second.escaped) | (~run.escaped[trusted] & ~regular)
@@ -121,7 +124,7 @@ def screen_at_loose_tolerances(
         period=np.zeros(problem.orbit_count, dtype=np.int64),
         margin=margin,
         evidence=evidence,
-        exponent_spread=np.abs(evidence.exponent - loosest.exponent),
+        exponent_spread_between_tolerances=np.abs(evidence.exponent - loosest.exponent),
         run=run,
     )
     return labelling, loosest, disputed
@@ -158,11 +161,11 @@ def rerun_disputed_orbits(
         margin=_with_replaced_values(
             labelling.margin, disputed, np.where(chaotic, margin_by_three, margin_by_two)
         ),
-        evidence=labelling.evidence.with_rows(disputed, finest),
-        exponent_spread=_with_replaced_values(
-            labelling.exponent_spread, disputed, np.ptp(exponents, axis=0)
+        evidence=labelling.evidence.with_replaced_rows(disputed, finest),
+        exponent_spread_between_tolerances=_with_replaced_values(
+            labelling.exponent_spread_between_tolerances, disputed, np.ptp(exponents, axis=0)
         ),
-        run=labelling.run.with_rows(disputed, run),
+        run=labelling.run.with_replaced_rows(disputed, run),
     )
 
 
@@ -212,7 +215,7 @@ def label_settling_orbits(problem: RegimeProblem, labelling: PartialLabelling) -
     open_question = (labelling.regime == Regime.UNDECIDED) & ~run.escaped & run.error_bound_met
     contracting = (evidence.exponent < 0.0) & (evidence.late_defect < _MAX_SETTLING_RETURN_DEFECT)
     candidates = np.flatnonzero(problem.damped & open_question & contracting)
-    period = _settling_periods_of_run(
+    period = _approached_orbit_periods_of_run(
         problem.iterate_with_jacobian, run, candidates, evidence.period[candidates]
     )
     settling = candidates[period > 0]
@@ -237,7 +240,7 @@ def reduce_multiple_periods(
     unsettled = labelling.evidence.late_defect > _MAX_SETTLED_RETURN_DEFECT
     candidates = np.flatnonzero(problem.damped & (labelling.period > 1) & unsettled)
     period = labelling.period[candidates]
-    settling_period = _settling_periods_of_run(
+    settling_period = _approached_orbit_periods_of_run(
         problem.iterate_with_jacobian, labelling.run, candidates, period
     )
     period = np.where(settling_period > 0, settling_period, period)
@@ -252,11 +255,11 @@ def label_escaped_orbits(labelling: PartialLabelling) -> PartialLabelling:
     )
 
 
-def _settling_periods_of_run(
+def _approached_orbit_periods_of_run(
     iterate: IterateWithJacobian, run: LongRun, orbits: IntArray, candidates: IntArray
 ) -> IntArray:
     assert run.visited_states is not None
-    return settling_periods(run.visited_states[orbits], orbits, candidates, iterate)
+    return find_approached_orbit_periods(run.visited_states[orbits], orbits, candidates, iterate)
 
 
 def _with_replaced_values(

@@ -13,7 +13,7 @@ from remanent._typing import BoolArray, FloatArray, IntArray
 class EvidenceTable:
     """Numbers about many orbits at one tolerance, arrays (orbit,) unless said otherwise.
 
-    A table is never changed: :meth:`subset` and :meth:`with_rows` give new ones.
+    A table is never changed: :meth:`subset` and :meth:`with_replaced_rows` give new ones.
     ``table["zero_one"]`` is the column of an indicator, or any other.
 
     Attributes
@@ -75,7 +75,7 @@ class EvidenceTable:
         """The rows of some orbits."""
         return self.from_columns({name: c[indices] for name, c in self.column_of_name.items()})
 
-    def with_rows(self, indices: IntArray, rows: EvidenceTable) -> EvidenceTable:
+    def with_replaced_rows(self, indices: IntArray, rows: EvidenceTable) -> EvidenceTable:
         """A table in which the rows of some orbits are replaced."""
         changed = {name: column.copy() for name, column in self.column_of_name.items()}
         for name, column in changed.items():

@@ -13,14 +13,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from remanent._typing import BoolArray, FloatArray, IntArray
-from remanent.analysis.orbits.periodic_orbits import newton_step
+from remanent.analysis.orbits.periodic_orbits import fixed_point_newton_step
 
 #: Newton steps from the last state of a run.
-_NEWTON_STEPS = 6
+_NEWTON_STEP_COUNT = 6
 #: Distance of a point of a periodic orbit from its image, at most.
 _MAX_ORBIT_RESIDUAL = 1e-8
 #: Fewest distances from the orbit that show a rate of approach.
-_MIN_DISTANCE_COUNT = 6
+_MIN_DISTANCES_FOR_APPROACH_RATE = 6
 #: Difference of the rate seen from that of the multiplier, relative to the latter, at most.
 _MAX_RELATIVE_RATE_DIFFERENCE = 0.15
 #: e-folds by which the distance must have fallen.
@@ -73,9 +73,9 @@ def find_limit_orbits(
     """
     x = states.copy()
     residual, largest = np.full((2, len(x)), np.inf)
-    for _ in range(_NEWTON_STEPS):
+    for _ in range(_NEWTON_STEP_COUNT):
         image, jacobian = iterate(orbits, x, period)
-        move, residual = newton_step(x, image, jacobian)
+        move, residual = fixed_point_newton_step(x, image, jacobian)
         finite = np.isfinite(jacobian).all(axis=(1, 2)) & np.isfinite(residual)
         safe = np.where(finite[:, None, None], jacobian, 0.0)
         largest = np.where(finite, np.abs(np.linalg.eigvals(safe)).max(axis=1), np.inf)
@@ -83,7 +83,7 @@ def find_limit_orbits(
     return LimitOrbits(x, residual, largest)
 
 
-def approaches_limit(
+def approaches_at_multiplier_rate(
     points: FloatArray, end: FloatArray, period: int, rate: FloatArray
 ) -> BoolArray:
     """Whether orbits come nearer to a limit at the rate that its multiplier says.
@@ -107,7 +107,7 @@ def approaches_limit(
     """
     distance = np.sqrt(((points[:, ::-1][:, ::period] - end[:, None]) ** 2).sum(axis=2))
     count = distance.shape[1]
-    if count < _MIN_DISTANCE_COUNT:
+    if count < _MIN_DISTANCES_FOR_APPROACH_RATE:
         return np.zeros(len(points), dtype=np.bool_)
     with np.errstate(all="ignore"):
         size = np.log(distance[:, ::-1])
@@ -121,7 +121,7 @@ def approaches_limit(
     return np.asarray((approach >= _MIN_APPROACH_IN_E_FOLDS) & agrees & nearer)
 
 
-def settling_periods(
+def find_approached_orbit_periods(
     visited: FloatArray, orbits: IntArray, candidates: IntArray, iterate: IterateWithJacobian
 ) -> IntArray:
     """Periods of the stable orbits that motions are seen to approach.
@@ -154,6 +154,6 @@ def settling_periods(
         with np.errstate(invalid="ignore"):
             rate = np.log(np.maximum(ahead.largest_multiplier_modulus, 1e-300)) / q
             stable = ahead.has_converged & (rate < 0.0)
-        approached = approaches_limit(states[:, half:], ahead.state, q, rate)
+        approached = approaches_at_multiplier_rate(states[:, half:], ahead.state, q, rate)
         period[subset[stable & approached]] = q
     return period

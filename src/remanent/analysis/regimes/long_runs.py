@@ -19,9 +19,9 @@ from remanent.analysis.regimes.orthonormalisation import orthonormalise
 #: A state beyond this has escaped.
 ESCAPE_BOUND = 1e6
 #: Periods between renormalisations of a single tangent, which must not overflow, at most.
-_MAX_BLOCK_PERIODS_OF_ONE_TANGENT = 16
+_MAX_PERIODS_PER_BLOCK_OF_ONE_TANGENT = 16
 #: Periods between renormalisations of several tangents, which must not line up, at most.
-_MAX_BLOCK_PERIODS_OF_SEVERAL_TANGENTS = 4
+_MAX_PERIODS_PER_BLOCK_OF_SEVERAL_TANGENTS = 4
 #: Blocks that even a short run has, since statistics are made of them.
 _MIN_BLOCK_COUNT = 32
 #: Seed of the tangents' first directions.
@@ -84,7 +84,7 @@ class LongRun:
     ----------
     periods : int
         How many were asked for.
-    block_periods : int
+    periods_per_block : int
         Periods between renormalisations.
     triangular_factors : array (point, block, direction, direction)
         Upper triangles R of the tangents' factorisation Q R after each block; NaN after
@@ -106,7 +106,7 @@ class LongRun:
     """
 
     periods: int
-    block_periods: int
+    periods_per_block: int
     triangular_factors: FloatArray
     last_state: FloatArray
     visited_states: FloatArray | None
@@ -123,11 +123,11 @@ class LongRun:
             return np.log(np.diagonal(self.triangular_factors, axis1=2, axis2=3))
 
     @property
-    def block_lengths(self) -> IntArray:
+    def block_lengths_in_periods(self) -> IntArray:
         """Periods of each block, of which the last may be shorter, array (block,)."""
-        return np.diff(_block_ends(self.periods, self.block_periods), prepend=0)
+        return np.diff(_block_ends_in_periods(self.periods, self.periods_per_block), prepend=0)
 
-    def with_rows(self, points: IntArray, rows: LongRun) -> LongRun:
+    def with_replaced_rows(self, points: IntArray, rows: LongRun) -> LongRun:
         """A run in which some points are replaced by those of another; it has no tangents."""
         names = (
             "last_state", "visited_states", "escaped", "error_bound_met", "completed_periods",
@@ -139,22 +139,23 @@ class LongRun:
         return replace(self, triangular_factors=self.triangular_factors[:, :0], **values)
 
 
-def block_lengths(periods: int, directions: int, block: int | None = None) -> IntArray:
+def block_lengths_in_periods(periods: int, directions: int, block: int | None = None) -> IntArray:
     """Periods of each block of a run, array (block,); the last may be shorter."""
     return np.diff(
-        _block_ends(periods, block or _default_block_periods(periods, directions)), prepend=0
+        _block_ends_in_periods(periods, block or _default_periods_per_block(periods, directions)),
+        prepend=0,
     )
 
 
-def _block_ends(periods: int, block: int) -> IntArray:
+def _block_ends_in_periods(periods: int, block: int) -> IntArray:
     return np.append(np.arange(block, periods, block), periods)
 
 
-def _default_block_periods(periods: int, directions: int) -> int:
+def _default_periods_per_block(periods: int, directions: int) -> int:
     longest = (
-        _MAX_BLOCK_PERIODS_OF_ONE_TANGENT
+        _MAX_PERIODS_PER_BLOCK_OF_ONE_TANGENT
         if directions <= 1
-        else _MAX_BLOCK_PERIODS_OF_SEVERAL_TANGENTS
+        else _MAX_PERIODS_PER_BLOCK_OF_SEVERAL_TANGENTS
     )
     return min(max(periods // _MIN_BLOCK_COUNT, 1), longest)
 
@@ -196,8 +197,8 @@ def propagate_tangents(
         Asked before each block; if it says so, the rest is left out.
     """
     count, dimension = states.shape
-    block = block or _default_block_periods(periods, directions)
-    ends = _block_ends(periods, block)
+    block = block or _default_periods_per_block(periods, directions)
+    ends = _block_ends_in_periods(periods, block)
     factors = np.full((count, ends.size, directions, directions), np.nan)
     visited = np.full((count, periods + 1, dimension), np.nan) if every else None
     if visited is not None:

@@ -13,9 +13,9 @@ MAX_RETURN_PERIOD = 128
 #: Orbits smaller than this count as this large.
 _MIN_ORBIT_EXTENT = 1e-3
 #: Of distances up to this factor above the least, the one with the shortest period counts.
-_NEARLY_LEAST_FACTOR = 10.0
+_MAX_RATIO_TO_LEAST_DISTANCE = 10.0
 #: Distances this small are rounding.
-_ROUNDING_DISTANCE = 1e-15
+_RELATIVE_ROUNDING_DISTANCE = 1e-15
 #: Orbits looked at together, so that their points stay in the cache.
 _ORBITS_PER_BATCH = 128
 
@@ -65,8 +65,8 @@ def find_best_returns(points: FloatArray, *, closed: float = 0.0) -> BestReturns
     with np.errstate(invalid="ignore"):
         alike = (
             late
-            <= _NEARLY_LEAST_FACTOR * np.nanmin(late, axis=1, initial=np.inf)[:, None]
-            + _ROUNDING_DISTANCE
+            <= _MAX_RATIO_TO_LEAST_DISTANCE * np.nanmin(late, axis=1, initial=np.inf)[:, None]
+            + _RELATIVE_ROUNDING_DISTANCE
         )
     alike |= late <= closed
     best = np.argmax(alike, axis=1)

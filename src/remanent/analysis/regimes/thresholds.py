@@ -34,7 +34,7 @@ class RegimeThresholds:
         Fewer digits suffice where the rotation number has the second number of digits.
     max_torus_zero_one, max_torus_zero_one_if_rotation_converges : float
         Result of the 0-1 test on a torus.
-    min_torus_band_extent : float
+    min_torus_relative_band_scatter : float
         Extent of every eighth point relative to that of all points, on a torus of damped motion.
     min_chaos_exponent_over_error : float
         Standard errors by which a chaotic exponent exceeds 0.
@@ -87,7 +87,7 @@ class RegimeThresholds:
     # --- bands ------------------------------------------------------------------------------
     # At the end of a cascade of doublings motion is as regular as on a torus, but lies in
     # 2^k narrow bands: every eighth point then stays in one of them.
-    min_torus_band_extent: float = 0.1
+    min_torus_relative_band_scatter: float = 0.1
 
     # --- chaos ------------------------------------------------------------------------------
     # The usual three standard errors.

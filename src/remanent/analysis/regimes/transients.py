@@ -22,7 +22,7 @@ _NEIGHBOUR_COUNT = 16
 #: Neighbour k starts at (1 + k times this) times the state.
 _RELATIVE_NEIGHBOUR_OFFSET = 1e-9
 #: Neighbours followed at once.
-_NEIGHBOUR_BATCH_SIZE = 4096
+_NEIGHBOURS_PER_BATCH = 4096
 
 
 class RunAtTolerance(Protocol):
@@ -74,7 +74,7 @@ def chaos_lasts(
     for _ in range(_CONFIRMING_RUN_COUNT):
         # One neighbour that settles is enough: the others of that orbit are not followed again.
         remaining = np.flatnonzero(np.repeat(lasts, _NEIGHBOUR_COUNT))
-        batches = -(-remaining.size // _NEIGHBOUR_BATCH_SIZE)
+        batches = -(-remaining.size // _NEIGHBOURS_PER_BATCH)
         for batch in np.array_split(remaining, batches) if remaining.size else ():
             orbit = batch // _NEIGHBOUR_COUNT
             outcome = run(orbits[orbit], LOOSEST_TOLERANCE_INDEX, neighbours[batch])

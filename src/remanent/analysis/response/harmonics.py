@@ -79,7 +79,7 @@ def find_resonant_harmonic(
     return ResonantHarmonic(number, number * orbit_frequency / free_frequency - 1.0, share)
 
 
-def classify_resonance(
+def resonance_kind_and_order(
     resonance: ResonantHarmonic, k: int, period: int, *, doubled: bool
 ) -> tuple[str, int, int]:
     """Name a resonance, and give its order p:q in lowest terms.

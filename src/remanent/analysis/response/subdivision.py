@@ -82,7 +82,7 @@ def refine_maxima(
 class _CaseTable:
     """Values of one case at increasing places, arrays (point,)."""
 
-    x: FloatArray
+    positions: FloatArray
     values: FloatArray
 
     def peak_indices(self) -> IntArray:
@@ -96,30 +96,32 @@ class _CaseTable:
     def restricted_to_peaks(self, count: int) -> _CaseTable:
         """The largest peaks and their neighbours: no other point is looked at again."""
         neighbours = (self.peak_indices()[:count, None] + np.array([-1, 0, 1])).clip(
-            0, self.x.size - 1
+            0, self.positions.size - 1
         )
         subset = np.unique(neighbours)
-        return _CaseTable(self.x[subset], self.values[subset])
+        return _CaseTable(self.positions[subset], self.values[subset])
 
     def bracket_of_point(self, k: int) -> tuple[float, float]:
         """The neighbours of point k."""
-        return float(self.x[max(k - 1, 0)]), float(self.x[min(k + 1, self.x.size - 1)])
+        return float(self.positions[max(k - 1, 0)]), float(
+            self.positions[min(k + 1, self.positions.size - 1)]
+        )
 
     def refinement_points(self, width: float, candidates: int, division: int) -> FloatArray:
         """New points around the largest peaks, or none if the best is narrow enough."""
         peaks = self.peak_indices()
-        if not peaks.size or self.x.size < 2:
+        if not peaks.size or self.positions.size < 2:
             return np.empty(0)
         lower, upper = self.bracket_of_point(int(peaks[0]))
         if upper - lower <= width:
             return np.empty(0)
-        new = [_division_points(self.x, int(k), division) for k in peaks[:candidates]]
-        points = np.setdiff1d(np.concatenate(new), self.x)
+        new = [_division_points(self.positions, int(k), division) for k in peaks[:candidates]]
+        points = np.setdiff1d(np.concatenate(new), self.positions)
         return points if points.size else np.empty(0)
 
     def with_points(self, x: FloatArray, values: FloatArray) -> _CaseTable:
         """A table with further points, in order."""
-        places = np.concatenate([self.x, x])
+        places = np.concatenate([self.positions, x])
         order = np.argsort(places, kind="stable")
         return _CaseTable(places[order], np.concatenate([self.values, values])[order])
 
@@ -129,7 +131,7 @@ class _CaseTable:
         if not peaks.size:
             return (np.nan,) * 4
         k = int(peaks[0])
-        return float(self.x[k]), float(self.values[k]), *self.bracket_of_point(k)
+        return float(self.positions[k]), float(self.values[k]), *self.bracket_of_point(k)
 
 
 def _division_points(x: FloatArray, k: int, division: int) -> FloatArray:

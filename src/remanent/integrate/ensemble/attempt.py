@@ -22,7 +22,7 @@ def attempt_chunk(run: Run, chunk: Chunk) -> Attempt:
     cycles = int(cycle_counts(problem, indices).max())
     memory = _initial_memory(run, indices)
     sampler = Sampler.before_first_segment(run, indices, cycles)
-    most_steps = run.work_sizes.steps_per_segment(
+    most_steps = run.work_sizes.fine_steps_per_segment(
         kernels.run_kernel, indices.size, recorded=run.records_every_step
     )
     for segment in cut_into_segments(
@@ -62,7 +62,9 @@ def _initial_memory(run: Run, indices: IntArray) -> LaneMemory:
         "maximum": -np.inf,
         "minimum": np.inf,
     }
-    return LaneMemory.with_values(run.kernel_pair.layout, run.kernel_pair.width, vectors, scalars)
+    return LaneMemory.with_values(
+        run.kernel_pair.layout, run.kernel_pair.lane_count, vectors, scalars
+    )
 
 
 def _write_segment_to_memory(memory: LaneMemory, run: Run, segment: Segment) -> None:

@@ -24,11 +24,11 @@ from remanent.integrate.ensemble.resolution import MAX_RESOLUTION
 from remanent.integrate.ensemble.run import Attempt, Chunk
 
 #: Most fine steps of one trajectory.
-MAX_STEPS_PER_TRAJECTORY = 2.0**28
+MAX_FINE_STEPS_PER_TRAJECTORY = 2.0**28
 #: For a slow drive the largest resolution is up to so many times larger.
-_MAX_SLOWNESS = 16.0
+_MAX_DRIVE_SLOWNESS = 16.0
 #: Longest cycle that is resolved with that many steps, at four double steps per nominal time.
-_LONGEST_RESOLVABLE_CYCLE = NOMINAL_CYCLE_TIME * MAX_RESOLUTION * _MAX_SLOWNESS / 4.0
+_LONGEST_RESOLVABLE_CYCLE = NOMINAL_CYCLE_TIME * MAX_RESOLUTION * _MAX_DRIVE_SLOWNESS / 4.0
 #: Least round-off, in units of the last place per root of a step.
 _ROUND_OFF_FACTOR = 1.0
 
@@ -64,7 +64,7 @@ class BestAttempts:
         lengths = timeline.piece_lengths[0, indices]
         slowness = np.ones(indices.size)
         if timeline.periodic:
-            slowness = (lengths / NOMINAL_CYCLE_TIME).clip(1.0, _MAX_SLOWNESS)
+            slowness = (lengths / NOMINAL_CYCLE_TIME).clip(1.0, _MAX_DRIVE_SLOWNESS)
         return TrajectoryScales(
             self.problem.duration[indices], lengths.clip(max=NOMINAL_CYCLE_TIME), slowness
         )
@@ -139,7 +139,7 @@ class BestAttempts:
             steps = fine_step_counts(self.problem, int(level), indices)
             # A cycle too long to be resolved at all, even if the run ends early in it.
             too_long = (timeline.piece_lengths[:, indices] > _LONGEST_RESOLVABLE_CYCLE).any(axis=0)
-            possible[members] = (steps <= MAX_STEPS_PER_TRAJECTORY) & ~(
+            possible[members] = (steps <= MAX_FINE_STEPS_PER_TRAJECTORY) & ~(
                 timeline.periodic & too_long
             )
         self.outcome.status[pending.indices[~possible]] = Status.MAX_STEPS

@@ -21,7 +21,7 @@ from remanent.integrate.ensemble.refinement import RefinementPolicy
 from remanent.integrate.ensemble.resolution import (
     MAX_RESOLUTION,
     choose_method,
-    estimate_resolution,
+    estimate_resolutions_from_beginnings,
     initial_resolution,
 )
 from remanent.integrate.ensemble.work_sizes import DEFAULT_WORK_SIZES, WorkSizes
@@ -86,7 +86,9 @@ def integrate(
     options = KernelOptions(request.wants_extremes)
     with KernelPool(problem, method, options, tolerance, workers=workers, sizes=sizes) as pool:
         pending = best.without_unaffordable(_all_valid_as_pending(problem, first))
-        pending = estimate_resolution(pool, problem, search, pending, method, most=max_resolution)
+        pending = estimate_resolutions_from_beginnings(
+            pool, problem, search, pending, method, most=max_resolution
+        )
         while pending.indices.size:
             pending = best.without_unaffordable(pending)
             attempts = pool.run_attempts(problem, search, pending)

@@ -113,11 +113,11 @@ class KernelPool:
             self.work_sizes,
             self._stop_event.is_set,
         )
-        width = self.kernel_pair.width
+        lane_count = self.kernel_pair.lane_count
         futures = {
             self._executor.submit(attempt_chunk, run, chunk): chunk
             for chunk in divide_into_chunks(
-                problem, pending, width, self.thread_count, self.work_sizes
+                problem, pending, lane_count, self.thread_count, self.work_sizes
             )
         }
         for future in as_completed(futures):
@@ -125,7 +125,7 @@ class KernelPool:
 
 
 def divide_into_chunks(
-    problem: Problem, pending: PendingTrajectories, width: int, threads: int, sizes: WorkSizes
+    problem: Problem, pending: PendingTrajectories, lane_count: int, threads: int, sizes: WorkSizes
 ) -> Iterator[Chunk]:
     """Group trajectories that share a resolution, step counts, and about a length.
 
@@ -142,7 +142,7 @@ def divide_into_chunks(
         cuts = np.flatnonzero((steps[:, 1:] != steps[:, :-1]).any(axis=0)) + 1
         for alike in np.split(members, cuts):
             steps_each = float(fine_step_counts(problem, resolution, alike[:1])[0])
-            share = -(-alike.size // (threads * width)) * width
-            size = min(share, sizes.trajectories_per_chunk(steps_each, width))
+            share = -(-alike.size // (threads * lane_count)) * lane_count
+            size = min(share, sizes.trajectories_per_chunk(steps_each, lane_count))
             for first in range(0, alike.size, size):
                 yield Chunk(resolution, alike[first : first + size])

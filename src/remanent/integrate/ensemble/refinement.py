@@ -35,13 +35,13 @@ class TrajectoryScales:
         Of the run, tau.
     capped_cycle_length : array (trajectory,)
         Length of a cycle, at most the nominal time, tau.
-    slowness : array (trajectory,)
+    drive_slowness : array (trajectory,)
         How many times longer a drive period is than the nominal time, from 1 up to a limit.
     """
 
     duration: FloatArray
     capped_cycle_length: FloatArray
-    slowness: FloatArray
+    drive_slowness: FloatArray
 
 
 @dataclass(frozen=True)
@@ -133,7 +133,7 @@ class RefinementPolicy:
         Of the global error of the method.
     max_resolution : int
         Largest resolution tried; larger in proportion for a slow drive.
-    max_stall_growth_factor : float
+    max_stalled_horizon_growth_factor : float
         A horizon that grows by less than this factor has stalled.
     min_telling_refinement_factor : float
         A stalled attempt counts only if it is finer than the best one by this factor: steps
@@ -142,31 +142,31 @@ class RefinementPolicy:
         Refinement is given up after so many stalled attempts in a row ...
     max_late_stalls : int
         ... or so many where the horizon lies late in the run, so that little is lacking.
-    late_horizon_share : float
+    late_horizon_share_of_run : float
         The horizon is late past this share of the run.
     early_horizon_cycles : float
         Nothing is given up while the horizon lies within so many cycles, in which a fast
         stretch of time may just not be resolved.
-    jump_error_share : float
+    jump_error_share_of_tolerance : float
         An attempt does not count as stalled where the error was below this share of the
         tolerance until it exceeded it.  An error that *jumps* past the tolerance tells of
         steps too long for a fast stretch of the motion; one that *grows* past it, of a motion
         that magnifies errors.
-    escape_size : float
+    escape_state_size : float
         A state beyond this has left the range of any actuator.
     """
 
     tolerance: float
     order: int
     max_resolution: int = MAX_RESOLUTION
-    max_stall_growth_factor: float = 1.05
+    max_stalled_horizon_growth_factor: float = 1.05
     min_telling_refinement_factor: float = 1.5
     max_stalls: int = 1
     max_late_stalls: int = 2
-    late_horizon_share: float = 0.8
+    late_horizon_share_of_run: float = 0.8
     early_horizon_cycles: float = 3.0
-    jump_error_share: float = 0.05
-    escape_size: float = 1e6
+    jump_error_share_of_tolerance: float = 0.05
+    escape_state_size: float = 1e6
 
     def decide(
         self, trajectories: TrajectoryScales, history: AttemptHistory, summary: AttemptSummary
@@ -188,16 +188,16 @@ class RefinementPolicy:
         met = summary.within_tolerance
         horizon = np.where(met, trajectories.duration, summary.horizon)
         # Before the first attempt the horizon is NaN, so that nothing has stalled.
-        stalled = horizon <= self.max_stall_growth_factor * history.horizon
+        stalled = horizon <= self.max_stalled_horizon_growth_factor * history.horizon
         stalls = self._count_stalls(stalled, history, summary)
         improved = met | (history.resolution == 0) | (horizon > history.horizon)
         # Steps that are too long run away as well, but not twice to the same time.
-        escaped = ~met & stalled & (summary.state_size > self.escape_size)
+        escaped = ~met & stalled & (summary.state_size > self.escape_state_size)
         singular = ~met & (horizon <= 0.0) & np.isnan(summary.largest_error)
         in_vain = ~met & self._is_exhausted(trajectories, horizon, stalls)
         unfinished = ~met & ~in_vain & ~escaped
         resolution = self._next_resolution(summary)
-        affordable = resolution <= self.max_resolution * trajectories.slowness
+        affordable = resolution <= self.max_resolution * trajectories.drive_slowness
         status = np.where(improved, np.where(met, Status.OK, Status.HORIZON), history.status)
         status = np.where(escaped, Status.ESCAPED, status)
         status = np.where(singular, Status.SINGULAR, status)
@@ -230,7 +230,7 @@ class RefinementPolicy:
         self, stalled: BoolArray, history: AttemptHistory, summary: AttemptSummary
     ) -> IntArray:
         """How many attempts in a row have stalled and tell something."""
-        jumped = summary.error_to_horizon < self.jump_error_share * self.tolerance
+        jumped = summary.error_to_horizon < self.jump_error_share_of_tolerance * self.tolerance
         finer = summary.resolution >= self.min_telling_refinement_factor * history.resolution
         telling = stalled & ~jumped & finer
         return np.asarray(np.where(stalled, history.stall_counts + telling, 0))
@@ -239,7 +239,7 @@ class RefinementPolicy:
         self, trajectories: TrajectoryScales, horizon: FloatArray, stalls: IntArray
     ) -> BoolArray:
         """Where so many attempts have stalled that no finer one will reach the end."""
-        late = horizon > self.late_horizon_share * trajectories.duration
+        late = horizon > self.late_horizon_share_of_run * trajectories.duration
         shown = horizon > self.early_horizon_cycles * trajectories.capped_cycle_length
         allowed = np.where(late, self.max_late_stalls, self.max_stalls)
         return np.asarray(shown & (stalls >= allowed))

@@ -18,7 +18,7 @@ from remanent.integrate.methods.runge_kutta import default_method
 #: Largest resolution tried, double steps per cycle.
 MAX_RESOLUTION = 2**14
 #: Refinement aims this factor below the tolerance.
-TOLERANCE_MARGIN = 0.5
+TOLERANCE_SHARE_AIMED_AT = 0.5
 #: Least factor by which a resolution is refined.
 _MIN_REFINEMENT_FACTOR = 1.05
 #: Largest factor by which a resolution is refined at once.
@@ -32,10 +32,10 @@ _REFERENCE_TOLERANCE = 1e-9
 #: Runs of at least so many cycles are begun to estimate their resolution.
 _MIN_LONG_RUN_CYCLES = 24
 #: The beginning is one part in so many of the run.
-_BEGINNING_DIVISOR = 8
+_RUN_TO_BEGINNING_RATIO = 8
 #: The error of an extreme or a state grows with the time, or with its square: it is taken to
 #: grow with this power.
-_ERROR_GROWTH_POWER = 1.5
+_POWER_OF_TIME_IN_ERROR_GROWTH = 1.5
 #: The resolutions tried: 4, 5, 6, 7, 8, 10, 12, 14, 16 ...
 _ALLOWED_RESOLUTIONS = np.array(
     [base << k for k in range(40) for base in (4, 5, 6, 7)], dtype=np.int64
@@ -94,7 +94,7 @@ def refine_resolution(
         Errors from here on no longer follow the order: twice as fine, then.
     """
     with np.errstate(all="ignore"):
-        factor = (error / (TOLERANCE_MARGIN * tolerance)) ** (1.0 / order)
+        factor = (error / (TOLERANCE_SHARE_AIMED_AT * tolerance)) ** (1.0 / order)
     meaningful = np.isfinite(factor) & (error < asymptotic_limit)
     factor = np.where(meaningful, factor, _BLIND_REFINEMENT_FACTOR)
     factor = factor.clip(_MIN_REFINEMENT_FACTOR, _MAX_REFINEMENT_FACTOR)
@@ -102,7 +102,7 @@ def refine_resolution(
     return np.maximum(round_up_resolution(factor * resolution), following)
 
 
-def estimate_resolution(
+def estimate_resolutions_from_beginnings(
     pool: KernelPool,
     problem: Problem,
     request: Request,
@@ -126,10 +126,12 @@ def estimate_resolution(
     )  # extremes may be asked for after the beginning only
     for chunk, attempt in pool.run_attempts(beginnings, request, tried):
         indices = chunk.indices
-        growth = (problem.duration[indices] / beginnings.duration[indices]) ** _ERROR_GROWTH_POWER
+        growth = (
+            problem.duration[indices] / beginnings.duration[indices]
+        ) ** _POWER_OF_TIME_IN_ERROR_GROWTH
         error = attempt.largest_error * growth
         with np.errstate(all="ignore"):
-            factor = (error / (TOLERANCE_MARGIN * pool.tolerance)) ** (1.0 / method.order)
+            factor = (error / (TOLERANCE_SHARE_AIMED_AT * pool.tolerance)) ** (1.0 / method.order)
         # Where the beginning says nothing, or asks for more than twice as fine, the run itself
         # is tried at twice the resolution: it says more.
         factor = np.where(np.isfinite(factor), factor, _BLIND_REFINEMENT_FACTOR)
@@ -143,5 +145,5 @@ def _beginnings_of_long_runs(problem: Problem, indices: IntArray) -> Problem:
     cycles = np.zeros(problem.duration.shape, dtype=np.int64)
     if problem.timeline.periodic:
         cycles[indices] = cycle_counts(problem, indices)
-    beginning = np.where(cycles >= _MIN_LONG_RUN_CYCLES, cycles // _BEGINNING_DIVISOR, 0)
+    beginning = np.where(cycles >= _MIN_LONG_RUN_CYCLES, cycles // _RUN_TO_BEGINNING_RATIO, 0)
     return replace(problem, duration=beginning * problem.timeline.piece_lengths[0])

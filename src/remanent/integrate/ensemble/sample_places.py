@@ -12,7 +12,7 @@ from remanent.integrate.ensemble.problem import latest_trusted_time
 from remanent.integrate.ensemble.segments import Segment
 
 #: A time this close to the end of a step, in steps, is that end: rounding in the time.
-_STEP_END_SLACK = 1e-9
+_STEP_END_SLACK_IN_STEPS = 1e-9
 #: Rounding in the time of a step, relative to that time.
 _RELATIVE_TIME_ROUNDING = 4.0 * np.finfo(float).eps
 
@@ -30,7 +30,7 @@ class SamplePlaces:
         Trajectory, and number of the time.
     sample_times : array (sample,)
         The time, tau.
-    steps_before : array (sample,)
+    fine_steps_before : array (sample,)
         Fine steps of the segment before the time.
     step_fractions : array (sample,)
         Fraction of the next step, in [0, 1).
@@ -39,7 +39,7 @@ class SamplePlaces:
     trajectory_rows: IntArray
     time_columns: IntArray
     sample_times: FloatArray
-    steps_before: IntArray
+    fine_steps_before: IntArray
     step_fractions: FloatArray
 
     @classmethod
@@ -75,7 +75,7 @@ class SamplePlaces:
             self.trajectory_rows[where],
             self.time_columns[where],
             self.sample_times[where],
-            self.steps_before[where],
+            self.fine_steps_before[where],
             self.step_fractions[where],
         )
 
@@ -101,11 +101,11 @@ def _locate_in_piece(
     cycle = np.floor((time - start) / length).clip(0, cycles - 1)
     position = (time - (start + cycle * length)) / step
     # Rounding may put a time just outside the piece, or a time between two cycles in neither.
-    reach = _STEP_END_SLACK + _RELATIVE_TIME_ROUNDING * time / step
+    reach = _STEP_END_SLACK_IN_STEPS + _RELATIVE_TIME_ROUNDING * time / step
     outside = (position < -reach) | (position > per_cycle + reach)
     position = position.clip(0.0, per_cycle)
     near = np.rint(position)
-    position = np.where(np.abs(position - near) < _STEP_END_SLACK, near, position)
+    position = np.where(np.abs(position - near) < _STEP_END_SLACK_IN_STEPS, near, position)
     before = np.floor(position)
     steps = cycle.astype(np.int64) * per_cycle + before.astype(np.int64)
     return np.where(outside, -1, steps), position - before

@@ -72,8 +72,8 @@ class Sampler:
     ) -> None:
         """Run one segment and take in what is asked for."""
         places = self._sample_places(segment)
-        every = self._record_interval(segment, places)
-        before = memory.as_record("fine").copy()
+        every = self._record_interval_in_fine_steps(segment, places)
+        before = memory.vectors_as_record("fine").copy()
         count = segment.fine_step_count // every if every else 0
         record = np.full((count, *before.shape[1:]), np.nan)
         kernel(
@@ -98,16 +98,16 @@ class Sampler:
             if places is not None:
                 self._interpolate_samples(places, states, memory, segment)
 
-    def _record_interval(self, segment: Segment, places: SamplePlaces | None) -> int:
+    def _record_interval_in_fine_steps(self, segment: Segment, places: SamplePlaces | None) -> int:
         """Fine steps between the states that the kernel records in a segment; 0 for none."""
         request = self.run.request
         if request.strobe_cycles:
-            return self._strobe_record_interval(segment)
+            return self._strobe_interval_in_fine_steps(segment)
         if request.inspect_window is not None:
             return 1
         return int(places is not None and places.trajectory_rows.size > 0)
 
-    def _strobe_record_interval(self, segment: Segment) -> int:
+    def _strobe_interval_in_fine_steps(self, segment: Segment) -> int:
         """Every step in a start, which may end within a stride; else every stride."""
         strobe = self.run.request.strobe_cycles
         if not segment.has_past_rates:
@@ -135,7 +135,7 @@ class Sampler:
                 segment.cycles_completed_at_end > 0
                 and segment.cycles_completed_at_end % strobe == 0
             )
-            record = memory.as_record("fine")[: int(due_at_end)].copy()
+            record = memory.vectors_as_record("fine")[: int(due_at_end)].copy()
         states = memory.by_trajectory(record)
         first = segment.first_cycle // strobe + 1
         self.states[:, first : first + states.shape[1]] = states
@@ -180,7 +180,7 @@ class Sampler:
             block = slice(first, first + size)
             row, step, part = (
                 places.trajectory_rows[block],
-                places.steps_before[block],
+                places.fine_steps_before[block],
                 places.step_fractions[block],
             )
             self.states[row, places.time_columns[block]] = dense.partial_step(

@@ -24,7 +24,7 @@ class WorkSizes:
 
     Attributes
     ----------
-    steps_per_chunk : float
+    fine_steps_per_chunk : float
         Fine steps of all trajectories in a chunk: about a tenth of a second.
     min_groups_per_chunk, max_groups_per_chunk : int
         Groups of trajectories in a chunk: enough to be worth its overhead, and few enough that
@@ -32,34 +32,34 @@ class WorkSizes:
     instructions_per_segment : int
         Instructions of all trajectories in a segment: hundredths of a second, so that calls of
         a kernel cost little and a run is cancelled within a fifth of a second.
-    recorded_steps_per_segment : int
+    recorded_fine_steps_per_segment : int
         Fine steps of all trajectories in a segment whose states are all recorded: memory.
-    min_steps_per_segment, max_steps_per_segment : int
+    min_fine_steps_per_segment, max_fine_steps_per_segment : int
         Fine steps of one trajectory in a segment.
     samples_per_block : int
         Samples between steps that are computed together: few enough to stay in the
         processor's cache.
     """
 
-    steps_per_chunk: float = 2.0**23
+    fine_steps_per_chunk: float = 2.0**23
     min_groups_per_chunk: int = 4
     max_groups_per_chunk: int = 256
     instructions_per_segment: int = 2**28
-    recorded_steps_per_segment: int = 2**17
-    min_steps_per_segment: int = 64
-    max_steps_per_segment: int = 2**15
+    recorded_fine_steps_per_segment: int = 2**17
+    min_fine_steps_per_segment: int = 64
+    max_fine_steps_per_segment: int = 2**15
     samples_per_block: int = 8192
 
-    def trajectories_per_chunk(self, steps: float, width: int) -> int:
+    def trajectories_per_chunk(self, steps: float, lane_count: int) -> int:
         """How many trajectories make a chunk, if each takes so many fine steps."""
         groups = np.clip(
-            self.steps_per_chunk / (steps * width),
+            self.fine_steps_per_chunk / (steps * lane_count),
             self.min_groups_per_chunk,
             self.max_groups_per_chunk,
         )
-        return int(groups) * width
+        return int(groups) * lane_count
 
-    def steps_per_segment(self, kernel: Kernel, trajectories: int, *, recorded: bool) -> int:
+    def fine_steps_per_segment(self, kernel: Kernel, trajectories: int, *, recorded: bool) -> int:
         """Fine steps of each of so many trajectories in a segment."""
         code = kernel.field.rates.instructions
         cost = sum(
@@ -67,10 +67,14 @@ class WorkSizes:
             for operation, *_ in code
         )
         steps = self.instructions_per_segment // max(kernel.method.evaluations_per_step * cost, 1)
-        padded = -(-trajectories // kernel.width) * kernel.width
+        padded = -(-trajectories // kernel.lane_count) * kernel.lane_count
         if recorded:
-            steps = min(steps, self.recorded_steps_per_segment)
-        return int(np.clip(steps // padded, self.min_steps_per_segment, self.max_steps_per_segment))
+            steps = min(steps, self.recorded_fine_steps_per_segment)
+        return int(
+            np.clip(
+                steps // padded, self.min_fine_steps_per_segment, self.max_fine_steps_per_segment
+            )
+        )
 
 
 #: Sizes that suit a processor of today.

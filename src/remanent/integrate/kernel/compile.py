@@ -18,7 +18,7 @@ from remanent._field import Field
 from remanent._typing import FloatArray
 from remanent.integrate.kernel.kernel import KERNEL_FUNCTION_NAME, kernel_source
 from remanent.integrate.kernel.layout import SlotLayout
-from remanent.integrate.kernel.options import KernelOptions, Method, layout_of
+from remanent.integrate.kernel.options import KernelOptions, Method, build_slot_layout
 
 _C_SIGNATURE = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 4, *[ctypes.c_int64] * 6)
 _COMPILE_LOCK = threading.Lock()
@@ -30,7 +30,7 @@ class Kernel:
 
     Attributes
     ----------
-    width
+    lane_count
         Trajectories per group.
     layout
         Slots of a trajectory.
@@ -39,7 +39,7 @@ class Kernel:
     field: Field
     method: Method
     options: KernelOptions
-    width: int
+    lane_count: int
     layout: SlotLayout
     _machine_function: Callable[..., None]
     _execution_engine: Any
@@ -62,7 +62,7 @@ class Kernel:
         lanes : array (group, slot, lane)
         tables : pair of arrays (step, node, 1 + waveform)
             The load at the nodes of the fine and of the coarse steps of a cycle, from
-            :func:`~remanent.integrate.kernel.tables.waveform_tables`.
+            :func:`~remanent.integrate.kernel.tables.build_waveform_tables`.
         cycles : int
             Most cycles; a group stops when all its trajectories have ended.
         every : int
@@ -76,13 +76,20 @@ class Kernel:
         """
         fine, coarse = tables
         groups, double_steps = lanes.shape[0], coarse.shape[0]
-        if lanes.shape[1:] != (self.layout.slot_count, self.width) or not lanes.flags.c_contiguous:
+        if (
+            lanes.shape[1:] != (self.layout.slot_count, self.lane_count)
+            or not lanes.flags.c_contiguous
+        ):
             raise ValueError(f"wrong shape of lanes: {lanes.shape}")
         if fine.shape[0] != 2 * double_steps:
             raise ValueError("fine and coarse tables do not belong together")
         if every:
             needed = 2 * double_steps * cycles // every
-            if record is None or record.shape[1:] != (groups, self.layout.state_count, self.width):
+            if record is None or record.shape[1:] != (
+                groups,
+                self.layout.state_count,
+                self.lane_count,
+            ):
                 raise ValueError("wrong shape of record")
             if record.shape[0] < needed or not record.flags.c_contiguous:
                 raise ValueError(f"record holds {record.shape[0]} states; {needed} are needed")
@@ -114,9 +121,9 @@ class KernelPair:
         return self.start_kernel.layout
 
     @property
-    def width(self) -> int:
+    def lane_count(self) -> int:
         """Trajectories per group."""
-        return self.start_kernel.width
+        return self.start_kernel.lane_count
 
 
 @dataclass(frozen=True)
@@ -128,7 +135,7 @@ class TargetProcessor:
     features: str
 
     @property
-    def width(self) -> int:
+    def lane_count(self) -> int:
         """Trajectories per group: two vectors of the widest kind, to hide latencies."""
         return 2 * (8 if self.has_feature("avx512f") else 4 if self.has_feature("avx") else 2)
 
@@ -144,7 +151,7 @@ class TargetProcessor:
     def kernel_source(self, field: Field, method: Method, options: KernelOptions) -> str:
         """LLVM assembly of a kernel for this processor."""
         return kernel_source(
-            field, method, options, self.width, estimates=self.has_reciprocal_estimates
+            field, method, options, self.lane_count, estimates=self.has_reciprocal_estimates
         )
 
     def create_target_machine(self) -> Any:
@@ -181,8 +188,8 @@ def _cached_kernel(
     call, engine = _load_object_code(
         _kernel_object_code(key.field, method.method, options, target), target
     )
-    layout = layout_of(key.field, options)
-    return Kernel(key.field, method.method, options, target.width, layout, call, engine)
+    layout = build_slot_layout(key.field, options)
+    return Kernel(key.field, method.method, options, target.lane_count, layout, call, engine)
 
 
 class _FieldByFingerprint:

@@ -27,7 +27,7 @@ class ErrorMonitor:
 
     Attributes
     ----------
-    error_per_difference : float
+    error_per_solution_difference : float
         Error of the fine solution over its difference from the coarse one.
     absolute_error_count : int
         How many of the first state variables have an absolute error.
@@ -38,7 +38,7 @@ class ErrorMonitor:
     writer: Writer
     run_constants: RunConstants
     trajectory_cells: TrajectoryCells
-    error_per_difference: float
+    error_per_solution_difference: float
     absolute_error_count: int | None
     estimates_error_per_cycle: bool
 
@@ -52,7 +52,7 @@ class ErrorMonitor:
         cells: TrajectoryCells,
     ) -> ErrorMonitor:
         """The monitor of a kernel with this method and these options."""
-        scale = options.safety_factor / float(2**method.assumed_order - 1)
+        scale = options.error_safety_factor / float(2**method.order_assumed_by_error_estimate - 1)
         return cls(
             writer,
             run,
@@ -66,7 +66,7 @@ class ErrorMonitor:
         """Where following a trajectory further still tells something about its error."""
         return self.trajectory_cells.largest_error.get() <= self.run_constants.error_ceiling
 
-    def is_active(self, cycle: Cycle) -> Mask:
+    def is_followed_in_cycle(self, cycle: Cycle) -> Mask:
         """Which trajectories take part in a cycle."""
         return self.is_below_ceiling() & (
             cycle.step_time(self.writer.integer_constant(0)) < self.run_constants.run_end
@@ -83,7 +83,7 @@ class ErrorMonitor:
             size = reduce(larger, map(abs, fine[count:]), self.writer.constant(1.0))
             error = larger_or_nan(error, reduce(larger_or_nan, differences[count:]) / size)
         self.record_error(
-            t0 < self.run_constants.run_end, error * self.error_per_difference, t0, left
+            t0 < self.run_constants.run_end, error * self.error_per_solution_difference, t0, left
         )
 
     def record_error(
@@ -129,7 +129,7 @@ class ErrorMonitor:
         together = always
         for a, c in zip(fine, coarse, strict=True):
             together = together & (
-                abs(a - c) * self.error_per_difference
+                abs(a - c) * self.error_per_solution_difference
                 <= (abs(a) + 1.0) * _MIN_DIVERGED_RELATIVE_ERROR
             )
         return always.without(together)

@@ -39,7 +39,7 @@ from remanent.integrate.kernel.lanes import (
 
 #: Newton steps from a secant start, before one more with the same curvature; an extremum
 #: then moves by less than round-off.
-_NEWTON_STEPS = 2
+_NEWTON_STEP_COUNT = 2
 #: Largest value of (s**3 - s)**3 in [-1, 1], to which the error of the polynomial between its
 #: nodes is proportional.  The factor is its next coefficient; the last coefficient, which is
 #: larger where steps resolve the motion, is used in its place.
@@ -192,7 +192,7 @@ class ExtremeTracker:
         w = code.writer
         states = len(code.field.state_names)
         kept = KeptStep.empty(w, states, loads.column_count, coarse=coarse_solution)
-        state, load = cells.fine.get(), loads.load_in_step(w.integer_constant(0))(0)
+        state, load = cells.fine.get(), loads.load_at_nodes_of_step(w.integer_constant(0))(0)
         # The end of the call before is the same instant, but the phase there may be 1 instead
         # of 0, with other last digits: what was seen there is taken up.
         saved = cells.watched_rate_sign.get()
@@ -201,7 +201,7 @@ class ExtremeTracker:
         )
         return cls(w, code, run, cells, loads, monitor, kept, coarse_solution)
 
-    def is_near_an_end(self, cycle: Cycle) -> ir.Value:
+    def any_lane_near_tracking_limit(self, cycle: Cycle) -> ir.Value:
         """Whether one of the group begins or ends to be followed in this cycle or next to it.
 
         Only then must the ends be looked for in every step.
@@ -229,10 +229,13 @@ class ExtremeTracker:
         first, second : ir.Value
             Numbers of the two fine steps in the cycle.
         near_an_end : ir.Value
-            See :meth:`is_near_an_end`.
+            See :meth:`any_lane_near_tracking_limit`.
         """
         last_node = self.fine_loads.node_count - 1
-        row, end_row = self.fine_loads.load_in_step(first), self.fine_loads.load_in_step(second)
+        row, end_row = (
+            self.fine_loads.load_at_nodes_of_step(first),
+            self.fine_loads.load_at_nodes_of_step(second),
+        )
         right_load = end_row(last_node)
         left_load, middle_load = row(0), row(last_node)
         before = self.trajectory_cells.watched_rate_sign.get()
@@ -274,7 +277,7 @@ class ExtremeTracker:
             at_left = self._observable_difference(left, y.coarse_left, step.left_load)
             at_right = self._observable_difference(right, y.coarse_right, step.right_load)
             error = (
-                larger_or_nan(at_left, at_right) * self.error_monitor.error_per_difference
+                larger_or_nan(at_left, at_right) * self.error_monitor.error_per_solution_difference
                 + abs(polynomial[-1]) * _INTERPOLATION_ERROR_FACTOR
             )
             error = diverged.select(self.writer.constant(math.inf), error)
@@ -344,7 +347,7 @@ def _turning_point(
     slope = derivative_coefficients(polynomial)
     curvature = derivative_coefficients(slope)
     s = reciprocal_quotient(first_rate, first_rate - second_rate) + shift
-    for _ in range(_NEWTON_STEPS):
+    for _ in range(_NEWTON_STEP_COUNT):
         inverse = s.writer.reciprocal(horner(curvature, s))
         s = _clamp_to_half_interval(s - horner(slope, s) * inverse, shift)
     # So close by now that the curvature is that of the last step.

@@ -39,7 +39,7 @@ class LoadTable:
     node_count: int
     column_count: int
 
-    def load_in_step(self, step: ir.Value) -> Callable[[int], PhaseAndWaveforms]:
+    def load_at_nodes_of_step(self, step: ir.Value) -> Callable[[int], PhaseAndWaveforms]:
         """The load in a step, as a function of the node."""
         b, w = self.writer.builder, self.writer
         base = b.mul(step, w.integer_constant(self.node_count * self.column_count))
@@ -54,7 +54,7 @@ class LoadTable:
         return at
 
 
-def outlined_rates(
+def build_outlined_rates(
     field: Field, method: Method, options: KernelOptions, writer: Writer
 ) -> dict[int, OutlinedRates]:
     """The rates as functions of their own, by how many variables they are for.
@@ -80,7 +80,7 @@ class FieldCode:
     parameters : sequence of Lanes
         Of the trajectories of the group.
     outlined_rates : mapping of int to OutlinedRates
-        Functions for the rates, see :func:`outlined_rates`; written out in place if empty.
+        Functions for the rates, see :func:`build_outlined_rates`; written out in place if empty.
     """
 
     field: Field

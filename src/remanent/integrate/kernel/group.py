@@ -56,8 +56,8 @@ class GroupSlots:
 
     def _slot_index(self, name: str) -> ir.Value:
         b, w = self.writer.builder, self.writer
-        base = b.mul(self.group_number, w.integer_constant(self.layout.slot_count * w.width))
-        return b.add(base, w.integer_constant(self.layout.slot_of_name[name] * w.width))
+        base = b.mul(self.group_number, w.integer_constant(self.layout.slot_count * w.lane_count))
+        return b.add(base, w.integer_constant(self.layout.slot_of_name[name] * w.lane_count))
 
 
 @dataclass(frozen=True)

@@ -22,11 +22,11 @@ from llvmlite import ir
 from remanent._field import Field
 from remanent.integrate.kernel.error_monitor import ErrorMonitor
 from remanent.integrate.kernel.extreme_tracker import ExtremeTracker, StepStates
-from remanent.integrate.kernel.field_code import FieldCode, LoadTable, outlined_rates
+from remanent.integrate.kernel.field_code import FieldCode, LoadTable, build_outlined_rates
 from remanent.integrate.kernel.group import Cycle, GroupSlots, RunConstants, TrajectoryCells
 from remanent.integrate.kernel.lanes import DOUBLE_TYPE, INTEGER_TYPE, Writer
 from remanent.integrate.kernel.lockstep import Lockstep
-from remanent.integrate.kernel.options import KernelOptions, Method, layout_of
+from remanent.integrate.kernel.options import KernelOptions, Method, build_slot_layout
 from remanent.integrate.kernel.recorder import Recorder
 from remanent.integrate.kernel.stepping import create_stepper
 
@@ -43,10 +43,10 @@ class KernelArguments:
     slots_pointer : pointer to double
         ``(group, slot, lane)``, see :class:`~remanent.integrate.kernel.layout.SlotLayout`.
     fine_table, coarse_table : pointer to double
-        See :func:`~remanent.integrate.kernel.tables.waveform_tables`.
+        See :func:`~remanent.integrate.kernel.tables.build_waveform_tables`.
     record_pointer : pointer to double
         ``(record, group, state, lane)``.
-    group_count, cycle_count, double_step_count, record_interval : integer
+    group_count, cycle_count, double_step_count, record_interval_in_fine_steps : integer
         Number of groups, of cycles, of double steps per cycle, and of fine steps between
         records (0: none).
     cycles_before, fine_steps_before : integer
@@ -61,13 +61,18 @@ class KernelArguments:
     group_count: ir.Value
     cycle_count: ir.Value
     double_step_count: ir.Value
-    record_interval: ir.Value
+    record_interval_in_fine_steps: ir.Value
     cycles_before: ir.Value
     fine_steps_before: ir.Value
 
 
 def kernel_source(
-    field: Field, method: Method, options: KernelOptions, width: int, *, estimates: bool = False
+    field: Field,
+    method: Method,
+    options: KernelOptions,
+    lane_count: int,
+    *,
+    estimates: bool = False,
 ) -> str:
     """LLVM assembly of the kernel ``void kernel(...)`` with these :class:`KernelArguments`.
 
@@ -79,7 +84,7 @@ def kernel_source(
         What it is integrated with.
     options : KernelOptions
         What is followed.
-    width : int
+    lane_count : int
         Trajectories per group.
     estimates : bool
         The code is for a processor that estimates reciprocals of eight numbers at once.
@@ -93,7 +98,7 @@ def kernel_source(
     begin = function.append_basic_block("begin")
     builder.branch(begin)
     builder.position_at_end(begin)
-    writer = Writer(builder, width, estimates)
+    writer = Writer(builder, lane_count, estimates)
     _write_group_loop(field, method, options, writer, KernelArguments(*function.args))
     builder.ret_void()
     return str(module)
@@ -103,9 +108,11 @@ def _write_group_loop(
     field: Field, method: Method, options: KernelOptions, writer: Writer, arguments: KernelArguments
 ) -> None:
     """Write the loop over groups."""
-    outlined = outlined_rates(field, method, options, writer)
+    outlined = build_outlined_rates(field, method, options, writer)
     with writer.loop(arguments.group_count) as (group, _):
-        slots = GroupSlots(writer, arguments.slots_pointer, layout_of(field, options), group)
+        slots = GroupSlots(
+            writer, arguments.slots_pointer, build_slot_layout(field, options), group
+        )
         run = RunConstants.read(slots)
         code = FieldCode.with_parameters_of(field, slots, outlined)
         kernel = GroupKernel.from_slots(method, options, slots, arguments, run, code)
@@ -172,7 +179,7 @@ class GroupKernel:
                 arguments.record_pointer,
                 arguments.group_count,
                 slots.group_number,
-                arguments.record_interval,
+                arguments.record_interval_in_fine_steps,
             ),
         )
 
@@ -184,11 +191,13 @@ class GroupKernel:
             count = w.broadcast_integer(w.builder.add(self.arguments.cycles_before, number))
             start = run.piece_start + count * run.cycle_length
             cycle = Cycle(number, start, run.fine_step_length, self.arguments.fine_steps_before)
-            leave_if(w.builder.not_(self.error_monitor.is_active(cycle).any_lane()))
+            leave_if(w.builder.not_(self.error_monitor.is_followed_in_cycle(cycle).any_lane()))
             if self.options.estimates_error_per_cycle:
                 self.lockstep.restart_coarse()
             near_an_end = (
-                self.extreme_tracker.is_near_an_end(cycle) if self.extreme_tracker else None
+                self.extreme_tracker.any_lane_near_tracking_limit(cycle)
+                if self.extreme_tracker
+                else None
             )
             with w.loop(self.arguments.double_step_count) as (double_step, _):
                 self._write_double_step(cycle, double_step, near_an_end)

@@ -33,23 +33,23 @@ class Writer:
 
     Attributes
     ----------
-    width
+    lane_count
         Lanes.
     has_reciprocal_estimates
         The processor has an instruction for estimates of reciprocals.
     """
 
     builder: ir.IRBuilder
-    width: int
+    lane_count: int
     has_reciprocal_estimates: bool = False
 
     @property
     def vector_type(self) -> ir.VectorType:
-        return ir.VectorType(DOUBLE_TYPE, self.width)
+        return ir.VectorType(DOUBLE_TYPE, self.lane_count)
 
     def constant(self, value: float) -> Lanes:
         """The same number in every lane."""
-        return Lanes(self, ir.Constant(self.vector_type, [float(value)] * self.width))
+        return Lanes(self, ir.Constant(self.vector_type, [float(value)] * self.lane_count))
 
     def integer_constant(self, value: int) -> ir.Constant:
         return ir.Constant(INTEGER_TYPE, value)
@@ -60,7 +60,7 @@ class Writer:
         first_lane = self.builder.insert_element(
             undefined, scalar, ir.Constant(_LANE_INDEX_TYPE, 0)
         )
-        zeros = ir.Constant(ir.VectorType(_LANE_INDEX_TYPE, self.width), [0] * self.width)
+        zeros = ir.Constant(ir.VectorType(_LANE_INDEX_TYPE, self.lane_count), [0] * self.lane_count)
         return Lanes(self, self.builder.shuffle_vector(first_lane, undefined, zeros))
 
     def broadcast_integer(self, scalar: ir.Value) -> Lanes:
@@ -140,7 +140,7 @@ class Writer:
         if estimate is None:
             estimate = ir.Function(builder.module, signature, _RECIPROCAL_ESTIMATE_NAME)
         nothing, every = ir.Constant(native, ir.Undefined), ir.Constant(mask, -1)
-        for first in range(0, self.width, _RECIPROCAL_ESTIMATE_LANE_COUNT):
+        for first in range(0, self.lane_count, _RECIPROCAL_ESTIMATE_LANE_COUNT):
             part = builder.shuffle_vector(
                 b.ir_value, b.ir_value, _lane_numbers(first, _RECIPROCAL_ESTIMATE_LANE_COUNT)
             )
@@ -154,7 +154,7 @@ class Writer:
     def call_math_function(self, name: str, argument: Lanes) -> Lanes:
         """A function of the mathematical library, lane by lane."""
         module = self.builder.module
-        full = f"llvm.{name}.v{self.width}f64"
+        full = f"llvm.{name}.v{self.lane_count}f64"
         declared = module.globals.get(full)
         if declared is None:
             declared = ir.Function(
@@ -262,7 +262,7 @@ class Mask:
 
     def without(self, other: Mask) -> Mask:
         """Where this mask holds and the other does not."""
-        all_ones = ir.Constant(self.ir_value.type, [1] * self.writer.width)
+        all_ones = ir.Constant(self.ir_value.type, [1] * self.writer.lane_count)
         b = self.writer.builder
         return Mask(self.writer, b.and_(self.ir_value, b.xor(other.ir_value, all_ones)))
 
@@ -275,7 +275,7 @@ class Mask:
     def any_lane(self) -> ir.Value:
         """Whether the mask holds in at least one lane, as a scalar."""
         b = self.writer.builder
-        bits = b.bitcast(self.ir_value, ir.IntType(self.writer.width))
+        bits = b.bitcast(self.ir_value, ir.IntType(self.writer.lane_count))
         return b.icmp_unsigned("!=", bits, ir.Constant(bits.type, 0))
 
 

@@ -50,7 +50,7 @@ class Lockstep:
 
     def fine_step(self, step: ir.Value) -> list[Lanes]:
         """A step of h; rounding is compensated where the method says so."""
-        y, loads = self.fine_state(), self.fine_loads.load_in_step(step)
+        y, loads = self.fine_state(), self.fine_loads.load_at_nodes_of_step(step)
 
         def update(change: list[Lanes]) -> list[Lanes]:
             if self.method.has_compensated_sum:
@@ -72,7 +72,7 @@ class Lockstep:
         solution are made as much larger as its truncation error is, so that their
         share in the difference of the solutions is what the fine one makes.
         """
-        y, loads = self.coarse_state(), self.coarse_loads.load_in_step(step)
+        y, loads = self.coarse_state(), self.coarse_loads.load_at_nodes_of_step(step)
 
         def update(change: list[Lanes]) -> list[Lanes]:
             bits = self.method.coarse_solution_lost_bits
@@ -91,8 +91,8 @@ class Lockstep:
         last = b.sub(double_steps, w.integer_constant(1))
         last_fine = b.add(last, double_steps)
         ends = {
-            "fine": StepEnd(self.fine_state, self.fine_loads.load_in_step(last_fine)),
-            "coarse": StepEnd(self.coarse_state, self.coarse_loads.load_in_step(last)),
+            "fine": StepEnd(self.fine_state, self.fine_loads.load_at_nodes_of_step(last_fine)),
+            "coarse": StepEnd(self.coarse_state, self.coarse_loads.load_at_nodes_of_step(last)),
         }
         self.stepper.save_past_rates(slots, ends)
 

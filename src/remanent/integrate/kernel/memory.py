@@ -36,7 +36,7 @@ class LaneMemory:
     def with_values(
         cls,
         layout: SlotLayout,
-        width: int,
+        lane_count: int,
         vectors: Mapping[str, FloatArray],
         scalars: Mapping[str, FloatArray | float],
     ) -> Self:
@@ -45,7 +45,7 @@ class LaneMemory:
         Parameters
         ----------
         layout : SlotLayout
-        width : int
+        lane_count : int
             Trajectories per group.
         vectors : mapping of str to array (trajectory, component)
             ``parameter`` and the states of
@@ -54,14 +54,14 @@ class LaneMemory:
             Values of :data:`~remanent.integrate.kernel.layout.SCALAR_NAMES`; zero by default.
         """
         count = vectors["parameter"].shape[0]
-        groups = -(-count // width)
-        flat = np.zeros((groups * width, layout.slot_count))
+        groups = -(-count // lane_count)
+        flat = np.zeros((groups * lane_count, layout.slot_count))
         for kind, vector in vectors.items():
             flat[:count, layout.slots_of_vector(kind)] = vector
         for name, value in scalars.items():
             flat[:count, layout.slot_of_name[name]] = value
         flat[count:] = flat[count - 1]
-        grouped = flat.reshape(groups, width, layout.slot_count)
+        grouped = flat.reshape(groups, lane_count, layout.slot_count)
         return cls(np.ascontiguousarray(grouped.transpose(0, 2, 1)), layout, count)
 
     def column(self, name: str) -> FloatArray:
@@ -70,24 +70,24 @@ class LaneMemory:
 
     def set_column(self, name: str, column: FloatArray) -> None:
         """Replace the number called `name` of every trajectory."""
-        groups, _, width = self.slots.shape
-        padded = np.full(groups * width, column[-1])
+        groups, _, lane_count = self.slots.shape
+        padded = np.full(groups * lane_count, column[-1])
         padded[: column.size] = column
-        self.slots[:, self.layout.slot_of_name[name], :] = padded.reshape(groups, width)
+        self.slots[:, self.layout.slot_of_name[name], :] = padded.reshape(groups, lane_count)
 
     def state_vectors(self, kind: str) -> FloatArray:
         """The state called `kind`, array (trajectory, component)."""
-        return self.by_trajectory(self.as_record(kind))[:, 0]
+        return self.by_trajectory(self.vectors_as_record(kind))[:, 0]
 
     def parameters(self) -> FloatArray:
         """Array (parameter, trajectory), each row contiguous."""
-        groups, _, width = self.slots.shape
+        groups, _, lane_count = self.slots.shape
         columns = self.slots[:, self.layout.slots_of_vector("parameter"), :].transpose(1, 0, 2)
-        return columns.reshape(self.layout.parameter_count, groups * width)[
+        return columns.reshape(self.layout.parameter_count, groups * lane_count)[
             :, : self.trajectory_count
         ]
 
-    def as_record(self, kind: str) -> FloatArray:
+    def vectors_as_record(self, kind: str) -> FloatArray:
         """The same as one record, array (1, group, component, lane)."""
         return self.slots[:, self.layout.slots_of_vector(kind), :][None]
 

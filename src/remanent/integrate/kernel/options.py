@@ -22,7 +22,7 @@ class KernelOptions:
     follows_extremes : bool
         Follow the extremes of the watched observable, and control their error; else
         control the error of the state.
-    safety_factor : float
+    error_safety_factor : float
         Factor between the estimate from two step sizes and the error reported.
     has_coarse_solution : bool
         Advance the coarse solution too.  Without it no error is estimated.
@@ -40,14 +40,14 @@ class KernelOptions:
     """
 
     follows_extremes: bool = False
-    safety_factor: float = 4.0
+    error_safety_factor: float = 4.0
     has_coarse_solution: bool = True
     estimates_error_per_cycle: bool = False
     absolute_error_count: int | None = None
     coarse_variable_count: int | None = None
 
 
-def layout_of(field: Field, options: KernelOptions) -> SlotLayout:
+def build_slot_layout(field: Field, options: KernelOptions) -> SlotLayout:
     """Slots of the trajectories of a field, the same whatever the method."""
     histories = tuple(
         i for i, partner in enumerate(rate_variable_indices(field)) if partner is None

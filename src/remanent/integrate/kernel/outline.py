@@ -43,7 +43,7 @@ class OutlinedRates:
 
     def _allocate_array(self, count: int) -> ir.Value:
         return self._writer.builder.alloca(
-            DOUBLE_TYPE, self._writer.integer_constant(count * self._writer.width)
+            DOUBLE_TYPE, self._writer.integer_constant(count * self._writer.lane_count)
         )
 
     def prepare_parameters(self, parameters: Sequence[Lanes]) -> None:
@@ -61,7 +61,8 @@ class OutlinedRates:
         _store_vectors(w, [phase, *y, *self._zeros_for_absent, *waves], self._input_array, 0)
         w.builder.call(self._ir_function, [self._input_array, self._output_array])
         return [
-            w.load_lanes(self._output_array, w.integer_constant(i * w.width)) for i in range(len(y))
+            w.load_lanes(self._output_array, w.integer_constant(i * w.lane_count))
+            for i in range(len(y))
         ]
 
 
@@ -133,7 +134,7 @@ def _write_function(program: Program, kernel: Writer, name: str) -> ir.Function:
         argument.add_attribute("noalias")
     w = replace(kernel, builder=ir.IRBuilder(function.append_basic_block("entry")))
     values = [
-        w.load_lanes(function.args[0], w.integer_constant(i * w.width))
+        w.load_lanes(function.args[0], w.integer_constant(i * w.lane_count))
         for i in range(len(program.input_names))
     ]
     outputs = program(
@@ -146,4 +147,4 @@ def _write_function(program: Program, kernel: Writer, name: str) -> ir.Function:
 
 def _store_vectors(w: Writer, values: Sequence[Lanes], pointer: ir.Value, first: int) -> None:
     for i, value in enumerate(values, start=first):
-        w.store_lanes(value, pointer, w.integer_constant(i * w.width))
+        w.store_lanes(value, pointer, w.integer_constant(i * w.lane_count))

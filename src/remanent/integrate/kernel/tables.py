@@ -10,7 +10,7 @@ import numpy as np
 from remanent._typing import FloatArray
 
 
-def waveform_tables(
+def build_waveform_tables(
     waveform: Callable[[FloatArray], FloatArray],
     nodes: Sequence[float],
     double_steps: int,
@@ -35,7 +35,7 @@ def waveform_tables(
         The phase in [0, 1], then the waveforms.
     """
     fine, coarse = (
-        _waveform_table(waveform, nodes, n, shift) for n in (2 * double_steps, double_steps)
+        _build_waveform_table(waveform, nodes, n, shift) for n in (2 * double_steps, double_steps)
     )
     return fine, coarse
 
@@ -49,13 +49,13 @@ class CycleTables:
     Parameters
     ----------
     waveform, shift
-        See :func:`waveform_tables`.
+        See :func:`build_waveform_tables`.
     """
 
     def __init__(self, waveform: Callable[[FloatArray], FloatArray], shift: float = 0.0) -> None:
         @lru_cache(maxsize=256)
         def tables(nodes: tuple[float, ...], double_steps: int) -> tuple[FloatArray, FloatArray]:
-            return waveform_tables(waveform, nodes, double_steps, shift)
+            return build_waveform_tables(waveform, nodes, double_steps, shift)
 
         self._cached_tables = tables
 
@@ -66,7 +66,7 @@ class CycleTables:
         return self._cached_tables(nodes, double_steps)
 
 
-def _waveform_table(
+def _build_waveform_table(
     waveform: Callable[[FloatArray], FloatArray], nodes: Sequence[float], steps: int, shift: float
 ) -> FloatArray:
     phase = (np.arange(steps)[:, None] + np.array(nodes)) / steps + shift

@@ -15,17 +15,17 @@ from remanent.integrate.maps.period_map import PeriodMap, PeriodMapImage
 #: size and 1, and an exponent needs fewer of their digits than of the state's.
 _INITIAL_TANGENT_SIZE = 1e-3
 #: States up to this have an absolute error, larger ones an error relative to them.
-_MAX_SIZE_WITH_ABSOLUTE_ERROR = 10.0
+_MAX_STATE_SIZE_WITH_ABSOLUTE_ERROR = 10.0
 #: After so many periods a resolution may fall again to what the errors of these asked for.
 _RESOLUTION_MEMORY_PERIODS = 64
 #: Resolution aims this factor below the tolerance.
-_TOLERANCE_AIM = 0.3
+_TOLERANCE_SHARE_AIMED_AT = 0.3
 #: Double steps per period of the first block.
-_FIRST_RESOLUTION = 8
+_FIRST_BLOCK_RESOLUTION = 8
 #: Fewest double steps per period.
 _MIN_RESOLUTION = 6
 #: Errors count as no smaller than this share of the aim: a smaller one is round-off.
-_MIN_ERROR_SHARE = 1e-8
+_MIN_ERROR_SHARE_OF_AIM = 1e-8
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,7 @@ class BlockAdvancer:
 
     def __post_init__(self) -> None:
         count = self.period_lengths.size
-        self._resolution = np.full(count, _FIRST_RESOLUTION, dtype=np.int64)
+        self._resolution = np.full(count, _FIRST_BLOCK_RESOLUTION, dtype=np.int64)
         # Largest resolution needed, and periods advanced, since it was last lowered.
         self._needed_resolution, self._periods_since_lowering = (
             np.zeros(count),
@@ -117,7 +117,7 @@ class BlockAdvancer:
         """
         # Far away a digit is worth more: what escapes must be followed until it has.
         size = np.abs(states).max(axis=1)
-        tolerance = self.tolerance * np.maximum(size / _MAX_SIZE_WITH_ABSOLUTE_ERROR, 1.0)
+        tolerance = self.tolerance * np.maximum(size / _MAX_STATE_SIZE_WITH_ABSOLUTE_ERROR, 1.0)
         image = self.period_map(
             states,
             self.parameters[indices],
@@ -151,7 +151,8 @@ class BlockAdvancer:
         """Keep the resolution, and lower it where the last periods needed less."""
         with np.errstate(all="ignore"):
             share = np.maximum(
-                image.largest_period_error / (_TOLERANCE_AIM * tolerance), _MIN_ERROR_SHARE
+                image.largest_period_error / (_TOLERANCE_SHARE_AIMED_AT * tolerance),
+                _MIN_ERROR_SHARE_OF_AIM,
             )
             needed = image.resolution * share ** (1.0 / self.period_map.order)
         self._needed_resolution[indices] = np.fmax(self._needed_resolution[indices], needed)
@@ -186,7 +187,7 @@ class CoarseReplay:
     parameters: FloatArray
     period_lengths: FloatArray
     resolution_history: list[NDArray[np.int16]]
-    _next_block: int = field(init=False, default=0, repr=False)
+    _next_block_number: int = field(init=False, default=0, repr=False)
 
     def __call__(
         self,
@@ -199,8 +200,8 @@ class CoarseReplay:
     ) -> BlockImage:
         """Advance some of the trajectories by so many periods."""
         last = len(self.resolution_history) - 1
-        resolution = self.resolution_history[min(self._next_block, last)][indices]
-        self._next_block += 1
+        resolution = self.resolution_history[min(self._next_block_number, last)][indices]
+        self._next_block_number += 1
         image = self.period_map(
             states,
             self.parameters[indices],

@@ -125,7 +125,7 @@ class PeriodMap:
         How many directions of the initial state are carried along.
     parameters : sequence of str
         Parameters with respect to which derivatives are carried along, or
-        :data:`~remanent.integrate.variations.LOG_PERIOD`.
+        :data:`~remanent.integrate.variations.LOG_PERIOD_PARAMETER_NAME`.
     phase : float
         Of the load where a period begins, in [0, 1).
     error_control : {"all", "state", "none"}
@@ -303,4 +303,4 @@ class PeriodMap:
             "error_ceiling": np.inf,
             "within_tolerance": 1.0,
         }
-        return LaneMemory.with_values(self.kernel.layout, self.kernel.width, vectors, scalars)
+        return LaneMemory.with_values(self.kernel.layout, self.kernel.lane_count, vectors, scalars)

@@ -78,7 +78,7 @@ class AdamsMethod:
         return 2
 
     @property
-    def assumed_order(self) -> int:
+    def order_assumed_by_error_estimate(self) -> int:
         """Order that the error estimate counts on: two less, as a reserve.
 
         Terms of neighbouring orders have opposite signs and cancel at some step sizes,

@@ -64,7 +64,7 @@ class RungeKuttaMethod:
         return len(self.stage_node_indices)
 
     @property
-    def assumed_order(self) -> int:
+    def order_assumed_by_error_estimate(self) -> int:
         """Order that the error estimate counts on: two less, as a reserve.
 
         Where steps are long, and where errors of several pieces of time cancel, halving
@@ -86,7 +86,7 @@ class RungeKuttaMethod:
         Rounding of phases and coefficients, which both solutions share, is thereby
         allowed for.
         """
-        return self.assumed_order + 2
+        return self.order_assumed_by_error_estimate + 2
 
     def step(self, rates: RatesAtNode, y: Sequence[Any], h: Any) -> list[Any]:
         """Advance the state `y` by one step of length `h`."""

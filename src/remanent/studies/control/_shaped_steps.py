@@ -170,8 +170,10 @@ class _ShapingProblem:
         if (poles.real > _UNSTABLE_POLE_LIMIT * np.abs(poles).max()).any():
             raise _unreachable_error(self.target_thickness, "the equilibrium there is unstable")
         moving = bool(self.start_displacement.any())
-        spacing = shaping.impulse_spacing(poles) * (_MOVING_START_SPACING if moving else 1.0)
-        parts = shaping.impulse_amplitudes(poles, spacing, 1 + len(self.robust_to))
+        spacing = shaping.default_impulse_spacing(poles) * (
+            _MOVING_START_SPACING if moving else 1.0
+        )
+        parts = shaping.zero_vibration_impulse_amplitudes(poles, spacing, 1 + len(self.robust_to))
         loads = self.start_rest.load + (rest.load - self.start_rest.load) * np.cumsum(parts)[:-1]
         return StepSequence(loads, np.full(loads.size, spacing))
 

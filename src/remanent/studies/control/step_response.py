@@ -193,7 +193,7 @@ def _longest_half_periods(rests: Sequence[StaticState | None]) -> FloatArray:
         [
             np.nan
             if b is None
-            else shaping.impulse_spacing(shaping.controllable_poles(*b.rate_derivatives()))
+            else shaping.default_impulse_spacing(shaping.controllable_poles(*b.rate_derivatives()))
             for b in rests
         ]
     )

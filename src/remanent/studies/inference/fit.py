@@ -164,7 +164,7 @@ def fit(
     variables = _fit_variables(best, observed, confidence)
     if profile:
         ends = [
-            fitting.profile_interval(model, observed, best, box, k, confidence)
+            fitting.profile_likelihood_interval(model, observed, best, box, k, confidence)
             for k in range(len(guess))
         ]
         variables["profile_interval"] = (("parameter", "bound"), np.array(ends))

@@ -11,7 +11,7 @@ import xarray as xr
 
 from remanent._checks import positive_rule, require_real
 from remanent._typing import FloatArray
-from remanent.analysis.inference.differences import difference_offsets, richardson_derivative
+from remanent.analysis.inference.differences import richardson_derivative, richardson_offsets
 from remanent.results import build
 from remanent.results.build import Labelled
 from remanent.studies.inference._measures import (
@@ -134,7 +134,7 @@ class _Differences:
         """Differences whose largest is `step`, relative where the centre is not 0."""
         widths = step * np.where(centre == 0.0, 1.0, np.abs(centre))
         changes = np.concatenate(
-            [difference_offsets(width, _EXTRAPOLATION_LEVELS) for width in widths]
+            [richardson_offsets(width, _EXTRAPOLATION_LEVELS) for width in widths]
         )
         points = np.repeat(centre[None], 1 + changes.size, axis=0)
         changed = np.repeat(np.arange(centre.size), 2 * _EXTRAPOLATION_LEVELS)

@@ -14,7 +14,7 @@ from remanent._checks import as_float_array, require_flag
 from remanent._errors import InputError
 from remanent._typing import FloatArray
 from remanent.analysis.inference.uncertainty import (
-    REPLICATE_COUNT,
+    SCRAMBLED_REPLICATE_COUNT,
     Distribution,
     PropagatedStatistics,
     SobolIndices,
@@ -188,7 +188,7 @@ def _require_parameter_names(parameter_ranges: object) -> list[str]:
 
 def _require_sample_count(samples: int, shares: FloatArray) -> int:
     samples = require_count("samples", samples, "They fill the ranges.")
-    needed = REPLICATE_COUNT / float(np.minimum(shares, 1.0 - shares).min())
+    needed = SCRAMBLED_REPLICATE_COUNT / float(np.minimum(shares, 1.0 - shares).min())
     if samples & (samples - 1) or samples < needed:
         raise InputError(
             "samples",

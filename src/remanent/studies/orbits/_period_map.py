@@ -13,7 +13,7 @@ from remanent.analysis.orbits.maps import MapImage
 from remanent.integrate.ensemble.problem import Problem
 from remanent.integrate.ensemble.resolution import MAX_RESOLUTION
 from remanent.integrate.maps.period_map import PeriodMap, PeriodMapImage
-from remanent.integrate.variations import LOG_PERIOD
+from remanent.integrate.variations import LOG_PERIOD_PARAMETER_NAME
 from remanent.studies.ensemble.durations import require_drive_periods
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.problem import initial_value_problem
@@ -226,7 +226,11 @@ class StroboscopicMap:
 
     @cached_property
     def _period_map(self) -> PeriodMap:
-        last = [LOG_PERIOD] if self.ensemble.drive.frequency_field in self.parameter_names else []
+        last = (
+            [LOG_PERIOD_PARAMETER_NAME]
+            if self.ensemble.drive.frequency_field in self.parameter_names
+            else []
+        )
         return PeriodMap(
             self._problem.field,
             self._problem.timeline.waveform,

@@ -19,7 +19,7 @@ from remanent.analysis.orbits.curves import (
     concatenate_points,
     interpolate_curve,
 )
-from remanent.analysis.orbits.orbit_equations import orbit_equations
+from remanent.analysis.orbits.orbit_equations import build_orbit_equations
 from remanent.analysis.orbits.periodic_orbits import PeriodicOrbits
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.durations import require_count, require_drive_periods
@@ -82,7 +82,7 @@ class Tracing:
     @property
     def curve_equations(self) -> CurveEquations:
         """Equations of the curve: state and parameter are the unknowns."""
-        return orbit_equations(self.map, self.orbit_period)
+        return build_orbit_equations(self.map, self.orbit_period)
 
     @property
     def continuation_settings(self) -> ContinuationSettings:
@@ -92,7 +92,7 @@ class Tracing:
             np.ones(len(self.state_box)), self.parameter_range[1] - self.parameter_range[0]
         )
         return ContinuationSettings(
-            lower, upper, scale, first_step=FIRST_STEP, max_step=LONGEST_STEP,
+            lower, upper, scale, first_step_length=FIRST_STEP, max_step_length=LONGEST_STEP,
             tolerance=0.1 * self.residual_tolerance, max_points=self.max_points,
         )  # fmt: skip
 
@@ -173,7 +173,7 @@ def trace_through_orbits(
         at_starts.extra_arrays,
     )
     block = _SINGLE_CURVE_BLOCK_SIZE if len(values) == 1 else _MANY_CURVES_BLOCK_SIZE
-    curves = continue_curves(equations, starts, replace(settings, block_size=block))
+    curves = continue_curves(equations, starts, replace(settings, points_per_block=block))
     # Orbits on both arms of a fold lie on the same branch.  It was followed from each.
     distinct: list[Curve] = []
     for curve, start in zip(curves, unknown, strict=True):
@@ -252,8 +252,8 @@ def _end_on_bounds(
     if len(points) < 2:
         return points
     before, last = points.unknown[-2], points.unknown[-1]
-    wall = np.where(last > settings.upper, settings.upper, settings.lower)
-    outside = (last > settings.upper) | (last < settings.lower)
+    wall = np.where(last > settings.upper_bounds, settings.upper_bounds, settings.lower_bounds)
+    outside = (last > settings.upper_bounds) | (last < settings.lower_bounds)
     with np.errstate(all="ignore"):
         part = np.where(outside, (wall - before) / (last - before), np.inf)
     i = int(np.argmin(part))  # the unknown whose bound is crossed first

@@ -17,7 +17,7 @@ from remanent._typing import ArrayLike, FloatArray
 from remanent.analysis.orbits.continuation import ContinuationSettings, continue_curves
 from remanent.analysis.orbits.correction import correct_points
 from remanent.analysis.orbits.curves import Curve
-from remanent.analysis.orbits.orbit_equations import bifurcation_equations
+from remanent.analysis.orbits.orbit_equations import build_bifurcation_equations
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.results.build import Labelled
@@ -238,7 +238,7 @@ class _ParameterPlane:
             [np.ones(len(self.state_box)), np.ptp(np.array(self.parameter_ranges), axis=1)]
         )
         return ContinuationSettings(
-            lower, upper, scale, first_step=FIRST_STEP, max_step=LONGEST_STEP,
+            lower, upper, scale, first_step_length=FIRST_STEP, max_step_length=LONGEST_STEP,
             tolerance=self.tolerance, max_points=self.max_points,
         )  # fmt: skip
 
@@ -248,7 +248,7 @@ class _ParameterPlane:
         # The determinant of the Jacobian has to be right, so the map is more precise than
         # for a branch.
         map_ = StroboscopicMap(self.ensemble, self.parameters, map_tolerance(self.tolerance, 0.01))
-        equations = bifurcation_equations(map_, self.orbit_period, kind, settings.scale)
+        equations = build_bifurcation_equations(map_, self.orbit_period, kind, settings.scale)
         values = [float(self.ensemble.values[name][0]) for name in self.parameters]
         guess = np.concatenate([state, values])[None]
         fixed = np.zeros(guess.shape)

@@ -13,7 +13,7 @@ from remanent._status import Status
 from remanent._typing import ArrayLike, BoolArray, FloatArray
 from remanent.analysis.orbits.correction import correct_points
 from remanent.analysis.orbits.maps import MapImage
-from remanent.analysis.orbits.orbit_equations import bifurcation_equations
+from remanent.analysis.orbits.orbit_equations import build_bifurcation_equations
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.studies.ensemble.checks import require_parameter, require_state, require_tolerance
@@ -197,7 +197,7 @@ def _locate_in_all_members(
     fixed = np.tile(np.eye(size)[-1], (members.size, 1))  # the number of the member
     for share in np.linspace(0.0, 1.0, _HOMOTOPY_STEPS + 1) if fields else [0.0]:
         numbered = _MemberNumberMap(map_, begin + share * (end - begin))
-        equations = bifurcation_equations(numbered, target.orbit_period, target.kind, scale)
+        equations = build_bifurcation_equations(numbered, target.orbit_period, target.kind, scale)
         points, reached = correct_points(
             equations, guess, fixed, scale=scale, tolerance=target.tolerance
         )

@@ -14,8 +14,12 @@ from remanent._status import Status
 from remanent._typing import ArrayLike, ComplexArray, FloatArray
 from remanent.analysis.orbits.correction import correct_points
 from remanent.analysis.orbits.curves import CurvePoints
-from remanent.analysis.orbits.orbit_equations import orbit_equations
-from remanent.analysis.orbits.separatrix import SaddlePassage, saddle_passages, unstable_directions
+from remanent.analysis.orbits.orbit_equations import build_orbit_equations
+from remanent.analysis.orbits.separatrix import (
+    SaddlePassage,
+    find_first_saddle_passages,
+    unstable_directions,
+)
 from remanent.analysis.orbits.stability import Stability, floquet_multipliers, orbit_stability
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Request
@@ -300,7 +304,7 @@ class _MotionsPastSaddle:
         fixed = np.zeros(guess.shape)
         fixed[:, -1] = 1.0  # the parameter
         points, reached = correct_points(
-            orbit_equations(map_, self.orbit_period), guess, fixed,
+            build_orbit_equations(map_, self.orbit_period), guess, fixed,
             scale=np.ones(guess.shape[1]), tolerance=_SADDLE_RESIDUAL,
         )  # fmt: skip
         jacobian = points.extra_arrays["jacobian"]
@@ -314,7 +318,9 @@ class _MotionsPastSaddle:
             )
         states, error = self._section_states(values, length)
         uncertainty = error + points.residual_error + points.residual
-        return points, saddle_passages(states, points.unknown[:, :-1], jacobian, uncertainty)
+        return points, find_first_saddle_passages(
+            states, points.unknown[:, :-1], jacobian, uncertainty
+        )
 
 
 def _neighbours_on_different_sides(passage: SaddlePassage) -> tuple[int, int] | None:
@@ -322,8 +328,11 @@ def _neighbours_on_different_sides(passage: SaddlePassage) -> tuple[int, int] | 
 
     Where motion passes far from the saddle its side means little.
     """
-    decided = np.flatnonzero(passage.side)
-    side, distance = passage.side[decided], passage.least_distance[decided]
+    decided = np.flatnonzero(passage.side_relative_to_start)
+    side, distance = (
+        passage.side_relative_to_start[decided],
+        passage.least_distance_before_departure[decided],
+    )
     change = np.flatnonzero(side[1:] != side[:-1])
     if not change.size:
         return None
@@ -336,7 +345,8 @@ def _no_crossing_error(passage: SaddlePassage, limits: tuple[float, float]) -> I
         "parameter_range",
         must="hold one crossing between its ends",
         got=limits,
-        why=f"From its values the motion leaves on the sides {passage.side.tolist()} "
+        why="From its values the motion leaves on the sides "
+        f"{passage.side_relative_to_start.tolist()} "
         "(1: the way it came, -1: beyond, 0: not decided).",
         fix="Move the ends nearer to the jump, or pass more `periods`.",
     )

@@ -44,21 +44,23 @@ class ExponentEstimator:
         return self.follower.tangent_count
 
     @property
-    def block_periods(self) -> int | None:
+    def periods_per_block(self) -> int | None:
         """Periods between renormalisations; None is what suits one tangent."""
         return None if self.exponent_count == 1 else _SHORTEST_BLOCK_PERIODS
 
     @cached_property
     def history_blocks(self) -> IntArray:
         """Numbers of the blocks after which the mean is kept, array (point,)."""
-        blocks = self.follower.block_lengths(self.block_periods).size
+        blocks = self.follower.block_lengths_in_periods(self.periods_per_block).size
         points = min(self.follower.periods, MAX_HISTORY_POINTS)
         return np.unique(np.linspace(0, blocks - 1, points).astype(int))
 
     @property
     def history_periods(self) -> IntArray:
         """Periods after which the mean is kept, array (point,)."""
-        return np.cumsum(self.follower.block_lengths(self.block_periods))[self.history_blocks]
+        return np.cumsum(self.follower.block_lengths_in_periods(self.periods_per_block))[
+            self.history_blocks
+        ]
 
     @property
     def result_templates(self) -> dict[str, np.ndarray]:
@@ -98,11 +100,12 @@ class ExponentEstimator:
             indices,
             self.period_tolerance,
             error_control=error_control,
-            block=self.block_periods,
+            block=self.periods_per_block,
             cancelled=cancelled,
         )
         fine, coarse = (
-            lyapunov_exponents(p.log_growth, p.block_lengths) for p in (path, coarse_path)
+            lyapunov_exponents(p.log_growth, p.block_lengths_in_periods)
+            for p in (path, coarse_path)
         )
         tau = self.follower.period_lengths[indices]
         # Tangents that lined up within a period leave a bound, not a value.

@@ -16,7 +16,7 @@ from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.analysis.regimes.long_runs import (
     LongRun,
     TangentMap,
-    block_lengths,
+    block_lengths_in_periods,
     propagate_tangents,
 )
 from remanent.integrate.ensemble.problem import Problem
@@ -162,9 +162,9 @@ class EnsembleFollower:
 
         return path(fine), path(coarse)
 
-    def block_lengths(self, block: int | None) -> IntArray:
+    def block_lengths_in_periods(self, block: int | None) -> IntArray:
         """Periods between renormalisations of the tangents, array (block,)."""
-        return block_lengths(self.periods, self.tangent_count, block)
+        return block_lengths_in_periods(self.periods, self.tangent_count, block)
 
     def compute_in_chunks(
         self,

@@ -11,9 +11,9 @@ import numpy as np
 from remanent._errors import InputError
 from remanent._typing import ComplexArray, FloatArray, IntArray
 from remanent.analysis.response.harmonics import (
-    classify_resonance,
     find_resonant_harmonic,
     fourier_amplitudes,
+    resonance_kind_and_order,
 )
 from remanent.analysis.statics.equilibria import find_force_zeros, force_slope
 from remanent.integrate.ensemble.ensemble import integrate
@@ -154,7 +154,7 @@ def describe_peaks(member: Ensemble, varied: Iterable[str], peaks: Sequence[Peak
     base = 2.0 * np.pi / (require_drive_periods(on_orbits) * period)
     evidence = find_resonant_harmonic(harmonics, base, free)
     names = [
-        classify_resonance(evidence, k, peak.orbit_period, doubled=peak.is_doubled)
+        resonance_kind_and_order(evidence, k, peak.orbit_period, doubled=peak.is_doubled)
         for k, peak in enumerate(peaks)
     ]
     angle = np.angle(harmonics[np.arange(len(peaks)), evidence.harmonic_number])

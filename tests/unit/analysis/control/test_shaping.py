@@ -13,11 +13,13 @@ from remanent.analysis.control import settling, shaping
 def test_known_shapers() -> None:
     """An undamped pair: 1/2, 1/2, and 1/4, 1/2, 1/4 for a double root."""
     pair = np.array([2.0j, -2.0j])
-    spacing = shaping.impulse_spacing(pair)
+    spacing = shaping.default_impulse_spacing(pair)
     assert spacing == pytest.approx(np.pi / 2.0)
-    np.testing.assert_allclose(shaping.impulse_amplitudes(pair, spacing), [0.5, 0.5], atol=1e-15)
     np.testing.assert_allclose(
-        shaping.impulse_amplitudes(pair, spacing, 2), [0.25, 0.5, 0.25], atol=1e-15
+        shaping.zero_vibration_impulse_amplitudes(pair, spacing), [0.5, 0.5], atol=1e-15
+    )
+    np.testing.assert_allclose(
+        shaping.zero_vibration_impulse_amplitudes(pair, spacing, 2), [0.25, 0.5, 0.25], atol=1e-15
     )
 
 
@@ -28,8 +30,8 @@ def test_a_linear_system_is_at_rest_after_its_steps(seed: int) -> None:
     a = rng.normal(size=(5, 5)) - 3.0 * np.eye(5)
     b = rng.normal(size=5)
     found = shaping.controllable_poles(a, b)
-    spacing = 0.4 * shaping.impulse_spacing(found)
-    parts = shaping.impulse_amplitudes(found, spacing)
+    spacing = 0.4 * shaping.default_impulse_spacing(found)
+    parts = shaping.zero_vibration_impulse_amplitudes(found, spacing)
     rest = -np.linalg.solve(a, b)
     y: FloatArray = np.zeros(5)
     for u in np.cumsum(parts)[:-1]:

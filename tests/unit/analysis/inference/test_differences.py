@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from remanent.analysis.inference.differences import difference_offsets, richardson_derivative
+from remanent.analysis.inference.differences import richardson_derivative, richardson_offsets
 
 
 @pytest.mark.parametrize("noise", [0.0, 1e-10, 1e-6])
 def test_the_error_covers_and_is_not_much_too_large(noise: float) -> None:
     """exp(2x), sin(3x), 1/(1 - x) and x^7 at 0: 2, 3, 1 and 0, with and without noise."""
-    x = difference_offsets(0.1, 6)
+    x = richardson_offsets(0.1, 6)
     exact = np.array([2.0, 3.0, 1.0, 0.0])
     values = np.stack([np.exp(2 * x), np.sin(3 * x), 1 / (1 - x), x**7], axis=1)
     values += np.random.default_rng(0).uniform(-noise, noise, values.shape)
@@ -22,7 +22,7 @@ def test_the_error_covers_and_is_not_much_too_large(noise: float) -> None:
 
 def test_a_corner_has_an_error_as_large_as_its_slope() -> None:
     """|x - 0.03| is not differentiable within the widest differences, and fine within others."""
-    x = difference_offsets(0.1, 6)
+    x = richardson_offsets(0.1, 6)
     found, error = richardson_derivative(np.abs(x - 0.01)[:, None], np.zeros((12, 1)), 0.1)
     assert abs(found[0] + 1.0) <= error[0] + 1e-12
     jump, doubt = richardson_derivative(np.sign(x)[:, None], np.zeros((12, 1)), 0.1)

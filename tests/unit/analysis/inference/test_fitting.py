@@ -12,7 +12,7 @@ from remanent.analysis.inference.fitting import (
     Observations,
     ParameterBox,
     fit_least_squares,
-    profile_interval,
+    profile_likelihood_interval,
 )
 from remanent.analysis.inference.ringdown import fit_exponential_decay
 
@@ -45,7 +45,7 @@ def test_a_line_is_the_textbook_regression() -> None:
         found.standard_errors, [book.intercept_stderr, book.stderr], rtol=1e-7
     )
     half = found.two_sided_t_quantile(0.9) * found.standard_errors[1]
-    ends = profile_interval(line, data, found, FREE, 1, 0.9)
+    ends = profile_likelihood_interval(line, data, found, FREE, 1, 0.9)
     np.testing.assert_allclose(ends, found.estimate[1] + [-half, half], atol=2e-3 * half)
 
 
@@ -99,7 +99,7 @@ def test_profile_ends_are_infinite_where_nothing_limits_them() -> None:
         np.array([0.03, -0.03, 0.05, -0.04, 0.04]), np.full(5, 0.05), has_absolute_deviations=True
     )
     box = ParameterBox(np.ones(1), np.array([-5.0]), np.array([50.0]))
-    ends = profile_interval(
+    ends = profile_likelihood_interval(
         flat, data, fit_least_squares(flat, data, np.array([3.0]), box), box, 0, 0.95
     )
     assert np.isfinite(ends[0])

@@ -13,8 +13,11 @@ from remanent.analysis.orbits.bifurcations import find_special_points
 from remanent.analysis.orbits.continuation import ContinuationSettings, continue_curves
 from remanent.analysis.orbits.correction import correct_points
 from remanent.analysis.orbits.maps import MapImage
-from remanent.analysis.orbits.orbit_equations import bifurcation_equations, orbit_equations
-from remanent.analysis.orbits.periodic_orbits import newton_fixed_points, newton_step
+from remanent.analysis.orbits.orbit_equations import (
+    build_bifurcation_equations,
+    build_orbit_equations,
+)
+from remanent.analysis.orbits.periodic_orbits import fixed_point_newton_step, newton_fixed_points
 
 EPS = np.finfo(float).eps
 
@@ -37,7 +40,7 @@ class RealPair:
 
 def test_real_multipliers_with_product_one_are_no_bifurcation() -> None:
     """The product passes 1 at p = 0, but a torus needs a complex pair."""
-    equations = orbit_equations(RealPair(), 1)
+    equations = build_orbit_equations(RealPair(), 1)
     curve = traced(equations, [0.0, 0.0, -0.1], [[-1, 1], [-1, 1], [-0.2, 0.2]])
     special = find_special_points(
         equations, curve.points, scale=np.ones(3), tolerance=1e-12, conservative=False
@@ -47,7 +50,7 @@ def test_real_multipliers_with_product_one_are_no_bifurcation() -> None:
 
 def test_special_points_come_in_order_along_the_branch() -> None:
     """1 - 1/r meets 0 at r = 1 and doubles at r = 3."""
-    equations = orbit_equations(Logistic(), 1)
+    equations = build_orbit_equations(Logistic(), 1)
     curve = traced(equations, [0.5, 2.0], [[-0.5, 1.0], [0.7, 3.5]])
     special = find_special_points(
         equations, curve.points, scale=np.ones(2), tolerance=1e-12, conservative=False
@@ -88,7 +91,7 @@ class Quadratic:
 def bifurcation_curve(map_: Cusp | Quadratic, kind: str, guess: list[float]) -> FloatArray:
     """Points (x, a, b) of a curve of bifurcations within |x|, |a|, |b| < 2."""
     scale = np.ones(3)
-    equations = bifurcation_equations(map_, 1, kind, scale)
+    equations = build_bifurcation_equations(map_, 1, kind, scale)
     along = np.array([[0.0, 0.0, 1.0]])
     start, reached = correct_points(
         equations, np.array([guess]), along, scale=scale, tolerance=1e-11
@@ -148,7 +151,7 @@ def test_fixed_points_are_those_in_the_box_that_are_known(
 
 def test_no_step_is_made_where_the_equations_are_singular() -> None:
     """1 - J singular: NaN for that point, Newton's step x + (f - x)/(1 - f') for the other."""
-    move, residual = newton_step(
+    move, residual = fixed_point_newton_step(
         np.array([[0.2], [0.2]]), np.array([[0.3], [0.3]]), np.array([[[1.0]], [[0.5]]])
     )
     assert np.isnan(move[0, 0])

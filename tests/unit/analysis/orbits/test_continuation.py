@@ -19,7 +19,7 @@ from remanent.analysis.orbits.curves import (
     interpolate_curve,
 )
 from remanent.analysis.orbits.maps import Map, MapImage
-from remanent.analysis.orbits.orbit_equations import orbit_equations
+from remanent.analysis.orbits.orbit_equations import build_orbit_equations
 from remanent.analysis.orbits.periodic_orbits import (
     distinct_orbits_of_least_period,
     newton_fixed_points,
@@ -92,7 +92,7 @@ def test_a_curve_goes_round_folds_to_its_bounds() -> None:
 
 def test_steps_follow_the_curvature() -> None:
     """A sharp bend is resolved; a straight stretch takes few points."""
-    curve = traced(plane("fold"), [3.0, 9.0], [[-5, 5], [-1, 20]], max_step=0.5)
+    curve = traced(plane("fold"), [3.0, 9.0], [[-5, 5], [-1, 20]], max_step_length=0.5)
     gaps = np.linalg.norm(np.diff(curve.points.unknown, axis=0), axis=1)
     assert gaps.max() > 4 * gaps[np.argmin(np.abs(curve.points.unknown[:-1, 0]))]
 
@@ -132,8 +132,8 @@ def test_a_curve_ends_after_as_many_points_as_were_asked_for(number: int) -> Non
         [1.0, 0.0],
         [[-2, 2], [-2, 2]],
         max_points=number,
-        max_step=0.001,
-        first_step=0.001,
+        max_step_length=0.001,
+        first_step_length=0.001,
     )
     assert curve.end_reasons == ("points", "points")
     assert 2 * number - 1 <= len(curve.points) <= 2 * (number + 8)
@@ -193,7 +193,7 @@ class Delayed:
 
 
 def specials(map_: Map, z: list[float], box: list[list[float]]) -> list[SpecialPoint]:
-    equations = orbit_equations(map_, 1)
+    equations = build_orbit_equations(map_, 1)
     curve = traced(equations, z, box)
     return find_special_points(
         equations, curve.points, scale=np.ones(len(z)), tolerance=1e-12, conservative=False

@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 from remanent._typing import FloatArray
-from remanent.analysis.orbits.separatrix import saddle_passages, unstable_directions
+from remanent.analysis.orbits.separatrix import find_first_saddle_passages, unstable_directions
 
 STEP = 0.4
 #: Of the pendulum's map over STEP at its upper equilibrium.
@@ -33,10 +33,10 @@ def swings(speed: FloatArray, iterates: int = 60) -> FloatArray:
 
 def passed(speed: FloatArray, error: float = 1e-9) -> list[int]:
     n = speed.size
-    found = saddle_passages(
+    found = find_first_saddle_passages(
         swings(speed), np.tile(TOP, (n, 1)), np.tile(JACOBIAN, (n, 1, 1)), np.full(n, error)
     )
-    return [int(side) for side in found.side]
+    return [int(side) for side in found.side_relative_to_start]
 
 
 def test_the_side_is_that_of_the_stable_manifold() -> None:
@@ -63,8 +63,8 @@ def test_what_stays_is_not_decided() -> None:
         ],
         axis=1,
     )
-    found = saddle_passages(at[None], TOP[None], JACOBIAN[None], np.array([1e-9]))
-    assert found.side.tolist() == [0]
+    found = find_first_saddle_passages(at[None], TOP[None], JACOBIAN[None], np.array([1e-9]))
+    assert found.side_relative_to_start.tolist() == [0]
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from tests.unit.analysis.orbits.test_continuation import Logistic
 
 from remanent._typing import FloatArray
 from remanent.analysis.orbits.maps import MapImage
-from remanent.analysis.orbits.orbit_equations import orbit_equations
+from remanent.analysis.orbits.orbit_equations import build_orbit_equations
 from remanent.analysis.orbits.switching import find_point_on_crossing_branch
 
 
@@ -34,7 +34,7 @@ class Pitchfork:
 def test_the_pair_beside_a_symmetric_orbit_is_found() -> None:
     """x^2 = p beside x = 0."""
     point = find_point_on_crossing_branch(
-        orbit_equations(Pitchfork(), 1), np.zeros(2), scale=np.ones(2), tolerance=1e-13
+        build_orbit_equations(Pitchfork(), 1), np.zeros(2), scale=np.ones(2), tolerance=1e-13
     )
     assert point is not None
     x, p = point.unknown[0]
@@ -71,7 +71,7 @@ def test_the_first_branch_is_left_however_it_runs(angle: float, stretch: float) 
     """Its tangent holds the parameter, the other's does not."""
     map_ = Turned(angle)
     point = find_point_on_crossing_branch(
-        orbit_equations(map_, 1), np.zeros(3), scale=np.array([1.0, 1.0, stretch]),
+        build_orbit_equations(map_, 1), np.zeros(3), scale=np.array([1.0, 1.0, stretch]),
         tolerance=1e-13,
     )  # fmt: skip
     assert point is not None
@@ -85,7 +85,7 @@ def test_the_first_branch_is_left_however_it_runs(angle: float, stretch: float) 
 def test_the_doubled_orbit_of_the_logistic_map_is_found() -> None:
     """Of period 2 beyond r = 3: x = (r + 1 ± √((r − 3)(r + 1)))/(2r)."""
     point = find_point_on_crossing_branch(
-        orbit_equations(Logistic(), 2), np.array([2.0 / 3.0, 3.0]), scale=np.ones(2),
+        build_orbit_equations(Logistic(), 2), np.array([2.0 / 3.0, 3.0]), scale=np.ones(2),
         tolerance=1e-13,
     )  # fmt: skip
     assert point is not None
@@ -98,6 +98,9 @@ def test_the_doubled_orbit_of_the_logistic_map_is_found() -> None:
 def test_where_no_branch_crosses_none_is_found() -> None:
     """At an ordinary point the second vector leads away from every solution."""
     point = find_point_on_crossing_branch(
-        orbit_equations(Logistic(), 1), np.array([0.6, 2.5]), scale=np.ones(2), tolerance=1e-13
+        build_orbit_equations(Logistic(), 1),
+        np.array([0.6, 2.5]),
+        scale=np.ones(2),
+        tolerance=1e-13,
     )
     assert point is None

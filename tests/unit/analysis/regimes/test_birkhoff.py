@@ -10,7 +10,7 @@ from tests.unit.analysis.regimes.spectra import lines, spectrum
 from remanent.analysis.regimes.birkhoff import (
     birkhoff_convergence_digits,
     rotation_numbers,
-    weighted_average,
+    weighted_birkhoff_average,
 )
 
 GOLDEN = (np.sqrt(5.0) - 1.0) / 2.0
@@ -19,7 +19,7 @@ GOLDEN = (np.sqrt(5.0) - 1.0) / 2.0
 def test_weighted_averages_of_a_rotation_converge_beyond_any_power() -> None:
     """Of cos along a rotation by the golden mean: 0, to 12 digits after 2000 steps."""
     angle = 2.0 * np.pi * 0.5 * (np.sqrt(5.0) - 1.0) * np.arange(4000)
-    average = weighted_average(np.cos(angle))
+    average = weighted_birkhoff_average(np.cos(angle))
     assert abs(float(average)) < 1e-12
     assert float(birkhoff_convergence_digits(np.cos(angle))) > 10.0
 
@@ -30,7 +30,7 @@ def test_weighted_averages_along_chaos_converge_slowly() -> None:
     x[0] = 0.1234
     for k in range(x.size - 1):
         x[k + 1] = 4.0 * x[k] * (1.0 - x[k])
-    assert float(weighted_average(x)) == pytest.approx(0.5, abs=0.03)
+    assert float(weighted_birkhoff_average(x)) == pytest.approx(0.5, abs=0.03)
     assert float(birkhoff_convergence_digits(x)) < 4.0
 
 

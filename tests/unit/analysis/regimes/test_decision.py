@@ -153,7 +153,7 @@ def evidence(**values: float) -> EvidenceTable:
     """One row; what is not given speaks for no regime."""
     row: dict[str, float] = {
         "exponent": 0.0, "exponent_error": 0.01, "log_growth": 20.0, "log_growth_of_halves": 10.0,
-        "late_log_growth": 0.5, "digits": 2.0, "banded_digits": 2.0, "band_extent": 1.0,
+        "late_log_growth": 0.5, "digits": 2.0, "banded_digits": 2.0, "relative_band_scatter": 1.0,
         "zero_one": 0.9, "sali": 1.0, "rotation_number": 0.3, "rotation_digits": 2.0,
         "period": 1, "defect": 0.5, "late_defect": 0.5, "extent": 1.0,
     }  # fmt: skip
@@ -189,7 +189,7 @@ LINES: list[tuple[Regime, bool, str, float, int]] = [
     (Regime.QUASI_PERIODIC, False, "zero_one", 0.4, 1),
     (Regime.QUASI_PERIODIC, True, "late_log_growth", -1.0, -1),
     (Regime.QUASI_PERIODIC, True, "late_defect", 0.25, -1),
-    (Regime.QUASI_PERIODIC, True, "band_extent", 0.1, -1),
+    (Regime.QUASI_PERIODIC, True, "relative_band_scatter", 0.1, -1),
     (Regime.CHAOTIC, False, "exponent", 0.03, -1),
     (Regime.CHAOTIC, False, "log_growth", 1.5 * np.log(PERIODS) + 4.0, -1),
     (Regime.CHAOTIC, False, "log_growth_of_halves", 4.5, -1),

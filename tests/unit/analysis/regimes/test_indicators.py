@@ -56,7 +56,7 @@ def test_alignment_falls_with_twice_the_exponent() -> None:
     starts = rng.uniform(0.0, 2.0 * np.pi, (400, 2))
     path = run(standard, starts, np.full((400, 1), 20.0), 6)
     logs = np.log(smaller_alignment_index(path.triangular_factors)).mean(axis=0)
-    slope = (logs[-1] - logs[1]) / (path.block_lengths[2:].sum())
+    slope = (logs[-1] - logs[1]) / (path.block_lengths_in_periods[2:].sum())
     assert slope == pytest.approx(-2.0 * np.log(10.0), rel=0.05)
 
 
@@ -68,6 +68,6 @@ def test_alignment_falls_like_an_inverse_square_on_a_torus(start: float) -> None
     """
     path = run(standard, np.array([np.pi + start, 0.0]), np.array([0.5]), 1600)
     index = smaller_alignment_index(path.triangular_factors)[0]
-    n = np.cumsum(path.block_lengths)
+    n = np.cumsum(path.block_lengths_in_periods)
     power, _ = np.polyfit(np.log(n[20:]), np.log(index[20:]), 1)
     assert power == pytest.approx(-2.0, abs=0.4)

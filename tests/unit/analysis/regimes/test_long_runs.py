@@ -9,7 +9,7 @@ import pytest
 from tests.unit.analysis.regimes.iterated import ExactImage, Iterated, logistic
 
 from remanent._typing import FloatArray, IntArray
-from remanent.analysis.regimes.long_runs import block_lengths, propagate_tangents
+from remanent.analysis.regimes.long_runs import block_lengths_in_periods, propagate_tangents
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,7 @@ def test_what_escapes_is_trusted_and_what_is_inaccurate_is_not() -> None:
 )
 def test_blocks_make_up_the_run(periods: int, directions: int, longest: int) -> None:
     """They add up to the run, are equal but for the last, and are at least 32 in number."""
-    lengths = block_lengths(periods, directions)
+    lengths = block_lengths_in_periods(periods, directions)
     assert lengths.sum() == periods
     assert (lengths[:-1] == longest).all()
     assert lengths.size >= 32

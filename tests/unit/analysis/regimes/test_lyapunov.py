@@ -12,7 +12,7 @@ from remanent.analysis.regimes.lyapunov import batch_means_error, lyapunov_expon
 def test_logistic_map_at_four_has_exponent_ln_2() -> None:
     """Exponents: within 1 % and within 3 standard errors."""
     path = run(logistic, np.array([0.3]), np.array([4.0]), 20000)
-    found = lyapunov_exponents(path.log_growth, path.block_lengths)
+    found = lyapunov_exponents(path.log_growth, path.block_lengths_in_periods)
     assert found.mean[0, 0] == pytest.approx(np.log(2.0), rel=0.01)
     assert abs(found.mean[0, 0] - np.log(2.0)) <= 3.0 * found.error[0, 0]
     assert found.running_mean[0, -1, 0] == pytest.approx(path.log_growth[0, :, 0].sum() / 20000)
@@ -21,7 +21,7 @@ def test_logistic_map_at_four_has_exponent_ln_2() -> None:
 def test_henon_exponents_add_up_to_ln_b() -> None:
     """The map contracts area by b everywhere, so the sum is exact."""
     path = run(henon, np.array([0.1, 0.1]), np.array([1.4, 0.3]), 5000)
-    found = lyapunov_exponents(path.log_growth, path.block_lengths)
+    found = lyapunov_exponents(path.log_growth, path.block_lengths_in_periods)
     assert found.mean.sum() == pytest.approx(np.log(0.3), abs=1e-9)
     assert found.mean[0, 0] == pytest.approx(0.419, abs=0.02)
 
@@ -29,7 +29,7 @@ def test_henon_exponents_add_up_to_ln_b() -> None:
 def test_exponents_come_in_pairs_where_area_is_preserved() -> None:
     """Standard map: L1 + L2 = 0, and L1 near ln(K/2) at large K (Chirikov 1979)."""
     path = run(standard, np.array([0.5, 1.0]), np.array([5.0]), 2000)
-    found = lyapunov_exponents(path.log_growth, path.block_lengths)
+    found = lyapunov_exponents(path.log_growth, path.block_lengths_in_periods)
     assert abs(found.mean[0].sum()) < 1e-6
     assert found.mean[0, 0] == pytest.approx(np.log(2.5), rel=0.1)
 
@@ -37,7 +37,7 @@ def test_exponents_come_in_pairs_where_area_is_preserved() -> None:
 def test_a_fixed_point_has_its_eigenvalues() -> None:
     """Standard map at (0, 0) with K: multipliers of [[1 + K, 1], [K, 1]]."""
     path = run(standard, np.array([0.0, 0.0]), np.array([1.0]), 400)
-    found = lyapunov_exponents(path.log_growth, path.block_lengths)
+    found = lyapunov_exponents(path.log_growth, path.block_lengths_in_periods)
     largest = np.log((3.0 + np.sqrt(5.0)) / 2.0)
     np.testing.assert_allclose(found.mean[0], [largest, -largest], rtol=1e-9)
 

@@ -10,9 +10,9 @@ from remanent._typing import FloatArray
 from remanent.analysis.regimes.attractors import assign_attractors, replace_tails_by_limit_orbits
 from remanent.analysis.regimes.labels import Regime
 from remanent.analysis.regimes.limit_orbits import (
-    approaches_limit,
+    approaches_at_multiplier_rate,
+    find_approached_orbit_periods,
     find_limit_orbits,
-    settling_periods,
 )
 from remanent.analysis.regimes.returns import find_best_returns
 
@@ -58,7 +58,7 @@ def test_the_limit_is_approached_at_the_rate_of_its_multiplier(
 ) -> None:
     """x <- 0.9 x tends to 0 at the rate ln 0.9, and at no other."""
     rate = np.array([np.log(multiplier)])
-    found = approaches_limit(decaying(0.9), np.zeros((1, 1)), 1, rate)
+    found = approaches_at_multiplier_rate(decaying(0.9), np.zeros((1, 1)), 1, rate)
     assert found.tolist() == [approaches]
 
 
@@ -66,7 +66,9 @@ def test_motion_that_was_nearer_at_first_does_not_approach() -> None:
     """The distance falls at the right rate, but one of the first points was nearer."""
     points = decaying(0.9)
     points[0, 3] = 0.99 * points[0, -1]
-    assert not approaches_limit(points, np.zeros((1, 1)), 1, np.array([np.log(0.9)]))[0]
+    assert not approaches_at_multiplier_rate(points, np.zeros((1, 1)), 1, np.array([np.log(0.9)]))[
+        0
+    ]
 
 
 def test_the_period_ahead_is_the_least_one() -> None:
@@ -77,7 +79,9 @@ def test_the_period_ahead_is_the_least_one() -> None:
     for n in range(60):
         x[:, n + 1] = points.iterate(np.array([0]), x[:, n], 1)[0]
     for candidate in (1, 2, 6):
-        found = settling_periods(x, np.array([0]), np.array([candidate]), points.iterate)
+        found = find_approached_orbit_periods(
+            x, np.array([0]), np.array([candidate]), points.iterate
+        )
         assert found.tolist() == [1]
 
 

@@ -135,11 +135,14 @@ def test_bits_do_not_depend_on_the_threads(workers: int) -> None:
 @pytest.mark.parametrize(
     "sizes",
     [
-        pytest.param(WorkSizes(steps_per_chunk=1), id="chunks"),
+        pytest.param(WorkSizes(fine_steps_per_chunk=1), id="chunks"),
         pytest.param(WorkSizes(samples_per_block=13), id="samples"),
-        pytest.param(WorkSizes(min_steps_per_segment=64, max_steps_per_segment=64), id="segments"),
         pytest.param(
-            WorkSizes(min_steps_per_segment=300, max_steps_per_segment=300), id="longer-segments"
+            WorkSizes(min_fine_steps_per_segment=64, max_fine_steps_per_segment=64), id="segments"
+        ),
+        pytest.param(
+            WorkSizes(min_fine_steps_per_segment=300, max_fine_steps_per_segment=300),
+            id="longer-segments",
         ),
     ],
 )
@@ -169,7 +172,7 @@ def test_bits_do_not_depend_on_thousands_of_others(large: Problem, kind: int) ->
     reference = integrate(large, request, tolerance=1e-8)
     assert np.unique(reference.resolution).size > 4
     sizes = WorkSizes(
-        steps_per_chunk=2.0**19, recorded_steps_per_segment=2**15, samples_per_block=1000
+        fine_steps_per_chunk=2.0**19, recorded_fine_steps_per_segment=2**15, samples_per_block=1000
     )
     again = integrate(large, request, tolerance=1e-8, workers=3, sizes=sizes)
     assert_same(columns(again), columns(reference))
@@ -209,7 +212,10 @@ def test_times_at_the_ends_of_cycles_are_all_reached() -> None:
     ends = period[:, None] * turns
     grids = [np.nextafter(ends, 0.0), ends, np.nextafter(ends, np.inf)]
     times = np.stack(grids, axis=-1).reshape(count, -1)
-    for sizes in (WorkSizes(), WorkSizes(min_steps_per_segment=64, max_steps_per_segment=64)):
+    for sizes in (
+        WorkSizes(),
+        WorkSizes(min_fine_steps_per_segment=64, max_fine_steps_per_segment=64),
+    ):
         outcome = integrate(everybody, Request(times=times), tolerance=1e-6, sizes=sizes)
         assert outcome.states is not None
         reached = times <= outcome.horizon[:, None]

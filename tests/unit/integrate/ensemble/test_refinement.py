@@ -49,7 +49,7 @@ class Row:
     largest_error: float = 1e-6
     size: float = 2.0
     # trajectory
-    slowness: float = 1.0
+    drive_slowness: float = 1.0
 
 
 NEW: dict[str, Any] = {
@@ -103,7 +103,7 @@ TABLE = [
     Row("give up: the largest resolution is reached", Status.MAX_STEPS, False, resolution=1024),
     Row(
         "a slow drive may be resolved further",
-        Status.HORIZON, True, resolution=1024, slowness=4.0,
+        Status.HORIZON, True, resolution=1024, drive_slowness=4.0,
     ),
     Row(
         "at the largest resolution, a run that had stalled ends with its horizon",
@@ -124,7 +124,9 @@ def decide(rows: list[Row]) -> RefinementDecision:
 
     (resolution,) = {row.resolution for row in rows}
     return POLICY.decide(
-        TrajectoryScales(np.full(len(rows), DURATION), np.full(len(rows), 2.5), column("slowness")),
+        TrajectoryScales(
+            np.full(len(rows), DURATION), np.full(len(rows), 2.5), column("drive_slowness")
+        ),
         AttemptHistory(
             column("best_horizon"),
             column("best_resolution"),

@@ -70,7 +70,9 @@ def test_segments_are_shorter_the_more_they_do(trajectories: int) -> None:
         kernel = compiled_kernel(
             problem(Oscillator(rate, {}), np.ones((1, 2)), 1.0).field, method, KernelOptions()
         )
-        return DEFAULT_WORK_SIZES.steps_per_segment(kernel, count, **{"recorded": False, **given})
+        return DEFAULT_WORK_SIZES.fine_steps_per_segment(
+            kernel, count, **{"recorded": False, **given}
+        )
 
     cheap = steps(-Q, adams_method(8))
     assert steps(-Q, adams_method(8), 4 * trajectories) <= cheap

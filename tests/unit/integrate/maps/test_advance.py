@@ -50,7 +50,7 @@ def spectrum(
     flow = PeriodMap(field, turning, directions=count)
     advance = BlockAdvancer(flow, np.zeros((1, 0)), np.array([length]), 1e-9)
     path = propagate_tangents(advance, np.array([start]), periods, directions=count)
-    found = lyapunov_exponents(path.log_growth, path.block_lengths)
+    found = lyapunov_exponents(path.log_growth, path.block_lengths_in_periods)
     return LyapunovExponents(
         found.mean / length, found.error / length, found.running_mean / length
     ), path
@@ -106,7 +106,7 @@ def test_forced_duffing_is_chaotic_and_contracts_as_its_damping_says() -> None:
     """omega = 1, F = 0.3, d = 0.15: the sum of the exponents is -d, the largest positive."""
     par = np.array([[1.0, 0.15, 0.3]])
     path = propagate_tangents(duffing(par, 1e-9), np.array([[0.5, 0.0]]), 1500, directions=2)
-    found = lyapunov_exponents(path.log_growth, path.block_lengths)
+    found = lyapunov_exponents(path.log_growth, path.block_lengths_in_periods)
     assert found.mean[0].sum() == pytest.approx(-0.15 * 2 * np.pi, abs=1e-6)
     assert found.mean[0, 0] > 5 * found.error[0, 0]
 
