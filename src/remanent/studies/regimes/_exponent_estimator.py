@@ -20,7 +20,7 @@ _CHANCE_LIMIT_STANDARD_ERRORS = 3.0
 #: A tangent with less than this share of the growth of the first is rounding.
 _COLLAPSED_TANGENT_SHARE = 1e-13
 #: Periods between renormalisations of several tangents, which must not line up.
-_SHORTEST_BLOCK_PERIODS = 1
+_PERIODS_BETWEEN_RENORMALISATIONS_OF_SEVERAL = 1
 
 
 @dataclass(frozen=True)
@@ -44,21 +44,23 @@ class ExponentEstimator:
         return self.follower.tangent_count
 
     @property
-    def block_periods(self) -> int | None:
+    def periods_between_renormalisations(self) -> int | None:
         """Periods between renormalisations; None is what suits one tangent."""
-        return None if self.exponent_count == 1 else _SHORTEST_BLOCK_PERIODS
+        return None if self.exponent_count == 1 else _PERIODS_BETWEEN_RENORMALISATIONS_OF_SEVERAL
 
     @cached_property
     def history_blocks(self) -> IntArray:
         """Numbers of the blocks after which the mean is kept, array (point,)."""
-        blocks = self.follower.block_lengths(self.block_periods).size
+        blocks = self.follower.block_lengths_in_periods(self.periods_between_renormalisations).size
         points = min(self.follower.periods, MAX_HISTORY_POINTS)
         return np.unique(np.linspace(0, blocks - 1, points).astype(int))
 
     @property
     def history_periods(self) -> IntArray:
         """Periods after which the mean is kept, array (point,)."""
-        return np.cumsum(self.follower.block_lengths(self.block_periods))[self.history_blocks]
+        return np.cumsum(
+            self.follower.block_lengths_in_periods(self.periods_between_renormalisations)
+        )[self.history_blocks]
 
     @property
     def result_templates(self) -> dict[str, np.ndarray]:
@@ -98,7 +100,7 @@ class ExponentEstimator:
             indices,
             self.period_tolerance,
             error_control=error_control,
-            block=self.block_periods,
+            block=self.periods_between_renormalisations,
             cancelled=cancelled,
         )
         fine, coarse = (
