@@ -115,7 +115,9 @@ def _traced(cases: FloatArray, block: int, tolerance: float) -> list[Curve]:
     """The branch of the smallest orbit of every actuator, down from the highest frequency."""
     ens = lay_out_ensemble(rm.Actuator(), rm.SineSquared(0.4, _HIGH))
     held = ("temperature", "prestress")
-    map_ = StroboscopicMap(ens, (*held, "omega"), 0.5 * tolerance, undifferentiated_names=held)
+    map_ = StroboscopicMap(
+        ens, (*held, "omega"), 0.5 * tolerance, undifferentiated_parameter_names=held
+    )
     equations = build_orbit_equations(map_, 1)
     scale = np.array([1.0, 1.0, 100.0, 1.0, _HIGH - _LOW])
     rest = np.array([_equilibrium(t / 293.0, s) for t, s in cases])

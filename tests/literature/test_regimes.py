@@ -88,7 +88,7 @@ def actuator(par: FloatArray, tolerance: float, count: int) -> TangentMap:
     values = par * [1.0, 293.0, 1.0, 1.0, 1.0, 1.0]
     over = {n: xr.DataArray(v, dims="case") for n, v in zip(names, values.T, strict=True)}
     ens = lay_out_ensemble(Actuator(dissipation=Rayleigh(0.1)), SineSquared(0.4, 1.0), over)
-    asked, length = initial_value_problem(ens, np.ones(ens.count)), ens.drive_periods()
+    asked, length = initial_value_problem(ens, np.ones(ens.trajectory_count)), ens.drive_periods()
     assert length is not None
     flow = PeriodMap(asked.field, asked.timeline.waveform, directions=count)
     return BlockAdvancer(flow, asked.parameters, length, tolerance)

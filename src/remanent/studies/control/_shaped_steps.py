@@ -18,19 +18,19 @@ from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.statics._static_state import StaticState
 
 #: Numbers of stages in which the target is moved out from the start, tried in this order.
-_STAGE_COUNTS = (1, 4, 16)
+_STAGE_COUNTS_TO_TRY = (1, 4, 16)
 #: Spacing of the steps over half a period where the start is not at rest.
-_MOVING_START_SPACING = 0.8
+_MOVING_START_STEP_SPACING_IN_HALF_PERIODS = 0.8
 #: A state nearer to rest than this is at rest.
-_MAX_REST_DISTANCE = 1e-9
+_MAX_DISTANCE_TO_COUNT_AS_REST = 1e-9
 #: A command is accepted if its conditions are met to this many times the tolerance.
-_ACCEPTED_TOLERANCE_FACTOR = 100.0
+_ACCEPTED_RESIDUAL_OVER_TOLERANCE = 100.0
 #: Tolerance of the motion over that of the command.
-_MOTION_TOLERANCE_FACTOR = 0.1
+_MOTION_TOLERANCE_OVER_COMMAND_TOLERANCE = 0.1
 #: Changes of load and distances from rest below this do not set the scale of the loads.
 _SMALLEST_LOAD_SCALE = 1e-3
 #: Real part of a pole over the largest modulus, above which an equilibrium is unstable.
-_UNSTABLE_POLE_LIMIT = 1e-9
+_UNSTABLE_POLE_RELATIVE_REAL_PART = 1e-9
 
 
 def find_shaped_steps(
@@ -43,10 +43,10 @@ def find_shaped_steps(
     InputError
         There is no such command, or none was found.
     """
-    if single.invalid[0]:
+    if single.is_invalid[0]:
         raise _unreachable_error(target, "a field is invalid")
     problem = _ShapingProblem.from_ensemble(single, target, robust_to, tolerance)
-    for stages in _STAGE_COUNTS:
+    for stages in _STAGE_COUNTS_TO_TRY:
         sequence, load = problem.solve_in_stages(stages)
         if sequence.largest_terminal_residual <= problem.accepted_residual:
             return sequence, load
@@ -67,7 +67,7 @@ class _ShapingProblem:
     start_rest : StaticState
         At rest at the thickness stretch that the motion starts with, where it can be, else
         the body as it starts.
-    start_displacement : array (state,)
+    start_displacement_from_rest : array (state,)
         Of the initial state from that rest.
     start_thickness, target_thickness : float
         Thickness stretch at the start and in the end.
@@ -81,7 +81,7 @@ class _ShapingProblem:
     actuator: Actuator
     unloaded_body: StaticState
     start_rest: StaticState
-    start_displacement: FloatArray
+    start_displacement_from_rest: FloatArray
     start_thickness: float
     target_thickness: float
     robust_to: Sequence[str]
@@ -91,15 +91,17 @@ class _ShapingProblem:
     @property
     def accepted_residual(self) -> float:
         """The largest residual that a command may have."""
-        return _ACCEPTED_TOLERANCE_FACTOR * max(self.state_tolerance, self.motion_tolerance)
+        return _ACCEPTED_RESIDUAL_OVER_TOLERANCE * max(self.state_tolerance, self.motion_tolerance)
 
     @classmethod
     def from_ensemble(
         cls, single: Ensemble, target: float, robust_to: Sequence[str], tolerance: float
     ) -> _ShapingProblem:
         """The problem of one trajectory of an ensemble."""
-        row = np.array([float(single.values[name][0]) for name in single.field.parameters])
-        body = StaticState(single.field, row, single.initial[0])
+        row = np.array(
+            [float(single.parameter_values[name][0]) for name in single.vector_field.parameters]
+        )
+        body = StaticState(single.vector_field, row, single.initial_states[0])
         thickness = body.thickness()
         start = body.rest_at_thickness(thickness) or body
         offset = body.state - start.state
@@ -108,12 +110,14 @@ class _ShapingProblem:
             actuator=_actuator_with_values(single),
             unloaded_body=body,
             start_rest=start,
-            start_displacement=np.where(np.abs(offset) > _MAX_REST_DISTANCE, offset, 0.0),
+            start_displacement_from_rest=np.where(
+                np.abs(offset) > _MAX_DISTANCE_TO_COUNT_AS_REST, offset, 0.0
+            ),
             start_thickness=thickness,
             target_thickness=target,
             robust_to=robust_to,
             state_tolerance=tolerance,
-            motion_tolerance=_MOTION_TOLERANCE_FACTOR * tolerance * size,
+            motion_tolerance=_MOTION_TOLERANCE_OVER_COMMAND_TOLERANCE * tolerance * size,
         )
 
     def solve_in_stages(self, stages: int) -> tuple[StepSequence, float]:
@@ -123,18 +127,20 @@ class _ShapingProblem:
         start in proportion.  A stage that fails ends the search: shorter ones are tried next.
         """
         parts = np.linspace(0.0, 1.0, stages + 1)[1:]
-        rests = self._rest_states(parts)
-        guess = self._linear_guess(rests[0])
+        rests = self._intermediate_rest_states(parts)
+        guess = self._guess_steps_by_linear_motion(rests[0])
         before = parts[0]
         for part, rest in zip(parts, rests, strict=True):
-            loads = self.start_rest.load + part / before * (guess.loads - self.start_rest.load)
+            loads = self.start_rest.magnetic_load + part / before * (
+                guess.loads - self.start_rest.magnetic_load
+            )
             guess = self._solve(rest, replace(guess, loads=loads), part)
             before = part
             if guess.largest_terminal_residual > self.accepted_residual:
                 break
-        return guess, rests[-1].load
+        return guess, rests[-1].magnetic_load
 
-    def _rest_states(self, parts: FloatArray) -> list[StaticState]:
+    def _intermediate_rest_states(self, parts: FloatArray) -> list[StaticState]:
         """The body at rest after each part of the way."""
         ends = [
             self.start_thickness + part * (self.target_thickness - self.start_thickness)
@@ -149,17 +155,19 @@ class _ShapingProblem:
 
     def _solve(self, rest: StaticState, guess: StepSequence, part: float) -> StepSequence:
         """The command to a state of rest near a guess."""
-        initial = self.start_rest.state + part * self.start_displacement
+        initial = self.start_rest.state + part * self.start_displacement_from_rest
         conditions = TerminalConditions(
             self.actuator, rest, initial, self.robust_to, self.motion_tolerance
         )
-        distance = float(np.abs(self.start_displacement).max())
-        scale = max(abs(rest.load - self.start_rest.load), distance, _SMALLEST_LOAD_SCALE)
+        distance = float(np.abs(self.start_displacement_from_rest).max())
+        scale = max(
+            abs(rest.magnetic_load - self.start_rest.magnetic_load), distance, _SMALLEST_LOAD_SCALE
+        )
         return shaping.solve_step_sequence(
             conditions, guess, scale=scale, tolerance=self.state_tolerance
         )
 
-    def _linear_guess(self, rest: StaticState) -> StepSequence:
+    def _guess_steps_by_linear_motion(self, rest: StaticState) -> StepSequence:
         """The steps for a small move, by the linear motion about the target.
 
         A start that is not at rest needs as many steps as there are poles.  At half a period
@@ -167,14 +175,17 @@ class _ShapingProblem:
         another.
         """
         poles = shaping.controllable_poles(*rest.rate_derivatives())
-        if (poles.real > _UNSTABLE_POLE_LIMIT * np.abs(poles).max()).any():
+        if (poles.real > _UNSTABLE_POLE_RELATIVE_REAL_PART * np.abs(poles).max()).any():
             raise _unreachable_error(self.target_thickness, "the equilibrium there is unstable")
-        moving = bool(self.start_displacement.any())
+        moving = bool(self.start_displacement_from_rest.any())
         spacing = shaping.default_impulse_spacing(poles) * (
-            _MOVING_START_SPACING if moving else 1.0
+            _MOVING_START_STEP_SPACING_IN_HALF_PERIODS if moving else 1.0
         )
         parts = shaping.zero_vibration_impulse_amplitudes(poles, spacing, 1 + len(self.robust_to))
-        loads = self.start_rest.load + (rest.load - self.start_rest.load) * np.cumsum(parts)[:-1]
+        loads = (
+            self.start_rest.magnetic_load
+            + (rest.magnetic_load - self.start_rest.magnetic_load) * np.cumsum(parts)[:-1]
+        )
         return StepSequence(loads, np.full(loads.size, spacing))
 
 
@@ -182,8 +193,8 @@ def _actuator_with_values(single: Ensemble) -> Actuator:
     """The actuator with the values that its trajectory has."""
     actuator = require_actuator("actuator", single.system)
     for name, value in actuator.parameters().items():
-        if single.values[name][0] != value:
-            actuator = actuator.with_parameter(name, float(single.values[name][0]))
+        if single.parameter_values[name][0] != value:
+            actuator = actuator.with_parameter(name, float(single.parameter_values[name][0]))
     return actuator
 
 

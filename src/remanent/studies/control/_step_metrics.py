@@ -59,7 +59,7 @@ class StepMotion:
         return np.take_along_axis(x, back, axis=1), np.take_along_axis(v, back, axis=1)
 
 
-def residual_vibration(
+def final_rest_and_residual_vibration(
     rests: Sequence[StaticState | None], states: FloatArray, error: FloatArray
 ) -> dict[str, FloatArray]:
     """The final rest, and the energy and amplitude of the vibration about it, by name.
@@ -77,10 +77,10 @@ def residual_vibration(
     table = np.full((len(rests), len(names)), np.nan)
     for k, body in enumerate(rests):
         if body is not None and np.isfinite(states[k]).all():
-            energy = body.energy_above(states[k])
+            energy = body.excess_energy_of(states[k])
             # The energy of an error as large as the states' is the least that can be told
             # from rest: an amplitude is not linear in errors where it vanishes.
-            error_energy = body.energy_above(body.state + error[k])
+            error_energy = body.excess_energy_of(body.state + error[k])
             energies = np.array([max(energy, 0.0), error_energy])
             amplitudes = np.sqrt(2.0 * energies / body.thickness_stiffness())
             table[k] = [body.thickness(), energy, *amplitudes]
@@ -96,20 +96,20 @@ class Transient:
     motion : StepMotion
     start_thickness, final_thickness : array (trajectory,)
         Thickness stretch at the start and at the final rest.
-    settling_band : float
+    settling_band_share : float
         Share of the change within which the motion counts as settled.
     sample_spacing : float
         Between the samples among which passages of levels are bracketed.
-    time_unit : array (trajectory,)
+    actuator_time_unit : array (trajectory,)
         The actuator's unit of time in that of each trajectory.
     """
 
     motion: StepMotion
     start_thickness: FloatArray
     final_thickness: FloatArray
-    settling_band: float
+    settling_band_share: float
     sample_spacing: float
-    time_unit: FloatArray
+    actuator_time_unit: FloatArray
 
     @property
     def thickness_change(self) -> FloatArray:
@@ -120,7 +120,7 @@ class Transient:
             self.final_thickness - self.start_thickness,
         )
 
-    def metrics(self) -> dict[str, FloatArray]:
+    def compute_metrics(self) -> dict[str, FloatArray]:
         """Rise, settling, peak and overshoot with their errors, by name."""
         return self._rise_and_settling() | self._peak_and_overshoot()
 
@@ -138,18 +138,18 @@ class Transient:
                 :, None
             ]
         outside = settling.last_index_outside_band(
-            share, 1.0 - self.settling_band, 1.0 + self.settling_band
+            share, 1.0 - self.settling_band_share, 1.0 + self.settling_band_share
         )
         before = np.stack(
             [*(settling.first_index_at_or_above(share, s) - 1 for s in _RISE_SHARES), outside],
             axis=1,
         )
         above = share[np.arange(len(share)), outside] > 1.0
-        edge = 1.0 + np.where(above, self.settling_band, -self.settling_band)
+        edge = 1.0 + np.where(above, self.settling_band_share, -self.settling_band_share)
         levels = np.stack([*(np.full(len(share), s) for s in _RISE_SHARES), edge])
         stretches = self.start_thickness[:, None] + levels.T * self.thickness_change[:, None]
         passages = settling.locate_level_crossings(self.motion, grid, before, stretches)
-        unit = self.time_unit[:, None]
+        unit = self.actuator_time_unit[:, None]
         # A passage is late by the error of the stretch over the speed of the passage.
         error = self.motion.outcome.error[:, None] / np.abs(passages.rate) / unit
         times = passages.time / unit

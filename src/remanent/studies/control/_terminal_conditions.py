@@ -25,7 +25,7 @@ from remanent.studies.ensemble.physical_scales import (
 from remanent.studies.statics._static_state import StaticState
 
 #: Half the relative change of a parameter in the difference by which insensitivity is judged.
-_PARAMETER_HALF_WIDTH = 1e-3
+_RELATIVE_PARAMETER_HALF_STEP = 1e-3
 
 
 @dataclass(frozen=True)
@@ -67,16 +67,16 @@ class TerminalConditions:
         conditions : array (condition,)
         by_load, by_duration : array (condition, step)
         """
-        state, by_load, by_duration = self._final_states(loads, durations)
+        state, by_load, by_duration = self._variant_final_states(loads, durations)
         moving = self.target_rest.moving_indices
-        distance = (state - self._rest_states)[:, moving]
+        distance = (state - self._variant_rest_states)[:, moving]
         return (
-            self._nominal_and_differences(distance),
-            self._nominal_and_differences(by_load[:, moving]),
-            self._nominal_and_differences(by_duration[:, moving]),
+            self._nominal_and_parameter_differences(distance),
+            self._nominal_and_parameter_differences(by_load[:, moving]),
+            self._nominal_and_parameter_differences(by_duration[:, moving]),
         )
 
-    def _nominal_and_differences(self, values: FloatArray) -> FloatArray:
+    def _nominal_and_parameter_differences(self, values: FloatArray) -> FloatArray:
         """Values of the nominal actuator, then central differences by each parameter.
 
         Parameters
@@ -84,30 +84,32 @@ class TerminalConditions:
         values : array (variant, state, ...)
         """
         pairs = values[1:].reshape(-1, 2, *values.shape[1:])
-        slopes = (pairs[:, 1] - pairs[:, 0]) / (2.0 * _PARAMETER_HALF_WIDTH)
+        slopes = (pairs[:, 1] - pairs[:, 0]) / (2.0 * _RELATIVE_PARAMETER_HALF_STEP)
         rows = np.concatenate([values[:1], slopes])
         return rows.reshape(rows.shape[0] * rows.shape[1], *rows.shape[2:])
 
     @cached_property
-    def variants(self) -> PhysicalScales:
+    def parameter_variants(self) -> PhysicalScales:
         """The actuator itself, then with each parameter a little less and a little more."""
         nominal = {**self.actuator.parameters(), **dict.fromkeys(PHYSICAL_SIZES, 1.0)}
         count = 1 + 2 * len(self.robust_to)
         over = {}
         for k, name in enumerate(self.robust_to):
             values = np.full(count, nominal[name])
-            width = _PARAMETER_HALF_WIDTH * (nominal[name] or 1.0)
+            width = _RELATIVE_PARAMETER_HALF_STEP * (nominal[name] or 1.0)
             values[1 + 2 * k : 3 + 2 * k] += np.array([-1.0, 1.0]) * width
             over[name] = xr.DataArray(values, dims="variant")
         return lay_out_physical_scales(
-            self.actuator, Constant(self.target_rest.load), over, self.initial_state
+            self.actuator, Constant(self.target_rest.magnetic_load), over, self.initial_state
         )
 
     @cached_property
-    def _rest_states(self) -> FloatArray:
+    def _variant_rest_states(self) -> FloatArray:
         """States of rest of all variants under the last load, array (variant, state)."""
-        ens = self.variants.ensemble
-        columns = np.column_stack([ens.values[name] for name in ens.field.parameters])
+        ens = self.parameter_variants.ensemble
+        columns = np.column_stack(
+            [ens.parameter_values[name] for name in ens.vector_field.parameters]
+        )
         bodies = [replace(self.target_rest, parameters=row).rest_nearby() for row in columns]
         states = [body.state for body in bodies if body is not None]
         if len(states) < len(bodies):
@@ -121,12 +123,12 @@ class TerminalConditions:
         return np.array(states)
 
     @cached_property
-    def _variational_field(self) -> Field:
+    def _variational_vector_field(self) -> Field:
         """The motion with its derivatives by the initial state and by the load."""
-        field = self.variants.ensemble.field
+        field = self.parameter_variants.ensemble.vector_field
         return field_with_tangents(field, directions=len(field.state_names), parameters=("m",))
 
-    def _final_states(
+    def _variant_final_states(
         self, loads: FloatArray, durations: FloatArray
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """States after the last step and their derivatives, of all variants.
@@ -139,18 +141,20 @@ class TerminalConditions:
         states : array (variant, state)
         by_load, by_duration : array (variant, state, step)
         """
-        ens, d = self.variants.ensemble, len(self.target_rest.state)
-        state = ens.initial
-        by_load = np.zeros((ens.count, d, loads.size))
+        ens, d = self.parameter_variants.ensemble, len(self.target_rest.state)
+        state = ens.initial_states
+        by_load = np.zeros((ens.trajectory_count, d, loads.size))
         by_duration = np.zeros_like(by_load)
         for k, (load, duration) in enumerate(zip(loads, durations, strict=True)):
-            state, fundamental, by_own_load, rate = self._integrate_step(state, load, duration)
+            state, fundamental, by_own_load, rate = self._integrate_load_step(state, load, duration)
             by_load, by_duration = fundamental @ by_load, fundamental @ by_duration
-            by_load[:, :, k] = by_own_load * self.variants.load_ratio[:, None]
-            by_duration[:, :, k] = rate * self.variants.time_ratio[:, None]
+            by_load[:, :, k] = (
+                by_own_load * self.parameter_variants.load_factor_to_own_unit[:, None]
+            )
+            by_duration[:, :, k] = rate * self.parameter_variants.time_factor_to_own_unit[:, None]
         return state, by_load, by_duration
 
-    def _integrate_step(
+    def _integrate_load_step(
         self, state: FloatArray, load: float, duration: float
     ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """One step from `state` (variant, state).
@@ -163,18 +167,22 @@ class TerminalConditions:
         by_load, rate : array (variant, state)
             Derivatives by the load and by the time, in the units of each variant.
         """
-        ens, d = self.variants.ensemble, len(self.target_rest.state)
-        problem = self.variants.problem_lasting(np.full(ens.count, duration))
-        problem.parameters[:, ens.field.parameters.index("m")] = load * self.variants.load_ratio
-        unit = np.tile(np.eye(d).ravel(), (ens.count, 1))
-        start = np.hstack([state, unit, np.zeros((ens.count, d))])
+        ens, d = self.parameter_variants.ensemble, len(self.target_rest.state)
+        problem = self.parameter_variants.build_problem_lasting(
+            np.full(ens.trajectory_count, duration)
+        )
+        problem.parameters[:, ens.vector_field.parameters.index("m")] = (
+            load * self.parameter_variants.load_factor_to_own_unit
+        )
+        unit = np.tile(np.eye(d).ravel(), (ens.trajectory_count, 1))
+        start = np.hstack([state, unit, np.zeros((ens.trajectory_count, d))])
         outcome = integrate(
-            replace(problem, field=self._variational_field, initial_states=start),
+            replace(problem, field=self._variational_vector_field, initial_states=start),
             Request(times=problem.duration[:, None]),
             tolerance=self.motion_tolerance,
         )
         assert outcome.states is not None
         ends = outcome.states[:, 0]
-        state, columns = ends[:, :d], ends[:, d:].reshape(ens.count, d + 1, d)
-        rates = ens.field.rates([0.0, *state.T, *problem.parameters.T], functions=np)
+        state, columns = ends[:, :d], ends[:, d:].reshape(ens.trajectory_count, d + 1, d)
+        rates = ens.vector_field.rates([0.0, *state.T, *problem.parameters.T], functions=np)
         return state, np.moveaxis(columns[:, :d], 1, 2), columns[:, d], np.column_stack(rates)

@@ -19,14 +19,14 @@ from remanent.studies.control._shaped_steps import find_shaped_steps
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
 from remanent.studies.ensemble.ensemble import Ensemble
-from remanent.studies.ensemble.layout import Over, lay_out_ensemble
+from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble
 from remanent.studies.ensemble.physical_scales import PHYSICAL_SIZES
 
 _TARGET_RULE = positive_rule(
     "It is a thickness stretch, a ratio of lengths.", "Pass for example 1.2."
 )
 #: The load of the ensemble's own drive: each step has its load in place of it.
-_NO_LOAD = Constant(0.0)
+_ZERO_LOAD_DRIVE = Constant(0.0)
 #: Names of dimensions that results have of their own.
 _RESERVED_DIMENSIONS = frozenset({"step"})
 
@@ -103,7 +103,7 @@ def shape_commands(
     *,
     initial: ArrayLike | None = None,
     robust_to: str | Sequence[str] = (),
-    over: Over | None = None,
+    over: OverArgument | None = None,
     tolerance: float = 1e-10,
 ) -> xr.Dataset:
     """Steps of the magnetic load that land on a target, for many actuators.
@@ -155,11 +155,18 @@ def shape_commands(
     target = require_real("target", target, _TARGET_RULE)
     require_tolerance(tolerance, "the error of the state at the last step")
     ens = lay_out_ensemble(
-        actuator, _NO_LOAD, over, initial, reserved=_RESERVED_DIMENSIONS, system_argument="actuator"
+        actuator,
+        _ZERO_LOAD_DRIVE,
+        over,
+        initial,
+        reserved=_RESERVED_DIMENSIONS,
+        system_argument="actuator",
     )
-    fields = [name for name in ens.field.parameters if name != "m"]
+    fields = [name for name in ens.vector_field.parameters if name != "m"]
     names = _require_robust_to(robust_to, [*fields, *PHYSICAL_SIZES])
-    commands = [_find_command(ens, k, target, names, tolerance) for k in range(ens.count)]
+    commands = [
+        _find_command(ens, k, target, names, tolerance) for k in range(ens.trajectory_count)
+    ]
     longest = max(command.times.size for command in commands) or 1
     return to_dataset(
         ens,
@@ -181,36 +188,36 @@ def _require_robust_to(robust_to: str | Sequence[str], known: Sequence[str]) -> 
 
 
 @dataclass(frozen=True)
-class _Command:
+class _StepCommand:
     """The steps for one actuator.
 
     Attributes
     ----------
     times, loads : array (step,)
         Empty where there is no command.
-    residual : float
+    distance_from_rest : float
         Largest distance of the state from rest at the last step.
-    time_error : float
+    last_step_time_error : float
         Of the time of the last step.
     """
 
     times: FloatArray
     loads: FloatArray
-    residual: float = np.nan
-    time_error: float = np.nan
+    distance_from_rest: float = np.nan
+    last_step_time_error: float = np.nan
 
 
 def _find_command(
     ens: Ensemble, index: int, target: float, robust_to: Sequence[str], tolerance: float
-) -> _Command:
+) -> _StepCommand:
     """The steps for one trajectory; an empty command where there is none on a grid."""
     try:
         sequence, last = find_shaped_steps(ens.single_member(index), target, robust_to, tolerance)
     except InputError:
-        if not ens.sizes:
+        if not ens.dimension_sizes:
             raise
-        return _Command(np.empty(0), np.empty(0))
-    return _Command(
+        return _StepCommand(np.empty(0), np.empty(0))
+    return _StepCommand(
         np.concatenate([[0.0], np.cumsum(sequence.durations)]),
         np.append(sequence.loads, last),
         sequence.largest_terminal_residual,
@@ -219,10 +226,10 @@ def _find_command(
 
 
 def _command_variables(
-    commands: Sequence[_Command], longest: int, ens: Ensemble
+    commands: Sequence[_StepCommand], longest: int, ens: Ensemble
 ) -> dict[str, PerTrajectoryArray]:
     """Commands as arrays, filled up with NaN to the longest."""
-    times, loads = np.full((2, ens.count, longest), np.nan)
+    times, loads = np.full((2, ens.trajectory_count, longest), np.nan)
     for k, command in enumerate(commands):
         times[k, : command.times.size] = command.times
         loads[k, : command.loads.size] = command.loads
@@ -232,7 +239,7 @@ def _command_variables(
         "step_time": (("step",), times),
         "step_load": (("step",), loads),
         "switch_time": np.fmax.reduce(times, axis=1),
-        "switch_time_error": np.array([command.time_error for command in commands]),
-        "residual": np.array([command.residual for command in commands]),
-        "status": np.where(ens.invalid, Status.INVALID, codes),
+        "switch_time_error": np.array([command.last_step_time_error for command in commands]),
+        "residual": np.array([command.distance_from_rest for command in commands]),
+        "status": np.where(ens.is_invalid, Status.INVALID, codes),
     }

@@ -16,17 +16,23 @@ from remanent.models.drives.base import Drive
 from remanent.models.drives.piecewise import Steps
 from remanent.models.drives.waves import Constant
 from remanent.models.system import System
-from remanent.studies.control._step_metrics import StepMotion, Transient, residual_vibration
+from remanent.studies.control._step_metrics import (
+    StepMotion,
+    Transient,
+    final_rest_and_residual_vibration,
+)
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
-from remanent.studies.ensemble.layout import Over
+from remanent.studies.ensemble.layout import OverArgument
 from remanent.studies.ensemble.physical_scales import PhysicalScales, lay_out_physical_scales
 from remanent.studies.statics._static_state import StaticState
 
-_BAND_RULE = positive_rule("It is a share of the change of thickness stretch.", "Pass 0.02.")
+_SETTLING_BAND_RULE = positive_rule(
+    "It is a share of the change of thickness stretch.", "Pass 0.02."
+)
 _DURATION_RULE = positive_rule("A run takes a positive time.", "Pass a time in units of tau.")
 #: Half periods after the last step that are followed by default.
-_FOLLOWED_HALF_PERIODS = 20.0
+_HALF_PERIODS_AFTER_LAST_STEP = 20.0
 #: Samples in each half period.
 _SAMPLES_PER_HALF_PERIOD = 24
 
@@ -38,7 +44,7 @@ def step_response(
     duration: float | None = None,
     band: float = 0.02,
     initial: ArrayLike | None = None,
-    over: Over | None = None,
+    over: OverArgument | None = None,
     tolerance: float = 1e-9,
 ) -> xr.Dataset:
     """Measure how the thickness stretch answers a command of steps.
@@ -111,7 +117,7 @@ def step_response(
     remanent.simulate : the motion itself.
     """
     require_tolerance(tolerance, "the global error of the state")
-    band = require_real("band", band, _BAND_RULE)
+    band = require_real("band", band, _SETTLING_BAND_RULE)
     _require_step_drive(drive)
     scaled = lay_out_physical_scales(system, drive, over, initial)
     ens = scaled.ensemble
@@ -120,19 +126,24 @@ def step_response(
     last_step = _last_step_times(scaled)
     if duration is None:
         duration = float(
-            np.nanmax((last_step + _FOLLOWED_HALF_PERIODS * half_period) / scaled.time_ratio)
+            np.nanmax(
+                (last_step + _HALF_PERIODS_AFTER_LAST_STEP * half_period)
+                / scaled.time_factor_to_own_unit
+            )
         )
     duration = require_real("duration", duration, _DURATION_RULE)
     motion = StepMotion.from_problem(
-        scaled.problem_lasting(np.full(ens.count, duration)), tolerance
+        scaled.build_problem_lasting(np.full(ens.trajectory_count, duration)), tolerance
     )
     after_last = motion.states_at(last_step[:, None])[:, 0]
-    values = residual_vibration(rests, after_last, motion.outcome.error)
-    start = motion(np.zeros((ens.count, 1)))[0][:, 0]
+    values = final_rest_and_residual_vibration(rests, after_last, motion.outcome.error)
+    start = motion(np.zeros((ens.trajectory_count, 1)))[0][:, 0]
     spacing = float(np.nanmin(half_period)) / _SAMPLES_PER_HALF_PERIOD
-    values |= Transient(motion, start, values["final"], band, spacing, scaled.time_ratio).metrics()
+    values |= Transient(
+        motion, start, values["final"], band, spacing, scaled.time_factor_to_own_unit
+    ).compute_metrics()
     variables: dict[str, PerTrajectoryArray] = {
-        name: np.where(ens.invalid, np.nan, column) for name, column in values.items()
+        name: np.where(ens.is_invalid, np.nan, column) for name, column in values.items()
     }
     return to_dataset(
         ens,
@@ -158,7 +169,9 @@ def _require_step_drive(drive: object) -> None:
 def _last_step_times(scaled: PhysicalScales) -> FloatArray:
     """Time of the last step of each trajectory, in its own unit."""
     drive = scaled.ensemble.drive
-    return scaled.time_ratio * (float(drive.times[-1]) if isinstance(drive, Steps) else 0.0)
+    return scaled.time_factor_to_own_unit * (
+        float(drive.times[-1]) if isinstance(drive, Steps) else 0.0
+    )
 
 
 def _final_rest_states(scaled: PhysicalScales) -> list[StaticState | None]:
@@ -166,15 +179,19 @@ def _final_rest_states(scaled: PhysicalScales) -> list[StaticState | None]:
     ens = scaled.ensemble
     drive = ens.drive
     loads = (
-        scaled.load_ratio * float(drive.loads[-1]) if isinstance(drive, Steps) else ens.values["m"]
+        scaled.load_factor_to_own_unit * float(drive.loads[-1])
+        if isinstance(drive, Steps)
+        else ens.parameter_values["m"]
     )
     field = field_for(ens.system, Constant(0.0))
     rests: list[StaticState | None] = []
-    for k in np.arange(ens.count):
-        values = {name: v[k] for name, v in ens.values.items()} | {"m": loads[k]}
+    for k in np.arange(ens.trajectory_count):
+        values = {name: v[k] for name, v in ens.parameter_values.items()} | {"m": loads[k]}
         row = np.array([float(values[name]) for name in field.parameters])
         rests.append(
-            None if ens.invalid[k] else StaticState(field, row, ens.initial[k]).rest_nearby()
+            None
+            if ens.is_invalid[k]
+            else StaticState(field, row, ens.initial_states[k]).rest_nearby()
         )
     if all(body is None for body in rests):
         raise InputError(

@@ -30,7 +30,7 @@ FINEST_TOLERANCE = 1e-13
 #: Above this, an error bound says nothing.
 COARSEST_TOLERANCE = 0.1
 #: What ``rng`` accepts.
-Rng: TypeAlias = int | np.random.Generator | None
+RngArgument: TypeAlias = int | np.random.Generator | None
 #: The seed of all random choices where none is given.
 _DEFAULT_SEED = 0
 #: Seeds that are drawn from a generator are smaller than this.
@@ -188,12 +188,12 @@ def require_parameter_range(
 
 def require_parameter(name: str, value: object, ens: Ensemble) -> str:
     """The name of a numeric field of the system or of the drive."""
-    return require_choice(name, value, list(ens.values))
+    return require_choice(name, value, list(ens.parameter_values))
 
 
 def require_state(name: str, value: ArrayLike, ens: Ensemble, *, why: str, fix: str) -> FloatArray:
     """All state variables of one point, array (state,)."""
-    names = ens.field.state_names
+    names = ens.vector_field.state_names
     state = as_float_array(name, value, what=", ".join(names), why=why, fix=fix, finite=True)
     if state.size != len(names):
         raise InputError(
@@ -206,7 +206,7 @@ def require_state(name: str, value: ArrayLike, ens: Ensemble, *, why: str, fix: 
     return state.ravel()
 
 
-def as_seed(rng: Rng) -> int:
+def as_seed(rng: RngArgument) -> int:
     """The seed of the random choices of one call: fixed where nothing is given.
 
     Choices are then drawn for each point from this seed and the point alone, so that they do

@@ -68,7 +68,7 @@ def to_dataset(
     elif status is not None:
         evidence = {"status": status}
     elif "status" not in variables:
-        evidence = {"status": np.where(ens.invalid, Status.INVALID, Status.OK)}
+        evidence = {"status": np.where(ens.is_invalid, Status.INVALID, Status.OK)}
     labelled = {
         name: _label_for_ensemble(ens, values) for name, values in {**variables, **evidence}.items()
     }

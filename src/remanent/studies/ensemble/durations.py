@@ -14,7 +14,7 @@ from remanent.studies.ensemble.ensemble import Ensemble
 #: Larger integers are not exact in double precision.
 _LARGEST_EXACT_COUNT = 2**53
 #: Default length of the window of a response, in units of tau: that of [Thermal].
-DEFAULT_RESPONSE_WINDOW = 100.0
+DEFAULT_RESPONSE_DURATION_IN_TAU = 100.0
 _DURATION_RULE: Rule = positive_rule("A run takes a positive time.", "Pass a time in units of tau.")
 
 
@@ -79,7 +79,7 @@ def trajectory_durations(ens: Ensemble, duration: float | None, periods: int | N
     For verbs that take both, of which exactly one is given.
     """
     if periods is None:
-        return np.broadcast_to(require_duration(duration), ens.count)
+        return np.broadcast_to(require_duration(duration), ens.trajectory_count)
     count = require_count("periods", periods, "Runs are counted in whole drive periods.")
     lengths = ens.drive_periods()
     if lengths is None:

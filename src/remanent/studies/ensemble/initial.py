@@ -55,7 +55,7 @@ def initial_states(
         # A column with a stride holds values that differ: a temperature that `over` varies.
         if k >= given.size and column.strides != (0,):
             columns.setdefault(k, column)
-    _require_valid_fixed_part(given, [k for k in range(given.size) if k not in columns], field)
+    _require_valid_common_start(given, [k for k in range(given.size) if k not in columns], field)
     row = np.append(given, first[given.size :])
     states = np.broadcast_to(row, (count, len(rest)))
     if columns:
@@ -85,7 +85,7 @@ def _require_given_state(initial: ArrayLike, field: Field) -> FloatArray:
     return state
 
 
-def _require_valid_fixed_part(given: FloatArray, fixed: list[int], field: Field) -> None:
+def _require_valid_common_start(given: FloatArray, fixed: list[int], field: Field) -> None:
     """Raise where what all trajectories start from is no state; what varies has a status."""
     for k in fixed:
         variable = field.variables[k]
@@ -106,12 +106,14 @@ def rest_values(
     return np.broadcast_to(variable.value_at_rest(values), (count,))
 
 
-def invalid_states(
+def is_invalid_start(
     system: System, values: Mapping[str, FloatArray], states: FloatArray, field: Field
 ) -> BoolArray:
     """Where a state is no state to start from, array (trajectory,) of bool."""
     invalid = ~(np.abs(states) <= LARGEST_STARTING_STATE).all(axis=1)
-    invalid |= ~(states[:, _positive_indices(field)] >= 1.0 / LARGEST_STARTING_STATE).all(axis=1)
+    invalid |= ~(states[:, _positive_variable_indices(field)] >= 1.0 / LARGEST_STARTING_STATE).all(
+        axis=1
+    )
     return np.asarray(invalid | ~_is_admissible(system, values, states, field))
 
 
@@ -120,8 +122,8 @@ def require_admissible_state(
 ) -> None:
     """Raise what is wrong with the first of the states, if anything is."""
     state = states[0]
-    _require_valid_fixed_part(state, list(range(state.size)), field)
-    inside = (state[_positive_indices(field)] >= 1.0 / LARGEST_STARTING_STATE).all()
+    _require_valid_common_start(state, list(range(state.size)), field)
+    inside = (state[_positive_variable_indices(field)] >= 1.0 / LARGEST_STARTING_STATE).all()
     if not (inside and (np.abs(state) <= LARGEST_STARTING_STATE).all()):
         raise InputError(
             "initial",
@@ -141,7 +143,7 @@ def require_admissible_state(
         )
 
 
-def _positive_indices(field: Field) -> list[int]:
+def _positive_variable_indices(field: Field) -> list[int]:
     """Positions of the state variables that only positive values make sense of."""
     return [k for k, variable in enumerate(field.variables) if variable.positive]
 

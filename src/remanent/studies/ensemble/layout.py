@@ -18,20 +18,20 @@ from remanent.models.system import System
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_drive, require_system
 from remanent.studies.ensemble.ensemble import (
-    BATCH_SIZE,
+    TRAJECTORIES_PER_BATCH,
     Ensemble,
     batch_slices,
-    load_periods,
+    load_periods_for_values,
 )
 from remanent.studies.ensemble.initial import (
     initial_states,
-    invalid_states,
+    is_invalid_start,
     require_admissible_state,
 )
 from remanent.studies.ensemble.memory import BYTES_PER_TRAJECTORY, require_memory
 
 #: What ``over`` accepts.
-Over = Mapping[str, ArrayLike | xr.DataArray]
+OverArgument = Mapping[str, ArrayLike | xr.DataArray]
 #: Names of dimensions that results have of their own.
 RESERVED_DIMENSIONS = frozenset(
     {"time", "cycle", "period", "crossing", "equilibrium", "thickness_stretch", "fold", "snap"}
@@ -41,13 +41,13 @@ RESERVED_DIMENSIONS = frozenset(
 def lay_out_ensemble(
     system: System,
     drive: Drive,
-    over: Over | None = None,
+    over: OverArgument | None = None,
     initial: ArrayLike | None = None,
     *,
     reserved: frozenset[str] = RESERVED_DIMENSIONS,
     extra: Mapping[str, float] | None = None,
     system_argument: str = "system",
-    batch_size: int = BATCH_SIZE,
+    batch_size: int = TRAJECTORIES_PER_BATCH,
 ) -> Ensemble:
     """Lay out the trajectories that a verb was asked for.
 
@@ -81,7 +81,7 @@ def lay_out_ensemble(
     require_system(system_argument, system)
     require_drive(drive)
     require_over(over)
-    _require_load_rate(system, drive, over)
+    _require_load_rate_where_needed(system, drive, over)
     field = field_for(system, drive)
     defaults = {**system.parameters(), **drive.parameters(), **(extra or {})}
     names = [*defaults, *(f"initial.{variable}" for variable in field.state_names)]
@@ -118,7 +118,9 @@ def require_over(over: object) -> None:
         )
 
 
-def _require_load_rate(system: System, drive: Drive, over: Over | None) -> None:
+def _require_load_rate_where_needed(
+    system: System, drive: Drive, over: OverArgument | None
+) -> None:
     """Refuse a remanence that depends on a temperature which jumps of the load change."""
     if system.needs_load_rate({}, varied=over or ()) and not drive.has_load_rate:
         raise InputError(
@@ -229,14 +231,14 @@ def _is_invalid_trajectory(
 ) -> BoolArray:
     """Where a value or an initial state breaks a rule, array (trajectory,) of bool."""
     broken = system.invalid(values) | drive.invalid(values)
-    periods = load_periods(drive, values)
+    periods = load_periods_for_values(drive, values)
     if periods is not None:
         broken = broken | ~np.isfinite(periods)
-    return np.asarray(invalid_states(system, values, states, field) | broken)
+    return np.asarray(is_invalid_start(system, values, states, field) | broken)
 
 
 def _require_finite_periods(drive: Drive, values: Mapping[str, FloatArray]) -> None:
-    periods = load_periods(drive, values)
+    periods = load_periods_for_values(drive, values)
     if periods is not None and not np.isfinite(periods).all():
         raise InputError(
             "drive",

@@ -21,7 +21,7 @@ def evaluate_observable(
     times : array (trajectory, time)
     states : array (trajectory, time, state)
     """
-    phase, piece = phase_and_piece(problem.timeline, times)
+    phase, piece = phase_and_piece_index(problem.timeline, times)
     row = np.arange(times.shape[0])[:, None]
     columns = []
     for k, parameter in enumerate(problem.field.parameters):
@@ -43,7 +43,7 @@ def blank_beyond_horizon(states: FloatArray, times: FloatArray, outcome: Outcome
     return states
 
 
-def phase_and_piece(timeline: Timeline, times: FloatArray) -> tuple[FloatArray, np.ndarray]:
+def phase_and_piece_index(timeline: Timeline, times: FloatArray) -> tuple[FloatArray, np.ndarray]:
     """Phase in the period or piece, and number of the piece, at each time.
 
     A time at a boundary belongs to the piece that begins there; the end of the run

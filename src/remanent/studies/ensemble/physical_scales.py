@@ -18,7 +18,7 @@ from remanent.models.drives.piecewise import PiecewiseDrive
 from remanent.models.system import System
 from remanent.results.schema import QuantityKind, describe
 from remanent.studies.ensemble.ensemble import Ensemble
-from remanent.studies.ensemble.layout import Over, lay_out_ensemble
+from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble
 from remanent.studies.ensemble.problem import initial_value_problem
 
 #: Names of the sizes; each counts in units of what the actuator was built with.
@@ -61,37 +61,42 @@ class PhysicalScales:
     size_ratios: FloatArray
 
     @property
-    def time_ratio(self) -> FloatArray:
+    def time_factor_to_own_unit(self) -> FloatArray:
         """Own times over times in the actuator's unit, array (trajectory,)."""
-        return _ratio_of_kind(QuantityKind.TIME, self.size_ratios)
+        return _own_unit_factor_of_kind(QuantityKind.TIME, self.size_ratios)
 
     @property
-    def load_ratio(self) -> FloatArray:
+    def load_factor_to_own_unit(self) -> FloatArray:
         """Own loads over loads in the actuator's unit, array (trajectory,)."""
-        return _ratio_of_kind(QuantityKind.LOAD, self.size_ratios)
+        return _own_unit_factor_of_kind(QuantityKind.LOAD, self.size_ratios)
 
-    def variable_ratio(self, name: str) -> FloatArray:
+    def variable_factor_to_own_unit(self, name: str) -> FloatArray:
         """Own values of a variable over those in the actuator's unit, array (trajectory,)."""
-        return _ratio_of_kind(_kind_of_field(name), self.size_ratios)
+        return _own_unit_factor_of_kind(_kind_of_field(name), self.size_ratios)
 
-    def problem_lasting(self, duration: FloatArray) -> Problem:
+    def build_problem_lasting(self, duration: FloatArray) -> Problem:
         """The trajectories, each lasting `duration` in the actuator's unit of time."""
         ens = self.ensemble
         if not isinstance(ens.drive, PiecewiseDrive):
-            return initial_value_problem(ens, duration * self.time_ratio)
+            return initial_value_problem(ens, duration * self.time_factor_to_own_unit)
         plain = initial_value_problem(ens, duration)
         line = plain.timeline
-        scaled = {name: rows * self.load_ratio for name, rows in line.piece_parameters.items()}
+        scaled = {
+            name: rows * self.load_factor_to_own_unit
+            for name, rows in line.piece_parameters.items()
+        }
         timeline = Timeline(
-            line.piece_lengths * self.time_ratio, line.periodic, scaled, line.waveform
+            line.piece_lengths * self.time_factor_to_own_unit, line.periodic, scaled, line.waveform
         )
-        return replace(plain, timeline=timeline, duration=plain.duration * self.time_ratio)
+        return replace(
+            plain, timeline=timeline, duration=plain.duration * self.time_factor_to_own_unit
+        )
 
 
 def lay_out_physical_scales(
     system: System,
     drive: Drive,
-    over: Over | None = None,
+    over: OverArgument | None = None,
     initial: ArrayLike | None = None,
     *,
     reserved: frozenset[str] = frozenset({"time", "cycle", "step"}),
@@ -104,9 +109,9 @@ def lay_out_physical_scales(
     ens = lay_out_ensemble(
         system, drive, over, initial, reserved=reserved, extra=dict.fromkeys(PHYSICAL_SIZES, 1.0)
     )
-    sizes = np.stack([ens.values[name] for name in PHYSICAL_SIZES])
+    sizes = np.stack([ens.parameter_values[name] for name in PHYSICAL_SIZES])
     broken = ~np.all([PHYSICAL_SIZE_RULE.is_satisfied_by(row) for row in sizes], axis=0)
-    if not ens.sizes and broken.any():
+    if not ens.dimension_sizes and broken.any():
         raise InputError(
             "over",
             must=PHYSICAL_SIZE_RULE.must,
@@ -116,18 +121,20 @@ def lay_out_physical_scales(
         )
     sizes = np.where(broken, 1.0, sizes)
     values = {
-        name: value * _ratio_of_kind(_kind_of_field(name), sizes)
-        for name, value in ens.values.items()
+        name: value * _own_unit_factor_of_kind(_kind_of_field(name), sizes)
+        for name, value in ens.parameter_values.items()
         if name not in PHYSICAL_SIZES
     }
-    start = ens.initial.copy()
-    for k, name in enumerate(ens.field.state_names):
-        start[:, k] *= _ratio_of_kind(_kind_of_field(name), sizes)
-    in_own_units = replace(ens, values=values, initial=start, invalid=ens.invalid | broken)
+    start = ens.initial_states.copy()
+    for k, name in enumerate(ens.vector_field.state_names):
+        start[:, k] *= _own_unit_factor_of_kind(_kind_of_field(name), sizes)
+    in_own_units = replace(
+        ens, parameter_values=values, initial_states=start, is_invalid=ens.is_invalid | broken
+    )
     return PhysicalScales(in_own_units, sizes)
 
 
-def _ratio_of_kind(kind: QuantityKind, sizes: FloatArray) -> FloatArray:
+def _own_unit_factor_of_kind(kind: QuantityKind, sizes: FloatArray) -> FloatArray:
     exponents = _SIZE_EXPONENTS_OF_KIND.get(kind, (0.0, 0.0, 0.0))
     return np.asarray(np.prod(sizes ** np.array(exponents)[:, None], axis=0))
 

@@ -22,17 +22,24 @@ def initial_value_problem(ens: Ensemble, duration: FloatArray) -> Problem:
     on whole arrays need not make exceptions for them.
     """
     defaults = {**ens.system.parameters(), **ens.drive.parameters()}
-    durations = np.where(ens.invalid, 1.0, duration)
+    durations = np.where(ens.is_invalid, 1.0, duration)
     values = {
-        name: np.where(ens.invalid, defaults[name], column) for name, column in ens.values.items()
+        name: np.where(ens.is_invalid, defaults[name], column)
+        for name, column in ens.parameter_values.items()
     }
     timeline = _timeline(ens.drive, values, durations)
-    lengths = np.broadcast_to(timeline.piece_lengths, (len(timeline.piece_lengths), ens.count))
+    lengths = np.broadcast_to(
+        timeline.piece_lengths, (len(timeline.piece_lengths), ens.trajectory_count)
+    )
     timeline = Timeline(lengths, timeline.periodic, timeline.piece_parameters, timeline.waveform)
     # Parameters that the timeline gives piece by piece have no value of their own.
-    columns = [values.get(name, np.zeros(ens.count)) for name in ens.field.parameters]
-    parameters = np.column_stack(columns) if columns else np.zeros((ens.count, 0))
-    return Problem(ens.field, timeline, parameters, ens.initial, durations, ens.invalid)
+    columns = [
+        values.get(name, np.zeros(ens.trajectory_count)) for name in ens.vector_field.parameters
+    ]
+    parameters = np.column_stack(columns) if columns else np.zeros((ens.trajectory_count, 0))
+    return Problem(
+        ens.vector_field, timeline, parameters, ens.initial_states, durations, ens.is_invalid
+    )
 
 
 def _timeline(drive: Drive, values: Mapping[str, FloatArray], end: FloatArray) -> Timeline:

@@ -12,12 +12,12 @@ from remanent._errors import InputError
 #: A function that is called with the share that is done, in [0, 1].
 ProgressFunction: TypeAlias = Callable[[float], None]
 #: What verbs accept as ``progress``.
-Progress: TypeAlias = bool | ProgressFunction | None
+ProgressArgument: TypeAlias = bool | ProgressFunction | None
 #: Characters of a bar.
 _BAR_WIDTH_CHARACTERS = 40
 
 
-def as_progress(progress: Progress) -> ProgressFunction | None:
+def as_progress(progress: ProgressArgument) -> ProgressFunction | None:
     """A function to call with the share that is done, or None.
 
     Parameters

@@ -15,11 +15,11 @@ from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.memory import BYTES_PER_SAMPLE, require_memory
 
 #: Points of the default time grid per unit of tau.
-_POINTS_PER_TAU = 20
+_DEFAULT_POINTS_PER_TAU = 20
 #: Least number of intervals of the default time grid.
-_FEWEST_INTERVALS = 200
+_FEWEST_DEFAULT_INTERVALS = 200
 #: Largest number of intervals of the default time grid.
-_MOST_INTERVALS = 20_000
+_MOST_DEFAULT_INTERVALS = 20_000
 #: A run has to last: that of the one time 0 lasts this long.
 _SHORTEST_DURATION = float(np.finfo(np.float64).tiny)
 
@@ -74,8 +74,12 @@ def time_grid(
     if times is not None:
         return _grid_of_given_times(ens, times)
     end = trajectory_durations(ens, duration, periods)
-    longest = float(np.nanmax(np.where(ens.invalid, 0.0, end), initial=0.0))
-    intervals = np.clip(np.ceil(_POINTS_PER_TAU * longest), _FEWEST_INTERVALS, _MOST_INTERVALS)
+    longest = float(np.nanmax(np.where(ens.is_invalid, 0.0, end), initial=0.0))
+    intervals = np.clip(
+        np.ceil(_DEFAULT_POINTS_PER_TAU * longest),
+        _FEWEST_DEFAULT_INTERVALS,
+        _MOST_DEFAULT_INTERVALS,
+    )
     points = int(intervals) + 1
     require_memory_for_samples("over", ens, points)
     grid = np.linspace(0.0, 1.0, points) * end[:, None]
@@ -96,9 +100,13 @@ def _grid_of_given_times(ens: Ensemble, times: ArrayLike) -> TimeGrid:
             fix="Pass times from 0 on.",
         )
     require_memory_for_samples("times", ens, instants.size)
-    return TimeGrid(np.tile(instants, (ens.count, 1)), is_shared=True)
+    return TimeGrid(np.tile(instants, (ens.trajectory_count, 1)), is_shared=True)
 
 
 def require_memory_for_samples(name: str, ens: Ensemble, samples: int) -> None:
     """Refuse more samples of each trajectory than memory holds, by the argument at fault."""
-    require_memory(name, BYTES_PER_SAMPLE * ens.count * samples, f"{ens.count} x {samples} states")
+    require_memory(
+        name,
+        BYTES_PER_SAMPLE * ens.trajectory_count * samples,
+        f"{ens.trajectory_count} x {samples} states",
+    )

@@ -10,7 +10,7 @@ from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.layout import lay_out_ensemble
 
 
-def with_two_coordinates(ens: Ensemble) -> tuple[Ensemble, dict[str, str]]:
+def ensemble_with_two_coordinates(ens: Ensemble) -> tuple[Ensemble, dict[str, str]]:
     """An ensemble of one coordinate with two, and the second variable of each pair.
 
     The initial states stay those of one coordinate.
@@ -18,9 +18,15 @@ def with_two_coordinates(ens: Ensemble) -> tuple[Ensemble, dict[str, str]]:
     actuator = require_actuator("system", ens.system)
     load = actuator.prestress
     biaxial = lay_out_ensemble(actuator.replace(prestress=(load, load)), ens.drive)
-    values = {name: v for name, v in ens.values.items() if name != "prestress"}
-    values |= {f"prestress_{i}": ens.values["prestress"] for i in (1, 2)}
-    first, second = biaxial.field.names_of_roles(Role.COORDINATE)
+    values = {name: v for name, v in ens.parameter_values.items() if name != "prestress"}
+    values |= {f"prestress_{i}": ens.parameter_values["prestress"] for i in (1, 2)}
+    first, second = biaxial.vector_field.names_of_roles(Role.COORDINATE)
     pairs = {first: second}
-    pairs |= zip(biaxial.field.belonging_to(first), biaxial.field.belonging_to(second), strict=True)
-    return replace(ens, system=biaxial.system, field=biaxial.field, values=values), pairs
+    pairs |= zip(
+        biaxial.vector_field.belonging_to(first),
+        biaxial.vector_field.belonging_to(second),
+        strict=True,
+    )
+    return replace(
+        ens, system=biaxial.system, vector_field=biaxial.vector_field, parameter_values=values
+    ), pairs

@@ -14,7 +14,7 @@ from remanent._errors import InputError
 from remanent._typing import FloatArray
 from remanent.results import provenance
 from remanent.results.build import Labelled
-from remanent.studies.inference.measure import SAMPLE_DIMENSION, Measure, MeasureOfType
+from remanent.studies.inference.measure import SAMPLE_DIMENSION, Measure, OfArgument
 
 
 def as_parameter_values(
@@ -36,7 +36,7 @@ def as_parameter_values(
 def as_measure(
     measure: Measure | Callable[..., Any],
     arguments: tuple[Any, ...],
-    of: MeasureOfType | None,
+    of: OfArgument | None,
     **options: Any,
 ) -> Measure:
     """A measure as it is, or made of a verb and its arguments."""

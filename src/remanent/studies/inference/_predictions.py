@@ -37,19 +37,21 @@ class Measurements:
     table: xr.Dataset
 
     @property
-    def dimension(self) -> str:
+    def dimension_name(self) -> str:
         """``omega`` for a response, ``time`` for a history."""
         return "omega" if "omega" in self.table.dims else "time"
 
     @property
     def coordinate_values(self) -> FloatArray:
         """Times or frequencies, array (point,)."""
-        return np.asarray(self.table[self.dimension].values)
+        return np.asarray(self.table[self.dimension_name].values)
 
     @property
     def compared_variables(self) -> list[str]:
         """Names of the variables that are compared."""
-        names = [str(n) for n in self.table.data_vars if self.table[n].dims == (self.dimension,)]
+        names = [
+            str(n) for n in self.table.data_vars if self.table[n].dims == (self.dimension_name,)
+        ]
         return [n for n in names if not n.endswith("_error") and n not in _UNCOMPARED_VARIABLES]
 
     def observations(self) -> Observations:
@@ -58,7 +60,7 @@ class Measurements:
         Deviations count only where every variable has them: else there is no common unit in
         which one variable's residuals could be weighed against another's.
         """
-        if self.dimension not in self.table.dims or not self.compared_variables:
+        if self.dimension_name not in self.table.dims or not self.compared_variables:
             raise InputError(
                 "data",
                 must="hold variables along `time` or `omega`",
@@ -93,7 +95,7 @@ class Measurements:
                 ("observation",),
                 np.repeat(self.compared_variables, self.coordinate_values.size),
             ),
-            self.dimension: (
+            self.dimension_name: (
                 ("observation",),
                 np.tile(self.coordinate_values, len(self.compared_variables)),
             ),
@@ -106,33 +108,37 @@ class ResponseWindow:
 
     Attributes
     ----------
-    duration : float or None
+    run_duration : float or None
         Length of the run, τ.
-    periods : int or None
+    run_periods : int or None
         Its length in drive periods, in place of `duration`.
-    discard : float
+    discarded_time : float
         Time at the beginning, τ, that does not count.
     """
 
-    duration: float | None
-    periods: int | None
-    discard: float
+    run_duration: float | None
+    run_periods: int | None
+    discarded_time: float
 
     def integrate_extremes(self, scaled: PhysicalScales, tolerance: float) -> Outcome:
         """The extremes of every trajectory within the window."""
         ens = scaled.ensemble
-        if self.periods is not None:
-            problem = scaled.problem_lasting(
-                trajectory_durations(ens, None, self.periods) / scaled.time_ratio
+        if self.run_periods is not None:
+            problem = scaled.build_problem_lasting(
+                trajectory_durations(ens, None, self.run_periods) / scaled.time_factor_to_own_unit
             )
         else:
-            problem = scaled.problem_lasting(trajectory_durations(ens, self.duration, None))
-        request = Request(wants_extremes=True, extremes_begin=self.discard * scaled.time_ratio)
+            problem = scaled.build_problem_lasting(
+                trajectory_durations(ens, self.run_duration, None)
+            )
+        request = Request(
+            wants_extremes=True, extremes_begin=self.discarded_time * scaled.time_factor_to_own_unit
+        )
         return integrate(problem, request, tolerance=tolerance)
 
 
 @dataclass(frozen=True)
-class Predictions:
+class MeasurementPredictor:
     """Predictions of measured values, for many candidates at once.
 
     Attributes
@@ -168,7 +174,7 @@ class Predictions:
         }
         predict = (
             self._predict_history
-            if self.measurements.dimension == "time"
+            if self.measurements.dimension_name == "time"
             else self._predict_response
         )
         columns = predict(over)
@@ -180,14 +186,14 @@ class Predictions:
         scaled = lay_out_physical_scales(self.system, self.drive, over, self.initial)
         times = self.measurements.coordinate_values
         end = max(float(times[-1]), np.finfo(float).tiny)
-        problem = scaled.problem_lasting(np.full(scaled.ensemble.count, end))
-        own_times = times * scaled.time_ratio[:, None]
+        problem = scaled.build_problem_lasting(np.full(scaled.ensemble.trajectory_count, end))
+        own_times = times * scaled.time_factor_to_own_unit[:, None]
         outcome = integrate(problem, Request(times=own_times), tolerance=self.motion_tolerance)
         assert outcome.states is not None
         states = blank_beyond_horizon(outcome.states, own_times, outcome)
         return {
             name: _variable_history(problem, name, own_times, states)
-            / scaled.variable_ratio(name)[:, None]
+            / scaled.variable_factor_to_own_unit(name)[:, None]
             for name in self.measurements.compared_variables
         }
 

@@ -23,13 +23,15 @@ from remanent.studies.inference._measures import (
 )
 from remanent.studies.inference.measure import Measure
 
-_STEP_RULE = positive_rule("It is the relative change of a field in a difference.", "Pass 1e-3.")
+_RELATIVE_STEP_RULE = positive_rule(
+    "It is the relative change of a field in a difference.", "Pass 1e-3."
+)
 #: Distances are relative to the target, or to this where the target is smaller.
 _SMALLEST_TARGET_SCALE = 1e-3
 #: Evaluations of the measures in the search, at most, beside those of differences.
-_MAX_EVALUATIONS = 60
+_MAX_SEARCH_EVALUATIONS = 60
 #: Singular values of the slopes over the largest, below which fields can be exchanged.
-_RANK_TOLERANCE = 1e-8
+_RELATIVE_RANK_TOLERANCE = 1e-8
 
 
 def design(
@@ -88,7 +90,7 @@ def design(
     remanent.Measure : what a verb computes, as a function of fields.
     """
     measures = _require_measures(measures)
-    step = require_real("step", step, _STEP_RULE)
+    step = require_real("step", step, _RELATIVE_STEP_RULE)
     guess = _parameter_guesses(measures, parameters)
     problem = _InverseDesignProblem(
         measures,
@@ -105,7 +107,7 @@ def design(
         "solution": (("field",), solution),
         "solution_error": (
             ("field",),
-            problem.estimate_field_errors(solution, reached, errors),
+            problem.estimate_parameter_errors(solution, reached, errors),
         ),
         "target": (("measure",), problem.targets),
         "reached": (("measure",), reached),
@@ -183,11 +185,11 @@ class _InverseDesignProblem:
                 xtol=1e-12,
                 ftol=1e-15,
                 gtol=None,
-                max_nfev=_MAX_EVALUATIONS,
+                max_nfev=_MAX_SEARCH_EVALUATIONS,
             )
         return np.asarray(optimum.x)
 
-    def estimate_field_errors(
+    def estimate_parameter_errors(
         self, solution: FloatArray, reached: FloatArray, errors: FloatArray
     ) -> FloatArray:
         """What errors and distances of the measures make of the fields, array (field,).
@@ -196,7 +198,7 @@ class _InverseDesignProblem:
         direction among them undetermined.
         """
         slopes = self.distance_derivatives(solution) * self.parameter_box.scales
-        if np.linalg.matrix_rank(slopes, rtol=_RANK_TOLERANCE) < len(self.parameter_names):
+        if np.linalg.matrix_rank(slopes, rtol=_RELATIVE_RANK_TOLERANCE) < len(self.parameter_names):
             return np.full(len(self.parameter_names), np.nan)
         distance = (errors + np.abs(reached - self.targets)) / self.target_scales
         return np.asarray(self.parameter_box.scales * (np.abs(np.linalg.pinv(slopes)) @ distance))

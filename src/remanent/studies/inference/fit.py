@@ -19,7 +19,7 @@ from remanent.results.build import Labelled
 from remanent.results.read_measurements import MeasurementTable, read_measurements
 from remanent.studies.ensemble.checks import require_intervals, require_tolerance
 from remanent.studies.ensemble.durations import (
-    DEFAULT_RESPONSE_WINDOW,
+    DEFAULT_RESPONSE_DURATION_IN_TAU,
     require_count,
     require_duration,
 )
@@ -29,7 +29,11 @@ from remanent.studies.ensemble.physical_scales import (
     lay_out_physical_scales,
 )
 from remanent.studies.inference._measures import as_parameter_values
-from remanent.studies.inference._predictions import Measurements, Predictions, ResponseWindow
+from remanent.studies.inference._predictions import (
+    MeasurementPredictor,
+    Measurements,
+    ResponseWindow,
+)
 
 _CONFIDENCE_RULE = Rule(
     "lie between 0 and 1",
@@ -41,9 +45,9 @@ _DISCARD_RULE = not_negative_rule("It is the time before the window.", "Pass 0 t
 #: Scale of a parameter whose guess is smaller.
 _SMALLEST_PARAMETER_SCALE = 0.1
 #: Distance from an end that a rule excludes, over the parameter's scale.
-_OPEN_END_DISTANCE = 1e-6
+_RELATIVE_DISTANCE_FROM_OPEN_END = 1e-6
 #: A number that breaks every rule with an upper end.
-_BEYOND_UPPER_BOUNDS = 1e6
+_VALUE_BEYOND_UPPER_BOUNDS = 1e6
 
 
 def fit(
@@ -145,9 +149,9 @@ def fit(
     _require_run_length(duration, periods)
     guess = _parameter_guesses(system, drive, parameters, initial)
     measurements = Measurements(read_measurements(data, system))
-    if measurements.dimension == "omega" and duration is None and periods is None:
-        duration = DEFAULT_RESPONSE_WINDOW
-    model = Predictions(
+    if measurements.dimension_name == "omega" and duration is None and periods is None:
+        duration = DEFAULT_RESPONSE_DURATION_IN_TAU
+    model = MeasurementPredictor(
         system=system,
         drive=drive,
         parameter_names=tuple(guess),
@@ -231,7 +235,8 @@ def _parameter_guesses(
 ) -> dict[str, float]:
     ens = lay_out_physical_scales(system, drive, None, initial).ensemble
     start = {
-        f"initial.{n}": float(v) for n, v in zip(ens.field.state_names, ens.initial[0], strict=True)
+        f"initial.{n}": float(v)
+        for n, v in zip(ens.vector_field.state_names, ens.initial_states[0], strict=True)
     }
     nominal = {
         **system.parameters(),
@@ -286,7 +291,7 @@ def _admissible_range(rule: Rule | None, scale: float) -> tuple[float, float]:
     """
     lower, upper = -np.inf, np.inf
     if rule is not None and not rule.is_satisfied_by(-1.0):
-        lower = 0.0 if rule.is_satisfied_by(0.0) else _OPEN_END_DISTANCE * scale
-    if rule is not None and not rule.is_satisfied_by(_BEYOND_UPPER_BOUNDS):
+        lower = 0.0 if rule.is_satisfied_by(0.0) else _RELATIVE_DISTANCE_FROM_OPEN_END * scale
+    if rule is not None and not rule.is_satisfied_by(_VALUE_BEYOND_UPPER_BOUNDS):
         upper = 1.0
     return lower, upper

@@ -22,7 +22,7 @@ _SMALLEST_SWING_RULE = Rule(
     "Pass 0.05 for a noisy record, 0 for a computed one.",
 )
 #: Variables of the result.
-_RESULT_VARIABLES = (
+_RESULT_VARIABLE_NAMES = (
     "decrement",
     "decrement_error",
     "frequency",
@@ -94,7 +94,7 @@ def logarithmic_decrement(
     dims = tuple(map(str, motion_dims))
     variables: dict[str, Labelled] = {
         name: (dims, np.reshape(column, shape))
-        for name, column in zip(_RESULT_VARIABLES, np.transpose(rows), strict=True)
+        for name, column in zip(_RESULT_VARIABLE_NAMES, np.transpose(rows), strict=True)
     }
     coords: dict[str, Labelled] = {
         str(d): ((str(d),), history[d].values) for d in motion_dims if d in history.coords
@@ -132,7 +132,7 @@ def _flatten_to_rows(array: xr.DataArray) -> FloatArray:
 def _decay_statistics(ring_down: DecayFit | None) -> list[float]:
     """The variables of one motion, in the order of their names; NaN where it has no decay."""
     if ring_down is None:
-        return [np.nan] * len(_RESULT_VARIABLES)
+        return [np.nan] * len(_RESULT_VARIABLE_NAMES)
     delta, delta_error = ring_down.logarithmic_decrement, ring_down.logarithmic_decrement_error
     size = np.hypot(2.0 * np.pi, delta)
     slope = 4.0 * np.pi**2 / size**3  # of delta/sqrt(4 pi^2 + delta^2)

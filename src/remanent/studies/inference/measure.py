@@ -21,7 +21,7 @@ from remanent.studies.ensemble.physical_scales import PHYSICAL_SIZES
 #: The dimension along which sets of parameters are laid out.
 SAMPLE_DIMENSION = "sample"
 #: A variable of a result, or what to make of the whole of it.
-MeasureOfType = str | Callable[[xr.Dataset], Any]
+OfArgument = str | Callable[[xr.Dataset], Any]
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
@@ -53,14 +53,14 @@ class Measure:
 
     verb: Callable[..., Any]
     arguments: tuple[Any, ...]
-    of: MeasureOfType | None
+    of: OfArgument | None
     options: Mapping[str, Any]
 
     def __init__(
         self,
         verb: Callable[..., Any],
         *arguments: Any,
-        of: MeasureOfType | None = None,
+        of: OfArgument | None = None,
         **options: Any,
     ) -> None:
         if not callable(verb):
@@ -113,12 +113,14 @@ class Measure:
         ens = lay_out_ensemble(
             self.actuator, drive or Constant(0.0), None, self.options.get("initial")
         )
-        fields = {name: float(v[0]) for name, v in ens.values.items() if drive or name != "m"}
+        fields = {
+            name: float(v[0]) for name, v in ens.parameter_values.items() if drive or name != "m"
+        }
         if not self._verb_takes_over:
             return fields
         start = {
             f"initial.{n}": float(v)
-            for n, v in zip(ens.field.state_names, ens.initial[0], strict=True)
+            for n, v in zip(ens.vector_field.state_names, ens.initial_states[0], strict=True)
         }
         return {**fields, **start, **dict.fromkeys(PHYSICAL_SIZES, 1.0)}
 

@@ -20,9 +20,9 @@ from remanent.studies.inference._measures import (
     as_parameter_values,
     measure_provenance,
 )
-from remanent.studies.inference.measure import Measure, MeasureOfType
+from remanent.studies.inference.measure import Measure, OfArgument
 
-_STEP_RULE = positive_rule(
+_LARGEST_RELATIVE_STEP_RULE = positive_rule(
     "It is the largest relative change of a field.", "Pass for example 0.02."
 )
 #: Differences of each field, each half as wide as the last.
@@ -33,7 +33,7 @@ def sensitivity(
     measure: Measure | Callable[..., Any],
     *arguments: Any,
     parameters: str | Sequence[str],
-    of: MeasureOfType | None = None,
+    of: OfArgument | None = None,
     step: float = 0.02,
     **options: Any,
 ) -> xr.Dataset:
@@ -86,7 +86,7 @@ def sensitivity(
     remanent.design : fields with which a measure takes a given value.
     """
     measure = as_measure(measure, arguments, of, **options)
-    step = require_real("step", step, _STEP_RULE)
+    step = require_real("step", step, _LARGEST_RELATIVE_STEP_RULE)
     centre = as_parameter_values(parameters, measure.nominal_values())
     differences = _Differences.centred_at(np.array(list(centre.values())), step)
     values, errors = measure.at(dict(zip(centre, differences.points.T, strict=True)))

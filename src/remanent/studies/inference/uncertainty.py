@@ -23,24 +23,24 @@ from remanent.analysis.inference.uncertainty import (
 )
 from remanent.results import build
 from remanent.results.build import Labelled
-from remanent.studies.ensemble.checks import Rng, as_seed, require_interval
+from remanent.studies.ensemble.checks import RngArgument, as_seed, require_interval
 from remanent.studies.ensemble.durations import require_count
 from remanent.studies.inference._measures import MeasureLayout, as_measure, measure_provenance
-from remanent.studies.inference.measure import Measure, MeasureOfType
+from remanent.studies.inference.measure import Measure, OfArgument
 
 #: Statistics without a dimension of their own.
-_MOMENT_NAMES = ("average", "average_error", "deviation", "deviation_error", "known")
+_SCALAR_STATISTIC_NAMES = ("average", "average_error", "deviation", "deviation_error", "known")
 
 
 def uncertainty(
     measure: Measure | Callable[..., Any],
     *arguments: Any,
     parameter_ranges: Mapping[str, Any],
-    of: MeasureOfType | None = None,
+    of: OfArgument | None = None,
     samples: int = 1024,
     quantiles: Sequence[float] = (0.05, 0.5, 0.95),
     sobol: bool = False,
-    rng: Rng = None,
+    rng: RngArgument = None,
     **options: Any,
 ) -> xr.Dataset:
     """Propagate uncertain fields through a verb.
@@ -119,7 +119,7 @@ def uncertainty(
     variables: dict[str, Labelled] = {
         name: layout.label_numbers(statistics.quantiles, "quantile"),
         f"{name}_error": layout.label_numbers(statistics.quantiles_error, "quantile"),
-        **_moment_variables(statistics, layout),
+        **_scalar_statistic_variables(statistics, layout),
     }
     coords: dict[str, Labelled] = {"quantile": (("quantile",), shares)}
     if sobol:
@@ -158,10 +158,12 @@ class _MeasureEvaluation:
         return self._layout
 
 
-def _moment_variables(
+def _scalar_statistic_variables(
     statistics: PropagatedStatistics, layout: MeasureLayout
 ) -> dict[str, Labelled]:
-    return {name: layout.label_numbers(getattr(statistics, name)) for name in _MOMENT_NAMES}
+    return {
+        name: layout.label_numbers(getattr(statistics, name)) for name in _SCALAR_STATISTIC_NAMES
+    }
 
 
 def _sobol_variables(sobol: SobolIndices, layout: MeasureLayout) -> dict[str, Labelled]:

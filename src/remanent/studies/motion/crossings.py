@@ -17,12 +17,12 @@ from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.dataset import to_dataset
 from remanent.studies.ensemble.durations import require_exactly_one_argument, trajectory_durations
 from remanent.studies.ensemble.ensemble import Ensemble
-from remanent.studies.ensemble.layout import Over, lay_out_ensemble
+from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble
 from remanent.studies.ensemble.memory import require_memory
 from remanent.studies.ensemble.problem import initial_value_problem
-from remanent.studies.ensemble.progress import Progress, as_progress
+from remanent.studies.ensemble.progress import ProgressArgument, as_progress
 
-_VALUE_RULE = finite_rule("It is the value that is passed.")
+_PASSED_VALUE_RULE = finite_rule("It is the value that is passed.")
 #: Signs of the passages that each `direction` stands for; 0 is a touch.
 _SIGNS_OF_DIRECTION = {"both": (-1, 0, 1), "up": (1,), "down": (-1,)}
 
@@ -37,9 +37,9 @@ def crossings(
     duration: float | None = None,
     periods: int | None = None,
     initial: ArrayLike | None = None,
-    over: Over | None = None,
+    over: OverArgument | None = None,
     tolerance: float = 1e-9,
-    progress: Progress = None,
+    progress: ProgressArgument = None,
 ) -> xr.Dataset:
     """Find every instant at which a variable passes through a value.
 
@@ -108,18 +108,20 @@ def crossings(
     """
     require_exactly_one_argument(duration=duration, periods=periods)
     require_tolerance(tolerance, "the global error of the state")
-    value = require_real("value", value, _VALUE_RULE)
+    value = require_real("value", value, _PASSED_VALUE_RULE)
     require_choice("direction", direction, list(_SIGNS_OF_DIRECTION))
     report = as_progress(progress)
     ens = lay_out_ensemble(system, drive, over, initial)
     require_choice(
-        "variable", variable, [*ens.field.observable_and_rate_names, *ens.field.state_names]
+        "variable",
+        variable,
+        [*ens.vector_field.observable_and_rate_names, *ens.vector_field.state_names],
     )
     problem = initial_value_problem(ens, trajectory_durations(ens, duration, periods))
     passages, outcome = events.find_crossings(
         problem, variable, value, tolerance=tolerance, progress=report
     )
-    variables = _passage_table(
+    variables = _padded_passage_arrays(
         ens, passages, np.isin(passages.direction, _SIGNS_OF_DIRECTION[direction])
     )
     columns = int(variables["crossings"].max(initial=0))
@@ -137,25 +139,27 @@ def crossings(
     )
 
 
-def _passage_table(
+def _padded_passage_arrays(
     ens: Ensemble, passages: events.Crossings, subset: BoolArray
 ) -> dict[str, NDArray[Any]]:
     """A subset of the passages with one row for each trajectory, padded at its end."""
     row = passages.trajectory[subset]
-    count = np.bincount(row, minlength=ens.count)
+    count = np.bincount(row, minlength=ens.trajectory_count)
     width = int(count.max(initial=0))
     require_memory(
-        "over", 8.0 * ens.count * width * (2 + len(ens.field.state_names)), "the crossings"
+        "over",
+        8.0 * ens.trajectory_count * width * (2 + len(ens.vector_field.state_names)),
+        "the crossings",
     )
     column = np.arange(row.size) - (np.cumsum(count) - count)[row]
 
     def padded(values: NDArray[Any], missing: float) -> NDArray[Any]:
-        rows = np.full((ens.count, width), missing, dtype=values.dtype)
+        rows = np.full((ens.trajectory_count, width), missing, dtype=values.dtype)
         rows[row, column] = values[subset]
         return rows
 
     columns = {"crossing_time": padded(passages.time, np.nan)}
-    for k, name in enumerate(ens.field.state_names):
+    for k, name in enumerate(ens.vector_field.state_names):
         columns[name] = padded(passages.states[:, k], np.nan)
     columns["direction"] = padded(passages.direction.astype(np.int8), 0)
     columns["crossings"] = count

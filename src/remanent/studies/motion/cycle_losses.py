@@ -16,16 +16,16 @@ from remanent.models.system import System
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
 from remanent.studies.ensemble.durations import require_count, require_drive_periods
-from remanent.studies.ensemble.layout import Over, lay_out_ensemble
+from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble
 from remanent.studies.ensemble.memory import require_memory
 from remanent.studies.ensemble.observables import blank_beyond_horizon
 from remanent.studies.ensemble.problem import initial_value_problem
-from remanent.studies.ensemble.progress import Progress, as_progress
+from remanent.studies.ensemble.progress import ProgressArgument, as_progress
 
 #: Bytes that a period of one trajectory takes.
 _BYTES_PER_PERIOD = 100.0
 #: The integral over each period, and what is integrated.
-_POWER_OF_INTEGRAL = {"dissipated_energy": "dissipated_power", "drive_work": "drive_power"}
+_POWER_OBSERVABLE_OF_ENERGY = {"dissipated_energy": "dissipated_power", "drive_work": "drive_power"}
 
 
 def cycle_losses(
@@ -35,9 +35,9 @@ def cycle_losses(
     periods: int,
     discard: int = 0,
     initial: ArrayLike | None = None,
-    over: Over | None = None,
+    over: OverArgument | None = None,
     tolerance: float = 1e-9,
-    progress: Progress = None,
+    progress: ProgressArgument = None,
 ) -> xr.Dataset:
     """Energy dissipated, and work done by the load, in each drive period.
 
@@ -100,19 +100,21 @@ def cycle_losses(
     ens = lay_out_ensemble(system, drive, over, initial)
     length = require_drive_periods(ens)
     require_memory(
-        "periods", _BYTES_PER_PERIOD * ens.count * periods, f"{ens.count} x {periods} sums"
+        "periods",
+        _BYTES_PER_PERIOD * ens.trajectory_count * periods,
+        f"{ens.trajectory_count} x {periods} sums",
     )
     problem = initial_value_problem(ens, periods * length)
-    start = np.pad(problem.initial_states, ((0, 0), (0, len(_POWER_OF_INTEGRAL))))
-    field = field_with_integrals(problem.field, tuple(_POWER_OF_INTEGRAL.values()))
+    start = np.pad(problem.initial_states, ((0, 0), (0, len(_POWER_OBSERVABLE_OF_ENERGY))))
+    field = field_with_integrals(problem.field, tuple(_POWER_OBSERVABLE_OF_ENERGY.values()))
     problem = replace(problem, field=field, initial_states=start)
     outcome = integrate(problem, Request(strobe_cycles=1), tolerance=tolerance, progress=report)
     assert outcome.states is not None
     ends = np.arange(periods + 1) * length[:, None]
-    sums = outcome.states[:, : periods + 1, -len(_POWER_OF_INTEGRAL) :]
+    sums = outcome.states[:, : periods + 1, -len(_POWER_OBSERVABLE_OF_ENERGY) :]
     losses = np.diff(blank_beyond_horizon(sums, ends, outcome), axis=1)[:, discard:]
     variables: dict[str, PerTrajectoryArray] = {
-        name: (("period",), losses[:, :, k]) for k, name in enumerate(_POWER_OF_INTEGRAL)
+        name: (("period",), losses[:, :, k]) for k, name in enumerate(_POWER_OBSERVABLE_OF_ENERGY)
     }
     variables["drive_period"] = length
     return to_dataset(

@@ -17,10 +17,10 @@ from remanent.models.system import System
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
 from remanent.studies.ensemble.durations import require_exactly_one_argument
-from remanent.studies.ensemble.layout import Over, lay_out_ensemble
+from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble
 from remanent.studies.ensemble.observables import blank_beyond_horizon, evaluate_observable
 from remanent.studies.ensemble.problem import initial_value_problem
-from remanent.studies.ensemble.progress import Progress, as_progress
+from remanent.studies.ensemble.progress import ProgressArgument, as_progress
 from remanent.studies.ensemble.time_grid import time_grid
 
 #: What is integrated along a motion, and the name of the integral.
@@ -45,9 +45,9 @@ def energy_balance(
     periods: int | None = None,
     times: ArrayLike | None = None,
     initial: ArrayLike | None = None,
-    over: Over | None = None,
+    over: OverArgument | None = None,
     tolerance: float = 1e-9,
-    progress: Progress = None,
+    progress: ProgressArgument = None,
 ) -> xr.Dataset:
     """Follow the work of the drive and what is dissipated, beside the energy of the block.
 
@@ -116,7 +116,7 @@ def energy_balance(
     report = as_progress(progress)
     ens = lay_out_ensemble(system, drive, over, initial)
     grid = time_grid(ens, duration, periods, times)
-    warms = bool(ens.field.indices_of_roles(Role.TEMPERATURE))
+    warms = bool(ens.vector_field.indices_of_roles(Role.TEMPERATURE))
     integrals = _INTEGRAL_OF_OBSERVABLE | (_HEAT_INTEGRAL_OF_OBSERVABLE if warms else {})
     problem = _append_integrals(initial_value_problem(ens, grid.durations), integrals)
     request = Request(times=grid.times)

@@ -14,10 +14,10 @@ from remanent.models.system import System
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
 from remanent.studies.ensemble.durations import require_count, require_drive_periods
-from remanent.studies.ensemble.layout import Over, lay_out_ensemble
+from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble
 from remanent.studies.ensemble.observables import blank_beyond_horizon, evaluate_observable
 from remanent.studies.ensemble.problem import initial_value_problem
-from remanent.studies.ensemble.progress import Progress, as_progress
+from remanent.studies.ensemble.progress import ProgressArgument, as_progress
 from remanent.studies.ensemble.time_grid import require_memory_for_samples
 
 _SECTION_PHASE_RULE = Rule(
@@ -36,9 +36,9 @@ def poincare_section(
     every: int = 1,
     section_phase: float = 0.0,
     initial: ArrayLike | None = None,
-    over: Over | None = None,
+    over: OverArgument | None = None,
     tolerance: float = 1e-9,
-    progress: Progress = None,
+    progress: ProgressArgument = None,
 ) -> xr.Dataset:
     """Take the state once per `every` drive periods.
 
@@ -114,9 +114,9 @@ def poincare_section(
     assert outcome.states is not None
     states = blank_beyond_horizon(outcome.states[:, : number.size], times, outcome)
     variables: dict[str, PerTrajectoryArray] = {
-        name: (("period",), states[:, :, k]) for k, name in enumerate(ens.field.state_names)
+        name: (("period",), states[:, :, k]) for k, name in enumerate(ens.vector_field.state_names)
     }
-    for name in ens.field.observable_and_rate_names:
+    for name in ens.vector_field.observable_and_rate_names:
         variables[name] = (("period",), evaluate_observable(problem, name, times, states))
     variables["drive_period"] = length
     return to_dataset(

@@ -13,10 +13,10 @@ from remanent.models.system import System
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
 from remanent.studies.ensemble.durations import require_exactly_one_argument
-from remanent.studies.ensemble.layout import Over, lay_out_ensemble
+from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble
 from remanent.studies.ensemble.observables import blank_beyond_horizon, evaluate_observable
 from remanent.studies.ensemble.problem import initial_value_problem
-from remanent.studies.ensemble.progress import Progress, as_progress
+from remanent.studies.ensemble.progress import ProgressArgument, as_progress
 from remanent.studies.ensemble.time_grid import time_grid
 
 
@@ -28,9 +28,9 @@ def simulate(
     periods: int | None = None,
     times: ArrayLike | None = None,
     initial: ArrayLike | None = None,
-    over: Over | None = None,
+    over: OverArgument | None = None,
     tolerance: float = 1e-9,
-    progress: Progress = None,
+    progress: ProgressArgument = None,
 ) -> xr.Dataset:
     r"""Integrate the equation of motion and return the history.
 
@@ -105,9 +105,9 @@ def simulate(
     states = blank_beyond_horizon(outcome.states, grid.times, outcome)
     variables: dict[str, PerTrajectoryArray] = {
         name: ((grid.time_dimension,), states[:, :, k])
-        for k, name in enumerate(ens.field.state_names)
+        for k, name in enumerate(ens.vector_field.state_names)
     }
-    for name in (*ens.field.observable_and_rate_names, "energy", "load"):
+    for name in (*ens.vector_field.observable_and_rate_names, "energy", "load"):
         values = evaluate_observable(problem, name, grid.times, states)
         # The load does not depend on the state: without this it would go on past the horizon.
         values = np.where(np.isnan(states[:, :, 0]), np.nan, values)

@@ -89,7 +89,7 @@ def describe_branches(
     ]
     special = {
         name: np.array([row[name] for row in rows], dtype=least.dtype).reshape(-1, *least.shape[1:])
-        for name, least in _empty_special_point_table(len(ens.field.state_names)).items()
+        for name, least in _empty_special_point_table(len(ens.vector_field.state_names)).items()
     }
     return BranchTable(
         points, special, end_reasons_of_curves([branch.curve.end_reasons for branch in branches])
@@ -166,19 +166,22 @@ def label_branches(
     rows = ("point",) if single else ("branch", "point")
     variables: dict[str, PerTrajectoryArray] = {
         options.parameter: (rows, points["parameter"]),
-        **{name: (rows, points["initial"][..., k]) for k, name in enumerate(ens.field.state_names)},
+        **{
+            name: (rows, points["initial"][..., k])
+            for k, name in enumerate(ens.vector_field.state_names)
+        },
         **{name: ((*rows, "multiplier"), points[name]) for name in _COLUMNS_BY_MULTIPLIER},
         **{name: (rows, points[name]) for name in _COLUMNS_BY_POINT},
         **{f"special_{name}": (("special",), special[name]) for name in _COLUMNS_BY_SPECIAL_POINT},
         f"special_{options.parameter}": (("special",), special["parameter"]),
         **{
             f"special_{name}": (("special",), special["state"][..., k])
-            for k, name in enumerate(ens.field.state_names)
+            for k, name in enumerate(ens.vector_field.state_names)
         },
         "end_reason": ((*rows[:-1], "end"), end_reason),
     }
     sizes = dict(zip(rows, points["parameter"].shape[1:], strict=True))
-    sizes |= {"multiplier": len(ens.field.state_names), "special": special["kind"].shape[1]}
+    sizes |= {"multiplier": len(ens.vector_field.state_names), "special": special["kind"].shape[1]}
     coords: dict[str, Labelled] = {name: ((name,), np.arange(n)) for name, n in sizes.items()}
     coords["end"] = (("end",), np.array(END_LABELS))
     reasons = [None if table is None else table.end_reasons for table in tables]
@@ -196,7 +199,7 @@ def _join_members(
 
     There are as many branches as the member with most of them has, but not fewer than `least`.
     """
-    d = len(ens.field.state_names)
+    d = len(ens.vector_field.state_names)
     no_points = stack_tables([None] * least, _empty_point_table(d))
     of_members = [
         None if table is None else stack_tables(table.point_tables, _empty_point_table(d))
@@ -231,6 +234,6 @@ def member_status(
             else missing if reasons is None
             else Status.INCOMPLETE if np.isin(reasons, _UNFINISHED_END_REASONS).any()
             else Status.OK
-            for reasons, invalid in zip(end_reason, ens.invalid, strict=True)
+            for reasons, invalid in zip(end_reason, ens.is_invalid, strict=True)
         ]
     )  # fmt: skip

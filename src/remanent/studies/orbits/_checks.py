@@ -48,7 +48,7 @@ def require_state_box(name: str, box: Mapping[str, Any] | None, ens: Ensemble) -
             why=_STATE_BOX_REASON,
             fix=_STATE_BOX_REMEDY,
         )
-    given, state = dict(box or {}), ens.field.state_names
+    given, state = dict(box or {}), ens.vector_field.state_names
     for variable in given:
         if variable not in state:
             raise InputError(
@@ -63,7 +63,7 @@ def require_state_box(name: str, box: Mapping[str, Any] | None, ens: Ensemble) -
             _require_bounds(name, variable, given[variable.name])
             if variable.name in given
             else _default_bounds(name, variable, ens)
-            for variable in ens.field.variables
+            for variable in ens.vector_field.variables
         ]
     )
 
@@ -103,10 +103,12 @@ def _default_bounds(name: str, variable: StateVariable, ens: Ensemble) -> FloatA
         return np.array(DEFAULT_RATE_RANGE)
     if variable.role is not Role.TEMPERATURE:
         return np.array(DEFAULT_STRETCH_RANGE)
-    valid = np.flatnonzero(~ens.invalid)
+    valid = np.flatnonzero(~ens.is_invalid)
     if not valid.size:  # nothing is computed
         return np.array([0.0, 1.0])
-    surroundings = float(rest_values(variable, ens.values, ens.count)[valid[0]])
+    surroundings = float(
+        rest_values(variable, ens.parameter_values, ens.trajectory_count)[valid[0]]
+    )
     if not np.isfinite(surroundings):
         raise InputError(
             name,
@@ -122,8 +124,8 @@ def _default_bounds(name: str, variable: StateVariable, ens: Ensemble) -> FloatA
 
 def require_heat_exchange(ens: Ensemble) -> None:
     """Refuse adiabatic bodies: they warm for ever, or have an orbit for each entropy."""
-    warms = bool(ens.field.indices_of_roles(Role.TEMPERATURE))
-    if warms and not (ens.values["heat.exchange"] > 0.0).all():
+    warms = bool(ens.vector_field.indices_of_roles(Role.TEMPERATURE))
+    if warms and not (ens.parameter_values["heat.exchange"] > 0.0).all():
         raise InputError(
             "system",
             must="exchange heat where its temperature is a state",

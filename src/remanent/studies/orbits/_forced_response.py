@@ -44,7 +44,7 @@ def trace_forced_response(member: Ensemble, options: TracingOptions, slices: int
         Frequencies at which orbits are looked for.
     """
     middle = np.array([0.5 * sum(options.parameter_range)])
-    centred = replace(member, values={**member.values, "omega": middle})
+    centred = replace(member, parameter_values={**member.parameter_values, "omega": middle})
     return describe_branches(
         centred, trace_all_branches(options.tracing_of_member(centred), slices), options
     )

@@ -15,7 +15,7 @@ from remanent._errors import InputError
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.progress import ProgressFunction
 
-T = TypeVar("T")
+MemberResult = TypeVar("MemberResult")
 #: What stands where an array ends before others, by the kind of its numbers.
 _PADDING_OF_DTYPE_KIND = MappingProxyType(
     {"f": np.nan, "c": complex(np.nan, 0.0), "i": -1, "U": "", "b": False}
@@ -23,8 +23,10 @@ _PADDING_OF_DTYPE_KIND = MappingProxyType(
 
 
 def for_each_member(
-    ens: Ensemble, compute: Callable[[Ensemble], T], report: ProgressFunction | None = None
-) -> list[T | None]:
+    ens: Ensemble,
+    compute: Callable[[Ensemble], MemberResult],
+    report: ProgressFunction | None = None,
+) -> list[MemberResult | None]:
     """What `compute` makes of each trajectory of an ensemble alone, on all processors.
 
     Parameters
@@ -48,21 +50,21 @@ def for_each_member(
     """
     finished: list[int] = []
 
-    def compute_member(k: int) -> T | None:
+    def compute_member(k: int) -> MemberResult | None:
         outcome = None
-        if not ens.invalid[k]:
+        if not ens.is_invalid[k]:
             try:
                 outcome = compute(ens.single_member(k))
             except InputError:
-                if not ens.sizes:
+                if not ens.dimension_sizes:
                     raise
         finished.append(k)
         if report is not None:
-            report(len(finished) / ens.count)
+            report(len(finished) / ens.trajectory_count)
         return outcome
 
-    with ThreadPoolExecutor(min(os.cpu_count() or 1, ens.count)) as pool:
-        return list(pool.map(compute_member, range(ens.count)))
+    with ThreadPoolExecutor(min(os.cpu_count() or 1, ens.trajectory_count)) as pool:
+        return list(pool.map(compute_member, range(ens.trajectory_count)))
 
 
 def stack_padded(arrays: Sequence[NDArray[Any]], shortest: NDArray[Any]) -> NDArray[Any]:

@@ -23,7 +23,7 @@ from remanent.studies.orbits._pilot_resolution import PilotResolution
 _MAX_PERIOD_ERROR = 1e-10
 
 
-def map_tolerance(tolerance: float, share: float = 0.1) -> float:
+def period_tolerance_for_residual(tolerance: float, share: float = 0.1) -> float:
     """Error of a period that leaves a residual of `tolerance` its meaning."""
     return min(share * tolerance, _MAX_PERIOD_ERROR)
 
@@ -45,7 +45,7 @@ class StroboscopicMap:
         Of the error that a period adds.
     section_phase : float
         Of the section within the drive period, in [0, 1).
-    undifferentiated_names : sequence of str
+    undifferentiated_parameter_names : sequence of str
         Those of `parameter_names` by which no derivative is wanted: it is given as 0.
     finest_resolution : int
         Largest resolution tried, double steps per period.
@@ -57,7 +57,7 @@ class StroboscopicMap:
     parameter_names: Sequence[str]
     period_tolerance: float
     section_phase: float = 0.0
-    undifferentiated_names: Sequence[str] = ()
+    undifferentiated_parameter_names: Sequence[str] = ()
     finest_resolution: int = MAX_RESOLUTION
     state_cell_bits: int = 4
 
@@ -146,7 +146,7 @@ class StroboscopicMap:
         """The flow over some periods, with the resolutions to begin with and at most."""
         values = self._parameter_columns(parameters)
         return self._period_map(
-            states, self._field_parameters(values, len(states)),
+            states, self._vector_field_parameters(values, len(states)),
             self._period_lengths(values, len(states)),
             tolerance=tolerance, cycles=iterate, half=half, resolution=resolution,
             max_resolution=finest,
@@ -168,8 +168,10 @@ class StroboscopicMap:
             if name == self.ensemble.drive.frequency_field:
                 # The period is inversely proportional to this field.
                 slope[:, :, k] = image.tangents[:, -1] / -values[name][:, None]
-            if name in self._carried_parameters:
-                slope[:, :, k] += image.tangents[:, d + self._carried_parameters.index(name)]
+            if name in self._differentiated_parameter_names:
+                slope[:, :, k] += image.tangents[
+                    :, d + self._differentiated_parameter_names.index(name)
+                ]
         return slope
 
     def _parameter_columns(self, parameters: FloatArray) -> dict[str, FloatArray]:
@@ -179,16 +181,18 @@ class StroboscopicMap:
             for k, name in enumerate(self.parameter_names)
         }
 
-    def _field_parameters(self, values: dict[str, FloatArray], count: int) -> FloatArray:
+    def _vector_field_parameters(self, values: dict[str, FloatArray], count: int) -> FloatArray:
         """Parameters of the vector field, array (point, parameter)."""
         rows = np.tile(self._problem.parameters, (count, 1))
-        for name in self._varied_in_vector_field:
+        for name in self._varied_vector_field_parameter_names:
             rows[:, self._problem.field.parameters.index(name)] = values[name]
         return rows
 
     def _period_lengths(self, values: dict[str, FloatArray], count: int) -> FloatArray:
         """Drive periods, array (point,)."""
-        fields = {name: np.broadcast_to(v, count) for name, v in self.ensemble.values.items()}
+        fields = {
+            name: np.broadcast_to(v, count) for name, v in self.ensemble.parameter_values.items()
+        }
         lengths = self.ensemble.drive.periods(fields | values)
         assert lengths is not None
         return np.broadcast_to(lengths, count)
@@ -198,12 +202,12 @@ class StroboscopicMap:
         return initial_value_problem(self.ensemble, np.ones(1))
 
     @cached_property
-    def _varied_in_vector_field(self) -> list[str]:
+    def _varied_vector_field_parameter_names(self) -> list[str]:
         """Those of the varied fields that the vector field knows."""
         return [name for name in self.parameter_names if name in self._problem.field.parameters]
 
     @cached_property
-    def _carried_parameters(self) -> list[str]:
+    def _differentiated_parameter_names(self) -> list[str]:
         """Fields whose derivatives the kernel carries along.
 
         The field that times the drive acts through the length of the period, and through the
@@ -212,8 +216,8 @@ class StroboscopicMap:
         timed = self.ensemble.drive.frequency_field
         return [
             name
-            for name in self._varied_in_vector_field
-            if name not in self.undifferentiated_names
+            for name in self._varied_vector_field_parameter_names
+            if name not in self.undifferentiated_parameter_names
             and (name != timed or self._load_rate_matters)
         ]
 
@@ -221,7 +225,7 @@ class StroboscopicMap:
     def _load_rate_matters(self) -> bool:
         """Whether rates of the loads enter the equations."""
         return self.ensemble.system.needs_load_rate(
-            self.ensemble.values, varied=self.parameter_names
+            self.ensemble.parameter_values, varied=self.parameter_names
         )
 
     @cached_property
@@ -235,7 +239,7 @@ class StroboscopicMap:
             self._problem.field,
             self._problem.timeline.waveform,
             directions=len(self._problem.field.state_names),
-            parameters=(*self._carried_parameters, *last),
+            parameters=(*self._differentiated_parameter_names, *last),
             phase=self.section_phase,
         )
 

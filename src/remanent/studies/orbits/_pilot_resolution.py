@@ -23,9 +23,9 @@ from remanent.integrate.maps.period_map import PeriodMapImage
 #: Double steps per period of the first pilot run, and the fewest that are foreseen.
 FIRST_RESOLUTION = 8
 #: Share of the tolerance that the error is to have.
-_TARGET_ERROR_SHARE = 0.5
+_TARGET_ERROR_OVER_TOLERANCE = 0.5
 #: Factor of refinement up to which the error of a run foretells the resolution.
-_MAX_EXTRAPOLATION = 8.0
+_MAX_EXTRAPOLATED_REFINEMENT = 8.0
 #: Smallest factor from one pilot run to the next.
 _MIN_REFINEMENT = 2.0
 #: Largest factor from one pilot run to the next.
@@ -38,7 +38,7 @@ _UNRELIABLE_RESOLUTION = 32
 #: Binary digits of a parameter that tell its cell.
 _PARAMETER_CELL_BITS = 4
 #: Binary exponent that no parameter is below.
-_NO_FLOOR_EXPONENT = -2000
+_EXPONENT_BELOW_ALL_PARAMETERS = -2000
 
 #: ``run(states, parameters, resolution)``: the map with exactly these resolutions.
 PilotRunFunction = Callable[[FloatArray, FloatArray, IntArray], PeriodMapImage]
@@ -98,7 +98,7 @@ class PilotResolution:
         centres = np.hstack(
             [
                 _round_to_bits(states, self.state_cell_bits, 0),
-                _round_to_bits(parameters, _PARAMETER_CELL_BITS, _NO_FLOOR_EXPONENT),
+                _round_to_bits(parameters, _PARAMETER_CELL_BITS, _EXPONENT_BELOW_ALL_PARAMETERS),
             ]
         )
         cells: list[CellKey] = [(iterate, half, row.tobytes()) for row in centres]
@@ -113,7 +113,7 @@ class PilotResolution:
         """Resolutions that would have been enough for an image, array (point,)."""
         with np.errstate(all="ignore"):
             factor = (
-                image.largest_period_error / (_TARGET_ERROR_SHARE * self.period_tolerance)
+                image.largest_period_error / (_TARGET_ERROR_OVER_TOLERANCE * self.period_tolerance)
             ) ** (1.0 / self.convergence_order)
         factor = np.where(np.isfinite(factor), factor, 1.0).clip(_MIN_COARSENING, 1.0)
         foreseen = round_up_resolution(np.maximum(image.resolution * factor, FIRST_RESOLUTION))
@@ -131,9 +131,10 @@ class PilotResolution:
             image = run(states[pending], parameters[pending], resolution[pending])
             with np.errstate(all="ignore"):
                 factor = (
-                    image.largest_period_error / (_TARGET_ERROR_SHARE * self.period_tolerance)
+                    image.largest_period_error
+                    / (_TARGET_ERROR_OVER_TOLERANCE * self.period_tolerance)
                 ) ** (1.0 / self.convergence_order)
-            reliable = np.isfinite(factor) & (factor <= _MAX_EXTRAPOLATION)
+            reliable = np.isfinite(factor) & (factor <= _MAX_EXTRAPOLATED_REFINEMENT)
             foreseen = round_up_resolution(
                 np.maximum(np.where(reliable, factor, 1.0) * image.resolution, FIRST_RESOLUTION)
             )

@@ -24,19 +24,19 @@ from remanent.studies.orbits._period_map import StroboscopicMap
 from remanent.studies.orbits._pilot_resolution import FIRST_RESOLUTION
 
 #: Error of a period in the first search.
-_ROUGH_TOLERANCE = 1e-6
+_ROUGH_PERIOD_TOLERANCE = 1e-6
 #: Largest resolution of the first search: guesses that need more lead nowhere.
 _ROUGH_FINEST_RESOLUTION = 128
 #: Binary digits that tell the cells of the first search: guesses lie far apart in the box.
-_ROUGH_CELL_BITS = 1
+_ROUGH_STATE_CELL_BITS = 1
 #: Residual of the orbits of the first search, and largest error of the image of a guess.
-_ROUGH_RESIDUAL = 10.0 * _ROUGH_TOLERANCE
+_ROUGH_RESIDUAL = 10.0 * _ROUGH_PERIOD_TOLERANCE
 #: Largest resolution on the symmetry line, where every sign has to be right.
-_LINE_FINEST_RESOLUTION = 512
+_SYMMETRY_LINE_FINEST_RESOLUTION = 512
 #: Guesses along the symmetry line.
-_LINE_GUESS_COUNT = 600
+_SYMMETRY_LINE_GUESS_COUNT = 600
 #: Tolerance of a stretch on the symmetry line.
-_LINE_TOLERANCE = 1e-7
+_SYMMETRY_LINE_STRETCH_TOLERANCE = 1e-7
 #: Guesses in the box along each stretch and rate, by their number, where orbits are looked for
 #: at one value of the parameter only.
 _DENSE_GUESS_COUNTS = MappingProxyType({2: (36, 25), 4: (7, 5, 7, 5)})
@@ -101,9 +101,9 @@ def find_all_orbits(search: OrbitSearch, parameters: FloatArray) -> list[Periodi
         line = _symmetry_line_guesses(search, parameters)
     rough_map = replace(
         search.map,
-        period_tolerance=_ROUGH_TOLERANCE,
+        period_tolerance=_ROUGH_PERIOD_TOLERANCE,
         finest_resolution=_ROUGH_FINEST_RESOLUTION,
-        state_cell_bits=_ROUGH_CELL_BITS,
+        state_cell_bits=_ROUGH_STATE_CELL_BITS,
     )
     outcome = []
     for row, symmetric in zip(parameters, line, strict=True):
@@ -168,7 +168,7 @@ def _box_guesses(search: OrbitSearch) -> FloatArray:
 
     What is internal is guessed from the stretches: relaxed, at the temperature outside.
     """
-    field = search.map.ensemble.field
+    field = search.map.ensemble.vector_field
     moving = field.indices_of_roles(Role.COORDINATE, Role.RATE)
     counts = (_DENSE_GUESS_COUNTS if search.is_dense else _SPARSE_GUESS_COUNTS)[len(moving)]
     axes = [
@@ -199,8 +199,8 @@ def _symmetric_orbit_states(
 ) -> list[FloatArray]:
     """States at phase 0 of those that are at rest at phase 0, or at phase 1/2 where `late`."""
     map_ = replace(
-        search.map, section_phase=0.5 if late else 0.0, period_tolerance=_ROUGH_TOLERANCE,
-        finest_resolution=_LINE_FINEST_RESOLUTION, state_cell_bits=_ROUGH_CELL_BITS,
+        search.map, section_phase=0.5 if late else 0.0, period_tolerance=_ROUGH_PERIOD_TOLERANCE,
+        finest_resolution=_SYMMETRY_LINE_FINEST_RESOLUTION, state_cell_bits=_ROUGH_STATE_CELL_BITS,
     )  # fmt: skip
     q = search.orbit_period
 
@@ -209,7 +209,7 @@ def _symmetric_orbit_states(
         rows = parameters[case.astype(np.int64)]
         return map_.run(states, rows, q // 2, half=q % 2 == 1).state[:, 1]
 
-    grid = np.geomspace(search.state_box[0, 0], search.state_box[0, 1], _LINE_GUESS_COUNT)
+    grid = np.geomspace(search.state_box[0, 0], search.state_box[0, 1], _SYMMETRY_LINE_GUESS_COUNT)
     case = np.repeat(np.arange(len(parameters), dtype=float), grid.size)
     values = rate(np.tile(grid, len(parameters)), case).reshape(-1, grid.size)
     with np.errstate(invalid="ignore"):
@@ -219,7 +219,8 @@ def _symmetric_orbit_states(
     root = find_root(
         rate, (grid[k], grid[k + 1]), args=(row.astype(float),),
         tolerances={
-            "xatol": _LINE_TOLERANCE, "xrtol": _LINE_TOLERANCE, "fatol": 0.0, "frtol": 0.0,
+            "xatol": _SYMMETRY_LINE_STRETCH_TOLERANCE, "xrtol": _SYMMETRY_LINE_STRETCH_TOLERANCE,
+            "fatol": 0.0, "frtol": 0.0,
         },
     )  # fmt: skip
     states = np.column_stack([root.x, np.zeros(row.size)])
@@ -230,6 +231,9 @@ def _symmetric_orbit_states(
 
 def nearest_to_rest(orbits: PeriodicOrbits, ens: Ensemble) -> PeriodicOrbits:
     """The orbit whose point is nearest to rest, alone."""
-    rest = [float(rest_values(v, ens.values, ens.count)[0]) for v in ens.field.variables]
+    rest = [
+        float(rest_values(v, ens.parameter_values, ens.trajectory_count)[0])
+        for v in ens.vector_field.variables
+    ]
     k = int(np.argmin(np.linalg.norm(orbits.state - rest, axis=1)))
     return orbits.subset(np.array([k]))

@@ -29,7 +29,7 @@ from remanent.studies.orbits._checks import (
     require_orbit_period,
     require_state_box,
 )
-from remanent.studies.orbits._period_map import StroboscopicMap, map_tolerance
+from remanent.studies.orbits._period_map import StroboscopicMap, period_tolerance_for_residual
 from remanent.studies.orbits._search import OrbitSearch, find_all_orbits, is_reversible
 
 #: A point nearer to a curve than this, in scaled unknowns, is on it.
@@ -37,13 +37,13 @@ _MAX_DISTANCE_ON_CURVE = 1e-3
 #: Chords of a curve, nearest to a point, on whose arcs it is looked for.
 _NEAREST_CHORD_COUNT = 3
 #: First step along a branch, in scaled unknowns.
-FIRST_STEP = 0.005
+FIRST_CONTINUATION_STEP = 0.005
 #: Longest step along a branch, in scaled unknowns.
-LONGEST_STEP = 0.02
+LONGEST_CONTINUATION_STEP = 0.02
 #: Points predicted at once where a single curve is followed.
-_SINGLE_CURVE_BLOCK_SIZE = 16
+_POINTS_PREDICTED_ON_SINGLE_CURVE = 16
 #: Points predicted at once on each of many curves.
-_MANY_CURVES_BLOCK_SIZE = 8
+_POINTS_PREDICTED_ON_EACH_OF_MANY_CURVES = 8
 
 
 @dataclass(frozen=True)
@@ -92,7 +92,8 @@ class Tracing:
             np.ones(len(self.state_box)), self.parameter_range[1] - self.parameter_range[0]
         )
         return ContinuationSettings(
-            lower, upper, scale, first_step_length=FIRST_STEP, max_step_length=LONGEST_STEP,
+            lower, upper, scale,
+            first_step_length=FIRST_CONTINUATION_STEP, max_step_length=LONGEST_CONTINUATION_STEP,
             tolerance=0.1 * self.residual_tolerance, max_points=self.max_points,
         )  # fmt: skip
 
@@ -137,7 +138,9 @@ class TracingOptions:
     def tracing_of_member(self, member: Ensemble) -> Tracing:
         """For one trajectory."""
         return Tracing(
-            map=StroboscopicMap(member, (self.parameter,), map_tolerance(self.tolerance)),
+            map=StroboscopicMap(
+                member, (self.parameter,), period_tolerance_for_residual(self.tolerance)
+            ),
             state_box=require_state_box("state_box", self.state_box, member),
             parameter_range=self.parameter_range,
             orbit_period=self.orbit_period,
@@ -172,7 +175,11 @@ def trace_through_orbits(
         at_starts.value_error,
         at_starts.extra_arrays,
     )
-    block = _SINGLE_CURVE_BLOCK_SIZE if len(values) == 1 else _MANY_CURVES_BLOCK_SIZE
+    block = (
+        _POINTS_PREDICTED_ON_SINGLE_CURVE
+        if len(values) == 1
+        else _POINTS_PREDICTED_ON_EACH_OF_MANY_CURVES
+    )
     curves = continue_curves(equations, starts, replace(settings, points_per_block=block))
     # Orbits on both arms of a fold lie on the same branch.  It was followed from each.
     distinct: list[Curve] = []
@@ -237,15 +244,15 @@ def _clip_to_bounds(
     """The curve up to the bounds exactly, where it left them."""
     points = curve.points
     if curve.end_reasons[1] == "bounds":
-        points = _end_on_bounds(equations, points, settings)
+        points = _move_last_point_onto_bounds(equations, points, settings)
     if curve.end_reasons[0] == "bounds":
         backwards = np.arange(len(points))[::-1]
-        points = _end_on_bounds(equations, points.subset(backwards), settings)
+        points = _move_last_point_onto_bounds(equations, points.subset(backwards), settings)
         points = points.subset(np.arange(len(points))[::-1])
     return Curve(points, curve.is_closed, curve.end_reasons)
 
 
-def _end_on_bounds(
+def _move_last_point_onto_bounds(
     equations: CurveEquations, points: CurvePoints, settings: ContinuationSettings
 ) -> CurvePoints:
     """Move the last point back to where the curve crosses the bounds."""

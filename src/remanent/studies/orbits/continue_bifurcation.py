@@ -30,8 +30,8 @@ from remanent.studies.ensemble.checks import (
 from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
 from remanent.studies.ensemble.durations import require_count, require_drive_periods
 from remanent.studies.ensemble.ensemble import Ensemble
-from remanent.studies.ensemble.layout import Over, lay_out_ensemble
-from remanent.studies.ensemble.progress import Progress, as_progress
+from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble
+from remanent.studies.ensemble.progress import ProgressArgument, as_progress
 from remanent.studies.orbits._branch_tables import END_LABELS, end_reasons_of_curves, member_status
 from remanent.studies.orbits._checks import (
     BIFURCATION_KINDS,
@@ -42,8 +42,8 @@ from remanent.studies.orbits._checks import (
 )
 from remanent.studies.orbits._members import for_each_member, stack_tables
 from remanent.studies.orbits._orbit_tables import ORBIT_DIMENSIONS
-from remanent.studies.orbits._period_map import StroboscopicMap, map_tolerance
-from remanent.studies.orbits._tracing import FIRST_STEP, LONGEST_STEP
+from remanent.studies.orbits._period_map import StroboscopicMap, period_tolerance_for_residual
+from remanent.studies.orbits._tracing import FIRST_CONTINUATION_STEP, LONGEST_CONTINUATION_STEP
 
 
 def continue_bifurcation(
@@ -56,10 +56,10 @@ def continue_bifurcation(
     initial: ArrayLike,
     orbit_period: int = 1,
     state_box: Mapping[str, Any] | None = None,
-    over: Over | None = None,
+    over: OverArgument | None = None,
     max_points: int = 500,
     tolerance: float = 1e-8,
-    progress: Progress = None,
+    progress: ProgressArgument = None,
 ) -> xr.Dataset:
     """Follow a fold or a period doubling in the plane of two parameters.
 
@@ -153,10 +153,12 @@ def continue_bifurcation(
     def trace(member: Ensemble) -> dict[str, NDArray[Any]]:
         box = require_state_box("state_box", state_box, member)
         plane = _ParameterPlane(member, names, limits, box, orbit_period, tolerance, max_points)
-        return _curve_columns(plane.trace_bifurcation(kind, state), names, ens.field.state_names)
+        return _curve_columns(
+            plane.trace_bifurcation(kind, state), names, ens.vector_field.state_names
+        )
 
     tables = for_each_member(ens, trace, as_progress(progress))
-    columns = stack_tables(tables, _curve_columns(None, names, ens.field.state_names))
+    columns = stack_tables(tables, _curve_columns(None, names, ens.vector_field.state_names))
     reasons = [None if table is None else table["end_reason"] for table in tables]
     variables: dict[str, PerTrajectoryArray] = {
         name: (("end",) if name == "end_reason" else ("point",), column)
@@ -238,7 +240,8 @@ class _ParameterPlane:
             [np.ones(len(self.state_box)), np.ptp(np.array(self.parameter_ranges), axis=1)]
         )
         return ContinuationSettings(
-            lower, upper, scale, first_step_length=FIRST_STEP, max_step_length=LONGEST_STEP,
+            lower, upper, scale,
+            first_step_length=FIRST_CONTINUATION_STEP, max_step_length=LONGEST_CONTINUATION_STEP,
             tolerance=self.tolerance, max_points=self.max_points,
         )  # fmt: skip
 
@@ -247,9 +250,11 @@ class _ParameterPlane:
         settings = self.continuation_settings
         # The determinant of the Jacobian has to be right, so the map is more precise than
         # for a branch.
-        map_ = StroboscopicMap(self.ensemble, self.parameters, map_tolerance(self.tolerance, 0.01))
+        map_ = StroboscopicMap(
+            self.ensemble, self.parameters, period_tolerance_for_residual(self.tolerance, 0.01)
+        )
         equations = build_bifurcation_equations(map_, self.orbit_period, kind, settings.scale)
-        values = [float(self.ensemble.values[name][0]) for name in self.parameters]
+        values = [float(self.ensemble.parameter_values[name][0]) for name in self.parameters]
         guess = np.concatenate([state, values])[None]
         fixed = np.zeros(guess.shape)
         fixed[0, -1] = 1.0  # the second parameter

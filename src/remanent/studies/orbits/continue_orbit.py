@@ -19,8 +19,8 @@ from remanent.studies.ensemble.checks import (
     require_state,
 )
 from remanent.studies.ensemble.ensemble import Ensemble
-from remanent.studies.ensemble.layout import Over, lay_out_ensemble
-from remanent.studies.ensemble.progress import Progress, as_progress
+from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble
+from remanent.studies.ensemble.progress import ProgressArgument, as_progress
 from remanent.studies.orbits._branch_tables import BranchTable, describe_branches, label_branches
 from remanent.studies.orbits._checks import require_not_in_over
 from remanent.studies.orbits._members import for_each_member
@@ -40,10 +40,10 @@ def continue_orbit(
     initial: ArrayLike | None = None,
     orbit_period: int = 1,
     state_box: Mapping[str, Any] | None = None,
-    over: Over | None = None,
+    over: OverArgument | None = None,
     max_points: int = 1000,
     tolerance: float = 1e-9,
-    progress: Progress = None,
+    progress: ProgressArgument = None,
 ) -> xr.Dataset:
     """Follow a periodic orbit while a parameter changes, through folds, both ways.
 
@@ -122,7 +122,7 @@ def continue_orbit(
         "parameter_range", parameter_range, parameter, ens, "A branch is followed between them."
     )
     require_not_in_over((parameter,), ens)
-    _require_start_inside(float(ens.values[parameter][0]), limits)
+    _require_start_inside(float(ens.parameter_values[parameter][0]), limits)
     options = TracingOptions(parameter, limits, state_box, orbit_period, max_points, tolerance)
     options.require_valid(ens)
     guess = None
@@ -132,7 +132,10 @@ def continue_orbit(
         )
 
     def trace(member: Ensemble) -> BranchTable:
-        tracing, value = options.tracing_of_member(member), float(member.values[parameter][0])
+        tracing, value = (
+            options.tracing_of_member(member),
+            float(member.parameter_values[parameter][0]),
+        )
         branches = trace_through_orbits(
             tracing, _start_orbit(tracing, guess, value), np.array([value])
         )

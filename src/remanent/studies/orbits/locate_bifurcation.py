@@ -20,7 +20,7 @@ from remanent.studies.ensemble.checks import require_parameter, require_state, r
 from remanent.studies.ensemble.dataset import to_dataset
 from remanent.studies.ensemble.durations import require_drive_periods
 from remanent.studies.ensemble.ensemble import Ensemble
-from remanent.studies.ensemble.layout import Over, lay_out_ensemble
+from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble
 from remanent.studies.orbits._checks import (
     BIFURCATION_KINDS,
     require_heat_exchange,
@@ -28,10 +28,10 @@ from remanent.studies.orbits._checks import (
     require_orbit_period,
 )
 from remanent.studies.orbits._orbit_tables import ORBIT_DIMENSIONS
-from remanent.studies.orbits._period_map import StroboscopicMap, map_tolerance
+from remanent.studies.orbits._period_map import StroboscopicMap, period_tolerance_for_residual
 
 #: Steps in which other fields are moved from the system's own values.
-_HOMOTOPY_STEPS = 4
+_HOMOTOPY_STEP_COUNT = 4
 
 
 def locate_bifurcation(
@@ -42,7 +42,7 @@ def locate_bifurcation(
     *,
     initial: ArrayLike,
     orbit_period: int = 1,
-    over: Over | None = None,
+    over: OverArgument | None = None,
     tolerance: float = 1e-9,
 ) -> xr.Dataset:
     """Find where a periodic orbit folds or doubles, for many values of other fields.
@@ -112,7 +112,7 @@ def locate_bifurcation(
     outcome = _locate_in_all_members(
         single, ens, _BifurcationTarget(kind, parameter, state, orbit_period, tolerance)
     )
-    if not ens.sizes and not outcome.has_converged[0]:
+    if not ens.dimension_sizes and not outcome.has_converged[0]:
         raise InputError(
             "initial",
             must=f"be near a {kind}",
@@ -124,9 +124,9 @@ def locate_bifurcation(
         parameter: outcome.unknowns[:, state.size],
         f"{parameter}_error": outcome.parameter_error,
         "residual": outcome.residual,
-        **{name: outcome.unknowns[:, k] for k, name in enumerate(ens.field.state_names)},
+        **{name: outcome.unknowns[:, k] for k, name in enumerate(ens.vector_field.state_names)},
     }
-    missing = np.where(ens.invalid, Status.INVALID, Status.DIVERGED)
+    missing = np.where(ens.is_invalid, Status.INVALID, Status.DIVERGED)
     return to_dataset(
         ens, {name: np.where(outcome.has_converged, v, np.nan) for name, v in columns.items()},
         status=np.where(outcome.has_converged, Status.OK, missing), tolerance=tolerance, kind=kind,
@@ -171,31 +171,31 @@ def _locate_in_all_members(
     """The special point of every member, all together, moved there from the system's own."""
     # Named, not compared by value: whether a field counts as varied must not depend on the
     # values of other members.
-    fields = [name for name in ens.coords if name in ens.values]
+    fields = [name for name in ens.coords if name in ens.parameter_values]
     held = tuple(fields)
     map_ = StroboscopicMap(
         single,
         (target.parameter, *fields),
-        map_tolerance(target.tolerance, 0.01),
-        undifferentiated_names=held,
+        period_tolerance_for_residual(target.tolerance, 0.01),
+        undifferentiated_parameter_names=held,
     )
-    members = np.flatnonzero(~ens.invalid)
+    members = np.flatnonzero(~ens.is_invalid)
     size = target.initial_state.size + 2
     located = _LocatedBifurcations(
-        np.full((ens.count, size), np.nan), np.full(ens.count, np.nan),
-        np.full(ens.count, np.nan), np.zeros(ens.count, dtype=np.bool_),
+        np.full((ens.trajectory_count, size), np.nan), np.full(ens.trajectory_count, np.nan),
+        np.full(ens.trajectory_count, np.nan), np.zeros(ens.trajectory_count, dtype=np.bool_),
     )  # fmt: skip
     if not members.size:
         return located
-    begin = np.array([float(single.values[name][0]) for name in fields])
-    end = np.array([ens.values[name][members] for name in fields]).T
+    begin = np.array([float(single.parameter_values[name][0]) for name in fields])
+    end = np.array([ens.parameter_values[name][members] for name in fields]).T
     end = end.reshape(members.size, len(fields))
-    value = float(single.values[target.parameter][0])
+    value = float(single.parameter_values[target.parameter][0])
     scale = np.concatenate([np.ones(target.initial_state.size), [abs(value) or 1.0, 1.0]])
     start = np.tile(np.append(target.initial_state, value), (members.size, 1))
     guess = np.column_stack([start, np.arange(members.size)])
     fixed = np.tile(np.eye(size)[-1], (members.size, 1))  # the number of the member
-    for share in np.linspace(0.0, 1.0, _HOMOTOPY_STEPS + 1) if fields else [0.0]:
+    for share in np.linspace(0.0, 1.0, _HOMOTOPY_STEP_COUNT + 1) if fields else [0.0]:
         numbered = _MemberNumberMap(map_, begin + share * (end - begin))
         equations = build_bifurcation_equations(numbered, target.orbit_period, target.kind, scale)
         points, reached = correct_points(

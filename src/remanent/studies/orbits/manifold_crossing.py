@@ -34,10 +34,10 @@ from remanent.studies.ensemble.checks import (
 from remanent.studies.ensemble.dataset import to_dataset
 from remanent.studies.ensemble.durations import require_count, require_drive_periods
 from remanent.studies.ensemble.ensemble import Ensemble
-from remanent.studies.ensemble.layout import Over, lay_out_ensemble
+from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble
 from remanent.studies.ensemble.observables import blank_beyond_horizon
 from remanent.studies.ensemble.problem import initial_value_problem
-from remanent.studies.ensemble.progress import Progress, as_progress
+from remanent.studies.ensemble.progress import ProgressArgument, as_progress
 from remanent.studies.orbits._checks import (
     require_not_in_over,
     require_orbit_period,
@@ -45,20 +45,22 @@ from remanent.studies.orbits._checks import (
 )
 from remanent.studies.orbits._members import for_each_member
 from remanent.studies.orbits._orbit_tables import ORBIT_DIMENSIONS
-from remanent.studies.orbits._period_map import StroboscopicMap, map_tolerance
+from remanent.studies.orbits._period_map import StroboscopicMap, period_tolerance_for_residual
 from remanent.studies.orbits._search import OrbitSearch, find_all_orbits, is_reversible
 
 #: Values inside a bracket that are tried at once: one for each lane of a kernel.
 _VALUES_TRIED_AT_ONCE = 16
 #: Drive periods of the first runs.
-_FIRST_PERIODS = 48
+_FIRST_RUN_PERIODS = 48
 #: Periods of the orbit that next runs last beyond what the last ones took.
-_EXTRA_ORBIT_PERIODS = 12
+_NEXT_RUN_EXTRA_ORBIT_PERIODS = 12
 #: Residual of the saddle.
 _SADDLE_RESIDUAL = 1e-11
 #: Residual of the saddles that are looked for without a guess.
 _SADDLE_SEARCH_RESIDUAL = 1e-9
-_WIDTH_RULE = positive_rule("It is the width of the last bracket.", "Pass for example 1e-8.")
+_BRACKET_WIDTH_RULE = positive_rule(
+    "It is the width of the last bracket.", "Pass for example 1e-8."
+)
 
 
 def manifold_crossing(
@@ -71,10 +73,10 @@ def manifold_crossing(
     initial: ArrayLike | None = None,
     orbit_period: int = 1,
     periods: int = 200,
-    over: Over | None = None,
+    over: OverArgument | None = None,
     width: float = 1e-8,
     tolerance: float = 1e-6,
-    progress: Progress = None,
+    progress: ProgressArgument = None,
 ) -> xr.Dataset:
     """Find where the motion from `initial` crosses the stable manifold of a saddle orbit.
 
@@ -148,7 +150,7 @@ def manifold_crossing(
     1.254
     """
     require_tolerance(tolerance, "the states along the runs")
-    width = require_real("width", width, _WIDTH_RULE)
+    width = require_real("width", width, _BRACKET_WIDTH_RULE)
     require_orbit_period(orbit_period)
     require_count("periods", periods, "The motion must have time to leave.", 3)
     ens = lay_out_ensemble(system, drive, over, initial, reserved=ORBIT_DIMENSIONS)
@@ -225,7 +227,7 @@ class _MotionsPastSaddle:
         """Divide a range until the crossing lies in a bracket of some width."""
         state = self._nearest_saddle(limits[0]) if guess is None else guess
         values = np.linspace(*limits, _VALUES_TRIED_AT_ONCE + 2)
-        length = min(_FIRST_PERIODS, self.max_periods)
+        length = min(_FIRST_RUN_PERIODS, self.max_periods)
         while True:
             points, passage = self._pass_saddle(values, state, length)
             ends = _neighbours_on_different_sides(passage)
@@ -239,7 +241,9 @@ class _MotionsPastSaddle:
             divided = gap <= 0.5 * (values[-1] - values[0])
             if gap <= width or not divided:
                 break
-            latest = int(passage.departure_iterate[list(ends)].max()) + _EXTRA_ORBIT_PERIODS
+            latest = (
+                int(passage.departure_iterate[list(ends)].max()) + _NEXT_RUN_EXTRA_ORBIT_PERIODS
+            )
             length = min(latest * self.orbit_period, self.max_periods)
             values = np.linspace(values[ends[0]], values[ends[1]], _VALUES_TRIED_AT_ONCE + 2)
         there = points.subset(slice(ends[0], ends[0] + 1))
@@ -251,7 +255,7 @@ class _MotionsPastSaddle:
 
     def _section_states(self, values: FloatArray, length: int) -> tuple[FloatArray, FloatArray]:
         """States (value, iterate, state) once per period of the orbit, and their errors."""
-        start = np.tile(self.ensemble.initial, (values.size, 1))
+        start = np.tile(self.ensemble.initial_states, (values.size, 1))
         runs = self.ensemble.with_initial_states(start, {self.parameter: values})
         periods = require_drive_periods(runs)
         outcome = integrate(
@@ -268,10 +272,11 @@ class _MotionsPastSaddle:
     def _nearest_saddle(self, value: float) -> FloatArray:
         """The saddle nearest to the motion at a value, array (state,)."""
         there = replace(
-            self.ensemble, values={**self.ensemble.values, self.parameter: np.array([value])}
+            self.ensemble,
+            parameter_values={**self.ensemble.parameter_values, self.parameter: np.array([value])},
         )
         search = OrbitSearch(
-            StroboscopicMap(there, (), map_tolerance(_SADDLE_SEARCH_RESIDUAL)),
+            StroboscopicMap(there, (), period_tolerance_for_residual(_SADDLE_SEARCH_RESIDUAL)),
             require_state_box("state_box", None, there),
             self.orbit_period,
             _SADDLE_SEARCH_RESIDUAL,
@@ -291,7 +296,9 @@ class _MotionsPastSaddle:
                 why="Motion is told by the side on which it passes one.",
                 fix="Pass `saddle`.",
             )
-        states, _ = self._section_states(np.array([value]), min(_FIRST_PERIODS, self.max_periods))
+        states, _ = self._section_states(
+            np.array([value]), min(_FIRST_RUN_PERIODS, self.max_periods)
+        )
         distance = np.linalg.norm(states[0][:, None] - saddles, axis=2)
         return np.asarray(saddles[np.nanmin(distance, axis=0).argmin()])
 
@@ -356,11 +363,11 @@ def _crossings_dataset(
     ens: Ensemble, crossings: list[_ManifoldCrossing | None], parameter: str, **settings: Any
 ) -> xr.Dataset:
     """Crossings of all members as a Dataset, NaN where there are none."""
-    d = len(ens.field.state_names)
+    d = len(ens.vector_field.state_names)
     nothing = _ManifoldCrossing(np.nan, np.nan, np.full(d, np.nan), np.full(d, np.nan + 0j), np.nan)
     rows = [nothing if crossing is None else crossing for crossing in crossings]
     saddles = np.array([row.saddle_state for row in rows])
-    missing = np.where(ens.invalid, Status.INVALID, Status.DIVERGED)
+    missing = np.where(ens.is_invalid, Status.INVALID, Status.DIVERGED)
     dataset = to_dataset(
         ens,
         {
@@ -368,7 +375,7 @@ def _crossings_dataset(
             f"{parameter}_error": np.array([row.bracket_width for row in rows]),
             "multipliers": (("multiplier",), np.array([row.saddle_multipliers for row in rows])),
             "residual": np.array([row.saddle_residual for row in rows]),
-            **{name: saddles[:, k] for k, name in enumerate(ens.field.state_names)},
+            **{name: saddles[:, k] for k, name in enumerate(ens.vector_field.state_names)},
         },
         coords={"multiplier": (("multiplier",), np.arange(d))},
         status=np.where([crossing is not None for crossing in crossings], Status.OK, missing),

@@ -17,8 +17,8 @@ from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
 from remanent.studies.ensemble.durations import require_drive_periods
 from remanent.studies.ensemble.ensemble import Ensemble
-from remanent.studies.ensemble.layout import Over, lay_out_ensemble
-from remanent.studies.ensemble.progress import Progress, as_progress
+from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble
+from remanent.studies.ensemble.progress import ProgressArgument, as_progress
 from remanent.studies.orbits._checks import (
     require_heat_exchange,
     require_orbit_period,
@@ -30,7 +30,7 @@ from remanent.studies.orbits._orbit_tables import (
     describe_orbits,
     empty_orbit_table,
 )
-from remanent.studies.orbits._period_map import StroboscopicMap, map_tolerance
+from remanent.studies.orbits._period_map import StroboscopicMap, period_tolerance_for_residual
 from remanent.studies.orbits._search import OrbitSearch, find_all_orbits, is_reversible
 
 #: Dimensions of columns beyond that of the orbits.
@@ -45,9 +45,9 @@ def periodic_orbits(
     *,
     orbit_period: int = 1,
     state_box: Mapping[str, Any] | None = None,
-    over: Over | None = None,
+    over: OverArgument | None = None,
     tolerance: float = 1e-9,
-    progress: Progress = None,
+    progress: ProgressArgument = None,
 ) -> xr.Dataset:
     """Find the periodic orbits of a given period, stable and unstable.
 
@@ -117,14 +117,14 @@ def periodic_orbits(
     require_state_box("state_box", state_box, ens)
 
     def find(member: Ensemble) -> dict[str, NDArray[Any]]:
-        map_ = StroboscopicMap(member, (), map_tolerance(tolerance))
+        map_ = StroboscopicMap(member, (), period_tolerance_for_residual(tolerance))
         box = require_state_box("state_box", state_box, member)
         search = OrbitSearch(map_, box, orbit_period, tolerance, is_reversible(system, drive))
         (orbits,) = find_all_orbits(search, np.empty((1, 0)))
         return describe_orbits(member, orbits, orbit_period, {})
 
     tables = for_each_member(ens, find, as_progress(progress))
-    columns = stack_tables(tables, empty_orbit_table(len(ens.field.state_names)))
+    columns = stack_tables(tables, empty_orbit_table(len(ens.vector_field.state_names)))
     variables: dict[str, PerTrajectoryArray] = {
         name: (("orbit", *_DIMENSIONS_OF_COLUMN.get(name, ())), column)
         for name, column in columns.items()
@@ -132,7 +132,7 @@ def periodic_orbits(
     variables["orbits"] = np.array([0 if t is None else len(t["residual"]) for t in tables])
     coords: dict[str, Labelled] = {
         "orbit": (("orbit",), np.arange(columns["residual"].shape[1])),
-        "state": (("state",), np.array(ens.field.state_names)),
-        "multiplier": (("multiplier",), np.arange(len(ens.field.state_names))),
+        "state": (("state",), np.array(ens.vector_field.state_names)),
+        "multiplier": (("multiplier",), np.arange(len(ens.vector_field.state_names))),
     }
     return to_dataset(ens, variables, coords=coords, tolerance=tolerance, orbit_period=orbit_period)

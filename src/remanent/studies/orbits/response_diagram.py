@@ -11,8 +11,8 @@ from remanent._typing import ArrayLike
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.studies.ensemble.durations import require_count
-from remanent.studies.ensemble.layout import Over, lay_out_ensemble
-from remanent.studies.ensemble.progress import Progress, as_progress
+from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble
+from remanent.studies.ensemble.progress import ProgressArgument, as_progress
 from remanent.studies.orbits._branch_tables import label_branches
 from remanent.studies.orbits._forced_response import require_frequencies, trace_forced_response
 from remanent.studies.orbits._members import for_each_member
@@ -27,11 +27,11 @@ def response_diagram(
     *,
     state_box: Mapping[str, Any] | None = None,
     orbit_period: int = 1,
-    over: Over | None = None,
+    over: OverArgument | None = None,
     slices: int = 9,
     max_points: int = 2000,
     tolerance: float = 1e-9,
-    progress: Progress = None,
+    progress: ProgressArgument = None,
 ) -> xr.Dataset:
     """All branches of forced response over the drive's frequency, stable and unstable.
 

@@ -189,7 +189,7 @@ def _setting_of_branch(branch: xr.Dataset, name: str, value: Any) -> Any:
 
 def _crossing_point(branch: xr.Dataset, number: int, ens: Ensemble, parameter: str) -> FloatArray:
     """Where the branches cross, array (state + 1,)."""
-    names = [f"special_{name}" for name in (*ens.field.state_names, parameter)]
+    names = [f"special_{name}" for name in (*ens.vector_field.state_names, parameter)]
     return np.array([float(branch[name].values.ravel()[number]) for name in names])
 
 

@@ -30,25 +30,25 @@ class EndClassifier:
     Attributes
     ----------
     classifier : RegimeClassifier
-    tail_length : int
+    tail_point_count : int
         How many points are kept.
     """
 
     classifier: RegimeClassifier
-    tail_length: int
+    tail_point_count: int
 
     @property
     def result_templates(self) -> dict[str, np.ndarray]:
         """Types and later dimensions of what is told of each trajectory."""
-        dimension = len(self.classifier.follower.ensemble.field.state_names)
-        points = np.empty((0, self.tail_length, dimension))
+        dimension = len(self.classifier.follower.ensemble.vector_field.state_names)
+        points = np.empty((0, self.tail_point_count, dimension))
         return {**LABEL_TEMPLATES, "tail": points, "code": np.empty(0, dtype=np.int64)}
 
     def __call__(self, indices: IntArray, cancelled: Callable[[], bool]) -> dict[str, np.ndarray]:
         """Labels and last points of a subset of the trajectories, by name."""
         labels, path = self.classifier.decide_regimes(indices, cancelled)
         assert path.visited_states is not None
-        tail = path.visited_states[:, -self.tail_length :].copy()
+        tail = path.visited_states[:, -self.tail_point_count :].copy()
         contracting = np.flatnonzero(self.classifier.is_damped[indices])
         if contracting.size:
             tail[contracting] = replace_tails_by_limit_orbits(

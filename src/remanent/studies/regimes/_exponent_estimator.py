@@ -20,7 +20,7 @@ _CHANCE_LIMIT_STANDARD_ERRORS = 3.0
 #: A tangent with less than this share of the growth of the first is rounding.
 _COLLAPSED_TANGENT_SHARE = 1e-13
 #: Periods between renormalisations of several tangents, which must not line up.
-_SHORTEST_BLOCK_PERIODS = 1
+_PERIODS_BETWEEN_RENORMALISATIONS_OF_SEVERAL = 1
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class ExponentEstimator:
     @property
     def periods_per_block(self) -> int | None:
         """Periods between renormalisations; None is what suits one tangent."""
-        return None if self.exponent_count == 1 else _SHORTEST_BLOCK_PERIODS
+        return None if self.exponent_count == 1 else _PERIODS_BETWEEN_RENORMALISATIONS_OF_SEVERAL
 
     @cached_property
     def history_blocks(self) -> IntArray:

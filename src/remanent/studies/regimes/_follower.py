@@ -28,11 +28,11 @@ from remanent.studies.ensemble.problem import initial_value_problem
 from remanent.studies.ensemble.progress import ProgressFunction
 
 #: Trajectories followed together: enough of each resolution to fill the lanes of a kernel.
-CHUNK_SIZE = 4096
+TRAJECTORIES_PER_CHUNK = 4096
 #: Arrays by name.
 NamedArrays = Mapping[str, np.ndarray]
 #: ``work(indices, cancelled)``: arrays (trajectory, ...) of a chunk of trajectories.
-ChunkWork = Callable[[IntArray, Callable[[], bool]], NamedArrays]
+ChunkFunction = Callable[[IntArray, Callable[[], bool]], NamedArrays]
 
 
 def never_cancelled() -> bool:
@@ -62,12 +62,12 @@ class EnsembleFollower:
     @cached_property
     def problem(self) -> Problem:
         """The trajectories as arrays."""
-        return initial_value_problem(self.ensemble, np.ones(self.ensemble.count))
+        return initial_value_problem(self.ensemble, np.ones(self.ensemble.trajectory_count))
 
     @cached_property
     def period_lengths(self) -> FloatArray:
         """The drive period of each trajectory in tau, array (trajectory,); 1 where invalid."""
-        return np.where(self.ensemble.invalid, 1.0, require_drive_periods(self.ensemble))
+        return np.where(self.ensemble.is_invalid, 1.0, require_drive_periods(self.ensemble))
 
     @cached_property
     def period_map_maker(self) -> Callable[..., PeriodMap]:
@@ -168,11 +168,11 @@ class EnsembleFollower:
 
     def compute_in_chunks(
         self,
-        work: ChunkWork,
+        work: ChunkFunction,
         templates: NamedArrays,
         report: ProgressFunction | None,
         *,
-        chunk_size: int = CHUNK_SIZE,
+        chunk_size: int = TRAJECTORIES_PER_CHUNK,
     ) -> dict[str, np.ndarray]:
         """Do `work` on every chunk of the valid trajectories, in threads.
 
@@ -207,7 +207,7 @@ class EnsembleFollower:
         Chunk k of n takes every n-th trajectory, starting at the k-th.  Neighbours on a grid
         cost about the same, so all chunks cost about the same too.
         """
-        indices = np.flatnonzero(~self.ensemble.invalid)
+        indices = np.flatnonzero(~self.ensemble.is_invalid)
         threads = os.cpu_count() or 1
         count = -(-indices.size // (chunk_size * threads)) * threads
         chunks = (indices[k::count] for k in range(count))
@@ -215,7 +215,7 @@ class EnsembleFollower:
 
 
 def _run_in_threads(
-    work: ChunkWork, chunks: list[IntArray], report: ProgressFunction | None
+    work: ChunkFunction, chunks: list[IntArray], report: ProgressFunction | None
 ) -> list[tuple[IntArray, NamedArrays]]:
     """Results of `work` with the chunks they are of; an interrupt stops all threads."""
     stop = threading.Event()
@@ -237,9 +237,9 @@ def _run_in_threads(
 def _missing_values(name: str, template: np.ndarray, ens: Ensemble) -> np.ndarray:
     """The values of trajectories that are not computed, array (trajectory, ...)."""
     if name == "status":
-        codes = np.where(ens.invalid, int(Status.INVALID), int(Status.NOT_COMPUTED))
+        codes = np.where(ens.is_invalid, int(Status.INVALID), int(Status.NOT_COMPUTED))
         return codes.astype(np.int8)
-    shape = (ens.count, *template.shape[1:])
+    shape = (ens.trajectory_count, *template.shape[1:])
     if template.dtype.kind in "fc":
         return np.full(shape, np.nan, dtype=template.dtype)
     return np.zeros(shape, dtype=template.dtype)
@@ -247,8 +247,8 @@ def _missing_values(name: str, template: np.ndarray, ens: Ensemble) -> np.ndarra
 
 def is_damped(ens: Ensemble) -> BoolArray:
     """Where the motion loses energy, array (trajectory,)."""
-    dissipative = ens.system.dissipative(ens.values)
-    return np.asarray(np.broadcast_to(dissipative, (ens.count,)))
+    dissipative = ens.system.dissipative(ens.parameter_values)
+    return np.asarray(np.broadcast_to(dissipative, (ens.trajectory_count,)))
 
 
 def status_of_run(path: LongRun) -> IntArray:

@@ -18,7 +18,7 @@ from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.progress import ProgressFunction
 
 #: Periods advanced at once.
-_PERIODS_PER_BLOCK = 64
+_PERIODS_ADVANCED_AT_ONCE = 64
 
 
 @dataclass(frozen=True)
@@ -28,13 +28,13 @@ class SweepSection:
     Attributes
     ----------
     states : array (trajectory, sweep, period, state)
-    error : array (trajectory, sweep)
+    largest_period_error : array (trajectory, sweep)
         Largest error of one period.
     status : array (trajectory, sweep) of int
     """
 
     states: FloatArray
-    error: FloatArray
+    largest_period_error: FloatArray
     status: IntArray
 
 
@@ -75,17 +75,19 @@ class ParameterSweep:
     @cached_property
     def trajectory_indices(self) -> IntArray:
         """Numbers of the trajectories, array (other parameters, value)."""
-        values = list(self.ensemble.sizes.values())[-1]
-        return np.arange(self.ensemble.count).reshape(-1, values)
+        values = list(self.ensemble.dimension_sizes.values())[-1]
+        return np.arange(self.ensemble.trajectory_count).reshape(-1, values)
 
     def run(self, report: ProgressFunction | None) -> SweepSection:
         """Visit all values, one after the other."""
         count, values = self.trajectory_indices.shape
         sweep = np.repeat(np.arange(len(self.sweep_directions)), count)
-        shape = (self.ensemble.count, len(self.sweep_directions))
+        shape = (self.ensemble.trajectory_count, len(self.sweep_directions))
         states = np.full((*shape, self.kept_periods, self.period_map.dimension), np.nan)
         section = SweepSection(states, np.full(shape, np.nan), np.zeros(shape, dtype=np.int8))
-        initial = np.tile(self.ensemble.initial[self.trajectory_indices[:, 0]], (shape[1], 1))
+        initial = np.tile(
+            self.ensemble.initial_states[self.trajectory_indices[:, 0]], (shape[1], 1)
+        )
         current = initial.copy()
         for step in range(values):
             visited = [step if d == "up" else values - 1 - step for d in self.sweep_directions]
@@ -107,7 +109,7 @@ class ParameterSweep:
 
         A motion that escaped, or whose error is not known, starts again at the next value.
         """
-        invalid = self.ensemble.invalid[trajectory]
+        invalid = self.ensemble.is_invalid[trajectory]
         section.status[trajectory[invalid], sweep[invalid]] = Status.INVALID
         valid = np.flatnonzero(~invalid)
         if not valid.size:
@@ -117,7 +119,7 @@ class ParameterSweep:
         escaped = ~(np.abs(outcome.recorded_states) < ESCAPE_BOUND).all(axis=(1, 2))
         codes = np.where(outcome.is_trusted, int(Status.OK), int(Status.MAX_STEPS))
         section.status[rows, columns] = np.where(escaped, int(Status.ESCAPED), codes)
-        section.error[rows, columns] = outcome.error
+        section.largest_period_error[rows, columns] = outcome.largest_period_error
         good = ~escaped & outcome.is_trusted
         section.states[rows[good], columns[good]] = outcome.recorded_states[good]
         following = current.copy()
@@ -158,18 +160,18 @@ class _SettledMotions:
     ----------
     last_states : array (motion, state)
     recorded_states : array (motion, period, state)
-    error : array (motion,)
+    largest_period_error : array (motion,)
     is_trusted : array (motion,) of bool
         Whether all periods met their error bound.
     """
 
     last_states: FloatArray
     recorded_states: FloatArray
-    error: FloatArray
+    largest_period_error: FloatArray
     is_trusted: BoolArray
 
 
 def _block_lengths(periods: int) -> list[int]:
     """Periods in parts that are advanced at once."""
-    full, rest = divmod(periods, _PERIODS_PER_BLOCK)
-    return [_PERIODS_PER_BLOCK] * full + [rest] * (rest > 0)
+    full, rest = divmod(periods, _PERIODS_ADVANCED_AT_ONCE)
+    return [_PERIODS_ADVANCED_AT_ONCE] * full + [rest] * (rest > 0)

@@ -33,23 +33,30 @@ TOLERANCE_FACTORS = (1.0, 10.0, 100.0)
 #: Shorter runs say nothing of their regime.
 MIN_PERIODS = 100
 #: The evidence that is told of each trajectory, beside its exponent.
-EVIDENCE_VARIABLES = ("digits", "zero_one", "sali", "rotation_number", "rotation_digits", "defect")
+EVIDENCE_VARIABLE_NAMES = (
+    "digits",
+    "zero_one",
+    "sali",
+    "rotation_number",
+    "rotation_digits",
+    "defect",
+)
 #: Types of what is told of each trajectory.
 LABEL_TEMPLATES: Mapping[str, np.ndarray] = {
     "regime": np.empty(0, dtype="<U14"),
     "period": np.empty(0, dtype=np.int64),
     **dict.fromkeys(("margin", "exponent", "exponent_error"), np.empty(0)),
     **dict.fromkeys(("horizon", "local_error", "status"), np.empty(0)),
-    **dict.fromkeys(EVIDENCE_VARIABLES, np.empty(0)),
+    **dict.fromkeys(EVIDENCE_VARIABLE_NAMES, np.empty(0)),
 }
 #: Tangents of the finest run: two, so that their alignment tells order from chaos.
 _TANGENT_COUNT = 2
 #: States kept in memory for one chunk, about: 40 MB.
 _STATES_PER_CHUNK = 2**20
 #: Trajectories in a chunk, at least, so that the lanes of a kernel are used.
-_SMALLEST_CHUNK_SIZE = 16
+_FEWEST_TRAJECTORIES_PER_CHUNK = 16
 #: Trajectories in a chunk, at most.
-_LARGEST_CHUNK_SIZE = 4096
+_MOST_TRAJECTORIES_PER_CHUNK = 4096
 #: Memory that the result takes for each trajectory, bytes.
 BYTES_PER_LABEL = 300.0
 
@@ -64,7 +71,7 @@ def regime_dataset(
 ) -> xr.Dataset:
     """Label every trajectory of an ensemble with its regime and the evidence for it."""
     period_lengths = require_drive_periods(ens)
-    require_memory("over", BYTES_PER_LABEL * ens.count, f"{ens.count} labels")
+    require_memory("over", BYTES_PER_LABEL * ens.trajectory_count, f"{ens.trajectory_count} labels")
     classifier = RegimeClassifier.from_ensemble(ens, periods, tolerance, seed)
     values = classifier.compute_in_chunks(classifier, LABEL_TEMPLATES, report)
     return to_dataset(
@@ -94,7 +101,7 @@ class RegimeClassifier:
         cls, ens: Ensemble, periods: int, tolerance: float, seed: int
     ) -> RegimeClassifier:
         """The classifier of an ensemble's motion over so many periods."""
-        tangents = min(_TANGENT_COUNT, len(ens.field.state_names))
+        tangents = min(_TANGENT_COUNT, len(ens.vector_field.state_names))
         return cls(EnsembleFollower(ens, periods, tangents), tolerance, seed)
 
     @cached_property
@@ -112,8 +119,8 @@ class RegimeClassifier:
         chunk_size = int(
             np.clip(
                 _STATES_PER_CHUNK // self.follower.periods,
-                _SMALLEST_CHUNK_SIZE,
-                _LARGEST_CHUNK_SIZE,
+                _FEWEST_TRAJECTORIES_PER_CHUNK,
+                _MOST_TRAJECTORIES_PER_CHUNK,
             )
         )
         return self.follower.compute_in_chunks(work, templates, report, chunk_size=chunk_size)
@@ -151,7 +158,7 @@ class RegimeClassifier:
 
     def iterate_map(self, indices: IntArray) -> IterateWithJacobian:
         """Images and Jacobians of the trajectories' maps at the finest tolerance."""
-        dimension = len(self.follower.ensemble.field.state_names)
+        dimension = len(self.follower.ensemble.vector_field.state_names)
         advance = self.follower.make_advancer(
             indices, self.finest_period_tolerance, directions=dimension
         )
@@ -180,4 +187,4 @@ class RegimeClassifier:
             "local_error": path.largest_period_error,
             "status": status_of_run(path),
         }
-        return values | {name: labels.evidence[name] for name in EVIDENCE_VARIABLES}
+        return values | {name: labels.evidence[name] for name in EVIDENCE_VARIABLE_NAMES}

@@ -18,12 +18,12 @@ from remanent.studies.ensemble.checks import require_actuator
 from remanent.studies.ensemble.durations import require_drive_periods
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.problem import initial_value_problem
-from remanent.studies.ensemble.two_coordinates import with_two_coordinates
+from remanent.studies.ensemble.two_coordinates import ensemble_with_two_coordinates
 from remanent.studies.regimes._follower import status_of_run
 
 #: Differences that do not grow exponentially grow at most like n e^EXCESS over n periods,
 #: and those that do grow at least like n^POWER e^(2 EXCESS).
-_GROWTH_EXCESS = 2.0
+_LOG_GROWTH_EXCESS = 2.0
 #: Power of the number of periods that exponential growth exceeds.
 _GROWTH_POWER = 1.5
 #: Logarithm of the growth in each half of the run, at least, where it is exponential.
@@ -31,7 +31,7 @@ _HALF_RUN_LOG_GROWTH = 2.0
 #: A motion that closes within this after one period has multipliers.
 _CLOSURE_DISTANCE = 1e-6
 #: Size with which differences enter, as tangents do elsewhere.
-_DIFFERENCE_SIZE = 1e-3
+_INITIAL_DIFFERENCE_SIZE = 1e-3
 
 
 @dataclass(frozen=True)
@@ -70,12 +70,12 @@ class TransverseFlow:
                 why="What is asked is whether that one is enough.",
                 fix="Pass one number as prestress, and no edges.",
             )
-        two, pairs = with_two_coordinates(ens)
-        arrays = initial_value_problem(two, np.ones(ens.count))
-        flow = PeriodMap(transverse_field(two.field, pairs), arrays.timeline.waveform)
-        lengths = np.where(ens.invalid, 1.0, require_drive_periods(ens))
+        two, pairs = ensemble_with_two_coordinates(ens)
+        arrays = initial_value_problem(two, np.ones(ens.trajectory_count))
+        flow = PeriodMap(transverse_field(two.vector_field, pairs), arrays.timeline.waveform)
+        lengths = np.where(ens.is_invalid, 1.0, require_drive_periods(ens))
         return cls(
-            initial_states=ens.initial,
+            initial_states=ens.initial_states,
             period_map=flow,
             parameters=arrays.parameters,
             period_lengths=lengths,
@@ -138,7 +138,8 @@ class TransverseFlow:
         rows = np.repeat(indices, per_motion)
         image = self.period_map(
             np.concatenate(
-                [start, _DIFFERENCE_SIZE * frame.reshape(-1, self.difference_dimension)], axis=1
+                [start, _INITIAL_DIFFERENCE_SIZE * frame.reshape(-1, self.difference_dimension)],
+                axis=1,
             ),
             self.parameters[rows],
             self.period_lengths[rows],
@@ -148,7 +149,8 @@ class TransverseFlow:
         d = states.shape[1]
         error = image.largest_period_error.reshape(-1, per_motion).max(axis=1)
         differences = (
-            image.state[:, d:].reshape(-1, per_motion, self.difference_dimension) / _DIFFERENCE_SIZE
+            image.state[:, d:].reshape(-1, per_motion, self.difference_dimension)
+            / _INITIAL_DIFFERENCE_SIZE
         )
         return BlockImage(
             image.state[::per_motion, None, :d], differences, error, error <= self.period_tolerance
@@ -183,8 +185,8 @@ def _decide_growth(path: LongRun, periods: int) -> tuple[np.ndarray, FloatArray,
         growth = logs.max(axis=1)
         middle = logs[:, periods // 2]
         halves = np.minimum(middle, logs[:, -1] - middle)
-        is_kept = growth <= np.log(periods) + _GROWTH_EXCESS
-        lost = (growth >= _GROWTH_POWER * np.log(periods) + 2.0 * _GROWTH_EXCESS) & (
+        is_kept = growth <= np.log(periods) + _LOG_GROWTH_EXCESS
+        lost = (growth >= _GROWTH_POWER * np.log(periods) + 2.0 * _LOG_GROWTH_EXCESS) & (
             halves >= _HALF_RUN_LOG_GROWTH
         )
         exponent = (logs[:, -1] - middle) / (periods - periods // 2 - 1)

@@ -15,13 +15,13 @@ from remanent._typing import ArrayLike, BoolArray, IntArray
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.results.build import Labelled
-from remanent.studies.ensemble.checks import Rng, as_seed, require_tolerance
+from remanent.studies.ensemble.checks import RngArgument, as_seed, require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
 from remanent.studies.ensemble.durations import require_drive_periods
 from remanent.studies.ensemble.ensemble import Ensemble
-from remanent.studies.ensemble.layout import RESERVED_DIMENSIONS, Over, lay_out_ensemble
+from remanent.studies.ensemble.layout import RESERVED_DIMENSIONS, OverArgument, lay_out_ensemble
 from remanent.studies.ensemble.memory import require_memory
-from remanent.studies.ensemble.progress import Progress, as_progress
+from remanent.studies.ensemble.progress import ProgressArgument, as_progress
 from remanent.studies.regimes._arguments import rename_arguments_in_errors
 from remanent.studies.regimes._attractors import (
     ATTRACTOR_DIMENSION,
@@ -47,10 +47,10 @@ def basins(
     grid: Mapping[str, ArrayLike],
     *,
     periods: int = 500,
-    over: Over | None = None,
+    over: OverArgument | None = None,
     tolerance: float = 1e-9,
-    rng: Rng = None,
-    progress: Progress = None,
+    rng: RngArgument = None,
+    progress: ProgressArgument = None,
 ) -> xr.Dataset:
     """Say where the motion from each of many initial states ends.
 
@@ -128,8 +128,10 @@ def basins(
     layout = _BasinLayout.from_grid(system, drive, grid, over)
     ens = layout.ensemble
     period_lengths = require_drive_periods(ens)
-    needed = (BYTES_PER_LABEL + 8.0 * TAIL_PERIODS * len(ens.field.state_names)) * ens.count
-    require_memory("grid", needed, f"{ens.count} ends")
+    needed = (
+        BYTES_PER_LABEL + 8.0 * TAIL_PERIODS * len(ens.vector_field.state_names)
+    ) * ens.trajectory_count
+    require_memory("grid", needed, f"{ens.trajectory_count} ends")
     classifier = RegimeClassifier.from_ensemble(ens, periods, tolerance, as_seed(rng))
     work = EndClassifier(classifier, min(TAIL_PERIODS, periods))
     values = classifier.compute_in_chunks(work, work.result_templates, as_progress(progress))
@@ -138,14 +140,14 @@ def basins(
     shared: dict[str, Labelled] = {}
     coords: dict[str, Labelled] = {}
     if classifier.is_damped.any():
-        ends = layout.motion_ends(tail, code, values["period"], classifier.is_damped)
+        ends = layout.build_motion_ends(tail, code, values["period"], classifier.is_damped)
         attractors = ends.assign_attractors()
         variables["basin"] = basin_numbers(attractors, ends.initial_state_count)
         shared = attractor_table(ends, attractors, layout.parameter_dims, layout.parameter_shape)
         numbers = np.arange(shared["fraction"][1].shape[-1])
         coords = {
             ATTRACTOR_DIMENSION: ((ATTRACTOR_DIMENSION,), numbers),
-            "state": (("state",), np.array(ens.field.state_names)),
+            "state": (("state",), np.array(ens.vector_field.state_names)),
         }
     result = to_dataset(
         ens, variables, shared=shared, coords=coords, tolerance=tolerance, periods=periods
@@ -170,7 +172,9 @@ class _BasinLayout:
     parameter_shape: tuple[int, ...]
 
     @classmethod
-    def from_grid(cls, system: System, drive: Drive, grid: Any, over: Over | None) -> _BasinLayout:
+    def from_grid(
+        cls, system: System, drive: Drive, grid: Any, over: OverArgument | None
+    ) -> _BasinLayout:
         starts = _over_from_grid(grid)
         base = lay_out_ensemble(system, drive, over, reserved=_RESERVED_DIMENSIONS)
         _require_state_names(grid, base)
@@ -184,9 +188,9 @@ class _BasinLayout:
             )
         grid_dims, _ = ens.coords[next(iter(starts))]
         split = ens.dims.index(grid_dims[0])
-        return cls(ens, ens.dims[:split], tuple(ens.sizes.values())[:split])
+        return cls(ens, ens.dims[:split], tuple(ens.dimension_sizes.values())[:split])
 
-    def motion_ends(
+    def build_motion_ends(
         self, tail: np.ndarray, regime: IntArray, period: IntArray, damped: BoolArray
     ) -> MotionEnds:
         """How motions end, arrays (trajectory, ...), with an axis for the parameters."""
@@ -210,14 +214,14 @@ def _over_from_grid(grid: Any) -> dict[str, Any]:
 
 
 def _require_state_names(grid: Mapping[str, Any], ens: Ensemble) -> None:
-    unknown = [name for name in grid if name not in ens.field.state_names]
+    unknown = [name for name in grid if name not in ens.vector_field.state_names]
     if unknown:
         raise InputError(
             "grid",
             must="name state variables",
             got=", ".join(map(repr, unknown)),
             why="It says from where the motions start.",
-            fix=f"They are {', '.join(ens.field.state_names)}.",
+            fix=f"They are {', '.join(ens.vector_field.state_names)}.",
         )
 
 

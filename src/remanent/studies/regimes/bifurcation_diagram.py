@@ -20,14 +20,14 @@ from remanent.studies.ensemble.durations import require_count, require_drive_per
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.layout import (
     RESERVED_DIMENSIONS,
-    Over,
+    OverArgument,
     lay_out_ensemble,
     require_over,
 )
 from remanent.studies.ensemble.memory import require_memory
 from remanent.studies.ensemble.observables import evaluate_observable
 from remanent.studies.ensemble.problem import initial_value_problem
-from remanent.studies.ensemble.progress import Progress, as_progress
+from remanent.studies.ensemble.progress import ProgressArgument, as_progress
 from remanent.studies.regimes._arguments import rename_arguments_in_errors
 from remanent.studies.regimes._parameter_sweep import ParameterSweep, SweepSection
 
@@ -49,9 +49,9 @@ def bifurcation_diagram(
     discard: int = 200,
     keep: int = 50,
     initial: ArrayLike | None = None,
-    over: Over | None = None,
+    over: OverArgument | None = None,
     tolerance: float = 1e-9,
-    progress: Progress = None,
+    progress: ProgressArgument = None,
 ) -> xr.Dataset:
     """Sweep a parameter and keep the last points of the section at every value.
 
@@ -128,11 +128,11 @@ def bifurcation_diagram(
     ens = _lay_out_sweep(system, drive, parameter, values, over, initial)
     require_drive_periods(ens)
     directions = _SWEEPS_OF_DIRECTION[direction]
-    needed = _BYTES_PER_POINT * ens.count * keep * len(directions)
-    require_memory("keep", needed, f"{ens.count} x {keep} points")
+    needed = _BYTES_PER_POINT * ens.trajectory_count * keep * len(directions)
+    require_memory("keep", needed, f"{ens.trajectory_count} x {keep} points")
     sweep = ParameterSweep(
         ensemble=ens,
-        problem=initial_value_problem(ens, np.ones(ens.count)),
+        problem=initial_value_problem(ens, np.ones(ens.trajectory_count)),
         sweep_directions=directions,
         discarded_periods=discard,
         kept_periods=keep,
@@ -157,13 +157,13 @@ def _lay_out_sweep(
     drive: Drive,
     parameter: str,
     values: ArrayLike,
-    over: Over | None,
+    over: OverArgument | None,
     initial: ArrayLike | None,
 ) -> Ensemble:
     """Trajectories over the values of `over` first, then over those of the parameter."""
     require_parameter("parameter", parameter, lay_out_ensemble(system, drive, None, initial))
     require_over(over)
-    _require_plain_values(parameter, values, over or {})
+    _require_values_with_own_dimension(parameter, values, over or {})
     with rename_arguments_in_errors({f"over[{parameter!r}]": "values"}):
         return lay_out_ensemble(
             system,
@@ -174,7 +174,9 @@ def _lay_out_sweep(
         )
 
 
-def _require_plain_values(parameter: str, values: Any, over: Mapping[str, Any]) -> None:
+def _require_values_with_own_dimension(
+    parameter: str, values: Any, over: Mapping[str, Any]
+) -> None:
     """Refuse values that do not make a dimension of their own, the last one."""
     if isinstance(values, xr.DataArray) and values.dims != (parameter,):
         raise InputError(
@@ -210,17 +212,17 @@ def _diagram_variables(
 
     variables: dict[str, PerTrajectoryArray] = {
         name: labelled(section.states[..., k], "period")
-        for k, name in enumerate(ens.field.state_names)
+        for k, name in enumerate(ens.vector_field.state_names)
     }
-    times = np.zeros((ens.count, sweep.kept_periods))  # at the beginning of a period
-    for name in ens.field.observable_and_rate_names:
+    times = np.zeros((ens.trajectory_count, sweep.kept_periods))  # at the beginning of a period
+    for name in ens.vector_field.observable_and_rate_names:
         observed = [
             evaluate_observable(sweep.problem, name, times, section.states[:, k])
             for k in range(count)
         ]
         variables[name] = labelled(np.stack(observed, axis=1), "period")
     variables["drive_period"] = sweep.period_lengths
-    variables["local_error"] = labelled(section.error)
+    variables["local_error"] = labelled(section.largest_period_error)
     variables["status"] = labelled(section.status)
     return variables
 

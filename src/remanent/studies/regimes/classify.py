@@ -7,9 +7,9 @@ import xarray as xr
 from remanent._typing import ArrayLike
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
-from remanent.studies.ensemble.checks import Rng, as_seed, require_tolerance
-from remanent.studies.ensemble.layout import Over, lay_out_ensemble
-from remanent.studies.ensemble.progress import Progress, as_progress
+from remanent.studies.ensemble.checks import RngArgument, as_seed, require_tolerance
+from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble
+from remanent.studies.ensemble.progress import ProgressArgument, as_progress
 from remanent.studies.regimes._regime_classifier import regime_dataset, require_run_length
 
 
@@ -19,10 +19,10 @@ def classify(
     *,
     periods: int,
     initial: ArrayLike | None = None,
-    over: Over | None = None,
+    over: OverArgument | None = None,
     tolerance: float = 1e-9,
-    rng: Rng = None,
-    progress: Progress = None,
+    rng: RngArgument = None,
+    progress: ProgressArgument = None,
 ) -> xr.Dataset:
     """Say what kind of motion each is, where independent indicators agree.
 

@@ -16,14 +16,14 @@ from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
 from remanent.studies.ensemble.durations import require_count, require_drive_periods
 from remanent.studies.ensemble.ensemble import Ensemble
-from remanent.studies.ensemble.layout import RESERVED_DIMENSIONS, Over, lay_out_ensemble
+from remanent.studies.ensemble.layout import RESERVED_DIMENSIONS, OverArgument, lay_out_ensemble
 from remanent.studies.ensemble.memory import require_memory
-from remanent.studies.ensemble.progress import Progress, as_progress
+from remanent.studies.ensemble.progress import ProgressArgument, as_progress
 from remanent.studies.regimes._exponent_estimator import MAX_HISTORY_POINTS, ExponentEstimator
 from remanent.studies.regimes._follower import EnsembleFollower
 
 #: Variables with a value for each exponent.
-_VARIABLES_PER_EXPONENT = ("exponent", "exponent_error")
+_EXPONENT_VARIABLE_NAMES = ("exponent", "exponent_error")
 
 
 def lyapunov(
@@ -33,9 +33,9 @@ def lyapunov(
     periods: int,
     count: int = 1,
     initial: ArrayLike | None = None,
-    over: Over | None = None,
+    over: OverArgument | None = None,
     tolerance: float = 1e-9,
-    progress: Progress = None,
+    progress: ProgressArgument = None,
 ) -> xr.Dataset:
     """Average the growth of small differences over many drive periods.
 
@@ -114,15 +114,15 @@ def lyapunov(
     )
     period_lengths = require_drive_periods(ens)
     _require_exponent_count(count, ens)
-    needed = 8.0 * ens.count * count * (min(periods, MAX_HISTORY_POINTS) + 3)
-    require_memory("over", needed, f"{ens.count} histories")
+    needed = 8.0 * ens.trajectory_count * count * (min(periods, MAX_HISTORY_POINTS) + 3)
+    require_memory("over", needed, f"{ens.trajectory_count} histories")
     estimator = ExponentEstimator(EnsembleFollower(ens, periods, count), tolerance)
     values = estimator.follower.compute_in_chunks(
         estimator, estimator.result_templates, as_progress(progress)
     )
     number: tuple[str, ...] = ("exponent_number",) if count > 1 else ()
     variables: dict[str, PerTrajectoryArray] = {"drive_period": period_lengths}
-    for name in _VARIABLES_PER_EXPONENT:
+    for name in _EXPONENT_VARIABLE_NAMES:
         variables[name] = (number, _drop_single_exponent_axis(values.pop(name)))
     history = _drop_single_exponent_axis(values.pop("exponent_history"))
     variables["exponent_history"] = (("period", *number), history)
@@ -135,7 +135,7 @@ def lyapunov(
 
 
 def _require_exponent_count(count: int, ens: Ensemble) -> None:
-    dimension = len(ens.field.state_names)
+    dimension = len(ens.vector_field.state_names)
     if count > dimension:
         raise InputError(
             "count",

@@ -8,10 +8,10 @@ from remanent._errors import InputError
 from remanent._typing import ArrayLike
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
-from remanent.studies.ensemble.checks import Rng, as_seed, require_tolerance
+from remanent.studies.ensemble.checks import RngArgument, as_seed, require_tolerance
 from remanent.studies.ensemble.ensemble import Ensemble
-from remanent.studies.ensemble.layout import Over, lay_out_ensemble
-from remanent.studies.ensemble.progress import Progress, as_progress
+from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble
+from remanent.studies.ensemble.progress import ProgressArgument, as_progress
 from remanent.studies.regimes._regime_classifier import regime_dataset, require_run_length
 
 #: Axes of a chart.
@@ -21,13 +21,13 @@ _AXIS_COUNT = 2
 def regime_chart(
     system: System,
     drive: Drive,
-    over: Over,
+    over: OverArgument,
     *,
     periods: int = 300,
     initial: ArrayLike | None = None,
     tolerance: float = 1e-9,
-    rng: Rng = None,
-    progress: Progress = None,
+    rng: RngArgument = None,
+    progress: ProgressArgument = None,
 ) -> xr.Dataset:
     """Chart the regime of the motion over two parameters.
 
@@ -95,11 +95,11 @@ def regime_chart(
 
 
 def _require_two_axes(ens: Ensemble) -> None:
-    if len(ens.sizes) != _AXIS_COUNT:
+    if len(ens.dimension_sizes) != _AXIS_COUNT:
         raise InputError(
             "over",
             must="have two axes",
-            got=f"{len(ens.sizes)}",
+            got=f"{len(ens.dimension_sizes)}",
             why="A chart has two; regimes along other numbers of axes are no chart.",
             fix="Pass for example {'omega': ..., 'b': ...}, or call rm.classify.",
         )

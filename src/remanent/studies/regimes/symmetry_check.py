@@ -12,8 +12,8 @@ from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
 from remanent.studies.ensemble.durations import require_count, require_drive_periods
-from remanent.studies.ensemble.layout import RESERVED_DIMENSIONS, Over, lay_out_ensemble
-from remanent.studies.ensemble.progress import Progress, as_progress
+from remanent.studies.ensemble.layout import RESERVED_DIMENSIONS, OverArgument, lay_out_ensemble
+from remanent.studies.ensemble.progress import ProgressArgument, as_progress
 from remanent.studies.regimes._follower import EnsembleFollower
 from remanent.studies.regimes._transverse import TransverseFlow
 
@@ -27,9 +27,9 @@ def symmetry_check(
     *,
     periods: int = 200,
     initial: ArrayLike | None = None,
-    over: Over | None = None,
+    over: OverArgument | None = None,
     tolerance: float = 1e-9,
-    progress: Progress = None,
+    progress: ProgressArgument = None,
 ) -> xr.Dataset:
     """Say whether the model of one coordinate holds: whether equal stretches stay equal.
 

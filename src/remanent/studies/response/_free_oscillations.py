@@ -16,9 +16,9 @@ from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.problem import initial_value_problem
 
 #: Time within which half a period is looked for first.
-_FIRST_DURATION = 8.0
+_FIRST_SEARCH_DURATION_IN_TAU = 8.0
 #: Factor by which the time grows where none was found.
-_DURATION_GROWTH = 4.0
+_DURATION_GROWTH_FACTOR = 4.0
 #: How often it is looked for.
 _MAX_ATTEMPTS = 5
 
@@ -70,19 +70,19 @@ def free_oscillations(ens: Ensemble, tolerance: float) -> FreeOscillations:
     tolerance : float
         Of the state at the other turning point.
     """
-    half, error = np.full(ens.count, np.nan), np.full(ens.count, np.nan)
-    duration = _FIRST_DURATION
+    half, error = np.full(ens.trajectory_count, np.nan), np.full(ens.trajectory_count, np.nan)
+    duration = _FIRST_SEARCH_DURATION_IN_TAU
     for _ in range(_MAX_ATTEMPTS):
-        missing = np.isnan(half) & ~ens.invalid
+        missing = np.isnan(half) & ~ens.is_invalid
         if not missing.any():
             break
-        problem = initial_value_problem(ens, np.full(ens.count, duration))
+        problem = initial_value_problem(ens, np.full(ens.trajectory_count, duration))
         turns, outcome = events.find_crossings(problem, "stretch_rate", 0.0, tolerance=tolerance)
         rows, first = np.unique(turns.trajectory, return_index=True)
         acceleration = _rate_slope_at_zero(problem, rows, turns.states[first])
         half[rows] = turns.time[first]
         error[rows] = outcome.error[rows] / np.abs(acceleration)
-        duration *= _DURATION_GROWTH
+        duration *= _DURATION_GROWTH_FACTOR
     problem = initial_value_problem(ens, np.where(np.isfinite(half), 2.0 * half, 1.0))
     outcome = integrate(problem, Request(wants_extremes=True), tolerance=tolerance)
     with np.errstate(all="ignore"):

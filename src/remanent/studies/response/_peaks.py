@@ -42,9 +42,9 @@ _SAMPLE_TOLERANCE = 1e-7
 #: Free oscillations that are compared.
 _FREE_OSCILLATION_COUNT = 80
 #: Smallest turning point they start from, relative to rest.
-_SMALLEST_RELATIVE_START = 1.001
+_SMALLEST_RELATIVE_TURNING_POINT = 1.001
 #: Largest turning point they start from.
-_LARGEST_RELATIVE_START = 6.0
+_LARGEST_RELATIVE_TURNING_POINT = 6.0
 #: Error of the free oscillations.
 _FREE_OSCILLATION_TOLERANCE = 1e-6
 
@@ -65,7 +65,7 @@ class Peak:
     stability : str
     is_unbounded : bool
         Whether the branch ends here, still rising.
-    is_doubled : bool
+    is_from_period_doubling : bool
         Whether the branch springs from one of another period.
     """
 
@@ -76,7 +76,7 @@ class Peak:
     orbit_period: int
     stability: str
     is_unbounded: bool
-    is_doubled: bool
+    is_from_period_doubling: bool
 
 
 def find_peaks(branches: BranchTable, options: TracingOptions) -> list[Peak]:
@@ -102,7 +102,7 @@ def find_peaks(branches: BranchTable, options: TracingOptions) -> list[Peak]:
                     orbit_period=period,
                     stability=str(points["stability"][k]),
                     is_unbounded=not inner,
-                    is_doubled=period % 2 == 0 and "branch point" in kinds,
+                    is_from_period_doubling=period % 2 == 0 and "branch point" in kinds,
                 )
             )
     return peaks
@@ -154,7 +154,9 @@ def describe_peaks(member: Ensemble, varied: Iterable[str], peaks: Sequence[Peak
     base = 2.0 * np.pi / (require_drive_periods(on_orbits) * period)
     evidence = find_resonant_harmonic(harmonics, base, free)
     names = [
-        resonance_kind_and_order(evidence, k, peak.orbit_period, doubled=peak.is_doubled)
+        resonance_kind_and_order(
+            evidence, k, peak.orbit_period, doubled=peak.is_from_period_doubling
+        )
         for k, peak in enumerate(peaks)
     ]
     angle = np.angle(harmonics[np.arange(len(peaks)), evidence.harmonic_number])
@@ -187,9 +189,9 @@ def _actuator_and_drive_of_member(
     system, drive = require_actuator("system", member.system), member.drive
     for name in varied:
         if name in drive.parameters():
-            drive = drive.replace(**{name: float(member.values[name][0])})
+            drive = drive.replace(**{name: float(member.parameter_values[name][0])})
         elif name in system.parameters():
-            system = system.with_parameter(name, float(member.values[name][0]))
+            system = system.with_parameter(name, float(member.parameter_values[name][0]))
     return system, drive
 
 
@@ -229,7 +231,9 @@ def _free_frequency(system: Actuator, mean: float, amplitude: FloatArray) -> Flo
     """
     rest = _stable_stretch(system, mean)
     starts = rest * np.geomspace(
-        _SMALLEST_RELATIVE_START, _LARGEST_RELATIVE_START / rest, _FREE_OSCILLATION_COUNT
+        _SMALLEST_RELATIVE_TURNING_POINT,
+        _LARGEST_RELATIVE_TURNING_POINT / rest,
+        _FREE_OSCILLATION_COUNT,
     )
     elastic = system.replace(dissipation=(), heat=None)
     free = free_oscillations(
@@ -249,8 +253,10 @@ def _free_frequency(system: Actuator, mean: float, amplitude: FloatArray) -> Flo
 def _stable_stretch(system: Actuator, mean: float) -> float:
     """The stretch at the one stable equilibrium under a load."""
     at_rest = StaticEnsemble(lay_out_ensemble(system, Constant(mean)))
-    roots = find_force_zeros(at_rest.force, 1, at_rest.stretch_grid)[0]
-    stable = roots[force_slope(at_rest.force, np.zeros(roots.size, dtype=np.int64), roots) < 0.0]
+    roots = find_force_zeros(at_rest.first_acceleration, 1, at_rest.stretch_grid)[0]
+    stable = roots[
+        force_slope(at_rest.first_acceleration, np.zeros(roots.size, dtype=np.int64), roots) < 0.0
+    ]
     if stable.size != 1:
         raise InputError(
             "drive",
@@ -265,8 +271,8 @@ def _stable_stretch(system: Actuator, mean: float) -> float:
 def _small_oscillation_frequency(system: Actuator, mean: float) -> float:
     """Modulus of the eigenvalue of small oscillations about rest; NaN where there are none."""
     ens = lay_out_ensemble(system, Constant(mean))
-    row = np.array([ens.values[name][0] for name in ens.field.parameters])
-    rest = StaticState(ens.field, row, ens.initial[0]).rest_nearby()
+    row = np.array([ens.parameter_values[name][0] for name in ens.vector_field.parameters])
+    rest = StaticState(ens.vector_field, row, ens.initial_states[0]).rest_nearby()
     if rest is None:
         return np.nan
     values = np.linalg.eigvals(rest.rate_derivatives()[0])

@@ -11,7 +11,7 @@ from remanent.models.actuator import Actuator
 from remanent.models.drives.waves import Constant
 from remanent.studies.ensemble.checks import require_actuator, require_tolerance
 from remanent.studies.ensemble.dataset import to_dataset
-from remanent.studies.ensemble.layout import Over, lay_out_ensemble, require_over
+from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble, require_over
 from remanent.studies.ensemble.observables import evaluate_observable
 from remanent.studies.response._free_oscillations import (
     free_oscillations,
@@ -24,7 +24,7 @@ def backbone(
     stretch: ArrayLike,
     *,
     m: float = 0.0,
-    over: Over | None = None,
+    over: OverArgument | None = None,
     tolerance: float = 1e-9,
 ) -> xr.Dataset:
     """Frequency of the free oscillations that start at rest from given stretches.
@@ -91,15 +91,15 @@ def backbone(
         system_argument="actuator",
     )
     free = free_oscillations(ens, tolerance)
-    start = np.zeros((ens.count, 1))
+    start = np.zeros((ens.trajectory_count, 1))
     return to_dataset(
         ens,
         {
             "frequency": free.frequency,
             "frequency_error": free.frequency_error,
-            "energy": evaluate_observable(free.problem, "energy", start, ens.initial[:, None])[
-                :, 0
-            ],
+            "energy": evaluate_observable(
+                free.problem, "energy", start, ens.initial_states[:, None]
+            )[:, 0],
             "maximum": free.outcome.maximum,
             "minimum": free.outcome.minimum,
             "amplitude": free.amplitude,

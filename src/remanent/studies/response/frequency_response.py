@@ -20,21 +20,23 @@ from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_drive, require_tolerance
 from remanent.studies.ensemble.dataset import to_dataset
 from remanent.studies.ensemble.durations import (
-    DEFAULT_RESPONSE_WINDOW,
+    DEFAULT_RESPONSE_DURATION_IN_TAU,
     require_exactly_one_argument,
     trajectory_durations,
 )
-from remanent.studies.ensemble.ensemble import BATCH_SIZE, Ensemble
-from remanent.studies.ensemble.layout import Over, lay_out_ensemble, require_over
+from remanent.studies.ensemble.ensemble import TRAJECTORIES_PER_BATCH, Ensemble
+from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble, require_over
 from remanent.studies.ensemble.problem import initial_value_problem
 from remanent.studies.ensemble.progress import (
-    Progress,
+    ProgressArgument,
     ProgressFunction,
     as_progress,
     report_part_of_whole,
 )
 
-_WIDTH_RULE = positive_rule("It is the width of the last bracket.", "Pass for example 1e-6.")
+_RESONANCE_WIDTH_RULE = positive_rule(
+    "It is the width of the last bracket.", "Pass for example 1e-6."
+)
 _DISCARD_RULE = not_negative_rule("It is the time before the window.", "Pass 0 to start at once.")
 
 
@@ -47,10 +49,10 @@ def frequency_response(
     periods: int | None = None,
     discard: float = 0.0,
     initial: ArrayLike | None = None,
-    over: Over | None = None,
+    over: OverArgument | None = None,
     tolerance: float = 1e-9,
     resonance_width: float = 1e-6,
-    progress: Progress = None,
+    progress: ProgressArgument = None,
 ) -> xr.Dataset:
     """Amplitude of the thickness stretch for each drive frequency.
 
@@ -114,11 +116,11 @@ def frequency_response(
     1.25
     """
     if periods is None and duration is None:
-        duration = DEFAULT_RESPONSE_WINDOW
+        duration = DEFAULT_RESPONSE_DURATION_IN_TAU
     require_exactly_one_argument(duration=duration, periods=periods)
     require_tolerance(tolerance, "the error of the extremes")
     discard = require_real("discard", discard, _DISCARD_RULE)
-    resonance_width = require_real("resonance_width", resonance_width, _WIDTH_RULE)
+    resonance_width = require_real("resonance_width", resonance_width, _RESONANCE_WIDTH_RULE)
     require_over(over)
     grid = _require_frequencies(require_drive(drive), omega, over)
     ens = lay_out_ensemble(system, drive, {**(over or {}), "omega": grid}, initial)
@@ -142,7 +144,7 @@ def frequency_response(
     )
 
 
-def _require_frequencies(drive: Drive, omega: ArrayLike, over: Over | None) -> FloatArray:
+def _require_frequencies(drive: Drive, omega: ArrayLike, over: OverArgument | None) -> FloatArray:
     if "omega" not in drive.parameters():
         raise InputError(
             "drive",
@@ -172,10 +174,10 @@ def response_extremes(
     tolerance: float,
     progress: ProgressFunction | None = None,
     *,
-    batch_size: int = BATCH_SIZE,
+    batch_size: int = TRAJECTORIES_PER_BATCH,
 ) -> Outcome:
     """Extremes of the thickness stretch of every trajectory, worked out `batch_size` at a time."""
-    if ((trajectory_durations(ens, duration, periods) <= discard) & ~ens.invalid).any():
+    if ((trajectory_durations(ens, duration, periods) <= discard) & ~ens.is_invalid).any():
         raise InputError(
             "discard",
             must="be shorter than the run",
@@ -186,12 +188,14 @@ def response_extremes(
 
     def parts() -> Iterator[tuple[slice, Outcome]]:
         for part, batch in ens.batches(batch_size):
-            request = Request(wants_extremes=True, extremes_begin=np.full(batch.count, discard))
-            report = report_part_of_whole(progress, part, ens.count)
+            request = Request(
+                wants_extremes=True, extremes_begin=np.full(batch.trajectory_count, discard)
+            )
+            report = report_part_of_whole(progress, part, ens.trajectory_count)
             problem = initial_value_problem(batch, trajectory_durations(batch, duration, periods))
             yield part, integrate(problem, request, tolerance=tolerance, progress=report)
 
-    return merge_outcomes(ens.count, parts())
+    return merge_outcomes(ens.trajectory_count, parts())
 
 
 def _amplitude(outcome: Outcome) -> FloatArray:
@@ -210,32 +214,36 @@ def _find_resonance(
     """The largest amplitude for every combination of the other fields."""
     axis = ens.dims.index("omega")
     rows = np.moveaxis(amplitude, axis, -1).reshape(-1, grid.size)
-    first = [1 if dim == "omega" else size for dim, size in ens.sizes.items()]
-    index = np.ravel_multi_index(tuple(np.indices(first)), tuple(ens.sizes.values())).ravel()
+    first = [1 if dim == "omega" else size for dim, size in ens.dimension_sizes.items()]
+    index = np.ravel_multi_index(
+        tuple(np.indices(first)), tuple(ens.dimension_sizes.values())
+    ).ravel()
 
     def measure(case: IntArray, omega: FloatArray) -> FloatArray:
-        return _amplitude(respond(_at_frequencies(ens, index[case], omega)))
+        return _amplitude(respond(_ensemble_at_frequencies(ens, index[case], omega)))
 
     return refine_maxima(grid, rows, measure, width=width)
 
 
-def _at_frequencies(ens: Ensemble, indices: IntArray, omega: FloatArray) -> Ensemble:
+def _ensemble_at_frequencies(ens: Ensemble, indices: IntArray, omega: FloatArray) -> Ensemble:
     """Trajectories like those of an ensemble with some indices, at other frequencies."""
-    values = {name: column[indices] for name, column in ens.values.items()} | {"omega": omega}
+    values = {name: column[indices] for name, column in ens.parameter_values.items()} | {
+        "omega": omega
+    }
     return replace(
         ens,
-        sizes={"point": indices.size},
+        dimension_sizes={"point": indices.size},
         coords={},
-        values=values,
-        initial=ens.initial[indices],
-        invalid=ens.invalid[indices],
+        parameter_values=values,
+        initial_states=ens.initial_states[indices],
+        is_invalid=ens.is_invalid[indices],
     )
 
 
 def _resonance_variables(ens: Ensemble, peak: BracketedMaxima) -> dict[str, Labelled]:
     """Resonances, along the dimensions of the ensemble but for that of frequency."""
     dims = tuple(d for d in ens.dims if d != "omega")
-    shape = tuple(ens.sizes[d] for d in dims)
+    shape = tuple(ens.dimension_sizes[d] for d in dims)
     values = {
         "resonance": peak.position,
         "resonance_amplitude": peak.value,

@@ -20,8 +20,8 @@ from remanent.studies.ensemble.checks import require_actuator
 from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
 from remanent.studies.ensemble.durations import require_count
 from remanent.studies.ensemble.ensemble import Ensemble
-from remanent.studies.ensemble.layout import Over, lay_out_ensemble
-from remanent.studies.ensemble.progress import Progress, as_progress
+from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble
+from remanent.studies.ensemble.progress import ProgressArgument, as_progress
 from remanent.studies.orbits._branch_tables import ColumnTable, member_status
 from remanent.studies.orbits._checks import require_orbit_period
 from remanent.studies.orbits._forced_response import require_frequencies, trace_forced_response
@@ -46,10 +46,10 @@ def resonances(
     *,
     orbit_periods: Sequence[int] = (1,),
     state_box: Mapping[str, Any] | None = None,
-    over: Over | None = None,
+    over: OverArgument | None = None,
     slices: int = 9,
     tolerance: float = 1e-9,
-    progress: Progress = None,
+    progress: ProgressArgument = None,
 ) -> xr.Dataset:
     """Find the peaks of forced response and say which resonance each of them is.
 

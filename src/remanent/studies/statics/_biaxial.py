@@ -16,16 +16,16 @@ from remanent.analysis.orbits.periodic_orbits import (
 )
 from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
 from remanent.studies.ensemble.ensemble import Ensemble
-from remanent.studies.statics._static_ensemble import StaticEnsemble, farthest_inside
+from remanent.studies.statics._static_ensemble import StaticEnsemble, bisect_last_inside
 
 #: Equilibria of two coordinates are sought up to this stretch and down to its inverse.
-_FARTHEST_STRETCH = 1000.0
+_LARGEST_SOUGHT_STRETCH = 1000.0
 #: Directions from rest in which they are sought.
 _DIRECTION_COUNT = 96
 #: Distances from rest at which they are sought in each direction.
 _DISTANCE_COUNT = 96
 #: Largest acceleration, relative to the loads', of what counts as an equilibrium.
-_MAX_RELATIVE_RESIDUAL = 1e-12
+_MAX_RELATIVE_ACCELERATION = 1e-12
 
 
 def biaxial_equilibria(ens: Ensemble) -> xr.Dataset:
@@ -33,7 +33,7 @@ def biaxial_equilibria(ens: Ensemble) -> xr.Dataset:
     static = StaticEnsemble(ens)
     stretches = _equilibrium_stretches(static)
     count = stretches.shape[1]
-    case = np.repeat(np.arange(ens.count), count).reshape(ens.count, count)
+    case = np.repeat(np.arange(ens.trajectory_count), count).reshape(ens.trajectory_count, count)
     pair = stretches[..., 0], stretches[..., 1]
     matrix = _acceleration_derivatives(static, case, *pair)
     exists = np.isfinite(pair[0])
@@ -68,10 +68,12 @@ def _equilibrium_stretches(static: StaticEnsemble) -> FloatArray:
     """Stretches of all equilibria, (case, equilibrium, 2), NaN where there are fewer."""
     ens = static.ensemble
     roots = [
-        np.empty((0, 2)) if ens.invalid[k] else _equilibria_of_case(static, k)
-        for k in range(ens.count)
+        np.empty((0, 2)) if ens.is_invalid[k] else _equilibria_of_case(static, k)
+        for k in range(ens.trajectory_count)
     ]
-    stretches = np.full((ens.count, max((len(rows) for rows in roots), default=0), 2), np.nan)
+    stretches = np.full(
+        (ens.trajectory_count, max((len(rows) for rows in roots), default=0), 2), np.nan
+    )
     for k, rows in enumerate(roots):
         stretches[k, : len(rows)] = rows
     return stretches
@@ -99,10 +101,10 @@ def _equilibria_of_case(static: StaticEnsemble, k: int) -> FloatArray:
     """
     map_ = _AccelerationMap(static, k)
     guesses = _equilibrium_guesses(static, k)
-    bounds = np.log(2.0 * _FARTHEST_STRETCH) * np.array([[-1.0, 1.0]] * 2)
+    bounds = np.log(2.0 * _LARGEST_SOUGHT_STRETCH) * np.array([[-1.0, 1.0]] * 2)
     none = np.empty((len(guesses), 0))
     orbits = newton_fixed_points(
-        map_, guesses, none, iterate=1, tolerance=_MAX_RELATIVE_RESIDUAL, box=bounds
+        map_, guesses, none, iterate=1, tolerance=_MAX_RELATIVE_ACCELERATION, box=bounds
     )
     stretches = np.exp(distinct_orbits_of_least_period(map_, orbits, np.empty(0), iterate=1).state)
     return np.asarray(stretches[np.lexsort(stretches.T[::-1])])
@@ -134,7 +136,7 @@ def _log_stretch_nodes(static: StaticEnsemble, k: int) -> FloatArray:
     """
     angle = np.linspace(0.0, 2.0 * np.pi, _DIRECTION_COUNT, endpoint=False)
     towards = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
-    reach = np.log(_FARTHEST_STRETCH) / np.abs(towards).max(axis=1)
+    reach = np.log(_LARGEST_SOUGHT_STRETCH) / np.abs(towards).max(axis=1)
 
     def inside(distance: FloatArray, row: IntArray) -> BoolArray:
         stretches = np.exp(distance[..., None] * towards[row])
@@ -144,7 +146,7 @@ def _log_stretch_nodes(static: StaticEnsemble, k: int) -> FloatArray:
     share = np.linspace(0.0, 1.0, _DISTANCE_COUNT)
     shares = np.tile(share, (angle.size, 1))
     if limited.size:
-        reach[limited] = farthest_inside(inside, 0.0 * reach[limited], reach[limited], limited)
+        reach[limited] = bisect_last_inside(inside, 0.0 * reach[limited], reach[limited], limited)
         shares[limited] = 1.0 - (1.0 - share) ** 4
     return np.asarray((reach[:, None] * shares)[..., None] * towards[:, None])
 

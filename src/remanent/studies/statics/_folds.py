@@ -15,15 +15,15 @@ def folds_along_first_field(static: StaticEnsemble) -> dict[str, Labelled]:
     ens = static.ensemble
     # The first field that has a dimension of its own.
     name = next((k for k, (dims, _) in ens.coords.items() if dims == (k,)), None)
-    if name is None or name not in ens.field.parameters or ens.sizes[name] < 2:
+    if name is None or name not in ens.vector_field.parameters or ens.dimension_sizes[name] < 2:
         return {}
-    shape, axis = tuple(ens.sizes.values()), ens.dims.index(name)
-    cases = np.take(np.arange(ens.count).reshape(shape), 0, axis).ravel()
-    valid = ~ens.invalid.reshape(shape).any(axis=axis).ravel()
-    ends = np.take(ens.values[name].reshape(shape), [0, -1], axis)
+    shape, axis = tuple(ens.dimension_sizes.values()), ens.dims.index(name)
+    cases = np.take(np.arange(ens.trajectory_count).reshape(shape), 0, axis).ravel()
+    valid = ~ens.is_invalid.reshape(shape).any(axis=axis).ravel()
+    ends = np.take(ens.parameter_values[name].reshape(shape), [0, -1], axis)
     low, high = np.moveaxis(ends, axis, 0).reshape(2, -1)
     stretch, value = fold_points(static, name, cases[valid], (low[valid], high[valid]))
-    other_sizes = [size for k, size in ens.sizes.items() if k != name]
+    other_sizes = [size for k, size in ens.dimension_sizes.items() if k != name]
 
     def shaped(values: FloatArray) -> FloatArray:
         rows = np.full((valid.size, values.shape[1]), np.nan)
@@ -43,7 +43,7 @@ def fold_points(
     static: StaticEnsemble, name: str, cases: IntArray, bounds: tuple[FloatArray, FloatArray]
 ) -> tuple[FloatArray, FloatArray]:
     """Stretches and parameters (case, fold) at which two equilibria meet."""
-    force = static.force_of_parameter(name)
+    force = static.first_acceleration_function(name)
 
     def stiffness(row: IntArray, x: FloatArray) -> FloatArray:
         value = balancing_parameter(lambda i, y, p: force(cases[i], y, p), bounds, row, x)
@@ -51,10 +51,10 @@ def fold_points(
         return np.where(np.isnan(value), np.nan, steepness)
 
     stretches = find_force_zeros(stiffness, cases.size, stretch_grid_of_cases(static, cases))
-    return stretches, parameters_on_curve(static, name, cases, bounds, stretches)
+    return stretches, balancing_parameters(static, name, cases, bounds, stretches)
 
 
-def parameters_on_curve(
+def balancing_parameters(
     static: StaticEnsemble,
     name: str,
     cases: IntArray,
@@ -62,7 +62,7 @@ def parameters_on_curve(
     stretches: FloatArray,
 ) -> FloatArray:
     """The parameter that balances the force at stretches (case, point)."""
-    force = static.force_of_parameter(name)
+    force = static.first_acceleration_function(name)
     row = np.repeat(np.arange(cases.size), stretches.shape[1])
     value = balancing_parameter(
         lambda i, y, p: force(cases[i], y, p), bounds, row, stretches.ravel()

@@ -18,7 +18,7 @@ from remanent.studies.ensemble.ensemble import Ensemble
 DEFAULT_STRETCH_GRID = np.geomspace(0.05, 20.0, 4001)
 
 #: Values of parameters that stand in place of the ensemble's own, by name.
-ChangedParameters = Mapping[str, FloatArray]
+ParameterOverrides = Mapping[str, FloatArray]
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class StaticEnsemble:
 
         Where the material has limits they are the ends, and points are dense there.
         """
-        cases = np.arange(self.ensemble.count)
+        cases = np.arange(self.ensemble.trajectory_count)
         inside = self.is_reachable(cases[:, None], DEFAULT_STRETCH_GRID, DEFAULT_STRETCH_GRID)
         if inside.all():
             return DEFAULT_STRETCH_GRID
@@ -61,7 +61,7 @@ class StaticEnsemble:
         )
         case = np.flatnonzero(~unlimited)
         if case.size:
-            last[case] = farthest_inside(
+            last[case] = bisect_last_inside(
                 lambda x, i: self.is_reachable(i, x, x),
                 last[case],
                 DEFAULT_STRETCH_GRID[outside[case]],
@@ -71,56 +71,60 @@ class StaticEnsemble:
 
     def is_reachable(self, case: IntArray, first: FloatArray, second: FloatArray) -> BoolArray:
         """Whether the material reaches in-plane stretches, arrays that broadcast with `case`."""
-        columns = {name: value[case] for name, value in self.ensemble.values.items()}
+        columns = {name: value[case] for name, value in self.ensemble.parameter_values.items()}
         inside = self.ensemble.system.admissible(columns, first, second)
         return np.broadcast_to(inside, np.broadcast_shapes(case.shape, first.shape))
 
-    def force(
-        self, case: IntArray, stretch: FloatArray, changed: ChangedParameters | None = None
+    def first_acceleration(
+        self, case: IntArray, stretch: FloatArray, changed: ParameterOverrides | None = None
     ) -> FloatArray:
         """The acceleration of the first coordinate, which has the sign of the force."""
         return np.asarray(self.accelerations(case, stretch, changed=changed)[0])
 
-    def force_of_parameter(
+    def first_acceleration_function(
         self, name: str
     ) -> Callable[[IntArray, FloatArray, FloatArray], FloatArray]:
         """The same as a function of case, stretch and one parameter."""
-        return lambda case, stretch, value: self.force(case, stretch, {name: value})
+        return lambda case, stretch, value: self.first_acceleration(case, stretch, {name: value})
 
     def accelerations(
-        self, case: IntArray, *stretches: Any, changed: ChangedParameters | None = None
+        self, case: IntArray, *stretches: Any, changed: ParameterOverrides | None = None
     ) -> list[Any]:
         """Acceleration of each coordinate."""
-        rates = self.run_program(self.ensemble.field.rates, case, *stretches, changed=changed)
-        return [rates[k] for k in self.ensemble.field.indices_of_roles(Role.RATE)]
+        rates = self.evaluate_program(
+            self.ensemble.vector_field.rates, case, *stretches, changed=changed
+        )
+        return [rates[k] for k in self.ensemble.vector_field.indices_of_roles(Role.RATE)]
 
     def thickness(self, case: IntArray, *stretches: FloatArray) -> FloatArray:
         """The thickness stretch."""
-        (thickness,) = self.run_program(
-            self.ensemble.field.observables["thickness_stretch"], case, *stretches
+        (thickness,) = self.evaluate_program(
+            self.ensemble.vector_field.observables["thickness_stretch"], case, *stretches
         )
         return np.asarray(thickness)
 
     def potential(
-        self, case: IntArray, *stretches: FloatArray, changed: ChangedParameters | None = None
+        self, case: IntArray, *stretches: FloatArray, changed: ParameterOverrides | None = None
     ) -> FloatArray:
         """The energy."""
-        program = self.ensemble.field.observables["energy"]
-        (energy,) = self.run_program(program, case, *stretches, changed=changed)
+        program = self.ensemble.vector_field.observables["energy"]
+        (energy,) = self.evaluate_program(program, case, *stretches, changed=changed)
         return np.asarray(energy)
 
-    def run_program(
+    def evaluate_program(
         self,
         program: Program,
         case: IntArray,
         *stretches: Any,
-        changed: ChangedParameters | None = None,
+        changed: ParameterOverrides | None = None,
     ) -> list[Any]:
         """Outputs of a program of the field, each an array (point,)."""
-        values = {name: column[case] for name, column in self.ensemble.values.items()}
+        values = {name: column[case] for name, column in self.ensemble.parameter_values.items()}
         values |= changed or {}
-        state = [self._static_value(v, stretches, values) for v in self.ensemble.field.variables]
-        columns = [values[name] for name in self.ensemble.field.parameters]
+        state = [
+            self._static_value(v, stretches, values) for v in self.ensemble.vector_field.variables
+        ]
+        columns = [values[name] for name in self.ensemble.vector_field.parameters]
         with np.errstate(all="ignore"):
             outputs = program([0.0, *state, *columns], functions=np)
         return [np.broadcast_to(value, np.shape(stretches[0])) for value in outputs]
@@ -129,7 +133,7 @@ class StaticEnsemble:
         self, variable: StateVariable, stretches: Sequence[Any], values: Mapping[str, FloatArray]
     ) -> Any:
         """A state variable where nothing moves and internal variables have relaxed."""
-        field = self.ensemble.field
+        field = self.ensemble.vector_field
         if variable.role is Role.VARIATION:
             varied = variable.belongs_to
             moves = varied is not None and field.variable(varied).role is Role.RATE
@@ -147,7 +151,7 @@ class StaticEnsemble:
         )
 
 
-def farthest_inside(
+def bisect_last_inside(
     inside: Callable[..., BoolArray], near: FloatArray, far: FloatArray, index: IntArray
 ) -> FloatArray:
     """The last numbers with `inside(number, index)`, from `near`, where it holds, to `far`."""

@@ -31,46 +31,46 @@ class StaticState:
 
     Attributes
     ----------
-    field
+    vector_field
         Of the actuator and a ``Constant`` drive.
     parameters : array (parameter,)
-        In the order of ``field.parameters``; the load `m` among them.
+        In the order of ``vector_field.parameters``; the load `m` among them.
     state : array (state,)
         What does not follow from rest (a temperature) is taken from it.
     """
 
-    field: Field
+    vector_field: Field
     parameters: FloatArray
     state: FloatArray
 
     @cached_property
     def free_indices(self) -> list[int]:
         """State variables that rest determines: stretches and internal variables."""
-        return self.field.indices_of_roles(Role.COORDINATE, Role.INTERNAL)
+        return self.vector_field.indices_of_roles(Role.COORDINATE, Role.INTERNAL)
 
     @cached_property
     def moving_indices(self) -> list[int]:
         """Those and the rates of stretches."""
-        return self.field.indices_of_roles(Role.COORDINATE, Role.RATE, Role.INTERNAL)
+        return self.vector_field.indices_of_roles(Role.COORDINATE, Role.RATE, Role.INTERNAL)
 
     @cached_property
     def balanced_indices(self) -> list[int]:
         """State variables whose rates vanish at rest by a balance, not by definition."""
-        variables = [self.field.variables[k] for k in self.moving_indices]
+        variables = [self.vector_field.variables[k] for k in self.moving_indices]
         has_rate = {v.belongs_to for v in variables if v.role is Role.RATE}
         return [
             k for k, v in zip(self.moving_indices, variables, strict=True) if v.name not in has_rate
         ]
 
     @property
-    def load(self) -> float:
+    def magnetic_load(self) -> float:
         """The magnetic load."""
-        return float(self.parameters[self.field.parameters.index("m")])
+        return float(self.parameters[self.vector_field.parameters.index("m")])
 
     def with_load(self, load: float) -> StaticState:
         """The same state under another load."""
         values = self.parameters.copy()
-        values[self.field.parameters.index("m")] = load
+        values[self.vector_field.parameters.index("m")] = load
         return replace(self, parameters=values)
 
     def rest_at_thickness(self, thickness: float) -> StaticState | None:
@@ -82,7 +82,7 @@ class StaticState:
         guess = np.full(len(self.free_indices), thickness**-0.5)
         solution = root(
             unbalance,
-            np.append(guess, self.load),
+            np.append(guess, self.magnetic_load),
             jac=self._jacobian,
             tol=_ROOT_TOLERANCE,
         )
@@ -94,29 +94,31 @@ class StaticState:
         """The state of rest nearby under the same load, if there is one."""
 
         def unbalance(u: FloatArray) -> FloatArray:
-            return np.real(self._unbalance(u, self.load)[:-1])
+            return np.real(self._unbalance(u, self.magnetic_load)[:-1])
 
         def jacobian(u: FloatArray) -> FloatArray:
-            return self._jacobian(np.append(u, self.load))[:-1, :-1]
+            return self._jacobian(np.append(u, self.magnetic_load))[:-1, :-1]
 
         solution = root(unbalance, self.state[self.free_indices], jac=jacobian, tol=_ROOT_TOLERANCE)
-        if not np.abs(solution.fun).max() < _MAX_RELATIVE_UNBALANCE * (1.0 + abs(self.load)):
+        if not np.abs(solution.fun).max() < _MAX_RELATIVE_UNBALANCE * (
+            1.0 + abs(self.magnetic_load)
+        ):
             return None
         return self._with_free_values(solution.x)
 
     def thickness_stiffness(self) -> float:
         """Force on the thickness stretch, over its change, from rest to rest."""
-        u = np.append(self.state[self.free_indices], self.load)
+        u = np.append(self.state[self.free_indices], self.magnetic_load)
         compliance = np.linalg.solve(self._jacobian(u), np.eye(len(u))[-1])[-1]
         return float(compliance * self._conjugate_thickness_slope())
 
     def rate_derivatives(self) -> tuple[FloatArray, FloatArray]:
         """Derivatives of the rates by the moving state variables, and by the load."""
-        moved = [self._rate_derivative(k) for k in self.moving_indices]
-        column = 1 + len(self.state) + self.field.parameters.index("m")
-        return np.column_stack(moved), self._derivative_by_input(column)[self.moving_indices]
+        moved = [self._rate_derivative_by_state(k) for k in self.moving_indices]
+        column = 1 + len(self.state) + self.vector_field.parameters.index("m")
+        return np.column_stack(moved), self._rate_derivative_by_input(column)[self.moving_indices]
 
-    def energy_above(self, state: FloatArray) -> float:
+    def excess_energy_of(self, state: FloatArray) -> float:
         """Energy of another state above that of this one.
 
         The gradient is integrated along the straight line between them, which loses no
@@ -129,16 +131,18 @@ class StaticState:
             *(self.state[:, None] + way[:, None] * fraction),
             *self.parameters,
         ]
-        (energy,) = self.field.observables["energy"](inputs, functions=np)
+        (energy,) = self.vector_field.observables["energy"](inputs, functions=np)
         return float(0.5 * _GAUSS_WEIGHTS @ (np.imag(energy) / _COMPLEX_STEP))
 
     def thickness(self) -> float:
         """The thickness stretch."""
         inputs = [0.0, *self.state, *self.parameters]
-        return float(self.field.observables[self.field.observable](inputs, functions=np)[0])
+        return float(
+            self.vector_field.observables[self.vector_field.observable](inputs, functions=np)[0]
+        )
 
     def _with_free_values(self, free: FloatArray) -> StaticState:
-        state = np.where([r is Role.RATE for r in self.field.roles], 0.0, self.state)
+        state = np.where([r is Role.RATE for r in self.vector_field.roles], 0.0, self.state)
         state[self.free_indices] = free
         return replace(self, state=state)
 
@@ -146,10 +150,10 @@ class StaticState:
         state = self._with_free_values(np.real(free)).state.astype(np.complex128)
         state[self.free_indices] = free
         values = self.parameters.astype(np.complex128)
-        values[self.field.parameters.index("m")] = load
+        values[self.vector_field.parameters.index("m")] = load
         inputs = [0.0, *state, *values]
-        rates = self.field.rates(inputs, functions=np)
-        (x,) = self.field.observables[self.field.observable](inputs, functions=np)
+        rates = self.vector_field.rates(inputs, functions=np)
+        (x,) = self.vector_field.observables[self.vector_field.observable](inputs, functions=np)
         return np.array([*(rates[k] for k in self.balanced_indices), x - thickness])
 
     def _jacobian(self, u: FloatArray) -> FloatArray:
@@ -160,18 +164,20 @@ class StaticState:
             columns.append(np.imag(self._unbalance(moved[:-1], moved[-1])) / _COMPLEX_STEP)
         return np.column_stack(columns)
 
-    def _rate_derivative(self, k: int) -> FloatArray:
-        return self._derivative_by_input(1 + k)[self.moving_indices]
+    def _rate_derivative_by_state(self, k: int) -> FloatArray:
+        return self._rate_derivative_by_input(1 + k)[self.moving_indices]
 
-    def _derivative_by_input(self, column: int) -> FloatArray:
+    def _rate_derivative_by_input(self, column: int) -> FloatArray:
         """Derivative of the rates by one input."""
         inputs = np.array([0.0, *self.state, *self.parameters], dtype=np.complex128)
         inputs[column] += 1j * _COMPLEX_STEP
-        return np.imag(np.array(self.field.rates(list(inputs), functions=np))) / _COMPLEX_STEP
+        return (
+            np.imag(np.array(self.vector_field.rates(list(inputs), functions=np))) / _COMPLEX_STEP
+        )
 
     def _conjugate_thickness_slope(self) -> float:
         """Minus the derivative of the energy by the load, over the thickness stretch."""
         inputs = np.array([0.0, *self.state, *self.parameters], dtype=np.complex128)
-        inputs[1 + len(self.state) + self.field.parameters.index("m")] += 1j * _COMPLEX_STEP
-        (energy,) = self.field.observables["energy"](list(inputs), functions=np)
+        inputs[1 + len(self.state) + self.vector_field.parameters.index("m")] += 1j * _COMPLEX_STEP
+        (energy,) = self.vector_field.observables["energy"](list(inputs), functions=np)
         return float(-np.imag(energy) / _COMPLEX_STEP / self.thickness())

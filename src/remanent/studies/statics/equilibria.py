@@ -19,8 +19,8 @@ from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_actuator
 from remanent.studies.ensemble.dataset import to_dataset
 from remanent.studies.ensemble.ensemble import Ensemble
-from remanent.studies.ensemble.layout import Over, lay_out_ensemble
-from remanent.studies.ensemble.two_coordinates import with_two_coordinates
+from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble
+from remanent.studies.ensemble.two_coordinates import ensemble_with_two_coordinates
 from remanent.studies.statics._biaxial import biaxial_equilibria
 from remanent.studies.statics._folds import folds_along_first_field
 from remanent.studies.statics._static_ensemble import StaticEnsemble
@@ -31,7 +31,9 @@ _POTENTIAL_POINT_COUNT = 401
 _LEAST_TABULATED_THICKNESS = 0.05
 
 
-def equilibria(actuator: Actuator, m: float = 0.0, *, over: Over | None = None) -> xr.Dataset:
+def equilibria(
+    actuator: Actuator, m: float = 0.0, *, over: OverArgument | None = None
+) -> xr.Dataset:
     """Find every equilibrium under the constant load `m`, with its stability.
 
     Parameters
@@ -98,8 +100,8 @@ def equilibria(actuator: Actuator, m: float = 0.0, *, over: Over | None = None) 
     if actuator.coordinate_count == 2:
         return biaxial_equilibria(ens)
     static = StaticEnsemble(ens)
-    stretch = find_force_zeros(static.force, ens.count, static.stretch_grid)
-    stretch[ens.invalid] = np.nan
+    stretch = find_force_zeros(static.first_acceleration, ens.trajectory_count, static.stretch_grid)
+    stretch[ens.is_invalid] = np.nan
     variables = _equilibrium_properties(static, stretch)
     fold_variables = folds_along_first_field(static)
     landscape = _potential_variables(static, variables["equilibrium_stretch"])
@@ -121,7 +123,7 @@ def _equilibrium_properties(static: StaticEnsemble, stretch: FloatArray) -> dict
     """What is known of equilibria with in-plane stretches (case, equilibrium)."""
     case = np.repeat(np.arange(len(stretch)), stretch.shape[1]).reshape(stretch.shape)
     # A force that falls with the stretch brings it back.
-    stiffness = -force_slope(static.force, case, stretch)
+    stiffness = -force_slope(static.first_acceleration, case, stretch)
     with np.errstate(invalid="ignore"):
         frequency = np.sqrt(np.where(stiffness > 0, stiffness, np.nan))
     return {
@@ -136,10 +138,10 @@ def _equilibrium_properties(static: StaticEnsemble, stretch: FloatArray) -> dict
 
 def _transverse_stiffness(ens: Ensemble, case: IntArray, stretch: FloatArray) -> FloatArray:
     """omega_a^2 of a small difference of the in-plane stretches at rest."""
-    biaxial, pairs = with_two_coordinates(ens)
-    field = transverse_field(biaxial.field, pairs)
-    static = StaticEnsemble(replace(biaxial, field=field))
-    rates = static.run_program(field.rates, case, stretch)
+    biaxial, pairs = ensemble_with_two_coordinates(ens)
+    field = transverse_field(biaxial.vector_field, pairs)
+    static = StaticEnsemble(replace(biaxial, vector_field=field))
+    rates = static.evaluate_program(field.rates, case, stretch)
     (rate,) = field.names_of_roles(Role.RATE)
     (difference,) = field.belonging_to(rate)
     return np.asarray(-rates[field.state_names.index(difference)])
@@ -157,12 +159,12 @@ def _potential_variables(static: StaticEnsemble, equilibria: FloatArray) -> dict
     grid = np.linspace(
         max(_LEAST_TABULATED_THICKNESS, low - margin), high + margin, _POTENTIAL_POINT_COUNT
     )
-    case = np.repeat(np.arange(ens.count), grid.size)
-    potential = static.potential(case, np.tile(grid**-0.5, ens.count))
-    level = static.potential(np.arange(ens.count), np.ones(ens.count))
+    case = np.repeat(np.arange(ens.trajectory_count), grid.size)
+    potential = static.potential(case, np.tile(grid**-0.5, ens.trajectory_count))
+    level = static.potential(np.arange(ens.trajectory_count), np.ones(ens.trajectory_count))
     with np.errstate(all="ignore"):  # of loads near the largest number
         lower, upper = np.sort(_turning_points(static, level), axis=0)
-    rows = potential.reshape(ens.count, grid.size)
+    rows = potential.reshape(ens.trajectory_count, grid.size)
     return {
         "thickness_stretch": (("thickness_stretch",), grid),
         "potential": ((*ens.dims, "thickness_stretch"), ens.reshape_to_dims(rows)),
@@ -178,13 +180,13 @@ def _turning_points(static: StaticEnsemble, level: FloatArray) -> FloatArray:
     One of them is rest.  The other is the nearest stretch, in the direction in which the force
     pushes, at which the potential is again what it is at rest, `level`.
     """
-    count = static.ensemble.count
+    count = static.ensemble.trajectory_count
     case, rest = np.arange(count), np.ones(count)
     # The grid is moved by a little, so that rest itself is not one of its points.
     passages = find_force_zeros(
         lambda i, x: static.potential(i, x) - level[i], count, static.stretch_grid * (1.0 - 1e-9)
     )
-    direction = np.sign(static.force(case, rest))
+    direction = np.sign(static.first_acceleration(case, rest))
     distance = np.where(
         (passages - 1.0) * direction[:, None] > 1e-8, np.abs(passages - 1.0), np.inf
     )

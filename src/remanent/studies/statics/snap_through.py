@@ -21,12 +21,12 @@ from remanent.studies.ensemble.checks import (
 )
 from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
 from remanent.studies.ensemble.ensemble import Ensemble
-from remanent.studies.ensemble.layout import Over, lay_out_ensemble
+from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble
 from remanent.studies.statics._folds import fold_points, stretch_grid_of_cases
 from remanent.studies.statics._static_ensemble import StaticEnsemble
 
 #: Points between start and saddle at which the energy is compared.
-_SAMPLES_TO_SADDLE = 256
+_ENERGY_SAMPLE_COUNT_TO_SADDLE = 256
 #: How much higher than at the start the energy on the way may seem, by rounding.
 _ENERGY_ROUNDING = 1e-9
 #: A saddle nearer to the start than this is the start itself.
@@ -45,7 +45,7 @@ def snap_through(
     *,
     m: float = 0.0,
     initial: float = 1.0,
-    over: Over | None = None,
+    over: OverArgument | None = None,
 ) -> xr.Dataset:
     """Find the static and the dynamic threshold of a snap from one equilibrium to another.
 
@@ -109,12 +109,12 @@ def snap_through(
         "parameter_range", parameter_range, parameter, ens, "Thresholds are sought between them."
     )
     _require_not_varied(parameter, ens)
-    static, cases = StaticEnsemble(ens), np.flatnonzero(~ens.invalid)
+    static, cases = StaticEnsemble(ens), np.flatnonzero(~ens.is_invalid)
     ends = np.full(cases.size, low), np.full(cases.size, high)
     folds = _fold_variables(static, parameter, cases, ends)
     snaps = _snap_variables(static, parameter, cases, ends)
     variables: dict[str, PerTrajectoryArray] = {
-        f"{dim}_{name}": ((dim,), _rows_for_all_cases(values, cases, ens.count))
+        f"{dim}_{name}": ((dim,), _rows_for_all_cases(values, cases, ens.trajectory_count))
         for dim, columns in (("fold", folds), ("snap", snaps))
         for name, values in columns.items()
     }
@@ -212,11 +212,11 @@ class _SnapSearch:
     @cached_property
     def start_stretch(self) -> FloatArray:
         """Stretch from which the motion starts, array (case,)."""
-        return np.asarray(self.static.ensemble.initial[self.valid_cases, 0])
+        return np.asarray(self.static.ensemble.initial_states[self.valid_cases, 0])
 
     def balancing_parameter(self, row: IntArray, x: FloatArray) -> FloatArray:
         """The parameter for which `x` is an equilibrium."""
-        force = self.static.force_of_parameter(self.parameter_name)
+        force = self.static.first_acceleration_function(self.parameter_name)
         return balancing_parameter(
             lambda i, y, p: force(self.valid_cases[i], y, p), self.parameter_ends, row, x
         )
@@ -259,7 +259,9 @@ class _SnapSearch:
             row, x, value - small
         )
         forces = [
-            self.static.force(self.valid_cases[row], x, {self.parameter_name: value + side * small})
+            self.static.first_acceleration(
+                self.valid_cases[row], x, {self.parameter_name: value + side * small}
+            )
             for side in (1.0, -1.0)
         ]
         beyond = x - self.start_stretch[row]
@@ -267,9 +269,9 @@ class _SnapSearch:
 
     def _is_reached_saddle(self, row: IntArray, x: FloatArray, value: FloatArray) -> BoolArray:
         """Whether `x` is a saddle with nothing higher on the way from the start."""
-        force = self.static.force_of_parameter(self.parameter_name)
+        force = self.static.first_acceleration_function(self.parameter_name)
         steepness = force_slope(lambda i, y: force(self.valid_cases[i], y, value), row, x)
-        share = np.linspace(0.0, 1.0, _SAMPLES_TO_SADDLE)[1:-1]
+        share = np.linspace(0.0, 1.0, _ENERGY_SAMPLE_COUNT_TO_SADDLE)[1:-1]
         begin = self.start_stretch[row]
         way = begin[:, None] + (x - begin)[:, None] * share
         many = np.repeat(row, share.size)

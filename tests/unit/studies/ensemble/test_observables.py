@@ -6,7 +6,7 @@ import numpy as np
 
 import remanent as rm
 from remanent._timeline import Timeline
-from remanent.studies.ensemble.observables import phase_and_piece
+from remanent.studies.ensemble.observables import phase_and_piece_index
 
 
 def still(phase: np.ndarray) -> np.ndarray:
@@ -16,7 +16,7 @@ def still(phase: np.ndarray) -> np.ndarray:
 def test_boundaries_belong_to_the_piece_that_begins() -> None:
     """And the end of the run to the last piece."""
     timeline = Timeline(np.array([[2.0], [3.0]]), False, {}, still)
-    phase, piece = phase_and_piece(timeline, np.array([[0.0, 1.0, 2.0, 3.5, 5.0]]))
+    phase, piece = phase_and_piece_index(timeline, np.array([[0.0, 1.0, 2.0, 3.5, 5.0]]))
     assert piece.tolist() == [[0, 0, 1, 1, 1]]
     np.testing.assert_allclose(phase, [[0.0, 0.5, 0.0, 0.5, 1.0]], rtol=0, atol=1e-15)
 
@@ -25,7 +25,7 @@ def test_whole_periods_have_phase_zero() -> None:
     """However many of them have passed."""
     period = np.pi / 1.25
     timeline = Timeline(np.array([[period]]), True, {}, still)
-    phase, _ = phase_and_piece(timeline, np.arange(20_000.0)[None] * period)
+    phase, _ = phase_and_piece_index(timeline, np.arange(20_000.0)[None] * period)
     assert (phase == 0.0).all()
 
 

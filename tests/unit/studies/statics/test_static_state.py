@@ -19,7 +19,7 @@ def test_rest_and_poles_of_two_coordinates() -> None:
     row = np.array([own[name] for name in field.parameters])
     body = StaticState(field, row, np.array([1.0, 0.0, 1.0, 0.0])).rest_at_thickness(1.2)
     assert body is not None
-    one = rm.equilibria(rm.Actuator(prestress=0.2), body.load)
+    one = rm.equilibria(rm.Actuator(prestress=0.2), body.magnetic_load)
     assert float(one.equilibrium_stretch[0]) == pytest.approx(1.2, abs=1e-12)
     modes = controllable_poles(*body.rate_derivatives())
     np.testing.assert_allclose(
