@@ -26,7 +26,7 @@ _HEADING = """\
 def draw(results: Mapping[str, Any], path: Path) -> Figure:
     """Reported against true errors, and the share of them covered by decade of tolerance."""
     with style.context():
-        figure = Figure(figsize=(style.DOUBLE_COLUMN_WIDTH, 3.1), layout="constrained")
+        figure = Figure(figsize=(style.DOUBLE_COLUMN_WIDTH_INCHES, 3.1), layout="constrained")
         left, right = figure.subplots(1, 2, width_ratios=(1.25, 1.0))
         _errors(left, np.array(results["points"], dtype=float))
         _coverage(right, results["decades"], results["total"])
@@ -41,16 +41,16 @@ def _errors(ax: Axes, points: np.ndarray[Any, np.dtype[np.float64]]) -> None:
     true, reported = np.clip(10.0**points.T, *ends)
     covered = true <= reported
     ax.plot(true[covered], reported[covered], ".", ms=1.6, mew=0.0, alpha=0.6,
-            color=style.OKABE_ITO["blue"], rasterized=True)  # fmt: skip
+            color=style.OKABE_ITO_COLOURS["blue"], rasterized=True)  # fmt: skip
     ax.plot(true[~covered], reported[~covered], "x", ms=4.0, mew=0.9, clip_on=False,
-            color=style.OKABE_ITO["vermillion"], label="not covered")  # fmt: skip
+            color=style.OKABE_ITO_COLOURS["vermillion"], label="not covered")  # fmt: skip
     ax.plot(ends, ends, "-", color=style.INK_COLOUR, lw=0.8)
     ax.plot(
         ends, LARGEST_USEFUL_RATIO * ends, color=style.INK_COLOUR, lw=0.8, ls=style.LINE_STYLES[1]
     )
     ax.set(xscale="log", yscale="log", xlim=ends, ylim=ends)
     ax.set(xlabel="true error", ylabel="reported error")
-    style.panel_title(ax, "a", f"{true.size} trajectories")
+    style.set_panel_title(ax, "a", f"{true.size} trajectories")
     on_line: Any = {"rotation": 45.0, "rotation_mode": "anchor", "transform_rotates_text": True}
     on_line["fontsize"] = 7.5
     ax.text(1.5e-15, 0.8e-15, "equal", va="top", **on_line)
@@ -61,7 +61,7 @@ def _coverage(ax: Axes, decades: Mapping[str, Any], total: Mapping[str, Any]) ->
     powers = np.array([int(name[2:]) for name in decades])
     missed = np.array([100.0 * (1.0 - row["coverage"]) for row in decades.values()])
     worst = np.array([100.0 * (1.0 - row["coverage_at_least"]) for row in decades.values()])
-    ax.bar(powers + 0.5, missed, width=0.7, color=style.OKABE_ITO["blue"])
+    ax.bar(powers + 0.5, missed, width=0.7, color=style.OKABE_ITO_COLOURS["blue"])
     ax.errorbar(powers + 0.5, missed, yerr=[0.0 * worst, worst - missed], fmt="none",
                 ecolor=style.INK_COLOUR, elinewidth=0.8, capsize=2.0)  # fmt: skip
     missed_limit = 100.0 * (1.0 - ASKED_COVERAGE)
@@ -71,7 +71,7 @@ def _coverage(ax: Axes, decades: Mapping[str, Any], total: Mapping[str, Any]) ->
     ax.set_xticks(ticks, [f"$10^{{{k}}}$" for k in ticks])
     ax.set(xlabel="tolerance", ylabel="not covered (%)", xlim=(powers[0], powers[-1] + 1))
     ax.set_ylim(0.0, 1.25 * max(missed_limit, worst.max()))
-    style.panel_title(ax, "b", f"covered in all: {100.0 * total['coverage']:.2f} %")
+    style.set_panel_title(ax, "b", f"covered in all: {100.0 * total['coverage']:.2f} %")
 
 
 def write_page(results: Mapping[str, Any], path: Path) -> None:

@@ -24,15 +24,15 @@ _LOOK = {
 def precision(data: Any, path: Path) -> None:
     """Time against error, worst and median."""
     with style.context():
-        figure = Figure(figsize=(style.DOUBLE_COLUMN_WIDTH, 3.0), layout="constrained")
+        figure = Figure(figsize=(style.DOUBLE_COLUMN_WIDTH_INCHES, 3.0), layout="constrained")
         panels = figure.subplots(1, 2, sharey=True)
         for letter, key, axes in zip("ab", ("worst", "median"), panels, strict=True):
             lines = [_curve(axes, tool, curve, key) for tool, curve in data["curves"].items()]
             axes.set(xscale="log", yscale="log", xlabel=f"{key} error of $\\lambda_3$")
             axes.invert_xaxis()
-            style.panel_title(axes, letter, "")
+            style.set_panel_title(axes, letter, "")
         panels[0].set_ylabel(r"µs per trajectory and unit of $\tau$")
-        style.legend_above(figure, lines)
+        style.add_legend_above(figure, lines)
         style.save_figure(figure, path)
 
 
@@ -41,12 +41,12 @@ def _curve(axes: Axes, tool: str, curve: Any, key: str) -> Any:
     points = curve["points"]
     (line,) = axes.plot(
         [p[key] for p in points], [p["microseconds"] for p in points], dashes,
-        color=style.OKABE_ITO[colour], marker=marker, markersize=3.5, label=curve["name"],
+        color=style.OKABE_ITO_COLOURS[colour], marker=marker, markersize=3.5, label=curve["name"],
     )  # fmt: skip
     hollow = [p for p in points if p["missing"]]
     axes.plot(
         [p[key] for p in hollow], [p["microseconds"] for p in hollow], marker, markersize=3.5,
-        color=style.OKABE_ITO[colour], markerfacecolor="white",
+        color=style.OKABE_ITO_COLOURS[colour], markerfacecolor="white",
     )  # fmt: skip
     return line
 
@@ -56,9 +56,9 @@ def growth(data: Any, path: Path) -> None:
     rows = data["rows"]
     count = [row["trajectories"] for row in rows]
     with style.context():
-        figure = Figure(figsize=(style.DOUBLE_COLUMN_WIDTH, 2.6), layout="constrained")
+        figure = Figure(figsize=(style.DOUBLE_COLUMN_WIDTH_INCHES, 2.6), layout="constrained")
         left, right = figure.subplots(1, 2)
-        blue, red = style.OKABE_ITO["blue"], style.OKABE_ITO["vermillion"]
+        blue, red = style.OKABE_ITO_COLOURS["blue"], style.OKABE_ITO_COLOURS["vermillion"]
         left.loglog(count, [row["seconds"] for row in rows], "o-", color=blue, markersize=3.5)
         left.set(xlabel="trajectories", ylabel="time (s)")
         parts = (("result", "the result", blue, "o-"), ("beyond", "beyond the result", red, "s--"))
@@ -70,19 +70,19 @@ def growth(data: Any, path: Path) -> None:
             for key, label, colour, form in parts
         ]  # fmt: skip
         right.set(xlabel="trajectories", ylabel="memory (MiB)")
-        style.panel_title(left, "a", "")
-        style.panel_title(right, "b", "")
-        style.legend_above(figure, lines)
+        style.set_panel_title(left, "a", "")
+        style.set_panel_title(right, "b", "")
+        style.add_legend_above(figure, lines)
         style.save_figure(figure, path)
 
 
 def chart(dataset: xr.Dataset, folds: xr.Dataset, path: Path) -> None:
     """Regimes over two parameters, and the curve on which orbits are born."""
     with style.context():
-        figure = Figure(figsize=(style.DOUBLE_COLUMN_WIDTH, 4.6), layout="constrained")
+        figure = Figure(figsize=(style.DOUBLE_COLUMN_WIDTH_INCHES, 4.6), layout="constrained")
         axes = figure.subplots()
         map(dataset, ax=axes)
         axes.plot(folds.omega, folds.b, color="white", linewidth=1.2)
-        axes.plot(folds.omega, folds.b, color=style.OKABE_ITO["vermillion"], linewidth=0.7)
+        axes.plot(folds.omega, folds.b, color=style.OKABE_ITO_COLOURS["vermillion"], linewidth=0.7)
         axes.set(xlim=dataset.omega.values[[0, -1]], ylim=dataset.b.values[[0, -1]])
         style.save_figure(figure, path)

@@ -13,7 +13,7 @@ import remanent as rm
 #: Where the pictures are written.
 STATIC = Path(__file__).parent / "_static"
 #: Colours of Okabe and Ito, blue first.
-OKABE_ITO = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00")
+OKABE_ITO_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00")
 
 
 def two_directions() -> Any:
@@ -47,7 +47,7 @@ def viscosity() -> Any:
     omega = np.linspace(0.6, 2.0, 141)
     styles = ("-", "--", "-.", ":")
     for relaxation_time, colour, style in zip(
-        (0.03, 0.3, 1.0, 10.0), OKABE_ITO, styles, strict=False
+        (0.03, 0.3, 1.0, 10.0), OKABE_ITO_COLOURS, styles, strict=False
     ):
         body = rm.Actuator(dissipation=rm.Zener(0.5, relaxation_time))
         ds = rm.frequency_response(
@@ -57,7 +57,7 @@ def viscosity() -> Any:
     left.set(xlabel=r"drive frequency $\omega$", ylabel=r"amplitude $\lambda_3^a$")
     left.legend(frameon=False)
     times = np.geomspace(0.02, 20.0, 41)
-    for w, colour, style in zip((0.8, 1.25, 1.8), OKABE_ITO, styles, strict=False):
+    for w, colour, style in zip((0.8, 1.25, 1.8), OKABE_ITO_COLOURS, styles, strict=False):
         ds = rm.cycle_losses(
             rm.Actuator(dissipation=rm.Zener(0.5, 1.0)),
             rm.SineSquared(0.6, w),
@@ -79,7 +79,7 @@ def heat() -> Any:
     """Draw the temperature of a body that its own damping warms, and its thermoelastic part."""
     figure, (left, right) = plt.subplots(1, 2, figsize=(7.4, 3.4), layout="constrained")
     drive, styles = rm.SineSquared(0.8, 1.35), ("-", "--", "-.")
-    for exchange, colour, style in zip((0.0, 0.005, 0.05), OKABE_ITO, styles, strict=False):
+    for exchange, colour, style in zip((0.0, 0.005, 0.05), OKABE_ITO_COLOURS, styles, strict=False):
         body = rm.Actuator(dissipation=rm.Zener(0.5, 0.5), heat=rm.Heat(2e-4, exchange))
         ds = rm.simulate(body, drive, times=np.linspace(0.0, 250.0, 5001), tolerance=1e-8)
         warmth = ds.body_temperature - 293.0

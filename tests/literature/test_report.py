@@ -29,8 +29,8 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Paper, Path]:
     with pytest.MonkeyPatch.context() as patch:
         coarse = {
             "REFERENCE_TEMPERATURES": [289.0, 293.0, 297.0],
-            "AMPLITUDES": [0.36, 0.38, 0.4],
-            "WINDOWS": (100.0,),
+            "ROOT_LOAD_AMPLITUDES": [0.36, 0.38, 0.4],
+            "WINDOW_LENGTHS": (100.0,),
         }
         for name, values in coarse.items():
             patch.setattr(reconstruction, name, np.array(values))
@@ -103,7 +103,7 @@ def test_the_page_needs_nothing_else(made: tuple[Paper, Path]) -> None:
         assert f'id="{name}"' in html
     for v in made[0].verdicts:
         assert f'id="claim-{v.claim.id}"' in html
-        assert v.claim.figure in DRAWINGS
+        assert v.claim.picture_name in DRAWINGS
 
 
 def test_pictures_come_as_vectors_and_as_points(made: tuple[Paper, Path]) -> None:

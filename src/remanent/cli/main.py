@@ -11,9 +11,9 @@ import click
 from remanent._errors import RemanentError
 
 #: Share of all work that is done when the page is written.
-_SHARE_BEFORE_PAGE = 0.95
+_PROGRESS_BEFORE_PAGE = 0.95
 #: Exit code of a program that the user interrupts, by convention of shells.
-_INTERRUPTED = 130
+_INTERRUPTED_EXIT_CODE = 130
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
@@ -44,11 +44,11 @@ def paper(out: Path) -> None:
             display.update(task, description=stage, completed=share)
 
         reproduction = reproduce(report, processes=os.cpu_count() or 1)
-        report("page", _SHARE_BEFORE_PAGE)
+        report("page", _PROGRESS_BEFORE_PAGE)
         target = write_report(reproduction, out)
         report("done", 1.0)
     for v in reproduction.verdicts:
-        click.echo(f"{v.claim.id:>4}  {v.verdict:<12}  {v.claim.claim}")
+        click.echo(f"{v.claim.id:>4}  {v.verdict:<12}  {v.claim.statement}")
     click.echo(f"\n{target}")
 
 
@@ -61,7 +61,7 @@ def main() -> None:
         sys.exit(error.exit_code)
     except (click.exceptions.Abort, KeyboardInterrupt):
         click.echo("interrupted", err=True)
-        sys.exit(_INTERRUPTED)
+        sys.exit(_INTERRUPTED_EXIT_CODE)
     except (RemanentError, OSError) as error:
         click.echo(f"remanent: {error}", err=True)
         sys.exit(1)

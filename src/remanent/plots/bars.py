@@ -65,10 +65,10 @@ def bars(
     positions = np.arange(dataset.sizes["field"])
     thickness = _GROUP_HEIGHT_SHARE / len(rows)
     with style.context():
-        axes = style.owned_axes(ax)
+        axes = style.given_or_new_axes(ax)
         artists = []
         for k, (label, values, errors) in enumerate(rows):
-            colour = list(style.OKABE_ITO.values())[k % len(style.OKABE_ITO)]
+            colour = list(style.OKABE_ITO_COLOURS.values())[k % len(style.OKABE_ITO_COLOURS)]
             y = positions - 0.5 * _GROUP_HEIGHT_SHARE + (k + 0.5) * thickness
             looks = {
                 "color": colour,

@@ -21,7 +21,7 @@ from remanent.plots import footer, maps, style
 __all__ = ["basins"]
 
 #: Share of the colour of an attractor that its basin keeps; the rest is white.
-_BASIN_TINT: Final = 0.45
+_ATTRACTOR_COLOUR_SHARE: Final = 0.45
 
 
 def basins(
@@ -53,7 +53,7 @@ def basins(
     if "basin" not in dataset:
         return maps.map(upright, ax=ax, legend=legend, **mesh)
     with style.context():
-        axes = style.owned_axes(ax, width=style.SINGLE_COLUMN_WIDTH, height=3.1)
+        axes = style.given_or_new_axes(ax, width=style.SINGLE_COLUMN_WIDTH_INCHES, height=3.1)
         x, y = dataset[across], dataset[down]
         looks = {"shading": "nearest", "rasterized": True, **mesh}
         artist = axes.pcolormesh(x.values, y.values, _cell_colours(upright), **looks)
@@ -78,7 +78,7 @@ def _grid_variables(dataset: xr.Dataset) -> tuple[Hashable, Hashable]:
 
 
 def _attractor_colours(count: int) -> FloatArray:
-    wheel = [to_rgb(tone) for tone in style.OKABE_ITO.values()]
+    wheel = [to_rgb(tone) for tone in style.OKABE_ITO_COLOURS.values()]
     if count <= len(wheel):
         return np.array(wheel[:count]).reshape(count, 3)
     return np.asarray(colormaps["turbo"](np.linspace(0.05, 0.95, count)))[:, :3]
@@ -87,7 +87,7 @@ def _attractor_colours(count: int) -> FloatArray:
 def _cell_colours(dataset: xr.Dataset) -> FloatArray:
     """Colours of every cell, array (y, x, 3)."""
     basin = dataset["basin"].values
-    tones = 1.0 - _BASIN_TINT * (1.0 - _attractor_colours(dataset.sizes["attractor"]))
+    tones = 1.0 - _ATTRACTOR_COLOUR_SHARE * (1.0 - _attractor_colours(dataset.sizes["attractor"]))
     unknown = np.array([to_rgb(maps.UNDECIDED_COLOUR)])
     return np.asarray(np.concatenate([tones, unknown])[basin])
 

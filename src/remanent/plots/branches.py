@@ -17,7 +17,7 @@ from matplotlib.lines import Line2D
 from remanent._errors import InputError
 from remanent.plots import ensemble, footer, style
 
-__all__ = ["branch", "legend_entries", "multipliers"]
+__all__ = ["branch", "multipliers", "stability_legend_entries"]
 
 #: Line styles of what multipliers say; a double line is a broad one with a white core.
 _STABILITY_LINE_STYLES: Final[Mapping[str, Mapping[str, Any]]] = MappingProxyType(
@@ -34,7 +34,7 @@ _SPECIAL_POINT_MARKERS: Final[Mapping[str, str]] = MappingProxyType(
     {"fold": "o", "period doubling": "s", "Neimark-Sacker": "D", "branch point": "^"}
 )
 #: Width of the white core of a double line, in points.
-_DOUBLE_LINE_CORE_WIDTH: Final = 0.8
+_DOUBLE_LINE_CORE_WIDTH_POINTS: Final = 0.8
 
 
 def branch(
@@ -71,10 +71,10 @@ def branch(
     """
     x = parameter or _followed_parameter(dataset)
     with style.context():
-        axes = style.owned_axes(ax)
+        axes = style.given_or_new_axes(ax)
         marks = [name for name in (f"special_{x}", f"special_{variable}") if name in dataset]
         names = (x, variable, "stability", "special_kind", *marks)
-        members = ensemble.members(dataset, names, ("branch", "point", "special"))
+        members = ensemble.split_into_members(dataset, names, ("branch", "point", "special"))
         artists: list[Line2D] = []
         for member in members:
             artists += _draw_branches(axes, member, x, variable, line)
@@ -83,7 +83,11 @@ def branch(
         axes.margins(x=0.0)
         if variable == "amplitude":
             axes.set_ylim(bottom=0.0)
-        named = [*ensemble.line_legend_entries(members), *legend_entries(dataset)] if legend else []
+        named = (
+            [*ensemble.line_legend_entries(members), *stability_legend_entries(dataset)]
+            if legend
+            else []
+        )
         footer.add_legend_and_footer(axes, ax, dataset, named, hide=(x,))
     return artists
 
@@ -122,9 +126,11 @@ def multipliers(
     """
     x = parameter or _followed_parameter(dataset)
     with style.context():
-        axes = style.owned_axes(ax, height=2.0)
+        axes = style.given_or_new_axes(ax, height=2.0)
         names = (x, "multipliers", "stability", "special_kind", f"special_{x}")
-        members = ensemble.members(dataset, names, ("branch", "point", "special", "multiplier"))
+        members = ensemble.split_into_members(
+            dataset, names, ("branch", "point", "special", "multiplier")
+        )
         axes.axhline(1.0, color=style.FAINT_COLOUR, linewidth=0.5)
         artists: list[Line2D] = []
         for member in members:
@@ -132,19 +138,23 @@ def multipliers(
             for k in range(moduli.sizes["multiplier"]):
                 single = replace(member, data=moduli.isel(multiplier=k))
                 artists += _draw_branches(axes, single, x, "multipliers", line)
-            on_circle = replace(member, data=_with_special_points_at_one(member.data))
+            on_circle = replace(member, data=_with_special_multipliers_at_one(member.data))
             _mark_special_points(axes, on_circle, x, "multipliers")
         symbol = style.math_symbol(dataset["multipliers"]).strip("$")
         axes.set(
             xlabel=style.axis_label(dataset[x]), ylabel=f"modulus of multipliers, $|{symbol}|$"
         )
         axes.margins(x=0.0)
-        named = [*ensemble.line_legend_entries(members), *legend_entries(dataset)] if legend else []
+        named = (
+            [*ensemble.line_legend_entries(members), *stability_legend_entries(dataset)]
+            if legend
+            else []
+        )
         footer.add_legend_and_footer(axes, ax, dataset, named, hide=(x,))
     return artists
 
 
-def _with_special_points_at_one(data: xr.Dataset) -> xr.Dataset:
+def _with_special_multipliers_at_one(data: xr.Dataset) -> xr.Dataset:
     """Special points are where a modulus is 1."""
     return data.assign(special_multipliers=xr.ones_like(data["special_kind"], dtype=float))
 
@@ -172,7 +182,7 @@ def _draw_branches(
         row = data.isel(branch=k)
         stabilities = row["stability"].values
         finite = np.isfinite(row[x].values)
-        for first, last in _stability_runs(stabilities, int(finite.sum())):
+        for first, last in _equal_stability_ranges(stabilities, int(finite.sum())):
             looks = {
                 "color": member.colour,
                 **_STABILITY_LINE_STYLES[str(stabilities[first])],
@@ -189,7 +199,7 @@ def _draw_branches(
     return artists
 
 
-def _stability_runs(stabilities: Any, count: int) -> list[tuple[int, int]]:
+def _equal_stability_ranges(stabilities: Any, count: int) -> list[tuple[int, int]]:
     """Stretches of equal stability among the first `count` points."""
     changes = np.flatnonzero(stabilities[1:count] != stabilities[: max(count - 1, 0)]) + 1
     cuts = [0, *changes.tolist(), count]
@@ -208,7 +218,7 @@ def _mark_special_points(axes: Axes, member: ensemble.Member, x: str, variable: 
         )  # fmt: skip
 
 
-def legend_entries(dataset: xr.Dataset) -> list[Line2D]:
+def stability_legend_entries(dataset: xr.Dataset) -> list[Line2D]:
     """Legend entries of the kinds of stability and of special points that occur."""
     stabilities = set(np.unique(dataset["stability"].values.astype(str)))
     lines = [
@@ -246,5 +256,5 @@ def _double_line_effects(name: str) -> Any:
         return None
     return [
         patheffects.Normal(),
-        patheffects.Stroke(linewidth=_DOUBLE_LINE_CORE_WIDTH, foreground="white"),
+        patheffects.Stroke(linewidth=_DOUBLE_LINE_CORE_WIDTH_POINTS, foreground="white"),
     ]

@@ -52,8 +52,8 @@ def curve(
     """
     along = str(dataset[x].dims[-1]) if x in dataset.variables else x
     with style.context():
-        axes = style.owned_axes(ax)
-        members = ensemble.members(dataset, (variable, x), (along, "quantile"))
+        axes = style.given_or_new_axes(ax)
+        members = ensemble.split_into_members(dataset, (variable, x), (along, "quantile"))
         artists = [_draw_curve_and_band(axes, member, variable, x, line) for member in members]
         axes.set(xlabel=style.axis_label(dataset[x]), ylabel=style.axis_label(dataset[variable]))
         if log:
@@ -74,6 +74,6 @@ def _draw_curve_and_band(
         low, high = values.isel(quantile=0), values.isel(quantile=-1)
         axes.fill_between(at, low, high, color=member.colour, alpha=_BAND_OPACITY, linewidth=0.0)
         values = values.isel(quantile=values.sizes["quantile"] // 2)
-    looks = {"color": member.colour, "linestyle": member.dashes, "label": member.label, **line}
+    looks = {"color": member.colour, "linestyle": member.line_style, "label": member.label, **line}
     (artist,) = axes.plot(at, np.asarray(values), **looks)
     return artist

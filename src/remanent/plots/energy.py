@@ -14,7 +14,7 @@ from remanent.plots import ensemble, footer, style
 __all__ = ["equilibrium_legend_entries", "landscape"]
 
 #: Variables that are drawn beside the potential, where a result has them.
-_OPTIONAL_VARIABLES: Final = (
+_VARIABLES_DRAWN_IF_PRESENT: Final = (
     "equilibrium_stretch",
     "equilibrium_potential",
     "stability",
@@ -62,11 +62,13 @@ def landscape(
     list of matplotlib.lines.Line2D
         The potentials, one per member, in order of temperature.
     """
-    extra = [name for name in _OPTIONAL_VARIABLES if name in dataset]
+    extra = [name for name in _VARIABLES_DRAWN_IF_PRESENT if name in dataset]
     along = ("thickness_stretch", "equilibrium")
     with style.context():
-        axes = style.owned_axes(ax, height=2.9)
-        members = ensemble.members(dataset, ("potential", "thickness_stretch", *extra), along)
+        axes = style.given_or_new_axes(ax, height=2.9)
+        members = ensemble.split_into_members(
+            dataset, ("potential", "thickness_stretch", *extra), along
+        )
         artists = [_draw_potential(axes, member, line) for member in members]
         # Shorter levels lie on longer ones, so that all are seen.
         for member in sorted(members, key=_turning_point_distance, reverse=True):
@@ -84,7 +86,7 @@ def landscape(
 
 
 def _draw_potential(axes: Axes, member: ensemble.Member, line: dict[str, Any]) -> Line2D:
-    looks = {"color": member.colour, "linestyle": member.dashes, "label": member.label, **line}
+    looks = {"color": member.colour, "linestyle": member.line_style, "label": member.label, **line}
     x, y = member.data["thickness_stretch"].values, member.data["potential"].values
     (artist,) = axes.plot(x, y, **looks)
     return artist

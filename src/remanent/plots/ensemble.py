@@ -14,10 +14,10 @@ from matplotlib.lines import Line2D
 from remanent._errors import InputError
 from remanent.plots import style
 
-__all__ = ["Member", "line_legend_entries", "members", "point_legend_entries"]
+__all__ = ["Member", "line_legend_entries", "point_legend_entries", "split_into_members"]
 
 #: Share of the colour map that many members use: its end is too light for lines on white.
-_COLOUR_MAP_END: Final = 0.85
+_MEMBER_COLOUR_MAP_END: Final = 0.85
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class Member:
     ----------
     data : xarray.Dataset
         The Dataset with only the dimensions that are drawn along.
-    colour, dashes, marker : Any, Any, str
+    colour, line_style, marker : Any, Any, str
         How it is drawn, as Matplotlib understands it.
     colour_label, style_label : str
         What its colour and its line style mean; empty where they mean nothing.
@@ -36,7 +36,7 @@ class Member:
 
     data: xr.Dataset
     colour: Any
-    dashes: Any
+    line_style: Any
     marker: str
     colour_label: str
     style_label: str
@@ -47,7 +47,9 @@ class Member:
         return ", ".join(filter(None, (self.colour_label, self.style_label)))
 
 
-def members(dataset: xr.Dataset, names: Iterable[str], along: Iterable[str]) -> list[Member]:
+def split_into_members(
+    dataset: xr.Dataset, names: Iterable[str], along: Iterable[str]
+) -> list[Member]:
     """Split an ensemble into lines.
 
     Temperature is told by colour on its own map, wherever it is a coordinate.  Without
@@ -94,7 +96,7 @@ def members(dataset: xr.Dataset, names: Iterable[str], along: Iterable[str]) -> 
             Member(
                 data=subset.isel(indices),
                 colour=colours[indices[colour_dim] if colour_dim is not None else 0],
-                dashes=style.LINE_STYLES[second % len(style.LINE_STYLES)],
+                line_style=style.LINE_STYLES[second % len(style.LINE_STYLES)],
                 marker=style.MARKERS[second % len(style.MARKERS)],
                 colour_label=_coordinate_label(subset, colour_dim, indices)
                 if colour_dim in free
@@ -120,8 +122,8 @@ def line_legend_entries(drawn: Sequence[Member]) -> list[Line2D]:
     """
     return [
         Line2D([], [], color=colour, label=name,
-               linestyle=member.dashes if colour == style.INK_COLOUR else "-")
-        for colour, member, name in _legend_content(drawn)
+               linestyle=member.line_style if colour == style.INK_COLOUR else "-")
+        for colour, member, name in _distinct_colours_and_styles(drawn)
     ]  # fmt: skip
 
 
@@ -130,11 +132,11 @@ def point_legend_entries(drawn: Sequence[Member]) -> list[Line2D]:
     return [
         Line2D([], [], color=colour, linestyle="", ms=3.5, label=name,
                marker=member.marker if colour == style.INK_COLOUR else "o")
-        for colour, member, name in _legend_content(drawn)
+        for colour, member, name in _distinct_colours_and_styles(drawn)
     ]  # fmt: skip
 
 
-def _legend_content(drawn: Sequence[Member]) -> list[tuple[Any, Member, str]]:
+def _distinct_colours_and_styles(drawn: Sequence[Member]) -> list[tuple[Any, Member, str]]:
     """Colour, member and name of each colour, then of each style where there are several."""
     colours = {member.colour_label: member for member in drawn if member.colour_label}
     styles = {member.style_label: member for member in drawn if member.style_label}
@@ -166,12 +168,12 @@ def _member_colours(dataset: xr.Dataset, dim: Hashable | None) -> list[Any]:
     if "temperature" in dataset.coords and dataset["temperature"].ndim <= 1:
         return list(style.temperature_colours(np.atleast_1d(dataset["temperature"].values)))
     count = dataset.sizes[dim] if dim is not None else 1
-    wheel = list(style.OKABE_ITO.values())
+    wheel = list(style.OKABE_ITO_COLOURS.values())
     if count <= len(wheel):
         return wheel[:count]
     from matplotlib import colormaps
 
-    return [colormaps["cividis"](x) for x in np.linspace(0.0, _COLOUR_MAP_END, count)]
+    return [colormaps["cividis"](x) for x in np.linspace(0.0, _MEMBER_COLOUR_MAP_END, count)]
 
 
 def _coordinate_label(

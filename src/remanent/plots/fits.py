@@ -61,14 +61,17 @@ def fit(
     level = data["predicted"] if residuals else 0.0 * data["predicted"]
     row = describe(name)
     with style.context():
-        axes = style.owned_axes(ax)
+        axes = style.given_or_new_axes(ax)
         looks = {"marker": "o", "ms": 2.6, "mfc": "none", "mew": 0.7, "linestyle": ""}
         points = axes.plot(
-            data[x], data["observed"] - level, color=style.OKABE_ITO["blue"], label="measured",
-            **{**looks, **line},
+            data[x], data["observed"] - level, color=style.OKABE_ITO_COLOURS["blue"],
+            label="measured", **{**looks, **line},
         )  # fmt: skip
         curve = axes.plot(
-            data[x], data["predicted"] - level, color=style.OKABE_ITO["vermillion"], label="fitted"
+            data[x],
+            data["predicted"] - level,
+            color=style.OKABE_ITO_COLOURS["vermillion"],
+            label="fitted",
         )
         words = f"residual of ${row.symbol}$" if residuals else f"{row.long_name}, ${row.symbol}$"
         axes.set(xlabel=style.axis_label(data[x]), ylabel=words)

@@ -13,14 +13,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from remanent._errors import InputError
-from remanent.plots.style import FAINT_COLOUR, format_number, legend_above, value_label
+from remanent.plots.style import FAINT_COLOUR, add_legend_above, format_number, value_label
 from remanent.results import provenance
 from remanent.results.schema import describe
 
 __all__ = ["add_footer", "add_legend_and_footer", "footer_text"]
 
 #: Fields that say nothing at this value.
-_NEUTRAL_VALUES: Final[Mapping[str, object]] = MappingProxyType(
+_FIELD_VALUES_LEFT_OUT: Final[Mapping[str, object]] = MappingProxyType(
     {
         "entropic_fraction": 1.0,
         "temperature_coefficient": 0.0,
@@ -32,19 +32,19 @@ _NEUTRAL_VALUES: Final[Mapping[str, object]] = MappingProxyType(
     }
 )
 #: Fields that may be two numbers, each with a name of its own.
-_PAIRED_FIELDS: Final = frozenset({"prestress", "edges"})
+_TWO_NUMBER_FIELDS: Final = frozenset({"prestress", "edges"})
 #: Parts of which a figure says nothing: the units, which the axes show.
 _OMITTED_PARTS: Final = frozenset({"scales"})
 #: The kind of a magnet, which is named only where it has something to say.
-_MAGNET_CLASS_NAME: Final = "Magnet"
+_CLASS_OMITTED_WITHOUT_FIELDS: Final = "Magnet"
 #: What parts the pieces of the footer.
 _PIECE_SEPARATOR: Final = "   "
 #: Size of its letters, in points.
-_FONT_SIZE: Final = 6.0
+_FONT_SIZE_POINTS: Final = 6.0
 #: Width of a letter over its size, on average.
 _LETTER_WIDTH_RATIO: Final = 0.43
 #: Longest description that is shown where a system or a drive is no plain data.
-_MAX_SOURCE_LENGTH: Final = 90
+_MAX_DESCRIPTION_LENGTH: Final = 90
 
 
 def add_legend_and_footer(
@@ -70,7 +70,7 @@ def add_legend_and_footer(
     hide : iterable of str
         Fields that the footer leaves out, see :func:`add_footer`.
     """
-    legend_above(axes, entries)
+    add_legend_above(axes, entries)
     if given is None:
         add_footer(axes.get_figure(root=True), dataset, hide=hide)  # type: ignore[arg-type]
 
@@ -90,10 +90,10 @@ def add_footer(figure: Figure, dataset: xr.Dataset, *, hide: Iterable[str] = ())
     """
     line = footer_text(dataset, hide=hide)
     if line:
-        letters = figure.get_figwidth() * 72.0 / (_FONT_SIZE * _LETTER_WIDTH_RATIO)
+        letters = figure.get_figwidth() * 72.0 / (_FONT_SIZE_POINTS * _LETTER_WIDTH_RATIO)
         figure.supxlabel(
-            _wrap_pieces(line, letters), x=0.01, ha="left", fontsize=_FONT_SIZE, color=FAINT_COLOUR,
-            linespacing=1.3,
+            _wrap_pieces(line, letters), x=0.01, ha="left", fontsize=_FONT_SIZE_POINTS,
+            color=FAINT_COLOUR, linespacing=1.3,
         )  # fmt: skip
 
 
@@ -123,7 +123,7 @@ def footer_text(dataset: xr.Dataset, *, hide: Iterable[str] = ()) -> str:
         *(value_label(array, array.item()) for array in single),
         *_model_texts(dataset, provenance.SYSTEM_ATTRIBUTE, shown),
         *([] if "drive" in shown else _model_texts(dataset, provenance.DRIVE_ATTRIBUTE, shown)),
-        *(_value_text(key, attrs[key]) for key in settings if not _is_neutral(key, attrs[key])),
+        *(_value_text(key, attrs[key]) for key in settings if not _is_left_out(key, attrs[key])),
     ]
     if "tolerance" in attrs and "tolerance" not in dataset.dims:
         pieces.append(f"tolerance ${format_number(attrs['tolerance'])}$")
@@ -133,10 +133,10 @@ def footer_text(dataset: xr.Dataset, *, hide: Iterable[str] = ()) -> str:
 
 def _model_texts(dataset: xr.Dataset, name: str, shown: set[str]) -> list[str]:
     """Say a system or a drive in symbols: the number fields by symbol, the parts by name."""
-    table = provenance.plain_model(dataset, name)
+    table = provenance.read_plain_model(dataset, name)
     if table is None:
         source = str(dataset.attrs.get(f"{name}_text", ""))
-        return [_shorten_source(source)] if source else []
+        return [_shorten_description(source)] if source else []
     fields = [*_field_texts(table, shown)]
     if name == provenance.SYSTEM_ATTRIBUTE:
         return fields
@@ -150,7 +150,7 @@ def _field_texts(table: Mapping[str, Any], shown: set[str], owner: str = "") -> 
             yield from _part_texts(content, shown, name)
         elif isinstance(content, list):
             yield from _list_texts(name, content, shown)
-        elif _is_number(content) and name not in shown and not _is_neutral(name, content):
+        elif _is_number(content) and name not in shown and not _is_left_out(name, content):
             yield _value_text(f"{owner}.{name}" if owner else name, content)
 
 
@@ -163,17 +163,17 @@ def _list_texts(name: str, entries: list[Any], shown: set[str]) -> Iterator[str]
     for k, entry in enumerate(entries):
         if isinstance(entry, dict):
             yield from _part_texts(entry, shown, f"{name}.{k}")
-        elif name in _PAIRED_FIELDS and f"{name}_{k + 1}" not in shown:
+        elif name in _TWO_NUMBER_FIELDS and f"{name}_{k + 1}" not in shown:
             yield _value_text(f"{name}_{k + 1}", entry)
 
 
-def _is_neutral(name: str, value: object) -> bool:
-    return name in _NEUTRAL_VALUES and bool(value == _NEUTRAL_VALUES[name])
+def _is_left_out(name: str, value: object) -> bool:
+    return name in _FIELD_VALUES_LEFT_OUT and bool(value == _FIELD_VALUES_LEFT_OUT[name])
 
 
 def _part_texts(table: Mapping[str, Any], shown: set[str], owner: str) -> Iterator[str]:
     kind, fields = _class_name(table), list(_field_texts(table, shown, owner))
-    if fields or kind != _MAGNET_CLASS_NAME:
+    if fields or kind != _CLASS_OMITTED_WITHOUT_FIELDS:
         yield f"{kind} ({', '.join(fields)})" if fields else kind
 
 
@@ -193,9 +193,11 @@ def _value_text(name: str, value: object) -> str:
     return f"${row.symbol} = {format_number(value)}${unit}"
 
 
-def _shorten_source(source: str) -> str:
+def _shorten_description(source: str) -> str:
     flat = " ".join(source.split()).replace("$", r"\$")
-    return flat if len(flat) <= _MAX_SOURCE_LENGTH else f"{flat[: _MAX_SOURCE_LENGTH - 1]}…"
+    return (
+        flat if len(flat) <= _MAX_DESCRIPTION_LENGTH else f"{flat[: _MAX_DESCRIPTION_LENGTH - 1]}…"
+    )
 
 
 def _wrap_pieces(line: str, letters: float) -> str:
@@ -203,13 +205,13 @@ def _wrap_pieces(line: str, letters: float) -> str:
     lines = [""]
     for piece in line.split(_PIECE_SEPARATOR):
         longer = f"{lines[-1]}{_PIECE_SEPARATOR}{piece}".strip()
-        if lines[-1] and _typeset_length(longer) > letters:
+        if lines[-1] and _typeset_letter_count(longer) > letters:
             lines.append(piece)
         else:
             lines[-1] = longer
     return "\n".join(lines)
 
 
-def _typeset_length(line: str) -> int:
+def _typeset_letter_count(line: str) -> int:
     """Letters once typeset, roughly: a LaTeX command counts as one."""
     return len(re.sub(r"\\mathrm|[${}^_]", "", re.sub(r"\\(?!mathrm)[A-Za-z]+", "x", line)))

@@ -56,8 +56,8 @@ def response(
     marked = resonances and variable == "amplitude"
     extra = [name for name in _RESONANCE_VARIABLES if marked and name in dataset]
     with style.context():
-        axes = style.owned_axes(ax)
-        members = ensemble.members(dataset, (variable, "omega", *extra), ("omega",))
+        axes = style.given_or_new_axes(ax)
+        members = ensemble.split_into_members(dataset, (variable, "omega", *extra), ("omega",))
         artists = [_draw_response(axes, member, variable, line) for member in members]
         for member in members:
             _mark_resonance(axes, member, variable)
@@ -89,12 +89,12 @@ def resonance_legend_entries(dataset: xr.Dataset) -> list[Line2D]:
 def _draw_response(
     axes: Axes, member: ensemble.Member, variable: str, line: dict[str, Any]
 ) -> Line2D:
-    looks = {"color": member.colour, "linestyle": member.dashes, "label": member.label, **line}
-    (artist,) = axes.plot(*_points_through_resonance(member.data, variable), **looks)
+    looks = {"color": member.colour, "linestyle": member.line_style, "label": member.label, **line}
+    (artist,) = axes.plot(*_curve_through_resonance(member.data, variable), **looks)
     return artist
 
 
-def _points_through_resonance(data: xr.Dataset, variable: str) -> tuple[FloatArray, FloatArray]:
+def _curve_through_resonance(data: xr.Dataset, variable: str) -> tuple[FloatArray, FloatArray]:
     """The curve, led through its largest value where that was found between grid points."""
     x, y = data["omega"].values, data[variable].values
     if not {"resonance", "resonance_amplitude"} <= set(data):

@@ -40,11 +40,11 @@ _PERIOD_COLOURS: Final = (
 #: Matplotlib's colour map of chaos, by its exponent.
 _CHAOS_COLOUR_MAP: Final = "inferno"
 #: Share of that map at an exponent of zero: chaos is never as dark as an escape.
-_CHAOS_COLOUR_START: Final = 0.35
+_CHAOS_COLOUR_MAP_START: Final = 0.35
 #: Share of that map from an exponent of zero to the largest.
-_CHAOS_COLOUR_SPAN: Final = 0.6
+_CHAOS_COLOUR_MAP_SPAN: Final = 0.6
 #: Smallest exponent at the bright end of that map, so that noise is not shown as strong chaos.
-_MIN_EXPONENT_RANGE: Final = 1e-3
+_MIN_BRIGHTEST_EXPONENT: Final = 1e-3
 #: Colours of tori by their rotation number, from 0 to one half: red, green and blue channels
 #: at evenly spaced places.
 _TORUS_COLOUR_STOPS: Final = (
@@ -54,7 +54,7 @@ _TORUS_COLOUR_STOPS: Final = (
     (0.80, 0.92, 0.88),
 )
 #: Number of colours in the colour bars of tori and of chaos.
-_COLOUR_BAR_LEVELS: Final = 256
+_COLOUR_BAR_COLOUR_COUNT: Final = 256
 
 
 def map(
@@ -98,7 +98,7 @@ def map(
     array = dataset[variable]
     down, across = array.dims
     with style.context():
-        axes = style.owned_axes(ax, width=style.SINGLE_COLUMN_WIDTH, height=3.1)
+        axes = style.given_or_new_axes(ax, width=style.SINGLE_COLUMN_WIDTH_INCHES, height=3.1)
         x, y = dataset[across].values, dataset[down].values
         looks = {"shading": "nearest", "rasterized": True, **mesh}
         if array.dtype.kind in "US":
@@ -120,7 +120,7 @@ def _cell_colours(dataset: xr.Dataset, variable: str) -> FloatArray:
     values = dataset[variable].values
     colours = np.ones((*values.shape, 3))
     if variable != "regime":
-        wheel = list(style.OKABE_ITO.values())
+        wheel = list(style.OKABE_ITO_COLOURS.values())
         for k, name in enumerate(sorted(set(values.ravel().tolist()))):
             colours[values == name] = to_rgb(wheel[k % len(wheel)])
         return colours
@@ -167,42 +167,44 @@ def _chaotic_shades(dataset: xr.Dataset) -> FloatArray:
     """By the exponent, up to its largest."""
     exponent = dataset["exponent"].values if "exponent" in dataset else np.ones(())
     shape = dataset["regime"].shape
-    share = np.broadcast_to(exponent / _largest_exponent(dataset), shape).clip(0.0, 1.0)
+    share = np.broadcast_to(exponent / _largest_chaotic_exponent(dataset), shape).clip(0.0, 1.0)
     return np.asarray(
-        colormaps[_CHAOS_COLOUR_MAP](_CHAOS_COLOUR_START + _CHAOS_COLOUR_SPAN * share)
+        colormaps[_CHAOS_COLOUR_MAP](_CHAOS_COLOUR_MAP_START + _CHAOS_COLOUR_MAP_SPAN * share)
     )[..., :3]
 
 
-def _largest_exponent(dataset: xr.Dataset) -> float:
+def _largest_chaotic_exponent(dataset: xr.Dataset) -> float:
     if "exponent" not in dataset:
         return 1.0
     exponents = dataset["exponent"].values[dataset["regime"].values == "chaotic"]
-    return float(np.nanmax(exponents, initial=_MIN_EXPONENT_RANGE))
+    return float(np.nanmax(exponents, initial=_MIN_BRIGHTEST_EXPONENT))
 
 
 def _add_colour_legend(axes: Axes, dataset: xr.Dataset, variable: str) -> None:
     values = sorted(set(dataset[variable].values.ravel().tolist()))
     if variable != "regime":
-        wheel = list(style.OKABE_ITO.values())
+        wheel = list(style.OKABE_ITO_COLOURS.values())
         entries = [Patch(color=wheel[k % len(wheel)], label=n) for k, n in enumerate(values)]
-        style.legend_above(axes, entries)
+        style.add_legend_above(axes, entries)
         return
     plain = {name: colour for name, colour in _UNSHADED_REGIME_COLOURS.items() if name in values}
     entries = [
         Patch(facecolor=colour, edgecolor=style.FAINT_COLOUR, linewidth=0.5, label=name)
-        for name, colour in (_named_period_colours(dataset) | plain).items()
+        for name, colour in (_colours_by_period_name(dataset) | plain).items()
     ]
     if entries:
-        style.legend_above(axes, entries)
+        style.add_legend_above(axes, entries)
     if "chaotic" in values and "exponent" in dataset:
-        scale = ScalarMappable(Normalize(0.0, _largest_exponent(dataset)), _chaos_colour_map())
+        scale = ScalarMappable(
+            Normalize(0.0, _largest_chaotic_exponent(dataset)), _chaos_colour_map()
+        )
         _add_colour_bar(axes, scale, "chaotic: exponent $\\Lambda$")
     if "quasi-periodic" in values and "rotation_number" in dataset:
         scale = ScalarMappable(Normalize(0.0, 0.5), _torus_colour_map())
         _add_colour_bar(axes, scale, "quasi-periodic: rotation number $\\nu$")
 
 
-def _named_period_colours(dataset: xr.Dataset) -> dict[str, str]:
+def _colours_by_period_name(dataset: xr.Dataset) -> dict[str, str]:
     """Names and colours of the periods of a chart; of one alone, its regime is the name."""
     shown = _orbit_periods(dataset)[dataset["regime"].values == "periodic"].clip(
         1, len(_PERIOD_COLOURS)
@@ -217,13 +219,13 @@ def _named_period_colours(dataset: xr.Dataset) -> dict[str, str]:
 
 
 def _torus_colour_map() -> ListedColormap:
-    return ListedColormap(_torus_colours(np.linspace(0.0, 1.0, _COLOUR_BAR_LEVELS)))
+    return ListedColormap(_torus_colours(np.linspace(0.0, 1.0, _COLOUR_BAR_COLOUR_COUNT)))
 
 
 def _chaos_colour_map() -> ListedColormap:
-    share = np.linspace(0.0, 1.0, _COLOUR_BAR_LEVELS)
+    share = np.linspace(0.0, 1.0, _COLOUR_BAR_COLOUR_COUNT)
     return ListedColormap(
-        colormaps[_CHAOS_COLOUR_MAP](_CHAOS_COLOUR_START + _CHAOS_COLOUR_SPAN * share)
+        colormaps[_CHAOS_COLOUR_MAP](_CHAOS_COLOUR_MAP_START + _CHAOS_COLOUR_MAP_SPAN * share)
     )
 
 

@@ -16,7 +16,7 @@ from remanent.plots import ensemble, footer, style
 __all__ = ["history", "phase", "section"]
 
 #: Lines with more points than this are drawn as pixels: as vectors they only make files heavy.
-_MAX_VECTOR_POINTS: Final = 20_000
+_MAX_POINTS_OF_VECTOR_LINE: Final = 20_000
 #: Area of all points of a cloud together, in square points: few points are drawn large.
 _TOTAL_POINT_AREA: Final = 900.0
 #: Smallest area of a point, in square points, at which it can still be seen.
@@ -60,7 +60,7 @@ def history(
         One per member, in order of temperature.
     """
     with style.context():
-        axes = style.owned_axes(ax, width=style.DOUBLE_COLUMN_WIDTH, height=2.2)
+        axes = style.given_or_new_axes(ax, width=style.DOUBLE_COLUMN_WIDTH_INCHES, height=2.2)
         members, artists = _draw_members(
             axes, dataset, "time", variable, _TIME_DIMENSIONS, _draw_line, line
         )
@@ -104,7 +104,7 @@ def phase(
         One per member, in order of temperature.
     """
     with style.context():
-        axes = style.owned_axes(ax, height=3.1)
+        axes = style.given_or_new_axes(ax, height=3.1)
         members, artists = _draw_members(axes, dataset, x, y, _TIME_DIMENSIONS, _draw_line, line)
         if start:
             # In the order of the members: that of a set of NaN would change from run to run.
@@ -147,7 +147,7 @@ def section(
         One per member, in order of temperature.
     """
     with style.context():
-        axes = style.owned_axes(ax, height=3.1)
+        axes = style.given_or_new_axes(ax, height=3.1)
         along = {"period", x} & set(map(str, dataset.dims))
         members, artists = _draw_members(axes, dataset, x, y, along, _draw_points, points)
         footer.add_legend_and_footer(
@@ -166,16 +166,16 @@ def _draw_members(
     looks: dict[str, Any],
 ) -> tuple[list[ensemble.Member], list[_Artist]]:
     """Draw `y` against `x` for every member, and label the axes: what all three plots share."""
-    members = ensemble.members(dataset, (y, x), along)
+    members = ensemble.split_into_members(dataset, (y, x), along)
     artists = [draw(axes, member, x, y, looks) for member in members]
     axes.set(xlabel=style.axis_label(dataset[x]), ylabel=style.axis_label(dataset[y]))
     return members, artists
 
 
 def _draw_line(axes: Axes, member: ensemble.Member, x: str, y: str, line: dict[str, Any]) -> Line2D:
-    looks = {"color": member.colour, "linestyle": member.dashes, "label": member.label, **line}
+    looks = {"color": member.colour, "linestyle": member.line_style, "label": member.label, **line}
     (artist,) = axes.plot(member.data[x].values, member.data[y].values, **looks)
-    if member.data[y].size > _MAX_VECTOR_POINTS:
+    if member.data[y].size > _MAX_POINTS_OF_VECTOR_LINE:
         artist.set_rasterized(True)
     return artist
 

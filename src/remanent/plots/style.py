@@ -32,25 +32,25 @@ from remanent._errors import InputError
 from remanent.results.schema import describe
 
 __all__ = [
-    "DOUBLE_COLUMN_WIDTH",
-    "OKABE_ITO",
-    "SINGLE_COLUMN_WIDTH",
+    "DOUBLE_COLUMN_WIDTH_INCHES",
+    "OKABE_ITO_COLOURS",
+    "SINGLE_COLUMN_WIDTH_INCHES",
     "axis_label",
     "context",
+    "given_or_new_axes",
     "math_symbol",
-    "owned_axes",
     "save_figure",
     "temperature_colours",
     "value_label",
 ]
 
 #: Width of a journal's single column, in inches (89 mm).
-SINGLE_COLUMN_WIDTH: Final = 3.5
+SINGLE_COLUMN_WIDTH_INCHES: Final = 3.5
 #: Width of a journal's double column, in inches (183 mm).
-DOUBLE_COLUMN_WIDTH: Final = 7.2
+DOUBLE_COLUMN_WIDTH_INCHES: Final = 7.2
 
 #: Okabe and Ito's colours, without yellow (too light for lines on white).
-OKABE_ITO: Final[Mapping[str, str]] = MappingProxyType(
+OKABE_ITO_COLOURS: Final[Mapping[str, str]] = MappingProxyType(
     {
         "blue": "#0072B2",
         "vermillion": "#D55E00",
@@ -72,17 +72,17 @@ INK_COLOUR: Final = "#1a1a1a"
 FAINT_COLOUR: Final = "#767676"
 
 #: Width of a letter in a legend, in points.
-_LEGEND_LETTER_WIDTH: Final = 3.6
+_LEGEND_LETTER_WIDTH_POINTS: Final = 3.6
 #: Width of a sample with its space in a legend, in points.
-_LEGEND_SAMPLE_WIDTH: Final = 24.0
+_LEGEND_SAMPLE_WIDTH_POINTS: Final = 24.0
 #: Matplotlib's colour map of temperature.
 _TEMPERATURE_COLOUR_MAP: Final = "plasma"
 #: Part of that map that is used, from its dark end to the lightest tone readable on white.
-_COLOUR_MAP_RANGE: Final = (0.03, 0.76)
+_TEMPERATURE_COLOUR_MAP_RANGE: Final = (0.03, 0.76)
 #: Temperatures at its ends, K, so that a colour means a temperature in every figure.
-_TEMPERATURE_RANGE: Final = (240.0, 410.0)
+_TEMPERATURE_SCALE_KELVIN: Final = (240.0, 410.0)
 #: Temperatures that differ by less, K, are told apart on a scale of their own.
-_MIN_TEMPERATURE_SPREAD: Final = 40.0
+_MIN_TEMPERATURE_SPREAD_KELVIN: Final = 40.0
 
 #: Matplotlib's settings of the house style.
 _MATPLOTLIB_SETTINGS: Final[Mapping[str, Any]] = MappingProxyType(
@@ -146,7 +146,9 @@ def context() -> AbstractContextManager[None]:
     return mpl.rc_context(dict(_MATPLOTLIB_SETTINGS))  # type: ignore[arg-type]  # keys are checked when set
 
 
-def owned_axes(ax: Axes | None, *, width: float = SINGLE_COLUMN_WIDTH, height: float = 2.6) -> Axes:
+def given_or_new_axes(
+    ax: Axes | None, *, width: float = SINGLE_COLUMN_WIDTH_INCHES, height: float = 2.6
+) -> Axes:
     """Return `ax`, or the axes of a new figure where it is None.
 
     Parameters
@@ -248,8 +250,8 @@ def temperature_colours(temperatures: Iterable[float]) -> list[tuple[float, ...]
     list of RGBA
         Lightness rises with temperature.
     """
-    values, (low, high) = list(temperatures), _COLOUR_MAP_RANGE
-    scale, colours = _temperature_scale(values), mpl.colormaps[_TEMPERATURE_COLOUR_MAP]
+    values, (low, high) = list(temperatures), _TEMPERATURE_COLOUR_MAP_RANGE
+    scale, colours = _temperature_normalisation(values), mpl.colormaps[_TEMPERATURE_COLOUR_MAP]
     return [tuple(map(float, colours(low + (high - low) * float(scale(t))))) for t in values]
 
 
@@ -274,16 +276,16 @@ def save_figure(figure: Figure, path: str | os.PathLike[str]) -> Path:
     return path
 
 
-def panel_title(ax: Axes, letter: str, text: str) -> None:
+def set_panel_title(ax: Axes, letter: str, text: str) -> None:
     """Write ``(a)  text`` above the upper left corner of a panel."""
     ax.set_title(f"({letter})  {text}" if letter else text, loc="left")
 
 
-def legend_above(owner: Axes | Figure, entries: Sequence[Artist]) -> None:
+def add_legend_above(owner: Axes | Figure, entries: Sequence[Artist]) -> None:
     """Put a legend above the axes or the figure, where it cannot hide data."""
     if len(entries) < 2:
         return
-    columns = _legend_columns(owner, [str(entry.get_label()) for entry in entries])
+    columns = _legend_column_count(owner, [str(entry.get_label()) for entry in entries])
     # Matplotlib fills columns; readers read rows.
     rows = [entry for first in range(columns) for entry in entries[first::columns]]
     if isinstance(owner, Axes):
@@ -295,14 +297,15 @@ def legend_above(owner: Axes | Figure, entries: Sequence[Artist]) -> None:
         owner.legend(handles=rows, ncols=columns, loc="outside upper center")
 
 
-def _legend_columns(owner: Axes | Figure, names: Sequence[str]) -> int:
+def _legend_column_count(owner: Axes | Figure, names: Sequence[str]) -> int:
     """How many entries fit side by side, by the length of the longest name."""
     figure = owner if isinstance(owner, Figure) else owner.get_figure(root=True)
-    inches = figure.get_figwidth() if figure is not None else SINGLE_COLUMN_WIDTH
+    inches = figure.get_figwidth() if figure is not None else SINGLE_COLUMN_WIDTH_INCHES
     width = 72.0 * inches * (owner.get_position().width if isinstance(owner, Axes) else 1.0)
     letters = max(len(re.sub(r"\\[A-Za-z]+", "x", re.sub(r"[$^_{}]", "", name))) for name in names)
     return min(
-        len(names), max(1, int(width / (_LEGEND_LETTER_WIDTH * letters + _LEGEND_SAMPLE_WIDTH)))
+        len(names),
+        max(1, int(width / (_LEGEND_LETTER_WIDTH_POINTS * letters + _LEGEND_SAMPLE_WIDTH_POINTS))),
     )
 
 
@@ -327,11 +330,13 @@ def _typeset_units(array: xr.DataArray | xr.Variable) -> str:
     return re.sub(r"(?<=[A-Za-z])(-?\d+)", r"$^{\1}$", units)
 
 
-def _temperature_scale(temperatures: Sequence[float]) -> Normalize:
+def _temperature_normalisation(temperatures: Sequence[float]) -> Normalize:
     low, high = float(np.min(temperatures)), float(np.max(temperatures))
-    inside = _TEMPERATURE_RANGE[0] <= low and high <= _TEMPERATURE_RANGE[1]
-    if inside and (high == low or high - low >= _MIN_TEMPERATURE_SPREAD):
-        return Normalize(*_TEMPERATURE_RANGE)
+    inside = _TEMPERATURE_SCALE_KELVIN[0] <= low and high <= _TEMPERATURE_SCALE_KELVIN[1]
+    if inside and (high == low or high - low >= _MIN_TEMPERATURE_SPREAD_KELVIN):
+        return Normalize(*_TEMPERATURE_SCALE_KELVIN)
     if inside:
         return Normalize(low, high)
-    return Normalize(min(low, _TEMPERATURE_RANGE[0]), max(high, _TEMPERATURE_RANGE[1]))
+    return Normalize(
+        min(low, _TEMPERATURE_SCALE_KELVIN[0]), max(high, _TEMPERATURE_SCALE_KELVIN[1])
+    )

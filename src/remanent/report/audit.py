@@ -20,13 +20,13 @@ class ClaimVerdict:
         The statement.
     verdict : str
         ``supported``, ``contradicted`` or ``depends``.
-    evidence : str
+    evidence_text : str
         The numbers at the reference setting, and on which choice the verdict depends.
     """
 
     claim: Claim
     verdict: str
-    evidence: str
+    evidence_text: str
 
 
 def audit(reference: ClaimEvidence, alternatives: Sequence[ClaimEvidence]) -> list[ClaimVerdict]:
@@ -47,10 +47,10 @@ def audit(reference: ClaimEvidence, alternatives: Sequence[ClaimEvidence]) -> li
     list of ClaimVerdict
         One for each of :data:`~remanent.report.claims.CLAIMS`, in their order.
     """
-    return [_decide(claim, reference, alternatives) for claim in CLAIMS]
+    return [_decide_claim(claim, reference, alternatives) for claim in CLAIMS]
 
 
-def _decide(
+def _decide_claim(
     claim: Claim, reference: ClaimEvidence, alternatives: Sequence[ClaimEvidence]
 ) -> ClaimVerdict:
     votes = [
@@ -59,19 +59,19 @@ def _decide(
         for reading, finding in claim.test(e).items()
     ]
     numbers = " ".join(
-        f"{reading}: {f.numbers}" if reading else f.numbers
+        f"{reading}: {f.numbers_text}" if reading else f.numbers_text
         for setting, reading, f in votes
         if setting == reference.setting
     )
     holds = [finding.holds for _, _, finding in votes]
     if all(holds):
-        return ClaimVerdict(claim, "supported", f"{numbers} {_agreement(alternatives)}")
+        return ClaimVerdict(claim, "supported", f"{numbers} {_agreement_text(alternatives)}")
     if not any(holds):
-        return ClaimVerdict(claim, "contradicted", f"{numbers} {_agreement(alternatives)}")
-    return ClaimVerdict(claim, "depends", f"{numbers} {_dependence(votes)}")
+        return ClaimVerdict(claim, "contradicted", f"{numbers} {_agreement_text(alternatives)}")
+    return ClaimVerdict(claim, "depends", f"{numbers} {_dependence_text(votes)}")
 
 
-def _agreement(alternatives: Sequence[ClaimEvidence]) -> str:
+def _agreement_text(alternatives: Sequence[ClaimEvidence]) -> str:
     """At how many further settings the answer is the same."""
     if not alternatives:
         return ""
@@ -79,7 +79,7 @@ def _agreement(alternatives: Sequence[ClaimEvidence]) -> str:
     return f"The same at {count} further settings of what the article leaves unstated."
 
 
-def _dependence(votes: Sequence[tuple[Setting, str, Finding]]) -> str:
+def _dependence_text(votes: Sequence[tuple[Setting, str, Finding]]) -> str:
     """On which reading, or on which setting, the answer depends."""
     by_reading = {
         reading: {f.holds for _, r, f in votes if r == reading} for _, reading, _ in votes
@@ -89,13 +89,13 @@ def _dependence(votes: Sequence[tuple[Setting, str, Finding]]) -> str:
         yes = [r for r, v in by_reading.items() if True in v]
         no = [r for r, v in by_reading.items() if False in v]
         return f"It depends on the reading. Holds if {'; '.join(yes)}. Fails if {'; '.join(no)}."
-    yes = [_setting_name(s, r) for s, r, f in votes if f.holds]
-    no = [_setting_name(s, r) for s, r, f in votes if not f.holds]
+    yes = [_setting_and_reading_text(s, r) for s, r, f in votes if f.holds]
+    no = [_setting_and_reading_text(s, r) for s, r, f in votes if not f.holds]
     return (
         f"It depends on what the article leaves unstated. Holds at: {'; '.join(yes)}. "
         f"Fails at: {'; '.join(no)}."
     )
 
 
-def _setting_name(setting: Setting, reading: str) -> str:
+def _setting_and_reading_text(setting: Setting, reading: str) -> str:
     return f"{setting}, {reading}" if reading else str(setting)

@@ -8,8 +8,8 @@ from typing import Any, Final
 import numpy as np
 import xarray as xr
 
-from remanent.report.evidence import CASES
-from remanent.report.settings import FREQUENCIES, REFERENCE_SETTING, TEMPERATURES
+from remanent.report.evidence import CASE_VALUES
+from remanent.report.settings import MOTION_FREQUENCIES, REFERENCE_SETTING, TEMPERATURES
 from remanent.results import build
 from remanent.studies.motion.poincare_section import poincare_section
 from remanent.studies.orbits.manifold_crossing import manifold_crossing
@@ -19,25 +19,25 @@ from remanent.studies.regimes.regime_chart import regime_chart
 from remanent.studies.response.frequency_response import frequency_response
 
 #: Frequencies over which branches are followed.
-_BRANCH_RANGE = (0.7, 1.5)
+_BRANCH_FREQUENCY_RANGE = (0.7, 1.5)
 #: Frequencies at which branches are looked for.
-_BRANCH_SLICES = 3
+_BRANCH_SEARCH_FREQUENCY_COUNT = 3
 #: The case whose fold and jump are located: the published resonance at 1.25.
 JUMP_CASE: Final = {"prestress": 0.0, "temperature": 350.0}
 #: The jump is looked for from so far below the resonance.
-_JUMP_BELOW = 0.005
+_JUMP_SEARCH_BELOW_RESONANCE = 0.005
 #: The jump is looked for up to so far above the resonance.
-_JUMP_ABOVE = 0.001
+_JUMP_SEARCH_ABOVE_RESONANCE = 0.001
 #: Width of the last bracket of the jump.
-_JUMP_WIDTH = 1e-9
+_JUMP_BRACKET_WIDTH = 1e-9
 #: Distance in frequency from the jump of the two motions drawn beside it.
-_JUMP_OFFSET = 1e-6
+_JUMP_SIDE_FREQUENCY_OFFSET = 1e-6
 #: Drive periods of these two motions.
-_JUMP_PERIODS = 160
+_JUMP_SIDE_DRIVE_PERIODS = 160
 #: Half of the interval of frequencies drawn around the jump.
-_RESPONSE_HALF_WIDTH = 0.02
+_JUMP_RESPONSE_HALF_WIDTH = 0.02
 #: Frequencies in that interval.
-_RESPONSE_POINTS = 241
+_JUMP_RESPONSE_FREQUENCY_COUNT = 241
 #: Tolerance of the motions and the response around the jump.
 _JUMP_TOLERANCE = 1e-6
 #: Roots of the peak load of the chart of regimes, at the reference temperature.
@@ -45,12 +45,12 @@ _CHART_B = np.array([0.5, 1.0, 1.5, 2.0, 3.0, 4.0])
 #: Drive frequencies of the chart.
 _CHART_OMEGA = np.linspace(0.75, 3.0, 10)
 #: Drive periods after which the motions of the chart are judged.
-_CHART_PERIODS = 400
+_CHART_DRIVE_PERIODS = 400
 #: Tolerance of the motions of the chart.
 _CHART_TOLERANCE = 1e-6
 
 
-def orbits_at_resonance(resonance: xr.DataArray) -> dict[str, xr.Dataset]:
+def compute_branches_and_orbits(resonance: xr.DataArray) -> dict[str, xr.Dataset]:
     """All branches of forced response, and the orbits that coexist at each resonance.
 
     Parameters
@@ -63,15 +63,19 @@ def orbits_at_resonance(resonance: xr.DataArray) -> dict[str, xr.Dataset]:
     dict of str to xarray.Dataset
         ``branches`` and ``resonance_orbits``.
     """
-    actuator, drive = REFERENCE_SETTING.actuator, REFERENCE_SETTING.drive(1.0)
+    actuator, drive = REFERENCE_SETTING.actuator, REFERENCE_SETTING.build_drive(1.0)
     omega = xr.DataArray(
         resonance.transpose("prestress", "temperature").values, dims=("prestress", "temperature")
     )
     return {
         "branches": response_diagram(
-            actuator, drive, _BRANCH_RANGE, over=CASES, slices=_BRANCH_SLICES
+            actuator,
+            drive,
+            _BRANCH_FREQUENCY_RANGE,
+            over=CASE_VALUES,
+            slices=_BRANCH_SEARCH_FREQUENCY_COUNT,
         ),
-        "resonance_orbits": periodic_orbits(actuator, drive, over={**CASES, "omega": omega}),
+        "resonance_orbits": periodic_orbits(actuator, drive, over={**CASE_VALUES, "omega": omega}),
     }
 
 
@@ -89,25 +93,36 @@ def locate_jump(resonance: xr.DataArray) -> dict[str, xr.Dataset]:
         ``jump``, the crossing; ``jump_sections``, a motion on either side of it;
         ``jump_response``, the response from rest around it.
     """
-    actuator, drive = REFERENCE_SETTING.actuator.replace(**JUMP_CASE), REFERENCE_SETTING.drive(1.0)
+    actuator, drive = (
+        REFERENCE_SETTING.actuator.replace(**JUMP_CASE),
+        REFERENCE_SETTING.build_drive(1.0),
+    )
     peak = float(resonance.sel(JUMP_CASE))
     crossing = manifold_crossing(
-        actuator, drive, "omega", (peak - _JUMP_BELOW, peak + _JUMP_ABOVE), width=_JUMP_WIDTH
+        actuator,
+        drive,
+        "omega",
+        (peak - _JUMP_SEARCH_BELOW_RESONANCE, peak + _JUMP_SEARCH_ABOVE_RESONANCE),
+        width=_JUMP_BRACKET_WIDTH,
     )
     omega = float(crossing["omega"])
     sections = poincare_section(
-        actuator, drive, periods=_JUMP_PERIODS,
-        over={"omega": [omega - _JUMP_OFFSET, omega + _JUMP_OFFSET]}, tolerance=_JUMP_TOLERANCE,
+        actuator, drive, periods=_JUMP_SIDE_DRIVE_PERIODS,
+        over={"omega": [omega - _JUMP_SIDE_FREQUENCY_OFFSET, omega + _JUMP_SIDE_FREQUENCY_OFFSET]},
+        tolerance=_JUMP_TOLERANCE,
     )  # fmt: skip
     response = frequency_response(
         actuator, drive,
-        np.linspace(omega - _RESPONSE_HALF_WIDTH, omega + _RESPONSE_HALF_WIDTH, _RESPONSE_POINTS),
-        duration=REFERENCE_SETTING.window, tolerance=_JUMP_TOLERANCE,
+        np.linspace(
+            omega - _JUMP_RESPONSE_HALF_WIDTH, omega + _JUMP_RESPONSE_HALF_WIDTH,
+            _JUMP_RESPONSE_FREQUENCY_COUNT,
+        ),
+        duration=REFERENCE_SETTING.window_length, tolerance=_JUMP_TOLERANCE,
     )  # fmt: skip
     return {"jump": crossing, "jump_sections": sections, "jump_response": response}
 
 
-def chaos_chart() -> dict[str, xr.Dataset]:
+def compute_chaos_chart() -> dict[str, xr.Dataset]:
     """Regimes from rest over the plane of frequency and load, without prestress.
 
     At the reference temperature; with ω/√θ and b/√θ it is that of every temperature, where
@@ -118,15 +133,15 @@ def chaos_chart() -> dict[str, xr.Dataset]:
     dict of str to xarray.Dataset
         ``chart`` (b, omega) and ``chart_cases`` (temperature).
     """
-    actuator, drive = REFERENCE_SETTING.actuator, REFERENCE_SETTING.drive(1.0)
+    actuator, drive = REFERENCE_SETTING.actuator, REFERENCE_SETTING.build_drive(1.0)
     regimes = regime_chart(
         actuator, drive, {"b": _CHART_B, "omega": _CHART_OMEGA},
-        periods=_CHART_PERIODS, tolerance=_CHART_TOLERANCE,
+        periods=_CHART_DRIVE_PERIODS, tolerance=_CHART_TOLERANCE,
     )  # fmt: skip
     root = np.sqrt(np.array(TEMPERATURES) / REFERENCE_SETTING.reference_temperature)
     published = build.dataset(
         {
-            "omega": (("temperature",), FREQUENCIES[0] / root),
+            "omega": (("temperature",), MOTION_FREQUENCIES[0] / root),
             "b": (("temperature",), REFERENCE_SETTING.b / root),
         },
         {"temperature": (("temperature",), np.array(TEMPERATURES))},
@@ -158,7 +173,7 @@ def summarise_dynamics(data: Mapping[str, xr.Dataset]) -> dict[str, Any]:
     }
 
 
-def _cases(dataset: xr.Dataset) -> list[tuple[dict[str, float], xr.Dataset]]:
+def _split_by_case(dataset: xr.Dataset) -> list[tuple[dict[str, float], xr.Dataset]]:
     """The six cases by their coordinates, each with its part of a Dataset."""
     return [
         ({"temperature": float(t), "prestress": float(s)}, dataset.sel(prestress=s, temperature=t))
@@ -168,7 +183,7 @@ def _cases(dataset: xr.Dataset) -> list[tuple[dict[str, float], xr.Dataset]]:
 
 
 #: Numbers that a regime is reported with.
-_REGIME_EVIDENCE = (
+_REGIME_EVIDENCE_VARIABLES = (
     "exponent", "exponent_error", "rotation_number", "rotation_digits", "digits", "zero_one",
     "margin",
 )  # fmt: skip
@@ -179,20 +194,20 @@ def _summarise_regimes(dataset: xr.Dataset) -> list[dict[str, Any]]:
         at
         | {"omega": float(case["omega"]), "regime": str(case["regime"].values)}
         | {"periods": int(case["run_periods"])}
-        | {name: _rounded_number(case[name]) for name in _REGIME_EVIDENCE}
-        for at, case in _cases(dataset)
+        | {name: _finite_or_none(case[name]) for name in _REGIME_EVIDENCE_VARIABLES}
+        for at, case in _split_by_case(dataset)
     ]
 
 
 def _summarise_orbits(dataset: xr.Dataset) -> list[dict[str, Any]]:
     orbits = []
-    for at, case in _cases(dataset):
+    for at, case in _split_by_case(dataset):
         for k in np.flatnonzero(np.isfinite(case["residual"].values)):
             orbit = case.isel(orbit=k)
             orbits.append(
                 at
                 | {"omega": float(case["omega"]), "stability": str(orbit["stability"].values)}
-                | {name: _rounded_number(orbit[name]) for name in ("amplitude", "residual")}
+                | {name: _finite_or_none(orbit[name]) for name in ("amplitude", "residual")}
                 | {"initial": [float(v) for v in orbit["initial"].values]}
                 | {"multipliers": [[m.real, m.imag] for m in orbit["multipliers"].values.tolist()]}
             )
@@ -208,7 +223,7 @@ def list_folds(branches: xr.Dataset) -> list[dict[str, float]]:
             "error": float(case["special_error"][k]),
             "stretch": float(case["special_stretch"][k]),
         }
-        for at, case in _cases(branches)
+        for at, case in _split_by_case(branches)
         for k in np.flatnonzero(case["special_kind"].values == "fold")
     ]
 
@@ -231,14 +246,14 @@ def _summarise_chaos(dataset: xr.Dataset, published: xr.Dataset) -> dict[str, An
     points: list[dict[str, Any]] = [
         {name: float(dataset[name][j]) for name, j in (("b", k[0]), ("omega", k[1]))}
         | {
-            name: _rounded_number(dataset[name][k])
+            name: _finite_or_none(dataset[name][k])
             for name in ("exponent", "exponent_error", "margin")
         }
         for k in map(tuple, np.argwhere((dataset["regime"] == "chaotic").values))
     ]
     return {
         "setting": f"{REFERENCE_SETTING.actuator!r}, from rest; b and omega are b/√θ and ω/√θ",
-        "periods": _CHART_PERIODS,
+        "periods": _CHART_DRIVE_PERIODS,
         "b": [float(v) for v in dataset["b"].values],
         "omega": [float(v) for v in dataset["omega"].values],
         "counts": dict(zip(kinds.tolist(), counts.tolist(), strict=True)),
@@ -254,6 +269,6 @@ def _summarise_chaos(dataset: xr.Dataset, published: xr.Dataset) -> dict[str, An
     }
 
 
-def _rounded_number(value: xr.DataArray) -> float | None:
+def _finite_or_none(value: xr.DataArray) -> float | None:
     """A number, or None where JSON has none for it."""
     return float(value) if np.isfinite(value) else None

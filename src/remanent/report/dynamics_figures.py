@@ -15,19 +15,19 @@ from matplotlib.patches import Patch
 from remanent import plots
 from remanent.plots import branches as branch_plot
 from remanent.plots import footer, maps, style
-from remanent.report.figures import only_outer_labels, panels
+from remanent.report.figures import keep_only_outer_labels, make_panel_grid
 
-__all__ = ["chaos_map", "jump_at_resonance", "resonance_orbits"]
+__all__ = ["draw_chaos_map", "draw_jump_at_resonance", "draw_resonance_orbits"]
 
 #: Colour of the motion from rest.
-_FROM_REST_COLOUR = style.OKABE_ITO["orange"]
+_FROM_REST_COLOUR = style.OKABE_ITO_COLOURS["orange"]
 #: Colours of the motions below and above the jump.
-_SIDE_COLOURS = (style.OKABE_ITO["blue"], style.OKABE_ITO["vermillion"])
+_JUMP_SIDE_COLOURS = (style.OKABE_ITO_COLOURS["blue"], style.OKABE_ITO_COLOURS["vermillion"])
 #: Colour of the line at the jump.
-_JUMP_COLOUR = style.OKABE_ITO["vermillion"]
+_JUMP_COLOUR = style.OKABE_ITO_COLOURS["vermillion"]
 
 
-def resonance_orbits(branches: xr.Dataset, response: xr.Dataset, orbits: xr.Dataset) -> Figure:
+def draw_resonance_orbits(branches: xr.Dataset, response: xr.Dataset, orbits: xr.Dataset) -> Figure:
     """Draw the periodic orbits behind each resonance.
 
     Parameters
@@ -47,24 +47,24 @@ def resonance_orbits(branches: xr.Dataset, response: xr.Dataset, orbits: xr.Data
     """
     rows, columns = branches["prestress"].values, branches["temperature"].values
     with style.context():
-        size = (style.DOUBLE_COLUMN_WIDTH, 2.1 * len(rows) + 0.7)
-        figure, grid = panels(len(rows), len(columns), size, sharex=True, sharey=True)
+        size = (style.DOUBLE_COLUMN_WIDTH_INCHES, 2.1 * len(rows) + 0.7)
+        figure, grid = make_panel_grid(len(rows), len(columns), size, sharex=True, sharey=True)
         for k, axes in enumerate(grid.flat):
             at = {"prestress": k // len(columns), "temperature": k % len(columns)}
             axes.set_ylim(0.0, 1.05 * float(response["amplitude"].max()))
             _draw_resonance(axes, branches.isel(at), response.isel(at), orbits.isel(at))
             title = ", ".join(style.value_label(branches[n], branches[n].values[at[n]]) for n in at)
-            style.panel_title(axes, "abcdefgh"[k], title)
-        only_outer_labels(grid, x=True, y=True)
+            style.set_panel_title(axes, "abcdefgh"[k], title)
+        keep_only_outer_labels(grid, x=True, y=True)
         rest = Line2D([], [], color=_FROM_REST_COLOUR, linewidth=0.8, label="from rest")
-        style.legend_above(
-            figure, [*branch_plot.legend_entries(branches), rest, _orbit_legend_entry()]
+        style.add_legend_above(
+            figure, [*branch_plot.stability_legend_entries(branches), rest, _orbit_legend_entry()]
         )
         footer.add_footer(figure, branches, hide=("omega",))
     return figure
 
 
-def jump_at_resonance(
+def draw_jump_at_resonance(
     branches: xr.Dataset, response: xr.Dataset, sections: xr.Dataset, crossing: xr.Dataset
 ) -> Figure:
     """Draw why the response from rest jumps: on which side of a saddle the motion passes.
@@ -87,14 +87,14 @@ def jump_at_resonance(
         Left the response with the branches; right the two motions, strobed.
     """
     with style.context():
-        figure, grid = panels(1, 2, (style.DOUBLE_COLUMN_WIDTH, 3.3))
+        figure, grid = make_panel_grid(1, 2, (style.DOUBLE_COLUMN_WIDTH_INCHES, 3.3))
         left, right = grid[0]
         plots.branch(branches, ax=left, legend=False)
         low, high = float(response["omega"].min()), float(response["omega"].max())
         left.plot(response["omega"], response["amplitude"], color=_FROM_REST_COLOUR, linewidth=0.9)
         left.axvline(float(crossing["omega"]), color=_JUMP_COLOUR, linewidth=0.8, linestyle=":")
         left.set(xlim=(low, high), ylim=(0.0, 1.1 * float(response["amplitude"].max())))
-        for k, colour in enumerate(_SIDE_COLOURS):
+        for k, colour in enumerate(_JUMP_SIDE_COLOURS):
             motion = sections.isel(omega=k)
             x, y = motion["stretch"].values, motion["stretch_rate"].values
             right.plot(x, y, color=colour, linewidth=0.4, alpha=0.6)
@@ -104,20 +104,20 @@ def jump_at_resonance(
         right.plot(1.0, 0.0, "o", ms=4, mfc="white", mec=style.INK_COLOUR, mew=0.8, zorder=5)
         right.set(xlabel=style.axis_label(sections["stretch"]),
                   ylabel=style.axis_label(sections["stretch_rate"]))  # fmt: skip
-        style.panel_title(left, "a", "response from rest and branches")
-        style.panel_title(right, "b", "from rest, once per drive period")
-        style.legend_above(
+        style.set_panel_title(left, "a", "response from rest and branches")
+        style.set_panel_title(right, "b", "from rest, once per drive period")
+        style.add_legend_above(
             figure,
             [
-                *branch_plot.legend_entries(branches),
-                *_side_legend_entries(sections["omega"], crossing),
+                *branch_plot.stability_legend_entries(branches),
+                *_jump_side_legend_entries(sections["omega"], crossing),
             ],
         )
         footer.add_footer(figure, sections)
     return figure
 
 
-def chaos_map(chart: xr.Dataset, cases: xr.Dataset) -> Figure:
+def draw_chaos_map(chart: xr.Dataset, cases: xr.Dataset) -> Figure:
     """Draw where in the plane of frequency and load the motion from rest is chaotic.
 
     Parameters
@@ -132,7 +132,7 @@ def chaos_map(chart: xr.Dataset, cases: xr.Dataset) -> Figure:
     matplotlib.figure.Figure
     """
     with style.context():
-        figure, grid = panels(1, 1, (5.4, 3.6))
+        figure, grid = make_panel_grid(1, 1, (5.4, 3.6))
         axes = grid[0, 0]
         plots.map(chart, ax=axes)
         entries: list[Artist] = [Patch(color=maps.UNDECIDED_COLOUR, label="undecided")]
@@ -147,7 +147,7 @@ def chaos_map(chart: xr.Dataset, cases: xr.Dataset) -> Figure:
             xlabel=r"drive frequency, $\omega/\sqrt{\theta}$",
             ylabel=r"root of the peak magnetic load, $b/\sqrt{\theta}$",
         )
-        style.legend_above(figure, entries)
+        style.add_legend_above(figure, entries)
         footer.add_footer(figure, chart)
     return figure
 
@@ -173,14 +173,14 @@ def _orbit_legend_entry() -> Line2D:
                   label="orbits at resonance")  # fmt: skip
 
 
-def _side_legend_entries(omega: xr.DataArray, crossing: xr.Dataset) -> list[Line2D]:
+def _jump_side_legend_entries(omega: xr.DataArray, crossing: xr.Dataset) -> list[Line2D]:
     distance = style.format_number(float(omega[1] - omega[0]) / 2.0)
     looks: dict[str, Any] = {"marker": "o", "ms": 3, "linewidth": 0.5}
     return [
         Line2D([], [], color=_FROM_REST_COLOUR, linewidth=0.9, label="from rest"),
         *(
             Line2D([], [], color=colour, label=rf"$\omega^* {sign} {distance}$", **looks)
-            for colour, sign in zip(_SIDE_COLOURS, "-+", strict=True)
+            for colour, sign in zip(_JUMP_SIDE_COLOURS, "-+", strict=True)
         ),
         Line2D([], [], color=_JUMP_COLOUR, linewidth=0.8, linestyle=":",
                label=rf"$\omega^* = {float(crossing['omega']):.8f}$"),

@@ -10,7 +10,7 @@ import xarray as xr
 
 from remanent.models.drives.waves import Constant
 from remanent.report.settings import (
-    FREQUENCIES,
+    MOTION_FREQUENCIES,
     PRESTRESSES,
     PUBLISHED_RESONANCES,
     TEMPERATURES,
@@ -24,15 +24,15 @@ from remanent.studies.response.frequency_response import frequency_response
 from remanent.studies.statics.equilibria import equilibria
 
 #: The six cases, all combinations of these; prestress first as in the published panels.
-CASES = {"prestress": PRESTRESSES, "temperature": TEMPERATURES}
+CASE_VALUES = {"prestress": PRESTRESSES, "temperature": TEMPERATURES}
 #: Frequencies at which responses are tabulated before the largest is refined.
-OMEGAS = np.linspace(0.5, 2.0, 601)
+RESPONSE_FREQUENCIES = np.linspace(0.5, 2.0, 601)
 #: Drive periods in sections: so many until the slowest of the six curves closes.
-SECTION_PERIODS = 1000
+SECTION_DRIVE_PERIODS = 1000
 #: Drive periods after which regimes are judged; the next where one is still undecided.
-CLASSIFIED_PERIODS = (500, 1000, 2000, 8000)
+CLASSIFICATION_RUN_PERIODS = (500, 1000, 2000, 8000)
 #: Difference in stretch between a motion and the neighbour whose separation is followed.
-NEIGHBOUR_OFFSET = 1e-6
+NEIGHBOUR_STRETCH_OFFSET = 1e-6
 
 
 @dataclass(frozen=True)
@@ -41,38 +41,39 @@ class ClaimEvidence:
 
     Attributes
     ----------
-    constant
+    constant_load_motion
         Histories under the constant load b₀² (figures 2 and 3).
     landscape
-        Equilibria and potentials under that load; ``mean`` under half of it.
+        Equilibria and potentials under that load; ``mean_load_equilibria`` under half of it.
     response
         Frequency responses (figure 4), with ``published`` resonances.
-    unloaded
+    unloaded_equilibria
         Equilibria without load or prestress (temperature): the small-strain modulus.
-    motion
+    periodic_load_motion
         Histories under the periodic load (figures 5 and 6).
     regimes
         What kind of motion that is, with the evidence (``remanent.classify``), and the
-        length of the run it took, ``run_periods``; empty until :func:`regimes` has computed it.
-    section, neighbour
+        length of the run it took, ``run_periods``; empty until
+        :func:`compute_regimes` has computed it.
+    section, neighbour_section
         Sections at every drive period, of the motion from rest and of one that starts
-        at a stretch larger by :data:`NEIGHBOUR_OFFSET`.
-    misfits
+        at a stretch larger by :data:`NEIGHBOUR_STRETCH_OFFSET`.
+    least_misfits
         Least misfit of the six resonances that each forcing law reaches, by its name;
         empty where the reconstruction was not made.
     """
 
     setting: Setting
-    constant: xr.Dataset
+    constant_load_motion: xr.Dataset
     landscape: xr.Dataset
-    mean: xr.Dataset
-    unloaded: xr.Dataset
+    mean_load_equilibria: xr.Dataset
+    unloaded_equilibria: xr.Dataset
     response: xr.Dataset
-    motion: xr.Dataset
+    periodic_load_motion: xr.Dataset
     section: xr.Dataset
-    neighbour: xr.Dataset
+    neighbour_section: xr.Dataset
     regimes: xr.Dataset = field(default_factory=xr.Dataset)
-    misfits: Mapping[str, float] = field(default_factory=dict)
+    least_misfits: Mapping[str, float] = field(default_factory=dict)
 
 
 def gather_evidence(setting: Setting, tolerance: float = 1e-8, every: int = 1) -> ClaimEvidence:
@@ -85,7 +86,7 @@ def gather_evidence(setting: Setting, tolerance: float = 1e-8, every: int = 1) -
     tolerance : float
         Largest error of the integrated motions.
     every : int
-        Tabulate responses at every so many of :data:`OMEGAS` only, before refining.
+        Tabulate responses at every so many of :data:`RESPONSE_FREQUENCIES` only, before refining.
 
     Returns
     -------
@@ -93,42 +94,46 @@ def gather_evidence(setting: Setting, tolerance: float = 1e-8, every: int = 1) -
         Without regimes and misfits, which are found for all settings together.
     """
     actuator, m = setting.actuator, setting.b**2
-    section, neighbour = sections(setting, tolerance)
+    section, neighbour = compute_sections(setting, tolerance)
     return ClaimEvidence(
         setting=setting,
-        constant=simulate(
-            actuator, Constant(m), duration=setting.window, over=CASES, tolerance=tolerance
+        constant_load_motion=simulate(
+            actuator,
+            Constant(m),
+            duration=setting.window_length,
+            over=CASE_VALUES,
+            tolerance=tolerance,
         ),
-        landscape=equilibria(actuator, m, over=CASES),
-        mean=equilibria(actuator, m / 2, over=CASES),
-        unloaded=equilibria(actuator, 0.0, over={"temperature": TEMPERATURES}),
-        response=responses(setting, tolerance, every),
-        motion=motions(setting, tolerance),
+        landscape=equilibria(actuator, m, over=CASE_VALUES),
+        mean_load_equilibria=equilibria(actuator, m / 2, over=CASE_VALUES),
+        unloaded_equilibria=equilibria(actuator, 0.0, over={"temperature": TEMPERATURES}),
+        response=compute_responses(setting, tolerance, every),
+        periodic_load_motion=compute_motions(setting, tolerance),
         section=section,
-        neighbour=neighbour,
+        neighbour_section=neighbour,
     )
 
 
-def responses(setting: Setting, tolerance: float, every: int = 1) -> xr.Dataset:
+def compute_responses(setting: Setting, tolerance: float, every: int = 1) -> xr.Dataset:
     """Figure 4, with the published resonances beside the computed ones."""
     response = frequency_response(
-        setting.actuator, setting.drive(1.0), OMEGAS[::every], duration=setting.window,
-        over=CASES, tolerance=tolerance,
+        setting.actuator, setting.build_drive(1.0), RESPONSE_FREQUENCIES[::every],
+        duration=setting.window_length, over=CASE_VALUES, tolerance=tolerance,
     )  # fmt: skip
     dims = ("prestress", "temperature")
     published = build.dataset({"published": (dims, np.array(PUBLISHED_RESONANCES))}, {}, {})
     return response.assign(published=published["published"])
 
 
-def motions(setting: Setting, tolerance: float) -> xr.Dataset:
+def compute_motions(setting: Setting, tolerance: float) -> xr.Dataset:
     """Figures 5 and 6: a window of each motion under the periodic load."""
     return simulate(
-        setting.actuator, setting.drive(1.0), duration=setting.window,
-        over=_driven(), tolerance=tolerance,
+        setting.actuator, setting.build_drive(1.0), duration=setting.window_length,
+        over=_driven_case_values(), tolerance=tolerance,
     )  # fmt: skip
 
 
-def regimes(settings: Sequence[Setting], tolerance: float) -> list[xr.Dataset]:
+def compute_regimes(settings: Sequence[Setting], tolerance: float) -> list[xr.Dataset]:
     """What kind of motion each is, for settings of one law, all judged together.
 
     Runs are made longer where it is still undecided.
@@ -145,59 +150,59 @@ def regimes(settings: Sequence[Setting], tolerance: float) -> list[xr.Dataset]:
     list of xarray.Dataset
         Regimes (prestress, temperature), with their evidence, for each setting.
     """
-    cases = _driven() | {
+    cases = _driven_case_values() | {
         name: xr.DataArray([getattr(setting, name) for setting in settings], dims="setting")
         for name in ("reference_temperature", "b")
     }
     order = ("setting", "prestress", "temperature")
-    first, *longer = CLASSIFIED_PERIODS
-    outcome = _classified(settings[0], cases, first, tolerance).transpose(*order)
+    first, *longer = CLASSIFICATION_RUN_PERIODS
+    outcome = _classify_after_periods(settings[0], cases, first, tolerance).transpose(*order)
     for periods in longer:
         undecided = np.nonzero(outcome["regime"].values == "undecided")
         if not undecided[0].size:
             break
         subset = {
-            name: xr.DataArray(_everywhere(values, outcome)[undecided], dims="case")
+            name: xr.DataArray(_values_per_motion(values, outcome)[undecided], dims="case")
             for name, values in cases.items()
         }
-        repeated = _classified(settings[0], subset, periods, tolerance)
+        repeated = _classify_after_periods(settings[0], subset, periods, tolerance)
         for name in repeated.data_vars:
             outcome[name].values[undecided] = repeated[name].values
     return [outcome.isel(setting=k) for k in range(len(settings))]
 
 
-def _classified(
+def _classify_after_periods(
     setting: Setting, over: Mapping[str, xr.DataArray], periods: int, tolerance: float
 ) -> xr.Dataset:
     """Regimes after runs of one length, which ``run_periods`` holds."""
     outcome = classify(
-        setting.actuator, setting.drive(1.0), periods=periods, over=over, tolerance=tolerance
+        setting.actuator, setting.build_drive(1.0), periods=periods, over=over, tolerance=tolerance
     )
     regime = outcome["regime"]
     length = {"run_periods": (tuple(map(str, regime.dims)), np.full(regime.shape, periods))}
     return outcome.assign(build.dataset(length, {}, {}))
 
 
-def _everywhere(values: xr.DataArray, outcome: xr.Dataset) -> np.ndarray:
+def _values_per_motion(values: xr.DataArray, outcome: xr.Dataset) -> np.ndarray:
     """Values of a field for every motion, in the shape of the regimes."""
     regime = outcome["regime"].reset_coords(drop=True).drop_vars(list(outcome["regime"].indexes))
     return np.asarray(values.broadcast_like(regime).transpose(*regime.dims).values)
 
 
-def sections(setting: Setting, tolerance: float) -> tuple[xr.Dataset, xr.Dataset]:
+def compute_sections(setting: Setting, tolerance: float) -> tuple[xr.Dataset, xr.Dataset]:
     """Sections of each motion and of a neighbour."""
-    start = xr.DataArray([1.0, 1.0 + NEIGHBOUR_OFFSET], dims="start")
+    start = xr.DataArray([1.0, 1.0 + NEIGHBOUR_STRETCH_OFFSET], dims="start")
     section = poincare_section(
-        setting.actuator, setting.drive(1.0), periods=SECTION_PERIODS,
-        over={**_driven(), "initial.stretch": start}, tolerance=tolerance,
+        setting.actuator, setting.build_drive(1.0), periods=SECTION_DRIVE_PERIODS,
+        over={**_driven_case_values(), "initial.stretch": start}, tolerance=tolerance,
     )  # fmt: skip
     return section.isel(start=0), section.isel(start=1)
 
 
-def _driven() -> dict[str, xr.DataArray]:
+def _driven_case_values() -> dict[str, xr.DataArray]:
     """Each prestress with its own drive frequency."""
     return {
         "prestress": xr.DataArray(list(PRESTRESSES), dims="prestress"),
-        "omega": xr.DataArray(list(FREQUENCIES), dims="prestress"),
+        "omega": xr.DataArray(list(MOTION_FREQUENCIES), dims="prestress"),
         "temperature": xr.DataArray(list(TEMPERATURES), dims="temperature"),
     }

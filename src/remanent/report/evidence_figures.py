@@ -16,19 +16,23 @@ from matplotlib.lines import Line2D
 
 from remanent import plots
 from remanent.plots import energy, ensemble, footer, style
-from remanent.report.figures import only_outer_labels, panels, per_prestress
+from remanent.report.figures import (
+    draw_panel_per_prestress,
+    keep_only_outer_labels,
+    make_panel_grid,
+)
 
-__all__ = ["compare_solvers", "landscapes", "misfit_maps"]
+__all__ = ["draw_landscapes", "draw_misfit_maps", "draw_solver_comparison"]
 
 #: Misfits whose contour lines are drawn: the published rounding, and what the audit reaches.
 _MISFIT_CONTOUR_LEVELS = (0.01, 0.025, 0.1)
 #: Colour of the converged section behind the other.
 _BACKGROUND_COLOUR = "#bdbdbd"
 #: Colour of the dot at the least misfit.
-_MINIMUM_COLOUR = style.OKABE_ITO["vermillion"]
+_MINIMUM_COLOUR = style.OKABE_ITO_COLOURS["vermillion"]
 
 
-def landscapes(dataset: xr.Dataset) -> Figure:
+def draw_landscapes(dataset: xr.Dataset) -> Figure:
     """Draw the potentials that explain the amplitudes of figures 2 and 3.
 
     Parameters
@@ -46,13 +50,15 @@ def landscapes(dataset: xr.Dataset) -> Figure:
     """
     first = dataset.isel(prestress=0)
     names = ensemble.line_legend_entries(
-        ensemble.members(first, ("potential",), ("thickness_stretch",))
+        ensemble.split_into_members(first, ("potential",), ("thickness_stretch",))
     )
     entries = [*names, *energy.equilibrium_legend_entries(dataset)]
-    return per_prestress(dataset, plots.landscape, (style.DOUBLE_COLUMN_WIDTH, 3.4), entries)
+    return draw_panel_per_prestress(
+        dataset, plots.landscape, (style.DOUBLE_COLUMN_WIDTH_INCHES, 3.4), entries
+    )
 
 
-def compare_solvers(sections: xr.Dataset, drift: xr.Dataset) -> Figure:
+def draw_solver_comparison(sections: xr.Dataset, drift: xr.Dataset) -> Figure:
     """Draw Poincaré sections converged and at the published tolerance, side by side.
 
     Parameters
@@ -73,7 +79,9 @@ def compare_solvers(sections: xr.Dataset, drift: xr.Dataset) -> Figure:
     """
     rows, columns = sections.sizes["temperature"], 2 * sections.sizes["prestress"]
     with style.context():
-        figure = Figure(figsize=(style.DOUBLE_COLUMN_WIDTH, 1.5 * rows + 2.4), layout="constrained")
+        figure = Figure(
+            figsize=(style.DOUBLE_COLUMN_WIDTH_INCHES, 1.5 * rows + 2.4), layout="constrained"
+        )
         grid = GridSpec(rows + 1, columns, figure, height_ratios=[1.0] * rows + [1.05])
         for row, column in product(range(rows), range(columns // 2)):
             _draw_section_pair(
@@ -81,15 +89,15 @@ def compare_solvers(sections: xr.Dataset, drift: xr.Dataset) -> Figure:
             )
         below = [figure.add_subplot(grid[rows, 2 * k : 2 * k + 2]) for k in range(columns // 2)]
         _draw_drifts(below, drift)
-        members = ensemble.members(drift.isel(prestress=0), ("energy_drift",), ("time",))
+        members = ensemble.split_into_members(drift.isel(prestress=0), ("energy_drift",), ("time",))
         behind = Line2D([], [], color=_BACKGROUND_COLOUR, linestyle="", marker="o", ms=3,
                         label=f"{sections['solver'].values[0]}, behind the other")  # fmt: skip
-        style.legend_above(figure, [*ensemble.line_legend_entries(members), behind])
+        style.add_legend_above(figure, [*ensemble.line_legend_entries(members), behind])
         footer.add_footer(figure, sections)
     return figure
 
 
-def misfit_maps(dataset: xr.Dataset) -> Figure:
+def draw_misfit_maps(dataset: xr.Dataset) -> Figure:
     """Draw how well each unstated choice brings back the six published resonances.
 
     Parameters
@@ -110,14 +118,14 @@ def misfit_maps(dataset: xr.Dataset) -> Figure:
     scale = LogNorm(float(max(finite.min(), 1e-4)), float(finite.max()))
     with style.context():
         shape = (len(laws), len(windows)) if len(windows) > 1 else (1, len(laws))
-        size = (style.DOUBLE_COLUMN_WIDTH, 1.9 * shape[0] + 0.9)
-        figure, grid = panels(*shape, size, sharex=True, sharey=True)
+        size = (style.DOUBLE_COLUMN_WIDTH_INCHES, 1.9 * shape[0] + 0.9)
+        figure, grid = make_panel_grid(*shape, size, sharex=True, sharey=True)
         cases = product(enumerate(laws), enumerate(windows))
         for axes, ((i, law), (j, window)) in zip(grid.flat, cases, strict=True):
             drawn = _draw_misfit(axes, dataset.isel(law=i, window=j), scale)
             title = f"{law},  {style.value_label(dataset['window'], window)}"
-            style.panel_title(axes, "", title)
-        only_outer_labels(grid, x=True, y=True)
+            style.set_panel_title(axes, "", title)
+        keep_only_outer_labels(grid, x=True, y=True)
         figure.colorbar(drawn, ax=grid, label=style.axis_label(dataset["misfit"]), aspect=40)
         footer.add_footer(figure, dataset, hide=("drive", "temperature", "prestress"))
     return figure

@@ -19,20 +19,20 @@ from remanent import plots
 from remanent.plots import ensemble, footer, forced, style
 
 __all__ = [
-    "figure_2",
-    "figure_3",
-    "figure_4",
-    "figure_5_or_6",
-    "only_outer_labels",
-    "panels",
-    "per_prestress",
+    "draw_figure_2",
+    "draw_figure_3",
+    "draw_figure_4",
+    "draw_figure_5_or_6",
+    "draw_panel_per_prestress",
+    "keep_only_outer_labels",
+    "make_panel_grid",
 ]
 
 #: Colour of points at odd drive periods.
-_ODD_PERIOD_COLOUR = style.OKABE_ITO["blue"]
+_ODD_PERIOD_COLOUR = style.OKABE_ITO_COLOURS["blue"]
 
 
-def figure_2(dataset: xr.Dataset) -> Figure:
+def draw_figure_2(dataset: xr.Dataset) -> Figure:
     """Draw figure 2, the thickness stretch against time under constant load.
 
     Parameters
@@ -45,13 +45,15 @@ def figure_2(dataset: xr.Dataset) -> Figure:
     matplotlib.figure.Figure
         Panel (a), (b) ... per prestress, one below the other.
     """
-    names = ensemble.line_legend_entries(_first_members(dataset, "thickness_stretch", "time"))
-    return per_prestress(
-        dataset, plots.history, (style.DOUBLE_COLUMN_WIDTH, 4.1), names, stacked=True
+    names = ensemble.line_legend_entries(
+        _members_of_first_panel(dataset, "thickness_stretch", "time")
+    )
+    return draw_panel_per_prestress(
+        dataset, plots.history, (style.DOUBLE_COLUMN_WIDTH_INCHES, 4.1), names, stacked=True
     )
 
 
-def figure_3(dataset: xr.Dataset) -> Figure:
+def draw_figure_3(dataset: xr.Dataset) -> Figure:
     """Draw figure 3, phase planes under constant load.
 
     Parameters
@@ -65,11 +67,15 @@ def figure_3(dataset: xr.Dataset) -> Figure:
     matplotlib.figure.Figure
         Panel (a), (b) ... per prestress, side by side.
     """
-    names = ensemble.line_legend_entries(_first_members(dataset, "thickness_stretch", "time"))
-    return per_prestress(dataset, plots.phase, (style.DOUBLE_COLUMN_WIDTH, 3.6), names)
+    names = ensemble.line_legend_entries(
+        _members_of_first_panel(dataset, "thickness_stretch", "time")
+    )
+    return draw_panel_per_prestress(
+        dataset, plots.phase, (style.DOUBLE_COLUMN_WIDTH_INCHES, 3.6), names
+    )
 
 
-def figure_4(dataset: xr.Dataset) -> Figure:
+def draw_figure_4(dataset: xr.Dataset) -> Figure:
     """Draw figure 4, frequency responses with their resonances.
 
     Parameters
@@ -84,14 +90,14 @@ def figure_4(dataset: xr.Dataset) -> Figure:
     matplotlib.figure.Figure
         Panel (a), (b) ... per prestress, side by side, on one scale.
     """
-    names = ensemble.line_legend_entries(_first_members(dataset, "amplitude", "omega"))
+    names = ensemble.line_legend_entries(_members_of_first_panel(dataset, "amplitude", "omega"))
     entries = [*names, *forced.resonance_legend_entries(dataset)]
-    return per_prestress(
-        dataset, plots.response, (style.DOUBLE_COLUMN_WIDTH, 3.4), entries, sharey=True
+    return draw_panel_per_prestress(
+        dataset, plots.response, (style.DOUBLE_COLUMN_WIDTH_INCHES, 3.4), entries, sharey=True
     )
 
 
-def figure_5_or_6(history: xr.Dataset, section: xr.Dataset) -> Figure:
+def draw_figure_5_or_6(history: xr.Dataset, section: xr.Dataset) -> Figure:
     """Draw figure 5 or 6, and beside it the section at every drive period.
 
     The load repeats every pi/omega, the field every 2 pi/omega; [Thermal] does not say
@@ -114,22 +120,24 @@ def figure_5_or_6(history: xr.Dataset, section: xr.Dataset) -> Figure:
     """
     temperatures = np.sort(history["temperature"].values)
     with style.context():
-        size = (style.DOUBLE_COLUMN_WIDTH, 1.85 * len(temperatures) + 0.5)
-        figure, grid = panels(len(temperatures), 3, size, width_ratios=(1.75, 1, 1))
+        size = (style.DOUBLE_COLUMN_WIDTH_INCHES, 1.85 * len(temperatures) + 0.5)
+        figure, grid = make_panel_grid(len(temperatures), 3, size, width_ratios=(1.75, 1, 1))
         for row, (temperature, axes) in enumerate(zip(temperatures, grid, strict=True)):
             at = {"temperature": temperature}
-            _motion_row(axes, history.sel(at), section.sel(at))
+            _draw_motion_row(axes, history.sel(at), section.sel(at))
             name = style.value_label(history["temperature"], temperature)
-            style.panel_title(axes[0], _panel_letter(2 * row), name)
-            style.panel_title(axes[1], _panel_letter(2 * row + 1), r"strobed every $2\pi/\omega$")
-            style.panel_title(axes[2], "", r"strobed every $\pi/\omega$")
-        only_outer_labels(grid, x=True, y=False)
-        style.legend_above(figure, _period_legend_entries())
+            style.set_panel_title(axes[0], _panel_letter(2 * row), name)
+            style.set_panel_title(
+                axes[1], _panel_letter(2 * row + 1), r"strobed every $2\pi/\omega$"
+            )
+            style.set_panel_title(axes[2], "", r"strobed every $\pi/\omega$")
+        keep_only_outer_labels(grid, x=True, y=False)
+        style.add_legend_above(figure, _period_legend_entries())
         footer.add_footer(figure, section)
     return figure
 
 
-def panels(
+def make_panel_grid(
     rows: int, columns: int, size: tuple[float, float], **options: Any
 ) -> tuple[Figure, np.ndarray[Any, Any]]:
     """Make a figure of its own, outside pyplot, with a grid of axes (rows, columns)."""
@@ -137,7 +145,7 @@ def panels(
     return figure, figure.subplots(rows, columns, squeeze=False, **options)
 
 
-def only_outer_labels(grid: np.ndarray[Any, Any], *, x: bool, y: bool) -> None:
+def keep_only_outer_labels(grid: np.ndarray[Any, Any], *, x: bool, y: bool) -> None:
     """Keep axis labels in the last row (`x`) and the first column (`y`) only."""
     for axes in grid[:-1].flat if x else ():
         axes.set_xlabel("")
@@ -145,7 +153,7 @@ def only_outer_labels(grid: np.ndarray[Any, Any], *, x: bool, y: bool) -> None:
         axes.set_ylabel("")
 
 
-def per_prestress(
+def draw_panel_per_prestress(
     dataset: xr.Dataset,
     draw: Callable[..., Any],
     size: tuple[float, float],
@@ -158,25 +166,27 @@ def per_prestress(
     values = dataset["prestress"].values
     shape = (len(values), 1) if stacked else (1, len(values))
     with style.context():
-        figure, grid = panels(*shape, size, sharex=stacked, sharey=sharey)
+        figure, grid = make_panel_grid(*shape, size, sharex=stacked, sharey=sharey)
         for k, (value, axes) in enumerate(zip(values, grid.flat, strict=True)):
             draw(dataset.sel(prestress=value), ax=axes, legend=False)
-            style.panel_title(
+            style.set_panel_title(
                 axes, _panel_letter(k), style.value_label(dataset["prestress"], value)
             )
-        only_outer_labels(grid, x=stacked, y=not stacked)
-        style.legend_above(figure, entries)
+        keep_only_outer_labels(grid, x=stacked, y=not stacked)
+        style.add_legend_above(figure, entries)
         figure.align_ylabels()
         footer.add_footer(figure, dataset)
     return figure
 
 
-def _first_members(dataset: xr.Dataset, variable: str, dimension: str) -> list[ensemble.Member]:
+def _members_of_first_panel(
+    dataset: xr.Dataset, variable: str, dimension: str
+) -> list[ensemble.Member]:
     """Members of the first panel, which stand for all in the legend."""
-    return ensemble.members(dataset.isel(prestress=0), (variable,), (dimension,))
+    return ensemble.split_into_members(dataset.isel(prestress=0), (variable,), (dimension,))
 
 
-def _motion_row(axes: Sequence[Axes], history: xr.Dataset, section: xr.Dataset) -> None:
+def _draw_motion_row(axes: Sequence[Axes], history: xr.Dataset, section: xr.Dataset) -> None:
     """History; phase plane with every second point of the section; section with all."""
     plots.history(history, ax=axes[0], linewidth=0.8)
     plots.phase(history, ax=axes[1], start=False, linewidth=0.4, alpha=0.55)

@@ -40,20 +40,20 @@ def beating_depth(history: xr.Dataset, prestress: float) -> FloatArray:
     return np.array(depths)
 
 
-def energy_change(history: xr.Dataset) -> FloatArray:
+def largest_energy_change(history: xr.Dataset) -> FloatArray:
     """Largest departure from the first energy, array (prestress, temperature)."""
     energy = history["energy"].transpose("prestress", "temperature", "time").values
     return np.asarray(np.abs(energy - energy[..., :1]).max(axis=-1))
 
 
-def late_range_ratio(history: xr.Dataset) -> FloatArray:
+def late_over_early_range(history: xr.Dataset) -> FloatArray:
     """Range of λ₃ in the last quarter over that in the first, array (prestress, temperature)."""
     x = history["thickness_stretch"].transpose("prestress", "temperature", "time").values
     quarter = x.shape[-1] // 4
     return np.asarray(np.ptp(x[..., -quarter:], axis=-1) / np.ptp(x[..., :quarter], axis=-1))
 
 
-def stretch_range(history: xr.Dataset) -> FloatArray:
+def stretch_half_range(history: xr.Dataset) -> FloatArray:
     """Half the range of the thickness stretch, array (prestress, temperature)."""
     x = history["thickness_stretch"].transpose("prestress", "temperature", "time").values
     return np.asarray(0.5 * np.ptp(x, axis=-1))

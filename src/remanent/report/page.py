@@ -12,7 +12,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from remanent.report.contents import Paper
-from remanent.report.settings import FORCING_LAWS, RESONANCE_AGREEMENT
+from remanent.report.settings import FORCING_LAWS, MAX_RESONANCE_MISFIT
 
 #: Verdicts as the page shows them.
 _VERDICT_WORDS = {"supported": "Supported", "contradicted": "Contradicted", "depends": "Depends"}
@@ -46,17 +46,19 @@ def render_page(paper: Paper, summary: Mapping[str, Any], drawings: Mapping[str,
         verdicts=paper.verdicts,
         words=_VERDICT_WORDS,
         counts=counts,
-        agreement=RESONANCE_AGREEMENT,
-        share=float((windows <= RESONANCE_AGREEMENT).mean()),
+        agreement=MAX_RESONANCE_MISFIT,
+        share=float((windows <= MAX_RESONANCE_MISFIT).mean()),
         points=int(windows.size),
-        misfits={FORCING_LAWS[law].text: value for law, value in paper.evidence.misfits.items()},
-        drawings={name: _data_address(svg) for name, svg in drawings.items()},
+        misfits={
+            FORCING_LAWS[law].text: value for law, value in paper.evidence.least_misfits.items()
+        },
+        drawings={name: _svg_data_address(svg) for name, svg in drawings.items()},
         worst=max(abs(r["difference"]) for r in summary["resonances"]),
-        drift=_drift_text(paper),
+        drift=_largest_energy_drifts(paper),
         error=float(paper.evidence.section["error"].max()),
         datasets=sorted(paper.datasets),
         multiplier=_multiplier_text,
-        fold=partial(_fold_text, summary["folds"]),
+        fold=partial(_fold_frequencies_text, summary["folds"]),
     )
 
 
@@ -68,7 +70,7 @@ def _multiplier_text(orbit: Mapping[str, Any]) -> str:
     return f"exp(±{abs(math.atan2(imaginary, real)):.4f} i)"
 
 
-def _fold_text(folds: Sequence[Mapping[str, float]], orbit: Mapping[str, Any]) -> str:
+def _fold_frequencies_text(folds: Sequence[Mapping[str, float]], orbit: Mapping[str, Any]) -> str:
     """The folds of the saddle's branch at this setting; nothing for other orbits."""
     if orbit["stability"] != "saddle":
         return ""
@@ -76,13 +78,13 @@ def _fold_text(folds: Sequence[Mapping[str, float]], orbit: Mapping[str, Any]) -
     return ", ".join(f"{fold['omega']:.8f}" for fold in case)
 
 
-def _data_address(svg: str) -> str:
+def _svg_data_address(svg: str) -> str:
     """An SVG as a data address, on which no script can run and no name can clash."""
     text = re.sub(r"<metadata>.*?</metadata>", "", svg, flags=re.DOTALL)
     return "data:image/svg+xml;base64," + base64.b64encode(text.encode()).decode()
 
 
-def _drift_text(paper: Paper) -> dict[str, float]:
+def _largest_energy_drifts(paper: Paper) -> dict[str, float]:
     """Largest energy drift of each solver, relative to the depth of motion."""
     drift = abs(paper.datasets["tolerance_energy"]["energy_drift"])
     return {str(name): float(drift.sel(solver=name).max()) for name in drift["solver"].values}

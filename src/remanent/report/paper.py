@@ -14,8 +14,8 @@ import xarray as xr
 from remanent.report import dynamics, page, reconstruction, tolerance
 from remanent.report.audit import ClaimVerdict, audit
 from remanent.report.contents import Paper
-from remanent.report.drawings import DRAWINGS, draw
-from remanent.report.evidence import ClaimEvidence, gather_evidence, regimes
+from remanent.report.drawings import DRAWINGS, draw_files
+from remanent.report.evidence import ClaimEvidence, compute_regimes, gather_evidence
 from remanent.report.processes import work_executor
 from remanent.report.settings import (
     FORCING_LAWS,
@@ -27,24 +27,24 @@ from remanent.report.settings import (
 from remanent.results import netcdf
 
 #: Called with the name of a stage and the share of all work that is done.
-ProgressReport = Callable[[str, float], None]
+ProgressCallback = Callable[[str, float], None]
 #: Tolerance of the reference setting.
 _REFERENCE_TOLERANCE = 1e-8
 #: Tolerance of the further settings.
 _ALTERNATIVE_TOLERANCE = 1e-7
 #: Further settings tabulate responses at every so many frequencies.
-_ALTERNATIVE_EVERY = 3
+_ALTERNATIVE_FREQUENCY_STRIDE = 3
 #: Length of the response window for which forcing laws are compared.
-_LAW_WINDOW = 100.0
+_LAW_COMPARISON_WINDOW = 100.0
 #: Name of the forcing law that is mapped over every window.
-_PUBLISHED_LAW = "sin2"
+_PUBLISHED_LAW_NAME = "sin2"
 
 
-def _silent(_stage: str, _share: float) -> None:
+def _ignore_progress(_stage: str, _share: float) -> None:
     pass
 
 
-def reproduce(report: ProgressReport = _silent, *, processes: int = 1) -> Paper:
+def reproduce(report: ProgressCallback = _ignore_progress, *, processes: int = 1) -> Paper:
     """Compute the data of all figures, the reconstruction and the audit.
 
     Parameters
@@ -62,50 +62,52 @@ def reproduce(report: ProgressReport = _silent, *, processes: int = 1) -> Paper:
     """
     report("figures 2 to 6", 0.0)
     reference = gather_evidence(REFERENCE_SETTING, _REFERENCE_TOLERANCE)
-    data = _measured(reference)
+    data = _reference_datasets(reference)
     resonance = reference.response["resonance"]
     with work_executor(processes) as executor:
         futures = [
-            executor.submit(_scripts, reference),
-            executor.submit(dynamics.chaos_chart),
-            executor.submit(dynamics.orbits_at_resonance, resonance),
+            executor.submit(_compare_solvers, reference),
+            executor.submit(dynamics.compute_chaos_chart),
+            executor.submit(dynamics.compute_branches_and_orbits, resonance),
             executor.submit(dynamics.locate_jump, resonance),
         ]
-        drawn = _start(executor, data, ())
-        valleys = _reconstruct(report)
+        drawn = _start_new_drawings(executor, data, ())
+        valleys = _misfits_by_law(report)
         report("audit", 0.6)
-        verdicts, reference = _audited(reference, valleys)
+        verdicts, reference = _audit_with_alternatives(reference, valleys)
         names_before = tuple(data)
-        data |= _reconstructed(valleys) | {"regimes": reference.regimes}
+        data |= _misfit_datasets(valleys) | {"regimes": reference.regimes}
         for future in futures:
             data |= future.result()
-        drawn |= _start(executor, data, names_before)
+        drawn |= _start_new_drawings(executor, data, names_before)
         report("pictures", 0.8)
         pictures = {name: drawn[name].result() for name in DRAWINGS}
     return Paper(reference, verdicts, data, pictures)
 
 
-def _start(
+def _start_new_drawings(
     executor: Executor, data: Mapping[str, xr.Dataset], before: Sequence[str]
 ) -> dict[str, Future[dict[str, bytes]]]:
     """Have those pictures drawn for which the last data have just come."""
     return {
-        name: executor.submit(draw, name, {k: data[k] for k in drawing.needs})
+        name: executor.submit(draw_files, name, {k: data[k] for k in drawing.dataset_names})
         for name, drawing in DRAWINGS.items()
-        if set(drawing.needs) <= set(data) and not set(drawing.needs) <= set(before)
+        if set(drawing.dataset_names) <= set(data) and not set(drawing.dataset_names) <= set(before)
     }
 
 
-def _audited(
+def _audit_with_alternatives(
     reference: ClaimEvidence, valleys: Mapping[str, xr.Dataset]
 ) -> tuple[list[ClaimVerdict], ClaimEvidence]:
     """Verdicts, and the evidence with what the reconstruction adds to it."""
     least = {law: float(valley["misfit"].min()) for law, valley in valleys.items()}
-    reference = replace(reference, misfits=least)
-    settings = reconstruction.admissible(valleys[_PUBLISHED_LAW], _PUBLISHED_LAW)
+    reference = replace(reference, least_misfits=least)
+    settings = reconstruction.admissible_settings(valleys[_PUBLISHED_LAW_NAME], _PUBLISHED_LAW_NAME)
     with ThreadPoolExecutor(max_workers=2) as together:
-        classified = together.submit(regimes, [REFERENCE_SETTING, *settings], _REFERENCE_TOLERANCE)
-        alternatives = list(together.map(_alternative, settings))
+        classified = together.submit(
+            compute_regimes, [REFERENCE_SETTING, *settings], _REFERENCE_TOLERANCE
+        )
+        alternatives = list(together.map(_gather_alternative_evidence, settings))
     reference, *alternatives = [
         replace(evidence, regimes=dataset)
         for evidence, dataset in zip([reference, *alternatives], classified.result(), strict=True)
@@ -113,9 +115,9 @@ def _audited(
     return audit(reference, alternatives), reference
 
 
-def _alternative(setting: Setting) -> ClaimEvidence:
+def _gather_alternative_evidence(setting: Setting) -> ClaimEvidence:
     """Evidence for a further setting, whose numbers are not reported: a coarser one will do."""
-    return gather_evidence(setting, _ALTERNATIVE_TOLERANCE, every=_ALTERNATIVE_EVERY)
+    return gather_evidence(setting, _ALTERNATIVE_TOLERANCE, every=_ALTERNATIVE_FREQUENCY_STRIDE)
 
 
 def write_report(paper: Paper, out: Path) -> Path:
@@ -155,10 +157,10 @@ def summarise(paper: Paper) -> dict[str, Any]:
     claims = [
         {
             "id": v.claim.id,
-            "claim": v.claim.claim,
+            "claim": v.claim.statement,
             "verdict": v.verdict,
-            "evidence": v.evidence,
-            "figure": f"figures/{v.claim.figure}.svg",
+            "evidence": v.evidence_text,
+            "figure": f"figures/{v.claim.picture_name}.svg",
         }
         for v in paper.verdicts
     ]
@@ -171,16 +173,18 @@ def summarise(paper: Paper) -> dict[str, Any]:
     }
 
 
-def _scripts(reference: ClaimEvidence) -> dict[str, xr.Dataset]:
+def _compare_solvers(reference: ClaimEvidence) -> dict[str, xr.Dataset]:
     return {
         "tolerance_sections": tolerance.sections_by_solver(reference),
         "tolerance_energy": tolerance.energy_drift_by_solver(REFERENCE_SETTING),
     }
 
 
-def _reconstruct(report: ProgressReport) -> dict[str, xr.Dataset]:
+def _misfits_by_law(report: ProgressCallback) -> dict[str, xr.Dataset]:
     """Misfits of every law; the published reading over every window."""
-    windows = dict.fromkeys(FORCING_LAWS, (_LAW_WINDOW,)) | {_PUBLISHED_LAW: reconstruction.WINDOWS}
+    windows = dict.fromkeys(FORCING_LAWS, (_LAW_COMPARISON_WINDOW,)) | {
+        _PUBLISHED_LAW_NAME: reconstruction.WINDOW_LENGTHS
+    }
     total, done = sum(map(len, windows.values())), 0
     valleys = {}
     for law, lengths in windows.items():
@@ -190,25 +194,25 @@ def _reconstruct(report: ProgressReport) -> dict[str, xr.Dataset]:
             done += 1
             report("reconstruction of what is unstated", 0.1 + 0.5 * done / total)
 
-        every = 1 if law == _PUBLISHED_LAW else 2
-        valleys[law] = reconstruction.misfits(law, lengths, step, every=every)
+        every = 1 if law == _PUBLISHED_LAW_NAME else 2
+        valleys[law] = reconstruction.compute_misfits(law, lengths, step, every=every)
     return valleys
 
 
-def _measured(e: ClaimEvidence) -> dict[str, xr.Dataset]:
+def _reference_datasets(e: ClaimEvidence) -> dict[str, xr.Dataset]:
     return {
-        "constant_load": e.constant,
+        "constant_load": e.constant_load_motion,
         "landscape": e.landscape,
         "frequency_response": e.response,
-        "periodic_load": e.motion,
+        "periodic_load": e.periodic_load_motion,
         "sections": e.section,
-        "neighbours": e.neighbour,
+        "neighbours": e.neighbour_section,
     }
 
 
-def _reconstructed(valleys: Mapping[str, xr.Dataset]) -> dict[str, xr.Dataset]:
-    laws = [valleys[law].sel(window=[_LAW_WINDOW]) for law in FORCING_LAWS]
+def _misfit_datasets(valleys: Mapping[str, xr.Dataset]) -> dict[str, xr.Dataset]:
+    laws = [valleys[law].sel(window=[_LAW_COMPARISON_WINDOW]) for law in FORCING_LAWS]
     return {
-        "valley_windows": valleys[_PUBLISHED_LAW],
+        "valley_windows": valleys[_PUBLISHED_LAW_NAME],
         "valley_laws": xr.concat(laws, "law", join="inner", combine_attrs="override"),
     }

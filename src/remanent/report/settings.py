@@ -18,11 +18,11 @@ TEMPERATURES: Final = (250.0, 350.0, 400.0)
 #: Prestresses of every figure.
 PRESTRESSES: Final = (0.0, 1.0)
 #: Drive frequency of the motions in figures 5 (S = 0) and 6 (S = 1).
-FREQUENCIES: Final = (1.25, 1.08)
+MOTION_FREQUENCIES: Final = (1.25, 1.08)
 #: Published resonance frequencies, one row per prestress, one column per temperature.
 PUBLISHED_RESONANCES: Final = ((1.05, 1.25, 1.35), (0.85, 1.08, 1.19))
 #: Two digits after the point are published, and the maximum is read off a curve.
-RESONANCE_AGREEMENT: Final = 0.01
+MAX_RESONANCE_MISFIT: Final = 0.01
 
 
 @dataclass(frozen=True)
@@ -35,21 +35,21 @@ class Setting:
         Amplitude b0 of the square root of the load.
     reference_temperature
         T0, kelvin.
-    window
+    window_length
         Length of the response window, tau.
-    law
+    law_name
         Name in :data:`FORCING_LAWS`.
     """
 
     b: float = 0.4
     reference_temperature: float = 293.0
-    window: float = 100.0
-    law: str = "sin2"
+    window_length: float = 100.0
+    law_name: str = "sin2"
 
     def __str__(self) -> str:
         return (
             f"b₀ = {self.b:g}, T₀ = {self.reference_temperature:g} K, "
-            f"window {self.window:g}, {FORCING_LAWS[self.law].text}"
+            f"window {self.window_length:g}, {FORCING_LAWS[self.law_name].text}"
         )
 
     @property
@@ -57,9 +57,9 @@ class Setting:
         """The published cube, with this reference temperature."""
         return Actuator(reference_temperature=self.reference_temperature)
 
-    def drive(self, omega: float) -> Drive:
+    def build_drive(self, omega: float) -> Drive:
         """The periodic load at a frequency."""
-        return FORCING_LAWS[self.law].drive(self.b, omega)
+        return FORCING_LAWS[self.law_name].build_drive(self.b, omega)
 
 
 @dataclass(frozen=True)
@@ -70,23 +70,23 @@ class ForcingLaw:
     ----------
     text, symbol
         In plain text, and as mathtext.
-    phase
+    sine_phase
         Phase of the sine that is squared; None where the load is a sine itself.
     """
 
     text: str
     symbol: str
-    phase: float | None
+    sine_phase: float | None
 
-    def drive(self, b: float, omega: float) -> Drive:
+    def build_drive(self, b: float, omega: float) -> Drive:
         """The load with amplitude b², at a frequency."""
-        if self.phase is None:
+        if self.sine_phase is None:
             return Sine(b**2, omega)
-        return SineSquared(b, omega, self.phase)
+        return SineSquared(b, omega, self.sine_phase)
 
-    def field(self, b: np.ndarray) -> tuple[str, np.ndarray]:
+    def drive_field(self, b: np.ndarray) -> tuple[str, np.ndarray]:
         """Name and values of the drive's field that `b` sets."""
-        return ("m", b**2) if self.phase is None else ("b", b)
+        return ("m", b**2) if self.sine_phase is None else ("b", b)
 
 
 #: Readings of the periodic load, by name.

@@ -13,8 +13,8 @@ from scipy.integrate import solve_ivp
 
 from remanent._typing import FloatArray
 from remanent.models.drives.waves import Constant
-from remanent.report.evidence import CASES, ClaimEvidence
-from remanent.report.settings import FREQUENCIES, PRESTRESSES, TEMPERATURES, Setting
+from remanent.report.evidence import CASE_VALUES, ClaimEvidence
+from remanent.report.settings import MOTION_FREQUENCIES, PRESTRESSES, TEMPERATURES, Setting
 from remanent.results import build, provenance
 from remanent.studies.motion.simulate import simulate
 
@@ -27,11 +27,11 @@ SOLVER_NAMES = ("converged", "ode45 defaults")
 #: Length of the runs whose energy is followed, tau.
 _ENERGY_DURATION = 500.0
 #: Times at which their energy is taken.
-_ENERGY_POINTS = 1001
+_ENERGY_TIME_COUNT = 1001
 #: Tolerance of the converged one of these runs.
 _CONVERGED_TOLERANCE = 1e-11
 #: Drive periods of sections by both solvers, of which one is slow.
-_SECTION_PERIODS = 500
+_SECTION_DRIVE_PERIODS = 500
 
 
 def ode45_states(
@@ -71,7 +71,7 @@ def ode45_states(
     return np.asarray(solved.y.T)
 
 
-def _sine_squared(b: float, omega: float, tau: float) -> float:
+def _sine_squared_load(b: float, omega: float, tau: float) -> float:
     """m = (b sin ωτ)², the reference law."""
     return (b * math.sin(omega * tau)) ** 2
 
@@ -85,15 +85,15 @@ def sections_by_solver(evidence: ClaimEvidence) -> xr.Dataset:
         ``thickness_stretch``, ``thickness_stretch_rate`` (solver, prestress,
         temperature, period), ``omega`` (prestress).
     """
-    converged = evidence.section.sel(period=slice(0, _SECTION_PERIODS, 2))
+    converged = evidence.section.sel(period=slice(0, _SECTION_DRIVE_PERIODS, 2))
     shape = (len(PRESTRESSES), len(TEMPERATURES), converged.sizes["period"], 2)
     script = np.empty(shape)
     for (i, s), (j, t) in product(enumerate(PRESTRESSES), enumerate(TEMPERATURES)):
-        times = converged["period"].values * (math.pi / FREQUENCIES[i])
-        load = partial(_sine_squared, evidence.setting.b, FREQUENCIES[i])
+        times = converged["period"].values * (math.pi / MOTION_FREQUENCIES[i])
+        load = partial(_sine_squared_load, evidence.setting.b, MOTION_FREQUENCIES[i])
         script[i, j] = ode45_states(evidence.setting, t, s, load, times)
     both = _stack_solvers(converged, script)
-    omega = build.dataset({}, {"omega": (("prestress",), np.array(FREQUENCIES))}, {})
+    omega = build.dataset({}, {"omega": (("prestress",), np.array(MOTION_FREQUENCIES))}, {})
     return both.assign_coords(omega=omega["omega"])
 
 
@@ -106,11 +106,11 @@ def energy_drift_by_solver(setting: Setting) -> xr.Dataset:
         ``energy_drift`` (solver, prestress, temperature, time).
     """
     drive = Constant(setting.b**2)
-    times = np.linspace(0.0, _ENERGY_DURATION, _ENERGY_POINTS)
+    times = np.linspace(0.0, _ENERGY_DURATION, _ENERGY_TIME_COUNT)
     converged = simulate(
-        setting.actuator, drive, times=times, over=CASES, tolerance=_CONVERGED_TOLERANCE
+        setting.actuator, drive, times=times, over=CASE_VALUES, tolerance=_CONVERGED_TOLERANCE
     )
-    energy = np.empty((2, len(PRESTRESSES), len(TEMPERATURES), _ENERGY_POINTS))
+    energy = np.empty((2, len(PRESTRESSES), len(TEMPERATURES), _ENERGY_TIME_COUNT))
     energy[0] = converged["energy"].values
     for (i, s), (j, t) in product(enumerate(PRESTRESSES), enumerate(TEMPERATURES)):
         x, v = ode45_states(setting, t, s, lambda _: drive.m, times).T
@@ -131,7 +131,11 @@ def energy_drift_by_solver(setting: Setting) -> xr.Dataset:
             "time": (("time",), times),
         },
         provenance.attributes(
-            setting.actuator, drive, _CONVERGED_TOLERANCE, over=CASES, duration=_ENERGY_DURATION
+            setting.actuator,
+            drive,
+            _CONVERGED_TOLERANCE,
+            over=CASE_VALUES,
+            duration=_ENERGY_DURATION,
         ),
     )
 

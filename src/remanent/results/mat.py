@@ -27,7 +27,7 @@ __all__ = ["read", "write"]
 #: The variable with what the others cannot say.
 _METADATA_VARIABLE: Final = "metadata"
 #: Longest name of a variable in MATLAB.
-_MAX_NAME_LENGTH: Final = 63
+_MAX_MATLAB_NAME_LENGTH: Final = 63
 #: The first bytes of a MAT file are text, in which SciPy writes the time.
 _FILE_HEADER: Final = b"MATLAB 5.0 MAT-file, written by remanent".ljust(116)
 
@@ -69,7 +69,7 @@ def write(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
             )
         about = metadata.variable_record(variable, coordinate=name in dataset.coords)
         descriptions[name] = {"variable": key, **about}
-        text = metadata.is_text(variable)
+        text = metadata.holds_text(variable)
         contents[key] = variable.values.astype(object) if text else variable.values
     about_all = {
         "attributes": metadata.encode_attributes(dataset.attrs), "variables": descriptions
@@ -119,7 +119,7 @@ def read(path: str | os.PathLike[str]) -> xr.Dataset:
 def _matlab_name(name: str) -> str:
     """The name with what MATLAB allows in one: letters, digits and ``_``, a letter first."""
     key = re.sub(r"\W", "_", name, flags=re.ASCII)
-    return (key if key[:1].isalpha() else f"x{key}")[:_MAX_NAME_LENGTH]
+    return (key if key[:1].isalpha() else f"x{key}")[:_MAX_MATLAB_NAME_LENGTH]
 
 
 def _unpack_values(array: NDArray[Any], about: metadata.VariableRecord) -> NDArray[Any]:

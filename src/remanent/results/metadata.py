@@ -15,7 +15,7 @@ __all__ = [
     "dataset_from_records",
     "decode_attributes",
     "encode_attributes",
-    "is_text",
+    "holds_text",
     "ordered_variables",
     "require_storable",
     "variable_record",
@@ -34,7 +34,7 @@ def ordered_variables(dataset: xr.Dataset) -> dict[str, xr.Variable]:
 
 def variable_record(variable: xr.Variable, *, coordinate: bool) -> VariableRecord:
     """Dimensions, shape, type and attributes of a variable, ready for JSON."""
-    kind = "str" if is_text(variable) else str(variable.dtype)
+    kind = "str" if holds_text(variable) else str(variable.dtype)
     return {
         "dims": list(map(str, variable.dims)),
         "shape": list(variable.shape),
@@ -86,7 +86,7 @@ def dataset_from_records(
     )
 
 
-def is_text(variable: xr.Variable) -> bool:
+def holds_text(variable: xr.Variable) -> bool:
     """Whether a variable holds text only."""
     kind = variable.dtype.kind
     return kind in "UT" or (
@@ -96,7 +96,7 @@ def is_text(variable: xr.Variable) -> bool:
 
 def require_storable(name: str, variable: xr.Variable) -> None:
     """Raise unless a variable holds numbers, truth values or text."""
-    if variable.dtype.kind not in "biufc" and not is_text(variable):
+    if variable.dtype.kind not in "biufc" and not holds_text(variable):
         raise InputError(
             name,
             must="hold numbers, booleans or strings",

@@ -18,16 +18,16 @@ from remanent.models.system import System
 
 __all__ = [
     "DRIVE_ATTRIBUTE",
-    "ORIGIN_ATTRIBUTES",
+    "ORIGIN_ATTRIBUTE_NAMES",
     "SYSTEM_ATTRIBUTE",
     "attributes",
     "has_drive",
     "model_attributes",
     "package_versions",
-    "plain_model",
     "read_drive",
+    "read_plain_model",
     "read_system",
-    "varying_fields",
+    "varying_field_names",
 ]  # fmt: skip
 
 #: Packages whose version can change a number.
@@ -37,7 +37,7 @@ SYSTEM_ATTRIBUTE: Final = "system"
 #: Attribute with the drive as JSON; with ``_text`` after it, that for people.
 DRIVE_ATTRIBUTE: Final = "drive"
 #: Attributes that say where numbers come from, whatever was done to them since.
-ORIGIN_ATTRIBUTES: Final = (
+ORIGIN_ATTRIBUTE_NAMES: Final = (
     SYSTEM_ATTRIBUTE,
     f"{SYSTEM_ATTRIBUTE}_text",
     DRIVE_ATTRIBUTE,
@@ -45,7 +45,7 @@ ORIGIN_ATTRIBUTES: Final = (
     "versions",
 )
 #: Longest description of a value for people; tables of samples are cut there.
-MAX_TEXT_LENGTH: Final = 1000
+MAX_MODEL_TEXT_LENGTH: Final = 1000
 
 
 def attributes(
@@ -97,14 +97,16 @@ def attributes(
     >>> attrs["settings"], attrs["duration"], attrs["tolerance"]
     ('duration', 100.0, 1e-09)
     """
-    given = {name: _flattened(value) for name, value in settings.items() if value is not None}
+    given = {
+        name: _flattened_sequence(value) for name, value in settings.items() if value is not None
+    }
     attrs: dict[str, Any] = {
         "Conventions": "CF-1.11",
         "versions": package_versions(),
         **model_attributes(SYSTEM_ATTRIBUTE, system),
         **model_attributes(DRIVE_ATTRIBUTE, drive),
-        **_unless_empty("over", " ".join(over)),
-        **_unless_empty("settings", " ".join(given)),
+        **_entry_unless_empty("over", " ".join(over)),
+        **_entry_unless_empty("settings", " ".join(given)),
         **given,
     }
     if tolerance is not None:
@@ -119,17 +121,17 @@ def attributes(
 def model_attributes(name: str, value: object) -> dict[str, str]:
     """The attributes `name`, JSON, and ``<name>_text``; nothing for None and empty text."""
     if value is None or isinstance(value, str):
-        return _unless_empty(f"{name}_text", value or "")
+        return _entry_unless_empty(f"{name}_text", value or "")
     text = repr(value)
-    if len(text) > MAX_TEXT_LENGTH:
-        text = f"{text[: MAX_TEXT_LENGTH - 1]}…"
+    if len(text) > MAX_MODEL_TEXT_LENGTH:
+        text = f"{text[: MAX_MODEL_TEXT_LENGTH - 1]}…"
     try:
         return {name: json.dumps(to_plain(value)), f"{name}_text": text}
     except InputError:
         return {f"{name}_text": text}
 
 
-def plain_model(dataset: xr.Dataset, name: str) -> dict[str, Any] | None:
+def read_plain_model(dataset: xr.Dataset, name: str) -> dict[str, Any] | None:
     """The table of the system or the drive, attribute `name`; None where there is none."""
     try:
         table = json.loads(str(dataset.attrs.get(name, "")))
@@ -152,7 +154,7 @@ def read_system(dataset: xr.Dataset) -> System:
         As it was given to the verb.  Fields named in the attribute ``over`` have the value
         that `dataset` was reduced to (``dataset.sel(temperature=350)``); where it still has
         several, or dropped them, they keep the value from before, which was not used: see
-        :func:`varying_fields`.
+        :func:`varying_field_names`.
 
     Raises
     ------
@@ -197,14 +199,14 @@ def has_drive(dataset: xr.Dataset) -> bool:
     return DRIVE_ATTRIBUTE in dataset.attrs or f"{DRIVE_ATTRIBUTE}_text" in dataset.attrs
 
 
-def varying_fields(dataset: xr.Dataset) -> list[str]:
+def varying_field_names(dataset: xr.Dataset) -> list[str]:
     """Fields that were given many values and are not reduced to one in this Dataset."""
     names = str(dataset.attrs.get("over", "")).split()
     return [name for name in names if name not in dataset.coords or dataset[name].ndim]
 
 
 def _read_model(dataset: xr.Dataset, name: str) -> Any:
-    table = plain_model(dataset, name)
+    table = read_plain_model(dataset, name)
     if table is None:
         raise InputError(
             "dataset",
@@ -227,7 +229,7 @@ def _read_model(dataset: xr.Dataset, name: str) -> Any:
 
 def _with_selected_values(value: Any, dataset: xr.Dataset) -> Any:
     """A system or a drive with the fields that a Dataset was reduced to."""
-    reduced = set(str(dataset.attrs.get("over", "")).split()) - set(varying_fields(dataset))
+    reduced = set(str(dataset.attrs.get("over", "")).split()) - set(varying_field_names(dataset))
     for name in sorted(reduced & set(value.parameters())):
         number = float(dataset[name])
         if isinstance(value, Drive):
@@ -250,10 +252,10 @@ def _package_version(name: str) -> str:
         return "(not installed)"
 
 
-def _flattened(value: Any) -> Any:
+def _flattened_sequence(value: Any) -> Any:
     return tuple(np.ravel(value).tolist()) if isinstance(value, list | tuple) else value
 
 
-def _unless_empty(name: str, text: str) -> dict[str, str]:
+def _entry_unless_empty(name: str, text: str) -> dict[str, str]:
     """Keep an entry unless it is empty: netCDF knows no empty text."""
     return {name: text} if text else {}

@@ -21,25 +21,25 @@ from remanent.results import build
 from remanent.results.build import Labelled
 from remanent.results.schema import QuantityKind, describe
 
-__all__ = ["MeasurementTable", "read_measurements"]
+__all__ = ["MeasurementSource", "read_measurements"]
 
 #: What :func:`read_measurements` reads.
-MeasurementTable: TypeAlias = xr.Dataset | pd.DataFrame | Mapping[str, Any] | str | PathLike[str]
+MeasurementSource: TypeAlias = xr.Dataset | pd.DataFrame | Mapping[str, Any] | str | PathLike[str]
 #: ``time [ms]``, ``omega (rad/s)`` or ``amplitude``.
 _HEADING_PATTERN = re.compile(r"\s*(.*?)\s*(?:[\[(]\s*([^\])]*?)\s*[\])])?\s*")
 #: SI unit of each kind, and the scale that makes a number of it dimensionless.
-_SI_UNITS: Mapping[QuantityKind, tuple[str, str, float]] = {
+_SI_UNITS_AND_SCALES: Mapping[QuantityKind, tuple[str, str, float]] = {
     QuantityKind.TIME: ("s", "time_s", -1.0),
     QuantityKind.RATE: ("1/s", "time_s", 1.0),
     QuantityKind.LOAD: ("T", "load_T", -1.0),
     QuantityKind.STRESS: ("Pa", "stress_pa", -1.0),
     QuantityKind.ENERGY_DENSITY: ("J/m^3", "stress_pa", -1.0),
 }
-_POINT_DIMENSIONS = ("time", "omega")
+_ABSCISSA_NAMES = ("time", "omega")
 
 
 def read_measurements(
-    data: MeasurementTable,
+    data: MeasurementSource,
     actuator: System | None = None,
     *,
     names: Mapping[str, str] | None = None,
@@ -94,7 +94,7 @@ def read_measurements(
         _require_text_mapping("names", names),
         _require_text_mapping("units", units),
     )
-    along = [name for name in _POINT_DIMENSIONS if name in columns]
+    along = [name for name in _ABSCISSA_NAMES if name in columns]
     if len(along) != 1 or len({v.size for v in columns.values()}) != 1 or len(columns) < 2:
         raise InputError(
             "data",
@@ -237,7 +237,7 @@ def _dimensionless_values(
         )
     if kind is QuantityKind.FREQUENCY:
         return np.asarray(_units.radians_per_second(argument, quantity) * scales.time)
-    if kind not in _SI_UNITS:
+    if kind not in _SI_UNITS_AND_SCALES:
         raise InputError(
             argument,
             must="be of a kind that has a unit",
@@ -245,6 +245,6 @@ def _dimensionless_values(
             why="It is not measured.",
             fix="Leave it out.",
         )
-    base, scale, power = _SI_UNITS[kind]
+    base, scale, power = _SI_UNITS_AND_SCALES[kind]
     one = scales.flux_density if kind is QuantityKind.LOAD else scales.si_factors()[scale]
     return np.asarray(_units.magnitude_in_unit(argument, quantity, base) * one**power)

@@ -22,7 +22,7 @@ from remanent.results.checks import require_dataset
 from remanent.results.schema import DESCRIPTIONS, QuantityKind, describe
 
 #: Powers of the ratio of temperatures by which each kind of quantity grows.
-_POWERS_BY_KIND: Mapping[QuantityKind, float] = MappingProxyType(
+_TEMPERATURE_POWERS_BY_KIND: Mapping[QuantityKind, float] = MappingProxyType(
     {
         QuantityKind.TIME: -0.5,
         QuantityKind.RATE: 0.5,
@@ -38,11 +38,13 @@ _POWERS_BY_KIND: Mapping[QuantityKind, float] = MappingProxyType(
 )
 #: The same for fields of branches, by their last word: moduli are in units of the modulus,
 #: which grows itself, and the rate at which a branch relaxes is theta/t_r.
-_BRANCH_POWERS: Mapping[str, float] = MappingProxyType({"modulus": 0.0, "relaxation_time": 0.5})
+_RELAXATION_FIELD_POWERS: Mapping[str, float] = MappingProxyType(
+    {"modulus": 0.0, "relaxation_time": 0.5}
+)
 #: Tables of constants of materials, which are in units of the modulus or have none.
-_MATERIAL_TABLES = frozenset({"moduli", "exponents", "constants"})
+_UNSCALED_MATERIAL_FIELDS = frozenset({"moduli", "exponents", "constants"})
 #: Errors of states, which hold stretches beside rates: grown with the rates, never shrunk.
-_STATE_ERRORS = frozenset({"error", "local_error", "residual", "tolerance"})
+_STATE_ERROR_NAMES = frozenset({"error", "local_error", "residual", "tolerance"})
 #: Fields that say what the units are: those of the reference temperature.
 _UNSCALED_FIELDS: Final = frozenset({"scales"})
 _TEMPERATURE_RULE: Final = positive_rule("Temperatures are absolute.", "Pass kelvin.")
@@ -202,17 +204,19 @@ def _single_temperature(dataset: xr.Dataset, system: Actuator) -> float:
 def _temperature_power(name: str) -> float:
     """Of the ratio, by which a quantity grows."""
     last = name.rpartition(".")[2]
-    if last in _BRANCH_POWERS:
-        return _BRANCH_POWERS[last]
+    if last in _RELAXATION_FIELD_POWERS:
+        return _RELAXATION_FIELD_POWERS[last]
     try:
-        return _POWERS_BY_KIND.get(describe(name).kind, 0.0)
+        return _TEMPERATURE_POWERS_BY_KIND.get(describe(name).kind, 0.0)
     except InputError:
         return 0.0
 
 
 def _scale_factor(name: str, ratio: float) -> float:
     return (
-        max(1.0, math.sqrt(ratio)) if name in _STATE_ERRORS else ratio ** _temperature_power(name)
+        max(1.0, math.sqrt(ratio))
+        if name in _STATE_ERROR_NAMES
+        else ratio ** _temperature_power(name)
     )
 
 
@@ -254,12 +258,16 @@ def _rescaled_field(name: str, content: Any, ratio: float, temperature: float) -
         return tuple(_rescaled_field(name, item, ratio, temperature) for item in content)
     if isinstance(content, bool) or not isinstance(content, int | float):
         return content
-    return temperature if name == "temperature" else content * ratio ** _field_power(name)
+    return (
+        temperature
+        if name == "temperature"
+        else content * ratio ** _model_field_temperature_power(name)
+    )
 
 
-def _field_power(name: str) -> float:
+def _model_field_temperature_power(name: str) -> float:
     """Of a field of the actuator or the drive, which must be known."""
-    if name in _MATERIAL_TABLES:
+    if name in _UNSCALED_MATERIAL_FIELDS:
         return 0.0
     parts = ("dissipation", "material", "magnet")
     for candidate in (name, f"{name}_1", *(f"{part}.{name}" for part in parts)):

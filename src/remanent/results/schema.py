@@ -85,12 +85,12 @@ class Description:
 
 
 #: The file with the table.
-_TABLE_FILE: Final = "variables.csv"
+_TABLE_FILE_NAME: Final = "variables.csv"
 
 
 def _read_table() -> dict[str, Description]:
     """The rows of the file by name; ``#`` begins a comment, blanks after commas align it."""
-    text = Path(__file__).with_name(_TABLE_FILE).read_text(encoding="utf-8")
+    text = Path(__file__).with_name(_TABLE_FILE_NAME).read_text(encoding="utf-8")
     lines = (line for line in text.splitlines() if not line.startswith("#"))
     return {
         row["name"]: Description(
@@ -109,7 +109,7 @@ def _read_table() -> dict[str, Description]:
 DESCRIPTIONS: Final[Mapping[str, Description]] = MappingProxyType(_read_table())
 
 #: Dimensions of points at which other rows have a value, ``fold_m`` for example.
-_PREFIX_MEANINGS: Final[Mapping[str, str]] = MappingProxyType(
+_POINT_PREFIX_MEANINGS: Final[Mapping[str, str]] = MappingProxyType(
     {"special": "special point", "fold": "fold", "snap": "dynamic threshold"}
 )
 
@@ -158,7 +158,7 @@ def describe(name: str) -> Description:
         return DESCRIPTIONS[name]
     for rule in (
         _describe_initial,
-        _describe_special,
+        _describe_prefixed,
         _describe_numbered,
         _describe_error,
         _describe_own_part,
@@ -196,15 +196,15 @@ def _describe_initial(name: str) -> Description | None:
     )
 
 
-def _describe_special(name: str) -> Description | None:
+def _describe_prefixed(name: str) -> Description | None:
     prefix, _, base = name.partition("_")
-    if not base or prefix not in _PREFIX_MEANINGS:
+    if not base or prefix not in _POINT_PREFIX_MEANINGS:
         return None
     row = describe(base)
     return replace(
         row,
         name=name,
-        long_name=f"{row.long_name} at the {_PREFIX_MEANINGS[prefix]}",
+        long_name=f"{row.long_name} at the {_POINT_PREFIX_MEANINGS[prefix]}",
         dims=(prefix,),
     )
 

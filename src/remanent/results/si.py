@@ -28,8 +28,8 @@ class _Conversion:
 
     units: str
     convert: Callable[[_Array, _Scales], _Array]
-    symbols: Mapping[str, str] = field(default_factory=dict)
-    long_names: Mapping[str, str] = field(default_factory=dict)
+    symbol_replacements: Mapping[str, str] = field(default_factory=dict)
+    long_name_replacements: Mapping[str, str] = field(default_factory=dict)
 
 
 #: t = tau t_0; f = omega f_0 with f_0 = 1/(2 pi t_0); B = m B_0 and, as m = b^2, B = b^2 B_0;
@@ -111,8 +111,8 @@ def _convert_variable(variable: xr.Variable, row: Description, scales: _Scales) 
     row = replace(
         row,
         units=rule.units,
-        symbol=_rename_symbol(row.symbol, rule.symbols),
-        long_name=rule.long_names.get(row.long_name, row.long_name),
+        symbol=_rename_symbol(row.symbol, rule.symbol_replacements),
+        long_name=rule.long_name_replacements.get(row.long_name, row.long_name),
     )
     values = rule.convert(np.asarray(variable.values), scales)
     return xr.Variable(variable.dims, values, {**variable.attrs, **row.attributes()})

@@ -20,7 +20,7 @@ def test_every_basin_has_the_colour_of_its_attractor() -> None:
     axes = Figure().add_subplot()
     cells = np.asarray(plots.basins(dataset, ax=axes).get_array())
     assert cells.shape == (5, 9, 3)
-    wheel = [to_rgb(tone) for tone in style.OKABE_ITO.values()][:2]
+    wheel = [to_rgb(tone) for tone in style.OKABE_ITO_COLOURS.values()][:2]
     for k, tone in enumerate(wheel):
         own = cells[dataset["basin"].T.values == k]
         assert (own == own[0]).all()

@@ -219,7 +219,7 @@ def test_lines_without_temperature_have_house_colours() -> None:
     """Another dimension takes Okabe and Ito's colours."""
     dataset = synthetic.constant(6.0, 61).isel(temperature=0, drop=True)
     colours = [artist.get_color() for artist in plots.phase(dataset)]
-    assert colours == list(style.OKABE_ITO.values())[:2]
+    assert colours == list(style.OKABE_ITO_COLOURS.values())[:2]
 
 
 def test_clouds_of_points_are_pixels_and_axes_are_vectors() -> None:

@@ -37,7 +37,7 @@ def test_hotter_is_lighter(temperatures: tuple[float, ...]) -> None:
 def test_the_lightest_colour_can_be_read_on_white() -> None:
     """Every colour of a line has a contrast of at least 2 with white paper."""
     colours = [*style.temperature_colours([240.0, 410.0])]
-    colours += [mpl.colors.to_rgba(colour) for colour in style.OKABE_ITO.values()]
+    colours += [mpl.colors.to_rgba(colour) for colour in style.OKABE_ITO_COLOURS.values()]
     for colour in colours:
         assert 1.05 / (luminance(colour) + 0.05) >= 2.0, colour
 

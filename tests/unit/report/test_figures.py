@@ -15,22 +15,22 @@ from remanent.report import dynamics_figures, evidence_figures, figures
 
 Make = Callable[[], list[xr.Dataset]]
 KINDS: dict[str, tuple[Callable[..., Figure], Make, int]] = {
-    "figure 2": (figures.figure_2, lambda: [synthetic.constant(6.0, 61)], 2),
-    "figure 3": (figures.figure_3, lambda: [synthetic.constant(6.0, 61)], 2),
-    "figure 4": (figures.figure_4, lambda: [synthetic.frequency_response(7, 10.0)], 2),
+    "figure 2": (figures.draw_figure_2, lambda: [synthetic.constant(6.0, 61)], 2),
+    "figure 3": (figures.draw_figure_3, lambda: [synthetic.constant(6.0, 61)], 2),
+    "figure 4": (figures.draw_figure_4, lambda: [synthetic.frequency_response(7, 10.0)], 2),
     "figure 5": (
-        figures.figure_5_or_6,
+        figures.draw_figure_5_or_6,
         lambda: [synthetic.forced(0.0, 1.25, 10.0), synthetic.sections(0.0, 1.25, 12)],
         9,
     ),
-    "landscapes": (evidence_figures.landscapes, lambda: [synthetic.potential()], 2),
+    "landscapes": (evidence_figures.draw_landscapes, lambda: [synthetic.potential()], 2),
     "tolerance": (
-        evidence_figures.compare_solvers,
+        evidence_figures.draw_solver_comparison,
         lambda: [synthetic.two_tolerances(12), synthetic.drift(10.0)],
         14,
     ),
     "orbits": (
-        dynamics_figures.resonance_orbits,
+        dynamics_figures.draw_resonance_orbits,
         lambda: [
             synthetic.diagram(),
             synthetic.frequency_response(7, 10.0),
@@ -39,7 +39,7 @@ KINDS: dict[str, tuple[Callable[..., Figure], Make, int]] = {
         6,
     ),
     "jump": (
-        dynamics_figures.jump_at_resonance,
+        dynamics_figures.draw_jump_at_resonance,
         lambda: [
             synthetic.diagram().isel(prestress=0, temperature=1),
             synthetic.frequency_response(7, 10.0).isel(prestress=0, temperature=1),
@@ -48,8 +48,8 @@ KINDS: dict[str, tuple[Callable[..., Figure], Make, int]] = {
         ],
         2,
     ),
-    "chaos": (dynamics_figures.chaos_map, lambda: [synthetic.regimes(), synthetic.cases()], 3),
-    "valley": (evidence_figures.misfit_maps, lambda: [synthetic.valley()], 7),
+    "chaos": (dynamics_figures.draw_chaos_map, lambda: [synthetic.regimes(), synthetic.cases()], 3),
+    "valley": (evidence_figures.draw_misfit_maps, lambda: [synthetic.valley()], 7),
 }
 every_figure = pytest.mark.parametrize("kind", KINDS)
 
@@ -92,7 +92,7 @@ def test_nothing_sticks_out(kind: str) -> None:
 
 def test_panels_of_figure_5_are_lettered_as_published() -> None:
     """Rows are temperatures; (a, c, e) are histories and (b, d, f) phase planes."""
-    figure = figures.figure_5_or_6(
+    figure = figures.draw_figure_5_or_6(
         synthetic.forced(0.0, 1.25, 10.0), synthetic.sections(0.0, 1.25, 12)
     )
     titles = [axes.get_title(loc="left") for axes in figure.axes]
@@ -106,7 +106,7 @@ def test_no_peak_is_cut_off() -> None:
     dataset = synthetic.frequency_response(7, 10.0).copy(deep=True)
     dataset["amplitude"].values[1, 2, 3] = 5.0  # the last panel has the highest peak
     dataset["resonance"].values[1, 2] = float(dataset["omega"][3])
-    panels = figures.figure_4(dataset).axes
+    panels = figures.draw_figure_4(dataset).axes
     assert len(panels) == 2
     for axes in panels:
         bottom, top = axes.get_ylim()
@@ -116,7 +116,7 @@ def test_no_peak_is_cut_off() -> None:
 
 def test_every_second_period_is_drawn_in_the_phase_plane() -> None:
     """Panel (b) holds the even drive periods, its neighbour all of them."""
-    figure = figures.figure_5_or_6(
+    figure = figures.draw_figure_5_or_6(
         synthetic.forced(0.0, 1.25, 10.0), synthetic.sections(0.0, 1.25, 12)
     )
     counts = [sum(len(np.asarray(c.get_offsets())) for c in axes.collections)
@@ -126,7 +126,7 @@ def test_every_second_period_is_drawn_in_the_phase_plane() -> None:
 
 def test_pairs_of_sections_share_their_scale() -> None:
     """Converged and default sections are compared on the same axes."""
-    axes = evidence_figures.compare_solvers(
+    axes = evidence_figures.draw_solver_comparison(
         synthetic.two_tolerances(12), synthetic.drift(10.0)
     ).axes
     assert len(axes) == 14
@@ -137,7 +137,7 @@ def test_pairs_of_sections_share_their_scale() -> None:
 
 def test_both_motions_beside_the_jump_and_the_saddle_are_drawn() -> None:
     """Panel (b) holds each motion in its colour, and the saddle where it is."""
-    axes = dynamics_figures.jump_at_resonance(
+    axes = dynamics_figures.draw_jump_at_resonance(
         synthetic.diagram().isel(prestress=0, temperature=1),
         synthetic.frequency_response(7, 10.0).isel(prestress=0, temperature=1),
         synthetic.beside_a_saddle(),
@@ -152,7 +152,7 @@ def test_both_motions_beside_the_jump_and_the_saddle_are_drawn() -> None:
 def test_the_published_motions_lie_in_the_chart() -> None:
     """Their places are those of their own Dataset, within the axes."""
     cases = synthetic.cases()
-    axes = dynamics_figures.chaos_map(synthetic.regimes(), cases).axes[0]
+    axes = dynamics_figures.draw_chaos_map(synthetic.regimes(), cases).axes[0]
     drawn = [(float(np.ravel(line.get_xdata())[0]), float(np.ravel(line.get_ydata())[0]))
              for line in axes.lines]  # fmt: skip
     assert drawn == list(zip(cases["omega"].values, cases["b"].values, strict=True))

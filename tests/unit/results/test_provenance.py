@@ -80,12 +80,12 @@ def test_a_selected_point_has_the_system_of_that_point() -> None:
     result = rm.simulate(
         rm.Actuator(material=rm.Gent(30.0)), rm.SineSquared(0.1, 1.0), times=[0.0, 1.0], over=over
     )
-    assert provenance.varying_fields(result) == list(over)
+    assert provenance.varying_field_names(result) == list(over)
     point = result.sel(temperature=350.0).isel({"b": 0, "material.jm": 1})
-    assert provenance.varying_fields(point) == []
+    assert provenance.varying_field_names(point) == []
     assert provenance.read_system(point) == rm.Actuator(temperature=350.0, material=rm.Gent(20.0))
     assert provenance.read_drive(point) == rm.SineSquared(0.3, 1.0)
-    assert provenance.varying_fields(result.isel(b=0, drop=True)) == list(over)
+    assert provenance.varying_field_names(result.isel(b=0, drop=True)) == list(over)
 
 
 def test_what_is_not_public_is_text_or_refused() -> None:
@@ -146,5 +146,5 @@ def test_long_tables_are_cut_in_the_text_only() -> None:
     """A signal of many samples is whole in the data, short for people."""
     drive = rm.Sampled(np.arange(1e4), np.arange(1e4))
     dataset = build.dataset({}, {}, provenance.attributes(rm.Actuator(), drive, None))
-    assert len(dataset.attrs["drive_text"]) <= provenance.MAX_TEXT_LENGTH
+    assert len(dataset.attrs["drive_text"]) <= provenance.MAX_MODEL_TEXT_LENGTH
     assert provenance.read_drive(dataset) == drive

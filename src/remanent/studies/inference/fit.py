@@ -16,7 +16,7 @@ from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.results import build, provenance
 from remanent.results.build import Labelled
-from remanent.results.read_measurements import MeasurementTable, read_measurements
+from remanent.results.read_measurements import MeasurementSource, read_measurements
 from remanent.studies.ensemble.checks import require_intervals, require_tolerance
 from remanent.studies.ensemble.durations import (
     DEFAULT_RESPONSE_DURATION_IN_TAU,
@@ -53,7 +53,7 @@ _VALUE_BEYOND_UPPER_BOUNDS = 1e6
 def fit(
     system: System,
     drive: Drive,
-    data: MeasurementTable,
+    data: MeasurementSource,
     parameters: Sequence[str] | Mapping[str, float],
     *,
     parameter_ranges: Mapping[str, tuple[float, float]] | None = None,

@@ -99,7 +99,7 @@ def logarithmic_decrement(
     coords: dict[str, Labelled] = {
         str(d): ((str(d),), history[d].values) for d in motion_dims if d in history.coords
     }
-    attributes = {k: v for k, v in history.attrs.items() if k in provenance.ORIGIN_ATTRIBUTES}
+    attributes = {k: v for k, v in history.attrs.items() if k in provenance.ORIGIN_ATTRIBUTE_NAMES}
     return build.dataset(variables, coords, attributes)
 
 

@@ -159,7 +159,7 @@ def _system_and_drive_of_branch(
     branch: xr.Dataset, system: System | None, drive: Drive | None
 ) -> tuple[System, Drive]:
     """The system and the drive of a branch, unless they are given."""
-    several = provenance.varying_fields(branch)
+    several = provenance.varying_field_names(branch)
     if several and (system is None or drive is None):
         raise InputError(
             "branch",
