@@ -167,13 +167,13 @@ def _chaotic_shades(dataset: xr.Dataset) -> FloatArray:
     """By the exponent, up to its largest."""
     exponent = dataset["exponent"].values if "exponent" in dataset else np.ones(())
     shape = dataset["regime"].shape
-    share = np.broadcast_to(exponent / _largest_exponent(dataset), shape).clip(0.0, 1.0)
+    share = np.broadcast_to(exponent / _largest_exponent_product(dataset), shape).clip(0.0, 1.0)
     return np.asarray(
         colormaps[_CHAOS_COLOUR_MAP](_CHAOS_COLOUR_START + _CHAOS_COLOUR_SPAN * share)
     )[..., :3]
 
 
-def _largest_exponent(dataset: xr.Dataset) -> float:
+def _largest_exponent_product(dataset: xr.Dataset) -> float:
     if "exponent" not in dataset:
         return 1.0
     exponents = dataset["exponent"].values[dataset["regime"].values == "chaotic"]
@@ -195,7 +195,9 @@ def _add_colour_legend(axes: Axes, dataset: xr.Dataset, variable: str) -> None:
     if entries:
         style.legend_above(axes, entries)
     if "chaotic" in values and "exponent" in dataset:
-        scale = ScalarMappable(Normalize(0.0, _largest_exponent(dataset)), _chaos_colour_map())
+        scale = ScalarMappable(
+            Normalize(0.0, _largest_exponent_product(dataset)), _chaos_colour_map()
+        )
         _add_colour_bar(axes, scale, "chaotic: exponent $\\Lambda$")
     if "quasi-periodic" in values and "rotation_number" in dataset:
         scale = ScalarMappable(Normalize(0.0, 0.5), _torus_colour_map())

@@ -98,7 +98,7 @@ class _ShapingProblem:
         cls, single: Ensemble, target: float, robust_to: Sequence[str], tolerance: float
     ) -> _ShapingProblem:
         """The problem of one trajectory of an ensemble."""
-        row = np.array([float(single.values[name][0]) for name in single.field.parameters])
+        row = np.array([float(single.values[name][0]) for name in single.field.parameter_names])
         body = StaticState(single.field, row, single.initial[0])
         thickness = body.thickness()
         start = body.rest_at_thickness(thickness) or body

@@ -107,7 +107,7 @@ class TerminalConditions:
     def _rest_states(self) -> FloatArray:
         """States of rest of all variants under the last load, array (variant, state)."""
         ens = self.variants.ensemble
-        columns = np.column_stack([ens.values[name] for name in ens.field.parameters])
+        columns = np.column_stack([ens.values[name] for name in ens.field.parameter_names])
         bodies = [replace(self.target_rest, parameters=row).rest_nearby() for row in columns]
         states = [body.state for body in bodies if body is not None]
         if len(states) < len(bodies):
@@ -165,7 +165,9 @@ class TerminalConditions:
         """
         ens, d = self.variants.ensemble, len(self.target_rest.state)
         problem = self.variants.problem_lasting(np.full(ens.count, duration))
-        problem.parameters[:, ens.field.parameters.index("m")] = load * self.variants.load_ratio
+        problem.parameters[:, ens.field.parameter_names.index("m")] = (
+            load * self.variants.load_ratio
+        )
         unit = np.tile(np.eye(d).ravel(), (ens.count, 1))
         start = np.hstack([state, unit, np.zeros((ens.count, d))])
         outcome = integrate(

@@ -156,7 +156,7 @@ def shape_commands(
     ens = lay_out_ensemble(
         actuator, _NO_LOAD, over, initial, reserved=_RESERVED_DIMENSIONS, system_argument="actuator"
     )
-    fields = [name for name in ens.field.parameters if name != "m"]
+    fields = [name for name in ens.field.parameter_names if name != "m"]
     names = _require_robust_to(robust_to, [*fields, *PHYSICAL_SIZES])
     commands = [_find_command(ens, k, target, names, tolerance) for k in range(ens.count)]
     longest = max(command.times.size for command in commands) or 1

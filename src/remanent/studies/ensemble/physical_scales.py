@@ -83,7 +83,7 @@ class PhysicalScales:
         line = plain.timeline
         scaled = {name: rows * self.load_ratio for name, rows in line.piece_parameters.items()}
         timeline = Timeline(
-            line.piece_lengths * self.time_ratio, line.periodic, scaled, line.waveform
+            line.piece_lengths * self.time_ratio, line.periodic, scaled, line.waveforms_at_phase
         )
         return replace(plain, timeline=timeline, duration=plain.duration * self.time_ratio)
 

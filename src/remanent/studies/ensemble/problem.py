@@ -28,9 +28,11 @@ def initial_value_problem(ens: Ensemble, duration: FloatArray) -> Problem:
     }
     timeline = _timeline(ens.drive, values, durations)
     lengths = np.broadcast_to(timeline.piece_lengths, (len(timeline.piece_lengths), ens.count))
-    timeline = Timeline(lengths, timeline.periodic, timeline.piece_parameters, timeline.waveform)
+    timeline = Timeline(
+        lengths, timeline.periodic, timeline.piece_parameters, timeline.waveforms_at_phase
+    )
     # Parameters that the timeline gives piece by piece have no value of their own.
-    columns = [values.get(name, np.zeros(ens.count)) for name in ens.field.parameters]
+    columns = [values.get(name, np.zeros(ens.count)) for name in ens.field.parameter_names]
     parameters = np.column_stack(columns) if columns else np.zeros((ens.count, 0))
     return Problem(ens.field, timeline, parameters, ens.initial, durations, ens.invalid)
 

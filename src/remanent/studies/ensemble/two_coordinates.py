@@ -22,5 +22,9 @@ def with_two_coordinates(ens: Ensemble) -> tuple[Ensemble, dict[str, str]]:
     values |= {f"prestress_{i}": ens.values["prestress"] for i in (1, 2)}
     first, second = biaxial.field.names_of_roles(Role.COORDINATE)
     pairs = {first: second}
-    pairs |= zip(biaxial.field.belonging_to(first), biaxial.field.belonging_to(second), strict=True)
+    pairs |= zip(
+        biaxial.field.names_belonging_to(first),
+        biaxial.field.names_belonging_to(second),
+        strict=True,
+    )
     return replace(ens, system=biaxial.system, field=biaxial.field, values=values), pairs

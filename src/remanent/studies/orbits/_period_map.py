@@ -165,7 +165,7 @@ class StroboscopicMap:
         count, d = image.state.shape
         slope = np.zeros((count, d, len(self.parameter_names)))
         for k, name in enumerate(self.parameter_names):
-            if name == self.ensemble.drive.frequency_field:
+            if name == self.ensemble.drive.frequency_field_name:
                 # The period is inversely proportional to this field.
                 slope[:, :, k] = image.tangents[:, -1] / -values[name][:, None]
             if name in self._carried_parameters:
@@ -183,7 +183,7 @@ class StroboscopicMap:
         """Parameters of the vector field, array (point, parameter)."""
         rows = np.tile(self._problem.parameters, (count, 1))
         for name in self._varied_in_vector_field:
-            rows[:, self._problem.field.parameters.index(name)] = values[name]
+            rows[:, self._problem.field.parameter_names.index(name)] = values[name]
         return rows
 
     def _period_lengths(self, values: dict[str, FloatArray], count: int) -> FloatArray:
@@ -200,7 +200,9 @@ class StroboscopicMap:
     @cached_property
     def _varied_in_vector_field(self) -> list[str]:
         """Those of the varied fields that the vector field knows."""
-        return [name for name in self.parameter_names if name in self._problem.field.parameters]
+        return [
+            name for name in self.parameter_names if name in self._problem.field.parameter_names
+        ]
 
     @cached_property
     def _carried_parameters(self) -> list[str]:
@@ -209,7 +211,7 @@ class StroboscopicMap:
         The field that times the drive acts through the length of the period, and through the
         rate of the load where that enters the equations.
         """
-        timed = self.ensemble.drive.frequency_field
+        timed = self.ensemble.drive.frequency_field_name
         return [
             name
             for name in self._varied_in_vector_field
@@ -226,10 +228,12 @@ class StroboscopicMap:
 
     @cached_property
     def _period_map(self) -> PeriodMap:
-        last = [LOG_PERIOD] if self.ensemble.drive.frequency_field in self.parameter_names else []
+        last = (
+            [LOG_PERIOD] if self.ensemble.drive.frequency_field_name in self.parameter_names else []
+        )
         return PeriodMap(
             self._problem.field,
-            self._problem.timeline.waveform,
+            self._problem.timeline.waveforms_at_phase,
             directions=len(self._problem.field.state_names),
             parameters=(*self._carried_parameters, *last),
             phase=self.section_phase,

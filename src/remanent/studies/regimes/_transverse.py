@@ -72,7 +72,7 @@ class TransverseFlow:
             )
         two, pairs = with_two_coordinates(ens)
         arrays = initial_value_problem(two, np.ones(ens.count))
-        flow = PeriodMap(transverse_field(two.field, pairs), arrays.timeline.waveform)
+        flow = PeriodMap(transverse_field(two.field, pairs), arrays.timeline.waveforms_at_phase)
         lengths = np.where(ens.invalid, 1.0, require_drive_periods(ens))
         return cls(
             initial_states=ens.initial,

@@ -265,7 +265,7 @@ def _stable_stretch(system: Actuator, mean: float) -> float:
 def _small_oscillation_frequency(system: Actuator, mean: float) -> float:
     """Modulus of the eigenvalue of small oscillations about rest; NaN where there are none."""
     ens = lay_out_ensemble(system, Constant(mean))
-    row = np.array([ens.values[name][0] for name in ens.field.parameters])
+    row = np.array([ens.values[name][0] for name in ens.field.parameter_names])
     rest = StaticState(ens.field, row, ens.initial[0]).rest_nearby()
     if rest is None:
         return np.nan

@@ -15,7 +15,7 @@ def folds_along_first_field(static: StaticEnsemble) -> dict[str, Labelled]:
     ens = static.ensemble
     # The first field that has a dimension of its own.
     name = next((k for k, (dims, _) in ens.coords.items() if dims == (k,)), None)
-    if name is None or name not in ens.field.parameters or ens.sizes[name] < 2:
+    if name is None or name not in ens.field.parameter_names or ens.sizes[name] < 2:
         return {}
     shape, axis = tuple(ens.sizes.values()), ens.dims.index(name)
     cases = np.take(np.arange(ens.count).reshape(shape), 0, axis).ravel()
