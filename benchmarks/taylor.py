@@ -87,7 +87,7 @@ def pieces(drive: Drive, values: Mapping[str, float], duration: float) -> list[P
         return _swept(v, end)
     if isinstance(drive, PiecewiseDrive):
         marks = [LONG(t) for t in drive.times if t < duration] + [end]
-        columns = drive.coefficients().T
+        columns = drive.piece_coefficients().T
         return [Piece(a, b, (*columns[k], 0)) for k, (a, b) in enumerate(pairwise(marks))]
     raise TypeError(f"no load law for {type(drive).__name__}")
 

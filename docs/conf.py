@@ -29,8 +29,8 @@ myst_heading_anchors = 3
 autodoc_class_signature = "mixed"
 autodoc_default_options = {
     # What the parts of the package tell one another.
-    "exclude-members": "checked_options, structural_fields, invalid, parameter_rules, parts, "
-    "piece_parameters, rules, scales, structure, warn_if_implausible, with_parameter"
+    "exclude-members": "checked_fields, structural_fields, where_invalid, parameter_rules, parts, "
+    "piece_parameter_names, rules, scales, equation_structure, warn_if_implausible, with_parameter"
 }
 autodoc_member_order = "bysource"
 autodoc_preserve_defaults = True

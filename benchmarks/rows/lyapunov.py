@@ -131,7 +131,9 @@ def _ours(
     """States after a period, and its length, by the map that the verb iterates."""
     over = {name: xr.DataArray(starts[name], dims="case") for name in ("omega", "b")}
     problem = initial_value_problem(lay_out_ensemble(hot, drive, over), np.ones(_STARTS))
-    flow = PeriodMap(problem.field, problem.timeline.waveform, directions=1, error_control="state")
+    flow = PeriodMap(
+        problem.field, problem.timeline.waveforms_at_phase, directions=1, error_control="state"
+    )
     states, length = np.column_stack([starts["x"], starts["v"]]), np.pi / starts["omega"]
 
     def period(tolerance: float) -> tuple[FloatArray, FloatArray]:

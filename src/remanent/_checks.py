@@ -27,13 +27,13 @@ class Rule:
     ----------
     must, why, fix
         Parts of the message of :class:`~remanent._errors.InputError`.
-    holds
+    holds_for_finite
         Elementwise on an array of floats: whether each satisfies the rule.  It may
         assume that the numbers are finite, which every rule demands.
     """
 
     must: str
-    holds: Callable[[FloatArray], BoolArray]
+    holds_for_finite: Callable[[FloatArray], BoolArray]
     why: str
     fix: str
 
@@ -41,7 +41,7 @@ class Rule:
         """Elementwise: whether each of `values` is finite and satisfies the rule."""
         array = np.asarray(values, dtype=np.float64)
         finite = np.isfinite(array)
-        return np.asarray(finite & self.holds(np.where(finite, array, 0.0)))
+        return np.asarray(finite & self.holds_for_finite(np.where(finite, array, 0.0)))
 
 
 def finite_rule(reason: str, remedy: str = "Pass a finite number.") -> Rule:
@@ -328,7 +328,7 @@ def is_increasing(values: FloatArray) -> bool:
     return bool(ends and (values[1:] > values[:-1]).all())
 
 
-def is_rule_broken(rules: Mapping[str, Rule], values: Mapping[str, ArrayLike]) -> BoolArray:
+def where_rule_broken(rules: Mapping[str, Rule], values: Mapping[str, ArrayLike]) -> BoolArray:
     """Where a batch of parameter values breaks a rule.
 
     Parameters

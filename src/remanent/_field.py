@@ -167,14 +167,14 @@ class Field:
     ----------
     variables
         The state variables in order, with their roles and values at rest.
-    loads
+    load_names
         Names of the loads, each of which is an observable too; an actuator has one,
         ``load``.
-    parameters, waveform_names
+    parameter_names, waveform_names
         Names.  Parameters are the user's own numeric fields under their own names.
     rates
         One output per state variable.
-    observable
+    observable_name
         Name of the quantity whose extremes are followed between steps, ``thickness_stretch``
         of an actuator; its rate is observed under this name and ``_rate``.
     observable_and_rates
@@ -186,11 +186,11 @@ class Field:
     """
 
     variables: tuple[StateVariable, ...]
-    loads: tuple[str, ...]
-    parameters: tuple[str, ...]
+    load_names: tuple[str, ...]
+    parameter_names: tuple[str, ...]
     waveform_names: tuple[str, ...]
     rates: Program
-    observable: str
+    observable_name: str
     observable_and_rates: Program
     observables: Mapping[str, Program]
 
@@ -212,7 +212,7 @@ class Field:
     @property
     def observable_and_rate_names(self) -> tuple[str, str]:
         """Names of the quantity whose extremes are followed, and of its rate."""
-        return self.observable, f"{self.observable}_rate"
+        return self.observable_name, f"{self.observable_name}_rate"
 
     def indices_of_roles(self, *roles: Role) -> list[int]:
         """Positions in the state of the variables that have one of these roles."""
@@ -222,26 +222,28 @@ class Field:
         """Names of the state variables that have one of these roles."""
         return [self.state_names[k] for k in self.indices_of_roles(*roles)]
 
-    def variable(self, name: str) -> StateVariable:
+    def state_variable(self, name: str) -> StateVariable:
         """The state variable of this name."""
         return self.variables[self.state_names.index(name)]
 
-    def belonging_to(self, name: str) -> list[str]:
+    def names_belonging_to(self, name: str) -> list[str]:
         """Names of the state variables that belong to the variable `name`, in order."""
         return [variable.name for variable in self.variables if variable.belongs_to == name]
 
     @property
     def input_names(self) -> tuple[str, ...]:
         """Names of the inputs of every program of this field, in order."""
-        return ("drive_phase", *self.state_names, *self.parameters, *self.waveform_names)
+        return ("drive_phase", *self.state_names, *self.parameter_names, *self.waveform_names)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "observables", MappingProxyType(dict(self.observables)))
         if any(v.belongs_to not in {None, *self.state_names} for v in self.variables):
             raise ValueError("a state variable belongs to one that does not exist")
-        if not {*self.loads} <= {*self.observables}:
+        if not {*self.load_names} <= {*self.observables}:
             raise ValueError("a load is not observed")
-        if not {v.rest for v in self.variables if isinstance(v.rest, str)} <= {*self.parameters}:
+        if not {v.rest for v in self.variables if isinstance(v.rest, str)} <= {
+            *self.parameter_names
+        }:
             raise ValueError("a value at rest is a parameter that does not exist")
         for program in (self.rates, self.observable_and_rates, *self.observables.values()):
             if program.input_names != self.input_names:
@@ -264,11 +266,11 @@ class Field:
         return json.dumps(
             {
                 "variables": [asdict(variable) for variable in self.variables],
-                "loads": self.loads,
-                "parameters": self.parameters,
+                "loads": self.load_names,
+                "parameters": self.parameter_names,
                 "waveforms": self.waveform_names,
                 "rates": _program_to_dict(self.rates),
-                "observable": self.observable,
+                "observable": self.observable_name,
                 "watched": _program_to_dict(self.observable_and_rates),
                 "observables": {k: _program_to_dict(v) for k, v in self.observables.items()},
             },
@@ -288,11 +290,11 @@ class Field:
             inputs = ("drive_phase", *state, *parameters, *waveforms)
             return cls(
                 variables=variables,
-                loads=loads,
-                parameters=parameters,
+                load_names=loads,
+                parameter_names=parameters,
                 waveform_names=waveforms,
                 rates=_program_from_dict(inputs, plain["rates"]),
-                observable=str(plain["observable"]),
+                observable_name=str(plain["observable"]),
                 observable_and_rates=_program_from_dict(inputs, plain["watched"]),
                 observables={
                     k: _program_from_dict(inputs, v) for k, v in plain["observables"].items()

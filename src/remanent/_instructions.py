@@ -85,7 +85,7 @@ class InstructionBuilder:
             return sign, a[1]
         return sign, self._value_number("div", a[1], b[1])
 
-    def call(self, function: str, a: SignedValue) -> SignedValue:
+    def apply_function(self, function: str, a: SignedValue) -> SignedValue:
         """A function of one value."""
         return 1, self._value_number(function, self.with_sign_applied(a))
 
@@ -131,7 +131,7 @@ class InstructionBuilder:
                 return self._value_number(operation, *operands)
         return None
 
-    def program(self, outputs: Sequence[SignedValue]) -> Program:
+    def build_program(self, outputs: Sequence[SignedValue]) -> Program:
         """The finished program, without values that no output needs."""
         choices = [
             [sign(output) for output in outputs]

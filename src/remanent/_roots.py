@@ -38,7 +38,7 @@ class Roots(Protocol):
     f_bracket: tuple[FloatArray, ...]
 
 
-def find_root(
+def find_roots(
     f: ElementwiseFunction,
     bracket: tuple[FloatArray, FloatArray],
     *,
@@ -67,7 +67,7 @@ def find_root(
     return result
 
 
-def find_minimum(
+def find_minima(
     f: ElementwiseFunction,
     bracket: tuple[FloatArray, FloatArray, FloatArray],
     *,
@@ -77,7 +77,7 @@ def find_minimum(
 ) -> Roots:
     """Minima of a function in many brackets of three points, by Chandrupatla's method.
 
-    The parameters are those of :func:`find_root`, save that the middle point of a bracket is
+    The parameters are those of :func:`find_roots`, save that the middle point of a bracket is
     no higher than its ends.
     """
     finder: Any = elementwise.find_minimum

@@ -22,12 +22,12 @@ class Timeline:
     piece_parameters : mapping of name to array (piece, trajectory)
         Parameters of the field that change from piece to piece (the levels of a
         step drive, the coefficients of a spline); empty for a periodic load.
-    waveform : callable
-        ``waveform(phase)`` with phases in [0, 1], any shape, gives an array
+    waveforms_at_phase : callable
+        ``waveforms_at_phase(phase)`` with phases in [0, 1], any shape, gives an array
         ``(waveform, *phase.shape)``: values of the field's waveforms.
     """
 
     piece_lengths: FloatArray
     periodic: bool
     piece_parameters: Mapping[str, FloatArray]
-    waveform: Callable[[FloatArray], FloatArray]
+    waveforms_at_phase: Callable[[FloatArray], FloatArray]

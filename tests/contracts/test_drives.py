@@ -11,7 +11,7 @@ from tests.contracts.public import examples
 from remanent._errors import InputError
 from remanent._typing import FloatArray
 from remanent.codegen import reference
-from remanent.codegen.field import field_for
+from remanent.codegen.field import vector_field_for
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.models.drives.chirp import Chirp
@@ -47,7 +47,7 @@ def through_timeline(
         own = {k: np.broadcast_to(v, duration.shape) for k, v in drive.parameters().items()}
         p = own | values | {name: rows[piece] for name, rows in line.piece_parameters.items()}
         for s in np.linspace(0.0, 0.999, 23):
-            u = dict(zip(drive.waveform_names, line.waveform(np.asarray(s)), strict=True))
+            u = dict(zip(drive.waveform_names, line.waveforms_at_phase(np.asarray(s)), strict=True))
             times.append(np.where(length > 0.0, start + s * length, np.nan))
             loads.append(np.where(length > 0.0, drive.load(p, u, s, np), np.nan))
     return np.array(times), np.array(loads)
@@ -88,7 +88,7 @@ def test_pieces_cover_the_run_exactly(drive: Drive) -> None:
     else:
         np.testing.assert_allclose(line.piece_lengths.sum(axis=0), duration, rtol=1e-15)
         assert np.all(line.piece_lengths.max(axis=1) > 0.0)
-    assert set(line.piece_parameters) == set(drive.piece_parameters)
+    assert set(line.piece_parameters) == set(drive.piece_parameter_names)
     assert all(rows.shape == line.piece_lengths.shape for rows in line.piece_parameters.values())
 
 
@@ -97,25 +97,25 @@ def test_waveforms_keep_the_shape_of_the_phase(drive: Drive) -> None:
     """Waveforms of an array of phases are arrays of its shape, one for each waveform."""
     line = drive.timeline({}, np.array([DURATION]))
     for shape in ((), (5,), (2, 3)):
-        assert line.waveform(np.zeros(shape)).shape == (len(drive.waveform_names), *shape)
+        assert line.waveforms_at_phase(np.zeros(shape)).shape == (len(drive.waveform_names), *shape)
 
 
 @every
 def test_field_reports_the_load(drive: Drive) -> None:
     """The observable `load` of a compiled field is the load of the drive."""
     actuator = Actuator()
-    field = field_for(actuator, drive)
+    field = vector_field_for(actuator, drive)
     line = drive.timeline({}, np.array([DURATION]))
     hidden = {name: rows[0, 0] for name, rows in line.piece_parameters.items()}
     values = {**actuator.parameters(), **drive.parameters(), **hidden}
-    assert list(values) == list(field.parameters)
+    assert list(values) == list(field.parameter_names)
     phase = 0.37
-    seen = reference.observables(
+    seen = reference.evaluate_observables(
         field,
         phase,
         np.array([[1.0, 0.0]]),
         np.array([list(values.values())]),
-        line.waveform(np.asarray(phase)),
+        line.waveforms_at_phase(np.asarray(phase)),
     )
     assert seen["load"][0] == pytest.approx(
         float(drive(phase * line.piece_lengths[0, 0])), abs=1e-14
@@ -159,14 +159,14 @@ def test_drives_are_values(drive: Drive) -> None:
     assert hash(drive.replace()) == hash(drive)
     changed = drive.replace(**changes(drive))
     assert changed != drive
-    assert changed.structure() == drive.structure()
+    assert changed.equation_structure() == drive.equation_structure()
 
 
 @every
 def test_structure_holds_no_number(drive: Drive) -> None:
     """The structure, by which equations are cached, does not depend on numbers."""
     other = drive.replace(**{name: value + 0.125 for name, value in drive.parameters().items()})
-    assert other.structure() == drive.structure()
+    assert other.equation_structure() == drive.equation_structure()
 
 
 @every
@@ -180,7 +180,7 @@ def test_unknown_fields_are_refused(drive: Drive) -> None:
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf, "1", None, True, [1.0], 1j])
 def test_every_number_is_checked(drive: Drive, bad: Any) -> None:
     """Whatever is not a finite number is refused, in each parameter, by its name."""
-    assert drive.parameters() or drive.piece_parameters
+    assert drive.parameters() or drive.piece_parameter_names
     for name in drive.parameters():
         with pytest.raises(InputError, match=f"^`{name}` must be"):
             drive.replace(**{name: bad})
@@ -189,11 +189,11 @@ def test_every_number_is_checked(drive: Drive, bad: Any) -> None:
 @every
 def test_batch_check_agrees_with_single_check(drive: Drive) -> None:
     """A batch marks as invalid exactly the values that a single drive refuses."""
-    assert drive.parameters() or drive.piece_parameters
+    assert drive.parameters() or drive.piece_parameter_names
     values = np.array([np.nan, np.inf, -1.0, -0.0, 0.0, 5e-324, 1.0, 1e308])
     for name in drive.parameters():
         expected = [refused(drive, name, value) for value in values]
-        assert drive.invalid({name: values}).tolist() == expected
+        assert drive.where_invalid({name: values}).tolist() == expected
 
 
 def refused(drive: Drive, name: str, value: float) -> bool:

@@ -69,7 +69,7 @@ def test_numbers_of_the_element_can_be_varied(element: Dissipation) -> None:
     """Each number of the element varied by `over` gives the single run, bit for bit."""
     body = rm.Actuator(dissipation=element)
     numbers = {k: v for k, v in body.parameters().items() if k.startswith("dissipation")}
-    assert f"dissipation.0.{element.strength_field}" in numbers
+    assert f"dissipation.0.{element.strength_field_name}" in numbers
     for name, value in numbers.items():
         over = {name: [value, 1.5 * value]}
         many = rm.simulate(body, DRIVE, times=[0.0, 3.0], over=over)
@@ -80,9 +80,9 @@ def test_numbers_of_the_element_can_be_varied(element: Dissipation) -> None:
 @every
 def test_nothing_is_lost_where_the_strength_is_zero(element: Dissipation) -> None:
     """An element without strength leaves the undamped motion, within the errors of both."""
-    name = f"dissipation.0.{element.strength_field}"
+    name = f"dissipation.0.{element.strength_field_name}"
     body = rm.Actuator(dissipation=element).with_parameter(name, 0.0)
-    assert not body.dissipative()
+    assert not body.where_dissipative()
     ds = rm.simulate(body, DRIVE, duration=10.0)
     plain = rm.simulate(rm.Actuator(), DRIVE, duration=10.0)
     assert float(abs(ds.stretch - plain.stretch).max()) <= float(ds.error + plain.error)

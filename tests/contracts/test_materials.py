@@ -17,7 +17,7 @@ import remanent as rm
 from remanent._errors import InputError
 from remanent._typing import FloatArray
 from remanent.codegen import reference
-from remanent.codegen.field import field_for
+from remanent.codegen.field import vector_field_for
 from remanent.models.materials.base import Material
 
 J = sp.Symbol("I1") - 3
@@ -44,11 +44,11 @@ def energy(material: Material, l1: Any, l2: Any, **changed: Any) -> Any:
 def acceleration(material: Material, stretch: Any, rate: Any, m: Any, **fields: Any) -> FloatArray:
     """From the compiled equations, evaluated with NumPy; arrays (point,)."""
     actuator, drive = rm.Actuator(material=material, c=0.3), rm.Constant(0.0)
-    field = field_for(actuator, drive)
+    field = vector_field_for(actuator, drive)
     own = {**actuator.parameters(), **drive.parameters(), **fields, "m": m}
-    rows = np.broadcast_arrays(stretch, rate, *(own[name] for name in field.parameters))
+    rows = np.broadcast_arrays(stretch, rate, *(own[name] for name in field.parameter_names))
     columns = np.array(rows, dtype=np.float64).T
-    return reference.rates(field, 0.0, columns[:, :2], columns[:, 2:], np.empty(0))[:, 1]
+    return reference.evaluate_rates(field, 0.0, columns[:, :2], columns[:, 2:], np.empty(0))[:, 1]
 
 
 # The undeformed state -------------------------------------------------------------------
@@ -86,11 +86,13 @@ def test_undeformed_is_the_only_minimum_nearby(material: Material) -> None:
 def test_energy_keeps_its_digits_near_rest(material: Material) -> None:
     """W = 6 d^2 (1 + O(d)) at l = 1 + d, to nine digits at d = 1e-6."""
     actuator, drive = rm.Actuator(material=material), rm.Constant(0.0)
-    field = field_for(actuator, drive)
+    field = vector_field_for(actuator, drive)
     row = np.array([[*actuator.parameters().values(), 0.0]])
     sizes = []
     for d in (1e-6, -1e-6):
-        seen = reference.observables(field, 0.0, np.array([[1.0 + d, 0.0]]), row, np.empty(0))
+        seen = reference.evaluate_observables(
+            field, 0.0, np.array([[1.0 + d, 0.0]]), row, np.empty(0)
+        )
         sizes.append(float(seen["energy"][0]) / 6e-12)
     assert np.mean(sizes) == pytest.approx(1.0, abs=1e-9)
 
@@ -169,7 +171,7 @@ def test_materials_are_values(material: Material) -> None:
     for name, value in material.parameters().items():
         changed = material.replace(**{name: 0.9 * value})
         assert changed.parameters() == {**material.parameters(), name: 0.9 * value}
-        assert changed.structure() == material.structure()
+        assert changed.equation_structure() == material.equation_structure()
 
 
 @every
@@ -189,7 +191,7 @@ def test_batch_check_agrees_with_single_check(material: Material) -> None:
     values = np.array([np.nan, -np.inf, -1e3, -1.0, 0.0, 0.5, 1.0, 1.5, 40.0, 1e300])
     for name in material.parameters():
         expected = [refused(material, name, value) for value in values]
-        assert material.invalid({name: values}).tolist() == expected
+        assert material.where_invalid({name: values}).tolist() == expected
 
 
 def refused(material: Material, name: str, value: float) -> bool:

@@ -20,7 +20,7 @@ import remanent as rm
 from remanent._errors import InputError
 from remanent._typing import FloatArray
 from remanent.codegen import reference
-from remanent.codegen.field import field_for
+from remanent.codegen.field import vector_field_for
 from remanent.results import provenance
 
 DRIVE = rm.SineSquared(0.4, 1.25)
@@ -69,10 +69,10 @@ def orbit(name: str) -> xr.Dataset:
 def mean_trace(name: str) -> float:
     """Mean divergence of the flow along the orbit: complex steps, trapezoidal rule."""
     body, phase = BODIES[name], np.arange(256) / 256
-    field = field_for(body, DRIVE)
+    field = vector_field_for(body, DRIVE)
     own = {n: np.full(256, v) for n, v in (body.parameters() | DRIVE.parameters()).items()}
-    p = np.column_stack([own[n] for n in field.parameters])
-    u = DRIVE.timeline(own, np.full(256, PERIOD)).waveform(phase)
+    p = np.column_stack([own[n] for n in field.parameter_names])
+    u = DRIVE.timeline(own, np.full(256, PERIOD)).waveforms_at_phase(phase)
     path = rm.simulate(
         body, DRIVE, times=phase * PERIOD, initial=orbit(name).initial, tolerance=1e-11
     )
@@ -80,7 +80,7 @@ def mean_trace(name: str) -> float:
     for k in range(len(field.state_names)):
         y: Any = np.column_stack([path[n].values for n in field.state_names]).astype(complex)
         y[:, k] += 1e-30j
-        rate: Any = reference.rates(field, phase, y, p, u)[:, k]
+        rate: Any = reference.evaluate_rates(field, phase, y, p, u)[:, k]
         total += float(rate.imag.mean()) / 1e-30
     return total
 

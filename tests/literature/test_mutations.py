@@ -70,11 +70,11 @@ def test_a_mutated_equation_moves_a_resonance(
     mutate: Callable[[Any, Any, Any], Any], right: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Each wrong term in the acceleration moves a resonance by more than the agreement."""
-    original = lagrange.accelerations
+    original = lagrange.solve_accelerations
 
     def mutated(motion: Motion) -> lagrange.Accelerations:
         solution = original(motion)
-        (a,) = solution.coordinates
+        (a,) = solution.coordinate_accelerations
         for symbol, meaning in reversed(list(solution.definitions.items())):
             a = a.subs(symbol, meaning)
         a = motion.eliminate_thickness(a)
@@ -84,9 +84,9 @@ def test_a_mutated_equation_moves_a_resonance(
         thickness = sp.diff(x**-2, x) * changed + sp.diff(x**-2, x, 2) * v**2
         return lagrange.Accelerations({}, (changed,), thickness)
 
-    monkeypatch.setattr(lagrange, "accelerations", mutated)
+    monkeypatch.setattr(lagrange, "solve_accelerations", mutated)
     field = codegen_build.build_field(rm.Actuator(), rm.SineSquared(0.4, 1.0))
-    monkeypatch.setattr(layout, "field_for", lambda *_: field)
+    monkeypatch.setattr(layout, "vector_field_for", lambda *_: field)
     assert np.nanmax(np.abs(resonances(rm.Actuator()) - right)) > SEEN
 
 

@@ -83,7 +83,7 @@ def smooth_load(drive: Drive, begin: float) -> Callable[[float], float]:
     if not isinstance(drive, PiecewiseDrive):
         return lambda t: float(drive(t))
     piece = int(np.searchsorted(drive.times, begin, side="right")) - 1
-    a0, a1, a2, a3 = drive.coefficients()[:, piece].tolist()
+    a0, a1, a2, a3 = drive.piece_coefficients()[:, piece].tolist()
     start = drive.times[piece]
     return lambda t: a0 + (t - start) * (a1 + (t - start) * (a2 + (t - start) * a3))
 

@@ -9,7 +9,7 @@ import sympy as sp
 
 from remanent.derivation import block, lagrange
 from remanent.derivation.derive import derive
-from remanent.derivation.readable import equations, second_order
+from remanent.derivation.readable import equations, second_order_equations
 from remanent.derivation.symbols import parameter_symbol, time_derivative
 from remanent.models import heat
 from remanent.models.actuator import Actuator
@@ -79,7 +79,7 @@ def test_readable_equations_of_branches_and_heat() -> None:
     """Internal variables and temperature have equations and symbols of their own."""
     body = blocks(2).replace(dissipation=Zener(0.5, 2.0), heat=Heat())
     shown = equations(body)
-    assert [str(e.lhs) for e in shown.internal][-1] == "body_temperature'"
+    assert [str(e.lhs) for e in shown.first_order][-1] == "body_temperature'"
     assert len(shown.second_order) == 2
     for letter in (r"\xi_1", r"\mu_v", "t_r", r"T_\infty", r"\lambda_3"):
         assert letter in shown.latex
@@ -96,8 +96,8 @@ def test_long_formulas_are_shown_as_they_are_written() -> None:
 def test_kinetic_and_potential_energy_are_those_of_the_lagrangian() -> None:
     """L = M v^2/2 - V is 3/2 of the energies per 8 H L^2 mu, up to a constant."""
     motion = block.build_motion(Actuator(), Constant(0.1))
-    potential = written_out(motion.potential, motion).subs(PLAIN)
-    kinetic = motion.eliminate_thickness(motion.kinetic)
+    potential = written_out(motion.potential_energy, motion).subs(PLAIN)
+    kinetic = motion.eliminate_thickness(motion.kinetic_energy)
     bracket = T / T0 * (STRETCH**2 / 2 + STRETCH**-4 / 4) - S * STRETCH - M * STRETCH**-2 / 2
     difference = sp.Rational(3, 2) * potential - 3 * bracket
     assert sp.simplify(sp.diff(difference, STRETCH)) == 0
@@ -212,7 +212,7 @@ def test_caloric_energy_is_that_of_a_constant_heat_capacity() -> None:
     """-T d2/dT2 of rho c_p [T - T0 - T ln(T/T0)] is rho c_p; at T0 it vanishes, and so
     does its slope."""
     theta, k = sp.symbols("theta k", positive=True)
-    energy = heat.caloric_energy(theta, k, sp)
+    energy = heat.caloric_free_energy(theta, k, sp)
     assert sp.simplify(-theta * sp.diff(energy, theta, 2) - 1 / k) == 0
     assert energy.subs(theta, 1) == 0
     assert sp.diff(energy, theta).subs(theta, 1) == 0
@@ -243,8 +243,8 @@ def test_lagrange_equations_of_two_stretches() -> None:
     """M and f against the energies on the page of two directions, along a motion."""
     motion = block.build_motion(Actuator(edges=(1.0, 2.0)), Constant(0.1))
     kinetic, potential = (
-        motion.eliminate_thickness(motion.kinetic),
-        motion.eliminate_thickness(motion.potential),
+        motion.eliminate_thickness(motion.kinetic_energy),
+        motion.eliminate_thickness(motion.potential_energy),
     )
     tau = sp.Symbol("tau")
     path = [sp.Function(f"q{i}", positive=True)(tau) for i in (1, 2)]
@@ -252,7 +252,9 @@ def test_lagrange_equations_of_two_stretches() -> None:
     on_path |= dict(zip(motion.rates, (sp.diff(q, tau) for q in path), strict=True))
     dotted = {sp.Symbol(f"{v.name}'", real=True): sp.diff(on_path[v], tau) for v in motion.rates}
     assert len(motion.coordinates) == 2
-    for q, v, row in zip(motion.coordinates, motion.rates, second_order(motion), strict=True):
+    for q, v, row in zip(
+        motion.coordinates, motion.rates, second_order_equations(motion), strict=True
+    ):
         momentum = sp.diff(kinetic, v).subs(on_path)
         force = sp.diff(kinetic - potential, q).subs(on_path)
         expected = 3 * (sp.diff(momentum, tau) - force)
@@ -290,7 +292,7 @@ def test_accelerations_solve_lagranges_equations(element: Dissipation, weighted:
     """The short form that is computed is M^-1 f of the long one that is shown."""
     for actuator in (blocks(1), blocks(2).replace(edges=(1.0, 2.0) if weighted else None)):
         motion = block.build_motion(actuator.replace(dissipation=element), Constant(0.1))
-        system = lagrange.first_order_form(motion)
+        system = lagrange.build_first_order_form(motion)
         mass, force = lagrange.mass_matrix_and_force(motion)
         n = len(motion.coordinates)
         solved = sp.Matrix([written_out(system.rates[2 * i + 1], system) for i in range(n)])

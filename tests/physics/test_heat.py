@@ -81,7 +81,7 @@ def test_the_rate_of_temperature_is_the_one_written_out() -> None:
     """rho c_p T' = (T/T0) d(f Psi_s + psi_v)/dt + D - h (T - T_env) - T alpha d(m x)/dt."""
     actuator = rm.Actuator(heat=rm.Heat(), dissipation=rm.Zener(0.5, 0.8), magnet=rm.Magnet(-1e-3))
     motion = block.build_motion(actuator, rm.Sine(0.3, 1.0))
-    system = lagrange.first_order_form(motion)
+    system = lagrange.build_first_order_form(motion)
     rates = dict(zip(system.state_symbols, system.rates, strict=True))
     symbols = {s.name: s for s in system.state_symbols}
     x, v = symbols["stretch"], symbols["stretch_rate"]
@@ -94,7 +94,8 @@ def test_the_rate_of_temperature_is_the_one_written_out() -> None:
     stored = p["material.entropic_fraction"] * (2 * x**2 + x**-4 - 3) / 2 + spring
     drive = rm.Sine(0.3, 1.0)
     m, m_rate = (
-        loads_in_symbols(laws, drive)[LOAD] for laws in (drive.load_laws, drive.load_rates)
+        loads_in_symbols(laws, drive)[LOAD]
+        for laws in (drive.loads_by_name, drive.load_rates_by_name)
     )
     field = m_rate * x**-2 - 2 * m * x**-3 * v
     warmed = sp.diff(stored, x) * v + sp.diff(stored, xi) * xi * flow
@@ -111,7 +112,7 @@ def test_the_rate_of_temperature_is_the_one_written_out() -> None:
 def test_entropy_is_minus_the_slope_of_the_free_energy() -> None:
     """At rest and without field s = ln(theta)/k, that of a constant heat capacity."""
     theta, k = sp.symbols("theta k", positive=True)
-    assert sp.simplify(-sp.diff(heat.caloric_energy(theta, k, sp), theta)) == sp.log(theta) / k
+    assert sp.simplify(-sp.diff(heat.caloric_free_energy(theta, k, sp), theta)) == sp.log(theta) / k
 
 
 def test_energetic_rubber_does_not_warm() -> None:

@@ -11,7 +11,7 @@ import pytest
 import remanent as rm
 from remanent._field import Field, Role, StateVariable
 from remanent.codegen import reference
-from remanent.codegen.field import field_for
+from remanent.codegen.field import vector_field_for
 from remanent.integrate.variations import (
     field_with_integrals,
     field_with_tangents,
@@ -35,24 +35,28 @@ every = pytest.mark.parametrize("actuator", ACTUATORS.values(), ids=ACTUATORS.ke
 @every
 def test_nothing_moves_at_rest(actuator: rm.Actuator) -> None:
     """Without loads, all rates vanish where each state variable has its value at rest."""
-    field = field_for(actuator, DRIVE)
+    field = vector_field_for(actuator, DRIVE)
     p = {**actuator.parameters(), **DRIVE.parameters()}
     y = np.array([[float(v.value_at_rest(p)) for v in field.variables]])
-    rows = np.array([[p[name] for name in field.parameters]])
-    np.testing.assert_allclose(reference.rates(field, 0.0, y, rows, np.empty(0)), 0.0, atol=1e-15)
+    rows = np.array([[p[name] for name in field.parameter_names]])
+    np.testing.assert_allclose(
+        reference.evaluate_rates(field, 0.0, y, rows, np.empty(0)), 0.0, atol=1e-15
+    )
 
 
 @every
 def test_every_coordinate_has_its_rate(actuator: rm.Actuator) -> None:
     """The rate of a coordinate is the state variable of that role that belongs to it."""
-    field = field_for(actuator, DRIVE)
+    field = vector_field_for(actuator, DRIVE)
     assert len(field.indices_of_roles(Role.COORDINATE)) == actuator.coordinate_count
     state = np.random.default_rng(1).uniform(0.9, 1.1, (1, len(field.state_names)))
     p = {**actuator.parameters(), **DRIVE.parameters()}
-    rows = np.array([[p[name] for name in field.parameters]])
-    rates = reference.rates(field, 0.0, state, rows, np.empty(0))[0]
+    rows = np.array([[p[name] for name in field.parameter_names]])
+    rates = reference.evaluate_rates(field, 0.0, state, rows, np.empty(0))[0]
     for name in field.names_of_roles(Role.COORDINATE):
-        (rate,) = (n for n in field.belonging_to(name) if field.variable(n).role is Role.RATE)
+        (rate,) = (
+            n for n in field.names_belonging_to(name) if field.state_variable(n).role is Role.RATE
+        )
         assert rates[field.state_names.index(name)] == state[0, field.state_names.index(rate)]
 
 
@@ -73,15 +77,15 @@ def test_the_roles_of_a_full_state() -> None:
         for i in (1, 2)
     )
     warmth = StateVariable("body_temperature", Role.TEMPERATURE, "temperature", positive=True)
-    field = field_for(ACTUATORS["everything"], DRIVE)
+    field = vector_field_for(ACTUATORS["everything"], DRIVE)
     assert field.variables == (*stretches, *springs, warmth)
-    assert field.loads == ("load",)
+    assert field.load_names == ("load",)
 
 
 @every
 def test_roles_survive_storage_and_enter_the_fingerprint(actuator: rm.Actuator) -> None:
     """JSON keeps variables as they are; another value at rest makes another field."""
-    field = field_for(actuator, DRIVE)
+    field = vector_field_for(actuator, DRIVE)
     assert Field.from_json(field.to_json()).variables == field.variables
     first = replace(field.variables[0], rest=2.0)
     changed = replace(field, variables=(first, *field.variables[1:]))
@@ -97,7 +101,7 @@ def test_roles_survive_storage_and_enter_the_fingerprint(actuator: rm.Actuator) 
 )
 def test_what_a_variable_names_exists(wrong: dict[str, Any]) -> None:
     """A partner is a state variable, and a name in `rest` is a parameter."""
-    field = field_for(rm.Actuator(), DRIVE)
+    field = vector_field_for(rm.Actuator(), DRIVE)
     first = replace(field.variables[0], **wrong)
     with pytest.raises(ValueError, match="does not exist"):
         replace(field, variables=(first, *field.variables[1:]))
@@ -105,7 +109,7 @@ def test_what_a_variable_names_exists(wrong: dict[str, Any]) -> None:
 
 def test_variations_are_marked() -> None:
     """Derivatives and differences of the state belong to what they vary; integrals to nothing."""
-    both = field_for(ACTUATORS["two coordinates"], DRIVE)
+    both = vector_field_for(ACTUATORS["two coordinates"], DRIVE)
     tangents = field_with_tangents(both, directions=2).variables[len(both.state_names) :]
     assert [v.belongs_to for v in tangents] == 2 * [*both.state_names]
     difference = transverse_field(

@@ -31,7 +31,7 @@ def test_negative_outputs(name: str) -> None:
     make, expected, length = NEGATED[name]
     instructions = InstructionBuilder(["a", "b", "c"])
     value = make(instructions, [instructions.input(letter) for letter in "abc"])
-    program = instructions.program([minus(value)])
+    program = instructions.build_program([minus(value)])
     assert program([A, B, C], functions=np) == [expected]
     assert len(program.instructions) == length
 
@@ -40,7 +40,7 @@ def test_a_division_is_not_done_twice_for_a_sign() -> None:
     """Negating 1/a anew for a second output would cost more than a negation."""
     instructions = InstructionBuilder(["a", "b"])
     inverse = instructions.div(instructions.constant(1.0), instructions.input("a"))
-    program = instructions.program([inverse, minus(inverse)])
+    program = instructions.build_program([inverse, minus(inverse)])
     assert [step[0] for step in program.instructions] == ["div", "neg"]
 
 
@@ -53,14 +53,14 @@ def test_signs_in_sums_products_and_powers(signs: tuple[int, int]) -> None:
     results += [instructions.power(a, 2), instructions.power(a, 3)]
     x, y = signs[0] * A, signs[1] * B
     expected = [x + y, x * y, x / y, x**2, x**3]
-    assert instructions.program(results)([A, B], functions=np) == expected
+    assert instructions.build_program(results)([A, B], functions=np) == expected
 
 
 @pytest.mark.parametrize("exponent", range(1, 20))
 def test_powers(exponent: int) -> None:
     """A power has its value, with at most two multiplications for each bit of the exponent."""
     instructions = InstructionBuilder(["a"])
-    program = instructions.program([instructions.power(instructions.input("a"), exponent)])
+    program = instructions.build_program([instructions.power(instructions.input("a"), exponent)])
     assert program([A], functions=np) == [A**exponent]
     assert len(program.instructions) <= 2 * exponent.bit_length() - 2
 
@@ -70,6 +70,6 @@ def test_values_that_no_output_needs_are_left_out() -> None:
     instructions = InstructionBuilder(["a", "b"])
     instructions.mul(instructions.input("a"), instructions.constant(3.0))
     kept = instructions.add(instructions.input("a"), instructions.input("b"))
-    program = instructions.program([kept, kept])
+    program = instructions.build_program([kept, kept])
     assert (len(program.instructions), program.constants) == (1, ())
     assert program([A, B], functions=np) == [A + B] * 2

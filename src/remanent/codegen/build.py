@@ -23,10 +23,10 @@ def build_field(system: System, drive: Drive) -> Field:
     parameters = (
         *system.parameters(),
         *drive.parameters(),
-        *drive.piece_parameters,
+        *drive.piece_parameter_names,
     )
     inputs = ("drive_phase", *state, *parameters, *drive.waveform_names)
-    levels = _level_of_symbol(form, parameters, drive)
+    levels = _dependence_level_of_symbol(form, parameters, drive)
 
     def program(*outputs: Any, **options: Any) -> Program:
         return lower_to_program(
@@ -39,17 +39,17 @@ def build_field(system: System, drive: Drive) -> Field:
 
     return Field(
         variables=form.variables,
-        loads=form.loads,
-        parameters=parameters,
+        load_names=form.load_names,
+        parameter_names=parameters,
         waveform_names=drive.waveform_names,
-        rates=program(*form.rates, admissibility=form.admissibility),
-        observable=form.observable,
+        rates=program(*form.rates, admissibility_conditions=form.admissibility_conditions),
+        observable_name=form.observable_name,
         observable_and_rates=program(*form.observable_and_rates),
         observables={name: program(e, as_written=True) for name, e in form.observables.items()},
     )
 
 
-def _level_of_symbol(
+def _dependence_level_of_symbol(
     form: FirstOrderForm, parameters: tuple[str, ...], drive: Drive
 ) -> dict[Symbol, DependenceLevel]:
     """What each input varies with."""

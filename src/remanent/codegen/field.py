@@ -15,7 +15,7 @@ from remanent import _cache
 from remanent._errors import InputError
 from remanent._field import Field
 from remanent.models.drives.base import Drive
-from remanent.models.parts import Structure
+from remanent.models.parts import EquationStructure
 from remanent.models.system import System
 
 #: The family of entries in the cache.
@@ -24,12 +24,12 @@ _CACHE_KIND: Final = "fields"
 _fields_by_fingerprint: Final[dict[str, Field]] = {}
 
 
-def field_for(system: System, drive: Drive) -> Field:
+def vector_field_for(system: System, drive: Drive) -> Field:
     """The vector field of a system under a drive, with what is observed of it.
 
     Only the form of the equations matters, never a number: the numeric fields of both
     are the parameters of the field, in the order of ``system.parameters()``,
-    ``drive.parameters()`` and ``drive.piece_parameters``.  SymPy is imported only if
+    ``drive.parameters()`` and ``drive.piece_parameter_names``.  SymPy is imported only if
     the field is neither in memory nor in the cache.
 
     Raises
@@ -45,7 +45,7 @@ def field_for(system: System, drive: Drive) -> Field:
             why="Every load in the equations of motion needs a law in time.",
             fix="Pass a drive for each load.",
         )
-    structure = (system.structure(), drive.structure())
+    structure = (system.equation_structure(), drive.equation_structure())
     if not _has_only_own_classes(structure):
         return _derive_field(system, drive)
     key = structure_fingerprint(structure)
@@ -56,7 +56,7 @@ def field_for(system: System, drive: Drive) -> Field:
     return _fields_by_fingerprint[key]
 
 
-def structure_fingerprint(structure: Structure) -> str:
+def structure_fingerprint(structure: EquationStructure) -> str:
     """A digest of what a field depends on: the structure and this package's code."""
     text = json.dumps([structure, *_version_and_source_digest()])
     return hashlib.sha256(text.encode()).hexdigest()
@@ -83,12 +83,12 @@ def _store_in_cache(key: str, field: Field) -> Field:
     return field
 
 
-def _has_only_own_classes(structure: Structure) -> bool:
+def _has_only_own_classes(structure: EquationStructure) -> bool:
     """Whether every class in `structure` is this package's; others may change unseen."""
     return all(name.startswith("remanent.") for name in _class_names(structure))
 
 
-def _class_names(structure: Structure) -> Iterator[str]:
+def _class_names(structure: EquationStructure) -> Iterator[str]:
     for item in structure:
         if isinstance(item, tuple):
             yield from _class_names(item)

@@ -60,7 +60,7 @@ def lower_to_program(
     levels: Mapping[Symbol, DependenceLevel],
     definitions: Mapping[Symbol, Expression],
     as_written: bool = False,
-    admissibility: Sequence[Expression] = (),
+    admissibility_conditions: Sequence[Expression] = (),
 ) -> Program:
     """The program that computes `outputs`.
 
@@ -77,16 +77,18 @@ def lower_to_program(
     as_written
         Compute the expressions as they are written instead of bringing what depends
         on the state to quotients of expanded polynomials.
-    admissibility
+    admissibility_conditions
         Where one of these is negative, every output that is not just an input is NaN.
     """
     translator = _Translator(InstructionBuilder(inputs), levels, definitions)
     plain = [sp.sympify(output) for output in outputs]
     if as_written:
-        return translator.instructions.program([translator.value_as_written(e) for e in plain])
-    limits = [sp.sympify(e) for e in admissibility]
+        return translator.instructions.build_program(
+            [translator.value_as_written(e) for e in plain]
+        )
+    limits = [sp.sympify(e) for e in admissibility_conditions]
     values = translator.values_with_shared_divisions([*plain, *limits])[: len(plain)]
-    structured = translator.instructions.program(
+    structured = translator.instructions.build_program(
         translator.nan_where_inadmissible(limits, plain, values)
     )
     # Of few state variables the normal form may be cheaper: everything is written out as
@@ -106,7 +108,7 @@ def lower_to_program(
     translator = _Translator(InstructionBuilder(inputs), levels, meanings)
     limits = [_substitute_definitions(e, inner) for e in limits]
     values = translator.nan_where_inadmissible(limits, plain, translator.rational_values(rational))
-    return min(translator.instructions.program(values), structured, key=program_cost)
+    return min(translator.instructions.build_program(values), structured, key=program_cost)
 
 
 def _substitute_definitions(
@@ -152,15 +154,18 @@ class _Translator:
 
     def nan_where_inadmissible(
         self,
-        admissibility: Sequence[Expression],
+        admissibility_conditions: Sequence[Expression],
         expressions: Sequence[Expression],
         values: Sequence[SignedValue],
     ) -> list[SignedValue]:
-        """Values of expressions, NaN where not all of `admissibility` is positive.
+        """Values of expressions, NaN where not all of `admissibility_conditions` is positive.
 
         The root of a negative number is NaN, and so is its difference from itself.
         """
-        roots = [self.instructions.call("sqrt", self.value_as_written(e)) for e in admissibility]
+        roots = [
+            self.instructions.apply_function("sqrt", self.value_as_written(e))
+            for e in admissibility_conditions
+        ]
         if not roots:
             return list(values)
         zero_or_nan = self._sum(self.instructions.add(r, (-r[0], r[1])) for r in roots)
@@ -307,14 +312,14 @@ class _Translator:
 
     def _function_value(self, expression: Expression) -> SignedValue:
         if expression is sp.pi:  # as 4 atan(1), which any kind of numbers can do
-            quarter = self.instructions.call("atan", self.instructions.constant(1.0))
+            quarter = self.instructions.apply_function("atan", self.instructions.constant(1.0))
             return self.instructions.mul(self.instructions.constant(4.0), quarter)
         inside = expression.args[-1]
         if isinstance(expression, Unexpanded):
             return self.value_as_written(inside)
         if expression.func is sp.log and inside.as_coeff_Add()[0] == 1:
             return self._log_near_one(inside - 1)
-        return self.instructions.call(
+        return self.instructions.apply_function(
             _INSTRUCTION_OF_FUNCTION[expression.func], self.value_as_written(inside)
         )
 
@@ -328,7 +333,7 @@ class _Translator:
         rounded_y = self.instructions.add(u, (-1, unity[1]))
         rounding = self.instructions.add(y, (-rounded_y[0], rounded_y[1]))
         correction = self.instructions.div(rounding, u)
-        return self.instructions.add(self.instructions.call("log", u), correction)
+        return self.instructions.add(self.instructions.apply_function("log", u), correction)
 
     def _symbol_value(self, symbol: Symbol) -> SignedValue:
         if symbol in self._definitions:
@@ -406,7 +411,7 @@ class _Translator:
         if exponent.is_Integer:
             return self.instructions.power(self.value_as_written(base), int(exponent))
         if (2 * exponent).is_Integer:
-            root = self.instructions.call("sqrt", self.value_as_written(base))
+            root = self.instructions.apply_function("sqrt", self.value_as_written(base))
             return self.instructions.power(root, int(2 * exponent))
         return self.value_as_written(sp.exp(exponent * sp.log(base), evaluate=False))
 

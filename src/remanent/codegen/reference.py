@@ -11,7 +11,9 @@ from remanent._field import Field, Program
 from remanent._typing import ArrayLike, FloatArray
 
 
-def rates(field: Field, phase: ArrayLike, y: FloatArray, p: FloatArray, u: ArrayLike) -> FloatArray:
+def evaluate_rates(
+    field: Field, phase: ArrayLike, y: FloatArray, p: FloatArray, u: ArrayLike
+) -> FloatArray:
     """Rates of the state variables.
 
     Parameters
@@ -23,7 +25,7 @@ def rates(field: Field, phase: ArrayLike, y: FloatArray, p: FloatArray, u: Array
     y : array (trajectory, state)
         States.
     p : array (trajectory, parameter)
-        Parameters, in the order of ``field.parameters``.
+        Parameters, in the order of ``field.parameter_names``.
     u : array (waveform,) or (waveform, trajectory)
         Waveforms of the drive at that phase.
 
@@ -34,14 +36,14 @@ def rates(field: Field, phase: ArrayLike, y: FloatArray, p: FloatArray, u: Array
     return _evaluate_program(field, field.rates, phase, y, p, u)
 
 
-def observable_and_rates(
+def evaluate_observable_and_rates(
     field: Field, phase: ArrayLike, y: FloatArray, p: FloatArray, u: ArrayLike
 ) -> FloatArray:
     """The watched observable, two rates, and the sign of the first: array (trajectory, 4)."""
     return _evaluate_program(field, field.observable_and_rates, phase, y, p, u)
 
 
-def observables(
+def evaluate_observables(
     field: Field, phase: ArrayLike, y: FloatArray, p: FloatArray, u: ArrayLike
 ) -> dict[str, FloatArray]:
     """Every observable by name, arrays (trajectory,).
@@ -49,8 +51,8 @@ def observables(
     Parameters
     ----------
     field, phase, y, p, u
-        The vector field, and phase, states, parameters and waveforms, as :func:`rates` takes
-        them.
+        The vector field, and phase, states, parameters and waveforms, as :func:`evaluate_rates`
+        takes them.
     """
     return {
         name: _evaluate_program(field, program, phase, y, p, u)[:, 0]
@@ -61,7 +63,7 @@ def observables(
 def _evaluate_program(
     field: Field, program: Program, phase: ArrayLike, y: FloatArray, p: FloatArray, u: ArrayLike
 ) -> FloatArray:
-    if y.shape[1:] != (len(field.state_names),) or p.shape != (len(y), len(field.parameters)):
+    if y.shape[1:] != (len(field.state_names),) or p.shape != (len(y), len(field.parameter_names)):
         raise ValueError(f"shapes {y.shape} and {p.shape} do not fit {field.input_names}")
     values = [np.asarray(phase), *y.T, *p.T, *np.asarray(u)]
     columns = program(values, functions=np)

@@ -14,14 +14,14 @@ import sympy as sp
 from remanent.derivation.energy_balance import assemble_heat_balance
 from remanent.derivation.motion import Energies, EnergyTerm, HeatBalance, Motion
 from remanent.derivation.symbols import (
-    AREA,
+    AREA_STRETCH,
     BODY_TEMPERATURE,
-    EFFECTIVE_LOAD,
     LOAD,
+    LOAD_AT_TEMPERATURE,
     STIFFNESS_RATIO,
     TEMPERATURE_RATIO,
-    THICKNESS,
-    THICKNESS_RATE,
+    THICKNESS_STRETCH,
+    THICKNESS_STRETCH_RATE,
     Expression,
     Symbol,
     coordinate_symbols,
@@ -49,53 +49,61 @@ def build_motion(actuator: Actuator, drive: Drive | None) -> Motion:
     # Of one coordinate both stretches are the same symbol, so that energies are written once.
     pair, pair_rates = (q[0], q[-1]), (v[0], v[-1])
     elements = [
-        _dissipative_element(f"dissipation.{i}", part, (*pair, THICKNESS), pair_rates, actuator, p)
+        _build_dissipative_element(
+            f"dissipation.{i}", part, (*pair, THICKNESS_STRETCH), pair_rates, actuator, p
+        )
         for i, part in enumerate(actuator.dissipative_elements())
     ]
-    energies = _potential_energies(actuator, pair, elements, p)
+    energies = _build_potential_energies(actuator, pair, elements, p)
     geometry = {
-        AREA: pair[0] * pair[1],
-        THICKNESS: 1 / AREA,
-        THICKNESS_RATE: -(THICKNESS**2) * (pair_rates[0] * pair[1] + pair_rates[1] * pair[0]),
+        AREA_STRETCH: pair[0] * pair[1],
+        THICKNESS_STRETCH: 1 / AREA_STRETCH,
+        THICKNESS_STRETCH_RATE: -(THICKNESS_STRETCH**2)
+        * (pair_rates[0] * pair[1] + pair_rates[1] * pair[0]),
     }
-    admissibility = actuator.material.admissibility(
-        *pair, THICKNESS, part_parameters("material", p), sp
+    admissibility_conditions = actuator.material.admissibility_conditions(
+        *pair, THICKNESS_STRETCH, part_parameters("material", p), sp
     )
     return Motion(
         coordinates=q,
         rates=v,
         kinetic_weights=(*_kinetic_weights(actuator, p), p["c"]),
         energies=energies,
-        rayleigh=sum((e.rayleigh for e in elements), start=sp.Integer(0)),
+        rayleigh_function=sum((e.rayleigh_function for e in elements), start=sp.Integer(0)),
         internal_rates={xi: rate for e in elements for xi, rate in e.internal_rates.items()},
         relaxes_to={xi: stretch for e in elements for xi, stretch in e.relaxes_to.items()},
         load=LOAD,
         theta=TEMPERATURE_RATIO,
-        definitions=_definitions(actuator, drive, p) | geometry,
-        admissibility=tuple(admissibility),
-        heat_balance=_heat_balance(actuator, drive, p, energies),
+        definitions=_temperature_and_load_definitions(actuator, drive, p) | geometry,
+        admissibility_conditions=tuple(admissibility_conditions),
+        heat_balance=_build_heat_balance(actuator, drive, p, energies),
     )
 
 
-def _potential_energies(
+def _build_potential_energies(
     actuator: Actuator,
     pair: tuple[Symbol, Symbol],
     elements: Sequence[_DissipativeElement],
     p: Mapping[str, Symbol],
 ) -> Energies:
     """The parts of the potential energy."""
-    stretches = (*pair, THICKNESS)
+    stretches = (*pair, THICKNESS_STRETCH)
     strain = actuator.material.energy(*stretches, part_parameters("material", p), sp)
     edges = (*_edge_ratios(actuator, p), sp.sqrt(p["c"]))
-    self_field = actuator.magnet.self_energy(stretches, edges, part_parameters("magnet", p), sp)
+    self_field = actuator.magnet.energy_in_own_field(
+        stretches, edges, part_parameters("magnet", p), sp
+    )
     work = sum(
-        s * (stretch - 1) for s, stretch in zip(_parameter_pair(p, "prestress"), pair, strict=True)
+        s * (stretch - 1)
+        for s, stretch in zip(_parameter_symbol_pair(p, "prestress"), pair, strict=True)
     )
     return Energies(
         strain=EnergyTerm(
             STIFFNESS_RATIO, strain if actuator.material.expand_energy else Unexpanded(strain)
         ),
-        field=EnergyTerm(1, actuator.magnet.energy(EFFECTIVE_LOAD, THICKNESS)),
+        applied_field=EnergyTerm(
+            1, actuator.magnet.energy_in_applied_field(LOAD_AT_TEMPERATURE, THICKNESS_STRETCH)
+        ),
         dead_loads=EnergyTerm(1, -work),
         self_field=EnergyTerm(
             Unexpanded(_remanence_ratio(actuator, p) ** 2), Unexpanded(self_field)
@@ -108,13 +116,13 @@ def _potential_energies(
 class _DissipativeElement:
     """Rayleigh's function, stored energy and rates of internal variables of an element."""
 
-    rayleigh: Expression
+    rayleigh_function: Expression
     stored_energy: Expression
     internal_rates: Mapping[Symbol, Expression]
     relaxes_to: Mapping[Symbol, Symbol]
 
 
-def _dissipative_element(
+def _build_dissipative_element(
     prefix: str,
     part: Dissipation,
     stretches: Sequence[Symbol],
@@ -125,37 +133,37 @@ def _dissipative_element(
     """One dissipative element; equal stretches share one internal variable per kind."""
     suffixes = ("", "") if actuator.coordinate_count == 1 else ("_1", "_2")
     symbols, directions = [], []
-    for kind in part.internal_variables:
+    for kind in part.internal_variable_kinds:
         for suffix, stretch in zip(suffixes, stretches[:2], strict=True):
             symbols.append(sp.Symbol(f"{prefix}.{kind}{suffix}", positive=True))
             directions.append(stretch)
-    temperature, reference = body_temperature(actuator), p["reference_temperature"]
-    numbers = part.at_temperature(temperature, reference, part_parameters(prefix, p), sp)
+    temperature, reference = body_temperature_symbol(actuator), p["reference_temperature"]
+    numbers = part.parameters_at_temperature(temperature, reference, part_parameters(prefix, p), sp)
     internal_rates = part.internal_rates(stretches, symbols, TEMPERATURE_RATIO, numbers)
     return _DissipativeElement(
-        rayleigh=sp.sympify(part.rayleigh(stretches, rates, numbers)),
+        rayleigh_function=sp.sympify(part.rayleigh_function(stretches, rates, numbers)),
         stored_energy=sp.sympify(part.stored_energy(stretches, symbols, numbers)),
         internal_rates=dict(zip(symbols, internal_rates, strict=True)),
         relaxes_to=dict(zip(symbols, directions, strict=True)),
     )
 
 
-def _definitions(
+def _temperature_and_load_definitions(
     actuator: Actuator, drive: Drive | None, p: Mapping[str, Symbol]
 ) -> dict[Symbol, Expression]:
     """Temperature ratio, stiffness, load, and load with the remanence at temperature."""
     fraction = p["material.entropic_fraction"]
     definitions = {
-        TEMPERATURE_RATIO: body_temperature(actuator) / p["reference_temperature"],
-        STIFFNESS_RATIO: heat.entropic_stiffness(TEMPERATURE_RATIO, fraction),
+        TEMPERATURE_RATIO: body_temperature_symbol(actuator) / p["reference_temperature"],
+        STIFFNESS_RATIO: heat.entropic_stiffness_ratio(TEMPERATURE_RATIO, fraction),
     }
     if drive is not None:
-        definitions[LOAD] = loads_in_symbols(drive.load_laws, drive)[LOAD]
-    definitions[EFFECTIVE_LOAD] = _remanence_ratio(actuator, p) * LOAD
+        definitions[LOAD] = loads_in_symbols(drive.loads_by_name, drive)[LOAD]
+    definitions[LOAD_AT_TEMPERATURE] = _remanence_ratio(actuator, p) * LOAD
     return definitions
 
 
-def _heat_balance(
+def _build_heat_balance(
     actuator: Actuator, drive: Drive | None, p: Mapping[str, Symbol], energies: Energies
 ) -> HeatBalance | None:
     """The heat balance: factors of the energies in terms of theta, and the load itself."""
@@ -163,8 +171,8 @@ def _heat_balance(
         return None
     fraction = p["material.entropic_fraction"]
     of_theta = {
-        STIFFNESS_RATIO: heat.entropic_stiffness(TEMPERATURE_RATIO, fraction),
-        body_temperature(actuator): TEMPERATURE_RATIO * p["reference_temperature"],
+        STIFFNESS_RATIO: heat.entropic_stiffness_ratio(TEMPERATURE_RATIO, fraction),
+        body_temperature_symbol(actuator): TEMPERATURE_RATIO * p["reference_temperature"],
     }
     return assemble_heat_balance(
         energies,
@@ -172,30 +180,36 @@ def _heat_balance(
         p=p,
         in_field=EnergyTerm(
             _remanence_ratio(actuator, p).subs(of_theta),
-            energies.field.energy.subs(EFFECTIVE_LOAD, LOAD),
+            energies.applied_field.energy.subs(LOAD_AT_TEMPERATURE, LOAD),
         ),
-        load_rate=None if drive is None else loads_in_symbols(drive.load_rates, drive)[LOAD],
+        load_rate=None
+        if drive is None
+        else loads_in_symbols(drive.load_rates_by_name, drive)[LOAD],
     )
 
 
 def _remanence_ratio(actuator: Actuator, p: Mapping[str, Symbol]) -> Expression:
     """B_r(T)/B_r(T0)."""
-    temperature, reference = body_temperature(actuator), p["reference_temperature"]
-    return actuator.magnet.remanence(temperature, reference, part_parameters("magnet", p))
+    temperature, reference = body_temperature_symbol(actuator), p["reference_temperature"]
+    return actuator.magnet.remanence_ratio(temperature, reference, part_parameters("magnet", p))
 
 
-def body_temperature(actuator: Actuator) -> Symbol:
+def body_temperature_symbol(actuator: Actuator) -> Symbol:
     """The symbol of T: a state where there is a heat balance, else a numeric field."""
     return parameter_symbol("temperature") if actuator.heat is None else BODY_TEMPERATURE
 
 
-def _parameter_pair(p: Mapping[str, Symbol], name: str) -> tuple[Symbol, Symbol]:
+def _parameter_symbol_pair(p: Mapping[str, Symbol], name: str) -> tuple[Symbol, Symbol]:
     return (p[name], p[name]) if name in p else (p[f"{name}_1"], p[f"{name}_2"])
 
 
 def _edge_ratios(actuator: Actuator, p: Mapping[str, Symbol]) -> tuple[Expression, Expression]:
     """L1/L and L2/L."""
-    return (sp.Integer(1), sp.Integer(1)) if actuator.edges is None else _parameter_pair(p, "edges")
+    return (
+        (sp.Integer(1), sp.Integer(1))
+        if actuator.edges is None
+        else _parameter_symbol_pair(p, "edges")
+    )
 
 
 def _kinetic_weights(actuator: Actuator, p: Mapping[str, Symbol]) -> tuple[Expression, ...]:

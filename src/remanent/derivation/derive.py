@@ -44,4 +44,4 @@ def derive(system: object, drive: Drive) -> FirstOrderForm:  # noqa: ARG001
 
 @derive.register
 def _(system: Actuator, drive: Drive) -> FirstOrderForm:
-    return lagrange.first_order_form(block.build_motion(system, drive))
+    return lagrange.build_first_order_form(block.build_motion(system, drive))

@@ -17,8 +17,8 @@ from remanent.derivation.motion import Energies, EnergyTerm, HeatBalance, Motion
 from remanent.derivation.symbols import (
     BODY_TEMPERATURE,
     TEMPERATURE_RATIO,
-    THICKNESS,
-    THICKNESS_RATE,
+    THICKNESS_STRETCH,
+    THICKNESS_STRETCH_RATE,
     Expression,
     Symbol,
     time_derivative,
@@ -55,7 +55,7 @@ def assemble_heat_balance(
     """
     coupling, exchange = p["heat.coupling"], p["heat.exchange"]
     mechanical = (energies.strain, energies.self_field, *energies.viscous)
-    caloric = EnergyTerm(heat.caloric_energy(TEMPERATURE_RATIO, coupling, sp), sp.Integer(1))
+    caloric = EnergyTerm(heat.caloric_free_energy(TEMPERATURE_RATIO, coupling, sp), sp.Integer(1))
     return HeatBalance(
         temperature=BODY_TEMPERATURE,
         reference_temperature=p["reference_temperature"],
@@ -81,7 +81,9 @@ def dissipated_power(motion: Motion) -> Expression:
 
 def dashpot_power(motion: Motion) -> Expression:
     """The part of it from dashpots that lie in parallel: sum of q' dD/dq'."""
-    return sum((v * sp.diff(motion.rayleigh, v) for v in motion.rates), start=sp.Integer(0))
+    return sum(
+        (v * sp.diff(motion.rayleigh_function, v) for v in motion.rates), start=sp.Integer(0)
+    )
 
 
 def temperature_rate(
@@ -127,7 +129,7 @@ def _rates_without_temperature(
 ) -> dict[Symbol, Expression]:
     """Rates of everything on which the free energy depends beside the temperature."""
     remaining = {k: v for k, v in rates.items() if k != balance.temperature}
-    remaining[THICKNESS] = THICKNESS_RATE
+    remaining[THICKNESS_STRETCH] = THICKNESS_STRETCH_RATE
     if balance.load_rate is not None:
         remaining[motion.load] = balance.load_rate
     return remaining
@@ -169,10 +171,10 @@ def stored_energy_and_powers(
     """
     if motion.heat_balance is not None:
         return _internal_energy_and_flows(motion, motion.heat_balance, rates)
-    in_field = motion.energies.field.energy
+    in_field = motion.energies.applied_field.energy
     return {
-        "stored_energy": motion.kinetic + motion.potential - in_field,
-        "drive_power": -time_derivative(in_field, {THICKNESS: THICKNESS_RATE}),
+        "stored_energy": motion.kinetic_energy + motion.potential_energy - in_field,
+        "drive_power": -time_derivative(in_field, {THICKNESS_STRETCH: THICKNESS_STRETCH_RATE}),
         "dissipated_power": dissipated_power(motion),
     }
 
@@ -197,7 +199,7 @@ def _internal_energy_and_flows(
     load_rate = all_rates.pop(load, sp.Integer(0))
     dead_loads = motion.energies.dead_loads.energy
     return {
-        "stored_energy": motion.kinetic
+        "stored_energy": motion.kinetic_energy
         + dead_loads
         + _internal_energy(balance.free_energy_terms, theta),
         "drive_power": theta

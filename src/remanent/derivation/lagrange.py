@@ -12,46 +12,51 @@ from remanent._field import Role, StateVariable
 from remanent.derivation.energy_balance import stored_energy_and_powers, temperature_rate
 from remanent.derivation.motion import FirstOrderForm, Motion
 from remanent.derivation.symbols import (
-    AREA,
-    THICKNESS,
-    THICKNESS_RATE,
+    AREA_STRETCH,
+    THICKNESS_STRETCH,
+    THICKNESS_STRETCH_RATE,
     Expression,
     Symbol,
     time_derivative,
 )
 
 
-def first_order_form(motion: Motion) -> FirstOrderForm:
+def build_first_order_form(motion: Motion) -> FirstOrderForm:
     """Solve Lagrange's equations for the accelerations and list all rates."""
-    solution = accelerations(motion)
+    solution = solve_accelerations(motion)
     rates: dict[Symbol, Expression] = {}
-    pairs = zip(motion.coordinates, motion.rates, solution.coordinates, strict=True)
+    pairs = zip(motion.coordinates, motion.rates, solution.coordinate_accelerations, strict=True)
     for coordinate, rate, acceleration in pairs:
         rates[coordinate], rates[rate] = rate, acceleration
     rates |= motion.internal_rates
     if motion.heat_balance is not None:
         rates |= temperature_rate(motion, motion.heat_balance, rates)
-    rate_sign = _same_sign_without_division(motion.eliminate_thickness(THICKNESS_RATE))
+    rate_sign = _same_sign_without_division(motion.eliminate_thickness(THICKNESS_STRETCH_RATE))
     return FirstOrderForm(
         state_symbols=tuple(rates),
-        variables=tuple(_state_variable(symbol, motion) for symbol in rates),
-        loads=(motion.load.name,),
+        variables=tuple(_describe_state_variable(symbol, motion) for symbol in rates),
+        load_names=(motion.load.name,),
         definitions={**motion.definitions, **solution.definitions},
         rates=tuple(rates.values()),
-        observable="thickness_stretch",
-        observable_and_rates=(THICKNESS, THICKNESS_RATE, solution.thickness, rate_sign),
+        observable_name="thickness_stretch",
+        observable_and_rates=(
+            THICKNESS_STRETCH,
+            THICKNESS_STRETCH_RATE,
+            solution.thickness_acceleration,
+            rate_sign,
+        ),
         observables={
-            "thickness_stretch": THICKNESS,
-            "thickness_stretch_rate": THICKNESS_RATE,
-            "energy": motion.kinetic + motion.potential,
+            "thickness_stretch": THICKNESS_STRETCH,
+            "thickness_stretch_rate": THICKNESS_STRETCH_RATE,
+            "energy": motion.kinetic_energy + motion.potential_energy,
             motion.load.name: motion.load,
             **stored_energy_and_powers(motion, rates),
         },
-        admissibility=motion.admissibility,
+        admissibility_conditions=motion.admissibility_conditions,
     )
 
 
-def _state_variable(symbol: Symbol, motion: Motion) -> StateVariable:
+def _describe_state_variable(symbol: Symbol, motion: Motion) -> StateVariable:
     """What a state variable is: all stretches are 1 at rest, the body as warm as its surroundings.
 
     Stretches and absolute temperatures are positive, which their symbols know.
@@ -85,18 +90,18 @@ class Accelerations:
     ----------
     definitions
         What the intermediate symbols stand for, in order.
-    coordinates
+    coordinate_accelerations
         q_i'' of each coordinate.
-    thickness
+    thickness_acceleration
         Acceleration of the thickness stretch.
     """
 
     definitions: Mapping[Symbol, Expression]
-    coordinates: tuple[Expression, ...]
-    thickness: Expression
+    coordinate_accelerations: tuple[Expression, ...]
+    thickness_acceleration: Expression
 
 
-def accelerations(motion: Motion) -> Accelerations:
+def solve_accelerations(motion: Motion) -> Accelerations:
     """Solve Lagrange's equations for the accelerations.
 
     With weights w_i, the thickness stretch x(q) as a further stretch of weight c, g_i =
@@ -111,17 +116,17 @@ def accelerations(motion: Motion) -> Accelerations:
     c = motion.kinetic_weights[-1]
     # Symbols have the letters of the equations above.  SymPy sorts sums and products by names,
     # so these names also decide the order of the instructions, and with it the last digits.
-    g, a = _gradient_symbols(motion), _force_symbols(motion)
+    g, a = _thickness_gradient_symbols(motion), _force_symbols(motion)
     force, convective, resistance = sp.Symbol("F"), sp.Symbol("K"), sp.Symbol("Y")
     inertia, inverse_inertia = sp.Symbol("inertia"), sp.Symbol("inverse_inertia")
     definitions: dict[Symbol, Expression] = {}
-    x_rate = motion.definitions[THICKNESS_RATE]
+    x_rate = motion.definitions[THICKNESS_STRETCH_RATE]
     for g_i, a_i, coordinate, rate in zip(g, a, motion.coordinates, motion.rates, strict=True):
         definitions[g_i] = sp.diff(x_rate, rate)
         definitions[a_i] = -3 * (
-            _potential_slope(motion, coordinate) + sp.diff(motion.rayleigh, rate)
+            _potential_slope(motion, coordinate) + sp.diff(motion.rayleigh_function, rate)
         )
-    definitions[force] = 3 * _potential_slope(motion, THICKNESS)
+    definitions[force] = 3 * _potential_slope(motion, THICKNESS_STRETCH)
     definitions[convective] = _convective_acceleration(motion)
     definitions[resistance] = force + c * convective
     # Each acceleration is its numerator over the determinant.
@@ -144,10 +149,10 @@ def accelerations(motion: Motion) -> Accelerations:
             + w_1 * w_2 * convective
         )
     # The gradients are x^2 times a stretch: in units of x^4 the determinant is a polynomial.
-    definitions[inertia] = _determinant_over_fourth_power(
+    definitions[inertia] = _determinant_over_thickness_power_four(
         determinant.subs({k: definitions[k] for k in g})
     )
-    definitions[inverse_inertia] = AREA**4 / inertia
+    definitions[inverse_inertia] = AREA_STRETCH**4 / inertia
     return Accelerations(
         definitions,
         tuple(inverse_inertia * numerator for numerator in numerators),
@@ -155,7 +160,7 @@ def accelerations(motion: Motion) -> Accelerations:
     )
 
 
-def _gradient_symbols(motion: Motion) -> list[Symbol]:
+def _thickness_gradient_symbols(motion: Motion) -> list[Symbol]:
     """g_i = dx/dq_i."""
     return [sp.Symbol(f"g_{i + 1}") for i in range(len(motion.coordinates))]
 
@@ -165,18 +170,18 @@ def _force_symbols(motion: Motion) -> list[Symbol]:
     return [sp.Symbol(f"A_{i + 1}") for i in range(len(motion.coordinates))]
 
 
-def _determinant_over_fourth_power(determinant: Expression) -> Expression:
+def _determinant_over_thickness_power_four(determinant: Expression) -> Expression:
     """The determinant over x^4, the area being 1/x."""
-    constant = determinant.subs(THICKNESS, 0)
-    rest = sp.factor_terms(sp.expand((determinant - constant) / THICKNESS**4))
-    return constant * AREA**4 + rest
+    constant = determinant.subs(THICKNESS_STRETCH, 0)
+    rest = sp.factor_terms(sp.expand((determinant - constant) / THICKNESS_STRETCH**4))
+    return constant * AREA_STRETCH**4 + rest
 
 
 def _convective_acceleration(motion: Motion) -> Expression:
     """K, the acceleration of the thickness stretch without accelerations in the plane."""
     rates = dict(zip(motion.coordinates, motion.rates, strict=True))
-    rates[THICKNESS] = THICKNESS_RATE
-    return sp.factor_terms(time_derivative(motion.definitions[THICKNESS_RATE], rates))
+    rates[THICKNESS_STRETCH] = THICKNESS_STRETCH_RATE
+    return sp.factor_terms(time_derivative(motion.definitions[THICKNESS_STRETCH_RATE], rates))
 
 
 def _potential_slope(motion: Motion, stretch: Symbol) -> Expression:
@@ -193,22 +198,22 @@ def mass_matrix_and_force(motion: Motion) -> tuple[Any, Any]:
     Equation: d/dtau dT/dq' - dT/dq + dU/dq + dD/dq' = 0 [Thermal, eq. 8].
     """
     q, v = motion.coordinates, motion.rates
-    kinetic = motion.eliminate_thickness(motion.kinetic)
-    potential = motion.eliminate_thickness(motion.potential)
+    kinetic = motion.eliminate_thickness(motion.kinetic_energy)
+    potential = motion.eliminate_thickness(motion.potential_energy)
     momenta = [sp.diff(kinetic, rate) for rate in v]
     mass = sp.Matrix([[sp.diff(momentum, rate) for rate in v] for momentum in momenta])
     force = sp.Matrix(
         [
             sp.diff(kinetic - potential, q[i])
-            - sp.diff(motion.rayleigh, v[i])
-            - _convective_derivative(momentum, q, v)
+            - sp.diff(motion.rayleigh_function, v[i])
+            - _convective_momentum_rate(momentum, q, v)
             for i, momentum in enumerate(momenta)
         ]
     )
     return mass, force
 
 
-def _convective_derivative(
+def _convective_momentum_rate(
     momentum: Expression, q: Sequence[Symbol], v: Sequence[Symbol]
 ) -> Expression:
     """The part of a momentum's time derivative that has no accelerations."""

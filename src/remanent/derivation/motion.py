@@ -12,9 +12,9 @@ import sympy as sp
 
 from remanent._field import StateVariable
 from remanent.derivation.symbols import (
-    AREA,
-    THICKNESS,
-    THICKNESS_RATE,
+    AREA_STRETCH,
+    THICKNESS_STRETCH,
+    THICKNESS_STRETCH_RATE,
     Expression,
     Symbol,
 )
@@ -50,7 +50,7 @@ class Energies:
     ----------
     strain
         Strain energy of the elastomer, times mu(T)/mu(T0).
-    field
+    applied_field
         Energy of the magnet in the applied field, with the load at temperature.
     dead_loads
         Minus the work of the dead loads.
@@ -61,13 +61,19 @@ class Energies:
     """
 
     strain: EnergyTerm
-    field: EnergyTerm
+    applied_field: EnergyTerm
     dead_loads: EnergyTerm
     self_field: EnergyTerm
     viscous: tuple[EnergyTerm, ...]
 
     def __iter__(self) -> Iterator[EnergyTerm]:
-        yield from (self.strain, self.field, self.dead_loads, self.self_field, *self.viscous)
+        yield from (
+            self.strain,
+            self.applied_field,
+            self.dead_loads,
+            self.self_field,
+            *self.viscous,
+        )
 
 
 @dataclass(frozen=True)
@@ -123,7 +129,7 @@ class Motion:
         T = (sum of weight rate^2)/6.
     energies
         The parts of the potential energy.
-    rayleigh
+    rayleigh_function
         Rayleigh's dissipation function.
     internal_rates
         Rate of each internal variable.
@@ -133,7 +139,7 @@ class Motion:
         Symbols of the magnetic load and of T/T0.
     definitions
         What symbols stand for that are neither parameters nor states, in order.
-    admissibility
+    admissibility_conditions
         What is positive in the states that the material can reach.
     heat_balance
         The heat balance; None where temperature is held.
@@ -143,23 +149,23 @@ class Motion:
     rates: tuple[Symbol, ...]
     kinetic_weights: tuple[Expression, ...]
     energies: Energies
-    rayleigh: Expression
+    rayleigh_function: Expression
     internal_rates: Mapping[Symbol, Expression]
     relaxes_to: Mapping[Symbol, Symbol]
     load: Symbol
     theta: Symbol
     definitions: Mapping[Symbol, Expression]
-    admissibility: tuple[Expression, ...] = ()
+    admissibility_conditions: tuple[Expression, ...] = ()
     heat_balance: HeatBalance | None = None
 
     @property
-    def kinetic(self) -> Expression:
+    def kinetic_energy(self) -> Expression:
         """Kinetic energy: T = (w1 l1'^2 + w2 l2'^2 + c l3'^2)/6."""
-        rates = (*self.rates, THICKNESS_RATE)
+        rates = (*self.rates, THICKNESS_STRETCH_RATE)
         return sum((w * v**2 for w, v in zip(self.kinetic_weights, rates, strict=True))) / 6
 
     @property
-    def potential(self) -> Expression:
+    def potential_energy(self) -> Expression:
         """Potential energy."""
         return sum(term.product for term in self.energies)
 
@@ -171,7 +177,7 @@ class Motion:
 
     def eliminate_thickness(self, expression: Expression) -> Expression:
         """The expression in coordinates and rates, without the thickness stretch."""
-        for symbol in (THICKNESS_RATE, THICKNESS, AREA):
+        for symbol in (THICKNESS_STRETCH_RATE, THICKNESS_STRETCH, AREA_STRETCH):
             expression = sp.sympify(expression).subs(symbol, self.definitions[symbol])
         return expression
 
@@ -187,7 +193,7 @@ class Motion:
         if energy.has(sp.Function):
             return energy.func(*map(self.in_principal_stretches, energy.args))
         q = self.coordinates
-        factor, rest = energy.as_independent(*q, THICKNESS, as_Add=False)
+        factor, rest = energy.as_independent(*q, THICKNESS_STRETCH, as_Add=False)
         terms = sp.Add.make_args(sp.expand(self.eliminate_thickness(rest)))
         return factor * sum(_with_thickness_powers(term, q) for term in terms)
 
@@ -205,7 +211,7 @@ def _with_thickness_powers(term: Expression, q: Sequence[Symbol]) -> Expression:
         k = max(0, *map(sp.ceiling, below))
     else:  # powers in symbols, which stand for positive numbers here
         k = 0 if len(below) > 1 or min(below).could_extract_minus_sign() else min(below)
-    return term * sp.Mul(*(symbol ** (powers_in_area * k) for symbol in q)) * THICKNESS**k
+    return term * sp.Mul(*(symbol ** (powers_in_area * k) for symbol in q)) * THICKNESS_STRETCH**k
 
 
 @dataclass(frozen=True)
@@ -218,30 +224,30 @@ class FirstOrderForm:
         Symbols of the state variables.
     variables
         Their names, roles and values at rest.
-    loads
+    load_names
         Names of the loads, each of which is an observable too.
     definitions
         Intermediate symbols and what each stands for, in terms of states, parameters,
         waveforms, the phase and earlier definitions.
     rates
         Rate of each state variable.
-    observable
+    observable_name
         Name of the quantity whose extremes are followed, among the observables.
     observable_and_rates
         That quantity (the thickness stretch), its rate, its acceleration, and something with
         the sign of the rate.
     observables
         Further quantities by name.
-    admissibility
+    admissibility_conditions
         What is positive in the states that the material can reach.
     """
 
     state_symbols: tuple[Symbol, ...]
     variables: tuple[StateVariable, ...]
-    loads: tuple[str, ...]
+    load_names: tuple[str, ...]
     definitions: Mapping[Symbol, Expression]
     rates: tuple[Expression, ...]
-    observable: str
+    observable_name: str
     observable_and_rates: tuple[Expression, ...]
     observables: Mapping[str, Expression]
-    admissibility: tuple[Expression, ...] = ()
+    admissibility_conditions: tuple[Expression, ...] = ()

@@ -26,7 +26,7 @@ class Equations:
     second_order
         SymPy equations, one for each coordinate: M q'' + ... = 0, scaled so that for
         one coordinate it is [Thermal, eq. 16].
-    internal
+    first_order
         SymPy equations for the rates of internal variables, and of the temperature where
         that is a state.
     definitions
@@ -36,7 +36,7 @@ class Equations:
     """
 
     second_order: tuple[Expression, ...]
-    internal: tuple[Expression, ...]
+    first_order: tuple[Expression, ...]
     definitions: tuple[Expression, ...]
     latex: str
 
@@ -80,9 +80,9 @@ def equations(system: System) -> Equations:
             fix="Pass for example rm.Actuator().",
         )
     motion = block.build_motion(system, None)
-    rows = second_order(motion)
+    rows = second_order_equations(motion)
     rates = {**motion.internal_rates, **_temperature_rate(motion)}
-    internal = tuple(sp.Eq(dotted_symbol(k), e, evaluate=False) for k, e in rates.items())
+    internal = tuple(sp.Eq(time_derivative_symbol(k), e, evaluate=False) for k, e in rates.items())
     definitions = tuple(sp.Eq(k, e, evaluate=False) for k, e in motion.definitions.items())
     lines = [_equation_latex(e, motion) for e in (*rows, *internal, *definitions)]
     return Equations(rows, internal, definitions, _join_latex_lines(lines))
@@ -96,7 +96,7 @@ def _temperature_rate(motion: Motion) -> dict[Expression, Expression]:
     return temperature_rate(motion, motion.heat_balance, rates)
 
 
-def second_order(motion: Motion) -> tuple[Expression, ...]:
+def second_order_equations(motion: Motion) -> tuple[Expression, ...]:
     """Lagrange's equations M q'' - f = 0, times 3/2 for equal stretches, 3 otherwise.
 
     [Thermal, eq. 16] is Lagrange's equation of the energies per 8 H L^2 mu, where the
@@ -104,7 +104,7 @@ def second_order(motion: Motion) -> tuple[Expression, ...]:
     """
     mass, force = mass_matrix_and_force(motion)
     scale = sp.Rational(3, 2) if len(motion.coordinates) == 1 else sp.Integer(3)
-    accelerations = sp.Matrix([dotted_symbol(rate) for rate in motion.rates])
+    accelerations = sp.Matrix([time_derivative_symbol(rate) for rate in motion.rates])
     residuals = mass * accelerations - force
     return tuple(sp.Eq(_expand_sum(scale * row), 0, evaluate=False) for row in residuals)
 
@@ -126,7 +126,7 @@ _LATEX_OF_NAME = {
 }
 
 
-def dotted_symbol(symbol: Symbol) -> Symbol:
+def time_derivative_symbol(symbol: Symbol) -> Symbol:
     """The symbol of a time derivative."""
     return sp.Symbol(f"{symbol.name}'", real=True)
 
@@ -169,16 +169,16 @@ def _latex_of_motion_name(motion: Motion) -> dict[str, str]:
         index = f"_{i}" if len(motion.coordinates) > 1 else ""
         letters[stretch.name] = rf"\lambda{index}"
         letters[rate.name] = rf"{{\lambda{index}'}}"
-        letters[dotted_symbol(rate).name] = rf"{{\lambda{index}''}}"
+        letters[time_derivative_symbol(rate).name] = rf"{{\lambda{index}''}}"
         letters["prestress" + index] = f"S{index}"
     return letters
 
 
 def _latex_of_symbol(equation: Expression, names: dict[str, str]) -> dict[Expression, str]:
-    return {s: names.get(s.name, _field_latex(s.name)) for s in equation.free_symbols}
+    return {s: names.get(s.name, _latex_of_field_name(s.name)) for s in equation.free_symbols}
 
 
-def _field_latex(name: str) -> str:
+def _latex_of_field_name(name: str) -> str:
     """For ``dissipation.0.eta`` the letter eta with the index 0."""
     words = name.split(".")
     letter = _LATEX_OF_NAME.get(words[-1].rstrip("'"))

@@ -17,11 +17,11 @@ Symbol = Any
 #: Phase of the drive in [0, 1), or the fraction of the current piece of the load.
 DRIVE_PHASE = sp.Symbol("drive_phase", real=True)
 #: The product of the in-plane stretches, one over the thickness stretch.
-AREA = sp.Symbol("area", positive=True)
+AREA_STRETCH = sp.Symbol("area", positive=True)
 #: The thickness stretch, which incompressibility makes 1/area.
-THICKNESS = sp.Symbol("thickness", positive=True)
+THICKNESS_STRETCH = sp.Symbol("thickness", positive=True)
 #: Rate of the thickness stretch.
-THICKNESS_RATE = sp.Symbol("thickness_rate", real=True)
+THICKNESS_STRETCH_RATE = sp.Symbol("thickness_rate", real=True)
 #: theta = T/T0.
 TEMPERATURE_RATIO = sp.Symbol("theta", positive=True)
 #: mu(T)/mu(T0), the factor of the strain energy.
@@ -29,7 +29,7 @@ STIFFNESS_RATIO = sp.Symbol("stiffness", positive=True)
 #: The magnetic load m.
 LOAD = sp.Symbol("load", real=True)
 #: The magnetic load with the remanence at temperature, m B_r(T)/B_r(T0).
-EFFECTIVE_LOAD = sp.Symbol("effective_load", real=True)
+LOAD_AT_TEMPERATURE = sp.Symbol("effective_load", real=True)
 #: T of the body, a state where there is a heat balance.
 BODY_TEMPERATURE = sp.Symbol("body_temperature", positive=True)
 
@@ -64,9 +64,9 @@ def loads_in_symbols(
     Parameters
     ----------
     laws
-        ``drive.load_laws`` or ``drive.load_rates``.
+        ``drive.loads_by_name`` or ``drive.load_rates_by_name``.
     """
-    names = (*drive.parameters(), *drive.piece_parameters)
+    names = (*drive.parameters(), *drive.piece_parameter_names)
     p = {name: parameter_symbol(name) for name in names}
     u = {name: waveform_symbol(name) for name in drive.waveform_names}
     return {

@@ -9,7 +9,7 @@ from typing import Any, Self
 import numpy as np
 
 from remanent._field import Field, Program
-from remanent._roots import find_root
+from remanent._roots import find_roots
 from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.integrate.ensemble import dense
 from remanent.integrate.ensemble.ensemble import ProgressCallback, integrate
@@ -146,7 +146,7 @@ class _CrossingFinder:
         program = observable_derivatives(problem.field, name, problem.field.state_names)
         if _depends_on_drive(program, problem.field):
             raise ValueError(f"{name} depends on the drive itself, not only on the state")
-        return cls(problem.field, problem.timeline.waveform, program, value, tolerance)
+        return cls(problem.field, problem.timeline.waveforms_at_phase, program, value, tolerance)
 
     def find_in_window(self, window: StepWindow) -> Crossings | None:
         """The crossings in a window."""
@@ -239,7 +239,7 @@ class _WindowSteps:
         """The passage in each of the steps, between two fractions of it."""
         # The root at the beginning of a step that starts on the value is none.
         start = np.nextafter(low, 1.0, where=low == 0.0, out=low.copy())
-        root = find_root(
+        root = find_roots(
             lambda s, k: self.evaluate_at(s, k)[0],
             (start, high),
             args=(self.consecutive_numbers,),
@@ -261,7 +261,7 @@ class _WindowSteps:
         side : array (trajectory, step)
             Sign of the observable less the value at the beginning of each step.
         """
-        turn = find_root(
+        turn = find_roots(
             lambda s, k: self.evaluate_at(s, k)[1],
             (np.zeros(self.count), np.ones(self.count)),
             args=(self.consecutive_numbers,),

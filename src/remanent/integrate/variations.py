@@ -65,7 +65,7 @@ def field_with_tangents(field: Field, *, directions: int, parameters: Sequence[s
         for rate in rates:
             slope = rate.slopes[k] or into.constant(0.0)
             outputs.append(into.add(slope, rate.recorded_value) if itself else slope)
-    return _widened_field(field, added, into.program(outputs))
+    return _widened_field(field, added, into.build_program(outputs))
 
 
 def transverse_field(field: Field, pairs: Mapping[str, str]) -> Field:
@@ -95,7 +95,7 @@ def transverse_field(field: Field, pairs: Mapping[str, str]) -> Field:
     )
     variables = (*kept_variables, *added)
     state = tuple(variable.name for variable in variables)
-    inputs = ("drive_phase", *state, *field.parameters, *field.waveform_names)
+    inputs = ("drive_phase", *state, *field.parameter_names, *field.waveform_names)
     into = InstructionBuilder(inputs)
     first_of = {second: name for name, second in pairs.items()}
     values = []
@@ -112,11 +112,11 @@ def transverse_field(field: Field, pairs: Mapping[str, str]) -> Field:
     names = {name: first_of.get(name, name) for name in field.input_names}
     return Field(
         variables=variables,
-        loads=field.loads,
-        parameters=field.parameters,
+        load_names=field.load_names,
+        parameter_names=field.parameter_names,
         waveform_names=field.waveform_names,
-        rates=into.program(outputs),
-        observable=field.observable,
+        rates=into.build_program(outputs),
+        observable_name=field.observable_name,
         observable_and_rates=_program_with_inputs(field.observable_and_rates, inputs, names),
         observables={
             k: _program_with_inputs(p, inputs, names) for k, p in field.observables.items()
@@ -148,7 +148,7 @@ def field_with_integrals(field: Field, names: Sequence[str]) -> Field:
         for program in programs
         for rate in _run_with_duals(program, values, into, 0)
     ]
-    return _widened_field(field, added, into.program(outputs))
+    return _widened_field(field, added, into.build_program(outputs))
 
 
 def observable_derivatives(field: Field, name: str, variables: Sequence[str]) -> Program:
@@ -177,12 +177,20 @@ def observable_derivatives(field: Field, name: str, variables: Sequence[str]) ->
         value = values[field.input_names.index(name)]
     else:
         (value,) = _run_with_duals(field.observables[name], values, into, columns)
-    return into.program([value.recorded_value, *(s or into.constant(0.0) for s in value.slopes)])
+    return into.build_program(
+        [value.recorded_value, *(s or into.constant(0.0) for s in value.slopes)]
+    )
 
 
 def _widened_input_names(field: Field, added: Sequence[StateVariable]) -> tuple[str, ...]:
     names = (variable.name for variable in added)
-    return ("drive_phase", *field.state_names, *names, *field.parameters, *field.waveform_names)
+    return (
+        "drive_phase",
+        *field.state_names,
+        *names,
+        *field.parameter_names,
+        *field.waveform_names,
+    )
 
 
 def _run_with_duals(
@@ -199,11 +207,11 @@ def _widened_field(field: Field, added: tuple[StateVariable, ...], rates: Progra
     inputs = _widened_input_names(field, added)
     return Field(
         variables=(*field.variables, *added),
-        loads=field.loads,
-        parameters=field.parameters,
+        load_names=field.load_names,
+        parameter_names=field.parameter_names,
         waveform_names=field.waveform_names,
         rates=rates,
-        observable=field.observable,
+        observable_name=field.observable_name,
         observable_and_rates=_program_with_inputs(field.observable_and_rates, inputs),
         observables={
             name: _program_with_inputs(p, inputs) for name, p in field.observables.items()
@@ -309,33 +317,33 @@ class _DualFunctions:
 
     @staticmethod
     def sqrt(x: _Dual) -> _Dual:
-        root = x.instructions.call("sqrt", x.recorded_value)
+        root = x.instructions.apply_function("sqrt", x.recorded_value)
         return x.with_chain_rule(root, x.instructions.div(x.instructions.constant(0.5), root))
 
     @staticmethod
     def exp(x: _Dual) -> _Dual:
-        value = x.instructions.call("exp", x.recorded_value)
+        value = x.instructions.apply_function("exp", x.recorded_value)
         return x.with_chain_rule(value, value)
 
     @staticmethod
     def log(x: _Dual) -> _Dual:
         return x.with_chain_rule(
-            x.instructions.call("log", x.recorded_value),
+            x.instructions.apply_function("log", x.recorded_value),
             x.instructions.div(x.instructions.constant(1.0), x.recorded_value),
         )
 
     @staticmethod
     def sin(x: _Dual) -> _Dual:
         return x.with_chain_rule(
-            x.instructions.call("sin", x.recorded_value),
-            x.instructions.call("cos", x.recorded_value),
+            x.instructions.apply_function("sin", x.recorded_value),
+            x.instructions.apply_function("cos", x.recorded_value),
         )
 
     @staticmethod
     def cos(x: _Dual) -> _Dual:
         return x.with_chain_rule(
-            x.instructions.call("cos", x.recorded_value),
-            _negated(x.instructions.call("sin", x.recorded_value)),
+            x.instructions.apply_function("cos", x.recorded_value),
+            _negated(x.instructions.apply_function("sin", x.recorded_value)),
         )
 
     @staticmethod
@@ -344,4 +352,4 @@ class _DualFunctions:
         slope = x.instructions.div(
             one, x.instructions.add(one, x.instructions.mul(x.recorded_value, x.recorded_value))
         )
-        return x.with_chain_rule(x.instructions.call("atan", x.recorded_value), slope)
+        return x.with_chain_rule(x.instructions.apply_function("atan", x.recorded_value), slope)

@@ -21,8 +21,8 @@ from remanent.models.heat import Heat
 from remanent.models.magnet import Magnet
 from remanent.models.materials.base import Material
 from remanent.models.materials.named import NeoHookean
-from remanent.models.pairs import is_pair, numbered_pair
-from remanent.models.parts import Part, Structure, part_parameters
+from remanent.models.pairs import is_several_numbers, pair_by_numbered_names
+from remanent.models.parts import EquationStructure, Part, part_parameters
 from remanent.models.plausibility import warn_of_implausible_temperatures
 from remanent.models.scaling import Scales
 from remanent.models.temperature_shift import TemperatureShift
@@ -103,27 +103,27 @@ class Actuator:
         }
     )
     #: Fields that may be pairs; the numbers of a pair have their own names.
-    pair_fields: ClassVar[tuple[str, ...]] = ("prestress", "edges")
+    pairable_fields: ClassVar[tuple[str, ...]] = ("prestress", "edges")
 
     def __post_init__(self) -> None:
-        for name, values in self._numbers().items():
+        for name, values in self._own_numbers_by_field().items():
             numbers = [
                 _checks.require_real(full, value, self.rules[name])
                 for full, value in values.items()
             ]
             object.__setattr__(self, name, numbers[0] if name in values else tuple(numbers))
-        object.__setattr__(self, "dissipation", _as_elements(self.dissipation))
+        object.__setattr__(self, "dissipation", _as_dissipative_elements(self.dissipation))
         _checks.require_instance("material", self.material, Material, "NeoHookean()")
         _checks.require_instance("magnet", self.magnet, Magnet, "Magnet()")
         if self.heat is not None:
             _checks.require_instance("heat", self.heat, Heat, "Heat()")
         self.warn_if_implausible(self.parameters(), stacklevel=4)
-        _require_shifts(self)
+        _require_valid_shifts(self)
 
     @property
     def coordinate_count(self) -> int:
         """1 where both in-plane stretches are equal, else 2."""
-        return 2 if self.edges is not None or is_pair(self.prestress) else 1
+        return 2 if self.edges is not None or is_several_numbers(self.prestress) else 1
 
     @property
     def load_names(self) -> tuple[str, ...]:
@@ -135,11 +135,12 @@ class Actuator:
         """Whether there is nothing in the model by which energy could be lost."""
         return not self.dissipative_elements() and self.heat is None
 
-    def dissipative(self, values: Mapping[str, ArrayLike] | None = None) -> BoolArray:
+    def where_dissipative(self, values: Mapping[str, ArrayLike] | None = None) -> BoolArray:
         """Whether motion loses energy, for a batch of values of numeric fields or its own."""
         p: dict[str, Any] = {**self.parameters(), **(values or {})}
         strengths = [
-            f"dissipation.{i}.{e.strength_field}" for i, e in enumerate(self.dissipative_elements())
+            f"dissipation.{i}.{e.strength_field_name}"
+            for i, e in enumerate(self.dissipative_elements())
         ]
         if self.heat is not None:
             strengths.append("heat.exchange")
@@ -160,7 +161,7 @@ class Actuator:
         depends = name in varied or bool(np.any(np.asarray(coefficient) != 0.0))
         return self.heat is not None and depends
 
-    def _numbers(self) -> dict[str, dict[str, Any]]:
+    def _own_numbers_by_field(self) -> dict[str, dict[str, Any]]:
         """For each field that is no part of the model, its numbers under their names."""
         values = {name: getattr(self, name) for name in self.rules}
         if self.edges is None:
@@ -168,13 +169,15 @@ class Actuator:
         if self.coordinate_count == 1:
             return {name: {name: value} for name, value in values.items()}
         return {
-            name: numbered_pair(name, value) if name in self.pair_fields else {name: value}
+            name: pair_by_numbered_names(name, value)
+            if name in self.pairable_fields
+            else {name: value}
             for name, value in values.items()
         }
 
     def dissipative_elements(self) -> tuple[Dissipation, ...]:
         """The dissipative elements, one or several, as a tuple."""
-        return _as_elements(self.dissipation)
+        return _as_dissipative_elements(self.dissipation)
 
     def parts(self) -> dict[str, Part]:
         """Every part of the model by its dotted name."""
@@ -184,7 +187,11 @@ class Actuator:
 
     def parameters(self) -> dict[str, float]:
         """Value of every numeric field under its dotted name."""
-        single = {k: float(x) for values in self._numbers().values() for k, x in values.items()}
+        single = {
+            k: float(x)
+            for values in self._own_numbers_by_field().values()
+            for k, x in values.items()
+        }
         nested = {
             f"{prefix}.{name}": value
             for prefix, part in self.parts().items()
@@ -192,27 +199,35 @@ class Actuator:
         }
         return single | nested
 
-    def structure(self) -> Structure:
+    def equation_structure(self) -> EquationStructure:
         """What identifies the equations of motion: classes and choices, no numbers."""
         kind = type(self)
         shape = ("coordinates", self.coordinate_count, "edges", self.edges is not None)
         name = f"{kind.__module__}:{kind.__qualname__}"
-        return (name, shape, *((name, part.structure()) for name, part in self.parts().items()))
+        return (
+            name,
+            shape,
+            *((name, part.equation_structure()) for name, part in self.parts().items()),
+        )
 
     def parameter_rules(self) -> dict[str, Rule]:
         """Rule of every numeric field under its dotted name."""
         nested = {
             f"{prefix}.{name}": rule
             for prefix, part in self.parts().items()
-            for name, rule in part.numeric_rules().items()
+            for name, rule in part.parameter_rules().items()
         }
-        return {**self._field_rules(), **nested}
+        return {**self._own_number_rules(), **nested}
 
-    def _field_rules(self) -> dict[str, Rule]:
+    def _own_number_rules(self) -> dict[str, Rule]:
         """Rules of the numbers that are no part of the model."""
-        return {k: self.rules[name] for name, values in self._numbers().items() for k in values}
+        return {
+            k: self.rules[name]
+            for name, values in self._own_numbers_by_field().items()
+            for k in values
+        }
 
-    def invalid(self, values: Mapping[str, ArrayLike]) -> BoolArray:
+    def where_invalid(self, values: Mapping[str, ArrayLike]) -> BoolArray:
         """Where a batch of values of numeric fields breaks a rule.
 
         Parameters
@@ -221,19 +236,19 @@ class Actuator:
             Arrays by dotted name that broadcast against each other; other names are
             ignored.
         """
-        broken = _checks.is_rule_broken(self._field_rules(), values)
+        broken = _checks.where_rule_broken(self._own_number_rules(), values)
         for prefix, part in self.parts().items():
-            broken = broken | part.invalid(part_parameters(prefix, values))
+            broken = broken | part.where_invalid(part_parameters(prefix, values))
         p = {**self.parameters(), **values}
         temperature, reference = (
             np.asarray(p[name]) for name in ("temperature", "reference_temperature")
         )
-        for prefix, shift in self._shifts().items():
-            holds = shift.is_valid(temperature, reference, part_parameters(prefix, p))
+        for prefix, shift in self._temperature_shifts().items():
+            holds = shift.where_valid(temperature, reference, part_parameters(prefix, p))
             broken = broken | ~np.asarray(holds)
         return np.asarray(broken)
 
-    def _shifts(self) -> dict[str, TemperatureShift]:
+    def _temperature_shifts(self) -> dict[str, TemperatureShift]:
         """Every dependence of a viscosity on temperature by its dotted name."""
         return {
             f"{prefix}.{name}": inner
@@ -242,7 +257,9 @@ class Actuator:
             if isinstance(inner, TemperatureShift)
         }
 
-    def admissible(self, values: Mapping[str, ArrayLike], *coordinates: ArrayLike) -> BoolArray:
+    def where_admissible(
+        self, values: Mapping[str, ArrayLike], *coordinates: ArrayLike
+    ) -> BoolArray:
         """Where stretches lie within the limits of the material.
 
         Parameters
@@ -257,12 +274,12 @@ class Actuator:
         given = {k: np.asarray(v) for k, v in part_parameters("material", values).items()}
         p = self.material.parameters() | given
         with np.errstate(all="ignore"):
-            conditions = self.material.admissibility(l1, l2, 1.0 / (l1 * l2), p, np)
+            conditions = self.material.admissibility_conditions(l1, l2, 1.0 / (l1 * l2), p, np)
             met = [np.asarray(condition > 0.0) for condition in conditions]
         everywhere = np.ones(np.broadcast_shapes(l1.shape, l2.shape), dtype=np.bool_)
         return np.asarray(reduce(np.logical_and, met, everywhere))
 
-    def describe_limits(self) -> str:
+    def describe_coordinate_limits(self) -> str:
         """What limits the stretches, as a noun in a message."""
         return f"the limiting chain extension of {self.material!r}"
 
@@ -278,7 +295,7 @@ class Actuator:
     def with_parameter(self, name: str, value: float) -> Self:
         """A copy with one numeric field, given by its dotted name, changed."""
         _checks.require_known_names([name], self.parameters(), "the actuator and its parts")
-        for field_name, values in self._numbers().items():
+        for field_name, values in self._own_numbers_by_field().items():
             if name in values:
                 numbers = tuple({**values, name: value}.values())
                 return self.replace(**{field_name: numbers[0] if field_name == name else numbers})
@@ -365,7 +382,7 @@ class Actuator:
             reference_temperature=_units.single_magnitude(
                 "reference_temperature", reference_temperature, "K"
             ),
-            prestress=scales.nominal_stress(force, thickness, edges),
+            prestress=scales.dimensionless_nominal_stress(force, thickness, edges),
             edges=edges,
             scales=scales,
             **parts,
@@ -410,9 +427,9 @@ class Actuator:
         return self.scales
 
 
-def _require_shifts(actuator: Actuator) -> None:
+def _require_valid_shifts(actuator: Actuator) -> None:
     """Raise where a law of temperature does not hold at the actuator's temperature."""
-    if actuator.invalid({}):
+    if actuator.where_invalid({}):
         raise InputError(
             "temperature",
             must="be above T0 - c2 of every WLF shift",
@@ -422,7 +439,7 @@ def _require_shifts(actuator: Actuator) -> None:
         )
 
 
-def _as_elements(dissipation: object) -> tuple[Dissipation, ...]:
+def _as_dissipative_elements(dissipation: object) -> tuple[Dissipation, ...]:
     """One element or several, as a tuple."""
     if isinstance(dissipation, Dissipation):
         return (dissipation,)

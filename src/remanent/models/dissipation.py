@@ -31,13 +31,15 @@ class Dissipation(Part):
 
     #: Kinds of internal variables.  There is one of each kind for each in-plane direction; it
     #: is 1 at rest in the undeformed state and relaxes to the stretch in its direction.
-    internal_variables: ClassVar[tuple[str, ...]] = ()
+    internal_variable_kinds: ClassVar[tuple[str, ...]] = ()
     #: The numeric field that is 0 where the element does nothing.
-    strength_field: ClassVar[str] = "eta"
+    strength_field_name: ClassVar[str] = "eta"
     #: The numeric field that a shift multiplies by its factor.
-    shifted_field: ClassVar[str] = "eta"
+    shifted_field_name: ClassVar[str] = "eta"
 
-    def rayleigh(self, stretches: Sequence[Any], rates: Sequence[Any], p: Mapping[str, Any]) -> Any:
+    def rayleigh_function(
+        self, stretches: Sequence[Any], rates: Sequence[Any], p: Mapping[str, Any]
+    ) -> Any:
         """Rayleigh function D; the force on stretch i is -dD/d(rate i).
 
         Parameters
@@ -88,15 +90,15 @@ class Dissipation(Part):
         """
         return ()
 
-    def at_temperature(
+    def parameters_at_temperature(
         self, temperature: Any, reference: Any, p: Mapping[str, Any], fn: Any
     ) -> Mapping[str, Any]:
         """The numeric fields `p` at a temperature: the shifted one times the factor."""
         shift: TemperatureShift | None = getattr(self, "shift", None)
         if shift is None:
             return p
-        factor = shift.factor(temperature, reference, part_parameters("shift", p), fn)
-        return {**p, self.shifted_field: p[self.shifted_field] * factor}
+        factor = shift.shift_factor(temperature, reference, part_parameters("shift", p), fn)
+        return {**p, self.shifted_field_name: p[self.shifted_field_name] * factor}
 
 
 @dataclass(frozen=True)
@@ -117,14 +119,18 @@ class Rayleigh(Dissipation):
     shift: TemperatureShift | None = None
 
     rules: ClassVar[Mapping[str, Rule]] = MappingProxyType({"eta": _VISCOSITY_RULE})
-    nested_types: ClassVar[Mapping[str, type[Part]]] = MappingProxyType({"shift": TemperatureShift})
+    nested_part_types: ClassVar[Mapping[str, type[Part]]] = MappingProxyType(
+        {"shift": TemperatureShift}
+    )
 
     @classmethod
     def example(cls) -> Self:
         """An instance with usual numbers, on which contract tests try every public part."""
         return cls(0.2)
 
-    def rayleigh(self, stretches: Sequence[Any], rates: Sequence[Any], p: Mapping[str, Any]) -> Any:
+    def rayleigh_function(
+        self, stretches: Sequence[Any], rates: Sequence[Any], p: Mapping[str, Any]
+    ) -> Any:
         """D = eta (l1'^2 + l2'^2)/2."""
         return p["eta"] * (rates[0] ** 2 + rates[1] ** 2) / 2
 
@@ -146,7 +152,7 @@ class KelvinVoigt(Dissipation):
 
     Examples
     --------
-    >>> KelvinVoigt(0.1).rayleigh((2.0, 2.0), (1.0, 1.0), {"eta": 0.1})
+    >>> KelvinVoigt(0.1).rayleigh_function((2.0, 2.0), (1.0, 1.0), {"eta": 0.1})
     0.15000000000000002
     """
 
@@ -154,14 +160,18 @@ class KelvinVoigt(Dissipation):
     shift: TemperatureShift | None = None
 
     rules: ClassVar[Mapping[str, Rule]] = MappingProxyType({"eta": _VISCOSITY_RULE})
-    nested_types: ClassVar[Mapping[str, type[Part]]] = MappingProxyType({"shift": TemperatureShift})
+    nested_part_types: ClassVar[Mapping[str, type[Part]]] = MappingProxyType(
+        {"shift": TemperatureShift}
+    )
 
     @classmethod
     def example(cls) -> Self:
         """An instance with usual numbers, on which contract tests try every public part."""
         return cls(0.1)
 
-    def rayleigh(self, stretches: Sequence[Any], rates: Sequence[Any], p: Mapping[str, Any]) -> Any:
+    def rayleigh_function(
+        self, stretches: Sequence[Any], rates: Sequence[Any], p: Mapping[str, Any]
+    ) -> Any:
         """D = eta (e1^2 + e2^2 + (e1 + e2)^2)."""
         e1, e2 = (v / x for x, v in zip(stretches[:2], rates, strict=True))
         return p["eta"] * (e1**2 + e2**2 + (e1 + e2) ** 2)
@@ -211,10 +221,12 @@ class Zener(Dissipation):
             ),
         }
     )
-    nested_types: ClassVar[Mapping[str, type[Part]]] = MappingProxyType({"shift": TemperatureShift})
-    internal_variables: ClassVar[tuple[str, ...]] = ("viscous_stretch",)
-    strength_field: ClassVar[str] = "modulus"
-    shifted_field: ClassVar[str] = "relaxation_time"
+    nested_part_types: ClassVar[Mapping[str, type[Part]]] = MappingProxyType(
+        {"shift": TemperatureShift}
+    )
+    internal_variable_kinds: ClassVar[tuple[str, ...]] = ("viscous_stretch",)
+    strength_field_name: ClassVar[str] = "modulus"
+    shifted_field_name: ClassVar[str] = "relaxation_time"
 
     @classmethod
     def example(cls) -> Self:

@@ -22,9 +22,9 @@ import numpy as np
 from remanent._errors import InputError
 
 #: Functions of one argument.
-FUNCTIONS: Final = ("sqrt", "exp", "log", "sin", "cos")
+FUNCTION_NAMES: Final = ("sqrt", "exp", "log", "sin", "cos")
 #: A name with a value of its own.
-PI: Final = "pi"
+PI_NAME: Final = "pi"
 #: Largest number of characters of a formula.
 MAX_CHARACTERS: Final = 2000
 #: Largest number of nodes of its tree.
@@ -32,7 +32,7 @@ MAX_NODES: Final = 500
 #: Largest depth of its tree.
 MAX_DEPTH: Final = 60
 #: Largest product of integer exponents that stand upon each other.
-MAX_DEGREE: Final = 64
+MAX_EXPONENT_PRODUCT: Final = 64
 
 #: What a formula is written with.
 _ALLOWED_CHARACTERS: Final = re.compile(r"[A-Za-z0-9_+*/(). \t\n-]*")
@@ -48,7 +48,7 @@ _OPERATORS: Final[Mapping[type, Callable[[Any, Any], Any]]] = MappingProxyType(
 #: The remedy in every message about a formula.
 _SYNTAX_REMEDY: Final = (
     "Write for example 'a*(I1 - 3) + b*log(I1/3)', with ** for powers and "
-    f"{', '.join(FUNCTIONS)} for functions."
+    f"{', '.join(FUNCTION_NAMES)} for functions."
 )
 
 
@@ -104,7 +104,7 @@ def parse_formula(text: str, name: str = "expression") -> Formula:
     ----------
     text
         Python's notation for arithmetic: ``+ - * / **``, parentheses, the functions of
-        :data:`FUNCTIONS`, numbers, ``pi``, and names.
+        :data:`FUNCTION_NAMES`, numbers, ``pi``, and names.
     name
         Of the argument, for messages.
 
@@ -120,24 +120,28 @@ def parse_formula(text: str, name: str = "expression") -> Formula:
     10.0
     """
     if len(text) > MAX_CHARACTERS:
-        raise _refusal(name, f"have at most {MAX_CHARACTERS} characters", f"{len(text)} of them")
+        raise _refusal_error(
+            name, f"have at most {MAX_CHARACTERS} characters", f"{len(text)} of them"
+        )
     if not _ALLOWED_CHARACTERS.fullmatch(text):
-        raise _refusal(name, "hold letters, digits and + - * / ( ) . only", _shortened_repr(text))
+        raise _refusal_error(
+            name, "hold letters, digits and + - * / ( ) . only", _shortened_repr(text)
+        )
     try:
         tree = ast.parse(" ".join(text.split()), mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
-        raise _refusal(name, "be a formula", _shortened_repr(text)) from error
+        raise _refusal_error(name, "be a formula", _shortened_repr(text)) from error
     _require_size(name, tree)
     for node, _ in _walk_with_depth(tree):
-        _require_allowed(name, node)
-    if _largest_exponent(tree) > MAX_DEGREE:
-        raise _refusal(
-            name, f"have powers up to {MAX_DEGREE}, also of powers", _shortened_repr(text)
+        _require_allowed_node(name, node)
+    if _largest_exponent_product(tree) > MAX_EXPONENT_PRODUCT:
+        raise _refusal_error(
+            name, f"have powers up to {MAX_EXPONENT_PRODUCT}, also of powers", _shortened_repr(text)
         )
     return Formula(ast.unparse(tree), _variable_names(tree), tree)
 
 
-def formula_text(expression: Any) -> str:
+def sympy_as_formula_text(expression: Any) -> str:
     """A SymPy expression as text, its decimal fractions exact."""
     import sympy as sp
 
@@ -152,19 +156,19 @@ def _require_size(name: str, tree: ast.expr) -> None:
     for count, (_, depth) in enumerate(_walk_with_depth(tree), start=1):
         if count > MAX_NODES or depth > MAX_DEPTH:
             rule = f"have at most {MAX_NODES} parts, nested {MAX_DEPTH} deep"
-            raise _refusal(name, rule, f"part {count} at depth {depth}")
+            raise _refusal_error(name, rule, f"part {count} at depth {depth}")
 
 
-def _require_allowed(name: str, node: ast.expr) -> None:
+def _require_allowed_node(name: str, node: ast.expr) -> None:
     match node:
         case ast.Constant(value=int() | float() as number) if not isinstance(number, bool):
             if not _fits_float(number):
-                raise _refusal(
+                raise _refusal_error(
                     name, "have numbers that a float can hold", _shortened_repr(str(number))
                 )
         case ast.Name(id=word):
-            if word.startswith("_") or word in FUNCTIONS:
-                raise _refusal(name, "use names as such, functions with (...)", word)
+            if word.startswith("_") or word in FUNCTION_NAMES:
+                raise _refusal_error(name, "use names as such, functions with (...)", word)
         case ast.BinOp(op=ast.Add() | ast.Sub() | ast.Mult() | ast.Div()):
             pass
         case ast.UnaryOp(op=ast.USub() | ast.UAdd()):
@@ -172,16 +176,16 @@ def _require_allowed(name: str, node: ast.expr) -> None:
         case ast.BinOp(op=ast.Pow(), right=exponent):
             if any(isinstance(n, ast.BinOp) and isinstance(n.op, ast.Pow)
                    for n, _ in _walk_with_depth(exponent)):  # fmt: skip
-                raise _refusal(
+                raise _refusal_error(
                     name, "have no powers in exponents", _shortened_repr(ast.unparse(node))
                 )
-        case ast.Call(func=ast.Name(id=word), args=[_], keywords=[]) if word in FUNCTIONS:
+        case ast.Call(func=ast.Name(id=word), args=[_], keywords=[]) if word in FUNCTION_NAMES:
             pass
         case _:
-            raise _refusal(name, "hold arithmetic only", _shortened_repr(ast.unparse(node)))
+            raise _refusal_error(name, "hold arithmetic only", _shortened_repr(ast.unparse(node)))
 
 
-def _refusal(name: str, rule: str, value: str) -> InputError:
+def _refusal_error(name: str, rule: str, value: str) -> InputError:
     return InputError(
         name, must=rule, got=value, why="A formula is read, never run.", fix=_SYNTAX_REMEDY
     )
@@ -219,17 +223,17 @@ def _walk_with_depth(tree: ast.expr) -> Iterator[tuple[ast.expr, int]]:
 
 def _variable_names(tree: ast.expr) -> frozenset[str]:
     return frozenset(
-        n.id for n, _ in _walk_with_depth(tree) if isinstance(n, ast.Name) and n.id != PI
+        n.id for n, _ in _walk_with_depth(tree) if isinstance(n, ast.Name) and n.id != PI_NAME
     )
 
 
-def _largest_exponent(node: ast.expr) -> int:
+def _largest_exponent_product(node: ast.expr) -> int:
     """The largest product of integer exponents that stand upon each other."""
-    below = max((_largest_exponent(child) for child in _child_expressions(node)), default=1)
+    below = max((_largest_exponent_product(child) for child in _child_expressions(node)), default=1)
     if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow):
         exponent = _exact_constant(node.right)
         if exponent is not None and exponent.denominator == 1:
-            return below * min(max(1, abs(exponent.numerator)), MAX_DEGREE + 1)
+            return below * min(max(1, abs(exponent.numerator)), MAX_EXPONENT_PRODUCT + 1)
     return below
 
 
@@ -256,7 +260,7 @@ def _evaluate(node: ast.expr, values: Mapping[str, Any], fn: Any) -> Any:
         return as_exact_number(number, fn)
     match node:
         case ast.Name(id=name):
-            return fn.pi if name == PI else values[name]
+            return fn.pi if name == PI_NAME else values[name]
         case ast.UnaryOp(op=op, operand=inside):
             value = _evaluate(inside, values, fn)
             return -value if isinstance(op, ast.USub) else value
@@ -303,7 +307,7 @@ def _is_positive(node: ast.expr, positive: frozenset[str]) -> bool:
         return number > 0
     match node:
         case ast.Name(id=name):
-            return name in positive or name == PI
+            return name in positive or name == PI_NAME
         case ast.BinOp(op=ast.Add() | ast.Mult() | ast.Div(), left=left, right=right):
             return _is_positive(left, positive) and _is_positive(right, positive)
         case ast.BinOp(op=ast.Pow(), left=base):

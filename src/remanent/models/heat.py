@@ -53,7 +53,7 @@ class Heat(Part):
     )
 
 
-def entropic_stiffness(theta: Any, entropic_fraction: Any) -> Any:
+def entropic_stiffness_ratio(theta: Any, entropic_fraction: Any) -> Any:
     """Factor of the strain energy at temperature T = theta T0.
 
     Equation: mu(T)/mu(T0) = (1 - f) + f theta.  With f = 1, entropic elasticity, this
@@ -62,7 +62,7 @@ def entropic_stiffness(theta: Any, entropic_fraction: Any) -> Any:
     return (1 - entropic_fraction) + entropic_fraction * theta
 
 
-def caloric_energy(theta: Any, coupling: Any, fn: Any) -> Any:
+def caloric_free_energy(theta: Any, coupling: Any, fn: Any) -> Any:
     """Caloric part of the free energy per reference volume, divided by mu.
 
     Equation: rho c_p [T - T0 - T ln(T/T0)] / mu = [theta - 1 - theta ln theta] / k,

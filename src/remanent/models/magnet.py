@@ -63,15 +63,15 @@ class Magnet(Part):
     )
     structural_fields: ClassVar[tuple[str, ...]] = ("law",)
 
-    def checked_options(self) -> Mapping[str, Any]:
+    def checked_fields(self) -> Mapping[str, Any]:
         """The law, if it is one of :data:`MAGNETISATION_LAWS`."""
         return {"law": _checks.require_choice("law", self.law, MAGNETISATION_LAWS)}
 
-    def remanence(self, temperature: Any, reference: Any, p: Mapping[str, Any]) -> Any:
+    def remanence_ratio(self, temperature: Any, reference: Any, p: Mapping[str, Any]) -> Any:
         """B_r(T)/B_r(T0) = 1 + alpha (T - T0)."""
         return 1 + p["temperature_coefficient"] * (temperature - reference)
 
-    def energy(self, load: Any, l3: Any) -> Any:
+    def energy_in_applied_field(self, load: Any, l3: Any) -> Any:
         """Magnetic energy per reference volume, divided by mu.
 
         Equation: -(F B_r).B/(mu mu0) = -m l3 for the deformation-gradient law and
@@ -80,7 +80,7 @@ class Magnet(Part):
         """
         return -load * l3 if self.law == "deformation-gradient" else -load
 
-    def self_energy(
+    def energy_in_own_field(
         self, stretches: Sequence[Any], edges: Sequence[Any], p: Mapping[str, Any], fn: Any
     ) -> Any:
         """Energy of the block in its own field, per reference volume, divided by mu.

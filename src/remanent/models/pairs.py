@@ -10,20 +10,20 @@ import numpy as np
 from remanent._errors import InputError
 
 
-def is_pair(value: object) -> bool:
+def is_several_numbers(value: object) -> bool:
     """Whether a field was given as several numbers; text is refused as a number elsewhere."""
     return isinstance(value, Sequence | np.ndarray) and not isinstance(value, str)
 
 
-def numbered_pair(name: str, value: Any) -> dict[str, Any]:
+def pair_by_numbered_names(name: str, value: Any) -> dict[str, Any]:
     """The two numbers of a pair under their own names; a single number stands for both.
 
     Examples
     --------
-    >>> numbered_pair("prestress", (0.0, 0.5))
+    >>> pair_by_numbered_names("prestress", (0.0, 0.5))
     {'prestress_1': 0.0, 'prestress_2': 0.5}
     """
-    pair = tuple(value) if is_pair(value) and np.ndim(value) == 1 else (value, value)
+    pair = tuple(value) if is_several_numbers(value) and np.ndim(value) == 1 else (value, value)
     if len(pair) != 2:
         raise InputError(
             name,

@@ -15,7 +15,7 @@ from remanent._checks import Rule
 from remanent._typing import ArrayLike, BoolArray
 
 #: A nested tuple of names, numbers of terms and options: what identifies equations.
-Structure = tuple[Any, ...]
+EquationStructure = tuple[Any, ...]
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class Part:
     A subclass is a frozen dataclass.  Its numeric fields, those that ``over`` and
     continuation may vary, are the keys of :attr:`rules`, the entries of
     :attr:`table_rules`, the names in :attr:`mapping_rules`, and the numeric fields of the parts in
-    :attr:`nested_types`.  Fields that decide the form of the equations are named in
+    :attr:`nested_part_types`.  Fields that decide the form of the equations are named in
     :attr:`structural_fields`.
     """
 
@@ -41,10 +41,10 @@ class Part:
     #: Names of the fields on which the form of the equations depends.
     structural_fields: ClassVar[tuple[str, ...]] = ()
     #: The kind of each field that holds another part, or None; see :meth:`parts`.
-    nested_types: ClassVar[Mapping[str, type[Part]]] = MappingProxyType({})
+    nested_part_types: ClassVar[Mapping[str, type[Part]]] = MappingProxyType({})
 
     def __post_init__(self) -> None:
-        for name, rule in self._single_rules().items():
+        for name, rule in self._single_number_rules().items():
             number = _checks.require_real(name, getattr(self, name), rule)
             object.__setattr__(self, name, number)
         for name, rule in self.table_rules.items():
@@ -57,12 +57,12 @@ class Part:
         for name, rule in self.mapping_rules.items():
             pairs = _checks.require_named_numbers(name, getattr(self, name), rule)
             object.__setattr__(self, name, pairs)
-        for name, value in self.checked_options().items():
+        for name, value in self.checked_fields().items():
             object.__setattr__(self, name, value)
-        for name, kind in self.nested_types.items():
+        for name, kind in self.nested_part_types.items():
             if getattr(self, name) is not None:
                 _checks.require_instance(name, getattr(self, name), kind, f"a {kind.__name__}")
-        for name, (value, rule) in self._derived_numbers({}).items():
+        for name, (value, rule) in self._derived_numbers_for({}).items():
             _checks.require_real(name, float(value), rule)
 
     @classmethod
@@ -73,16 +73,16 @@ class Part:
         """
         return cls()
 
-    def checked_options(self) -> Mapping[str, Any]:
+    def checked_fields(self) -> Mapping[str, Any]:
         """Normalised values of fields that are not plain numbers; raises `InputError`."""
         return {}
 
     def parts(self) -> dict[str, Part]:
         """The parts within this one, by the names of their fields."""
-        values = {name: getattr(self, name) for name in self.nested_types}
+        values = {name: getattr(self, name) for name in self.nested_part_types}
         return {name: part for name, part in values.items() if part is not None}
 
-    def derived(self, p: Mapping[str, Any]) -> Mapping[str, tuple[Any, Rule]]:
+    def derived_numbers(self, p: Mapping[str, Any]) -> Mapping[str, tuple[Any, Rule]]:
         """Numbers that follow from several numeric fields, by name, each with its rule.
 
         `p` holds values of all numeric fields, single or in arrays.
@@ -101,11 +101,11 @@ class Part:
             for name, part in self.parts().items()
             for field, value in part.parameters().items()
         }
-        single = {name: float(getattr(self, name)) for name in self._single_rules()}
+        single = {name: float(getattr(self, name)) for name in self._single_number_rules()}
         named = {k: v for pairs in self._mapping_pairs().values() for k, v in pairs}
         return single | entries | named | inner
 
-    def numeric_rules(self) -> dict[str, Rule]:
+    def parameter_rules(self) -> dict[str, Rule]:
         """Rule of every numeric field, by name."""
         entries = {
             f"{name}.{i}": rule
@@ -120,11 +120,11 @@ class Part:
         inner = {
             f"{name}.{field}": rule
             for name, part in self.parts().items()
-            for field, rule in part.numeric_rules().items()
+            for field, rule in part.parameter_rules().items()
         }
-        return self._single_rules() | entries | named | inner
+        return self._single_number_rules() | entries | named | inner
 
-    def structure(self) -> Structure:
+    def equation_structure(self) -> EquationStructure:
         """What identifies the equations of this part.
 
         Its class, choices, lengths of tables, names in mappings, fields that are left out.
@@ -133,49 +133,57 @@ class Part:
         chosen = (getattr(self, name) for name in self.structural_fields)
         lengths = (len(getattr(self, name)) for name in self.table_rules)
         names = (tuple(k for k, _ in pairs) for pairs in self._mapping_pairs().values())
-        missing = filter(self._is_left_out, self.rules)
-        inner = ((name, part.structure()) for name, part in self.parts().items())
+        missing = filter(self._is_left_out_of_equations, self.rules)
+        inner = ((name, part.equation_structure()) for name, part in self.parts().items())
         form = (*chosen, *lengths, *names, *missing, *inner)
         return (f"{kind.__module__}:{kind.__qualname__}", *form)
 
     def replace(self, **changes: Any) -> Self:
         """A copy with some fields changed; unknown fields raise `InputError`."""
-        entries = [name for name in self.numeric_rules() if name not in self.rules]
+        entries = [name for name in self.parameter_rules() if name not in self.rules]
         field_names = [f.name for f in fields(self) if f.init]
         _checks.require_known_names(changes, [*field_names, *entries], type(self).__name__)
         values = {name: value for name, value in changes.items() if name not in entries}
         # Several entries of one table change together, so each starts from what is in `values`.
         for name in changes.keys() - values.keys():
-            number = _checks.require_real(name, changes[name], self.numeric_rules()[name])
-            owner, new = self._with_entry(name, number, values)
+            number = _checks.require_real(name, changes[name], self.parameter_rules()[name])
+            owner, new = self._owner_with_entry_changed(name, number, values)
             values[owner] = new
         return replace_fields(self, **values)
 
-    def invalid(self, values: Mapping[str, ArrayLike]) -> BoolArray:
+    def where_invalid(self, values: Mapping[str, ArrayLike]) -> BoolArray:
         """Where a batch of values of the numeric fields breaks a rule."""
-        broken = _checks.is_rule_broken(self.numeric_rules(), values)
-        for value, rule in self._derived_numbers(values).values():
+        broken = _checks.where_rule_broken(self.parameter_rules(), values)
+        for value, rule in self._derived_numbers_for(values).values():
             broken = broken | ~rule.is_satisfied_by(value)
         return np.asarray(broken)
 
-    def _derived_numbers(self, values: Mapping[str, ArrayLike]) -> Mapping[str, tuple[Any, Rule]]:
+    def _derived_numbers_for(
+        self, values: Mapping[str, ArrayLike]
+    ) -> Mapping[str, tuple[Any, Rule]]:
         """The derived numbers, of `values` where these have a field, else of its own value."""
         p = {
             k: np.asarray(values.get(k, v), dtype=np.float64) for k, v in self.parameters().items()
         }
         with np.errstate(all="ignore"):
-            return self.derived(p)
+            return self.derived_numbers(p)
 
-    def _single_rules(self) -> dict[str, Rule]:
-        return {name: rule for name, rule in self.rules.items() if not self._is_left_out(name)}
+    def _single_number_rules(self) -> dict[str, Rule]:
+        return {
+            name: rule
+            for name, rule in self.rules.items()
+            if not self._is_left_out_of_equations(name)
+        }
 
-    def _is_left_out(self, name: str) -> bool:
+    def _is_left_out_of_equations(self, name: str) -> bool:
         return getattr(self, name) is None and getattr(type(self), name, 0) is None
 
     def _mapping_pairs(self) -> dict[str, tuple[tuple[str, float], ...]]:
         return {name: getattr(self, name) for name in self.mapping_rules}
 
-    def _with_entry(self, name: str, number: float, values: Mapping[str, Any]) -> tuple[str, Any]:
+    def _owner_with_entry_changed(
+        self, name: str, number: float, values: Mapping[str, Any]
+    ) -> tuple[str, Any]:
         """The table, mapping or part that holds an entry, and its value with it changed."""
         for owner, pairs in self._mapping_pairs().items():
             if name in dict(pairs):
@@ -183,7 +191,7 @@ class Part:
                 return owner, tuple(changed.items())
         table, _, i = name.partition(".")
         value = values.get(table, getattr(self, table))
-        if table in self.nested_types:
+        if table in self.nested_part_types:
             return table, value.replace(**{i: number})
         row = list(value)
         return table, (*row[: int(i)], number, *row[int(i) + 1 :])

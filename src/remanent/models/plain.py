@@ -14,7 +14,7 @@ from remanent import _checks
 from remanent._errors import InputError
 from remanent.models.scaling import Scales
 
-__all__ = ["from_plain", "to_plain"]
+__all__ = ["from_plain_data", "to_plain_data"]
 
 #: The entry of a table that says which class the value has.
 KIND_KEY: Final = "kind"
@@ -24,7 +24,7 @@ _NESTED_CLASSES: Final[Mapping[str, type]] = MappingProxyType({"Scales": Scales}
 _MAX_SHOWN_LENGTH: Final = 80
 
 
-def to_plain(value: object) -> dict[str, Any]:
+def to_plain_data(value: object) -> dict[str, Any]:
     """A system, a drive or a part as a table of plain data.
 
     Parameters
@@ -38,7 +38,7 @@ def to_plain(value: object) -> dict[str, Any]:
         The name of its class as ``kind``, and its fields: numbers, text, lists, and tables
         for parts within it.  Fields that are None by default and in `value` are left out, as
         TOML has no None.  A class that is not public has the name of its module before its
-        own, and :func:`from_plain` refuses it.
+        own, and :func:`from_plain_data` refuses it.
 
     Raises
     ------
@@ -47,12 +47,12 @@ def to_plain(value: object) -> dict[str, Any]:
 
     See Also
     --------
-    from_plain : the way back, exact to the last bit of every number.
+    from_plain_data : the way back, exact to the last bit of every number.
 
     Examples
     --------
     >>> from remanent import Actuator, Gent, Rayleigh
-    >>> table = to_plain(Actuator(material=Gent(50.0), dissipation=Rayleigh(0.05)))
+    >>> table = to_plain_data(Actuator(material=Gent(50.0), dissipation=Rayleigh(0.05)))
     >>> table["material"]
     {'kind': 'Gent', 'jm': 50.0, 'entropic_fraction': 1.0}
     >>> table["dissipation"]
@@ -71,7 +71,7 @@ def to_plain(value: object) -> dict[str, Any]:
     return table
 
 
-def from_plain(table: Mapping[str, Any]) -> Any:
+def from_plain_data(table: Mapping[str, Any]) -> Any:
     """The value that a table of plain data describes.
 
     Parameters
@@ -92,11 +92,11 @@ def from_plain(table: Mapping[str, Any]) -> Any:
 
     See Also
     --------
-    to_plain : the table of a value.
+    to_plain_data : the table of a value.
 
     Examples
     --------
-    >>> from_plain({"kind": "SineSquared", "b": 0.4, "omega": 1.25})
+    >>> from_plain_data({"kind": "SineSquared", "b": 0.4, "omega": 1.25})
     SineSquared(b=0.4, omega=1.25, phase=0.0)
     """
     kind = table.get(KIND_KEY) if isinstance(table, Mapping) else None
@@ -162,7 +162,7 @@ def _plain_content(name: str, content: Any) -> Any:
     if content is None or isinstance(content, bool | int | float | str):
         return content
     if is_dataclass(content) and not isinstance(content, type):
-        return to_plain(content)
+        return to_plain_data(content)
     if isinstance(content, Mapping):
         return {str(key): _plain_content(name, item) for key, item in content.items()}
     if isinstance(content, tuple | list):
@@ -173,7 +173,7 @@ def _plain_content(name: str, content: Any) -> Any:
 def _rebuilt_content(content: Any) -> Any:
     if isinstance(content, Mapping):
         if KIND_KEY in content:
-            return from_plain(content)
+            return from_plain_data(content)
         return {key: _rebuilt_content(item) for key, item in content.items()}
     return tuple(map(_rebuilt_content, content)) if isinstance(content, list) else content
 

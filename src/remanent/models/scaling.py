@@ -11,7 +11,7 @@ from remanent import _units
 from remanent._errors import InputError
 from remanent._typing import FloatArray
 from remanent._units import Quantity
-from remanent.models.pairs import is_pair, numbered_pair
+from remanent.models.pairs import is_several_numbers, pair_by_numbered_names
 
 #: Permeability of free space, N/A^2 (CODATA 2022).
 VACUUM_PERMEABILITY: Final = 1.25663706127e-6
@@ -58,12 +58,12 @@ class Scales:
         )
 
     @property
-    def time(self) -> float:
+    def time_unit(self) -> float:
         """The unit of time, L sqrt(rho/mu), in seconds."""
         return self.half_length * math.sqrt(self.density / self.shear_modulus)
 
     @property
-    def flux_density(self) -> float:
+    def flux_density_unit(self) -> float:
         """The flux density of unit magnetic load, mu mu0/B_r, in tesla."""
         if self.remanence is None:
             raise InputError(
@@ -96,20 +96,20 @@ class Scales:
 
     def dimensionless_viscosity(self, viscosity: Quantity) -> float | FloatArray:
         """eta over mu times the unit of time, of ``"20 Pa s"``."""
-        unit = self.shear_modulus * self.time
+        unit = self.shear_modulus * self.time_unit
         return _units.magnitude_in_unit("viscosity", viscosity, "Pa s") / unit
 
     def dimensionless_load(self, flux_density: Quantity) -> float | FloatArray:
         """Magnetic load m = B_r B/(mu mu0) of a flux density, ``"140 mT"``."""
-        return _units.magnitude_in_unit("flux_density", flux_density, "T") / self.flux_density
+        return _units.magnitude_in_unit("flux_density", flux_density, "T") / self.flux_density_unit
 
     def dimensionless_frequency(self, frequency: Quantity) -> float | FloatArray:
         """omega in radians per unit of tau, of ``"50 Hz"`` or ``"314 rad/s"``."""
-        return _units.radians_per_second("frequency", frequency) * self.time
+        return _units.radians_per_second("frequency", frequency) * self.time_unit
 
     def dimensionless_time(self, time: Quantity) -> float | FloatArray:
         """tau of a time, ``"1 s"``."""
-        return _units.magnitude_in_unit("time", time, "s") / self.time
+        return _units.magnitude_in_unit("time", time, "s") / self.time_unit
 
     def thermal_coupling(
         self, heat_capacity: Quantity, reference_temperature: float
@@ -118,7 +118,7 @@ class Scales:
         capacity = _units.magnitude_in_unit("heat_capacity", heat_capacity, "J/(kg K)")
         return self.shear_modulus / (self.density * reference_temperature * capacity)
 
-    def nominal_stress(
+    def dimensionless_nominal_stress(
         self,
         force: Quantity | Sequence[Quantity],
         half_thickness: float,
@@ -141,9 +141,9 @@ class Scales:
             P/(4 L H mu); for a pair or edges, P_i over the face that it pulls at.
         """
         unit = 4.0 * self.half_length * half_thickness * self.shear_modulus
-        if edges is None and not is_pair(force):
+        if edges is None and not is_several_numbers(force):
             return _units.single_magnitude("force", force, "N") / unit
-        force_1, force_2 = numbered_pair("force", force).values()
+        force_1, force_2 = pair_by_numbered_names("force", force).values()
         edge_1, edge_2 = edges or (1.0, 1.0)
         # A force along one edge pulls at the faces that the other edge spans.
         return (
@@ -162,8 +162,8 @@ class Scales:
         unit of energy.
         """
         factors = {
-            "time_s": self.time,
-            "frequency_hz": 1.0 / (2.0 * math.pi * self.time),
+            "time_s": self.time_unit,
+            "frequency_hz": 1.0 / (2.0 * math.pi * self.time_unit),
             "stress_pa": self.shear_modulus,
         }
-        return factors if self.remanence is None else factors | {"load_T": self.flux_density}
+        return factors if self.remanence is None else factors | {"load_T": self.flux_density_unit}

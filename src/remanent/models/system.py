@@ -7,7 +7,7 @@ from typing import Any, Protocol, Self, runtime_checkable
 
 from remanent._checks import Rule
 from remanent._typing import ArrayLike, BoolArray
-from remanent.models.parts import Structure
+from remanent.models.parts import EquationStructure
 from remanent.models.scaling import Scales
 
 
@@ -16,7 +16,7 @@ class System(Protocol):
     """What every system is to the verbs: numeric fields, equations and their limits.
 
     State variables with their roles and values at rest, observables and rates are those of
-    its field, see :func:`remanent.codegen.field.field_for`.  A class that has these members
+    its field, see :func:`remanent.codegen.field.vector_field_for`.  A class that has these members
     is a system; its equations are found by :mod:`remanent.derivation.derive`.
     """
 
@@ -35,7 +35,7 @@ class System(Protocol):
         """Whether there is nothing in the model by which energy could be lost."""
         ...
 
-    def dissipative(self, values: Mapping[str, ArrayLike] | None = None) -> BoolArray:
+    def where_dissipative(self, values: Mapping[str, ArrayLike] | None = None) -> BoolArray:
         """Whether motion loses energy.
 
         Parameters
@@ -58,18 +58,20 @@ class System(Protocol):
         """Rule of every numeric field under its dotted name."""
         ...
 
-    def structure(self) -> Structure:
+    def equation_structure(self) -> EquationStructure:
         """What identifies the equations of motion: classes and choices, no numbers.
 
         The first entry is the class of the system, ``"module:name"``.
         """
         ...
 
-    def invalid(self, values: Mapping[str, ArrayLike]) -> BoolArray:
+    def where_invalid(self, values: Mapping[str, ArrayLike]) -> BoolArray:
         """Where a batch of values of numeric fields breaks a rule."""
         ...
 
-    def admissible(self, values: Mapping[str, ArrayLike], *coordinates: ArrayLike) -> BoolArray:
+    def where_admissible(
+        self, values: Mapping[str, ArrayLike], *coordinates: ArrayLike
+    ) -> BoolArray:
         """Where the energies exist.
 
         Parameters
@@ -81,7 +83,7 @@ class System(Protocol):
         """
         ...
 
-    def describe_limits(self) -> str:
+    def describe_coordinate_limits(self) -> str:
         """What limits the admissible coordinates, as a noun in a message."""
         ...
 

@@ -18,7 +18,7 @@ class TemperatureShift(Part, ABC):
     """A factor a_T of the viscosity or relaxation time, 1 at the reference temperature."""
 
     @abstractmethod
-    def factor(self, temperature: Any, reference: Any, p: Mapping[str, Any], fn: Any) -> Any:
+    def shift_factor(self, temperature: Any, reference: Any, p: Mapping[str, Any], fn: Any) -> Any:
         """a_T at a temperature, both in kelvin.
 
         Parameters
@@ -31,7 +31,7 @@ class TemperatureShift(Part, ABC):
             Where ``exp`` is found: the module sympy or numpy.
         """
 
-    def is_valid(self, temperature: Any, reference: Any, p: Mapping[str, Any]) -> Any:
+    def where_valid(self, temperature: Any, reference: Any, p: Mapping[str, Any]) -> Any:
         """Whether the law can be used at a temperature."""
         return temperature > 0.0
 
@@ -58,7 +58,7 @@ class WLF(TemperatureShift):
     --------
     >>> import numpy
     >>> law = WLF(8.0, 200.0)
-    >>> round(float(law.factor(343.0, 293.0, law.parameters(), numpy)), 6)
+    >>> round(float(law.shift_factor(343.0, 293.0, law.parameters(), numpy)), 6)
     0.025119
     """
 
@@ -80,12 +80,12 @@ class WLF(TemperatureShift):
         """An instance with usual numbers, on which contract tests try every public part."""
         return cls(8.0, 200.0)
 
-    def factor(self, temperature: Any, reference: Any, p: Mapping[str, Any], fn: Any) -> Any:
+    def shift_factor(self, temperature: Any, reference: Any, p: Mapping[str, Any], fn: Any) -> Any:
         """exp[-ln 10 c1 (T - T0)/(c2 + T - T0)]."""
         above = temperature - reference
         return fn.exp(-fn.log(10) * p["c1"] * above / (p["c2"] + above))
 
-    def is_valid(self, temperature: Any, reference: Any, p: Mapping[str, Any]) -> Any:
+    def where_valid(self, temperature: Any, reference: Any, p: Mapping[str, Any]) -> Any:
         """Above the pole."""
         return p["c2"] + temperature - reference > 0.0
 
@@ -103,7 +103,7 @@ class Arrhenius(TemperatureShift):
     --------
     >>> import numpy
     >>> law = Arrhenius(6000.0)
-    >>> round(float(law.factor(343.0, 293.0, law.parameters(), numpy)), 6)
+    >>> round(float(law.shift_factor(343.0, 293.0, law.parameters(), numpy)), 6)
     0.050534
     """
 
@@ -123,6 +123,6 @@ class Arrhenius(TemperatureShift):
         """An instance with usual numbers, on which contract tests try every public part."""
         return cls(6000.0)
 
-    def factor(self, temperature: Any, reference: Any, p: Mapping[str, Any], fn: Any) -> Any:
+    def shift_factor(self, temperature: Any, reference: Any, p: Mapping[str, Any], fn: Any) -> Any:
         """exp[A (1/T - 1/T0)]."""
         return fn.exp(p["activation_temperature"] * (1 / temperature - 1 / reference))

@@ -13,7 +13,7 @@ import xarray as xr
 
 from remanent._errors import InputError
 from remanent.models.drives.base import Drive
-from remanent.models.plain import from_plain, to_plain
+from remanent.models.plain import from_plain_data, to_plain_data
 from remanent.models.system import System
 
 __all__ = [
@@ -86,7 +86,7 @@ def attributes(
     See Also
     --------
     read_system, read_drive : the values that made a Dataset.
-    remanent.models.plain.to_plain : what the JSON holds.
+    remanent.models.plain.to_plain_data : what the JSON holds.
 
     Examples
     --------
@@ -126,7 +126,7 @@ def model_attributes(name: str, value: object) -> dict[str, str]:
     if len(text) > MAX_MODEL_TEXT_LENGTH:
         text = f"{text[: MAX_MODEL_TEXT_LENGTH - 1]}…"
     try:
-        return {name: json.dumps(to_plain(value)), f"{name}_text": text}
+        return {name: json.dumps(to_plain_data(value)), f"{name}_text": text}
     except InputError:
         return {f"{name}_text": text}
 
@@ -215,7 +215,7 @@ def _read_model(dataset: xr.Dataset, name: str) -> Any:
             why="Some operations drop attributes, and only plain data can be read back.",
             fix=f"Pass {name}=... as well, or the result of a verb as it was.",
         )
-    value = from_plain(table)
+    value = from_plain_data(table)
     if not isinstance(value, System if name == SYSTEM_ATTRIBUTE else Drive):
         raise InputError(
             "dataset",

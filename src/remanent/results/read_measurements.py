@@ -236,7 +236,7 @@ def _dimensionless_values(
             fix="Build it with Actuator.from_si.",
         )
     if kind is QuantityKind.FREQUENCY:
-        return np.asarray(_units.radians_per_second(argument, quantity) * scales.time)
+        return np.asarray(_units.radians_per_second(argument, quantity) * scales.time_unit)
     if kind not in _SI_UNITS_AND_SCALES:
         raise InputError(
             argument,
@@ -246,5 +246,5 @@ def _dimensionless_values(
             fix="Leave it out.",
         )
     base, scale, power = _SI_UNITS_AND_SCALES[kind]
-    one = scales.flux_density if kind is QuantityKind.LOAD else scales.si_factors()[scale]
+    one = scales.flux_density_unit if kind is QuantityKind.LOAD else scales.si_factors()[scale]
     return np.asarray(_units.magnitude_in_unit(argument, quantity, base) * one**power)

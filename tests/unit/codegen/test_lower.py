@@ -298,7 +298,7 @@ def test_half_powers_are_roots() -> None:
 
 def test_where_it_is_not_admissible_a_rate_does_not_exist() -> None:
     """NaN where a member is negative; inputs that are passed on stay, so do the values inside."""
-    code = program(Y, X + Y, admissibility=(A - X, X))
+    code = program(Y, X + Y, admissibility_conditions=(A - X, X))
     found = [code([x, 0.5, 1.0, 0.0], functions=np) for x in (0.5, 1.0)]
     assert found == [[0.5, 1.0], [0.5, 1.5]]
     with np.errstate(invalid="ignore"):

@@ -11,7 +11,7 @@ from tests.unit.integrate.handmade import COSINE, SINE, Oscillator, Q, V, proble
 
 from remanent._field import Field
 from remanent._typing import FloatArray
-from remanent.codegen.field import field_for
+from remanent.codegen.field import vector_field_for
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Problem, Request
 from remanent.integrate.variations import (
@@ -35,7 +35,7 @@ STEP = 1e-25
 
 def fields() -> list[Field]:
     damped = Actuator(dissipation=Rayleigh(0.1))
-    return [EVERYTHING.field(), field_for(damped, SineSquared(0.4, 1.2))]
+    return [EVERYTHING.field(), vector_field_for(damped, SineSquared(0.4, 1.2))]
 
 
 def values_of(field: Field, rng: np.random.Generator) -> list[complex]:
@@ -51,7 +51,7 @@ def test_tangents_are_complex_step_derivatives(field: Field) -> None:
     Law: Generated code.
     """
     rng = np.random.default_rng(5)
-    n, p = len(field.state_names), field.parameters[0]
+    n, p = len(field.state_names), field.parameter_names[0]
     carried = field_with_tangents(field, directions=2, parameters=(p, LOG_PERIOD_PARAMETER_NAME))
     for _ in range(50):
         base = values_of(field, rng)
@@ -76,7 +76,7 @@ def test_tangents_are_complex_step_derivatives(field: Field) -> None:
 
 def test_derivatives_of_an_observable() -> None:
     """Derivatives by states and parameters are those of a complex step."""
-    field = field_for(Actuator(), SineSquared(0.4, 1.2))
+    field = vector_field_for(Actuator(), SineSquared(0.4, 1.2))
     program = observable_derivatives(field, "energy", ["stretch", "stretch_rate", "c"])
     values = values_of(field, np.random.default_rng(2))
     found = program([x.real for x in values], functions=np)

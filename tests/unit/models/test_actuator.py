@@ -40,11 +40,15 @@ def test_parameters_of_every_element_are_named_in_order() -> None:
 def test_numbers_do_not_change_the_structure_and_choices_do() -> None:
     """The structure depends on which parts there are, and not on their numbers."""
     plain = Actuator()
-    assert Actuator(c=0.1, material=NeoHookean(0.5)).structure() == plain.structure()
-    assert Actuator(magnet=Magnet(law="rotation")).structure() != plain.structure()
-    assert Actuator(dissipation=Rayleigh(0.1)).structure() != plain.structure()
-    assert Actuator(dissipation=Rayleigh(0.1)).structure() != (
-        Actuator(dissipation=(Rayleigh(0.1), Rayleigh(0.1))).structure()
+    assert (
+        Actuator(c=0.1, material=NeoHookean(0.5)).equation_structure() == plain.equation_structure()
+    )
+    assert (
+        Actuator(magnet=Magnet(law="rotation")).equation_structure() != plain.equation_structure()
+    )
+    assert Actuator(dissipation=Rayleigh(0.1)).equation_structure() != plain.equation_structure()
+    assert Actuator(dissipation=Rayleigh(0.1)).equation_structure() != (
+        Actuator(dissipation=(Rayleigh(0.1), Rayleigh(0.1))).equation_structure()
     )
 
 
@@ -54,7 +58,7 @@ def test_structure_is_plain() -> None:
     def plain(item: object) -> bool:
         return all(map(plain, item)) if isinstance(item, tuple) else isinstance(item, str | int)
 
-    assert plain(Actuator(dissipation=Rayleigh(0.1)).structure())
+    assert plain(Actuator(dissipation=Rayleigh(0.1)).equation_structure())
 
 
 def test_one_element_may_stand_by_itself() -> None:
@@ -174,7 +178,7 @@ NUMBERS = st.floats(allow_nan=True, allow_infinity=True)
 def test_batch_check_agrees_with_single_check(name: str, x: float) -> None:
     """A batch marks as invalid exactly the values that a single actuator refuses."""
     actuator = Actuator(dissipation=(Rayleigh(0.1),))
-    invalid = actuator.invalid({name: np.array([x, 1.0])})
+    invalid = actuator.where_invalid({name: np.array([x, 1.0])})
     assert invalid.tolist() == [refused(actuator, name, x), False]
 
 
@@ -190,7 +194,7 @@ def refused(actuator: Actuator, name: str, value: float) -> bool:
 
 def test_a_batch_broadcasts() -> None:
     """Parameters of different shapes are judged on their common shape."""
-    bad = Actuator().invalid(
+    bad = Actuator().where_invalid(
         {"c": np.array([[1.0], [-1.0]]), "temperature": np.array([300.0, np.nan, 200.0])}
     )
     assert bad.tolist() == [[False, True, False], [True, True, True]]

@@ -15,7 +15,7 @@ import remanent as rm
 from remanent._errors import InputError
 from remanent._typing import FloatArray
 from remanent.codegen import reference
-from remanent.codegen.field import field_for
+from remanent.codegen.field import vector_field_for
 from remanent.models.magnet import demagnetising_factor
 
 EDGES = [(1.0, 1.0, 1.0), (1.0, 2.0, 3.0), (1.0, 1.0, 0.1), (1.0, 1.0, 8.0), (0.2, 1.0, 5.0)]
@@ -81,7 +81,7 @@ def test_factor_is_the_energy_of_charged_faces(edges: tuple[float, float, float]
     assert 4.0 * total / (2.0 * math.pi * a * b * c) == pytest.approx(along(a, b, c), abs=1e-8)
 
 
-def self_energy(stretch: complex, c: float, strength: float, law: str) -> complex:
+def energy_in_own_field(stretch: complex, c: float, strength: float, law: str) -> complex:
     factor = demagnetising_factor(stretch, stretch, math.sqrt(c) * stretch**-2, np)
     return complex(strength * factor / 2.0 * (stretch**-4 if law != "rotation" else 1.0))
 
@@ -97,7 +97,7 @@ def test_motion_with_its_own_field_agrees_with_an_independent_engine(law: str, c
 
     def rates(_t: float, y: FloatArray) -> list[float]:
         x, v = y
-        own = self_energy(x + 1e-30j, c, strength, law).imag / 1e-30
+        own = energy_in_own_field(x + 1e-30j, c, strength, law).imag / 1e-30
         load = m * x**-3 if law != "rotation" else 0.0
         force = x - x**-5 - S + load + own / 2.0
         return [v, float((6.0 * c * x**-7 * v * v - 3.0 * force) / (1.0 + 2.0 * c * x**-6))]
@@ -115,7 +115,7 @@ def test_forces_of_the_own_field_are_slopes_of_its_energy_in_two_directions() ->
     body = rm.Actuator(
         c=c, prestress=tuple(S), edges=tuple(edges), magnet=rm.Magnet(demagnetisation=strength)
     )
-    field = field_for(body, rm.Constant(0.0))
+    field = vector_field_for(body, rm.Constant(0.0))
     row = np.array([*body.parameters().values(), 0.0])
 
     def potential(l1: complex, l2: complex) -> complex:
@@ -129,7 +129,7 @@ def test_forces_of_the_own_field_are_slopes_of_its_energy_in_two_directions() ->
         slope = np.array([potential(*(stretches + unit)).imag / 1e-30 for unit in units]) - S
         mass = np.diag(edges**2) + c * np.outer(g, g)
         state = np.array([[stretches[0], 0.0, stretches[1], 0.0]])
-        found = reference.rates(field, 0.0, state, row[None], np.empty(0))[0, 1::2]
+        found = reference.evaluate_rates(field, 0.0, state, row[None], np.empty(0))[0, 1::2]
         np.testing.assert_allclose(mass @ found, -3.0 * slope, rtol=1e-10, atol=1e-11)
 
 

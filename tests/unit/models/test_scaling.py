@@ -32,7 +32,7 @@ def test_the_realistic_set() -> None:
     )
     assert film.load("140 mT") == pytest.approx(0.16, rel=0.01)
     assert film.scales is not None
-    assert film.scales.time == pytest.approx(0.707e-3, rel=1e-3)
+    assert film.scales.time_unit == pytest.approx(0.707e-3, rel=1e-3)
     assert film.temperature == film.reference_temperature == 293.0
 
 

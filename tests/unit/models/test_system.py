@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import remanent as rm
-from remanent.codegen.field import field_for
+from remanent.codegen.field import vector_field_for
 from remanent.derivation.derive import derive
 from remanent.models.system import System
 
@@ -36,4 +36,4 @@ class TwoLoads(rm.Constant):
 def test_a_drive_gives_the_loads_of_its_system() -> None:
     """Their names are compared, before anything is derived."""
     with pytest.raises(rm.InputError, match=r"give the loads of the system: load; got left, right"):
-        field_for(rm.Actuator(), TwoLoads(0.1))
+        vector_field_for(rm.Actuator(), TwoLoads(0.1))

@@ -18,7 +18,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from remanent._roots import find_minimum, find_root
+from remanent._roots import find_minima, find_roots
 from remanent._typing import FloatArray
 from remanent.analysis.orbits.correction import correct_points
 from remanent.analysis.orbits.curves import CurveEquations, CurvePoints, interpolate_curve
@@ -202,7 +202,7 @@ def _bracket_double_crossings(
     if not k.size:
         return (np.empty(0),) * 3
     side, x = np.sign(values[k]), k.astype(np.float64)
-    least = find_minimum(
+    least = find_minima(
         lambda x, side: side * value(x),
         (x - 1.0, x, x + 1.0),
         args=(side,),
@@ -235,7 +235,7 @@ def _locate_special_points(
     high: FloatArray,
 ) -> list[SpecialPoint]:
     """Roots of a test function between places along a branch, all together."""
-    root = find_root(
+    root = find_roots(
         value,
         (low, high),
         tolerances={

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from remanent._roots import find_root
+from remanent._roots import find_roots
 from remanent._typing import FloatArray, IntArray
 
 #: Step of a complex difference: it loses no digits however small it is.
@@ -47,7 +47,7 @@ def find_force_zeros(force: ForceFunction, cases: int, grid: FloatArray) -> Floa
     if case.size:
         ends = grid[case, k], grid[case, k + 1]
         with np.errstate(all="ignore"):  # forces may have poles
-            solved = find_root(lambda x, i: force(i, x), ends, args=(case,))
+            solved = find_roots(lambda x, i: force(i, x), ends, args=(case,))
         roots = np.asarray(solved.x)
     exact = grid[exact_case, exact_k]
     return _sort_into_rows(
@@ -81,7 +81,7 @@ def balancing_parameter(
         bracketed = np.nonzero((np.sign(ends[0]) * np.sign(ends[1]) <= 0) & (ends[0] != ends[1]))
     if bracketed[0].size:
         with np.errstate(all="ignore"):  # forces may have poles
-            solved = find_root(
+            solved = find_roots(
                 lambda p, i, y: force(i, y, p),
                 (low[bracketed], high[bracketed]),
                 args=(case[bracketed], x[bracketed]),

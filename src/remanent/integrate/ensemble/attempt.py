@@ -76,7 +76,7 @@ def _write_segment_to_memory(memory: LaneMemory, run: Run, segment: Segment) -> 
         # Rates may have jumped since the end of the piece before.
         memory.set_column("watched_rate_sign", np.full(segment.cycle_length.size, np.nan))
     for name, values in segment.parameters.items():
-        index = run.problem.field.parameters.index(name)
+        index = run.problem.field.parameter_names.index(name)
         memory.set_column(f"parameter.{index}", values)
 
 

@@ -42,7 +42,7 @@ def partial_step(
     states : array (sample, state)
         To start from.
     parameters : sequence of array (sample,)
-        In the order of ``field.parameters``.
+        In the order of ``field.parameter_names``.
     phase, span : array (sample,)
         Phase of the drive at the start, and its change.
     time : array (sample,)

@@ -85,7 +85,7 @@ class KernelPool:
         self.thread_count = workers or os.cpu_count() or 1
         self._executor = ThreadPoolExecutor(max_workers=self.thread_count)
         self._stop_event = threading.Event()
-        self._cycle_tables = CycleTables(problem.timeline.waveform)
+        self._cycle_tables = CycleTables(problem.timeline.waveforms_at_phase)
 
     def __enter__(self) -> Self:
         return self

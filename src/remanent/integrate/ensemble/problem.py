@@ -29,7 +29,7 @@ class Problem:
     timeline : Timeline
         How the load runs.
     parameters : array (trajectory, parameter)
-        In the order of ``field.parameters``.
+        In the order of ``field.parameter_names``.
     initial_states : array (trajectory, state)
         State at tau = 0.
     duration : array (trajectory,)
@@ -61,7 +61,7 @@ class StepWindow:
     phase : array (node,)
         Phase of the drive, or fraction of the piece, at the nodes.
     parameters : array (parameter, trajectory)
-        In the order of ``field.parameters``.
+        In the order of ``field.parameter_names``.
     steps_in_run : array (trajectory,)
         How many of the steps belong to the run of each trajectory.
     """

@@ -54,4 +54,4 @@ def build_slot_layout(field: Field, options: KernelOptions) -> SlotLayout:
     )
     if options.estimates_error_per_cycle:  # no method that needs a past
         histories = ()
-    return SlotLayout(len(field.state_names), len(field.parameters), histories)
+    return SlotLayout(len(field.state_names), len(field.parameter_names), histories)

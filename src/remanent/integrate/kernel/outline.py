@@ -35,7 +35,7 @@ class OutlinedRates:
         self._writer = writer
         self._zeros_for_absent = [writer.constant(0.0)] * (len(field.state_names) - count)
         rates = replace(field.rates, output_slots=field.rates.output_slots[:count])
-        self._fixed_program, self._moving_program = split_program(rates, field.parameters)
+        self._fixed_program, self._moving_program = split_program(rates, field.parameter_names)
         with writer.builder.goto_entry_block():
             self._input_array = self._allocate_array(len(self._moving_program.input_names))
             self._output_array = self._allocate_array(count)

@@ -183,7 +183,7 @@ class PeriodMap:
         states : array (point, state)
             To start from.
         parameters : array (point, parameter)
-            In the order of ``field.parameters``.
+            In the order of ``field.parameter_names``.
         length : array (point,)
             Of a period, tau.
         tolerance : array (point,) or float

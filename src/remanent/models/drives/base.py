@@ -25,7 +25,7 @@ class Drive(Part, ABC):
     """
 
     #: The field to which the period is inversely proportional, where there is a period.
-    frequency_field: ClassVar[str] = "omega"
+    frequency_field_name: ClassVar[str] = "omega"
     #: Whether :meth:`load_rate` is written.
     has_load_rate: ClassVar[bool] = False
 
@@ -40,7 +40,7 @@ class Drive(Part, ABC):
         return ()
 
     @property
-    def piece_parameters(self) -> tuple[str, ...]:
+    def piece_parameter_names(self) -> tuple[str, ...]:
         """Names of further parameters whose values come with each piece of the timeline."""
         return ()
 
@@ -64,7 +64,7 @@ class Drive(Part, ABC):
             Where ``sin`` and other functions are found: the module sympy or numpy.
         """
 
-    def load_laws(
+    def loads_by_name(
         self, p: Mapping[str, Any], u: Mapping[str, Any], phase: Any, fn: Any
     ) -> dict[str, Any]:
         """Every load by its name, for systems with one load or several.
@@ -76,7 +76,7 @@ class Drive(Part, ABC):
         """
         return {name: self.load(p, u, phase, fn) for name in self.load_names}
 
-    def load_rates(
+    def load_rates_by_name(
         self, p: Mapping[str, Any], u: Mapping[str, Any], phase: Any, fn: Any
     ) -> dict[str, Any]:
         """The rate of every load by its name; None where it jumps or has no closed form.
@@ -123,7 +123,7 @@ class Drive(Part, ABC):
         periods = self.periods({})
         return None if periods is None else float(periods)
 
-    def field_values(self, values: Mapping[str, FloatArray], name: str) -> FloatArray:
+    def given_or_own_values(self, values: Mapping[str, FloatArray], name: str) -> FloatArray:
         """The field `name` of a batch: from `values`, else the drive's own."""
         numbers = values[name] if name in values else self.parameters()[name]
         return np.asarray(numbers, dtype=np.float64)
@@ -134,9 +134,9 @@ def periodic_timeline(
 ) -> Timeline:
     """The timeline of a load that repeats itself: one piece, the period."""
     lengths = np.broadcast_to(period, np.shape(np.atleast_1d(duration)))[np.newaxis].copy()
-    return Timeline(lengths, periodic=True, piece_parameters={}, waveform=waveform)
+    return Timeline(lengths, periodic=True, piece_parameters={}, waveforms_at_phase=waveform)
 
 
-def no_waveform(phase: FloatArray) -> FloatArray:
+def empty_waveforms(phase: FloatArray) -> FloatArray:
     """The waveforms of a load that has none, an array (0, *phase.shape)."""
     return np.empty((0, *np.shape(phase)))

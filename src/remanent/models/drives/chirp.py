@@ -13,7 +13,7 @@ from remanent import _checks
 from remanent._checks import Rule
 from remanent._timeline import Timeline
 from remanent._typing import ArrayLike, FloatArray
-from remanent.models.drives.base import Drive, no_waveform
+from remanent.models.drives.base import Drive, empty_waveforms
 from remanent.models.drives.waves import LOAD_RULE, PHASE_RULE
 
 #: The rule of the frequencies at both ends of the sweep.
@@ -63,7 +63,7 @@ class Chirp(Drive):
             "phase": PHASE_RULE,
         }
     )
-    piece_parameters: ClassVar[tuple[str, ...]] = ("piece.0", "piece.1", "piece.2")
+    piece_parameter_names: ClassVar[tuple[str, ...]] = ("piece.0", "piece.1", "piece.2")
 
     @classmethod
     def example(cls) -> Self:
@@ -87,7 +87,8 @@ class Chirp(Drive):
     def timeline(self, values: Mapping[str, FloatArray], duration: FloatArray) -> Timeline:
         """Two pieces, the sweep and what follows it; the second only if it is reached."""
         start, stop, sweep, phase = (
-            self.field_values(values, name) for name in ("start", "stop", "duration", "phase")
+            self.given_or_own_values(values, name)
+            for name in ("start", "stop", "duration", "phase")
         )
         swept = np.minimum(sweep, np.atleast_1d(np.asarray(duration, dtype=np.float64)))
         held = np.maximum(duration - sweep, 0.0)
@@ -104,5 +105,5 @@ class Chirp(Drive):
             np.stack([swept, held + zero][:pieces]),
             periodic=False,
             piece_parameters={name: np.stack(pair[:pieces]) for name, pair in rows.items()},
-            waveform=no_waveform,
+            waveforms_at_phase=empty_waveforms,
         )

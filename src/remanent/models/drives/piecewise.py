@@ -14,7 +14,7 @@ from remanent import _checks
 from remanent._errors import InputError
 from remanent._timeline import Timeline
 from remanent._typing import ArrayLike, FloatArray
-from remanent.models.drives.base import Drive, no_waveform
+from remanent.models.drives.base import Drive, empty_waveforms
 
 #: What a table may be given as; it is kept as a tuple of floats.
 Numbers: TypeAlias = Sequence[float] | FloatArray
@@ -35,13 +35,13 @@ class PiecewiseDrive(Drive):
     times: Numbers
     loads: Numbers
 
-    piece_parameters: ClassVar[tuple[str, ...]] = tuple(f"piece.{i}" for i in range(4))
+    piece_parameter_names: ClassVar[tuple[str, ...]] = tuple(f"piece.{i}" for i in range(4))
     #: Least number of entries.
     min_entries: ClassVar[int] = 1
     #: Whether the last load is held for ever; otherwise runs must end with the table.
     holds_last_load: ClassVar[bool] = True
 
-    def checked_options(self) -> Mapping[str, Any]:
+    def checked_fields(self) -> Mapping[str, Any]:
         """Both tables as tuples of floats, if they fit together."""
         times = _checks.require_increasing(
             "times", self.times, what="instants", why="They say from when each load acts."
@@ -76,7 +76,7 @@ class PiecewiseDrive(Drive):
         return {"times": tuple(times.tolist()), "loads": tuple(loads.tolist())}
 
     @abstractmethod
-    def coefficients(self) -> FloatArray:
+    def piece_coefficients(self) -> FloatArray:
         """Ascending coefficients in tau - times[i], an array (4, piece).
 
         The last piece starts at the last time and lasts for ever.
@@ -84,20 +84,22 @@ class PiecewiseDrive(Drive):
 
     def __call__(self, tau: ArrayLike) -> FloatArray:
         """The load at times `tau`."""
-        time = self._covered("tau", np.asarray(tau, dtype=np.float64))
+        time = self._require_covered("tau", np.asarray(tau, dtype=np.float64))
         piece = np.maximum(np.searchsorted(self.times, time, side="right") - 1, 0)
-        a0, a1, a2, a3 = self.coefficients()[:, piece]
+        a0, a1, a2, a3 = self.piece_coefficients()[:, piece]
         s = time - np.asarray(self.times)[piece]
         return np.asarray(a0 + s * (a1 + s * (a2 + s * a3)))
 
     def load(self, p: Mapping[str, Any], u: Mapping[str, Any], phase: Any, fn: Any) -> Any:
         """a0 + s (a1 + s (a2 + s a3)), s the fraction of the piece."""
-        a0, a1, a2, a3 = (p[name] for name in self.piece_parameters)
+        a0, a1, a2, a3 = (p[name] for name in self.piece_parameter_names)
         return a0 + phase * (a1 + phase * (a2 + phase * a3))
 
     def timeline(self, values: Mapping[str, FloatArray], duration: FloatArray) -> Timeline:
         """One piece from each time to the next; the last ends with the trajectory."""
-        ends = self._covered("duration", np.atleast_1d(np.asarray(duration, dtype=np.float64)))
+        ends = self._require_covered(
+            "duration", np.atleast_1d(np.asarray(duration, dtype=np.float64))
+        )
         starts = np.asarray(self.times)[:, np.newaxis]
         following = np.append(self.times[1:], np.inf)[:, np.newaxis]
         lengths = np.maximum(np.minimum(following, ends) - starts, 0.0)
@@ -107,12 +109,14 @@ class PiecewiseDrive(Drive):
         scaled = {
             name: row[begun, np.newaxis] * lengths**k
             for k, (name, row) in enumerate(
-                zip(self.piece_parameters, self.coefficients(), strict=True)
+                zip(self.piece_parameter_names, self.piece_coefficients(), strict=True)
             )
         }
-        return Timeline(lengths, periodic=False, piece_parameters=scaled, waveform=no_waveform)
+        return Timeline(
+            lengths, periodic=False, piece_parameters=scaled, waveforms_at_phase=empty_waveforms
+        )
 
-    def _covered(self, name: str, times: FloatArray) -> FloatArray:
+    def _require_covered(self, name: str, times: FloatArray) -> FloatArray:
         """`times` themselves, if the table defines the load up to the last of them."""
         if not self.holds_last_load and np.any(times > self.times[-1]):
             raise InputError(
@@ -142,7 +146,7 @@ class Steps(PiecewiseDrive):
         """An instance with usual numbers, on which contract tests try every public part."""
         return cls([0.0, 1.5, 4.0], [0.1, -0.2, 0.3])
 
-    def coefficients(self) -> FloatArray:
+    def piece_coefficients(self) -> FloatArray:
         """The load itself, in each piece."""
         return np.vstack([self.loads, np.zeros((3, len(self.loads)))])
 
@@ -164,7 +168,7 @@ class Ramp(PiecewiseDrive):
         """An instance with usual numbers, on which contract tests try every public part."""
         return cls([0.0, 2.0, 3.0], [0.1, 0.4, -0.3])
 
-    def coefficients(self) -> FloatArray:
+    def piece_coefficients(self) -> FloatArray:
         """The load at the start of each piece and its slope."""
         slopes = np.append(np.diff(self.loads) / np.diff(self.times), 0.0)
         return np.vstack([self.loads, slopes, np.zeros((2, len(self.loads)))])
@@ -191,7 +195,7 @@ class Sampled(PiecewiseDrive):
         """An instance with usual numbers, on which contract tests try every public part."""
         return cls(np.linspace(0.0, 10.0, 9), np.sin(np.arange(9.0)))
 
-    def coefficients(self) -> FloatArray:
+    def piece_coefficients(self) -> FloatArray:
         """Coefficients of the spline; the last piece, never reached, is constant."""
         spline = import_module("scipy.interpolate").CubicSpline(self.times, self.loads)
         last = np.array([[self.loads[-1]], [0.0], [0.0], [0.0]])

@@ -16,12 +16,12 @@ from remanent._checks import Rule
 from remanent._errors import InputError
 from remanent._timeline import Timeline
 from remanent._typing import ArrayLike, FloatArray
-from remanent.models.drives.base import Drive, no_waveform, periodic_timeline
+from remanent.models.drives.base import Drive, empty_waveforms, periodic_timeline
 from remanent.models.drives.piecewise import Numbers
 from remanent.models.drives.waves import LOAD_RULE, OMEGA_RULE, PHASE_RULE
 
 #: Name of the angle omega tau at the end of the run, a parameter of the piece.
-_ANGLE_PARAMETER = "piece.turns"
+_FINAL_ANGLE_PARAMETER = "piece.turns"
 
 
 @dataclass(frozen=True)
@@ -78,7 +78,7 @@ class Sines(Drive):
             object.__setattr__(self, "phases", (0.0,) * np.size(self.multiples))
         super().__post_init__()
 
-    def checked_options(self) -> Mapping[str, Any]:
+    def checked_fields(self) -> Mapping[str, Any]:
         """The multiples as a tuple of floats, if they fit the loads and phases."""
         multiples = _checks.require_numbers(
             "multiples", self.multiples, what="multiples of omega", why="Each term has one."
@@ -122,9 +122,9 @@ class Sines(Drive):
         return tuple(f"{name}.{i}" for i in count for name in ("sin", "cos"))
 
     @property
-    def piece_parameters(self) -> tuple[str, ...]:
+    def piece_parameter_names(self) -> tuple[str, ...]:
         """The angle omega tau at the end of the run, where there is no period."""
-        return () if self._common_divisor() is not None else (_ANGLE_PARAMETER,)
+        return () if self._common_divisor() is not None else (_FINAL_ANGLE_PARAMETER,)
 
     def __call__(self, tau: ArrayLike) -> FloatArray:
         """m(tau) = mean + sum loads sin(multiples omega tau + phases)."""
@@ -142,7 +142,7 @@ class Sines(Drive):
         for i, k in enumerate(self._checked_multiples()):
             shift = p[f"phases.{i}"]
             if self._common_divisor() is None:
-                sine = fn.sin(k * p[_ANGLE_PARAMETER] * phase + shift)
+                sine = fn.sin(k * p[_FINAL_ANGLE_PARAMETER] * phase + shift)
             else:
                 sine = u[f"sin.{i}"] * fn.cos(shift) + u[f"cos.{i}"] * fn.sin(shift)
             total = total + p[f"loads.{i}"] * sine
@@ -154,7 +154,7 @@ class Sines(Drive):
         for i, k in enumerate(self._checked_multiples()):
             shift = p[f"phases.{i}"]
             if self._common_divisor() is None:
-                cosine = fn.cos(k * p[_ANGLE_PARAMETER] * phase + shift)
+                cosine = fn.cos(k * p[_FINAL_ANGLE_PARAMETER] * phase + shift)
             else:
                 cosine = u[f"cos.{i}"] * fn.cos(shift) - u[f"sin.{i}"] * fn.sin(shift)
             total = total + p[f"loads.{i}"] * k * p["omega"] * cosine
@@ -166,7 +166,7 @@ class Sines(Drive):
         return (
             None
             if base is None
-            else np.asarray(2.0 * np.pi / base / self.field_values(values, "omega"))
+            else np.asarray(2.0 * np.pi / base / self.given_or_own_values(values, "omega"))
         )
 
     def timeline(self, values: Mapping[str, FloatArray], duration: FloatArray) -> Timeline:
@@ -176,12 +176,12 @@ class Sines(Drive):
             turns = tuple(round(k) // base for k in self._checked_multiples())
             return periodic_timeline(period, duration, partial(_sines_and_cosines, turns))
         lengths = np.array(duration, dtype=np.float64, ndmin=1)[np.newaxis]
-        angle = lengths * self.field_values(values, "omega")
+        angle = lengths * self.given_or_own_values(values, "omega")
         return Timeline(
             lengths,
             periodic=False,
-            piece_parameters={_ANGLE_PARAMETER: angle},
-            waveform=no_waveform,
+            piece_parameters={_FINAL_ANGLE_PARAMETER: angle},
+            waveforms_at_phase=empty_waveforms,
         )
 
 

@@ -13,7 +13,7 @@ from remanent import _checks
 from remanent._checks import Rule
 from remanent._timeline import Timeline
 from remanent._typing import ArrayLike, FloatArray
-from remanent.models.drives.base import Drive, no_waveform, periodic_timeline
+from remanent.models.drives.base import Drive, empty_waveforms, periodic_timeline
 
 #: The rule of a magnetic load.
 LOAD_RULE = _checks.finite_rule("It is a magnetic load, B_r B/(mu mu0).")
@@ -66,7 +66,9 @@ class Constant(Drive):
     def timeline(self, values: Mapping[str, FloatArray], duration: FloatArray) -> Timeline:
         """One piece that lasts as long as the trajectory."""
         lengths = np.array(duration, dtype=np.float64, ndmin=1)[np.newaxis]
-        return Timeline(lengths, periodic=False, piece_parameters={}, waveform=no_waveform)
+        return Timeline(
+            lengths, periodic=False, piece_parameters={}, waveforms_at_phase=empty_waveforms
+        )
 
 
 @dataclass(frozen=True)
@@ -128,7 +130,7 @@ class SineSquared(Drive):
 
     def periods(self, values: Mapping[str, FloatArray]) -> FloatArray:
         """pi/omega."""
-        return np.asarray(np.pi / self.field_values(values, "omega"))
+        return np.asarray(np.pi / self.given_or_own_values(values, "omega"))
 
     def timeline(self, values: Mapping[str, FloatArray], duration: FloatArray) -> Timeline:
         """One piece, the period of the load, repeated."""
@@ -189,7 +191,7 @@ class Sine(Drive):
 
     def periods(self, values: Mapping[str, FloatArray]) -> FloatArray:
         """2 pi/omega."""
-        return np.asarray(2.0 * np.pi / self.field_values(values, "omega"))
+        return np.asarray(2.0 * np.pi / self.given_or_own_values(values, "omega"))
 
     def timeline(self, values: Mapping[str, FloatArray], duration: FloatArray) -> Timeline:
         """One piece, the period of the load, repeated."""

@@ -26,7 +26,7 @@ class Material(Part, ABC):
     """A strain energy per reference volume, divided by the shear modulus at T0.
 
     A subclass has a numeric field `entropic_fraction`, see
-    :func:`remanent.models.heat.entropic_stiffness`.
+    :func:`remanent.models.heat.entropic_stiffness_ratio`.
     """
 
     #: Whether rates are brought to quotients of expanded polynomials.  False for formulas
@@ -50,7 +50,7 @@ class Material(Part, ABC):
             Where functions such as ``log`` are found: the module sympy or numpy.
         """
 
-    def admissibility(
+    def admissibility_conditions(
         self, l1: Any, l2: Any, l3: Any, p: Mapping[str, Any], fn: Any
     ) -> Sequence[Any]:
         """What must be positive for the energy to exist.

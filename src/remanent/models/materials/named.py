@@ -108,10 +108,10 @@ class Gent(Material):
 
     def energy(self, l1: Any, l2: Any, l3: Any, p: Mapping[str, Any], fn: Any) -> Any:
         """W/mu = -(J_m/2) ln[1 - (I1 - 3)/J_m]."""
-        (remaining,) = self.admissibility(l1, l2, l3, p, fn)
+        (remaining,) = self.admissibility_conditions(l1, l2, l3, p, fn)
         return -p["jm"] * fn.log(remaining) / 2
 
-    def admissibility(
+    def admissibility_conditions(
         self, l1: Any, l2: Any, l3: Any, p: Mapping[str, Any], fn: Any
     ) -> Sequence[Any]:
         """1 - (I1 - 3)/J_m, what remains of the extension of the chains."""
@@ -147,11 +147,11 @@ class MooneyRivlin(Material):
     c2: float
     entropic_fraction: float = 1.0
 
-    _constant: ClassVar[Rule] = _checks.not_negative_rule(
+    _constant_rule: ClassVar[Rule] = _checks.not_negative_rule(
         "With a negative constant the energy has no lower bound.", "Check its sign."
     )
     rules: ClassVar[Mapping[str, Rule]] = MappingProxyType(
-        {"c1": _constant, "c2": _constant, "entropic_fraction": ENTROPIC_FRACTION_RULE}
+        {"c1": _constant_rule, "c2": _constant_rule, "entropic_fraction": ENTROPIC_FRACTION_RULE}
     )
 
     @classmethod
@@ -159,7 +159,7 @@ class MooneyRivlin(Material):
         """An instance with usual numbers, on which contract tests try every public part."""
         return cls(0.3, 0.1)
 
-    def derived(self, p: Mapping[str, Any]) -> Mapping[str, tuple[Any, Rule]]:
+    def derived_numbers(self, p: Mapping[str, Any]) -> Mapping[str, tuple[Any, Rule]]:
         """The shear modulus 2 (c1 + c2)."""
         return {"2 (c1 + c2)": (2 * (p["c1"] + p["c2"]), _MODULUS_RULE)}
 
@@ -223,7 +223,7 @@ class Ogden(Material):
         """An instance with usual numbers, on which contract tests try every public part."""
         return cls([0.63, 0.0012, -0.01], [1.3, 5.0, -2.0])
 
-    def checked_options(self) -> Mapping[str, Any]:
+    def checked_fields(self) -> Mapping[str, Any]:
         """Nothing new, if there is an exponent for each modulus."""
         if len(self.moduli) != len(self.exponents):
             raise InputError(
@@ -235,7 +235,7 @@ class Ogden(Material):
             )
         return {}
 
-    def derived(self, p: Mapping[str, Any]) -> Mapping[str, tuple[Any, Rule]]:
+    def derived_numbers(self, p: Mapping[str, Any]) -> Mapping[str, tuple[Any, Rule]]:
         """The shear modulus, half the sum of the products mu_i alpha_i."""
         return {"sum of moduli times exponents": (self._twice_modulus(p), _MODULUS_RULE)}
 
@@ -249,15 +249,15 @@ class Ogden(Material):
             mu
             / alpha
             * sum_of_squares_minus_three(*(stretch ** (alpha / 2) for stretch in (l1, l2, l3)))
-            for mu, alpha in self._terms(p)
+            for mu, alpha in self._modulus_exponent_pairs(p)
         )
         return 2 * total / self._twice_modulus(p)
 
-    def _terms(self, p: Mapping[str, Any]) -> list[tuple[Any, Any]]:
+    def _modulus_exponent_pairs(self, p: Mapping[str, Any]) -> list[tuple[Any, Any]]:
         return [(p[f"moduli.{i}"], p[f"exponents.{i}"]) for i in range(len(self.moduli))]
 
     def _twice_modulus(self, p: Mapping[str, Any]) -> Any:
-        return sum(mu * alpha for mu, alpha in self._terms(p))
+        return sum(mu * alpha for mu, alpha in self._modulus_exponent_pairs(p))
 
 
 #: Coefficients of I1^i - 3^i in the series of Arruda and Boyce, i = 1, 2 ...

@@ -16,24 +16,28 @@ class SecondOrderDual:
     --------
     >>> x = SecondOrderDual(2.0, 1.0, 0.0)
     >>> 1 / x
-    SecondOrderDual(value=0.5, first=-0.25, second=0.25)
+    SecondOrderDual(value=0.5, first_derivative=-0.25, second_derivative=0.25)
     """
 
     value: Any
-    first: Any
-    second: Any
+    first_derivative: Any
+    second_derivative: Any
 
     #: Arrays leave arithmetic with these numbers to the numbers' own methods.
     __array_ufunc__: ClassVar[None] = None
 
     def __add__(self, other: Any) -> SecondOrderDual:
         b = _as_dual(other)
-        return SecondOrderDual(self.value + b.value, self.first + b.first, self.second + b.second)
+        return SecondOrderDual(
+            self.value + b.value,
+            self.first_derivative + b.first_derivative,
+            self.second_derivative + b.second_derivative,
+        )
 
     __radd__ = __add__
 
     def __neg__(self) -> SecondOrderDual:
-        return SecondOrderDual(-self.value, -self.first, -self.second)
+        return SecondOrderDual(-self.value, -self.first_derivative, -self.second_derivative)
 
     def __sub__(self, other: Any) -> SecondOrderDual:
         return self + (-_as_dual(other))
@@ -44,9 +48,15 @@ class SecondOrderDual:
 
     def __mul__(self, other: Any) -> SecondOrderDual:
         b = _as_dual(other)
-        second = self.second * b.value + 2 * self.first * b.first + self.value * b.second
+        second = (
+            self.second_derivative * b.value
+            + 2 * self.first_derivative * b.first_derivative
+            + self.value * b.second_derivative
+        )
         return SecondOrderDual(
-            self.value * b.value, self.first * b.value + self.value * b.first, second
+            self.value * b.value,
+            self.first_derivative * b.value + self.value * b.first_derivative,
+            second,
         )
 
     __rmul__ = __mul__
@@ -59,12 +69,14 @@ class SecondOrderDual:
 
     def __pow__(self, n: Any) -> SecondOrderDual:
         """The power by an exponent without derivatives."""
-        return self.with_function(lambda x: (x**n, n * x ** (n - 1), n * (n - 1) * x ** (n - 2)))
+        return self.apply_function(lambda x: (x**n, n * x ** (n - 1), n * (n - 1) * x ** (n - 2)))
 
-    def with_function(self, derivatives: Any) -> SecondOrderDual:
+    def apply_function(self, derivatives: Any) -> SecondOrderDual:
         """f of this, where ``derivatives(value)`` gives f and its first two derivatives."""
         f, d, dd = derivatives(self.value)
-        return SecondOrderDual(f, d * self.first, dd * self.first**2 + d * self.second)
+        return SecondOrderDual(
+            f, d * self.first_derivative, dd * self.first_derivative**2 + d * self.second_derivative
+        )
 
 
 def _as_dual(x: Any) -> SecondOrderDual:
@@ -73,38 +85,46 @@ def _as_dual(x: Any) -> SecondOrderDual:
 
 @dataclass(frozen=True)
 class DualFunctions:
-    """The functions of formulas, of such numbers, whose parts have their functions in `fn`."""
+    """The functions of formulas, of such numbers; `part_functions` has those of their parts."""
 
-    fn: Any
+    part_functions: Any
 
     def __getattr__(self, name: str) -> Any:
-        return getattr(self.fn, name)
+        return getattr(self.part_functions, name)
 
     def sqrt(self, x: Any) -> SecondOrderDual:
         """Square root."""
 
         def derivatives(v: Any) -> tuple[Any, Any, Any]:
-            root = self.fn.sqrt(v)
+            root = self.part_functions.sqrt(v)
             return root, 1 / (2 * root), -1 / (4 * root * v)
 
-        return _as_dual(x).with_function(derivatives)
+        return _as_dual(x).apply_function(derivatives)
 
     def exp(self, x: Any) -> SecondOrderDual:
         """Exponential."""
-        return _as_dual(x).with_function(lambda v: (self.fn.exp(v),) * 3)
+        return _as_dual(x).apply_function(lambda v: (self.part_functions.exp(v),) * 3)
 
     def log(self, x: Any) -> SecondOrderDual:
         """Natural logarithm."""
-        return _as_dual(x).with_function(lambda v: (self.fn.log(v), 1 / v, -1 / v**2))
+        return _as_dual(x).apply_function(lambda v: (self.part_functions.log(v), 1 / v, -1 / v**2))
 
     def sin(self, x: Any) -> SecondOrderDual:
         """Sine."""
-        return _as_dual(x).with_function(
-            lambda v: (self.fn.sin(v), self.fn.cos(v), -self.fn.sin(v))
+        return _as_dual(x).apply_function(
+            lambda v: (
+                self.part_functions.sin(v),
+                self.part_functions.cos(v),
+                -self.part_functions.sin(v),
+            )
         )
 
     def cos(self, x: Any) -> SecondOrderDual:
         """Cosine."""
-        return _as_dual(x).with_function(
-            lambda v: (self.fn.cos(v), -self.fn.sin(v), -self.fn.cos(v))
+        return _as_dual(x).apply_function(
+            lambda v: (
+                self.part_functions.cos(v),
+                -self.part_functions.sin(v),
+                -self.part_functions.cos(v),
+            )
         )

@@ -25,7 +25,7 @@ _STRETCH_NAMES: Final = ("l1", "l2", "l3")
 _VARIABLE_NAMES: Final = frozenset((*_STRETCH_NAMES, "I1", "I2"))
 #: Names that a constant may not have.
 _RESERVED_NAMES: Final = _VARIABLE_NAMES | {
-    *formula.FUNCTIONS, formula.PI, "expression", "constants", "entropic_fraction",
+    *formula.FUNCTION_NAMES, formula.PI_NAME, "expression", "constants", "entropic_fraction",
 }  # fmt: skip
 #: Triples of stretches, of product 1, at which all orders of them are compared.
 _SAMPLE_STRETCHES: Final = ((1.05, 0.98, 1 / (1.05 * 0.98)), (0.97, 1.01, 1 / (0.97 * 1.01)))
@@ -104,11 +104,11 @@ class StrainEnergy(Material):
         super().__post_init__()
         _require_isotropic(self)
 
-    def checked_options(self) -> Mapping[str, Any]:
+    def checked_fields(self) -> Mapping[str, Any]:
         """The formula as it was understood, if its names are known."""
         text: Any = self.expression
         if not isinstance(text, str) and hasattr(text, "free_symbols"):
-            text = formula.formula_text(text)
+            text = formula.sympy_as_formula_text(text)
         if not isinstance(text, str):
             raise InputError(
                 "expression",
@@ -123,11 +123,11 @@ class StrainEnergy(Material):
         )
         return {"expression": parsed.text}
 
-    def derived(self, p: Mapping[str, Any]) -> Mapping[str, tuple[Any, Rule]]:
+    def derived_numbers(self, p: Mapping[str, Any]) -> Mapping[str, tuple[Any, Rule]]:
         """The energy's own shear modulus at rest."""
         return {
             "the shear modulus at rest": (
-                self._energy_in_pure_shear(p, np).second / 4,
+                self._energy_in_pure_shear(p, np).second_derivative / 4,
                 _MODULUS_RULE,
             )
         }
@@ -136,10 +136,10 @@ class StrainEnergy(Material):
         """W/mu = [W(l1, l2, l3) - W(1, 1, 1)]/mu_W."""
         pure_shear = self._energy_in_pure_shear(p, fn)
         return (self._formula(_variables_by_name(l1, l2, l3) | dict(p), fn) - pure_shear.value) / (
-            pure_shear.second / 4
+            pure_shear.second_derivative / 4
         )
 
-    def admissibility(
+    def admissibility_conditions(
         self, l1: Any, l2: Any, l3: Any, p: Mapping[str, Any], fn: Any
     ) -> Sequence[Any]:
         """Arguments of logarithms and roots, and denominators, over their values at rest."""

@@ -99,7 +99,10 @@ class _ShapingProblem:
     ) -> _ShapingProblem:
         """The problem of one trajectory of an ensemble."""
         row = np.array(
-            [float(single.parameter_values[name][0]) for name in single.vector_field.parameters]
+            [
+                float(single.parameter_values[name][0])
+                for name in single.vector_field.parameter_names
+            ]
         )
         body = StaticState(single.vector_field, row, single.initial_states[0])
         thickness = body.thickness()

@@ -108,7 +108,7 @@ class TerminalConditions:
         """States of rest of all variants under the last load, array (variant, state)."""
         ens = self.parameter_variants.ensemble
         columns = np.column_stack(
-            [ens.parameter_values[name] for name in ens.vector_field.parameters]
+            [ens.parameter_values[name] for name in ens.vector_field.parameter_names]
         )
         bodies = [replace(self.target_rest, parameters=row).rest_nearby() for row in columns]
         states = [body.state for body in bodies if body is not None]
@@ -171,8 +171,9 @@ class TerminalConditions:
         problem = self.parameter_variants.build_problem_lasting(
             np.full(ens.trajectory_count, duration)
         )
-        problem.parameters[:, ens.vector_field.parameters.index("m")] = (
+        problem.parameters[:, ens.vector_field.parameter_names.index("m")] = (
             load * self.parameter_variants.load_factor_to_own_unit
+        )
         )
         unit = np.tile(np.eye(d).ravel(), (ens.trajectory_count, 1))
         start = np.hstack([state, unit, np.zeros((ens.trajectory_count, d))])

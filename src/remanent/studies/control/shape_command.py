@@ -162,7 +162,7 @@ def shape_commands(
         reserved=_RESERVED_DIMENSIONS,
         system_argument="actuator",
     )
-    fields = [name for name in ens.vector_field.parameters if name != "m"]
+    fields = [name for name in ens.vector_field.parameter_names if name != "m"]
     names = _require_robust_to(robust_to, [*fields, *PHYSICAL_SIZES])
     commands = [
         _find_command(ens, k, target, names, tolerance) for k in range(ens.trajectory_count)

@@ -11,7 +11,7 @@ from remanent._checks import positive_rule, require_real
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, FloatArray
 from remanent.analysis.control import shaping
-from remanent.codegen.field import field_for
+from remanent.codegen.field import vector_field_for
 from remanent.models.drives.base import Drive
 from remanent.models.drives.piecewise import Steps
 from remanent.models.drives.waves import Constant
@@ -183,11 +183,11 @@ def _final_rest_states(scaled: PhysicalScales) -> list[StaticState | None]:
         if isinstance(drive, Steps)
         else ens.parameter_values["m"]
     )
-    field = field_for(ens.system, Constant(0.0))
+    field = vector_field_for(ens.system, Constant(0.0))
     rests: list[StaticState | None] = []
     for k in np.arange(ens.trajectory_count):
         values = {name: v[k] for name, v in ens.parameter_values.items()} | {"m": loads[k]}
-        row = np.array([float(values[name]) for name in field.parameters])
+        row = np.array([float(values[name]) for name in field.parameter_names])
         rests.append(
             None
             if ens.is_invalid[k]

@@ -174,7 +174,9 @@ def require_parameter_range(
     what = f"the lowest and the highest value of {parameter}"
     ends = require_interval(name, value, what=what, why=why)
     for end in ends:
-        broken = ens.system.invalid({parameter: end}) | ens.drive.invalid({parameter: end})
+        broken = ens.system.where_invalid({parameter: end}) | ens.drive.where_invalid(
+            {parameter: end}
+        )
         if broken.any():
             raise InputError(
                 name,

@@ -138,7 +138,7 @@ def require_admissible_state(
             "initial",
             must="be a state that the material can reach",
             got=state.tolist(),
-            why=f"It lies beyond {system.describe_limits()}.",
+            why=f"It lies beyond {system.describe_coordinate_limits()}.",
             fix="Start nearer to (1, 0), or raise the limit.",
         )
 
@@ -153,4 +153,4 @@ def _is_admissible(
 ) -> BoolArray:
     """Whether the energies exist in each state, array (trajectory,) of bool."""
     coordinates = (states[:, k] for k in field.indices_of_roles(Role.COORDINATE))
-    return system.admissible(values, *coordinates)
+    return system.where_admissible(values, *coordinates)

@@ -12,7 +12,7 @@ from remanent._checks import as_float_array, is_increasing, shortened_repr
 from remanent._errors import InputError
 from remanent._field import Field
 from remanent._typing import ArrayLike, BoolArray, FloatArray
-from remanent.codegen.field import field_for
+from remanent.codegen.field import vector_field_for
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.results.build import Labelled
@@ -82,7 +82,7 @@ def lay_out_ensemble(
     require_drive(drive)
     require_over(over)
     _require_load_rate_where_needed(system, drive, over)
-    field = field_for(system, drive)
+    field = vector_field_for(system, drive)
     defaults = {**system.parameters(), **drive.parameters(), **(extra or {})}
     names = [*defaults, *(f"initial.{variable}" for variable in field.state_names)]
     arrays = {
@@ -230,7 +230,7 @@ def _is_invalid_trajectory(
     field: Field,
 ) -> BoolArray:
     """Where a value or an initial state breaks a rule, array (trajectory,) of bool."""
-    broken = system.invalid(values) | drive.invalid(values)
+    broken = system.where_invalid(values) | drive.where_invalid(values)
     periods = load_periods_for_values(drive, values)
     if periods is not None:
         broken = broken | ~np.isfinite(periods)

@@ -24,11 +24,16 @@ def evaluate_observable(
     phase, piece = phase_and_piece_index(problem.timeline, times)
     row = np.arange(times.shape[0])[:, None]
     columns = []
-    for k, parameter in enumerate(problem.field.parameters):
+    for k, parameter in enumerate(problem.field.parameter_names):
         by_piece = problem.timeline.piece_parameters.get(parameter)
         column = problem.parameters[:, k][:, None] if by_piece is None else by_piece[piece, row]
         columns.append(column)
-    inputs = [phase, *np.moveaxis(states, 2, 0), *columns, *problem.timeline.waveform(phase)]
+    inputs = [
+        phase,
+        *np.moveaxis(states, 2, 0),
+        *columns,
+        *problem.timeline.waveforms_at_phase(phase),
+    ]
     with np.errstate(all="ignore"):
         (value,) = problem.field.observables[name](inputs, functions=np)
     return np.asarray(np.broadcast_to(value, times.shape))

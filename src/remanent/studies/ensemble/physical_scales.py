@@ -86,7 +86,10 @@ class PhysicalScales:
             for name, rows in line.piece_parameters.items()
         }
         timeline = Timeline(
-            line.piece_lengths * self.time_factor_to_own_unit, line.periodic, scaled, line.waveform
+            line.piece_lengths * self.time_factor_to_own_unit,
+            line.periodic,
+            scaled,
+            line.waveforms_at_phase,
         )
         return replace(
             plain, timeline=timeline, duration=plain.duration * self.time_factor_to_own_unit

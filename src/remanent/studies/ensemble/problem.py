@@ -31,10 +31,13 @@ def initial_value_problem(ens: Ensemble, duration: FloatArray) -> Problem:
     lengths = np.broadcast_to(
         timeline.piece_lengths, (len(timeline.piece_lengths), ens.trajectory_count)
     )
-    timeline = Timeline(lengths, timeline.periodic, timeline.piece_parameters, timeline.waveform)
+    timeline = Timeline(
+        lengths, timeline.periodic, timeline.piece_parameters, timeline.waveforms_at_phase
+    )
     # Parameters that the timeline gives piece by piece have no value of their own.
     columns = [
-        values.get(name, np.zeros(ens.trajectory_count)) for name in ens.vector_field.parameters
+        values.get(name, np.zeros(ens.trajectory_count))
+        for name in ens.vector_field.parameter_names
     ]
     parameters = np.column_stack(columns) if columns else np.zeros((ens.trajectory_count, 0))
     return Problem(

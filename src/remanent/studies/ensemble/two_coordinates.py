@@ -23,8 +23,8 @@ def ensemble_with_two_coordinates(ens: Ensemble) -> tuple[Ensemble, dict[str, st
     first, second = biaxial.vector_field.names_of_roles(Role.COORDINATE)
     pairs = {first: second}
     pairs |= zip(
-        biaxial.vector_field.belonging_to(first),
-        biaxial.vector_field.belonging_to(second),
+        biaxial.vector_field.names_belonging_to(first),
+        biaxial.vector_field.names_belonging_to(second),
         strict=True,
     )
     return replace(

@@ -259,7 +259,7 @@ def _parameter_box(
     )
     rules = {
         **system.parameter_rules(),
-        **drive.numeric_rules(),
+        **drive.parameter_rules(),
         **dict.fromkeys(PHYSICAL_SIZES, PHYSICAL_SIZE_RULE),
     }
     values = np.array(list(guess.values()))

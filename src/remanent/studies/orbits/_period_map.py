@@ -165,7 +165,7 @@ class StroboscopicMap:
         count, d = image.state.shape
         slope = np.zeros((count, d, len(self.parameter_names)))
         for k, name in enumerate(self.parameter_names):
-            if name == self.ensemble.drive.frequency_field:
+            if name == self.ensemble.drive.frequency_field_name:
                 # The period is inversely proportional to this field.
                 slope[:, :, k] = image.tangents[:, -1] / -values[name][:, None]
             if name in self._differentiated_parameter_names:
@@ -185,7 +185,7 @@ class StroboscopicMap:
         """Parameters of the vector field, array (point, parameter)."""
         rows = np.tile(self._problem.parameters, (count, 1))
         for name in self._varied_vector_field_parameter_names:
-            rows[:, self._problem.field.parameters.index(name)] = values[name]
+            rows[:, self._problem.field.parameter_names.index(name)] = values[name]
         return rows
 
     def _period_lengths(self, values: dict[str, FloatArray], count: int) -> FloatArray:
@@ -204,7 +204,9 @@ class StroboscopicMap:
     @cached_property
     def _varied_vector_field_parameter_names(self) -> list[str]:
         """Those of the varied fields that the vector field knows."""
-        return [name for name in self.parameter_names if name in self._problem.field.parameters]
+        return [
+            name for name in self.parameter_names if name in self._problem.field.parameter_names
+        ]
 
     @cached_property
     def _differentiated_parameter_names(self) -> list[str]:
@@ -213,7 +215,7 @@ class StroboscopicMap:
         The field that times the drive acts through the length of the period, and through the
         rate of the load where that enters the equations.
         """
-        timed = self.ensemble.drive.frequency_field
+        timed = self.ensemble.drive.frequency_field_name
         return [
             name
             for name in self._varied_vector_field_parameter_names
@@ -232,12 +234,12 @@ class StroboscopicMap:
     def _period_map(self) -> PeriodMap:
         last = (
             [LOG_PERIOD_PARAMETER_NAME]
-            if self.ensemble.drive.frequency_field in self.parameter_names
+            if self.ensemble.drive.frequency_field_name in self.parameter_names
             else []
         )
         return PeriodMap(
             self._problem.field,
-            self._problem.timeline.waveform,
+            self._problem.timeline.waveforms_at_phase,
             directions=len(self._problem.field.state_names),
             parameters=(*self._differentiated_parameter_names, *last),
             phase=self.section_phase,

@@ -8,7 +8,7 @@ from types import MappingProxyType
 import numpy as np
 
 from remanent._field import Role
-from remanent._roots import find_root
+from remanent._roots import find_roots
 from remanent._typing import FloatArray, IntArray
 from remanent.analysis.orbits.maps import MapImage
 from remanent.analysis.orbits.periodic_orbits import (
@@ -216,7 +216,7 @@ def _symmetric_orbit_states(
         row, k = np.nonzero(values[:, :-1] * values[:, 1:] <= 0.0)
     if not row.size:
         return [np.empty((0, 2))] * len(parameters)
-    root = find_root(
+    root = find_roots(
         rate, (grid[k], grid[k + 1]), args=(row.astype(float),),
         tolerances={
             "xatol": _SYMMETRY_LINE_STRETCH_TOLERANCE, "xrtol": _SYMMETRY_LINE_STRETCH_TOLERANCE,

@@ -72,7 +72,7 @@ class EnsembleFollower:
     @cached_property
     def period_map_maker(self) -> Callable[..., PeriodMap]:
         """``period_map(directions, error_control)``: the map, made once for each pair of these."""
-        field, waveform = self.problem.field, self.problem.timeline.waveform
+        field, waveform = self.problem.field, self.problem.timeline.waveforms_at_phase
 
         @lru_cache
         def period_map(directions: int, error_control: ErrorControl = "all") -> PeriodMap:
@@ -247,7 +247,7 @@ def _missing_values(name: str, template: np.ndarray, ens: Ensemble) -> np.ndarra
 
 def is_damped(ens: Ensemble) -> BoolArray:
     """Where the motion loses energy, array (trajectory,)."""
-    dissipative = ens.system.dissipative(ens.parameter_values)
+    dissipative = ens.system.where_dissipative(ens.parameter_values)
     return np.asarray(np.broadcast_to(dissipative, (ens.trajectory_count,)))
 
 

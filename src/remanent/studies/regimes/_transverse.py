@@ -72,7 +72,9 @@ class TransverseFlow:
             )
         two, pairs = ensemble_with_two_coordinates(ens)
         arrays = initial_value_problem(two, np.ones(ens.trajectory_count))
-        flow = PeriodMap(transverse_field(two.vector_field, pairs), arrays.timeline.waveform)
+        flow = PeriodMap(
+            transverse_field(two.vector_field, pairs), arrays.timeline.waveforms_at_phase
+        )
         lengths = np.where(ens.is_invalid, 1.0, require_drive_periods(ens))
         return cls(
             initial_states=ens.initial_states,

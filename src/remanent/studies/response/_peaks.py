@@ -271,7 +271,7 @@ def _stable_stretch(system: Actuator, mean: float) -> float:
 def _small_oscillation_frequency(system: Actuator, mean: float) -> float:
     """Modulus of the eigenvalue of small oscillations about rest; NaN where there are none."""
     ens = lay_out_ensemble(system, Constant(mean))
-    row = np.array([ens.parameter_values[name][0] for name in ens.vector_field.parameters])
+    row = np.array([ens.parameter_values[name][0] for name in ens.vector_field.parameter_names])
     rest = StaticState(ens.vector_field, row, ens.initial_states[0]).rest_nearby()
     if rest is None:
         return np.nan

@@ -15,7 +15,11 @@ def folds_along_first_field(static: StaticEnsemble) -> dict[str, Labelled]:
     ens = static.ensemble
     # The first field that has a dimension of its own.
     name = next((k for k, (dims, _) in ens.coords.items() if dims == (k,)), None)
-    if name is None or name not in ens.vector_field.parameters or ens.dimension_sizes[name] < 2:
+    if (
+        name is None
+        or name not in ens.vector_field.parameter_names
+        or ens.dimension_sizes[name] < 2
+    ):
         return {}
     shape, axis = tuple(ens.dimension_sizes.values()), ens.dims.index(name)
     cases = np.take(np.arange(ens.trajectory_count).reshape(shape), 0, axis).ravel()

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from remanent._field import Program, Role, StateVariable
-from remanent._roots import find_root
+from remanent._roots import find_roots
 from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.studies.ensemble.ensemble import Ensemble
 
@@ -72,7 +72,7 @@ class StaticEnsemble:
     def is_reachable(self, case: IntArray, first: FloatArray, second: FloatArray) -> BoolArray:
         """Whether the material reaches in-plane stretches, arrays that broadcast with `case`."""
         columns = {name: value[case] for name, value in self.ensemble.parameter_values.items()}
-        inside = self.ensemble.system.admissible(columns, first, second)
+        inside = self.ensemble.system.where_admissible(columns, first, second)
         return np.broadcast_to(inside, np.broadcast_shapes(case.shape, first.shape))
 
     def first_acceleration(
@@ -124,7 +124,7 @@ class StaticEnsemble:
         state = [
             self._static_value(v, stretches, values) for v in self.ensemble.vector_field.variables
         ]
-        columns = [values[name] for name in self.ensemble.vector_field.parameters]
+        columns = [values[name] for name in self.ensemble.vector_field.parameter_names]
         with np.errstate(all="ignore"):
             outputs = program([0.0, *state, *columns], functions=np)
         return [np.broadcast_to(value, np.shape(stretches[0])) for value in outputs]
@@ -136,7 +136,7 @@ class StaticEnsemble:
         field = self.ensemble.vector_field
         if variable.role is Role.VARIATION:
             varied = variable.belongs_to
-            moves = varied is not None and field.variable(varied).role is Role.RATE
+            moves = varied is not None and field.state_variable(varied).role is Role.RATE
             return np.full(np.shape(stretches[0]), 0.0 if moves else 1.0)
         if variable.role is Role.RATE:
             return 0.0 * stretches[0]
@@ -155,5 +155,5 @@ def bisect_last_inside(
     inside: Callable[..., BoolArray], near: FloatArray, far: FloatArray, index: IntArray
 ) -> FloatArray:
     """The last numbers with `inside(number, index)`, from `near`, where it holds, to `far`."""
-    solved = find_root(lambda x, i: np.where(inside(x, i), 1.0, -1.0), (near, far), args=(index,))
+    solved = find_roots(lambda x, i: np.where(inside(x, i), 1.0, -1.0), (near, far), args=(index,))
     return np.asarray(np.where(solved.f_bracket[0] > 0.0, *solved.bracket))

@@ -34,7 +34,7 @@ class StaticState:
     vector_field
         Of the actuator and a ``Constant`` drive.
     parameters : array (parameter,)
-        In the order of ``vector_field.parameters``; the load `m` among them.
+        In the order of ``vector_field.parameter_names``; the load `m` among them.
     state : array (state,)
         What does not follow from rest (a temperature) is taken from it.
     """
@@ -65,12 +65,12 @@ class StaticState:
     @property
     def magnetic_load(self) -> float:
         """The magnetic load."""
-        return float(self.parameters[self.vector_field.parameters.index("m")])
+        return float(self.parameters[self.vector_field.parameter_names.index("m")])
 
     def with_load(self, load: float) -> StaticState:
         """The same state under another load."""
         values = self.parameters.copy()
-        values[self.vector_field.parameters.index("m")] = load
+        values[self.vector_field.parameter_names.index("m")] = load
         return replace(self, parameters=values)
 
     def rest_at_thickness(self, thickness: float) -> StaticState | None:
@@ -115,7 +115,7 @@ class StaticState:
     def rate_derivatives(self) -> tuple[FloatArray, FloatArray]:
         """Derivatives of the rates by the moving state variables, and by the load."""
         moved = [self._rate_derivative_by_state(k) for k in self.moving_indices]
-        column = 1 + len(self.state) + self.vector_field.parameters.index("m")
+        column = 1 + len(self.state) + self.vector_field.parameter_names.index("m")
         return np.column_stack(moved), self._rate_derivative_by_input(column)[self.moving_indices]
 
     def excess_energy_of(self, state: FloatArray) -> float:
@@ -138,7 +138,9 @@ class StaticState:
         """The thickness stretch."""
         inputs = [0.0, *self.state, *self.parameters]
         return float(
-            self.vector_field.observables[self.vector_field.observable](inputs, functions=np)[0]
+            self.vector_field.observables[self.vector_field.observable_name](inputs, functions=np)[
+                0
+            ]
         )
 
     def _with_free_values(self, free: FloatArray) -> StaticState:
@@ -150,10 +152,12 @@ class StaticState:
         state = self._with_free_values(np.real(free)).state.astype(np.complex128)
         state[self.free_indices] = free
         values = self.parameters.astype(np.complex128)
-        values[self.vector_field.parameters.index("m")] = load
+        values[self.vector_field.parameter_names.index("m")] = load
         inputs = [0.0, *state, *values]
         rates = self.vector_field.rates(inputs, functions=np)
-        (x,) = self.vector_field.observables[self.vector_field.observable](inputs, functions=np)
+        (x,) = self.vector_field.observables[self.vector_field.observable_name](
+            inputs, functions=np
+        )
         return np.array([*(rates[k] for k in self.balanced_indices), x - thickness])
 
     def _jacobian(self, u: FloatArray) -> FloatArray:
@@ -178,6 +182,8 @@ class StaticState:
     def _conjugate_thickness_slope(self) -> float:
         """Minus the derivative of the energy by the load, over the thickness stretch."""
         inputs = np.array([0.0, *self.state, *self.parameters], dtype=np.complex128)
-        inputs[1 + len(self.state) + self.vector_field.parameters.index("m")] += 1j * _COMPLEX_STEP
+        inputs[1 + len(self.state) + self.vector_field.parameter_names.index("m")] += (
+            1j * _COMPLEX_STEP
+        )
         (energy,) = self.vector_field.observables["energy"](list(inputs), functions=np)
         return float(-np.imag(energy) / _COMPLEX_STEP / self.thickness())

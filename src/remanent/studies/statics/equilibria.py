@@ -143,7 +143,7 @@ def _transverse_stiffness(ens: Ensemble, case: IntArray, stretch: FloatArray) ->
     static = StaticEnsemble(replace(biaxial, vector_field=field))
     rates = static.evaluate_program(field.rates, case, stretch)
     (rate,) = field.names_of_roles(Role.RATE)
-    (difference,) = field.belonging_to(rate)
+    (difference,) = field.names_belonging_to(rate)
     return np.asarray(-rates[field.state_names.index(difference)])
 
 

@@ -294,7 +294,7 @@ def test_a_piece_may_be_empty() -> None:
     start = np.array([[1.0, 0.0], [1.0, 0.0]])
     whole = problem(DRIVEN, start, 10.0)
     lengths = np.array([[10.0, 4.0], [0.0, 6.0]])
-    cut = replace(whole, timeline=Timeline(lengths, False, {}, whole.timeline.waveform))
+    cut = replace(whole, timeline=Timeline(lengths, False, {}, whole.timeline.waveforms_at_phase))
     times = np.tile(np.linspace(0.0, 10.0, 21), (2, 1))
     states = integrate(cut, Request(times=times), tolerance=1e-10).states
     assert states is not None

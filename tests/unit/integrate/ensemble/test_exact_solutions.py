@@ -111,7 +111,13 @@ def test_error_falls_with_the_order_of_the_method(method: Method) -> None:
         compiled_kernel(asked.field, default_method(), KernelOptions()),
         compiled_kernel(asked.field, method, KernelOptions()),
     )
-    run = Run(asked, Request(times=TIMES[None]), kernels, 1.0, CycleTables(asked.timeline.waveform))
+    run = Run(
+        asked,
+        Request(times=TIMES[None]),
+        kernels,
+        1.0,
+        CycleTables(asked.timeline.waveforms_at_phase),
+    )
     levels = np.array([16, 20, 24, 28, 32])
     errors = []
     for level in levels:

@@ -32,11 +32,11 @@ def autonomous(rates: list[sp.Expr]) -> Field:
 
     return Field(
         variables=tuple(StateVariable(name, Role.COORDINATE) for name in names),
-        loads=(),
-        parameters=(),
+        load_names=(),
+        parameter_names=(),
         waveform_names=("sine", "cosine"),
         rates=program(*rates),  # type: ignore[arg-type]
-        observable="x",
+        observable_name="x",
         observable_and_rates=program(X, rates[0], rates[0], rates[0]),  # type: ignore[arg-type]
         observables={},
     )

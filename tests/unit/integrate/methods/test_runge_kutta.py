@@ -12,7 +12,7 @@ import pytest
 from tests.unit.integrate.observed_order import WITHIN, order
 
 from remanent._typing import FloatArray
-from remanent.codegen.field import field_for
+from remanent.codegen.field import vector_field_for
 from remanent.integrate.ensemble import dense
 from remanent.integrate.methods.runge_kutta import RungeKuttaMethod, cooper_verner_8, default_method
 from remanent.models.actuator import Actuator
@@ -24,9 +24,9 @@ DRIVE = SineSquared(0.8, 1.25, 0.2)
 
 def march(method: RungeKuttaMethod, steps: int, number: Any, functions: Any) -> list[Any]:
     """Equation 16 over half a drive period in `steps` steps, with numbers of any kind."""
-    field = field_for(ACTUATOR, DRIVE)
+    field = vector_field_for(ACTUATOR, DRIVE)
     values = {**ACTUATOR.parameters(), **DRIVE.parameters()}
-    parameters = [number(values[name]) for name in field.parameters]
+    parameters = [number(values[name]) for name in field.parameter_names]
     pi, y = functions.pi, [number(1), number(0)]
     h = pi / number(DRIVE.omega) / 2 / steps
     for k in range(steps):
@@ -96,18 +96,18 @@ def test_order_of_a_step_in_fifty_digits(part: float) -> None:
 
 def test_states_between_steps_have_the_order_of_a_step() -> None:
     """A step of length t h from an exact state errs by O(h**9), for any t in (0, 1)."""
-    field = field_for(ACTUATOR, DRIVE)
+    field = vector_field_for(ACTUATOR, DRIVE)
     values = {**ACTUATOR.parameters(), **DRIVE.parameters()}
     part = np.array([0.3, 0.5, 0.9])
     errors = []
     for h in (0.2, 0.1):
         arguments = {
             "states": np.tile([1.0, 0.5], (3, 1)),
-            "parameters": [np.full(3, values[name]) for name in field.parameters],
+            "parameters": [np.full(3, values[name]) for name in field.parameter_names],
             "phase": np.full(3, 0.1),
         }
         span = part * h / (math.pi / DRIVE.omega)
-        waveform = DRIVE.timeline({}, np.ones(1)).waveform
+        waveform = DRIVE.timeline({}, np.ones(1)).waveforms_at_phase
 
         def advanced(
             parts: int, a: Any = arguments, s: Any = span, h: float = h, wave: Any = waveform
@@ -125,16 +125,16 @@ def test_states_between_steps_have_the_order_of_a_step() -> None:
 
 def test_a_state_at_the_end_of_a_step_is_kept_exactly() -> None:
     """A step of length zero changes no bit, whatever the state."""
-    field = field_for(ACTUATOR, DRIVE)
+    field = vector_field_for(ACTUATOR, DRIVE)
     values = {**ACTUATOR.parameters(), **DRIVE.parameters()}
     states = np.array([[1.0 / 3.0, -0.1], [1e300, np.inf]])
     zero = np.zeros(2)
     found = dense.partial_step(
         field,
         default_method(),
-        DRIVE.timeline({}, np.ones(1)).waveform,
+        DRIVE.timeline({}, np.ones(1)).waveforms_at_phase,
         states=states,
-        parameters=[np.full(2, values[name]) for name in field.parameters],
+        parameters=[np.full(2, values[name]) for name in field.parameter_names],
         phase=zero,
         span=zero,
         time=zero,

@@ -18,5 +18,5 @@ def test_dual_numbers_carry_two_derivatives(text: str) -> None:
     x, at = sp.Symbol("x"), 1.3
     dual = parse_formula(text)({"x": SecondOrderDual(np.float64(at), 1.0, 0.0)}, DualFunctions(np))
     exact = parse_formula(text)({"x": x}, sp)
-    for k, value in enumerate((dual.value, dual.first, dual.second)):
+    for k, value in enumerate((dual.value, dual.first_derivative, dual.second_derivative)):
         assert value == pytest.approx(float(sp.diff(exact, x, k).subs(x, at)), rel=1e-13)

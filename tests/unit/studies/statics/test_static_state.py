@@ -16,7 +16,7 @@ def test_rest_and_poles_of_two_coordinates() -> None:
     pair = rm.Actuator(prestress=(0.2, 0.2))
     field = build_field(pair, rm.Constant(0.1))
     own = {**pair.parameters(), "m": 0.0}
-    row = np.array([own[name] for name in field.parameters])
+    row = np.array([own[name] for name in field.parameter_names])
     body = StaticState(field, row, np.array([1.0, 0.0, 1.0, 0.0])).rest_at_thickness(1.2)
     assert body is not None
     one = rm.equilibria(rm.Actuator(prestress=0.2), body.magnetic_load)
@@ -25,7 +25,7 @@ def test_rest_and_poles_of_two_coordinates() -> None:
     np.testing.assert_allclose(
         sorted(modes.imag), np.array([-1, 1]) * float(one.natural_frequency[0])
     )
-    row[field.parameters.index("prestress_2")] = 0.3
+    row[field.parameter_names.index("prestress_2")] = 0.3
     bent = StaticState(field, row, body.state).rest_at_thickness(1.2)
     assert bent is not None
     assert controllable_poles(*bent.rate_derivatives()).size == 4
