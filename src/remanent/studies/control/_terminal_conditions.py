@@ -174,7 +174,6 @@ class TerminalConditions:
         problem.parameters[:, ens.vector_field.parameter_names.index("m")] = (
             load * self.parameter_variants.load_factor_to_own_unit
         )
-        )
         unit = np.tile(np.eye(d).ravel(), (ens.trajectory_count, 1))
         start = np.hstack([state, unit, np.zeros((ens.trajectory_count, d))])
         outcome = integrate(
