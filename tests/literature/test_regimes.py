@@ -22,7 +22,7 @@ from tests.unit.analysis.regimes.iterated import Iterated, henon, logistic, roll
 from tests.unit.integrate.handmade import COSINE, Oscillator, Q, V, turning
 
 from remanent._typing import FloatArray, IntArray
-from remanent.analysis.regimes.collection import state_observables
+from remanent.analysis.regimes.collection import states_as_observables
 from remanent.analysis.regimes.decision import decide_regimes
 from remanent.analysis.regimes.labels import Regime
 from remanent.analysis.regimes.long_runs import LongRun, TangentMap, propagate_tangents
@@ -109,12 +109,12 @@ def winding(y: FloatArray) -> FloatArray:
 
 
 FAMILIES: dict[str, tuple[Callable[..., TangentMap], Any]] = {
-    "actuator": (actuator, state_observables),
-    "oscillator": (oscillator, state_observables),
+    "actuator": (actuator, states_as_observables),
+    "oscillator": (oscillator, states_as_observables),
     "pendulum": (pendulum, winding),
     "standard": (plain_map(standard), rolled),
-    "logistic": (plain_map(logistic), state_observables),
-    "henon": (plain_map(henon), state_observables),
+    "logistic": (plain_map(logistic), states_as_observables),
+    "henon": (plain_map(henon), states_as_observables),
 }
 
 

@@ -132,7 +132,7 @@ def draw_figure_5_or_6(history: xr.Dataset, section: xr.Dataset) -> Figure:
             )
             style.set_panel_title(axes[2], "", r"strobed every $\pi/\omega$")
         keep_only_outer_labels(grid, x=True, y=False)
-        style.add_legend_above(figure, _period_legend_entries())
+        style.add_legend_above(figure, _even_and_odd_period_legend_entries())
         footer.add_footer(figure, section)
     return figure
 
@@ -206,7 +206,7 @@ def _draw_motion_row(axes: Sequence[Axes], history: xr.Dataset, section: xr.Data
     axes[2].set_ylabel("")
 
 
-def _period_legend_entries() -> list[Line2D]:
+def _even_and_odd_period_legend_entries() -> list[Line2D]:
     looks: dict[str, Any] = {"linestyle": "", "marker": "o"}
     return [
         Line2D([], [], color=style.INK_COLOUR, ms=2.2, label="even drive periods", **looks),

@@ -29,11 +29,11 @@ from remanent.results import netcdf
 #: Called with the name of a stage and the share of all work that is done.
 ProgressCallback = Callable[[str, float], None]
 #: Tolerance of the reference setting.
-_REFERENCE_TOLERANCE = 1e-8
+_REFERENCE_SETTING_TOLERANCE = 1e-8
 #: Tolerance of the further settings.
-_ALTERNATIVE_TOLERANCE = 1e-7
+_ALTERNATIVE_SETTING_TOLERANCE = 1e-7
 #: Further settings tabulate responses at every so many frequencies.
-_ALTERNATIVE_FREQUENCY_STRIDE = 3
+_ALTERNATIVE_SETTING_FREQUENCY_STRIDE = 3
 #: Length of the response window for which forcing laws are compared.
 _LAW_COMPARISON_WINDOW = 100.0
 #: Name of the forcing law that is mapped over every window.
@@ -61,7 +61,7 @@ def reproduce(report: ProgressCallback = _ignore_progress, *, processes: int = 1
         The evidence, the verdicts, the data and the pictures.
     """
     report("figures 2 to 6", 0.0)
-    reference = gather_evidence(REFERENCE_SETTING, _REFERENCE_TOLERANCE)
+    reference = gather_evidence(REFERENCE_SETTING, _REFERENCE_SETTING_TOLERANCE)
     data = _reference_datasets(reference)
     resonance = reference.response["resonance"]
     with work_executor(processes) as executor:
@@ -74,7 +74,7 @@ def reproduce(report: ProgressCallback = _ignore_progress, *, processes: int = 1
         drawn = _start_new_drawings(executor, data, ())
         valleys = _misfits_by_law(report)
         report("audit", 0.6)
-        verdicts, reference = _audit_with_alternatives(reference, valleys)
+        verdicts, reference = _audit_all_claims_with_alternatives(reference, valleys)
         names_before = tuple(data)
         data |= _misfit_datasets(valleys) | {"regimes": reference.regimes}
         for future in futures:
@@ -96,7 +96,7 @@ def _start_new_drawings(
     }
 
 
-def _audit_with_alternatives(
+def _audit_all_claims_with_alternatives(
     reference: ClaimEvidence, valleys: Mapping[str, xr.Dataset]
 ) -> tuple[list[ClaimVerdict], ClaimEvidence]:
     """Verdicts, and the evidence with what the reconstruction adds to it."""
@@ -105,7 +105,7 @@ def _audit_with_alternatives(
     settings = reconstruction.admissible_settings(valleys[_PUBLISHED_LAW_NAME], _PUBLISHED_LAW_NAME)
     with ThreadPoolExecutor(max_workers=2) as together:
         classified = together.submit(
-            compute_regimes, [REFERENCE_SETTING, *settings], _REFERENCE_TOLERANCE
+            compute_regimes, [REFERENCE_SETTING, *settings], _REFERENCE_SETTING_TOLERANCE
         )
         alternatives = list(together.map(_gather_alternative_evidence, settings))
     reference, *alternatives = [
@@ -117,7 +117,9 @@ def _audit_with_alternatives(
 
 def _gather_alternative_evidence(setting: Setting) -> ClaimEvidence:
     """Evidence for a further setting, whose numbers are not reported: a coarser one will do."""
-    return gather_evidence(setting, _ALTERNATIVE_TOLERANCE, every=_ALTERNATIVE_FREQUENCY_STRIDE)
+    return gather_evidence(
+        setting, _ALTERNATIVE_SETTING_TOLERANCE, every=_ALTERNATIVE_SETTING_FREQUENCY_STRIDE
+    )
 
 
 def write_report(paper: Paper, out: Path) -> Path:

@@ -152,7 +152,7 @@ def _to_classic_type(name: str, variable: xr.Variable) -> xr.Variable:
         )
     if values.dtype.kind in "iu" and values.dtype not in (np.int8, np.int16, np.int32):
         attrs[_DTYPE_ATTRIBUTE] = str(values.dtype)
-        values = _narrow_integers(name, values)
+        values = _integers_as_classic_type(name, values)
     if values.dtype.kind not in "if":
         raise InputError(
             name,
@@ -199,7 +199,7 @@ def _encode_strings(values: np.ndarray[Any, Any]) -> tuple[np.ndarray[Any, Any],
     }
 
 
-def _narrow_integers(name: str, values: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
+def _integers_as_classic_type(name: str, values: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
     """Integers as int32, else as float64 if that is exact."""
     for target in (np.int32, np.float64):
         with np.errstate(invalid="ignore", over="ignore"):
@@ -237,7 +237,7 @@ def _encode_attribute(value: Any) -> Any:
         number = (
             number.astype(np.int8)
             if number.dtype.kind == "b"
-            else _narrow_integers("attrs", number)
+            else _integers_as_classic_type("attrs", number)
         )
     return number if number.ndim else number[()]
 

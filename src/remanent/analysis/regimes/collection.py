@@ -27,7 +27,7 @@ _ORBITS_PER_BATCH = 128
 ObservablesFunction = Callable[[FloatArray], FloatArray]
 
 
-def state_observables(states: FloatArray) -> FloatArray:
+def states_as_observables(states: FloatArray) -> FloatArray:
     """The states themselves as observables."""
     return states
 
@@ -69,7 +69,7 @@ def collect_evidence(
     *,
     damped: BoolArray,
     seed: int = 0,
-    observables: ObservablesFunction = state_observables,
+    observables: ObservablesFunction = states_as_observables,
     indicators: Mapping[str, IndicatorFunction] = INDICATOR_FUNCTIONS,
 ) -> EvidenceTable:
     """Collect the evidence of one run.

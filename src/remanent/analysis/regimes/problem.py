@@ -11,7 +11,7 @@ from remanent.analysis.regimes.collection import (
     INDICATOR_FUNCTIONS,
     ObservablesFunction,
     collect_evidence,
-    state_observables,
+    states_as_observables,
 )
 from remanent.analysis.regimes.evidence import EvidenceTable
 from remanent.analysis.regimes.limit_orbits import IterateWithJacobian
@@ -53,7 +53,7 @@ class RegimeProblem:
     damped: BoolArray
     iterate_with_jacobian: IterateWithJacobian | None = None
     seed: int = 0
-    observables: ObservablesFunction = state_observables
+    observables: ObservablesFunction = states_as_observables
     indicators: Mapping[str, IndicatorFunction] = field(default_factory=lambda: INDICATOR_FUNCTIONS)
     rules: RegimeRules = DEFAULT_REGIME_RULES
     thresholds: RegimeThresholds = field(default_factory=RegimeThresholds)

@@ -29,7 +29,7 @@ from remanent.integrate.kernel.options import KernelOptions, Method
 
 #: Looser tolerances are met with this one: with larger errors the difference of two
 #: solutions is no measure of either (2 in 100 bounds at 1e-3 were too small).
-LOOSEST_TOLERANCE = 1e-4
+LOOSEST_TOLERANCE_USED = 1e-4
 #: Called with the share of trajectories that are finished.
 ProgressCallback = Callable[[float], None]
 
@@ -75,7 +75,7 @@ def integrate(
     remanent.integrate.events.find_crossings : Where an observable passes through a value.
     remanent.integrate.maps.period_map.PeriodMap : The map over whole drive periods.
     """
-    tolerance = min(tolerance, LOOSEST_TOLERANCE)
+    tolerance = min(tolerance, LOOSEST_TOLERANCE_USED)
     method = method or choose_method(request, tolerance)
     policy = RefinementPolicy(tolerance, method.order, max_resolution)
     best = BestAttempts.before_first_attempt(problem, request)
@@ -85,7 +85,7 @@ def integrate(
     search = replace(request, times=None, inspect_window=None)
     options = KernelOptions(request.wants_extremes)
     with KernelPool(problem, method, options, tolerance, workers=workers, sizes=sizes) as pool:
-        pending = best.without_unaffordable(_all_valid_as_pending(problem, first))
+        pending = best.without_unaffordable(_every_valid_trajectory_pending_at(problem, first))
         pending = estimate_resolutions_from_beginnings(
             pool, problem, search, pending, method, most=max_resolution
         )
@@ -131,12 +131,12 @@ def integrate_without_error_bound(
     -------
     Outcome
     """
-    method = choose_method(request, LOOSEST_TOLERANCE)
+    method = choose_method(request, LOOSEST_TOLERANCE_USED)
     outcome = BestAttempts.before_first_attempt(problem, request).outcome
     options = KernelOptions(request.wants_extremes, has_coarse_solution=False)
     with KernelPool(problem, method, options, np.inf, workers=workers) as pool:
         for chunk, attempt in pool.run_attempts(
-            problem, request, _all_valid_as_pending(problem, resolution)
+            problem, request, _every_valid_trajectory_pending_at(problem, resolution)
         ):
             indices = chunk.indices
             finite = np.isfinite(attempt.last_state).all(axis=1)
@@ -150,7 +150,7 @@ def integrate_without_error_bound(
     return outcome
 
 
-def _all_valid_as_pending(problem: Problem, resolution: int) -> PendingTrajectories:
+def _every_valid_trajectory_pending_at(problem: Problem, resolution: int) -> PendingTrajectories:
     """All trajectories that may be computed, at the same resolution."""
     indices = np.flatnonzero(~problem.invalid)
     return PendingTrajectories(indices, np.full(indices.size, resolution))

@@ -106,7 +106,7 @@ class TerminalConditions:
     @cached_property
     def _variant_rest_states(self) -> FloatArray:
         """States of rest of all variants under the last load, array (variant, state)."""
-        ens = self.parameter_variants.ensemble
+        ens = self.parameter_variants.ensemble_in_own_units
         columns = np.column_stack(
             [ens.parameter_values[name] for name in ens.vector_field.parameter_names]
         )
@@ -125,7 +125,7 @@ class TerminalConditions:
     @cached_property
     def _variational_vector_field(self) -> Field:
         """The motion with its derivatives by the initial state and by the load."""
-        field = self.parameter_variants.ensemble.vector_field
+        field = self.parameter_variants.ensemble_in_own_units.vector_field
         return field_with_tangents(field, directions=len(field.state_names), parameters=("m",))
 
     def _variant_final_states(
@@ -141,7 +141,7 @@ class TerminalConditions:
         states : array (variant, state)
         by_load, by_duration : array (variant, state, step)
         """
-        ens, d = self.parameter_variants.ensemble, len(self.target_rest.state)
+        ens, d = self.parameter_variants.ensemble_in_own_units, len(self.target_rest.state)
         state = ens.initial_states
         by_load = np.zeros((ens.trajectory_count, d, loads.size))
         by_duration = np.zeros_like(by_load)
@@ -167,7 +167,7 @@ class TerminalConditions:
         by_load, rate : array (variant, state)
             Derivatives by the load and by the time, in the units of each variant.
         """
-        ens, d = self.parameter_variants.ensemble, len(self.target_rest.state)
+        ens, d = self.parameter_variants.ensemble_in_own_units, len(self.target_rest.state)
         problem = self.parameter_variants.build_problem_lasting(
             np.full(ens.trajectory_count, duration)
         )

@@ -120,7 +120,7 @@ def step_response(
     band = require_real("band", band, _SETTLING_BAND_RULE)
     _require_step_drive(drive)
     scaled = lay_out_physical_scales(system, drive, over, initial)
-    ens = scaled.ensemble
+    ens = scaled.ensemble_in_own_units
     rests = _final_rest_states(scaled)
     half_period = _longest_half_periods(rests)
     last_step = _last_step_times(scaled)
@@ -168,7 +168,7 @@ def _require_step_drive(drive: object) -> None:
 
 def _last_step_times(scaled: PhysicalScales) -> FloatArray:
     """Time of the last step of each trajectory, in its own unit."""
-    drive = scaled.ensemble.drive
+    drive = scaled.ensemble_in_own_units.drive
     return scaled.time_factor_to_own_unit * (
         float(drive.times[-1]) if isinstance(drive, Steps) else 0.0
     )
@@ -176,7 +176,7 @@ def _last_step_times(scaled: PhysicalScales) -> FloatArray:
 
 def _final_rest_states(scaled: PhysicalScales) -> list[StaticState | None]:
     """Every trajectory's state of rest under the last load."""
-    ens = scaled.ensemble
+    ens = scaled.ensemble_in_own_units
     drive = ens.drive
     loads = (
         scaled.load_factor_to_own_unit * float(drive.loads[-1])

@@ -99,7 +99,7 @@ def lay_out_ensemble(
     invalid = np.empty(count, dtype=np.bool_)
     for part in batch_slices(count, batch_size):
         batch = {name: column[part] for name, column in values.items()}
-        invalid[part] = _is_invalid_trajectory(system, drive, batch, states[part], field)
+        invalid[part] = _breaks_input_rule(system, drive, batch, states[part], field)
     if not sizes and invalid.any():
         _require_finite_periods(drive, values)
         require_admissible_state(system, values, states, field)
@@ -222,7 +222,7 @@ def _repeat_over_outer_product(
     return np.broadcast_to(moved.reshape(shape), tuple(sizes.values())).reshape(-1)
 
 
-def _is_invalid_trajectory(
+def _breaks_input_rule(
     system: System,
     drive: Drive,
     values: Mapping[str, FloatArray],

@@ -51,13 +51,13 @@ class PhysicalScales:
 
     Attributes
     ----------
-    ensemble
+    ensemble_in_own_units
         Its values are in the units of each trajectory's own sizes.
     size_ratios : array (size, trajectory)
         :data:`PHYSICAL_SIZES`, over what the actuator was built with.
     """
 
-    ensemble: Ensemble
+    ensemble_in_own_units: Ensemble
     size_ratios: FloatArray
 
     @property
@@ -76,7 +76,7 @@ class PhysicalScales:
 
     def build_problem_lasting(self, duration: FloatArray) -> Problem:
         """The trajectories, each lasting `duration` in the actuator's unit of time."""
-        ens = self.ensemble
+        ens = self.ensemble_in_own_units
         if not isinstance(ens.drive, PiecewiseDrive):
             return initial_value_problem(ens, duration * self.time_factor_to_own_unit)
         plain = initial_value_problem(ens, duration)

@@ -122,7 +122,7 @@ class ResponseWindow:
 
     def integrate_extremes(self, scaled: PhysicalScales, tolerance: float) -> Outcome:
         """The extremes of every trajectory within the window."""
-        ens = scaled.ensemble
+        ens = scaled.ensemble_in_own_units
         if self.run_periods is not None:
             problem = scaled.build_problem_lasting(
                 trajectory_durations(ens, None, self.run_periods) / scaled.time_factor_to_own_unit
@@ -186,7 +186,9 @@ class MeasurementPredictor:
         scaled = lay_out_physical_scales(self.system, self.drive, over, self.initial)
         times = self.measurements.coordinate_values
         end = max(float(times[-1]), np.finfo(float).tiny)
-        problem = scaled.build_problem_lasting(np.full(scaled.ensemble.trajectory_count, end))
+        problem = scaled.build_problem_lasting(
+            np.full(scaled.ensemble_in_own_units.trajectory_count, end)
+        )
         own_times = times * scaled.time_factor_to_own_unit[:, None]
         outcome = integrate(problem, Request(times=own_times), tolerance=self.motion_tolerance)
         assert outcome.states is not None
@@ -203,7 +205,10 @@ class MeasurementPredictor:
             self.system, self.drive, {**over, "omega": omega}, self.initial
         )
         outcome = self.response_window.integrate_extremes(scaled, self.motion_tolerance)
-        low, high = (scaled.ensemble.reshape_to_dims(v) for v in (outcome.minimum, outcome.maximum))
+        low, high = (
+            scaled.ensemble_in_own_units.reshape_to_dims(v)
+            for v in (outcome.minimum, outcome.maximum)
+        )
         return {"maximum": high, "minimum": low, "amplitude": 0.5 * (high - low)}
 
 

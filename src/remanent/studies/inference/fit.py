@@ -233,7 +233,7 @@ def _parameter_guesses(
     parameters: Sequence[str] | Mapping[str, float],
     initial: ArrayLike | None,
 ) -> dict[str, float]:
-    ens = lay_out_physical_scales(system, drive, None, initial).ensemble
+    ens = lay_out_physical_scales(system, drive, None, initial).ensemble_in_own_units
     start = {
         f"initial.{n}": float(v)
         for n, v in zip(ens.vector_field.state_names, ens.initial_states[0], strict=True)

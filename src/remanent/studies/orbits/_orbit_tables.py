@@ -27,7 +27,7 @@ _STABILITY_DTYPE = "<U9"
 #: Tolerance of the extremes along an orbit.
 _EXTREMES_TOLERANCE = 1e-8
 #: The same for motions of large amplitude, which have fewer digits.
-_COARSE_EXTREMES_TOLERANCE = 1e-5
+_FALLBACK_EXTREMES_TOLERANCE = 1e-5
 
 
 def describe_orbits(
@@ -88,7 +88,7 @@ def _thickness_extremes(
         coarse = integrate(
             replace(problem, invalid=~missed),
             Request(wants_extremes=True),
-            tolerance=_COARSE_EXTREMES_TOLERANCE,
+            tolerance=_FALLBACK_EXTREMES_TOLERANCE,
         )
         maximum = np.where(missed, coarse.maximum, maximum)
         minimum = np.where(missed, coarse.minimum, minimum)

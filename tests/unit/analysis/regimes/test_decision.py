@@ -13,7 +13,7 @@ from remanent.analysis.regimes.agreement import (
     chaotic_rule,
     regime_of_run,
 )
-from remanent.analysis.regimes.collection import INDICATOR_FUNCTIONS, state_observables
+from remanent.analysis.regimes.collection import INDICATOR_FUNCTIONS, states_as_observables
 from remanent.analysis.regimes.decision import decide_regimes
 from remanent.analysis.regimes.evidence import EvidenceTable
 from remanent.analysis.regimes.labels import Regime, RegimeLabels
@@ -41,7 +41,7 @@ def label(
         len(y0),
         damped=np.full(len(y0), damped),
         iterate_with_jacobian=points.iterate,
-        observables=rolled if step is standard else state_observables,
+        observables=rolled if step is standard else states_as_observables,
     )
     return decide_regimes(problem)[0]
 
