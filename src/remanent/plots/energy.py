@@ -71,7 +71,7 @@ def landscape(
         )
         artists = [_draw_potential(axes, member, line) for member in members]
         # Shorter levels lie on longer ones, so that all are seen.
-        for member in sorted(members, key=_turning_point_distance, reverse=True):
+        for member in sorted(members, key=_distance_between_turning_points, reverse=True):
             _draw_level(axes, member)
             _draw_equilibria(axes, member)
         _annotate_level(axes, members)
@@ -104,7 +104,7 @@ def equilibrium_legend_entries(dataset: xr.Dataset) -> list[Line2D]:
     ]
 
 
-def _turning_point_distance(member: ensemble.Member) -> float:
+def _distance_between_turning_points(member: ensemble.Member) -> float:
     """How far apart the turning points are."""
     if not _has_level(member):
         return 0.0
@@ -127,7 +127,7 @@ def _draw_level(axes: Axes, member: ensemble.Member) -> None:
 
 def _annotate_level(axes: Axes, members: list[ensemble.Member]) -> None:
     """Write the symbol of the energy outside the widest well."""
-    widest = max(members, key=_turning_point_distance)
+    widest = max(members, key=_distance_between_turning_points)
     if _has_level(widest):
         axes.annotate(
             style.math_symbol(widest.data["level"]),

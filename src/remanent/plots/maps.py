@@ -146,10 +146,10 @@ def _torus_colours(share: FloatArray) -> FloatArray:
 def _periodic_shades(dataset: xr.Dataset) -> FloatArray:
     """By the period, all alike from one on."""
     tones = np.array([to_rgb(tone) for tone in _PERIOD_COLOURS])
-    return np.asarray(tones[_orbit_periods(dataset).clip(1, len(_PERIOD_COLOURS)) - 1])
+    return np.asarray(tones[_period_of_each_cell(dataset).clip(1, len(_PERIOD_COLOURS)) - 1])
 
 
-def _orbit_periods(dataset: xr.Dataset) -> IntArray:
+def _period_of_each_cell(dataset: xr.Dataset) -> IntArray:
     if "period" not in dataset:
         return np.ones(dataset["regime"].shape, dtype=np.int64)
     return np.asarray(dataset["period"].values, dtype=np.int64)
@@ -206,7 +206,7 @@ def _add_colour_legend(axes: Axes, dataset: xr.Dataset, variable: str) -> None:
 
 def _colours_by_period_name(dataset: xr.Dataset) -> dict[str, str]:
     """Names and colours of the periods of a chart; of one alone, its regime is the name."""
-    shown = _orbit_periods(dataset)[dataset["regime"].values == "periodic"].clip(
+    shown = _period_of_each_cell(dataset)[dataset["regime"].values == "periodic"].clip(
         1, len(_PERIOD_COLOURS)
     )
     periods = [int(k) for k in np.unique(shown)]

@@ -166,7 +166,7 @@ def summarise_dynamics(data: Mapping[str, xr.Dataset]) -> dict[str, Any]:
     folds = list_folds(data["branches"])
     return {
         "regimes": _summarise_regimes(data["regimes"]),
-        "orbits": _summarise_orbits(data["resonance_orbits"]),
+        "orbits": _list_orbits(data["resonance_orbits"]),
         "folds": folds,
         "jump": _summarise_jump(data["jump"], folds),
         "chaos": _summarise_chaos(data["chart"], data["chart_cases"]),
@@ -199,7 +199,7 @@ def _summarise_regimes(dataset: xr.Dataset) -> list[dict[str, Any]]:
     ]
 
 
-def _summarise_orbits(dataset: xr.Dataset) -> list[dict[str, Any]]:
+def _list_orbits(dataset: xr.Dataset) -> list[dict[str, Any]]:
     orbits = []
     for at, case in _split_by_case(dataset):
         for k in np.flatnonzero(np.isfinite(case["residual"].values)):

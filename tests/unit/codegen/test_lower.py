@@ -341,10 +341,10 @@ def test_any_elementary_expression(expression: Any) -> None:
 def test_the_order_of_instructions_is_always_the_same() -> None:
     """Whatever the seed of Python's hashes, which orders sets of symbols."""
     script = (
-        "from remanent.codegen.build import build\n"
+        "from remanent.codegen.build import build_field\n"
         "from remanent.models.actuator import Actuator\n"
         "from remanent.models.drives.waves import SineSquared\n"
-        "print(build(Actuator(), SineSquared(0.4, 1.0)).fingerprint)"
+        "print(build_field(Actuator(), SineSquared(0.4, 1.0)).fingerprint)"
     )
     prints = {
         subprocess.run(

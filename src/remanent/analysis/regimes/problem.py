@@ -18,7 +18,7 @@ from remanent.analysis.regimes.limit_orbits import IterateWithJacobian
 from remanent.analysis.regimes.long_runs import LongRun
 from remanent.analysis.regimes.orbit_batch import IndicatorFunction
 from remanent.analysis.regimes.thresholds import RegimeThresholds
-from remanent.analysis.regimes.transients import RunAtTolerance
+from remanent.analysis.regimes.transients import ToleranceRunFunction
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ class RegimeProblem:
 
     Attributes
     ----------
-    run_at_tolerance : RunAtTolerance
+    run_at_tolerance : ToleranceRunFunction
         Follows some of the orbits at one of three tolerances.
     orbit_count : int
         How many orbits there are.
@@ -48,7 +48,7 @@ class RegimeProblem:
         What it is compared with.
     """
 
-    run_at_tolerance: RunAtTolerance
+    run_at_tolerance: ToleranceRunFunction
     orbit_count: int
     damped: BoolArray
     iterate_with_jacobian: IterateWithJacobian | None = None

@@ -16,7 +16,7 @@ from remanent.analysis.regimes.long_runs import LongRun
 #: Number of the loosest tolerance; 0 is the finest.
 LOOSEST_TOLERANCE_INDEX = 2
 #: Further runs in which damped motion has to stay chaotic.
-_CONFIRMING_RUN_COUNT = 2
+_LASTING_CHAOS_RUN_COUNT = 2
 #: Motions that start beside it, the motion itself included, and have to stay chaotic too.
 _NEIGHBOUR_COUNT = 16
 #: Neighbour k starts at (1 + k times this) times the state.
@@ -25,7 +25,7 @@ _RELATIVE_NEIGHBOUR_OFFSET = 1e-9
 _NEIGHBOURS_PER_BATCH = 4096
 
 
-class RunAtTolerance(Protocol):
+class ToleranceRunFunction(Protocol):
     """Follows some orbits at one of three tolerances."""
 
     def __call__(
@@ -45,7 +45,7 @@ class RunAtTolerance(Protocol):
 
 
 def chaos_lasts(
-    run: RunAtTolerance, orbits: IntArray, states: FloatArray, min_half_growth: float
+    run: ToleranceRunFunction, orbits: IntArray, states: FloatArray, min_half_growth: float
 ) -> BoolArray:
     """Whether chaos goes on in every motion that starts beside each orbit.
 
@@ -54,7 +54,7 @@ def chaos_lasts(
 
     Parameters
     ----------
-    run : RunAtTolerance
+    run : ToleranceRunFunction
     orbits : array (orbit,) of int
         Their numbers.
     states : array (orbit, state)
@@ -71,7 +71,7 @@ def chaos_lasts(
     neighbours = (
         np.repeat(states, _NEIGHBOUR_COUNT, axis=0) * np.tile(factors, orbits.size)[:, None]
     )
-    for _ in range(_CONFIRMING_RUN_COUNT):
+    for _ in range(_LASTING_CHAOS_RUN_COUNT):
         # One neighbour that settles is enough: the others of that orbit are not followed again.
         remaining = np.flatnonzero(np.repeat(lasts, _NEIGHBOUR_COUNT))
         batches = -(-remaining.size // _NEIGHBOURS_PER_BATCH)

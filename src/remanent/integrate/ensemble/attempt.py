@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from remanent._typing import FloatArray, IntArray
-from remanent.integrate.ensemble.counts import cycle_counts, double_step_counts
+from remanent.integrate.ensemble.counts import counts_of_double_steps, cycle_counts
 from remanent.integrate.ensemble.run import Attempt, Chunk, Run
 from remanent.integrate.ensemble.sampler import Sampler
 from remanent.integrate.ensemble.segments import Segment, cut_into_segments
@@ -18,7 +18,7 @@ _END_ROUNDING_FACTOR = 1.0 - 2.0**-50
 def attempt_chunk(run: Run, chunk: Chunk) -> Attempt:
     """Integrate the trajectories of a chunk once, whatever their errors are."""
     problem, kernels, indices = run.problem, run.kernel_pair, chunk.indices
-    steps = double_step_counts(problem.timeline, chunk.resolution, indices[:1])[:, 0]
+    steps = counts_of_double_steps(problem.timeline, chunk.resolution, indices[:1])[:, 0]
     cycles = int(cycle_counts(problem, indices).max())
     memory = _initial_memory(run, indices)
     sampler = Sampler.before_first_segment(run, indices, cycles)

@@ -20,7 +20,7 @@ _STEP_COUNT_SLACK = 1e-9
 _CYCLE_COUNT_SLACK = 1e-12
 
 
-def double_step_counts(
+def counts_of_double_steps(
     timeline: Timeline, resolution: int, indices: IntArray | slice = slice(None)
 ) -> IntArray:
     """Double steps in every piece, array (piece, trajectory), at a resolution."""
@@ -48,5 +48,5 @@ def fine_step_counts(
     problem: Problem, resolution: int, indices: IntArray | slice = slice(None)
 ) -> FloatArray:
     """Fine steps of each trajectory, array (trajectory,)."""
-    steps = double_step_counts(problem.timeline, resolution, indices).sum(axis=0)
+    steps = counts_of_double_steps(problem.timeline, resolution, indices).sum(axis=0)
     return np.asarray(2.0 * steps * cycle_counts(problem, indices))

@@ -14,7 +14,11 @@ import numpy as np
 
 from remanent._typing import IntArray
 from remanent.integrate.ensemble.attempt import attempt_chunk
-from remanent.integrate.ensemble.counts import cycle_counts, double_step_counts, fine_step_counts
+from remanent.integrate.ensemble.counts import (
+    counts_of_double_steps,
+    cycle_counts,
+    fine_step_counts,
+)
 from remanent.integrate.ensemble.problem import Problem, Request
 from remanent.integrate.ensemble.run import Attempt, Chunk, Run
 from remanent.integrate.ensemble.work_sizes import DEFAULT_WORK_SIZES, WorkSizes
@@ -136,7 +140,7 @@ def divide_into_chunks(
     for level in np.unique(pending.resolution):
         resolution = int(level)
         members = pending.indices[pending.resolution == level]
-        steps = double_step_counts(problem.timeline, resolution, members)
+        steps = counts_of_double_steps(problem.timeline, resolution, members)
         order = np.lexsort((members, cycles[pending.resolution == level], *steps[::-1]))
         members, steps = members[order], steps[:, order]
         cuts = np.flatnonzero((steps[:, 1:] != steps[:, :-1]).any(axis=0)) + 1

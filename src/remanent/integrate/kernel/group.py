@@ -84,7 +84,7 @@ class Cycle:
 
     Attributes
     ----------
-    cycle_number : ir.Value
+    cycles_before_in_call : ir.Value
         How many cycles of this call came before.
     start_time, fine_step_length : Lanes
         Time of its beginning, and length of a fine step, tau.
@@ -92,7 +92,7 @@ class Cycle:
         Fine steps of the cycle that come before those of this call.
     """
 
-    cycle_number: ir.Value
+    cycles_before_in_call: ir.Value
     start_time: Lanes
     fine_step_length: Lanes
     fine_steps_before: ir.Value

@@ -225,7 +225,8 @@ class GroupKernel:
                 left, right, states.coarse_right, cycle.step_time(first)
             )
         count = b.mul(
-            cycle.cycle_number, b.mul(self.arguments.double_step_count, w.integer_constant(2))
+            cycle.cycles_before_in_call,
+            b.mul(self.arguments.double_step_count, w.integer_constant(2)),
         )
         count = b.add(count, first)
         self.recorder.record_if_due(b.add(count, w.integer_constant(1)), middle)

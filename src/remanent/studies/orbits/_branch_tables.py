@@ -46,7 +46,7 @@ ColumnTable = dict[str, NDArray[Any]]
 
 
 @dataclass(frozen=True)
-class BranchTable:
+class BranchTablesOfSystem:
     """The branches of one system.
 
     Attributes
@@ -71,7 +71,7 @@ def end_reasons_of_curves(ends: Sequence[tuple[str, str]]) -> NDArray[Any]:
 
 def describe_branches(
     ens: Ensemble, branches: list[Branch], options: TracingOptions
-) -> BranchTable:
+) -> BranchTablesOfSystem:
     """All that is told of the branches of one system.
 
     Parameters
@@ -91,7 +91,7 @@ def describe_branches(
         name: np.array([row[name] for row in rows], dtype=least.dtype).reshape(-1, *least.shape[1:])
         for name, least in _empty_special_point_table(len(ens.vector_field.state_names)).items()
     }
-    return BranchTable(
+    return BranchTablesOfSystem(
         points, special, end_reasons_of_curves([branch.curve.end_reasons for branch in branches])
     )
 
@@ -140,7 +140,7 @@ def _empty_special_point_table(state_variables: int) -> ColumnTable:
 
 def label_branches(
     ens: Ensemble,
-    tables: Sequence[BranchTable | None],
+    tables: Sequence[BranchTablesOfSystem | None],
     options: TracingOptions,
     *,
     single: bool = False,
@@ -151,7 +151,7 @@ def label_branches(
     Parameters
     ----------
     ens : Ensemble
-    tables : sequence of BranchTable or None
+    tables : sequence of BranchTablesOfSystem or None
         Of each member; None where there is none.
     options : TracingOptions
     single : bool
@@ -193,7 +193,7 @@ def label_branches(
 
 
 def _join_members(
-    ens: Ensemble, tables: Sequence[BranchTable | None], *, least: int
+    ens: Ensemble, tables: Sequence[BranchTablesOfSystem | None], *, least: int
 ) -> tuple[ColumnTable, ColumnTable, NDArray[Any]]:
     """Columns (member, branch, point, ...) and (member, special, ...), and ends of branches.
 

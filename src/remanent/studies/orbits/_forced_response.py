@@ -10,7 +10,7 @@ from remanent._errors import InputError
 from remanent._typing import ArrayLike
 from remanent.studies.ensemble.checks import require_parameter_range
 from remanent.studies.ensemble.ensemble import Ensemble
-from remanent.studies.orbits._branch_tables import BranchTable, describe_branches
+from remanent.studies.orbits._branch_tables import BranchTablesOfSystem, describe_branches
 from remanent.studies.orbits._checks import require_not_in_over
 from remanent.studies.orbits._tracing import TracingOptions, trace_all_branches
 
@@ -31,7 +31,9 @@ def require_frequencies(omega_range: ArrayLike, ens: Ensemble) -> tuple[float, f
     )
 
 
-def trace_forced_response(member: Ensemble, options: TracingOptions, slices: int) -> BranchTable:
+def trace_forced_response(
+    member: Ensemble, options: TracingOptions, slices: int
+) -> BranchTablesOfSystem:
     """All branches of forced response of one trajectory.
 
     Parameters

@@ -21,7 +21,11 @@ from remanent.studies.ensemble.checks import (
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble
 from remanent.studies.ensemble.progress import ProgressArgument, as_progress
-from remanent.studies.orbits._branch_tables import BranchTable, describe_branches, label_branches
+from remanent.studies.orbits._branch_tables import (
+    BranchTablesOfSystem,
+    describe_branches,
+    label_branches,
+)
 from remanent.studies.orbits._checks import require_not_in_over
 from remanent.studies.orbits._members import for_each_member
 from remanent.studies.orbits._orbit_tables import ORBIT_DIMENSIONS
@@ -131,7 +135,7 @@ def continue_orbit(
             "initial", initial, ens, why="The branch starts near it.", fix=_INITIAL_STATE_REMEDY
         )
 
-    def trace(member: Ensemble) -> BranchTable:
+    def trace(member: Ensemble) -> BranchTablesOfSystem:
         tracing, value = (
             options.tracing_of_member(member),
             float(member.parameter_values[parameter][0]),

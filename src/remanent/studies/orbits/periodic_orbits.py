@@ -34,7 +34,7 @@ from remanent.studies.orbits._period_map import StroboscopicMap, period_toleranc
 from remanent.studies.orbits._search import OrbitSearch, find_all_orbits, is_reversible
 
 #: Dimensions of columns beyond that of the orbits.
-_DIMENSIONS_OF_COLUMN = MappingProxyType(
+_EXTRA_DIMENSIONS_OF_COLUMN = MappingProxyType(
     {"initial": ("state",), "multipliers": ("multiplier",), "multipliers_error": ("multiplier",)}
 )
 
@@ -126,7 +126,7 @@ def periodic_orbits(
     tables = for_each_member(ens, find, as_progress(progress))
     columns = stack_tables(tables, empty_orbit_table(len(ens.vector_field.state_names)))
     variables: dict[str, PerTrajectoryArray] = {
-        name: (("orbit", *_DIMENSIONS_OF_COLUMN.get(name, ())), column)
+        name: (("orbit", *_EXTRA_DIMENSIONS_OF_COLUMN.get(name, ())), column)
         for name, column in columns.items()
     }
     variables["orbits"] = np.array([0 if t is None else len(t["residual"]) for t in tables])

@@ -125,7 +125,7 @@ def switch_branch(
     period = single_period * _PERIOD_FACTOR_OF_KIND[kind]
     options = TracingOptions(parameter, limits, state_box, period, max_points, tolerance)
     options.require_valid(ens)
-    crossing = _crossing_point(branch, number, ens, parameter)
+    crossing = _read_special_point(branch, number, ens, parameter)
     branches = _branch_across_point(options.tracing_of_member(ens), crossing, kind)
     tables = [describe_branches(ens, branches, options)]
     return label_branches(ens, tables, options, single=True, parameter=parameter)
@@ -187,7 +187,9 @@ def _setting_of_branch(branch: xr.Dataset, name: str, value: Any) -> Any:
     return branch.attrs[name] if value is None else value
 
 
-def _crossing_point(branch: xr.Dataset, number: int, ens: Ensemble, parameter: str) -> FloatArray:
+def _read_special_point(
+    branch: xr.Dataset, number: int, ens: Ensemble, parameter: str
+) -> FloatArray:
     """Where the branches cross, array (state + 1,)."""
     names = [f"special_{name}" for name in (*ens.vector_field.state_names, parameter)]
     return np.array([float(branch[name].values.ravel()[number]) for name in names])

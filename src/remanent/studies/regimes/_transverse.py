@@ -182,7 +182,7 @@ class _SubsetMap:
 
 def _decide_growth(path: LongRun, periods: int) -> tuple[np.ndarray, FloatArray, FloatArray]:
     """The label, the largest logarithm of the growth, and the exponent per period."""
-    logs = _log_largest_growth(path.triangular_factors)
+    logs = _log_growth_up_to_each_block(path.triangular_factors)
     with np.errstate(invalid="ignore"):
         growth = logs.max(axis=1)
         middle = logs[:, periods // 2]
@@ -195,7 +195,7 @@ def _decide_growth(path: LongRun, periods: int) -> tuple[np.ndarray, FloatArray,
     return np.where(is_kept, "kept", np.where(lost, "lost", "undecided")), growth, exponent
 
 
-def _log_largest_growth(factors: FloatArray) -> FloatArray:
+def _log_growth_up_to_each_block(factors: FloatArray) -> FloatArray:
     """Logarithm of the largest growth of any difference up to each block, (point, block).
 
     The rows of a frame become R^T Q in each block; what counts is the largest singular value

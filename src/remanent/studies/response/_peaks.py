@@ -27,7 +27,7 @@ from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.layout import lay_out_ensemble
 from remanent.studies.ensemble.observables import blank_beyond_horizon, evaluate_observable
 from remanent.studies.ensemble.problem import initial_value_problem
-from remanent.studies.orbits._branch_tables import BranchTable, ColumnTable
+from remanent.studies.orbits._branch_tables import BranchTablesOfSystem, ColumnTable
 from remanent.studies.orbits._tracing import TracingOptions
 from remanent.studies.response._free_oscillations import free_oscillations
 from remanent.studies.statics._static_ensemble import StaticEnsemble
@@ -79,7 +79,7 @@ class Peak:
     is_from_period_doubling: bool
 
 
-def find_peaks(branches: BranchTable, options: TracingOptions) -> list[Peak]:
+def find_peaks(branches: BranchTablesOfSystem, options: TracingOptions) -> list[Peak]:
     """Local maxima of the amplitude along every branch, and ends that run off."""
     low, high = options.parameter_range
     period = options.orbit_period

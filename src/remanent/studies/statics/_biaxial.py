@@ -35,7 +35,7 @@ def biaxial_equilibria(ens: Ensemble) -> xr.Dataset:
     count = stretches.shape[1]
     case = np.repeat(np.arange(ens.trajectory_count), count).reshape(ens.trajectory_count, count)
     pair = stretches[..., 0], stretches[..., 1]
-    matrix = _acceleration_derivatives(static, case, *pair)
+    matrix = _acceleration_derivatives_by_stretch(static, case, *pair)
     exists = np.isfinite(pair[0])
     values = np.linalg.eigvals(np.where(exists[..., None, None], -matrix, np.eye(2)))
     squared = np.sort(np.where(exists[..., None], values.real, np.nan), axis=-1)
@@ -79,7 +79,7 @@ def _equilibrium_stretches(static: StaticEnsemble) -> FloatArray:
     return stretches
 
 
-def _acceleration_derivatives(
+def _acceleration_derivatives_by_stretch(
     static: StaticEnsemble, case: IntArray, first: FloatArray, second: FloatArray
 ) -> FloatArray:
     """Derivatives of the accelerations by the stretches, by complex steps: (..., 2, 2)."""
@@ -162,7 +162,7 @@ class _AccelerationMap:
     def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> MapImage:
         case, stretches = np.full(len(states), self.case_index), np.exp(states)
         accelerations = np.stack(self.static.accelerations(case, *stretches.T), axis=1)
-        matrix = _acceleration_derivatives(self.static, case, *stretches.T) * stretches[
+        matrix = _acceleration_derivatives_by_stretch(self.static, case, *stretches.T) * stretches[
             :, None
         ] + np.eye(2)
         rounding = 4.0 * np.finfo(float).eps * (1.0 + np.abs(matrix).max(axis=(1, 2)))

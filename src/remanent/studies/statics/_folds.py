@@ -10,7 +10,7 @@ from remanent.results.build import Labelled
 from remanent.studies.statics._static_ensemble import StaticEnsemble
 
 
-def folds_along_first_field(static: StaticEnsemble) -> dict[str, Labelled]:
+def folds_along_first_varied_parameter(static: StaticEnsemble) -> dict[str, Labelled]:
     """Folds along the first field in ``over``, labelled; nothing where there is none."""
     ens = static.ensemble
     # The first field that has a dimension of its own.

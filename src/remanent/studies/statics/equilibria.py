@@ -22,7 +22,7 @@ from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble
 from remanent.studies.ensemble.two_coordinates import ensemble_with_two_coordinates
 from remanent.studies.statics._biaxial import biaxial_equilibria
-from remanent.studies.statics._folds import folds_along_first_field
+from remanent.studies.statics._folds import folds_along_first_varied_parameter
 from remanent.studies.statics._static_ensemble import StaticEnsemble
 
 #: Thickness stretches at which the potential is tabulated, around equilibria and rest.
@@ -103,7 +103,7 @@ def equilibria(
     stretch = find_force_zeros(static.first_acceleration, ens.trajectory_count, static.stretch_grid)
     stretch[ens.is_invalid] = np.nan
     variables = _equilibrium_properties(static, stretch)
-    fold_variables = folds_along_first_field(static)
+    fold_variables = folds_along_first_varied_parameter(static)
     landscape = _potential_variables(static, variables["equilibrium_stretch"])
     coords: dict[str, Labelled] = {
         **({"fold": fold_variables.pop("fold")} if fold_variables else {}),
