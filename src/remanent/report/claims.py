@@ -98,7 +98,7 @@ def _format_by_prestress(values: FloatArray, digits: str = ".4f") -> str:
 def _test_closed_orbits(e: ClaimEvidence) -> FindingsByReading:
     change, error = (
         measures.largest_energy_change(e.constant_load_motion),
-        measures.values_by_case(e.constant_load_motion, "error"),
+        measures.array_by_prestress_and_temperature(e.constant_load_motion, "error"),
     )
     bound = _MAX_ENERGY_CHANGE_IN_ERRORS * error
     bounded = np.isfinite(measures.stretch_half_range(e.constant_load_motion)).all()
@@ -162,7 +162,7 @@ def _farthest_stretches(e: ClaimEvidence, row: int) -> FloatArray:
 
 def _test_thickness_falls(row: int, kind: str, e: ClaimEvidence) -> FindingsByReading:
     stretch = (
-        measures.values_by_case(e.landscape, "equilibrium_stretch")[row]
+        measures.array_by_prestress_and_temperature(e.landscape, "equilibrium_stretch")[row]
         if kind == "equilibrium"
         else _farthest_stretches(e, row)
     )
@@ -172,7 +172,9 @@ def _test_thickness_falls(row: int, kind: str, e: ClaimEvidence) -> FindingsByRe
 
 
 def _test_prestress_deforms_more(e: ClaimEvidence) -> FindingsByReading:
-    strain = np.abs(measures.values_by_case(e.landscape, "equilibrium_stretch") - 1.0)
+    strain = np.abs(
+        measures.array_by_prestress_and_temperature(e.landscape, "equilibrium_stretch") - 1.0
+    )
     holds = (strain[1] > strain[0]).all()
     return _unambiguous_finding(holds, f"|λ₃ − 1| at equilibrium: {_format_by_prestress(strain)}.")
 
@@ -181,11 +183,11 @@ def _test_prestress_deforms_more(e: ClaimEvidence) -> FindingsByReading:
 
 
 def _resonance_frequencies(e: ClaimEvidence) -> FloatArray:
-    return measures.values_by_case(e.response, "resonance")
+    return measures.array_by_prestress_and_temperature(e.response, "resonance")
 
 
 def _resonance_amplitudes(e: ClaimEvidence) -> FloatArray:
-    return measures.values_by_case(e.response, "resonance_amplitude")
+    return measures.array_by_prestress_and_temperature(e.response, "resonance_amplitude")
 
 
 def _test_resonance_rises(e: ClaimEvidence) -> FindingsByReading:
@@ -196,7 +198,9 @@ def _test_resonance_rises(e: ClaimEvidence) -> FindingsByReading:
 
 
 def _test_six_frequencies(e: ClaimEvidence) -> FindingsByReading:
-    difference = _resonance_frequencies(e) - measures.values_by_case(e.response, "published")
+    difference = _resonance_frequencies(e) - measures.array_by_prestress_and_temperature(
+        e.response, "published"
+    )
     reference = Finding(
         bool((np.abs(difference) <= MAX_RESONANCE_MISFIT).all()),
         f"Computed minus published: {_format_by_prestress(difference, '+.4f')}.",
@@ -245,7 +249,7 @@ def _test_higher_frequency(row: int, e: ClaimEvidence) -> FindingsByReading:
 def _test_heat_damps(e: ClaimEvidence) -> FindingsByReading:
     change, error = (
         measures.largest_energy_change(e.constant_load_motion),
-        measures.values_by_case(e.constant_load_motion, "error"),
+        measures.array_by_prestress_and_temperature(e.constant_load_motion, "error"),
     )
     energy = e.constant_load_motion["energy"].transpose("prestress", "temperature", "time").values
     lost = energy[..., 0] - energy[..., -1]
@@ -283,7 +287,9 @@ def _test_beats_nowhere_else(e: ClaimEvidence) -> FindingsByReading:
 
 
 def _test_beats_near_natural(e: ClaimEvidence) -> FindingsByReading:
-    natural = measures.values_by_case(e.mean_load_equilibria, "natural_frequency")[0]
+    natural = measures.array_by_prestress_and_temperature(
+        e.mean_load_equilibria, "natural_frequency"
+    )[0]
     load = 2.0 * MOTION_FREQUENCIES[0]
     detuning = np.abs(natural - load)
     return {

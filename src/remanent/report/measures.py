@@ -59,7 +59,7 @@ def stretch_half_range(history: xr.Dataset) -> FloatArray:
     return np.asarray(0.5 * np.ptp(x, axis=-1))
 
 
-def values_by_case(dataset: xr.Dataset, name: str) -> FloatArray:
+def array_by_prestress_and_temperature(dataset: xr.Dataset, name: str) -> FloatArray:
     """A variable as an array (prestress, temperature); the first along other dimensions."""
     variable = dataset[name]
     extra = {d: 0 for d in variable.dims if d not in ("prestress", "temperature")}

@@ -19,7 +19,7 @@ from remanent.analysis.regimes.returns import find_best_returns
 from remanent.analysis.regimes.thresholds import MAX_CLOSED_RETURN_DEFECT
 
 #: Share of a damped motion at the beginning that is left out.
-_DAMPED_TRANSIENT_SHARE = 0.4
+_OMITTED_SHARE_OF_DAMPED_RUN = 0.4
 #: Orbits looked at together, so that their points stay in the cache.
 _ORBITS_PER_BATCH = 128
 
@@ -88,7 +88,7 @@ def collect_evidence(
     indicators : mapping of name to callable
         Of an :class:`~remanent.analysis.regimes.orbit_batch.OrbitBatch`.
     """
-    groups = (np.flatnonzero(~damped), 0.0), (np.flatnonzero(damped), _DAMPED_TRANSIENT_SHARE)
+    groups = (np.flatnonzero(~damped), 0.0), (np.flatnonzero(damped), _OMITTED_SHARE_OF_DAMPED_RUN)
     batches = [
         (batch, _evidence_columns(run, batch, transient, seed, observables, indicators))
         for orbits, transient in groups

@@ -18,9 +18,9 @@ LOOSEST_TOLERANCE_INDEX = 2
 #: Further runs in which damped motion has to stay chaotic.
 _LASTING_CHAOS_RUN_COUNT = 2
 #: Motions that start beside it, the motion itself included, and have to stay chaotic too.
-_NEIGHBOUR_COUNT = 16
+_NEARBY_START_COUNT = 16
 #: Neighbour k starts at (1 + k times this) times the state.
-_RELATIVE_NEIGHBOUR_OFFSET = 1e-9
+_RELATIVE_NEARBY_START_OFFSET = 1e-9
 #: Neighbours followed at once.
 _NEIGHBOURS_PER_BATCH = 4096
 
@@ -67,16 +67,16 @@ def chaos_lasts(
     array (orbit,) of bool
     """
     lasts = np.ones(orbits.size, dtype=np.bool_)
-    factors = 1.0 + _RELATIVE_NEIGHBOUR_OFFSET * np.arange(_NEIGHBOUR_COUNT)
+    factors = 1.0 + _RELATIVE_NEARBY_START_OFFSET * np.arange(_NEARBY_START_COUNT)
     neighbours = (
-        np.repeat(states, _NEIGHBOUR_COUNT, axis=0) * np.tile(factors, orbits.size)[:, None]
+        np.repeat(states, _NEARBY_START_COUNT, axis=0) * np.tile(factors, orbits.size)[:, None]
     )
     for _ in range(_LASTING_CHAOS_RUN_COUNT):
         # One neighbour that settles is enough: the others of that orbit are not followed again.
-        remaining = np.flatnonzero(np.repeat(lasts, _NEIGHBOUR_COUNT))
+        remaining = np.flatnonzero(np.repeat(lasts, _NEARBY_START_COUNT))
         batches = -(-remaining.size // _NEIGHBOURS_PER_BATCH)
         for batch in np.array_split(remaining, batches) if remaining.size else ():
-            orbit = batch // _NEIGHBOUR_COUNT
+            orbit = batch // _NEARBY_START_COUNT
             outcome = run(orbits[orbit], LOOSEST_TOLERANCE_INDEX, neighbours[batch])
             growth = outcome.log_growth[..., 0]
             late = growth[:, growth.shape[1] // 2 :].sum(axis=1)

@@ -13,7 +13,7 @@ class TimeDerivatives(NamedTuple):
     acceleration: Any
 
 
-def hermite_coefficients(
+def three_node_hermite_coefficients(
     left: TimeDerivatives, middle: TimeDerivatives, right: TimeDerivatives, h: Any
 ) -> list[Any]:
     """Coefficients of the polynomial of degree 8 through three instants, h apart.

@@ -21,8 +21,8 @@ from remanent.integrate.kernel.error_monitor import ErrorMonitor
 from remanent.integrate.kernel.extrema import (
     TimeDerivatives,
     derivative_coefficients,
-    hermite_coefficients,
     horner,
+    three_node_hermite_coefficients,
 )
 from remanent.integrate.kernel.field_code import FieldCode, LoadTable, PhaseAndWaveforms
 from remanent.integrate.kernel.group import Cycle, RunConstants, TrajectoryCells, VectorCells
@@ -272,7 +272,9 @@ class ExtremeTracker:
         left = self.field_code.watched_derivatives(y.left, step.left_load)
         middle = self.field_code.watched_derivatives(y.middle, step.middle_load)
         right = self.field_code.watched_derivatives(y.right, step.right_load)
-        polynomial = hermite_coefficients(left, middle, right, self.run_constants.fine_step_length)
+        polynomial = three_node_hermite_coefficients(
+            left, middle, right, self.run_constants.fine_step_length
+        )
         if y.coarse_left is not None and y.coarse_right is not None:
             at_left = self._observable_difference(left, y.coarse_left, step.left_load)
             at_right = self._observable_difference(right, y.coarse_right, step.right_load)
@@ -320,9 +322,11 @@ class ExtremeTracker:
             (t0 <= run.extremes_begin) | (run.run_end < centre + run.fine_step_length)
         )
         with self.writer.builder.if_then(at_an_end.any_lane(), likely=False):
-            self._update_extremes_with_ends(at_an_end, t0, polynomial)
+            self._update_extremes_at_tracking_limits(at_an_end, t0, polynomial)
 
-    def _update_extremes_with_ends(self, where: Mask, t0: Lanes, polynomial: list[Any]) -> None:
+    def _update_extremes_at_tracking_limits(
+        self, where: Mask, t0: Lanes, polynomial: list[Any]
+    ) -> None:
         """Values where the extremes begin and end to be followed, inside a double step."""
         run = self.run_constants
         centre = t0 + run.fine_step_length

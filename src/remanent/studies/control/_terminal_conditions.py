@@ -149,9 +149,11 @@ class TerminalConditions:
             state, fundamental, by_own_load, rate = self._integrate_load_step(state, load, duration)
             by_load, by_duration = fundamental @ by_load, fundamental @ by_duration
             by_load[:, :, k] = (
-                by_own_load * self.parameter_variants.load_factor_to_own_unit[:, None]
+                by_own_load * self.parameter_variants.load_factor_to_trajectory_unit[:, None]
             )
-            by_duration[:, :, k] = rate * self.parameter_variants.time_factor_to_own_unit[:, None]
+            by_duration[:, :, k] = (
+                rate * self.parameter_variants.time_factor_to_trajectory_unit[:, None]
+            )
         return state, by_load, by_duration
 
     def _integrate_load_step(
@@ -172,7 +174,7 @@ class TerminalConditions:
             np.full(ens.trajectory_count, duration)
         )
         problem.parameters[:, ens.vector_field.parameter_names.index("m")] = (
-            load * self.parameter_variants.load_factor_to_own_unit
+            load * self.parameter_variants.load_factor_to_trajectory_unit
         )
         unit = np.tile(np.eye(d).ravel(), (ens.trajectory_count, 1))
         start = np.hstack([state, unit, np.zeros((ens.trajectory_count, d))])

@@ -128,7 +128,7 @@ def step_response(
         duration = float(
             np.nanmax(
                 (last_step + _HALF_PERIODS_AFTER_LAST_STEP * half_period)
-                / scaled.time_factor_to_own_unit
+                / scaled.time_factor_to_trajectory_unit
             )
         )
     duration = require_real("duration", duration, _DURATION_RULE)
@@ -140,7 +140,7 @@ def step_response(
     start = motion(np.zeros((ens.trajectory_count, 1)))[0][:, 0]
     spacing = float(np.nanmin(half_period)) / _SAMPLES_PER_HALF_PERIOD
     values |= Transient(
-        motion, start, values["final"], band, spacing, scaled.time_factor_to_own_unit
+        motion, start, values["final"], band, spacing, scaled.time_factor_to_trajectory_unit
     ).compute_metrics()
     variables: dict[str, PerTrajectoryArray] = {
         name: np.where(ens.is_invalid, np.nan, column) for name, column in values.items()
@@ -169,7 +169,7 @@ def _require_step_drive(drive: object) -> None:
 def _last_step_times(scaled: PhysicalScales) -> FloatArray:
     """Time of the last step of each trajectory, in its own unit."""
     drive = scaled.ensemble_in_own_units.drive
-    return scaled.time_factor_to_own_unit * (
+    return scaled.time_factor_to_trajectory_unit * (
         float(drive.times[-1]) if isinstance(drive, Steps) else 0.0
     )
 
@@ -179,7 +179,7 @@ def _final_rest_states(scaled: PhysicalScales) -> list[StaticState | None]:
     ens = scaled.ensemble_in_own_units
     drive = ens.drive
     loads = (
-        scaled.load_factor_to_own_unit * float(drive.loads[-1])
+        scaled.load_factor_to_trajectory_unit * float(drive.loads[-1])
         if isinstance(drive, Steps)
         else ens.parameter_values["m"]
     )

@@ -61,38 +61,38 @@ class PhysicalScales:
     size_ratios: FloatArray
 
     @property
-    def time_factor_to_own_unit(self) -> FloatArray:
+    def time_factor_to_trajectory_unit(self) -> FloatArray:
         """Own times over times in the actuator's unit, array (trajectory,)."""
-        return _own_unit_factor_of_kind(QuantityKind.TIME, self.size_ratios)
+        return _trajectory_unit_factor_of_kind(QuantityKind.TIME, self.size_ratios)
 
     @property
-    def load_factor_to_own_unit(self) -> FloatArray:
+    def load_factor_to_trajectory_unit(self) -> FloatArray:
         """Own loads over loads in the actuator's unit, array (trajectory,)."""
-        return _own_unit_factor_of_kind(QuantityKind.LOAD, self.size_ratios)
+        return _trajectory_unit_factor_of_kind(QuantityKind.LOAD, self.size_ratios)
 
-    def variable_factor_to_own_unit(self, name: str) -> FloatArray:
+    def variable_factor_to_trajectory_unit(self, name: str) -> FloatArray:
         """Own values of a variable over those in the actuator's unit, array (trajectory,)."""
-        return _own_unit_factor_of_kind(_kind_of_field(name), self.size_ratios)
+        return _trajectory_unit_factor_of_kind(_kind_of_field(name), self.size_ratios)
 
     def build_problem_lasting(self, duration: FloatArray) -> Problem:
         """The trajectories, each lasting `duration` in the actuator's unit of time."""
         ens = self.ensemble_in_own_units
         if not isinstance(ens.drive, PiecewiseDrive):
-            return initial_value_problem(ens, duration * self.time_factor_to_own_unit)
+            return initial_value_problem(ens, duration * self.time_factor_to_trajectory_unit)
         plain = initial_value_problem(ens, duration)
         line = plain.timeline
         scaled = {
-            name: rows * self.load_factor_to_own_unit
+            name: rows * self.load_factor_to_trajectory_unit
             for name, rows in line.piece_parameters.items()
         }
         timeline = Timeline(
-            line.piece_lengths * self.time_factor_to_own_unit,
+            line.piece_lengths * self.time_factor_to_trajectory_unit,
             line.periodic,
             scaled,
             line.waveforms_at_phase,
         )
         return replace(
-            plain, timeline=timeline, duration=plain.duration * self.time_factor_to_own_unit
+            plain, timeline=timeline, duration=plain.duration * self.time_factor_to_trajectory_unit
         )
 
 
@@ -124,20 +124,20 @@ def lay_out_physical_scales(
         )
     sizes = np.where(broken, 1.0, sizes)
     values = {
-        name: value * _own_unit_factor_of_kind(_kind_of_field(name), sizes)
+        name: value * _trajectory_unit_factor_of_kind(_kind_of_field(name), sizes)
         for name, value in ens.parameter_values.items()
         if name not in PHYSICAL_SIZES
     }
     start = ens.initial_states.copy()
     for k, name in enumerate(ens.vector_field.state_names):
-        start[:, k] *= _own_unit_factor_of_kind(_kind_of_field(name), sizes)
+        start[:, k] *= _trajectory_unit_factor_of_kind(_kind_of_field(name), sizes)
     in_own_units = replace(
         ens, parameter_values=values, initial_states=start, is_invalid=ens.is_invalid | broken
     )
     return PhysicalScales(in_own_units, sizes)
 
 
-def _own_unit_factor_of_kind(kind: QuantityKind, sizes: FloatArray) -> FloatArray:
+def _trajectory_unit_factor_of_kind(kind: QuantityKind, sizes: FloatArray) -> FloatArray:
     exponents = _SIZE_EXPONENTS_OF_KIND.get(kind, (0.0, 0.0, 0.0))
     return np.asarray(np.prod(sizes ** np.array(exponents)[:, None], axis=0))
 

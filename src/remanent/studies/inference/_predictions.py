@@ -125,14 +125,16 @@ class ResponseWindow:
         ens = scaled.ensemble_in_own_units
         if self.run_periods is not None:
             problem = scaled.build_problem_lasting(
-                trajectory_durations(ens, None, self.run_periods) / scaled.time_factor_to_own_unit
+                trajectory_durations(ens, None, self.run_periods)
+                / scaled.time_factor_to_trajectory_unit
             )
         else:
             problem = scaled.build_problem_lasting(
                 trajectory_durations(ens, self.run_duration, None)
             )
         request = Request(
-            wants_extremes=True, extremes_begin=self.discarded_time * scaled.time_factor_to_own_unit
+            wants_extremes=True,
+            extremes_begin=self.discarded_time * scaled.time_factor_to_trajectory_unit,
         )
         return integrate(problem, request, tolerance=tolerance)
 
@@ -189,13 +191,13 @@ class MeasurementPredictor:
         problem = scaled.build_problem_lasting(
             np.full(scaled.ensemble_in_own_units.trajectory_count, end)
         )
-        own_times = times * scaled.time_factor_to_own_unit[:, None]
+        own_times = times * scaled.time_factor_to_trajectory_unit[:, None]
         outcome = integrate(problem, Request(times=own_times), tolerance=self.motion_tolerance)
         assert outcome.states is not None
         states = blank_beyond_horizon(outcome.states, own_times, outcome)
         return {
             name: _variable_history(problem, name, own_times, states)
-            / scaled.variable_factor_to_own_unit(name)[:, None]
+            / scaled.variable_factor_to_trajectory_unit(name)[:, None]
             for name in self.measurements.compared_variables
         }
 

@@ -88,7 +88,7 @@ def sensitivity(
     measure = as_measure(measure, arguments, of, **options)
     step = require_real("step", step, _LARGEST_RELATIVE_STEP_RULE)
     centre = as_parameter_values(parameters, measure.nominal_values())
-    differences = _Differences.centred_at(np.array(list(centre.values())), step)
+    differences = _DifferenceStencil.centred_at(np.array(list(centre.values())), step)
     values, errors = measure.at(dict(zip(centre, differences.points.T, strict=True)))
     layout = MeasureLayout.from_values(values)
     flat, noise = (
@@ -114,23 +114,23 @@ def sensitivity(
 
 
 @dataclass(frozen=True)
-class _Differences:
+class _DifferenceStencil:
     """Points about a centre from which derivatives by each parameter are extrapolated.
 
     Attributes
     ----------
-    centre, largest_changes : array (parameter,)
+    centre, largest_parameter_steps : array (parameter,)
         The largest change of each parameter.
     points : array (point, parameter)
         The centre first, then the points of each parameter in turn.
     """
 
     centre: FloatArray
-    largest_changes: FloatArray
+    largest_parameter_steps: FloatArray
     points: FloatArray
 
     @classmethod
-    def centred_at(cls, centre: FloatArray, step: float) -> _Differences:
+    def centred_at(cls, centre: FloatArray, step: float) -> _DifferenceStencil:
         """Differences whose largest is `step`, relative where the centre is not 0."""
         widths = step * np.where(centre == 0.0, 1.0, np.abs(centre))
         changes = np.concatenate(
@@ -151,11 +151,11 @@ class _Differences:
         """
         rows = [
             slice(1 + 2 * _EXTRAPOLATION_LEVELS * k, 1 + 2 * _EXTRAPOLATION_LEVELS * (k + 1))
-            for k in range(len(self.largest_changes))
+            for k in range(len(self.largest_parameter_steps))
         ]
         tables = [
             richardson_derivative(values[block], noise[block], width)
-            for block, width in zip(rows, self.largest_changes, strict=True)
+            for block, width in zip(rows, self.largest_parameter_steps, strict=True)
         ]
         slopes, errors = (np.array(part) for part in zip(*tables, strict=True))
         return slopes, errors

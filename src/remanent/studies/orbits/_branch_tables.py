@@ -20,7 +20,7 @@ from remanent.results.build import Labelled
 from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.orbits._members import stack_padded, stack_tables
-from remanent.studies.orbits._orbit_tables import describe_orbits, empty_orbit_table
+from remanent.studies.orbits._orbit_tables import describe_orbits, empty_orbit_columns
 from remanent.studies.orbits._tracing import Branch, TracingOptions
 
 #: What results call the ends of curves that their users cannot know under another name.
@@ -124,7 +124,7 @@ def _describe_special_point(
 
 
 def _empty_point_table(state_variables: int) -> ColumnTable:
-    return empty_orbit_table(state_variables) | {"parameter": np.empty(0)}
+    return empty_orbit_columns(state_variables) | {"parameter": np.empty(0)}
 
 
 def _empty_special_point_table(state_variables: int) -> ColumnTable:

@@ -15,7 +15,7 @@ from remanent.studies.orbits._checks import require_not_in_over
 from remanent.studies.orbits._tracing import TracingOptions, trace_all_branches
 
 
-def require_frequencies(omega_range: ArrayLike, ens: Ensemble) -> tuple[float, float]:
+def require_frequency_range(omega_range: ArrayLike, ens: Ensemble) -> tuple[float, float]:
     """The lowest and the highest frequency of the drive, where it has one."""
     if "omega" not in ens.drive.parameters():
         raise InputError(
@@ -31,7 +31,7 @@ def require_frequencies(omega_range: ArrayLike, ens: Ensemble) -> tuple[float, f
     )
 
 
-def trace_forced_response(
+def trace_all_forced_response_branches(
     member: Ensemble, options: TracingOptions, slices: int
 ) -> BranchTablesOfSystem:
     """All branches of forced response of one trajectory.

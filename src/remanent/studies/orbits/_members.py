@@ -22,7 +22,7 @@ _PADDING_OF_DTYPE_KIND = MappingProxyType(
 )
 
 
-def for_each_member(
+def map_members_in_threads(
     ens: Ensemble,
     compute: Callable[[Ensemble], MemberResult],
     report: ProgressFunction | None = None,

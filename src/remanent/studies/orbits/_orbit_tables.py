@@ -61,7 +61,7 @@ def describe_orbits(
     }
 
 
-def empty_orbit_table(state_variables: int) -> dict[str, NDArray[Any]]:
+def empty_orbit_columns(state_variables: int) -> dict[str, NDArray[Any]]:
     """The columns of :func:`describe_orbits` without any orbit."""
     rows = np.empty((0, state_variables))
     return {

@@ -130,7 +130,7 @@ class StroboscopicMap:
         )  # fmt: skip
         return self._map_image(
             image, parameters, iterate
-        ), self._pilot_resolution.sufficient_resolutions(image)
+        ), self._pilot_resolution.resolutions_sufficient_in_hindsight(image)
 
     def _flow_over_periods(
         self,

@@ -109,7 +109,7 @@ class PilotResolution:
             self.resolution_of_cell.update(zip(unseen, wanted.tolist(), strict=True))
         return np.array([self.resolution_of_cell[cell] for cell in cells], dtype=np.int64)
 
-    def sufficient_resolutions(self, image: PeriodMapImage) -> IntArray:
+    def resolutions_sufficient_in_hindsight(self, image: PeriodMapImage) -> IntArray:
         """Resolutions that would have been enough for an image, array (point,)."""
         with np.errstate(all="ignore"):
             factor = (

@@ -40,7 +40,7 @@ from remanent.studies.orbits._checks import (
     require_orbit_period,
     require_state_box,
 )
-from remanent.studies.orbits._members import for_each_member, stack_tables
+from remanent.studies.orbits._members import map_members_in_threads, stack_tables
 from remanent.studies.orbits._orbit_tables import ORBIT_DIMENSIONS
 from remanent.studies.orbits._period_map import StroboscopicMap, period_tolerance_for_residual
 from remanent.studies.orbits._tracing import FIRST_CONTINUATION_STEP, LONGEST_CONTINUATION_STEP
@@ -157,7 +157,7 @@ def continue_bifurcation(
             plane.trace_bifurcation(kind, state), names, ens.vector_field.state_names
         )
 
-    tables = for_each_member(ens, trace, as_progress(progress))
+    tables = map_members_in_threads(ens, trace, as_progress(progress))
     columns = stack_tables(tables, _curve_columns(None, names, ens.vector_field.state_names))
     reasons = [None if table is None else table["end_reason"] for table in tables]
     variables: dict[str, PerTrajectoryArray] = {

@@ -27,7 +27,7 @@ from remanent.studies.orbits._branch_tables import (
     label_branches,
 )
 from remanent.studies.orbits._checks import require_not_in_over
-from remanent.studies.orbits._members import for_each_member
+from remanent.studies.orbits._members import map_members_in_threads
 from remanent.studies.orbits._orbit_tables import ORBIT_DIMENSIONS
 from remanent.studies.orbits._search import find_all_orbits, nearest_to_rest
 from remanent.studies.orbits._tracing import Tracing, TracingOptions, trace_through_orbits
@@ -145,7 +145,7 @@ def continue_orbit(
         )
         return describe_branches(member, branches, options)
 
-    tables = for_each_member(ens, trace, as_progress(progress))
+    tables = map_members_in_threads(ens, trace, as_progress(progress))
     return label_branches(ens, tables, options, single=True, parameter=parameter)
 
 

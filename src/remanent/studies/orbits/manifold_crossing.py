@@ -43,7 +43,7 @@ from remanent.studies.orbits._checks import (
     require_orbit_period,
     require_state_box,
 )
-from remanent.studies.orbits._members import for_each_member
+from remanent.studies.orbits._members import map_members_in_threads
 from remanent.studies.orbits._orbit_tables import ORBIT_DIMENSIONS
 from remanent.studies.orbits._period_map import StroboscopicMap, period_tolerance_for_residual
 from remanent.studies.orbits._search import OrbitSearch, find_all_orbits, is_reversible
@@ -170,7 +170,7 @@ def manifold_crossing(
             member, parameter, orbit_period, periods, tolerance
         ).bracket_crossing(limits, guess, width)
 
-    crossings = for_each_member(ens, bracket, as_progress(progress))
+    crossings = map_members_in_threads(ens, bracket, as_progress(progress))
     return _crossings_dataset(
         ens, crossings, parameter, tolerance=tolerance, orbit_period=orbit_period,
         periods=periods, width=width,

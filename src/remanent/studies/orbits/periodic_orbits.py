@@ -24,11 +24,11 @@ from remanent.studies.orbits._checks import (
     require_orbit_period,
     require_state_box,
 )
-from remanent.studies.orbits._members import for_each_member, stack_tables
+from remanent.studies.orbits._members import map_members_in_threads, stack_tables
 from remanent.studies.orbits._orbit_tables import (
     ORBIT_DIMENSIONS,
     describe_orbits,
-    empty_orbit_table,
+    empty_orbit_columns,
 )
 from remanent.studies.orbits._period_map import StroboscopicMap, period_tolerance_for_residual
 from remanent.studies.orbits._search import OrbitSearch, find_all_orbits, is_reversible
@@ -123,8 +123,8 @@ def periodic_orbits(
         (orbits,) = find_all_orbits(search, np.empty((1, 0)))
         return describe_orbits(member, orbits, orbit_period, {})
 
-    tables = for_each_member(ens, find, as_progress(progress))
-    columns = stack_tables(tables, empty_orbit_table(len(ens.vector_field.state_names)))
+    tables = map_members_in_threads(ens, find, as_progress(progress))
+    columns = stack_tables(tables, empty_orbit_columns(len(ens.vector_field.state_names)))
     variables: dict[str, PerTrajectoryArray] = {
         name: (("orbit", *_EXTRA_DIMENSIONS_OF_COLUMN.get(name, ())), column)
         for name, column in columns.items()

@@ -14,8 +14,11 @@ from remanent.studies.ensemble.durations import require_count
 from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble
 from remanent.studies.ensemble.progress import ProgressArgument, as_progress
 from remanent.studies.orbits._branch_tables import label_branches
-from remanent.studies.orbits._forced_response import require_frequencies, trace_forced_response
-from remanent.studies.orbits._members import for_each_member
+from remanent.studies.orbits._forced_response import (
+    require_frequency_range,
+    trace_all_forced_response_branches,
+)
+from remanent.studies.orbits._members import map_members_in_threads
 from remanent.studies.orbits._orbit_tables import ORBIT_DIMENSIONS
 from remanent.studies.orbits._tracing import TracingOptions
 
@@ -93,11 +96,13 @@ def response_diagram(
     [1.2668]
     """
     ens = lay_out_ensemble(system, drive, over, reserved=ORBIT_DIMENSIONS)
-    limits = require_frequencies(omega_range, ens)
+    limits = require_frequency_range(omega_range, ens)
     options = TracingOptions("omega", limits, state_box, orbit_period, max_points, tolerance)
     options.require_valid(ens)
     slices = require_count("slices", slices, "Orbits are looked for at each of them.")
-    tables = for_each_member(
-        ens, lambda member: trace_forced_response(member, options, slices), as_progress(progress)
+    tables = map_members_in_threads(
+        ens,
+        lambda member: trace_all_forced_response_branches(member, options, slices),
+        as_progress(progress),
     )
     return label_branches(ens, tables, options, slices=slices)

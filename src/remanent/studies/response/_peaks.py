@@ -36,7 +36,7 @@ from remanent.studies.statics._static_state import StaticState
 #: Harmonics of the orbit that are told, beside its mean.
 HARMONIC_COUNT = 12
 #: Samples of the orbit, and of the load, in one period.
-_SAMPLES_PER_PERIOD = 256
+_FOURIER_SAMPLES_PER_PERIOD = 256
 #: Error of the samples.
 _SAMPLE_TOLERANCE = 1e-7
 #: Free oscillations that are compared.
@@ -206,7 +206,7 @@ def _orbit_harmonics(on_orbits: Ensemble, period: IntArray) -> ComplexArray:
         Of each orbit, in drive periods.
     """
     lengths = period * require_drive_periods(on_orbits)
-    times = np.arange(_SAMPLES_PER_PERIOD) / _SAMPLES_PER_PERIOD * lengths[:, None]
+    times = np.arange(_FOURIER_SAMPLES_PER_PERIOD) / _FOURIER_SAMPLES_PER_PERIOD * lengths[:, None]
     problem = initial_value_problem(on_orbits, times[:, -1])
     outcome = integrate(problem, Request(times=times), tolerance=_SAMPLE_TOLERANCE)
     assert outcome.states is not None
@@ -219,7 +219,9 @@ def _orbit_harmonics(on_orbits: Ensemble, period: IntArray) -> ComplexArray:
 def _load_mean_and_first_harmonic(drive: Drive) -> tuple[float, complex]:
     """Mean of the load, and its first harmonic."""
     assert drive.period is not None
-    values = drive(np.arange(_SAMPLES_PER_PERIOD) / _SAMPLES_PER_PERIOD * drive.period)
+    values = drive(
+        np.arange(_FOURIER_SAMPLES_PER_PERIOD) / _FOURIER_SAMPLES_PER_PERIOD * drive.period
+    )
     amplitudes = fourier_amplitudes(np.asarray(values)[None], 1)[0]
     return float(amplitudes[0].real), complex(amplitudes[1])
 

@@ -24,8 +24,11 @@ from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble
 from remanent.studies.ensemble.progress import ProgressArgument, as_progress
 from remanent.studies.orbits._branch_tables import ColumnTable, member_status
 from remanent.studies.orbits._checks import require_orbit_period
-from remanent.studies.orbits._forced_response import require_frequencies, trace_forced_response
-from remanent.studies.orbits._members import for_each_member, stack_tables
+from remanent.studies.orbits._forced_response import (
+    require_frequency_range,
+    trace_all_forced_response_branches,
+)
+from remanent.studies.orbits._members import map_members_in_threads, stack_tables
 from remanent.studies.orbits._orbit_tables import ORBIT_DIMENSIONS
 from remanent.studies.orbits._tracing import TracingOptions
 from remanent.studies.response._peaks import (
@@ -127,7 +130,7 @@ def resonances(
     _require_orbit_periods(orbit_periods)
     _require_one_coordinate(system)
     ens = lay_out_ensemble(system, drive, over, reserved=ORBIT_DIMENSIONS)
-    limits = require_frequencies(omega_range, ens)
+    limits = require_frequency_range(omega_range, ens)
     slices = require_count("slices", slices, "Orbits are looked for at each of them.")
     plans = [
         TracingOptions("omega", limits, state_box, period, _MAX_BRANCH_POINTS, tolerance)
@@ -137,7 +140,9 @@ def resonances(
         options.require_valid(ens)
 
     def find(member: Ensemble) -> tuple[ColumnTable, NDArray[Any]]:
-        branches = [trace_forced_response(member, options, slices) for options in plans]
+        branches = [
+            trace_all_forced_response_branches(member, options, slices) for options in plans
+        ]
         peaks = [
             peak
             for table, options in zip(branches, plans, strict=True)
@@ -147,7 +152,7 @@ def resonances(
         reasons = np.concatenate([table.end_reasons for table in branches])
         return describe_peaks(member, ens.coords, peaks), reasons
 
-    outcomes = for_each_member(ens, find, as_progress(progress))
+    outcomes = map_members_in_threads(ens, find, as_progress(progress))
     columns = stack_tables([None if o is None else o[0] for o in outcomes], empty_peak_table())
     reasons = [None if outcome is None else outcome[1] for outcome in outcomes]
     variables: dict[str, PerTrajectoryArray] = {

@@ -14,7 +14,11 @@ import pytest
 from tests.unit.integrate.observed_order import WITHIN, order
 
 from remanent._typing import FloatArray
-from remanent.integrate.kernel.extrema import TimeDerivatives, hermite_coefficients, horner
+from remanent.integrate.kernel.extrema import (
+    TimeDerivatives,
+    horner,
+    three_node_hermite_coefficients,
+)
 
 
 def hermite_error(function: Callable[[Any], Any], centre: float, h: Any) -> Any:
@@ -23,7 +27,7 @@ def hermite_error(function: Callable[[Any], Any], centre: float, h: Any) -> Any:
         TimeDerivatives(function(t), mpmath.diff(function, t), mpmath.diff(function, t, 2))
         for t in (centre - h, mpmath.mpf(centre), centre + h)
     ]
-    polynomial = hermite_coefficients(left, middle, right, h)
+    polynomial = three_node_hermite_coefficients(left, middle, right, h)
     places = [mpmath.mpf(s) for s in (-0.71, -0.3, 0.52, 0.9)]
     return max(abs(horner(polynomial, s) - function(centre + s * h)) for s in places)
 
@@ -51,7 +55,7 @@ def test_the_polynomial_is_exact_for_its_degree() -> None:
             )
             for s in (-h, 0.0, h)
         ]
-        found: FloatArray = np.array(hermite_coefficients(left, middle, right, h))
+        found: FloatArray = np.array(three_node_hermite_coefficients(left, middle, right, h))
         exact = np.zeros(9)
         if power < 9:
             exact[power] = h**power

@@ -7,7 +7,7 @@ import pytest
 
 import remanent as rm
 from remanent.studies.ensemble.layout import lay_out_ensemble
-from remanent.studies.orbits._members import for_each_member, stack_padded, stack_tables
+from remanent.studies.orbits._members import map_members_in_threads, stack_padded, stack_tables
 
 DRIVE = rm.SineSquared(0.4, 1.25)
 
@@ -41,8 +41,10 @@ def test_a_single_member_says_why_it_failed_and_many_do_not() -> None:
         raise rm.InputError("x", must="be", got=0, why="It is not.", fix="Pass 1.")
 
     with pytest.raises(rm.InputError):
-        for_each_member(lay_out_ensemble(rm.Actuator(), DRIVE), fail)
-    assert for_each_member(lay_out_ensemble(rm.Actuator(), DRIVE, {"b": [0.1, 0.2]}), fail) == [
+        map_members_in_threads(lay_out_ensemble(rm.Actuator(), DRIVE), fail)
+    assert map_members_in_threads(
+        lay_out_ensemble(rm.Actuator(), DRIVE, {"b": [0.1, 0.2]}), fail
+    ) == [
         None,
         None,
     ]
