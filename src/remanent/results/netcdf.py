@@ -221,9 +221,9 @@ def _encode_attributes(attrs: Mapping[Any, Any]) -> dict[str, Any]:
 
 
 def _encode_attribute(value: Any) -> Any:
-    """Text, or a number of the classic model; an empty text becomes one blank."""
+    """Text, or a number of the classic model; a text of blanks, or of none, gets one more."""
     if isinstance(value, str):
-        return value or " "
+        return value if value.strip(" ") else f"{value} "  # netCDF knows no empty text
     number = np.asarray(value)
     if number.dtype.kind not in "biufU":
         raise InputError(
@@ -244,7 +244,9 @@ def _encode_attribute(value: Any) -> Any:
 
 def _decode_attribute(value: Any) -> Any:
     if isinstance(value, str):  # h5py reads fixed-length text as ASCII with escapes
-        return "" if value == " " else value.encode("utf-8", "surrogateescape").decode("utf-8")
+        if not value.strip(" "):
+            return value[:-1]
+        return value.encode("utf-8", "surrogateescape").decode("utf-8")
     return value.item() if isinstance(value, np.generic) else value
 
 

@@ -12,7 +12,7 @@ import pandas as pd
 import pytest
 import scipy.io
 import xarray as xr
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as nps
 
@@ -96,6 +96,7 @@ def test_equal_datasets_make_equal_files(
     ),
     truth=st.booleans(),
 )
+@example(values=np.array(0.0), text=[" "], truth=False)
 def test_any_values_come_back(
     tmp_path_factory: pytest.TempPathFactory, values: Any, text: list[str], truth: bool
 ) -> None:
