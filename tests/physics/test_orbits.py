@@ -115,3 +115,12 @@ def test_the_quadrature_knows_small_oscillations() -> None:
         orbit = Orbit(0.2, 1.3, 1e-6, 0.0)
         period = float(2 * orbit.until(mpmath.pi / 2))
     assert period == pytest.approx(2.0 * np.pi * np.sqrt(1.4 / (18.0 * 1.3)), rel=1e-6)
+
+
+def test_a_narrow_window_of_instability_is_found_on_a_wide_diagram() -> None:
+    """Two doublings 7e-6 apart are seen by a branch that is followed over 0.8 in frequency."""
+    ds = rm.response_diagram(
+        rm.Actuator(temperature=400.0, prestress=1.0), rm.SineSquared(0.4, 1.0), (0.7, 1.5)
+    )
+    doublings = ds.special_omega.values[ds.special_kind.values == "period doubling"]
+    np.testing.assert_allclose(doublings, [0.857294, 0.857301], atol=2e-6)
