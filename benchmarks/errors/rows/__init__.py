@@ -1,0 +1,1 @@
+"""What is measured: each file has a tuple ``ROWS``, and is found by being here."""
