@@ -2,7 +2,8 @@
 
 The directory is ``platformdirs.user_cache_path("remanent")`` or, if set, the
 environment variable ``REMANENT_CACHE_DIR``.  A cache that cannot be used, because it
-is read-only, damaged, or writable by somebody else, is silently not used.
+is read-only, damaged, or writable by somebody else, or because the user has no home,
+is silently not used.
 """
 
 from __future__ import annotations
@@ -50,7 +51,7 @@ def load_bytes(kind: str, key: str) -> bytes | None:
     """
     path = _entry_path(kind, key)
     try:
-        if not _is_private_folder(path.parent):
+        if path is None or not _is_private_folder(path.parent):
             return None
         content = path.read_bytes()
     except OSError:
@@ -65,6 +66,8 @@ def store_bytes(kind: str, key: str, data: bytes) -> bool:
     The entry appears whole or not at all, also when two processes store it at once.
     """
     path = _entry_path(kind, key)
+    if path is None:
+        return False
     try:
         path.parent.parent.parent.mkdir(parents=True, exist_ok=True)
         for folder in (path.parent.parent, path.parent):
@@ -93,17 +96,23 @@ def store_text(kind: str, key: str, text: str) -> bool:
     return store_bytes(kind, key, text.encode())
 
 
-def cache_directory() -> Path:
-    """The directory of the cache; it may not exist."""
+def cache_directory() -> Path | None:
+    """The directory of the cache, which may not exist; None for a user without a home."""
     chosen = os.environ.get("REMANENT_CACHE_DIR")
-    return Path(chosen) if chosen else user_cache_path("remanent")
+    if chosen:
+        return Path(chosen)
+    try:
+        return user_cache_path("remanent")
+    except (RuntimeError, KeyError):  # no HOME, and no entry for the user
+        return None
 
 
-def _entry_path(kind: str, key: str) -> Path:
+def _entry_path(kind: str, key: str) -> Path | None:
     for name in (kind, key):
         if not _ENTRY_NAME_PATTERN.fullmatch(name):
             raise ValueError(f"not a name for a cache entry: {name!r}")
-    return cache_directory() / kind / key
+    directory = cache_directory()
+    return None if directory is None else directory / kind / key
 
 
 def _header_with_checksum(data: bytes) -> bytes:

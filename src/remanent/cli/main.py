@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
-import os
+import signal
 import sys
 from pathlib import Path
+from types import FrameType
+from typing import NoReturn
 
 import click
 
 from remanent._errors import RemanentError
+from remanent._machine import available_processor_count
 
 #: Share of all work that is done when the page is written.
 _PROGRESS_BEFORE_PAGE = 0.95
 #: Exit code of a program that the user interrupts, by convention of shells.
-_INTERRUPTED_EXIT_CODE = 130
+_INTERRUPTED_EXIT_CODE = 128 + signal.SIGINT
+#: Exit code of a program that is asked to end, by convention of shells.
+_TERMINATED_EXIT_CODE = 128 + signal.SIGTERM
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
@@ -34,8 +39,9 @@ def paper(out: Path) -> None:
     """Reproduce the published figures and audit the claims."""
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
-    from remanent.report.paper import reproduce, write_report
+    from remanent.report.paper import make_folders, reproduce, write_report
 
+    make_folders(out)
     columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
     with Progress(*columns) as display:
         task = display.add_task("start", total=1.0)
@@ -43,7 +49,7 @@ def paper(out: Path) -> None:
         def report(stage: str, share: float) -> None:
             display.update(task, description=stage, completed=share)
 
-        reproduction = reproduce(report, processes=os.cpu_count() or 1)
+        reproduction = reproduce(report, processes=available_processor_count())
         report("page", _PROGRESS_BEFORE_PAGE)
         target = write_report(reproduction, out)
         report("done", 1.0)
@@ -54,6 +60,7 @@ def paper(out: Path) -> None:
 
 def main() -> None:
     """Run the command; expected failures are one line on standard error."""
+    signal.signal(signal.SIGTERM, _exit_as_terminated)
     try:
         commands.main(standalone_mode=False)
     except click.ClickException as error:
@@ -65,3 +72,8 @@ def main() -> None:
     except (RemanentError, OSError) as error:
         click.echo(f"remanent: {error}", err=True)
         sys.exit(1)
+
+
+def _exit_as_terminated(_signal: int, _frame: FrameType | None) -> NoReturn:
+    """Leave as by an exception, so that everything that was started is ended."""
+    sys.exit(_TERMINATED_EXIT_CODE)

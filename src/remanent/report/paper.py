@@ -122,10 +122,15 @@ def _gather_alternative_evidence(setting: Setting) -> ClaimEvidence:
     )
 
 
-def write_report(paper: Paper, out: Path) -> Path:
-    """Write page, JSON, pictures and data into a folder; return the page's path."""
+def make_folders(out: Path) -> None:
+    """Make the folders of a report; an OSError says before any work why they cannot be made."""
     for folder in ("figures", "data"):
         (out / folder).mkdir(parents=True, exist_ok=True)
+
+
+def write_report(paper: Paper, out: Path) -> Path:
+    """Write page, JSON, pictures and data into a folder; return the page's path."""
+    make_folders(out)
     for name, files in paper.pictures.items():
         for suffix, content in files.items():
             (out / "figures" / f"{name}{suffix}").write_bytes(content)

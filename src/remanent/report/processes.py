@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import platform
+from collections.abc import Iterator
 from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
-from multiprocessing import get_context
+from contextlib import contextmanager
+from multiprocessing import active_children, get_context
 from typing import Final
 
 #: Imported once and shared by all further processes, where the system can do that.
@@ -15,8 +17,9 @@ _PRELOADED_MODULES: Final = [
 ]
 
 
-def work_executor(processes: int) -> Executor:
-    """Somewhere to submit work to.
+@contextmanager
+def work_executor(processes: int) -> Iterator[Executor]:
+    """Somewhere to submit work to; left by an exception, it ends the processes it started.
 
     Parameters
     ----------
@@ -24,6 +27,19 @@ def work_executor(processes: int) -> Executor:
         How many; 1 means a thread of this process.  With more, a script that calls this
         must guard its own start with ``if __name__ == "__main__"``.
     """
+    others = set(active_children())
+    executor = _start_executor(processes)
+    try:
+        yield executor
+    except BaseException:
+        executor.shutdown(wait=False, cancel_futures=True)
+        for process in set(active_children()) - others:
+            process.terminate()
+        raise
+    executor.shutdown()
+
+
+def _start_executor(processes: int) -> Executor:
     if processes == 1:
         return ThreadPoolExecutor(1)
     if platform.system() == "Linux":

@@ -9,7 +9,9 @@ G. A. Gottwald and I. Melbourne, SIAM J. Appl. Dyn. Syst. 8 (2009) 129 (0-1 test
 from __future__ import annotations
 
 import numpy as np
+from scipy import fft
 
+from remanent._threads import raise_if_stopped
 from remanent._typing import FloatArray
 
 #: Lowest frequency of the 0-1 test: near 0 it resonates with slow drifts.
@@ -20,6 +22,8 @@ _MAX_TEST_FREQUENCY = 4.0 * np.pi / 5.0
 _MAX_LAG_SHARE = 0.1
 #: Products phi(j + a) phi(j + b) in memory at once.
 _MAX_PRODUCTS_IN_MEMORY = 2**17
+#: Longest lag up to which products are faster than Fourier transforms, and fit into memory.
+_MAX_LAG_OF_PRODUCTS = 512
 #: Smallest index that is returned: the angle between tangents that lined up is rounding.
 _MIN_ALIGNMENT_INDEX = 1e-300
 
@@ -48,6 +52,7 @@ def smaller_alignment_index(factors: FloatArray) -> FloatArray:
     index = np.empty(factors.shape[:2])
     with np.errstate(all="ignore"):
         for k in range(factors.shape[1]):
+            raise_if_stopped()
             r = factors[:, k]
             parallel = r[:, 0, 0] * parallel + r[:, 0, 1] * perpendicular
             perpendicular = r[:, 1, 1] * perpendicular
@@ -91,22 +96,27 @@ def zero_one_test(
     n = np.arange(1.0, lags + 1)
     oscillation = (1.0 - np.cos(np.outer(n, c))) / (1.0 - np.cos(c))
     batch = max(_MAX_PRODUCTS_IN_MEMORY // lags**2, 1)
+    is_long = lags > _MAX_LAG_OF_PRODUCTS
+    displacement_of = (
+        mean_square_displacement_by_transforms if is_long else mean_square_displacement
+    )
     result = np.empty(values.shape[0])
     for first in range(0, values.shape[0], batch):
         series = np.ascontiguousarray(values[first : first + batch])
         mean = np.mean(series, axis=1)[:, None, None]
-        displacement = _mean_square_displacement(series, c, lags) - mean**2 * oscillation
+        displacement = displacement_of(series, c, lags) - mean**2 * oscillation
         result[first : first + batch] = np.median(_correlation_with_time(n, displacement), axis=1)
     return result
 
 
-def _mean_square_displacement(series: FloatArray, c: FloatArray, lags: int) -> FloatArray:
+def mean_square_displacement(series: FloatArray, c: FloatArray, lags: int) -> FloatArray:
     """Mean over j = 1 ... N - lags of |p(j + n) - p(j)|^2, array (orbit, n, frequency).
 
     It is the sum over a, b <= n of cos(c (a - b)) R[a, b], where R[a, b] is the average over j of
     phi(j + a) phi(j + b).  R does not depend on c, so it serves all frequencies.  And R[a + 1,
     b + 1] is R[a, b] but for the first and the last term of the average, so an average is made
     only once for each difference d = a - b, and the rest is a running sum of these two terms.
+    Work and memory grow as the square of the number of lags.
     """
     count = series.shape[1] - lags
     n, d = np.arange(1, lags + 1)[:, None], np.arange(lags)
@@ -120,6 +130,31 @@ def _mean_square_displacement(series: FloatArray, c: FloatArray, lags: int) -> F
     products = np.cumsum(products, axis=1)
     turned = np.where(d > 0, 2.0, 1.0)[:, None] * np.cos(np.outer(d, c))
     return np.cumsum(products @ turned, axis=1)
+
+
+def mean_square_displacement_by_transforms(
+    series: FloatArray, c: FloatArray, lags: int
+) -> FloatArray:
+    """The same for long series, array (orbit, n, frequency).
+
+    With the square multiplied out, the mixed term is a correlation of p with its first part,
+    which Fourier transforms give for all n at once.
+    """
+    samples = series.shape[1]
+    count = samples - lags
+    length = fft.next_fast_len(samples + count)
+    j = np.arange(1.0, samples + 1)
+    displacement = np.empty((len(series), lags, c.size))
+    for row, values in enumerate(series):
+        for column, frequency in enumerate(c):
+            raise_if_stopped()
+            p = np.cumsum(values * np.exp(1j * frequency * j))
+            spectrum = fft.fft(p, length) * np.conj(fft.fft(p[:count], length))
+            mixed = fft.ifft(spectrum)[1 : lags + 1].real
+            squares = np.concatenate([[0.0], np.cumsum(np.abs(p) ** 2)])
+            sums = squares[count:] - squares[: lags + 1]  # over j + n, for n = 0 to the longest lag
+            displacement[row, :, column] = (sums[1:] + sums[0] - 2.0 * mixed) / count
+    return displacement
 
 
 def _correlation_with_time(n: FloatArray, displacement: FloatArray) -> FloatArray:

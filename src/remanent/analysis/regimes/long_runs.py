@@ -7,7 +7,6 @@ line up or overflow; how much each had grown, and how they had lined up, is kept
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Protocol
 
@@ -170,7 +169,6 @@ def propagate_tangents(
     every: bool = False,
     max_state_error: float = 1e-2,
     block: int | None = None,
-    cancelled: Callable[[], bool] = lambda: False,
 ) -> LongRun:
     """Follow points and tangents over many periods.
 
@@ -193,8 +191,6 @@ def propagate_tangents(
     block : int, optional
         Periods between renormalisations; one where the smallest exponent matters, since of
         tangents that lined up nothing is left but rounding.
-    cancelled : callable
-        Asked before each block; if it says so, the rest is left out.
     """
     count, dimension = states.shape
     block = block or _default_periods_per_block(periods, directions)
@@ -209,9 +205,10 @@ def propagate_tangents(
     completed, error = np.zeros(count, dtype=np.int64), np.zeros(count)
     accumulated, horizon = np.zeros(count), np.full(count, np.inf)
     active, done = np.arange(count), 0
-    for k, end in enumerate(ends.tolist()):
-        if not active.size or cancelled():
+    for k in range(ends.size):
+        if not active.size:
             break
+        end = int(ends[k])
         image = advance(active, now[active], frame[active], end - done, every=every)
         is_beyond_bound = ~(np.abs(image.visited_states) < ESCAPE_BOUND).all(axis=(1, 2))
         # A point that escapes is beyond its error bound too; that is no reason for distrust.

@@ -28,8 +28,6 @@ def attempt_chunk(run: Run, chunk: Chunk) -> Attempt:
     for segment in cut_into_segments(
         problem.timeline, indices, steps, cycles, run.request.strobe_cycles, most_steps
     ):
-        if run.is_cancelled():
-            break
         _write_segment_to_memory(memory, run, segment)
         kernel = kernels.run_kernel if segment.has_past_rates else kernels.start_kernel
         tables = segment.select_table_rows(

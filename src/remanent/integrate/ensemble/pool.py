@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import os
-import threading
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from dataclasses import dataclass
 from types import TracebackType
 from typing import Self
 
 import numpy as np
 
+from remanent._threads import StoppableThreads
 from remanent._typing import IntArray
 from remanent.integrate.ensemble.attempt import attempt_chunk
 from remanent.integrate.ensemble.counts import (
@@ -65,7 +64,7 @@ class KernelPool:
     tolerance : float
         Of the controlled error, absolute.
     workers : int, optional
-        Threads; the number of processors by default.
+        Threads; as many as this process may use processors by default.
     work_sizes : WorkSizes
         Of chunks and segments.
     """
@@ -86,9 +85,8 @@ class KernelPool:
         )
         self.tolerance = tolerance
         self.work_sizes = sizes
-        self.thread_count = workers or os.cpu_count() or 1
-        self._executor = ThreadPoolExecutor(max_workers=self.thread_count)
-        self._stop_event = threading.Event()
+        self._executor = StoppableThreads(workers)
+        self.thread_count = self._executor.thread_count
         self._cycle_tables = CycleTables(problem.timeline.waveforms_at_phase)
 
     def __enter__(self) -> Self:
@@ -97,12 +95,10 @@ class KernelPool:
     def __exit__(
         self,
         kind: type[BaseException] | None,
-        _value: BaseException | None,
-        _trace: TracebackType | None,
+        value: BaseException | None,
+        trace: TracebackType | None,
     ) -> None:
-        if kind is not None:
-            self._stop_event.set()
-        self._executor.shutdown(wait=kind is None, cancel_futures=kind is not None)
+        self._executor.__exit__(kind, value, trace)
 
     def run_attempts(
         self, problem: Problem, request: Request, pending: PendingTrajectories
@@ -115,7 +111,6 @@ class KernelPool:
             self.tolerance,
             self._cycle_tables,
             self.work_sizes,
-            self._stop_event.is_set,
         )
         lane_count = self.kernel_pair.lane_count
         futures = {

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,11 +16,6 @@ from remanent.integrate.kernel.tables import CycleTables
 #: Errors from this on are outside the asymptotic range: they no longer follow the order of the
 #: method.
 ASYMPTOTIC_ERROR_LIMIT = 1e-2
-
-
-def never_cancelled() -> bool:
-    """A run that nobody cancels."""
-    return False
 
 
 @dataclass(frozen=True)
@@ -40,8 +34,6 @@ class Run:
         Of the load.
     work_sizes : WorkSizes
         Of chunks and segments.
-    is_cancelled : callable
-        Asked before every segment.
     """
 
     problem: Problem
@@ -50,7 +42,6 @@ class Run:
     tolerance: float
     cycle_tables: CycleTables
     work_sizes: WorkSizes = DEFAULT_WORK_SIZES
-    is_cancelled: Callable[[], bool] = never_cancelled
 
     @property
     def error_ceiling(self) -> float:

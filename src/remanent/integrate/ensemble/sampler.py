@@ -7,6 +7,7 @@ from typing import Any, Self
 
 import numpy as np
 
+from remanent._threads import raise_if_stopped
 from remanent._typing import FloatArray, IntArray
 from remanent.integrate.ensemble import dense
 from remanent.integrate.ensemble.counts import cycle_counts
@@ -175,8 +176,7 @@ class Sampler:
         parameters = memory.parameters()
         size = self.run.work_sizes.samples_per_block
         for first in range(0, places.trajectory_rows.size, size):
-            if self.run.is_cancelled():
-                return
+            raise_if_stopped()
             block = slice(first, first + size)
             row, step, part = (
                 places.trajectory_rows[block],

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import ctypes
 import hashlib
+import math
+import os
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -15,13 +17,24 @@ from llvmlite import binding
 
 from remanent import _cache
 from remanent._field import Field
+from remanent._threads import raise_if_stopped
 from remanent._typing import FloatArray
 from remanent.integrate.kernel.kernel import KERNEL_FUNCTION_NAME, kernel_source
 from remanent.integrate.kernel.layout import SlotLayout
 from remanent.integrate.kernel.options import KernelOptions, Method, build_slot_layout
 
 _C_SIGNATURE = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 4, *[ctypes.c_int64] * 6)
-_COMPILE_LOCK = threading.Lock()
+#: Held while LLVM works, and while the process forks: a child that was forked in the middle of
+#: a compilation would wait for ever for a thread that it does not have.
+_COMPILE_LOCK = threading.RLock()
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(
+        before=_COMPILE_LOCK.acquire,
+        after_in_parent=_COMPILE_LOCK.release,
+        after_in_child=_COMPILE_LOCK.release,
+    )
+#: Steps of single trajectories that machine code does before it comes back: about 0.1 s.
+_STEPS_PER_CALL = 1_000_000
 
 
 @dataclass(frozen=True)
@@ -93,11 +106,32 @@ class Kernel:
                 raise ValueError("wrong shape of record")
             if record.shape[0] < needed or not record.flags.c_contiguous:
                 raise ValueError(f"record holds {record.shape[0]} states; {needed} are needed")
-        pointers = (lanes, fine, coarse, lanes if record is None else record)
-        addresses = (array.__array_interface__["data"][0] for array in pointers)
-        self._machine_function(
-            *addresses, groups, cycles, double_steps, every, first_cycle, first_step
-        )
+        # Short calls: between two of them Python handles signals, and threads can be stopped.
+        stride = self._cycles_per_call(groups, double_steps, every)
+        for begin in range(0, max(cycles, 1), stride):
+            raise_if_stopped()
+            written = 2 * double_steps * begin // every if every else 0
+            part = lanes if record is None else record[written:]
+            addresses = (a.__array_interface__["data"][0] for a in (lanes, fine, coarse, part))
+            self._machine_function(
+                *addresses,
+                groups,
+                min(stride, cycles - begin),
+                double_steps,
+                every,
+                first_cycle + begin,
+                first_step,
+            )
+
+    def _cycles_per_call(self, groups: int, double_steps: int, every: int) -> int:
+        """Cycles that the machine code may do in one go; whole records fit into them."""
+        steps_per_cycle = max(2 * double_steps, 1)
+        steps_of_all = max(groups, 1) * self.lane_count * steps_per_cycle
+        most = max(1, _STEPS_PER_CALL // steps_of_all)
+        if not every:
+            return most
+        cycles_to_whole_records = every // math.gcd(every, steps_per_cycle)
+        return -(-most // cycles_to_whole_records) * cycles_to_whole_records
 
 
 @dataclass(frozen=True)

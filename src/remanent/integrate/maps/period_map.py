@@ -6,15 +6,14 @@ Unlike an ensemble's run, a map is applied again and again to states that analys
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
 from remanent._field import Field
+from remanent._threads import StoppableThreads
 from remanent._typing import FloatArray, IntArray
 from remanent.integrate.ensemble.resolution import (
     MAX_RESOLUTION,
@@ -262,7 +261,7 @@ class PeriodMap:
         if len(chunks) == 1:
             records = [advance(chunks[0])]
         else:
-            with ThreadPoolExecutor(os.cpu_count()) as pool:
+            with StoppableThreads() as pool:
                 records = list(pool.map(advance, chunks))
         if not course.keeps_visited_states:
             return None

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import os
-
 from remanent._errors import InputError
+from remanent._machine import available_memory_bytes
 
 #: Bytes that a trajectory costs while it is computed, beside its samples.
 BYTES_PER_TRAJECTORY = 1024.0
 #: Bytes of one sample of a trajectory: its state, its observables, and their copies.
 BYTES_PER_SAMPLE = 80.0
-#: Share of the machine's memory that one request may take.
+#: Share of the memory that this process may use which one request may take.
 _ALLOWED_MEMORY_SHARE = 0.5
-#: Bytes that are assumed where the machine does not tell how many it has.
-_ASSUMED_MEMORY_BYTES = 8.0 * 2**30
 
 
 def require_memory(name: str, needed: float, what: str) -> None:
@@ -31,9 +28,9 @@ def require_memory(name: str, needed: float, what: str) -> None:
     Raises
     ------
     InputError
-        If it is more than half of this machine's memory.
+        If it is more than half of the memory that this process may use.
     """
-    limit = _ALLOWED_MEMORY_SHARE * _physical_memory_bytes()
+    limit = _ALLOWED_MEMORY_SHARE * available_memory_bytes()
     if needed > limit:
         raise InputError(
             name,
@@ -42,10 +39,3 @@ def require_memory(name: str, needed: float, what: str) -> None:
             why="The request was refused before any memory was allocated.",
             fix="Pass fewer values, fewer times, or split the request.",
         )
-
-
-def _physical_memory_bytes() -> float:
-    try:
-        return float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
-    except (AttributeError, ValueError, OSError):
-        return _ASSUMED_MEMORY_BYTES

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from types import MappingProxyType
 from typing import Any, TypeVar
 
@@ -12,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from remanent._errors import InputError
+from remanent._threads import StoppableThreads
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.progress import ProgressFunction
 
@@ -63,7 +62,7 @@ def map_members_in_threads(
             report(len(finished) / ens.trajectory_count)
         return outcome
 
-    with ThreadPoolExecutor(min(os.cpu_count() or 1, ens.trajectory_count)) as pool:
+    with StoppableThreads() as pool:
         return list(pool.map(compute_member, range(ens.trajectory_count)))
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -44,9 +43,9 @@ class EndClassifier:
         points = np.empty((0, self.tail_point_count, dimension))
         return {**LABEL_TEMPLATES, "tail": points, "code": np.empty(0, dtype=np.int64)}
 
-    def __call__(self, indices: IntArray, cancelled: Callable[[], bool]) -> dict[str, np.ndarray]:
+    def __call__(self, indices: IntArray) -> dict[str, np.ndarray]:
         """Labels and last points of a subset of the trajectories, by name."""
-        labels, path = self.classifier.decide_regimes(indices, cancelled)
+        labels, path = self.classifier.decide_regimes(indices)
         assert path.visited_states is not None
         tail = path.visited_states[:, -self.tail_point_count :].copy()
         contracting = np.flatnonzero(self.classifier.is_damped[indices])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -71,7 +70,7 @@ class ExponentEstimator:
             **dict.fromkeys(("horizon", "local_error", "status"), np.empty(0)),
         }
 
-    def __call__(self, indices: IntArray, cancelled: Callable[[], bool]) -> dict[str, np.ndarray]:
+    def __call__(self, indices: IntArray) -> dict[str, np.ndarray]:
         """Exponents of a subset of the trajectories, by name.
 
         For several exponents the tangents take part in the choice of steps, since their sums
@@ -80,20 +79,20 @@ class ExponentEstimator:
         trajectory is followed again with steps that suit the tangent too.
         """
         if self.exponent_count > 1:
-            return _with_total_error(self._estimate_exponents(indices, "all", cancelled))
-        estimate = self._estimate_exponents(indices, "state", cancelled)
+            return _with_total_error(self._estimate_exponents(indices, "all"))
+        estimate = self._estimate_exponents(indices, "state")
         limit = np.maximum(
             self.period_tolerance, _CHANCE_LIMIT_STANDARD_ERRORS * estimate["scatter"]
         )
         repeated = (estimate["difference"] > limit).any(axis=1)
         if repeated.any():
-            better = self._estimate_exponents(indices[repeated], "all", cancelled)
+            better = self._estimate_exponents(indices[repeated], "all")
             for name, values in estimate.items():
                 values[repeated] = better[name]
         return _with_total_error(estimate)
 
     def _estimate_exponents(
-        self, indices: IntArray, error_control: ErrorControl, cancelled: Callable[[], bool]
+        self, indices: IntArray, error_control: ErrorControl
     ) -> dict[str, np.ndarray]:
         """Means of a run, their scatter, and their difference from a run of coarser steps."""
         path, coarse_path = self.follower.follow_with_doubled_steps(
@@ -101,7 +100,6 @@ class ExponentEstimator:
             self.period_tolerance,
             error_control=error_control,
             block=self.periods_per_block,
-            cancelled=cancelled,
         )
         fine, coarse = (
             lyapunov_exponents(p.log_growth, p.block_lengths_in_periods)

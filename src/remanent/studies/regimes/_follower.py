@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import os
-import threading
 from collections.abc import Callable, Mapping
-from concurrent.futures import ThreadPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
 
+from remanent._machine import available_processor_count
 from remanent._status import Status
+from remanent._threads import StoppableThreads
 from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.analysis.regimes.long_runs import (
     LongRun,
@@ -24,6 +24,7 @@ from remanent.integrate.maps.advance import BlockAdvancer, CoarseReplay
 from remanent.integrate.maps.period_map import ErrorControl, PeriodMap
 from remanent.studies.ensemble.durations import require_drive_periods
 from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.memory import require_memory
 from remanent.studies.ensemble.problem import initial_value_problem
 from remanent.studies.ensemble.progress import ProgressFunction
 
@@ -31,13 +32,34 @@ from remanent.studies.ensemble.progress import ProgressFunction
 TRAJECTORIES_PER_CHUNK = 4096
 #: Arrays by name.
 NamedArrays = Mapping[str, np.ndarray]
-#: ``work(indices, cancelled)``: arrays (trajectory, ...) of a chunk of trajectories.
-ChunkFunction = Callable[[IntArray, Callable[[], bool]], NamedArrays]
+#: ``work(indices)``: arrays (trajectory, ...) of a chunk of trajectories.
+ChunkFunction = Callable[[IntArray], NamedArrays]
 
 
-def never_cancelled() -> bool:
-    """Let a run go on to its end."""
-    return False
+def require_memory_for_runs(
+    ens: Ensemble, periods: int, bytes_per_period: float, chunk_size: int = TRAJECTORIES_PER_CHUNK
+) -> None:
+    """Refuse runs that are too long for the memory that this process may use.
+
+    Parameters
+    ----------
+    ens : Ensemble
+    periods : int
+        Length of each run.
+    bytes_per_period : float
+        What one run needs for each of its periods while it is worked on.
+    chunk_size : int
+        Trajectories that one thread follows together, at most.
+
+    Raises
+    ------
+    InputError
+        If the runs that are worked on at once need more than may be taken.
+    """
+    together = min(ens.trajectory_count, chunk_size * available_processor_count())
+    require_memory(
+        "periods", bytes_per_period * together * periods, f"{together} runs of {periods} periods"
+    )
 
 
 @dataclass(frozen=True)
@@ -104,7 +126,6 @@ class EnsembleFollower:
         *,
         directions: int | None = None,
         every: bool = False,
-        cancelled: Callable[[], bool] = never_cancelled,
     ) -> LongRun:
         """Follow a subset of the trajectories.
 
@@ -119,8 +140,6 @@ class EnsembleFollower:
             Tangents carried along, if not those of the follower.
         every : bool
             Whether to keep the state after every period.
-        cancelled : callable
-            Asked between blocks of periods whether to stop.
         """
         directions = self.tangent_count if directions is None else directions
         return propagate_tangents(
@@ -129,7 +148,6 @@ class EnsembleFollower:
             self.periods,
             directions=directions,
             every=every,
-            cancelled=cancelled,
         )
 
     def follow_with_doubled_steps(
@@ -139,7 +157,6 @@ class EnsembleFollower:
         *,
         error_control: ErrorControl,
         block: int | None,
-        cancelled: Callable[[], bool],
     ) -> tuple[LongRun, LongRun]:
         """Follow a subset of the trajectories, and once more with steps twice as long.
 
@@ -157,7 +174,6 @@ class EnsembleFollower:
                 self.periods,
                 directions=self.tangent_count,
                 block=block,
-                cancelled=cancelled,
             )
 
         return path(fine), path(coarse)
@@ -208,7 +224,7 @@ class EnsembleFollower:
         cost about the same, so all chunks cost about the same too.
         """
         indices = np.flatnonzero(~self.ensemble.is_invalid)
-        threads = os.cpu_count() or 1
+        threads = available_processor_count()
         count = -(-indices.size // (chunk_size * threads)) * threads
         chunks = (indices[k::count] for k in range(count))
         return [chunk for chunk in chunks if chunk.size]
@@ -218,19 +234,13 @@ def _run_in_threads(
     work: ChunkFunction, chunks: list[IntArray], report: ProgressFunction | None
 ) -> list[tuple[IntArray, NamedArrays]]:
     """Results of `work` with the chunks they are of; an interrupt stops all threads."""
-    stop = threading.Event()
     results: list[tuple[IntArray, NamedArrays]] = []
-    with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
-        try:
-            futures = {pool.submit(work, chunk, stop.is_set): chunk for chunk in chunks}
-            for done, future in enumerate(as_completed(futures), start=1):
-                results.append((futures[future], future.result()))
-                if report is not None:
-                    report(done / len(chunks))
-        except BaseException:
-            stop.set()
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
+    with StoppableThreads() as pool:
+        futures = {pool.submit(work, chunk): chunk for chunk in chunks}
+        for done, future in enumerate(as_completed(futures), start=1):
+            results.append((futures[future], future.result()))
+            if report is not None:
+                report(done / len(chunks))
     return results
 
 

@@ -24,7 +24,7 @@ from remanent.studies.ensemble.progress import ProgressFunction
 from remanent.studies.regimes._follower import (
     EnsembleFollower,
     is_damped,
-    never_cancelled,
+    require_memory_for_runs,
     status_of_run,
 )
 
@@ -57,6 +57,9 @@ _STATES_PER_CHUNK = 2**20
 _FEWEST_TRAJECTORIES_PER_CHUNK = 16
 #: Trajectories in a chunk, at most.
 _MOST_TRAJECTORIES_PER_CHUNK = 4096
+#: Bytes that a run needs for each of its periods: its states, at several tolerances, and what is
+#: made of them.
+_BYTES_PER_PERIOD = 500.0
 #: Memory that the result takes for each trajectory, bytes.
 BYTES_PER_LABEL = 300.0
 
@@ -111,7 +114,7 @@ class RegimeClassifier:
 
     def compute_in_chunks(
         self,
-        work: Callable[[IntArray, Callable[[], bool]], Mapping[str, np.ndarray]],
+        work: Callable[[IntArray], Mapping[str, np.ndarray]],
         templates: Mapping[str, np.ndarray],
         report: ProgressFunction | None,
     ) -> dict[str, np.ndarray]:
@@ -123,15 +126,16 @@ class RegimeClassifier:
                 _MOST_TRAJECTORIES_PER_CHUNK,
             )
         )
+        require_memory_for_runs(
+            self.follower.ensemble, self.follower.periods, _BYTES_PER_PERIOD, chunk_size
+        )
         return self.follower.compute_in_chunks(work, templates, report, chunk_size=chunk_size)
 
-    def __call__(self, indices: IntArray, cancelled: Callable[[], bool]) -> dict[str, np.ndarray]:
+    def __call__(self, indices: IntArray) -> dict[str, np.ndarray]:
         """Label a subset of the trajectories: variables by name."""
-        return self.label_variables(indices, *self.decide_regimes(indices, cancelled))
+        return self.label_variables(indices, *self.decide_regimes(indices))
 
-    def decide_regimes(
-        self, indices: IntArray, cancelled: Callable[[], bool] = never_cancelled
-    ) -> tuple[RegimeLabels, LongRun]:
+    def decide_regimes(self, indices: IntArray) -> tuple[RegimeLabels, LongRun]:
         """Labels of a subset of the trajectories, and the paths they were read from."""
 
         def run(subset: IntArray, level: int, states: FloatArray | None = None, /) -> LongRun:
@@ -143,7 +147,6 @@ class RegimeClassifier:
                 states,
                 directions=self.follower.tangent_count if level == 0 else 1,
                 every=True,
-                cancelled=cancelled,
             )
 
         return decide_regimes(

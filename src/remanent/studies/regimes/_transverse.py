@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from remanent._errors import InputError
+from remanent._threads import raise_if_stopped
 from remanent._typing import FloatArray, IntArray
 from remanent.analysis.orbits.stability import floquet_multipliers
 from remanent.analysis.regimes.long_runs import LongRun, propagate_tangents
@@ -95,9 +96,7 @@ class TransverseFlow:
             **dict.fromkeys(("local_error", "status"), np.empty(0)),
         }
 
-    def examine_growth(
-        self, indices: IntArray, periods: int, cancelled: Callable[[], bool]
-    ) -> dict[str, np.ndarray]:
+    def examine_growth(self, indices: IntArray, periods: int) -> dict[str, np.ndarray]:
         """Follow differences of a subset of the trajectories and say whether they grow."""
         path = propagate_tangents(
             _SubsetMap(self, indices),
@@ -106,7 +105,6 @@ class TransverseFlow:
             directions=self.difference_dimension,
             width=self.difference_dimension,
             block=1,
-            cancelled=cancelled,
         )
         label, growth, exponent = _decide_growth(path, periods)
         return {
@@ -206,6 +204,7 @@ def _log_growth_up_to_each_block(factors: FloatArray) -> FloatArray:
     product = np.tile(np.eye(d), (points, 1, 1))
     logs, size = np.full((points, blocks), np.nan), np.zeros(points)
     for k in range(blocks):
+        raise_if_stopped()
         finite = np.isfinite(factors[:, k]).all(axis=(1, 2))
         product[finite] = product[finite] @ np.swapaxes(factors[finite, k], 1, 2)
         norm = np.linalg.norm(product, 2, axis=(1, 2))

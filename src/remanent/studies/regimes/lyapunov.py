@@ -20,10 +20,12 @@ from remanent.studies.ensemble.layout import RESERVED_DIMENSIONS, OverArgument, 
 from remanent.studies.ensemble.memory import require_memory
 from remanent.studies.ensemble.progress import ProgressArgument, as_progress
 from remanent.studies.regimes._exponent_estimator import MAX_HISTORY_POINTS, ExponentEstimator
-from remanent.studies.regimes._follower import EnsembleFollower
+from remanent.studies.regimes._follower import EnsembleFollower, require_memory_for_runs
 
 #: Variables with a value for each exponent.
 _EXPONENT_VARIABLE_NAMES = ("exponent", "exponent_error")
+#: Bytes that a run needs for each of its periods and each entry of the tangents' factors.
+_BYTES_PER_PERIOD_AND_ENTRY = 16.0
 
 
 def lyapunov(
@@ -116,6 +118,7 @@ def lyapunov(
     _require_exponent_count(count, ens)
     needed = 8.0 * ens.trajectory_count * count * (min(periods, MAX_HISTORY_POINTS) + 3)
     require_memory("over", needed, f"{ens.trajectory_count} histories")
+    require_memory_for_runs(ens, periods, _BYTES_PER_PERIOD_AND_ENTRY * (1 + count**2))
     estimator = ExponentEstimator(EnsembleFollower(ens, periods, count), tolerance)
     values = estimator.follower.compute_in_chunks(
         estimator, estimator.result_templates, as_progress(progress)

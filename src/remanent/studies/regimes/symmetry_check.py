@@ -14,11 +14,13 @@ from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
 from remanent.studies.ensemble.durations import require_count, require_drive_periods
 from remanent.studies.ensemble.layout import RESERVED_DIMENSIONS, OverArgument, lay_out_ensemble
 from remanent.studies.ensemble.progress import ProgressArgument, as_progress
-from remanent.studies.regimes._follower import EnsembleFollower
+from remanent.studies.regimes._follower import EnsembleFollower, require_memory_for_runs
 from remanent.studies.regimes._transverse import TransverseFlow
 
 #: Shorter runs cannot tell growth like a power of time from an exponential one.
 _MIN_PERIODS = 50
+#: Bytes that a run needs for each of its periods: the tangents' factors, two by two, and copies.
+_BYTES_PER_PERIOD = 128.0
 
 
 def symmetry_check(
@@ -102,8 +104,9 @@ def symmetry_check(
     )
     period_lengths = require_drive_periods(ens)
     flow = TransverseFlow.from_ensemble(ens, tolerance)
+    require_memory_for_runs(ens, periods, _BYTES_PER_PERIOD)
     values = EnsembleFollower(ens, periods, 0).compute_in_chunks(
-        lambda indices, cancelled: flow.examine_growth(indices, periods, cancelled),
+        lambda indices: flow.examine_growth(indices, periods),
         flow.result_templates,
         as_progress(progress),
     )

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from tests.unit.analysis.regimes.iterated import Iterated, logistic, run, standard
 
+from remanent.analysis.regimes import indicators
 from remanent.analysis.regimes.indicators import smaller_alignment_index, zero_one_test
 from remanent.analysis.regimes.orthonormalisation import orthonormalise
 
@@ -23,8 +24,12 @@ def test_zero_one_test_tells_order_from_chaos() -> None:
     assert found[1] > 0.9
 
 
-def test_displacement_is_what_its_definition_says() -> None:
-    """K with the mean-square displacement summed directly."""
+@pytest.mark.parametrize("longest_lag_of_products", [512, 10])
+def test_displacement_is_what_its_definition_says(
+    longest_lag_of_products: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """K with the mean-square displacement summed directly, by products and by transforms."""
+    monkeypatch.setattr(indicators, "_MAX_LAG_OF_PRODUCTS", longest_lag_of_products)
     values = np.random.default_rng(2).normal(size=300) + 0.5
     c = np.random.default_rng(8).uniform(np.pi / 5, 4 * np.pi / 5, 1)[0]
     path = np.cumsum(values * np.exp(1j * c * np.arange(1, 301)))

@@ -9,6 +9,7 @@ import pytest
 import xarray as xr
 
 import remanent as rm
+from remanent import _threads
 
 DRIVE = rm.SineSquared(0.4, 1.25)
 TIMES = np.linspace(0.0, 5.0, 11)
@@ -114,7 +115,7 @@ def test_bits_do_not_depend_on_the_processors(
     """One processor or two: the same bits, through the public verb (law: Determinism)."""
     over = {"omega": np.linspace(0.6, 2.0, 30), "temperature": [250.0, 400.0]}
     reference = simulated(over=over)
-    monkeypatch.setattr("os.cpu_count", lambda: workers)
+    monkeypatch.setattr(_threads, "available_processor_count", lambda: workers)
     assert_bits(simulated(over=over), reference)
 
 

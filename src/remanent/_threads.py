@@ -1,0 +1,64 @@
+"""Threads that stop when the work that they are for is given up, as by Ctrl-C.
+
+Python raises ``KeyboardInterrupt`` in the main thread only.  Work in other threads is told
+by an event: :func:`raise_if_stopped`, which every call of a kernel asks first, raises in them.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextvars import ContextVar, copy_context
+from types import TracebackType
+from typing import Any, Self, TypeVar
+
+from remanent._machine import available_processor_count
+
+T = TypeVar("T")
+#: The events that stop the work of this thread: its pool's, and those of the pools above it.
+_STOP_EVENTS: ContextVar[tuple[threading.Event, ...]] = ContextVar("stop_events", default=())
+
+
+class WorkStopped(BaseException):
+    """The work of this thread is no longer wanted; nobody is to see this."""
+
+
+def raise_if_stopped() -> None:
+    """Raise :class:`WorkStopped` where the work of this thread is no longer wanted."""
+    if any(event.is_set() for event in _STOP_EVENTS.get()):
+        raise WorkStopped
+
+
+class StoppableThreads(ThreadPoolExecutor):
+    """A pool of threads that is left at once by an exception; its threads then stop by themselves.
+
+    Parameters
+    ----------
+    thread_count : int, optional
+        As many as this process may use processors by default.
+    """
+
+    def __init__(self, thread_count: int | None = None) -> None:
+        self.thread_count = thread_count or available_processor_count()
+        super().__init__(max_workers=self.thread_count)
+        self._stop_event = threading.Event()
+
+    def submit(self, fn: Callable[..., T], /, *args: Any, **kwargs: Any) -> Future[T]:
+        """Start `fn` in a thread where :func:`raise_if_stopped` listens to this pool too."""
+        context = copy_context()
+        context.run(_STOP_EVENTS.set, (*_STOP_EVENTS.get(), self._stop_event))
+        return super().submit(context.run, fn, *args, **kwargs)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        _value: BaseException | None,
+        _trace: TracebackType | None,
+    ) -> None:
+        if kind is not None:
+            self._stop_event.set()
+        self.shutdown(wait=kind is None, cancel_futures=kind is not None)

@@ -1,0 +1,76 @@
+"""Threads that stop when the work that they are for is given up.
+
+Law: Stopping.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from concurrent.futures import Future
+
+import pytest
+
+from remanent._threads import StoppableThreads, WorkStopped, raise_if_stopped
+
+#: A thread that is not stopped gives up after so many seconds.
+PATIENCE = 30.0
+
+
+def work_until_stopped(started: threading.Event) -> None:
+    """Ask again and again whether the work is still wanted."""
+    started.set()
+    begin = time.monotonic()
+    while time.monotonic() - begin < PATIENCE:
+        raise_if_stopped()
+        time.sleep(0.001)
+
+
+def test_a_pool_left_by_an_exception_stops_its_threads() -> None:
+    """The exception comes out, and the work that was under way ended by being stopped."""
+    started = threading.Event()
+    futures: list[Future[None]] = []
+
+    def work_that_is_interrupted() -> None:
+        with StoppableThreads(2) as pool:
+            futures.append(pool.submit(work_until_stopped, started))
+            futures.extend(pool.submit(work_until_stopped, threading.Event()) for _ in range(4))
+            assert started.wait(PATIENCE)
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        work_that_is_interrupted()
+    future, *waiting = futures
+    assert isinstance(future.exception(), WorkStopped)
+    assert all(f.cancelled() or isinstance(f.exception(), WorkStopped) for f in waiting)
+
+
+def test_pools_of_pools_stop_too() -> None:
+    """A thread's own pool is stopped with it; one that has nothing to do with it is not."""
+    started = threading.Event()
+    result: list[Future[None]] = []
+
+    def work_in_a_pool_of_its_own() -> None:
+        with StoppableThreads(1) as inner:
+            future = inner.submit(work_until_stopped, started)
+            result.append(future)
+            future.result()
+
+    def work_that_is_interrupted() -> None:
+        with StoppableThreads(1) as outer:
+            outer.submit(work_in_a_pool_of_its_own)
+            assert started.wait(PATIENCE)
+            raise KeyboardInterrupt
+
+    with StoppableThreads(1) as other:
+        with pytest.raises(KeyboardInterrupt):
+            work_that_is_interrupted()
+        assert isinstance(result[0].exception(), WorkStopped)
+        assert other.submit(raise_if_stopped).result() is None
+    raise_if_stopped()
+
+
+def test_a_pool_that_is_left_in_peace_finishes() -> None:
+    """All results are there, in their order."""
+    with StoppableThreads() as pool:
+        assert list(pool.map(lambda k: k * k, range(20))) == [k * k for k in range(20)]
