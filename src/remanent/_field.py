@@ -205,7 +205,7 @@ class Field:
         return tuple(variable.role for variable in self.variables)
 
     @cached_property
-    def rest_values(self) -> tuple[float | str, ...]:
+    def default_initial_values(self) -> tuple[float | str, ...]:
         """Value at rest of each state variable, a number or the name of a parameter."""
         return tuple(variable.rest for variable in self.variables)
 

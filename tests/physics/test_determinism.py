@@ -18,7 +18,7 @@ from remanent.integrate.ensemble.work_sizes import DEFAULT_WORK_SIZES, WorkSizes
 from remanent.models.drives.base import Drive
 from remanent.studies.ensemble.layout import lay_out_ensemble
 from remanent.studies.ensemble.problem import initial_value_problem
-from remanent.studies.response.frequency_response import response_extremes
+from remanent.studies.response.frequency_response import thickness_extremes_over_window
 
 COUNT, LONGEST = 20, 18.0
 #: What is asked: states between steps, states after cycles, extremes.
@@ -167,7 +167,7 @@ def test_bits_do_not_depend_on_the_batches_of_a_response() -> None:
     columns = []
     for size in (100, 37):
         ens = lay_out_ensemble(actuator, drive, over, batch_size=size)
-        outcome = response_extremes(ens, 100.0, None, 0.0, 1e-7, batch_size=size)
+        outcome = thickness_extremes_over_window(ens, 100.0, None, 0.0, 1e-7, batch_size=size)
         columns.append([outcome.maximum, outcome.minimum, outcome.error, outcome.status])
     for at_once, batched in zip(*columns, strict=True):
         np.testing.assert_array_equal(at_once, batched)

@@ -21,7 +21,7 @@ from remanent.models.heat import Heat
 from remanent.models.magnet import Magnet
 from remanent.models.materials.base import Material
 from remanent.models.materials.named import NeoHookean
-from remanent.models.pairs import is_several_numbers, pair_by_numbered_names
+from remanent.models.pairs import is_several_numbers, split_by_direction
 from remanent.models.parts import EquationStructure, Part, part_parameters
 from remanent.models.plausibility import warn_of_implausible_temperatures
 from remanent.models.scaling import Scales
@@ -169,9 +169,7 @@ class Actuator:
         if self.coordinate_count == 1:
             return {name: {name: value} for name, value in values.items()}
         return {
-            name: pair_by_numbered_names(name, value)
-            if name in self.pairable_fields
-            else {name: value}
+            name: split_by_direction(name, value) if name in self.pairable_fields else {name: value}
             for name, value in values.items()
         }
 

@@ -15,12 +15,12 @@ def is_several_numbers(value: object) -> bool:
     return isinstance(value, Sequence | np.ndarray) and not isinstance(value, str)
 
 
-def pair_by_numbered_names(name: str, value: Any) -> dict[str, Any]:
+def split_by_direction(name: str, value: Any) -> dict[str, Any]:
     """The two numbers of a pair under their own names; a single number stands for both.
 
     Examples
     --------
-    >>> pair_by_numbered_names("prestress", (0.0, 0.5))
+    >>> split_by_direction("prestress", (0.0, 0.5))
     {'prestress_1': 0.0, 'prestress_2': 0.5}
     """
     pair = tuple(value) if is_several_numbers(value) and np.ndim(value) == 1 else (value, value)

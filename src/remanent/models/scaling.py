@@ -11,7 +11,7 @@ from remanent import _units
 from remanent._errors import InputError
 from remanent._typing import FloatArray
 from remanent._units import Quantity
-from remanent.models.pairs import is_several_numbers, pair_by_numbered_names
+from remanent.models.pairs import is_several_numbers, split_by_direction
 
 #: Permeability of free space, N/A^2 (CODATA 2022).
 VACUUM_PERMEABILITY: Final = 1.25663706127e-6
@@ -143,7 +143,7 @@ class Scales:
         unit = 4.0 * self.half_length * half_thickness * self.shear_modulus
         if edges is None and not is_several_numbers(force):
             return _units.single_magnitude("force", force, "N") / unit
-        force_1, force_2 = pair_by_numbered_names("force", force).values()
+        force_1, force_2 = split_by_direction("force", force).values()
         edge_1, edge_2 = edges or (1.0, 1.0)
         # A force along one edge pulls at the faces that the other edge spans.
         return (

@@ -119,7 +119,7 @@ def _test_settles(e: ClaimEvidence) -> FindingsByReading:
     )
 
 
-def _test_amplitude_falls(row: int, e: ClaimEvidence) -> FindingsByReading:
+def _test_amplitude_falls_with_temperature(row: int, e: ClaimEvidence) -> FindingsByReading:
     swing = measures.stretch_half_range(e.constant_load_motion)[row]
     return _unambiguous_finding(
         _is_decreasing(swing), f"(max λ₃ − min λ₃)/2 at 250, 350, 400 K: {_format_list(swing)}."
@@ -139,7 +139,7 @@ def _test_expansion_and_compression(e: ClaimEvidence) -> FindingsByReading:
     )
 
 
-def _test_modulus_falls(e: ClaimEvidence) -> FindingsByReading:
+def _test_modulus_falls_with_temperature(e: ClaimEvidence) -> FindingsByReading:
     frequency = e.unloaded_equilibria["natural_frequency"].isel(equilibrium=0).values
     modulus = frequency**2 * (1.0 + 2.0 * e.setting.actuator.c) / 18.0
     return _unambiguous_finding(
@@ -160,7 +160,9 @@ def _farthest_stretches(e: ClaimEvidence, row: int) -> FloatArray:
     return np.asarray(np.take_along_axis(x.values, farthest[:, None], axis=-1)[:, 0])
 
 
-def _test_thickness_falls(row: int, kind: str, e: ClaimEvidence) -> FindingsByReading:
+def _test_thickness_falls_with_temperature(
+    row: int, kind: str, e: ClaimEvidence
+) -> FindingsByReading:
     stretch = (
         measures.array_by_prestress_and_temperature(e.landscape, "equilibrium_stretch")[row]
         if kind == "equilibrium"
@@ -190,7 +192,7 @@ def _resonance_amplitudes(e: ClaimEvidence) -> FloatArray:
     return measures.array_by_prestress_and_temperature(e.response, "resonance_amplitude")
 
 
-def _test_resonance_rises(e: ClaimEvidence) -> FindingsByReading:
+def _test_resonance_frequency_rises_with_temperature(e: ClaimEvidence) -> FindingsByReading:
     omega = _resonance_frequencies(e)
     return _unambiguous_finding(
         (np.diff(omega, axis=1) > 0).all(), f"ω of the largest λ₃ᵃ: {_format_by_prestress(omega)}."
@@ -218,7 +220,7 @@ def _test_six_frequencies(e: ClaimEvidence) -> FindingsByReading:
     return {f"forcing law {FORCING_LAWS[e.setting.law_name].text}": reference, **alternatives}
 
 
-def _test_intensity_falls(e: ClaimEvidence) -> FindingsByReading:
+def _test_intensity_falls_with_temperature(e: ClaimEvidence) -> FindingsByReading:
     peak = _resonance_amplitudes(e)[0]
     return _unambiguous_finding(
         _is_decreasing(peak), f"Largest λ₃ᵃ at 250, 350, 400 K: {_format_list(peak)}."
@@ -389,16 +391,17 @@ CLAIMS: tuple[Claim, ...] = (
     Claim("2", "The actuator oscillates towards a final equilibrium and settles there.",
           _test_settles, "figure_2"),
     Claim("3a", f"The oscillation amplitude falls {_AS_TEMPERATURE_RISES}, S = 0.",
-          partial(_test_amplitude_falls, 0), "landscapes"),
+          partial(_test_amplitude_falls_with_temperature, 0), "landscapes"),
     Claim("3b", f"The oscillation amplitude falls {_AS_TEMPERATURE_RISES}, S = 1.",
-          partial(_test_amplitude_falls, 1), "landscapes"),
+          partial(_test_amplitude_falls_with_temperature, 1), "landscapes"),
     Claim("4", "Without prestress the block thickens (λ₃ > 1), with S = 1 it thins (λ₃ < 1).",
           _test_expansion_and_compression, "figure_3"),
     Claim("5", f"The elastic modulus falls {_AS_TEMPERATURE_RISES}.",
-          _test_modulus_falls, "landscapes"),
+          _test_modulus_falls_with_temperature, "landscapes"),
     *(
         Claim(f"6{letter}", f"The thickness stretch at {kind} falls {_AS_TEMPERATURE_RISES}, "
-              f"S = {s:g}.", partial(_test_thickness_falls, row, kind), "landscapes")
+              f"S = {s:g}.", partial(_test_thickness_falls_with_temperature, row, kind),
+              "landscapes")
         for letter, (row, s, kind) in zip("abcd", [
             (row, s, kind) for row, s in enumerate(PRESTRESSES)
             for kind in ("equilibrium", "the extreme")], strict=True)
@@ -406,11 +409,11 @@ CLAIMS: tuple[Claim, ...] = (
     Claim("7", "With prestress the block deforms more at equilibrium, at every temperature.",
           _test_prestress_deforms_more, "landscapes"),
     Claim("8a", f"The resonance frequency rises {_AS_TEMPERATURE_RISES}.",
-          _test_resonance_rises, "figure_4"),
+          _test_resonance_frequency_rises_with_temperature, "figure_4"),
     Claim("8b", "The resonances are 1.05, 1.25, 1.35 (S = 0) and 0.85, 1.08, 1.19 (S = 1).",
           _test_six_frequencies, "figure_4"),
     Claim("9", f"The intensity at resonance falls {_AS_TEMPERATURE_RISES}, S = 0.",
-          _test_intensity_falls, "figure_4"),
+          _test_intensity_falls_with_temperature, "figure_4"),
     Claim("10", f"The intensity at resonance first rises, then falls {_AS_TEMPERATURE_RISES}, "
           "S = 1.", _test_intensity_rises_then_falls, "figure_4"),
     Claim("11", "The peak at S = 0 is above that at S = 1 at 250 and 400 K, below it at 350 K.",

@@ -165,7 +165,7 @@ def summarise_dynamics(data: Mapping[str, xr.Dataset]) -> dict[str, Any]:
     """
     folds = list_folds(data["branches"])
     return {
-        "regimes": _summarise_regimes(data["regimes"]),
+        "regimes": _list_regimes(data["regimes"]),
         "orbits": _list_orbits(data["resonance_orbits"]),
         "folds": folds,
         "jump": _summarise_jump(data["jump"], folds),
@@ -189,7 +189,7 @@ _REGIME_EVIDENCE_VARIABLES = (
 )  # fmt: skip
 
 
-def _summarise_regimes(dataset: xr.Dataset) -> list[dict[str, Any]]:
+def _list_regimes(dataset: xr.Dataset) -> list[dict[str, Any]]:
     return [
         at
         | {"omega": float(case["omega"]), "regime": str(case["regime"].values)}

@@ -25,7 +25,7 @@ from remanent.report.figures import (
 __all__ = ["draw_landscapes", "draw_misfit_maps", "draw_solver_comparison"]
 
 #: Misfits whose contour lines are drawn: the published rounding, and what the audit reaches.
-_MISFIT_CONTOUR_LEVELS = (0.01, 0.025, 0.1)
+_RESONANCE_MISFIT_CONTOUR_LEVELS = (0.01, 0.025, 0.1)
 #: Colour of the converged section behind the other.
 _BACKGROUND_COLOUR = "#bdbdbd"
 #: Colour of the dot at the least misfit.
@@ -178,7 +178,7 @@ def _draw_misfit(ax: Axes, dataset: xr.Dataset, scale: LogNorm) -> Any:
         x.values,
         y.values,
         z,
-        levels=_MISFIT_CONTOUR_LEVELS,
+        levels=_RESONANCE_MISFIT_CONTOUR_LEVELS,
         colors=style.INK_COLOUR,
         linewidths=0.6,
     )

@@ -105,19 +105,23 @@ def kernel_source(
 
 
 def _write_group_loop(
-    field: Field, method: Method, options: KernelOptions, writer: Writer, arguments: KernelArguments
+    field: Field,
+    method: Method,
+    options: KernelOptions,
+    writer: Writer,
+    argument_values: KernelArguments,
 ) -> None:
     """Write the loop over groups."""
     outlined = build_outlined_rates(field, method, options, writer)
-    with writer.loop(arguments.group_count) as (group, _):
+    with writer.loop(argument_values.group_count) as (group, _):
         slots = GroupSlots(
-            writer, arguments.slots_pointer, build_slot_layout(field, options), group
+            writer, argument_values.slots_pointer, build_slot_layout(field, options), group
         )
         run = RunConstants.read(slots)
         code = FieldCode.with_parameters_of(field, slots, outlined)
-        kernel = GroupKernel.from_slots(method, options, slots, arguments, run, code)
+        kernel = GroupKernel.from_slots(method, options, slots, argument_values, run, code)
         kernel.write_loops()
-        kernel.lockstep.write_to_slots(slots, arguments.double_step_count)
+        kernel.lockstep.write_to_slots(slots, argument_values.double_step_count)
 
 
 @dataclass(frozen=True)
@@ -132,7 +136,7 @@ class GroupKernel:
 
     options: KernelOptions
     writer: Writer
-    arguments: KernelArguments
+    argument_values: KernelArguments
     run_constants: RunConstants
     lockstep: Lockstep
     error_monitor: ErrorMonitor
@@ -145,7 +149,7 @@ class GroupKernel:
         method: Method,
         options: KernelOptions,
         slots: GroupSlots,
-        arguments: KernelArguments,
+        argument_values: KernelArguments,
         run: RunConstants,
         code: FieldCode,
     ) -> GroupKernel:
@@ -155,7 +159,7 @@ class GroupKernel:
         nodes, columns = len(method.nodes), 1 + len(code.field.waveform_names)
         fine, coarse = (
             LoadTable(w, table, nodes, columns)
-            for table in (arguments.fine_table, arguments.coarse_table)
+            for table in (argument_values.fine_table, argument_values.coarse_table)
         )
         stepper = create_stepper(method, options, code, slots)
         count = options.coarse_variable_count or len(code.field.state_names)
@@ -169,28 +173,30 @@ class GroupKernel:
         return cls(
             options,
             w,
-            arguments,
+            argument_values,
             run,
             Lockstep(method, stepper, cells, run.fine_step_length, fine, coarse, count),
             monitor,
             tracker,
             Recorder(
                 w,
-                arguments.record_pointer,
-                arguments.group_count,
+                argument_values.record_pointer,
+                argument_values.group_count,
                 slots.group_number,
-                arguments.record_interval_in_fine_steps,
+                argument_values.record_interval_in_fine_steps,
             ),
         )
 
     def write_loops(self) -> None:
         """Write the loops over cycles and over the double steps of a cycle."""
         w, run = self.writer, self.run_constants
-        with w.loop(self.arguments.cycle_count) as (number, leave_if):
+        with w.loop(self.argument_values.cycle_count) as (number, leave_if):
             # Counted from the start of the piece, so that no digit depends on where calls begin.
-            count = w.broadcast_integer(w.builder.add(self.arguments.cycles_before, number))
+            count = w.broadcast_integer(w.builder.add(self.argument_values.cycles_before, number))
             start = run.piece_start + count * run.cycle_length
-            cycle = Cycle(number, start, run.fine_step_length, self.arguments.fine_steps_before)
+            cycle = Cycle(
+                number, start, run.fine_step_length, self.argument_values.fine_steps_before
+            )
             leave_if(w.builder.not_(self.error_monitor.is_followed_in_cycle(cycle).any_lane()))
             if self.options.estimates_error_per_cycle:
                 self.lockstep.restart_coarse()
@@ -199,7 +205,7 @@ class GroupKernel:
                 if self.extreme_tracker
                 else None
             )
-            with w.loop(self.arguments.double_step_count) as (double_step, _):
+            with w.loop(self.argument_values.double_step_count) as (double_step, _):
                 self._write_double_step(cycle, double_step, near_an_end)
         if self.extreme_tracker:
             self.extreme_tracker.resolve_kept_step()
@@ -226,7 +232,7 @@ class GroupKernel:
             )
         count = b.mul(
             cycle.cycles_before_in_call,
-            b.mul(self.arguments.double_step_count, w.integer_constant(2)),
+            b.mul(self.argument_values.double_step_count, w.integer_constant(2)),
         )
         count = b.add(count, first)
         self.recorder.record_if_due(b.add(count, w.integer_constant(1)), middle)

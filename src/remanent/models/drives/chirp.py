@@ -17,7 +17,7 @@ from remanent.models.drives.base import Drive, empty_waveforms
 from remanent.models.drives.waves import LOAD_RULE, PHASE_RULE
 
 #: The rule of the frequencies at both ends of the sweep.
-_END_FREQUENCY_RULE = _checks.not_negative_rule(
+_SWEEP_FREQUENCY_RULE = _checks.not_negative_rule(
     "It is an angular frequency at one end of the sweep.", "Pass 0 or more."
 )
 
@@ -54,8 +54,8 @@ class Chirp(Drive):
     rules: ClassVar[Mapping[str, Rule]] = MappingProxyType(
         {
             "m": LOAD_RULE,
-            "start": _END_FREQUENCY_RULE,
-            "stop": _END_FREQUENCY_RULE,
+            "start": _SWEEP_FREQUENCY_RULE,
+            "stop": _SWEEP_FREQUENCY_RULE,
             "duration": _checks.positive_rule(
                 "It is how long the sweep takes.", "For a single frequency use Sine."
             ),

@@ -43,7 +43,7 @@ def initial_states(
     array (trajectory, state)
         It may be read-only: all trajectories share one row where nothing differs.
     """
-    rest = [rest_values(variable, values, count) for variable in field.variables]
+    rest = [default_initial_values(variable, values, count) for variable in field.variables]
     first = np.array([column[0] for column in rest])
     given = first[:0] if initial is None else _require_given_state(initial, field)
     columns = {
@@ -99,7 +99,7 @@ def _require_valid_common_start(given: FloatArray, fixed: list[int], field: Fiel
             )
 
 
-def rest_values(
+def default_initial_values(
     variable: StateVariable, values: Mapping[str, FloatArray], count: int
 ) -> FloatArray:
     """Value of a state variable at rest, array (trajectory,)."""

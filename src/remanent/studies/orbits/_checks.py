@@ -13,7 +13,7 @@ from remanent._field import Role, StateVariable
 from remanent._typing import FloatArray
 from remanent.studies.ensemble.durations import require_count
 from remanent.studies.ensemble.ensemble import Ensemble
-from remanent.studies.ensemble.initial import rest_values
+from remanent.studies.ensemble.initial import default_initial_values
 
 #: Default range of stretches.
 DEFAULT_STRETCH_RANGE = (0.3, 4.0)
@@ -107,7 +107,7 @@ def _default_bounds(name: str, variable: StateVariable, ens: Ensemble) -> FloatA
     if not valid.size:  # nothing is computed
         return np.array([0.0, 1.0])
     surroundings = float(
-        rest_values(variable, ens.parameter_values, ens.trajectory_count)[valid[0]]
+        default_initial_values(variable, ens.parameter_values, ens.trajectory_count)[valid[0]]
     )
     if not np.isfinite(surroundings):
         raise InputError(

@@ -19,7 +19,7 @@ from remanent.analysis.orbits.periodic_orbits import (
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.studies.ensemble.ensemble import Ensemble
-from remanent.studies.ensemble.initial import rest_values
+from remanent.studies.ensemble.initial import default_initial_values
 from remanent.studies.orbits._period_map import StroboscopicMap
 from remanent.studies.orbits._pilot_resolution import FIRST_RESOLUTION
 
@@ -232,7 +232,7 @@ def _symmetric_orbit_states(
 def nearest_to_rest(orbits: PeriodicOrbits, ens: Ensemble) -> PeriodicOrbits:
     """The orbit whose point is nearest to rest, alone."""
     rest = [
-        float(rest_values(v, ens.parameter_values, ens.trajectory_count)[0])
+        float(default_initial_values(v, ens.parameter_values, ens.trajectory_count)[0])
         for v in ens.vector_field.variables
     ]
     k = int(np.argmin(np.linalg.norm(orbits.state - rest, axis=1)))

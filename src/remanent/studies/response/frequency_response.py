@@ -126,7 +126,7 @@ def frequency_response(
     ens = lay_out_ensemble(system, drive, {**(over or {}), "omega": grid}, initial)
 
     def respond(runs: Ensemble, report: ProgressFunction | None = None) -> Outcome:
-        return response_extremes(runs, duration, periods, discard, tolerance, report)
+        return thickness_extremes_over_window(runs, duration, periods, discard, tolerance, report)
 
     outcome = respond(ens, as_progress(progress))
     amplitude = _amplitude(outcome)
@@ -166,7 +166,7 @@ def _require_frequencies(drive: Drive, omega: ArrayLike, over: OverArgument | No
     )
 
 
-def response_extremes(
+def thickness_extremes_over_window(
     ens: Ensemble,
     duration: float | None,
     periods: int | None,

@@ -111,8 +111,8 @@ def snap_through(
     _require_not_varied(parameter, ens)
     static, cases = StaticEnsemble(ens), np.flatnonzero(~ens.is_invalid)
     ends = np.full(cases.size, low), np.full(cases.size, high)
-    folds = _fold_variables(static, parameter, cases, ends)
-    snaps = _snap_variables(static, parameter, cases, ends)
+    folds = _find_folds(static, parameter, cases, ends)
+    snaps = _find_snap_thresholds(static, parameter, cases, ends)
     variables: dict[str, PerTrajectoryArray] = {
         f"{dim}_{name}": ((dim,), _rows_for_all_cases(values, cases, ens.trajectory_count))
         for dim, columns in (("fold", folds), ("snap", snaps))
@@ -157,7 +157,7 @@ def _require_not_varied(parameter: str, ens: Ensemble) -> None:
         )
 
 
-def _fold_variables(
+def _find_folds(
     static: StaticEnsemble, parameter: str, cases: IntArray, ends: tuple[FloatArray, FloatArray]
 ) -> dict[str, FloatArray]:
     """Where a stable and an unstable equilibrium meet, arrays (case, fold)."""
@@ -169,7 +169,7 @@ def _fold_variables(
     }
 
 
-def _snap_variables(
+def _find_snap_thresholds(
     static: StaticEnsemble, parameter: str, cases: IntArray, ends: tuple[FloatArray, FloatArray]
 ) -> dict[str, FloatArray]:
     """Where the motion from the start just reaches a saddle, arrays (case, snap)."""
@@ -245,14 +245,17 @@ class _SnapSearch:
         x = np.where(self._is_reached_saddle(row, x, value), x, np.nan)
         value = np.where(np.isnan(x), np.nan, value)
         columns = [
-            a.reshape(level.shape) for a in (x, value, self._threshold_direction(row, x, value))
+            a.reshape(level.shape)
+            for a in (x, value, self._stretch_direction_beyond_threshold(row, x, value))
         ]
         order = np.argsort(columns[1], axis=1)  # NaN last
         width = int(np.isfinite(value).reshape(level.shape).sum(axis=1).max(initial=0))
         first, second, third = (np.take_along_axis(a, order, axis=1)[:, :width] for a in columns)
         return first, second, third
 
-    def _threshold_direction(self, row: IntArray, x: FloatArray, value: FloatArray) -> FloatArray:
+    def _stretch_direction_beyond_threshold(
+        self, row: IntArray, x: FloatArray, value: FloatArray
+    ) -> FloatArray:
         """1 where a larger parameter takes the motion to larger stretches, -1 to smaller."""
         small = _RELATIVE_PARAMETER_STEP * (self.parameter_ends[1] - self.parameter_ends[0])[row]
         barrier = self.potential_rise(row, x, value + small) - self.potential_rise(
