@@ -5,6 +5,7 @@ from remanent.plots.basins import basins
 from remanent.plots.branches import branch, multipliers
 from remanent.plots.curves import curve
 from remanent.plots.energy import landscape
+from remanent.plots.equilibria import equilibria
 from remanent.plots.fits import fit
 from remanent.plots.forced import response
 from remanent.plots.maps import map
@@ -15,6 +16,7 @@ __all__ = [
     "basins",
     "branch",
     "curve",
+    "equilibria",
     "fit",
     "history",
     "landscape",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Sequence
 from typing import Any, Final
 
@@ -9,9 +10,12 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.container import BarContainer
+from matplotlib.patches import Patch
 
 from remanent._errors import InputError
-from remanent.plots import footer, style
+from remanent._typing import FloatArray
+from remanent.plots import colours, footer, style
+from remanent.plots.labels import field_label
 from remanent.results.schema import describe
 
 __all__ = ["bars"]
@@ -20,6 +24,12 @@ __all__ = ["bars"]
 _GROUP_HEIGHT_SHARE: Final = 0.8
 #: Share of its place that a bar covers, so that bars side by side are told apart.
 _BAR_HEIGHT_SHARE: Final = 0.9
+#: Size of the words where a bar is missing, in points.
+_NOTE_SIZE_POINTS: Final = 7.0
+#: Letters of a field's name in one line.
+_NAME_LINE_LENGTH: Final = 24
+#: What stands for a blank that must stay in its line.
+_NO_BREAK: Final = "\u2060"
 
 
 def bars(
@@ -64,11 +74,12 @@ def bars(
     rows = [row for name in names for row in _labelled_bars(dataset, name)]
     positions = np.arange(dataset.sizes["field"])
     thickness = _GROUP_HEIGHT_SHARE / len(rows)
-    with style.context():
+    with style.context_of(ax):
         axes = style.given_or_new_axes(ax)
         artists = []
+        tones = colours.category_colours(len(rows))
         for k, (label, values, errors) in enumerate(rows):
-            colour = list(style.OKABE_ITO_COLOURS.values())[k % len(style.OKABE_ITO_COLOURS)]
+            colour = tones[k]
             y = positions - 0.5 * _GROUP_HEIGHT_SHARE + (k + 0.5) * thickness
             looks = {
                 "color": colour,
@@ -77,16 +88,35 @@ def bars(
                 **bar,
             }
             artists.append(axes.barh(y, values, xerr=errors, error_kw={"lw": 0.8}, **looks))
-        axes.axvline(0.0, color=style.INK_COLOUR, lw=0.6)
-        fields = [describe(str(name)) for name in dataset["field"].values]
-        axes.set_yticks(positions, [f"{field.long_name}, ${field.symbol}$" for field in fields])
+            _name_missing_bars(axes, np.asarray(y, dtype=np.float64), np.asarray(values), thickness)
+        axes.axvline(0.0, color=style.ink_colour(), lw=0.6)
+        fields = [field_label(name) for name in dataset["field"].values]
+        axes.set_yticks(positions, [_wrap(name) for name in fields])
         axes.tick_params(axis="y", length=0)
         axes.invert_yaxis()
         row = describe(names[0])
-        axes.set_xlabel(f"{row.long_name}, ${row.symbol}$" if len(names) == 1 else "")
-        entries = artists if legend and len(rows) > 1 else []
-        footer.add_legend_and_footer(axes, ax, dataset, entries)  # type: ignore[arg-type]
+        style.label_axes(axes, f"{row.long_name}, ${row.symbol}$" if len(names) == 1 else "", "")
+        entries = [Patch(facecolor=a.patches[0].get_facecolor(), label=str(a.get_label()))
+                   for a in artists] if len(rows) > 1 and positions.size else []  # fmt: skip
+        footer.add_legend_and_footer(axes, ax, dataset, entries, legend=legend)
     return artists
+
+
+def _name_missing_bars(axes: Axes, y: FloatArray, values: FloatArray, thickness: float) -> None:
+    """Say where a bar has no length: nothing drawn would read as zero."""
+    size = np.clip(_NOTE_SIZE_POINTS * thickness / 0.25, 5.0, _NOTE_SIZE_POINTS)
+    for place in y[~np.isfinite(values.astype(np.float64))]:
+        axes.annotate(
+            "not defined", (0.0, place), xytext=(3, 0), textcoords="offset points", va="center",
+            fontsize=float(size), style="italic", color=style.ink_colour(),
+        )  # fmt: skip
+
+
+def _wrap(name: str) -> str:
+    """A name in lines, its symbol kept whole."""
+    words, _, symbol = name.rpartition(", ")
+    return "\n".join(textwrap.wrap(f"{words}, {symbol.replace(' ', _NO_BREAK)}",
+                                   _NAME_LINE_LENGTH)).replace(_NO_BREAK, " ")  # fmt: skip
 
 
 def _labelled_bars(dataset: xr.Dataset, name: str) -> list[tuple[str, Any, Any]]:

@@ -8,6 +8,7 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import Any, Final
 
+import matplotlib as mpl
 import numpy as np
 import xarray as xr
 from matplotlib import patheffects
@@ -15,11 +16,14 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from remanent._errors import InputError
-from remanent.plots import ensemble, footer, style
+from remanent._typing import FloatArray
+from remanent.plots import ensemble, footer, keys, missing, style
+from remanent.plots.branch_marks import mark_ends, mark_special_points
+from remanent.plots.retraced import new_stretches, turning_points
 
 __all__ = ["branch", "multipliers", "stability_legend_entries"]
 
-#: Line styles of what multipliers say; a double line is a broad one with a white core.
+#: Line styles of what multipliers say; a double line is a broad one with a core of the ground.
 _STABILITY_LINE_STYLES: Final[Mapping[str, Mapping[str, Any]]] = MappingProxyType(
     {
         "stable": {"linestyle": "-", "linewidth": 1.3},
@@ -29,12 +33,14 @@ _STABILITY_LINE_STYLES: Final[Mapping[str, Mapping[str, Any]]] = MappingProxyTyp
         "undecided": {"linestyle": "-", "linewidth": 0.6},
     }
 )
-#: Markers of special points.
-_SPECIAL_POINT_MARKERS: Final[Mapping[str, str]] = MappingProxyType(
-    {"fold": "o", "period doubling": "s", "Neimark-Sacker": "D", "branch point": "^"}
-)
-#: Width of the white core of a double line, in points.
+#: Dimensions of branches beside those of ``over``.
+_OWN_DIMENSIONS: Final = ("branch", "point", "special", "multiplier", "end")
+#: Width of the core of a double line, in points.
 _DOUBLE_LINE_CORE_WIDTH_POINTS: Final = 0.8
+#: Room beside branches, over their width.
+_MARGIN_BESIDE_BRANCHES: Final = 0.03
+#: Length of a line, over the size of what is drawn, from which it is seen.
+_MIN_SEEN_LENGTH: Final = 5e-3
 
 
 def branch(
@@ -70,25 +76,24 @@ def branch(
         One for each stretch of a branch with one stability.
     """
     x = parameter or _followed_parameter(dataset)
-    with style.context():
+    with style.context_of(ax):
         axes = style.given_or_new_axes(ax)
         marks = [name for name in (f"special_{x}", f"special_{variable}") if name in dataset]
-        names = (x, variable, "stability", "special_kind", *marks)
-        members = ensemble.split_into_members(dataset, names, ("branch", "point", "special"))
+        ends = ["end_reason"] if "end_reason" in dataset else []
+        names = (x, variable, "stability", "special_kind", *marks, *ends)
+        members = ensemble.split_by_colour(dataset, names, _OWN_DIMENSIONS)
+        size = _extent(dataset, x, dataset[variable].values)
         artists: list[Line2D] = []
+        marked: list[Line2D] = []
         for member in members:
-            artists += _draw_branches(axes, member, x, variable, line)
-            _mark_special_points(axes, member, x, variable)
-        axes.set(xlabel=style.axis_label(dataset[x]), ylabel=style.axis_label(dataset[variable]))
-        axes.margins(x=0.0)
+            artists += _draw_branches(axes, member, x, variable, line, size)
+            marked += mark_special_points(axes, member, x, variable, size)
+            marked += mark_ends(axes, member, x, variable)
+        style.label_axes(axes, style.axis_label(dataset[x]), style.axis_label(dataset[variable]))
         if variable == "amplitude":
             axes.set_ylim(bottom=0.0)
-        named = (
-            [*ensemble.line_legend_entries(members), *stability_legend_entries(dataset)]
-            if legend
-            else []
-        )
-        footer.add_legend_and_footer(axes, ax, dataset, named, hide=(x,))
+        entries = [*_drawn_stabilities(dataset, artists, size), *marked]
+        _finish(axes, ax, dataset, members, entries, x, variable, legend)
     return artists
 
 
@@ -125,33 +130,54 @@ def multipliers(
         One for each multiplier on each stretch of a branch with one stability.
     """
     x = parameter or _followed_parameter(dataset)
-    with style.context():
+    with style.context_of(ax):
         axes = style.given_or_new_axes(ax, height=2.0)
         names = (x, "multipliers", "stability", "special_kind", f"special_{x}")
-        members = ensemble.split_into_members(
-            dataset, names, ("branch", "point", "special", "multiplier")
-        )
+        members = ensemble.split_by_colour(dataset, names, _OWN_DIMENSIONS)
+        size = _extent(dataset, x, abs(dataset["multipliers"].values))
         axes.axhline(1.0, color=style.FAINT_COLOUR, linewidth=0.5)
         artists: list[Line2D] = []
+        marked: list[Line2D] = []
         for member in members:
             moduli = member.data.assign(multipliers=abs(member.data["multipliers"]))
             for k in range(moduli.sizes["multiplier"]):
                 single = replace(member, data=moduli.isel(multiplier=k))
-                artists += _draw_branches(axes, single, x, "multipliers", line)
+                artists += _draw_branches(axes, single, x, "multipliers", line, size)
             on_circle = replace(member, data=_with_special_multipliers_at_one(member.data))
-            _mark_special_points(axes, on_circle, x, "multipliers")
+            marked += mark_special_points(axes, on_circle, x, "multipliers", size)
         symbol = style.math_symbol(dataset["multipliers"]).strip("$")
-        axes.set(
-            xlabel=style.axis_label(dataset[x]), ylabel=f"modulus of multipliers, $|{symbol}|$"
+        style.label_axes(
+            axes, style.axis_label(dataset[x]), f"modulus of multipliers, $|{symbol}|$"
         )
-        axes.margins(x=0.0)
-        named = (
-            [*ensemble.line_legend_entries(members), *stability_legend_entries(dataset)]
-            if legend
-            else []
-        )
-        footer.add_legend_and_footer(axes, ax, dataset, named, hide=(x,))
+        entries = [*_drawn_stabilities(dataset, artists, size), *marked]
+        _finish(axes, ax, dataset, members, entries, x, "multipliers", legend)
     return artists
+
+
+def _extent(dataset: xr.Dataset, x: str, up: FloatArray) -> FloatArray:
+    """Width and height of what is drawn, array (2,); 1 where there is none."""
+    sizes = [np.ptp(v[np.isfinite(v)]) if np.isfinite(v).any() else 0.0
+             for v in (dataset[x].values, up)]  # fmt: skip
+    return np.array([size or 1.0 for size in sizes])
+
+
+def _finish(
+    axes: Axes,
+    given: Axes | None,
+    dataset: xr.Dataset,
+    members: list[ensemble.Member],
+    entries: list[Line2D],
+    x: str,
+    variable: str,
+    legend: bool,
+) -> None:
+    """Margins, so that no mark lies on the frame; legend, colour bar and footer."""
+    axes.margins(x=_MARGIN_BESIDE_BRANCHES)
+    missing.write_in_empty_frame(axes, members, x, variable)
+    if legend:
+        keys.add_colour_bar(axes, members)
+    named = [*keys.line_legend_entries(members, variable), *entries]
+    footer.add_legend_and_footer(axes, given, dataset, named, legend=legend, hide=(x,))
 
 
 def _with_special_multipliers_at_one(data: xr.Dataset) -> xr.Dataset:
@@ -174,29 +200,48 @@ def _followed_parameter(dataset: xr.Dataset) -> str:
 
 
 def _draw_branches(
-    axes: Axes, member: ensemble.Member, x: str, variable: str, line: dict[str, Any]
+    axes: Axes,
+    member: ensemble.Member,
+    x: str,
+    variable: str,
+    line: dict[str, Any],
+    size: FloatArray,
 ) -> list[Line2D]:
+    """Draw each stretch of equal stability, and none twice."""
     data = member.data if "branch" in member.data.dims else member.data.expand_dims("branch")
     artists = []
+    drawn: dict[str, list[FloatArray]] = {}
     for k in range(data.sizes["branch"]):
         row = data.isel(branch=k)
         stabilities = row["stability"].values
-        finite = np.isfinite(row[x].values)
-        for first, last in _equal_stability_ranges(stabilities, int(finite.sum())):
-            looks = {
-                "color": member.colour,
-                **_STABILITY_LINE_STYLES[str(stabilities[first])],
-                **line,
-            }
+        points = np.stack([row[x].values, row[variable].values], axis=1).astype(np.float64)
+        count = int(np.isfinite(points[:, 0]).sum())
+        for first, last in _equal_stability_ranges(stabilities, count):
+            name = str(stabilities[first])
+            looks = {"color": member.colour, **_STABILITY_LINE_STYLES[name], **line}
             # A stretch begins where the one before it ends, so that no gap is seen.
-            points = slice(max(first - 1, 0), last)
-            (artist,) = axes.plot(
-                row[x].values[points], row[variable].values[points], solid_capstyle="butt", **looks
-            )
-            if stabilities[first] == "elliptic":
-                artist.set_path_effects(_double_line_effects("elliptic"))
-            artists.append(artist)
+            stretch = points[max(first - 1, 0) : last]
+            for piece in _pieces_not_drawn(stretch, drawn.setdefault(name, []), size):
+                (artist,) = axes.plot(*piece.T, solid_capstyle="butt", gid=name, **looks)
+                if name == "elliptic":
+                    artist.set_path_effects(_double_line_effects(name, axes.get_facecolor()))
+                artists.append(artist)
     return artists
+
+
+def _pieces_not_drawn(
+    stretch: FloatArray, drawn: list[FloatArray], size: FloatArray
+) -> list[FloatArray]:
+    """What of a stretch is new, whole where all of it is; `drawn` grows by it."""
+    cuts = [0, *turning_points(stretch[:, 0]), len(stretch) - 1]
+    arms = [stretch[a : b + 1] for a, b in itertools.pairwise(cuts) if b > a]
+    pieces = []
+    for arm in arms:
+        pieces.append([arm[part] for part in new_stretches(arm, drawn, size)])
+        drawn.append(arm)
+    whole = all(len(parts) == 1 and len(parts[0]) == len(arm)
+                for parts, arm in zip(pieces, arms, strict=True))  # fmt: skip
+    return [stretch] if whole else list(itertools.chain.from_iterable(pieces))
 
 
 def _equal_stability_ranges(stabilities: Any, count: int) -> list[tuple[int, int]]:
@@ -206,55 +251,35 @@ def _equal_stability_ranges(stabilities: Any, count: int) -> list[tuple[int, int
     return [(a, b) for a, b in itertools.pairwise(cuts) if b > a]
 
 
-def _mark_special_points(axes: Axes, member: ensemble.Member, x: str, variable: str) -> None:
-    data, name = member.data, f"special_{variable}"
-    if name not in data:
-        return
-    for kind, marker in _SPECIAL_POINT_MARKERS.items():
-        of_kind = data["special_kind"].values == kind
-        axes.plot(
-            data[f"special_{x}"].values[of_kind], data[name].values[of_kind], marker, ms=4.0,
-            mfc="white", mec=member.colour, mew=1.0, zorder=5, linestyle="",
-        )  # fmt: skip
-
-
 def stability_legend_entries(dataset: xr.Dataset) -> list[Line2D]:
-    """Legend entries of the kinds of stability and of special points that occur."""
+    """Legend entries of the kinds of stability that occur."""
     stabilities = set(np.unique(dataset["stability"].values.astype(str)))
-    lines = [
-        Line2D(
-            [],
-            [],
-            color=style.INK_COLOUR,
-            label=name,
-            path_effects=_double_line_effects(name),
-            **looks,
-        )
+    ground = str(mpl.rcParams["axes.facecolor"])
+    return [
+        Line2D([], [], color=style.ink_colour(), label=name,
+               path_effects=_double_line_effects(name, ground), **looks)
         for name, looks in _STABILITY_LINE_STYLES.items()
         if name in stabilities
-    ]
-    kinds = set(np.unique(dataset["special_kind"].values.astype(str)))
-    marks = [
-        Line2D(
-            [],
-            [],
-            color=style.INK_COLOUR,
-            mfc="white",
-            marker=marker,
-            ms=4,
-            linestyle="",
-            label=kind,
-        )
-        for kind, marker in _SPECIAL_POINT_MARKERS.items()
-        if kind in kinds
-    ]
-    return lines + marks
+    ]  # fmt: skip
 
 
-def _double_line_effects(name: str) -> Any:
+def _drawn_stabilities(
+    dataset: xr.Dataset, artists: list[Line2D], size: FloatArray
+) -> list[Line2D]:
+    """Legend entries of the kinds of stability of which there is more than a spot to see."""
+    seen = {
+        artist.get_gid()
+        for artist in artists
+        if np.nanmax(np.ptp(artist.get_xydata(), axis=0) / size) >= _MIN_SEEN_LENGTH
+    }
+    names = seen or {artist.get_gid() for artist in artists}
+    return [e for e in stability_legend_entries(dataset) if e.get_label() in names]
+
+
+def _double_line_effects(name: str, ground: Any) -> Any:
     if name != "elliptic":
         return None
     return [
         patheffects.Normal(),
-        patheffects.Stroke(linewidth=_DOUBLE_LINE_CORE_WIDTH_POINTS, foreground="white"),
+        patheffects.Stroke(linewidth=_DOUBLE_LINE_CORE_WIDTH_POINTS, foreground=ground),
     ]

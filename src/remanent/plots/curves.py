@@ -2,19 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, Final
 
 import numpy as np
 import xarray as xr
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 
-from remanent.plots import ensemble, footer, style
+from remanent.plots import ensemble, footer, keys, missing, style
+from remanent.plots.equilibria import equilibria
 
 __all__ = ["curve"]
 
 #: Opacity of the band between the outermost quantiles.
 _BAND_OPACITY: Final = 0.22
+#: Dimensions whose entries are numbered anew at each value of anything else.
+_NUMBERED_DIMENSIONS: Final = frozenset({"orbit", "attractor", "peak", "special", "fold", "snap"})
+#: Diameter of a point.
+_POINT_SIZE_POINTS: Final = 2.5
 
 
 def curve(
@@ -34,6 +42,9 @@ def curve(
     dataset : xarray.Dataset
         With `variable` over the dimension of `x` and at most two more.  Along a dimension
         ``quantile`` the outermost values bound a band, and the middle one is the line.
+        Equilibria are drawn as by :func:`remanent.plots.equilibria`.  Orbits, attractors,
+        peaks and special points, which are numbered anew at each value of `x`, are points:
+        a line through those of one number would join different solutions.
     variable, x : str
         What to draw, and against what.
     ax : matplotlib.axes.Axes, optional
@@ -50,19 +61,48 @@ def curve(
     list of matplotlib.lines.Line2D
         One per member.
     """
-    along = str(dataset[x].dims[-1]) if x in dataset.variables else x
-    with style.context():
+    if variable in dataset and "equilibrium" in dataset[variable].dims and x != "equilibrium":
+        lines = equilibria(dataset, variable, x, ax=ax, legend=legend, **line)
+        if log and lines and lines[0].axes is not None:
+            lines[0].axes.set_yscale("log")
+        return lines
+    along = str(dataset[x].dims[-1]) if x in dataset.variables and dataset[x].ndim else x
+    numbered = sorted(_NUMBERED_DIMENSIONS - {along})
+    with style.context_of(ax):
         axes = style.given_or_new_axes(ax)
-        members = ensemble.split_into_members(dataset, (variable, x), (along, "quantile"))
+        members = ensemble.split_into_members(
+            dataset, (variable, x), (along, "quantile", *numbered)
+        )
         artists = [_draw_curve_and_band(axes, member, variable, x, line) for member in members]
-        axes.set(xlabel=style.axis_label(dataset[x]), ylabel=style.axis_label(dataset[variable]))
+        style.label_axes(axes, style.axis_label(dataset[x]), style.axis_label(dataset[variable]))
         if log:
             axes.set_yscale("log")
         axes.margins(x=0.0)
-        footer.add_legend_and_footer(
-            axes, ax, dataset, ensemble.line_legend_entries(members) if legend else []
-        )
+        gaps = missing.mark_gaps(axes, members, x, variable)
+        missing.write_in_empty_frame(axes, members, x, variable)
+        if legend:
+            keys.add_colour_bar(axes, members)
+        names = [
+            *keys.line_legend_entries(members, variable),
+            *_quantile_entries(members, variable),
+        ]
+        entries = [*names, *gaps]
+        footer.add_legend_and_footer(axes, ax, dataset, entries, legend=legend)
     return artists
+
+
+def _quantile_entries(members: Sequence[ensemble.Member], variable: str) -> list[Artist]:
+    """Legend entries of the line in the middle and of the band, where there are quantiles."""
+    if "quantile" not in members[0].data[variable].dims:
+        return []
+    quantiles = np.sort(members[0].data[variable]["quantile"].values)
+    percent = [f"{100.0 * q:.4g}" for q in (quantiles[quantiles.size // 2], *quantiles[[0, -1]])]
+    middle = "median" if percent[0] == "50" else f"{percent[0]} %"
+    tone = members[0].colour if len(members) == 1 else style.ink_colour()
+    band = Patch(
+        color=tone, alpha=_BAND_OPACITY, linewidth=0.0, label=f"{percent[1]}–{percent[2]} %"
+    )
+    return [Line2D([], [], color=tone, label=middle), band]
 
 
 def _draw_curve_and_band(
@@ -74,6 +114,11 @@ def _draw_curve_and_band(
         low, high = values.isel(quantile=0), values.isel(quantile=-1)
         axes.fill_between(at, low, high, color=member.colour, alpha=_BAND_OPACITY, linewidth=0.0)
         values = values.isel(quantile=values.sizes["quantile"] // 2)
-    looks = {"color": member.colour, "linestyle": member.line_style, "label": member.label, **line}
-    (artist,) = axes.plot(at, np.asarray(values), **looks)
+    looks = {"color": member.colour, "linestyle": member.line_style, "label": member.label}
+    if _NUMBERED_DIMENSIONS & set(values.dims) - set(member.data[x].dims):
+        across, up = xr.broadcast(member.data[x], values)
+        looks |= {"linestyle": "", "marker": member.marker, "ms": _POINT_SIZE_POINTS}
+        (artist,) = axes.plot(np.ravel(across), np.ravel(up), **(looks | line))
+        return artist
+    (artist,) = axes.plot(at, np.asarray(values), **(looks | line))
     return artist

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, Final
 
 import numpy as np
@@ -9,7 +10,8 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
-from remanent.plots import ensemble, footer, style
+from remanent._typing import FloatArray
+from remanent.plots import ensemble, footer, keys, missing, style
 
 __all__ = ["equilibrium_legend_entries", "landscape"]
 
@@ -64,7 +66,7 @@ def landscape(
     """
     extra = [name for name in _VARIABLES_DRAWN_IF_PRESENT if name in dataset]
     along = ("thickness_stretch", "equilibrium")
-    with style.context():
+    with style.context_of(ax):
         axes = style.given_or_new_axes(ax, height=2.9)
         members = ensemble.split_into_members(
             dataset, ("potential", "thickness_stretch", *extra), along
@@ -75,13 +77,18 @@ def landscape(
             _draw_level(axes, member)
             _draw_equilibria(axes, member)
         _annotate_level(axes, members)
-        axes.set(
-            xlabel=style.axis_label(dataset["thickness_stretch"]),
-            ylabel=style.axis_label(dataset["potential"]),
+        style.label_axes(
+            axes,
+            style.axis_label(dataset["thickness_stretch"]),
+            style.axis_label(dataset["potential"]),
         )
+        missing.write_in_empty_frame(axes, members, "thickness_stretch", "potential")
         _limit_axes(axes, members)
-        entries = [*ensemble.line_legend_entries(members), *equilibrium_legend_entries(dataset)]
-        footer.add_legend_and_footer(axes, ax, dataset, entries if legend else [])
+        if legend:
+            keys.add_colour_bar(axes, members)
+        names = keys.line_legend_entries(members, "potential")
+        entries = [*names, *equilibrium_legend_entries(dataset)]
+        footer.add_legend_and_footer(axes, ax, dataset, entries, legend=legend)
     return artists
 
 
@@ -95,8 +102,8 @@ def _draw_potential(axes: Axes, member: ensemble.Member, line: dict[str, Any]) -
 def equilibrium_legend_entries(dataset: xr.Dataset) -> list[Line2D]:
     """Legend entries of the kinds of equilibria that :func:`landscape` draws."""
     words = set(np.ravel(dataset["stability"].values)) if "stability" in dataset else set()
-    looks: dict[str, Any] = {"color": style.INK_COLOUR, "linestyle": "", "marker": "o", "ms": 4.2}
-    inside = {"stable": style.INK_COLOUR, "unstable": "white"}
+    looks: dict[str, Any] = {"color": style.ink_colour(), "linestyle": "", "marker": "o", "ms": 4.2}
+    inside = {"stable": style.ink_colour(), "unstable": "none"}
     return [
         Line2D([], [], mfc=colour, label=f"{word} equilibrium", **looks)
         for word, colour in inside.items()
@@ -108,7 +115,7 @@ def _distance_between_turning_points(member: ensemble.Member) -> float:
     """How far apart the turning points are."""
     if not _has_level(member):
         return 0.0
-    return float(member.data["turning_upper"]) - float(member.data["turning_lower"])
+    return float(np.nan_to_num(member.data["turning_upper"] - member.data["turning_lower"]))
 
 
 def _has_level(member: ensemble.Member) -> bool:
@@ -128,7 +135,7 @@ def _draw_level(axes: Axes, member: ensemble.Member) -> None:
 def _annotate_level(axes: Axes, members: list[ensemble.Member]) -> None:
     """Write the symbol of the energy outside the widest well."""
     widest = max(members, key=_distance_between_turning_points)
-    if _has_level(widest):
+    if _has_level(widest) and np.isfinite(widest.data["turning_upper"]):
         axes.annotate(
             style.math_symbol(widest.data["level"]),
             (float(widest.data["turning_upper"]), float(widest.data["level"])),
@@ -144,22 +151,31 @@ def _draw_equilibria(axes: Axes, member: ensemble.Member) -> None:
     y = np.atleast_1d(member.data["equilibrium_potential"].values)
     stabilities = np.atleast_1d(member.data["stability"].values)
     for stretch, potential, stability in zip(x, y, stabilities, strict=True):
-        inside = member.colour if stability == "stable" else "white"
+        inside = member.colour if stability == "stable" else axes.get_facecolor()
         axes.plot(stretch, potential, "o", ms=4.2, mfc=inside, mec=member.colour, mew=0.9, zorder=5)
 
 
 def _limit_axes(axes: Axes, members: list[ensemble.Member]) -> None:
-    """Show the wells: up to somewhat above the energy levels, not up the walls."""
-    if not all("level" in member.data for member in members):
+    """Show the wells and every equilibrium: up to somewhat above the levels, not up the walls."""
+    axes.locator_params(axis="x", nbins=7)
+    depths = _finite_values(members, ("potential", "equilibrium_potential"))
+    levels = _finite_values(members, ("level", "equilibrium_potential"))
+    ends = _finite_values(members, ("turning_lower", "turning_upper", "equilibrium_stretch"))
+    has_level = any("level" in member.data for member in members)
+    if not (has_level and levels.size and depths.size):
         return
-    bottom = min(float(member.data["potential"].min()) for member in members)
-    top = max(float(member.data["level"]) for member in members)
     # The smallest room keeps the axis from having no height at rest.
+    bottom, top = float(depths.min()), float(levels.max())
     room = _MARGIN_ABOVE_LEVEL * max(top - bottom, _MIN_WELL_DEPTH)
     axes.set_ylim(bottom - _MARGIN_BELOW_WELL * (top - bottom + room), top + room)
-    ends = [float(m.data[n]) for m in members for n in ("turning_lower", "turning_upper")
-            if n in m.data]  # fmt: skip
-    if ends:
-        margin = _MARGIN_BESIDE_TURNING_POINTS * (max(ends) - min(ends))
-        axes.set_xlim(min(ends) - margin, max(ends) + margin)
-    axes.locator_params(axis="x", nbins=7)
+    if ends.size:
+        width = float(np.ptp(ends)) or float(ends.max())
+        margin = _MARGIN_BESIDE_TURNING_POINTS * width
+        axes.set_xlim(max(ends.min() - margin, 0.0), ends.max() + margin)
+
+
+def _finite_values(members: list[ensemble.Member], names: Sequence[str]) -> FloatArray:
+    """All finite values of some variables."""
+    values = [np.ravel(m.data[n].values) for m in members for n in names if n in m.data]
+    together = np.concatenate([np.empty(0), *values]).astype(np.float64)
+    return np.asarray(together[np.isfinite(together)])

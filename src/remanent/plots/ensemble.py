@@ -3,21 +3,49 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any, Final
 
 import numpy as np
 import xarray as xr
-from matplotlib.lines import Line2D
+from matplotlib.colors import Colormap, Normalize
 
 from remanent._errors import InputError
-from remanent.plots import style
+from remanent.plots import colours, style
+from remanent.plots.labels import field_label
 
-__all__ = ["Member", "line_legend_entries", "point_legend_entries", "split_into_members"]
+__all__ = ["ColourScale", "Member", "split_by_colour", "split_into_members"]
 
-#: Share of the colour map that many members use: its end is too light for lines on white.
-_MEMBER_COLOUR_MAP_END: Final = 0.85
+#: Variables that say what became of a member; they are kept beside what is drawn.
+_EVIDENCE_VARIABLES: Final = ("status", "reason")
+#: Most dimensions that a message names.
+_MAX_NAMED_DIMENSIONS: Final = 2
+#: Coordinates whose values are names of fields.
+_FIELD_NAME_COORDINATES: Final = frozenset({"field", "parameter", "other_parameter"})
+#: Fewest numbers that are an ordered set, with a colour map; two are told apart like words.
+_MIN_ORDERED_COUNT: Final = 3
+#: Most members that differ in words: every pair of a colour and a line style once.
+_MAX_WORD_COUNT: Final = len(style.OKABE_ITO_COLOURS) * len(style.LINE_STYLES)
+
+
+@dataclass(frozen=True)
+class ColourScale:
+    """What a colour bar of an ensemble needs.
+
+    Attributes
+    ----------
+    name : str
+        Its label.
+    normalisation : matplotlib.colors.Normalize
+        Numbers to the unit interval.
+    colour_map : matplotlib.colors.Colormap
+        The unit interval to colours.
+    """
+
+    name: str
+    normalisation: Normalize
+    colour_map: Colormap
 
 
 @dataclass(frozen=True)
@@ -32,6 +60,12 @@ class Member:
         How it is drawn, as Matplotlib understands it.
     colour_label, style_label : str
         What its colour and its line style mean; empty where they mean nothing.
+    number : float or None
+        The number that its colour stands for; None where it stands for a word or nothing.
+    scale : ColourScale or None
+        The scale of these numbers.
+    word_number : int or None
+        Its place among words that differ in colour; None where colour is no word.
     """
 
     data: xr.Dataset
@@ -40,6 +74,9 @@ class Member:
     marker: str
     colour_label: str
     style_label: str
+    number: float | None = None
+    scale: ColourScale | None = None
+    word_number: int | None = None
 
     @property
     def label(self) -> str:
@@ -52,9 +89,11 @@ def split_into_members(
 ) -> list[Member]:
     """Split an ensemble into lines.
 
-    Temperature is told by colour on its own map, wherever it is a coordinate.  Without
-    it, the first dimension takes the colours of Okabe and Ito.  The other dimension, if
-    there is one, takes line styles and markers.
+    Temperature is told by colour on its own map, wherever it varies.  Without it, the first
+    dimension takes colours: a sequential map for three numbers or more, those of Okabe and
+    Ito, with a line style and a marker each, for words and for two numbers.  The other
+    dimension, if there is one, takes line styles and markers; where it has more entries than
+    there are styles, the two are exchanged.
 
     Parameters
     ----------
@@ -73,9 +112,19 @@ def split_into_members(
     Raises
     ------
     InputError
-        A variable is missing, or more than two dimensions are left over.
+        A variable is missing, more than two dimensions are left over, or there are more lines
+        than can be told apart.
     """
     subset = _select_variables(dataset, tuple(names))
+    along = tuple(along)
+    if not set(along) & set(subset.dims):
+        raise InputError(
+            "dataset",
+            must=f"have a dimension to draw along, {' or '.join(along[:_MAX_NAMED_DIMENSIONS])}",
+            got=", ".join(map(str, subset.dims)) or "single values",
+            why="A line is made of more than one point.",
+            fix="Leave that dimension whole, or select a slice of it.",
+        )
     free = [dim for dim in subset.dims if dim not in set(along)]
     if len(free) > 2:
         raise InputError(
@@ -85,64 +134,79 @@ def split_into_members(
             why="Lines differ by colour and by line style, which are two.",
             fix=f"Select values first, for example dataset.isel({free[0]}=0).",
         )
-    colour_dim = _colour_dimension(subset, free)
-    style_dim = next((dim for dim in free if dim != colour_dim), None)
-    colours = _member_colours(subset, colour_dim)
+    colour_dim, style_dim = _dimensions_of_colour_and_style(subset, free)
+    looks = _colour_looks(subset, colour_dim)
     drawn = []
     for numbers in product(*(range(subset.sizes[dim]) for dim in free)):
         indices: dict[Hashable, int] = dict(zip(free, numbers, strict=True))
-        second = indices[style_dim] if style_dim is not None else 0
+        first = indices[colour_dim] if colour_dim is not None else 0
+        look = looks[first]
+        second = indices[style_dim] if style_dim is not None else look.word_number or 0
+        # Of words, the first is an open circle and the second a full one.
+        shape = second if style_dim is not None else max(second - 1, 0)
         drawn.append(
             Member(
                 data=subset.isel(indices),
-                colour=colours[indices[colour_dim] if colour_dim is not None else 0],
+                colour=look.colour,
                 line_style=style.LINE_STYLES[second % len(style.LINE_STYLES)],
-                marker=style.MARKERS[second % len(style.MARKERS)],
-                colour_label=_coordinate_label(subset, colour_dim, indices)
-                if colour_dim in free
-                else "",
+                marker=style.MARKERS[shape % len(style.MARKERS)],
+                colour_label=_coordinate_label(subset, colour_dim, indices),
                 style_label=_coordinate_label(subset, style_dim, indices),
+                number=look.number,
+                scale=look.scale,
+                word_number=look.word_number,
             )
         )
     return sorted(drawn, key=_member_temperature)
 
 
-def line_legend_entries(drawn: Sequence[Member]) -> list[Line2D]:
-    """Legend entries of lines: one per colour and, where they differ too, one per line style.
+def split_by_colour(
+    dataset: xr.Dataset, names: Iterable[str], along: Iterable[str]
+) -> list[Member]:
+    """Split an ensemble into lines that differ in colour alone, as their style says something.
 
     Parameters
     ----------
-    drawn : sequence of Member
-        In the order they were drawn.
+    dataset, names, along : xarray.Dataset, iterable of str, iterable of str
+        As for :func:`split_into_members`.
 
     Returns
     -------
-    list of matplotlib.lines.Line2D
-        Empty for a single member without a name.
+    list of Member
+        With solid lines.  Along one dimension colours are those of :func:`split_into_members`;
+        of two, each pair has a colour of its own, as a word.
+
+    Raises
+    ------
+    InputError
+        As there, or there are more pairs than colours.
     """
+    members = [replace(m, line_style="-") for m in split_into_members(dataset, names, along)]
+    if len({member.style_label for member in members}) < 2:
+        return members
+    if len(members) > len(style.OKABE_ITO_COLOURS):
+        raise InputError(
+            "dataset",
+            must=f"have at most {len(style.OKABE_ITO_COLOURS)} pairs of values",
+            got=len(members),
+            why="The line style says stability, so that colours alone tell lines apart.",
+            fix="Select values first, and draw several figures or axes.",
+        )
     return [
-        Line2D([], [], color=colour, label=name,
-               linestyle=member.line_style if colour == style.INK_COLOUR else "-")
-        for colour, member, name in _distinct_colours_and_styles(drawn)
+        replace(member, colour=tone, colour_label=member.label, style_label="", number=None,
+                scale=None, word_number=None)
+        for member, tone in zip(members, colours.category_colours(len(members)), strict=True)
     ]  # fmt: skip
 
 
-def point_legend_entries(drawn: Sequence[Member]) -> list[Line2D]:
-    """Legend entries of points: one per colour and, where they differ too, one per marker."""
-    return [
-        Line2D([], [], color=colour, linestyle="", ms=3.5, label=name,
-               marker=member.marker if colour == style.INK_COLOUR else "o")
-        for colour, member, name in _distinct_colours_and_styles(drawn)
-    ]  # fmt: skip
+@dataclass(frozen=True)
+class _ColourLook:
+    """One colour of an ensemble, and what it stands for; see :class:`Member`."""
 
-
-def _distinct_colours_and_styles(drawn: Sequence[Member]) -> list[tuple[Any, Member, str]]:
-    """Colour, member and name of each colour, then of each style where there are several."""
-    colours = {member.colour_label: member for member in drawn if member.colour_label}
-    styles = {member.style_label: member for member in drawn if member.style_label}
-    return [(member.colour, member, name) for name, member in colours.items()] + [
-        (style.INK_COLOUR, member, name) for name, member in styles.items() if len(styles) > 1
-    ]
+    colour: Any
+    number: float | None = None
+    scale: ColourScale | None = None
+    word_number: int | None = None
 
 
 def _select_variables(dataset: xr.Dataset, names: tuple[str, ...]) -> xr.Dataset:
@@ -155,25 +219,83 @@ def _select_variables(dataset: xr.Dataset, names: tuple[str, ...]) -> xr.Dataset
             why="They are what this plot draws.",
             fix="Pass the result of a verb that returns them.",
         )
-    return dataset[[name for name in names if name not in dataset.dims]]
+    subset = dataset[[name for name in names if name not in dataset.dims]]
+    evidence = [
+        name
+        for name in _EVIDENCE_VARIABLES
+        if name in dataset and name not in names and set(dataset[name].dims) <= set(subset.dims)
+    ]
+    return subset.assign({name: dataset[name] for name in evidence})
 
 
-def _colour_dimension(dataset: xr.Dataset, free: list[Hashable]) -> Hashable | None:
-    if "temperature" in dataset.coords and dataset["temperature"].ndim == 1:
-        return dataset["temperature"].dims[0]
-    return free[0] if free else None
+def _dimensions_of_colour_and_style(
+    dataset: xr.Dataset, free: Sequence[Hashable]
+) -> tuple[Hashable | None, Hashable | None]:
+    """Which dimension is told by colour and which by line style."""
+    temperature = dataset.coords.get("temperature")
+    of_temperature = temperature.dims[0] if temperature is not None and temperature.ndim else None
+    colour_dim = of_temperature if of_temperature in free else next(iter(free), None)
+    style_dim = next((dim for dim in free if dim != colour_dim), None)
+    most = len(style.LINE_STYLES)
+    if style_dim is not None and dataset.sizes[style_dim] > most:
+        colour_dim, style_dim = style_dim, colour_dim
+    if style_dim is not None and dataset.sizes[style_dim] > most:
+        raise InputError(
+            "dataset",
+            must=f"have at most {most} values along one of the two dimensions",
+            got=", ".join(f"{dim}: {dataset.sizes[dim]}" for dim in free),
+            why="There are so many line styles, and two lines must not look the same.",
+            fix=f"Select values first, for example dataset.isel({style_dim}=slice({most})).",
+        )
+    return colour_dim, style_dim
 
 
-def _member_colours(dataset: xr.Dataset, dim: Hashable | None) -> list[Any]:
-    if "temperature" in dataset.coords and dataset["temperature"].ndim <= 1:
-        return list(style.temperature_colours(np.atleast_1d(dataset["temperature"].values)))
-    count = dataset.sizes[dim] if dim is not None else 1
-    wheel = list(style.OKABE_ITO_COLOURS.values())
-    if count <= len(wheel):
-        return wheel[:count]
-    from matplotlib import colormaps
+def _colour_looks(dataset: xr.Dataset, dim: Hashable | None) -> list[_ColourLook]:
+    """The colours along one dimension."""
+    temperature = dataset.coords.get("temperature")
+    if dim is None:
+        if temperature is not None and temperature.ndim == 0:
+            return [_ColourLook(colours.temperature_colours([float(temperature)])[0])]
+        return [_ColourLook(colours.category_colours(1)[0])]
+    if temperature is not None and temperature.dims == (dim,):
+        kelvins = temperature.values.astype(float).tolist()
+        normalisation, map_ = colours.temperature_scale(kelvins), colours.temperature_colour_map()
+        scale = ColourScale(style.axis_label(temperature), normalisation, map_)
+        return _number_looks(kelvins, colours.temperature_colours(kelvins), scale)
+    count, coordinate = dataset.sizes[dim], _number_coordinate(dataset, dim)
+    if coordinate is not None and count >= _MIN_ORDERED_COUNT:
+        values = coordinate.values.astype(float).tolist()
+        scale = ColourScale(
+            style.axis_label(coordinate), colours.number_scale(values), colours.number_colour_map()
+        )
+        return _number_looks(values, colours.number_colours(values), scale)
+    if count > _MAX_WORD_COUNT:
+        raise InputError(
+            "dataset",
+            must=f"have at most {_MAX_WORD_COUNT} entries along {dim}",
+            got=count,
+            why="No more lines can be told apart by colour and line style.",
+            fix=f"Select entries first, for example dataset.isel({dim}=slice(6)).",
+        )
+    return [
+        _ColourLook(tone, word_number=k) for k, tone in enumerate(colours.category_colours(count))
+    ]
 
-    return [colormaps["cividis"](x) for x in np.linspace(0.0, _MEMBER_COLOUR_MAP_END, count)]
+
+def _number_looks(
+    values: Sequence[float], tones: Sequence[Any], scale: ColourScale
+) -> list[_ColourLook]:
+    return [_ColourLook(tone, x, scale) for tone, x in zip(tones, values, strict=True)]
+
+
+def _number_coordinate(dataset: xr.Dataset, dim: Hashable) -> xr.DataArray | None:
+    """The numbers along a dimension where it has just one set of them, and no words."""
+    coords = [array for array in dataset.coords.values() if array.dims == (dim,)]
+    numbers = [array for array in coords if array.dtype.kind in "fiu"]
+    if len(coords) != 1 or not numbers:
+        return None
+    values = numbers[0].values
+    return numbers[0] if np.unique(values).size == values.size else None
 
 
 def _coordinate_label(
@@ -185,8 +307,12 @@ def _coordinate_label(
     coords = [array for array in dataset.coords.values() if array.dims == (dim,)]
     if not coords:
         return f"{dim} {indices[dim]}"
+    values = ((array, np.asarray(array.values[indices[dim]]).item()) for array in coords)
     return ", ".join(
-        style.value_label(array, np.asarray(array.values[indices[dim]]).item()) for array in coords
+        field_label(value)
+        if array.name in _FIELD_NAME_COORDINATES
+        else style.value_label(array, value)
+        for array, value in values
     )
 
 

@@ -60,7 +60,7 @@ def fit(
     data = dataset.isel(observation=np.flatnonzero(dataset["quantity"].values == name))
     level = data["predicted"] if residuals else 0.0 * data["predicted"]
     row = describe(name)
-    with style.context():
+    with style.context_of(ax):
         axes = style.given_or_new_axes(ax)
         looks = {"marker": "o", "ms": 2.6, "mfc": "none", "mew": 0.7, "linestyle": ""}
         points = axes.plot(
@@ -74,6 +74,18 @@ def fit(
             label="fitted",
         )
         words = f"residual of ${row.symbol}$" if residuals else f"{row.long_name}, ${row.symbol}$"
-        axes.set(xlabel=style.axis_label(data[x]), ylabel=words)
-        footer.add_legend_and_footer(axes, ax, dataset, [*points, *curve] if legend else [])
+        style.label_axes(axes, style.axis_label(data[x]), words)
+        entries = [*points, *curve, *_lost_entries(data)]
+        footer.add_legend_and_footer(axes, ax, dataset, entries, legend=legend)
     return [*points, *curve]
+
+
+def _lost_entries(data: xr.Dataset) -> list[Line2D]:
+    """Legend entries, in words, of points and of parts of the curve that are not there."""
+    words = {"observed": "not measured", "predicted": "without a prediction"}
+    lost = {name: int((~np.isfinite(data[name].values)).sum()) for name in words}
+    return [
+        Line2D([], [], linestyle="", marker="", label=f"{count} of {data.sizes['observation']} "
+               f"{words[name]}")
+        for name, count in lost.items() if count
+    ]  # fmt: skip

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any, Final
 
@@ -13,9 +13,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from remanent._errors import InputError
+from remanent.plots import missing
+from remanent.plots.legends import row_count
 from remanent.plots.style import FAINT_COLOUR, add_legend_above, format_number, value_label
 from remanent.results import provenance
 from remanent.results.schema import describe
+from remanent.results.si import to_si
+
+#: Says a value by its name.
+_Say = Callable[[str, object], str]
 
 __all__ = ["add_footer", "add_legend_and_footer", "footer_text"]
 
@@ -31,14 +37,29 @@ _FIELD_VALUES_LEFT_OUT: Final[Mapping[str, object]] = MappingProxyType(
         "section_phase": 0.0,
     }
 )
+#: Symbol, factor and unit of the quantities that an actuator in SI was built with.
+_SCALE_SYMBOLS: Final[Mapping[str, tuple[str, float, str]]] = MappingProxyType(
+    {
+        "shear_modulus": (r"\mu", 1e-3, "kPa"),
+        "density": (r"\rho", 1.0, "kg m$^{-3}$"),
+        "half_length": ("L", 1e3, "mm"),
+        "remanence": ("B_r", 1e3, "mT"),
+    }
+)
 #: Fields that may be two numbers, each with a name of its own.
 _TWO_NUMBER_FIELDS: Final = frozenset({"prestress", "edges"})
 #: Parts of which a figure says nothing: the units, which the axes show.
 _OMITTED_PARTS: Final = frozenset({"scales"})
+#: Settings of which a figure says nothing: its axes or its legend show them.
+_OMITTED_SETTINGS: Final = frozenset({"measure", "parameter", "direction"})
 #: The kind of a magnet, which is named only where it has something to say.
 _CLASS_OMITTED_WITHOUT_FIELDS: Final = "Magnet"
 #: What parts the pieces of the footer.
 _PIECE_SEPARATOR: Final = "   "
+#: Rows of a legend for which a figure has room.
+_USUAL_LEGEND_ROW_COUNT: Final = 2
+#: Height of a row of a legend.
+_LEGEND_ROW_HEIGHT_INCHES: Final = 0.17
 #: Size of its letters, in points.
 _FONT_SIZE_POINTS: Final = 6.0
 #: Width of a letter over its size, on average.
@@ -53,6 +74,7 @@ def add_legend_and_footer(
     dataset: xr.Dataset,
     entries: Sequence[Artist] = (),
     *,
+    legend: bool = True,
     hide: Iterable[str] = (),
 ) -> None:
     """Add the legend and, to a figure of our own, the footer: the end of every plot.
@@ -64,15 +86,23 @@ def add_legend_and_footer(
     given : matplotlib.axes.Axes or None
         What the user asked to draw in; None where the figure is ours.
     dataset : xarray.Dataset
-        The result that was drawn.
+        The result that was drawn; a search that stopped early is named with its reason.
     entries : sequence of matplotlib.artist.Artist
-        What the legend names; fewer than two need none.
+        What the legend names; a line alone needs no name.
+    legend : bool
+        Whether there is a legend.
     hide : iterable of str
         Fields that the footer leaves out, see :func:`add_footer`.
     """
-    add_legend_above(axes, entries)
+    if legend:
+        add_legend_above(axes, [*entries, *missing.incomplete_entries(dataset)])
     if given is None:
-        add_footer(axes.get_figure(root=True), dataset, hide=hide)  # type: ignore[arg-type]
+        figure = axes.get_figure(root=True)
+        assert isinstance(figure, Figure)
+        # A long legend makes the figure higher instead of the axes smaller.
+        more = max(row_count(axes) - _USUAL_LEGEND_ROW_COUNT, 0) * _LEGEND_ROW_HEIGHT_INCHES
+        figure.set_figheight(figure.get_figheight() + more)
+        add_footer(figure, dataset, hide=hide)
 
 
 def add_footer(figure: Figure, dataset: xr.Dataset, *, hide: Iterable[str] = ()) -> None:
@@ -115,15 +145,25 @@ def footer_text(dataset: xr.Dataset, *, hide: Iterable[str] = ()) -> str:
         Pieces parted by three blanks; empty without provenance.
     """
     attrs = dataset.attrs
+    say = _value_texts(dataset)
     given = [*map(str, dataset.coords), *str(attrs.get("over", "")).split()]
     shown = {name.split(".")[-1] for name in [*given, *hide]}
     single = [array for array in dataset.coords.values() if array.ndim == 0]
-    settings = [name for name in str(attrs.get("settings", "")).split() if name in attrs]
+    settings = [
+        name
+        for name in str(attrs.get("settings", "")).split()
+        if name in attrs and name not in _OMITTED_SETTINGS
+    ]
     pieces = [
         *(value_label(array, array.item()) for array in single),
-        *_model_texts(dataset, provenance.SYSTEM_ATTRIBUTE, shown),
-        *([] if "drive" in shown else _model_texts(dataset, provenance.DRIVE_ATTRIBUTE, shown)),
-        *(_value_text(key, attrs[key]) for key in settings if not _is_left_out(key, attrs[key])),
+        *_scale_texts(dataset),
+        *_model_texts(dataset, provenance.SYSTEM_ATTRIBUTE, shown, say),
+        *(
+            []
+            if "drive" in shown
+            else _model_texts(dataset, provenance.DRIVE_ATTRIBUTE, shown, say)
+        ),
+        *(say(key, attrs[key]) for key in settings if not _is_left_out(key, attrs[key])),
     ]
     if "tolerance" in attrs and "tolerance" not in dataset.dims:
         pieces.append(f"tolerance ${format_number(attrs['tolerance'])}$")
@@ -131,48 +171,84 @@ def footer_text(dataset: xr.Dataset, *, hide: Iterable[str] = ()) -> str:
     return _PIECE_SEPARATOR.join([*pieces, version[0] if version else ""]).strip()
 
 
-def _model_texts(dataset: xr.Dataset, name: str, shown: set[str]) -> list[str]:
+def _value_texts(dataset: xr.Dataset) -> _Say:
+    """How values are said: in SI where the Dataset is, else dimensionless."""
+    scales = dataset.attrs.get("scales_applied")
+    if scales is None:
+        return _value_text
+
+    def say(name: str, value: object) -> str:
+        if not isinstance(value, (int, float)):
+            return _value_text(name, value)
+        try:
+            row = describe(name)
+        except InputError:  # a field of the user's own
+            return _value_text(name, value)
+        single = xr.Dataset({name: ((), float(value), row.attributes())}, attrs={"scales": scales})
+        return value_label(to_si(single)[name], float(to_si(single)[name]))
+
+    return say
+
+
+def _scale_texts(dataset: xr.Dataset) -> list[str]:
+    """What turned a Dataset to SI: the quantities that the actuator was built with."""
+    if "scales_applied" not in dataset.attrs:
+        return []
+    system = provenance.read_plain_model(dataset, provenance.SYSTEM_ATTRIBUTE) or {}
+    scales = system.get("scales")
+    if not isinstance(scales, dict):
+        return []
+    return [
+        f"${symbol} = {format_number(scales[name] * factor)}$ {unit}"
+        for name, (symbol, factor, unit) in _SCALE_SYMBOLS.items()
+        if _is_number(scales.get(name))
+    ]
+
+
+def _model_texts(dataset: xr.Dataset, name: str, shown: set[str], say: _Say) -> list[str]:
     """Say a system or a drive in symbols: the number fields by symbol, the parts by name."""
     table = provenance.read_plain_model(dataset, name)
     if table is None:
         source = str(dataset.attrs.get(f"{name}_text", ""))
         return [_shorten_description(source)] if source else []
-    fields = [*_field_texts(table, shown)]
+    fields = [*_field_texts(table, shown, say)]
     if name == provenance.SYSTEM_ATTRIBUTE:
         return fields
     return [f"{_class_name(table)}: {', '.join(fields)}" if fields else _class_name(table)]
 
 
-def _field_texts(table: Mapping[str, Any], shown: set[str], owner: str = "") -> Iterator[str]:
+def _field_texts(
+    table: Mapping[str, Any], shown: set[str], say: _Say, owner: str = ""
+) -> Iterator[str]:
     """The fields of a table of plain data, those of parts within it in brackets."""
     for name, content in table.items():
         if isinstance(content, dict) and "kind" in content and name not in _OMITTED_PARTS:
-            yield from _part_texts(content, shown, name)
+            yield from _part_texts(content, shown, say, name)
         elif isinstance(content, list):
-            yield from _list_texts(name, content, shown)
+            yield from _list_texts(name, content, shown, say)
         elif _is_number(content) and name not in shown and not _is_left_out(name, content):
-            yield _value_text(f"{owner}.{name}" if owner else name, content)
+            yield say(f"{owner}.{name}" if owner else name, content)
 
 
 def _is_number(content: object) -> bool:
     return isinstance(content, int | float) and not isinstance(content, bool)
 
 
-def _list_texts(name: str, entries: list[Any], shown: set[str]) -> Iterator[str]:
+def _list_texts(name: str, entries: list[Any], shown: set[str], say: _Say) -> Iterator[str]:
     """The parts of a list, and the numbers of a pair."""
     for k, entry in enumerate(entries):
         if isinstance(entry, dict):
-            yield from _part_texts(entry, shown, f"{name}.{k}")
+            yield from _part_texts(entry, shown, say, f"{name}.{k}")
         elif name in _TWO_NUMBER_FIELDS and f"{name}_{k + 1}" not in shown:
-            yield _value_text(f"{name}_{k + 1}", entry)
+            yield say(f"{name}_{k + 1}", entry)
 
 
 def _is_left_out(name: str, value: object) -> bool:
     return name in _FIELD_VALUES_LEFT_OUT and bool(value == _FIELD_VALUES_LEFT_OUT[name])
 
 
-def _part_texts(table: Mapping[str, Any], shown: set[str], owner: str) -> Iterator[str]:
-    kind, fields = _class_name(table), list(_field_texts(table, shown, owner))
+def _part_texts(table: Mapping[str, Any], shown: set[str], say: _Say, owner: str) -> Iterator[str]:
+    kind, fields = _class_name(table), list(_field_texts(table, shown, say, owner))
     if fields or kind != _CLASS_OMITTED_WITHOUT_FIELDS:
         yield f"{kind} ({', '.join(fields)})" if fields else kind
 

@@ -11,18 +11,25 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PathCollection
 from matplotlib.lines import Line2D
 
-from remanent.plots import ensemble, footer, style
+from remanent.plots import ensemble, footer, keys, missing, style
 
 __all__ = ["history", "phase", "section"]
 
 #: Lines with more points than this are drawn as pixels: as vectors they only make files heavy.
 _MAX_POINTS_OF_VECTOR_LINE: Final = 20_000
-#: Area of all points of a cloud together, in square points: few points are drawn large.
-_TOTAL_POINT_AREA: Final = 900.0
-#: Smallest area of a point, in square points, at which it can still be seen.
-_MIN_POINT_AREA: Final = 0.6
-#: Largest area of a point, in square points, that still shows structure.
+#: Clouds with more points than this are drawn as pixels.
+_MAX_POINTS_OF_VECTOR_CLOUD: Final = 5_000
+#: Squares of the diameters of all points of a cloud together, over the area of the axes: few
+#: points are drawn large.
+_CLOUD_AREA_SHARE: Final = 0.05
+#: Square of the smallest diameter, in points, at which a point can still be seen.
+_MIN_POINT_AREA: Final = 1.0
+#: Square of the largest diameter, in points, that still shows structure.
 _MAX_POINT_AREA: Final = 6.0
+#: How much larger an open point is than a full one that may lie on it.
+_OPEN_POINT_AREA_RATIO: Final = 4.0
+#: Width of the line around an open point, in points.
+_OPEN_POINT_LINE_WIDTH: Final = 0.6
 #: Dimensions along which a motion runs.
 _TIME_DIMENSIONS: Final = ("time", "cycle")
 
@@ -59,14 +66,20 @@ def history(
     list of matplotlib.lines.Line2D
         One per member, in order of temperature.
     """
-    with style.context():
+    with style.context_of(ax):
         axes = style.given_or_new_axes(ax, width=style.DOUBLE_COLUMN_WIDTH_INCHES, height=2.2)
         members, artists = _draw_members(
             axes, dataset, "time", variable, _TIME_DIMENSIONS, _draw_line, line
         )
         axes.margins(x=0.0)
-        footer.add_legend_and_footer(
-            axes, ax, dataset, ensemble.line_legend_entries(members) if legend else []
+        ends = missing.mark_ends(axes, members, "time", variable)
+        _add_keys(
+            axes,
+            ax,
+            dataset,
+            members,
+            [*keys.line_legend_entries(members, variable), *ends],
+            legend,
         )
     return artists
 
@@ -103,16 +116,18 @@ def phase(
     list of matplotlib.lines.Line2D
         One per member, in order of temperature.
     """
-    with style.context():
+    with style.context_of(ax):
         axes = style.given_or_new_axes(ax, height=3.1)
         members, artists = _draw_members(axes, dataset, x, y, _TIME_DIMENSIONS, _draw_line, line)
         if start:
             # In the order of the members: that of a set of NaN would change from run to run.
             starts = dict.fromkeys((float(m.data[x][0]), float(m.data[y][0])) for m in members)
             for point in starts:
-                axes.plot(*point, "o", ms=3.2, mfc="white", mec=style.INK_COLOUR, mew=0.7, zorder=5)
-        footer.add_legend_and_footer(
-            axes, ax, dataset, ensemble.line_legend_entries(members) if legend else []
+                axes.plot(*point, "o", ms=3.2, mfc=axes.get_facecolor(), mec=style.ink_colour(),
+                          mew=0.7, zorder=5)  # fmt: skip
+        ends = missing.mark_ends(axes, members, x, y)
+        _add_keys(
+            axes, ax, dataset, members, [*keys.line_legend_entries(members, x, y), *ends], legend
         )
     return artists
 
@@ -126,7 +141,7 @@ def section(
     legend: bool = True,
     **points: Any,
 ) -> list[PathCollection]:
-    """Draw a stroboscopic (Poincaré) section, its clouds of points as pixels.
+    """Draw a stroboscopic (Poincaré) section.
 
     Parameters
     ----------
@@ -146,14 +161,31 @@ def section(
     list of matplotlib.collections.PathCollection
         One per member, in order of temperature.
     """
-    with style.context():
+    with style.context_of(ax):
         axes = style.given_or_new_axes(ax, height=3.1)
         along = {"period", x} & set(map(str, dataset.dims))
         members, artists = _draw_members(axes, dataset, x, y, along, _draw_points, points)
-        footer.add_legend_and_footer(
-            axes, ax, dataset, ensemble.point_legend_entries(members) if legend else []
-        )
+        if x in along:
+            lost = missing.mark_gaps(axes, members, x, y)
+        else:
+            lost = missing.cut_cloud_entries(members, x, y)
+        entries = [*keys.point_legend_entries(members, x, y), *lost]
+        _add_keys(axes, ax, dataset, members, entries, legend)
     return artists
+
+
+def _add_keys(
+    axes: Axes,
+    given: Axes | None,
+    dataset: xr.Dataset,
+    members: list[ensemble.Member],
+    entries: list[Line2D],
+    legend: bool,
+) -> None:
+    """Add colour bar, legend and footer."""
+    if legend:
+        keys.add_colour_bar(axes, members)
+    footer.add_legend_and_footer(axes, given, dataset, entries, legend=legend)
 
 
 def _draw_members(
@@ -168,7 +200,8 @@ def _draw_members(
     """Draw `y` against `x` for every member, and label the axes: what all three plots share."""
     members = ensemble.split_into_members(dataset, (y, x), along)
     artists = [draw(axes, member, x, y, looks) for member in members]
-    axes.set(xlabel=style.axis_label(dataset[x]), ylabel=style.axis_label(dataset[y]))
+    style.label_axes(axes, style.axis_label(dataset[x]), style.axis_label(dataset[y]))
+    missing.write_in_empty_frame(axes, members, x, y)
     return members, artists
 
 
@@ -184,14 +217,26 @@ def _draw_points(
     axes: Axes, member: ensemble.Member, x: str, y: str, points: dict[str, Any]
 ) -> PathCollection:
     across, up = xr.broadcast(member.data[x], member.data[y])
-    area = float(np.clip(_TOTAL_POINT_AREA / max(up.size, 1), _MIN_POINT_AREA, _MAX_POINT_AREA))
+    room = _CLOUD_AREA_SHARE * _axes_area(axes) / max(up.size, 1)
+    area = float(np.clip(room, _MIN_POINT_AREA, _MAX_POINT_AREA))
+    # Of words, the first is drawn open and larger, so that it shows where others lie on it.
+    is_open = member.word_number == 0 and bool(member.label)
     looks: dict[str, Any] = {
-        "s": area,
+        "s": _OPEN_POINT_AREA_RATIO * area if is_open else area,
         "color": member.colour,
         "marker": member.marker,
-        "linewidths": 0.0,
+        "linewidths": _OPEN_POINT_LINE_WIDTH if is_open else 0.0,
         "label": member.label,
-        "rasterized": True,
+        "rasterized": up.size > _MAX_POINTS_OF_VECTOR_CLOUD,
         **points,
     }
+    if is_open and "color" not in points and "facecolors" not in points:
+        looks |= {"facecolors": "none", "edgecolors": looks.pop("color")}
     return axes.scatter(across.values, up.values, **looks)
+
+
+def _axes_area(axes: Axes) -> float:
+    """Area of axes in square points, before room for labels is made."""
+    figure, place = axes.get_figure(root=True), axes.get_position()
+    assert figure is not None
+    return float(np.prod(72.0 * figure.get_size_inches()) * place.width * place.height)

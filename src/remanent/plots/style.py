@@ -1,45 +1,46 @@
-"""The house style: colours, sizes, fonts, axis labels, saving.  Nothing global is changed.
+"""The house style: sizes, fonts, figures and their files.  Nothing global is changed.
 
-Temperature is drawn on one sequential map everywhere: *plasma* from its dark end to
-three quarters.  It is perceptually uniform and its lightness only rises, so the order
-survives a grey print and every common colour vision; it runs from blue to orange, so
-cold looks cold and hot looks hot; and the cut keeps its lightest tone readable on white.
-The scale is the same in every figure (240 K to 410 K, wider where the data need it),
-so that a colour means a temperature and not a place in a legend.
-
-Everything else that is a choice among few takes the colours of Okabe and Ito (2008).
+Figures of our own carry the style to whatever call saves them: TrueType fonts, 300 dots per
+inch, and 600 for what is drawn as pixels inside a PDF or an SVG.  In axes that were given,
+the user's fonts, ground and labels stay.
 """
 
 from __future__ import annotations
 
 import os
-import re
-from collections.abc import Iterable, Mapping, Sequence
-from contextlib import AbstractContextManager
+from collections.abc import Mapping
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Final
 
 import matplotlib as mpl
-import numpy as np
-import xarray as xr
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
+from matplotlib.font_manager import FontProperties
+from matplotlib.textpath import text_to_path
 
-from remanent._errors import InputError
-from remanent.results.schema import describe
+from remanent.plots.colours import OKABE_ITO_COLOURS, temperature_colours
+from remanent.plots.labels import axis_label, format_number, math_symbol, value_label
+from remanent.plots.legends import add_legend_above
 
 __all__ = [
     "DOUBLE_COLUMN_WIDTH_INCHES",
     "OKABE_ITO_COLOURS",
     "SINGLE_COLUMN_WIDTH_INCHES",
+    "HouseFigure",
+    "add_legend_above",
     "axis_label",
     "context",
+    "context_of",
+    "format_number",
     "given_or_new_axes",
+    "ink_colour",
+    "label_axes",
     "math_symbol",
     "save_figure",
+    "set_panel_title",
+    "subplots",
     "temperature_colours",
     "value_label",
 ]
@@ -48,19 +49,6 @@ __all__ = [
 SINGLE_COLUMN_WIDTH_INCHES: Final = 3.5
 #: Width of a journal's double column, in inches (183 mm).
 DOUBLE_COLUMN_WIDTH_INCHES: Final = 7.2
-
-#: Okabe and Ito's colours, without yellow (too light for lines on white).
-OKABE_ITO_COLOURS: Final[Mapping[str, str]] = MappingProxyType(
-    {
-        "blue": "#0072B2",
-        "vermillion": "#D55E00",
-        "green": "#009E73",
-        "purple": "#CC79A7",
-        "orange": "#E69F00",
-        "sky": "#56B4E9",
-        "black": "#000000",
-    }
-)
 
 #: Line styles for a second dimension of an ensemble; solid first.
 LINE_STYLES: Final = ("-", (0, (4, 1.6)), (0, (1, 1.2)), (0, (5, 1.4, 1, 1.4)))
@@ -71,18 +59,25 @@ INK_COLOUR: Final = "#1a1a1a"
 #: Colour of what is read last: the footer, lines of reference.
 FAINT_COLOUR: Final = "#767676"
 
-#: Width of a letter in a legend, in points.
-_LEGEND_LETTER_WIDTH_POINTS: Final = 3.6
-#: Width of a sample with its space in a legend, in points.
-_LEGEND_SAMPLE_WIDTH_POINTS: Final = 24.0
-#: Matplotlib's colour map of temperature.
-_TEMPERATURE_COLOUR_MAP: Final = "plasma"
-#: Part of that map that is used, from its dark end to the lightest tone readable on white.
-_TEMPERATURE_COLOUR_MAP_RANGE: Final = (0.03, 0.76)
-#: Temperatures at its ends, K, so that a colour means a temperature in every figure.
-_TEMPERATURE_SCALE_KELVIN: Final = (240.0, 410.0)
-#: Temperatures that differ by less, K, are told apart on a scale of their own.
-_MIN_TEMPERATURE_SPREAD_KELVIN: Final = 40.0
+#: Longest label of an axis, as a share of its length before room for other things is made.
+_LABEL_SHARE: Final = 0.85
+#: Dots per inch of pictures in pixels.
+_PIXEL_RESOLUTION_DPI: Final = 300
+#: Dots per inch of what is drawn as pixels inside pictures in vectors.
+_LAYER_RESOLUTION_DPI: Final = 600
+#: Formats in which lines and letters stay vectors.
+_VECTOR_FORMATS: Final = frozenset({"pdf", "svg", "svgz", "ps", "eps"})
+#: Matplotlib's settings that count when a picture is saved: TrueType fonts, paths in SVG, and
+#: nothing random.
+_SAVING_SETTINGS: Final[Mapping[str, Any]] = MappingProxyType(
+    {
+        "savefig.bbox": None,
+        "svg.fonttype": "path",
+        "svg.hashsalt": "remanent",
+        "pdf.fonttype": 42,
+        "ps.fonttype": 42,
+    }
+)
 
 #: Matplotlib's settings of the house style.
 _MATPLOTLIB_SETTINGS: Final[Mapping[str, Any]] = MappingProxyType(
@@ -120,15 +115,26 @@ _MATPLOTLIB_SETTINGS: Final[Mapping[str, Any]] = MappingProxyType(
         "lines.solid_capstyle": "round",
         "lines.solid_joinstyle": "round",
         "figure.dpi": 150,
-        "savefig.dpi": 200,
-        "savefig.bbox": None,
+        "savefig.dpi": _PIXEL_RESOLUTION_DPI,
         "figure.facecolor": "white",
         "axes.facecolor": "white",
-        "svg.fonttype": "path",
-        "svg.hashsalt": "remanent",
-        "pdf.fonttype": 42,
+        **_SAVING_SETTINGS,
     }
 )
+
+
+class HouseFigure(Figure):
+    """A figure that carries the house style to any call that saves it."""
+
+    def savefig(self, fname: Any, **options: Any) -> None:
+        """Save with TrueType fonts and fine pixels, unless `options` say otherwise."""
+        kind = options.get("format") or Path(str(fname)).suffix.lstrip(".")
+        layers = str(kind).lower() in _VECTOR_FORMATS
+        with mpl.rc_context(dict(_SAVING_SETTINGS)):  # type: ignore[arg-type]  # checked when set
+            super().savefig(
+                fname,
+                **{"dpi": _LAYER_RESOLUTION_DPI if layers else _PIXEL_RESOLUTION_DPI, **options},
+            )
 
 
 def context() -> AbstractContextManager[None]:
@@ -144,6 +150,23 @@ def context() -> AbstractContextManager[None]:
     ('in', True)
     """
     return mpl.rc_context(dict(_MATPLOTLIB_SETTINGS))  # type: ignore[arg-type]  # keys are checked when set
+
+
+def context_of(ax: Axes | None) -> AbstractContextManager[None]:
+    """Apply the house style where a figure of our own is made; `ax` keeps the user's style.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes or None
+        The axes that the user asked to draw in, if any.
+
+    Returns
+    -------
+    context manager
+    """
+    if ax is None or isinstance(ax.get_figure(root=True), HouseFigure):
+        return context()
+    return nullcontext()
 
 
 def given_or_new_axes(
@@ -166,93 +189,85 @@ def given_or_new_axes(
         return ax
     from matplotlib import pyplot as plt
 
-    return plt.figure(figsize=(width, height), layout="constrained").add_subplot()
+    return plt.figure(
+        figsize=(width, height), layout="constrained", FigureClass=HouseFigure
+    ).add_subplot()
 
 
-def axis_label(array: xr.DataArray | xr.Variable, *, words: bool = True) -> str:
-    """Return the text of an axis: meaning, symbol and, where it has one, unit.
-
-    Parameters
-    ----------
-    array : xarray.DataArray or xarray.Variable
-        A variable with the attributes of the schema; those that arithmetic dropped are
-        looked up by its name.
-    words : bool
-        Whether the meaning is spelt out before the symbol.
-
-    Returns
-    -------
-    str
-
-    Examples
-    --------
-    >>> import xarray as xr
-    >>> attrs = {"units": "ms", "long_name": "time", "symbol": "t"}
-    >>> axis_label(xr.Variable((), 0.0, attrs))
-    'time, $t$ (ms)'
-    """
-    sign = math_symbol(array)
-    name = _schema_attribute(array, "long_name")
-    text = ", ".join(filter(None, (name, sign))) if words else sign or name
-    units = _typeset_units(array)
-    return f"{text} ({units})" if units else text
-
-
-def math_symbol(array: xr.DataArray | xr.Variable) -> str:
-    """Return the symbol between dollar signs; empty where there is none.
-
-    Examples
-    --------
-    >>> import xarray as xr
-    >>> math_symbol(xr.DataArray(0.0, name="b"))
-    '$b$'
-    """
-    text = _schema_attribute(array, "symbol")
-    return f"${text}$" if text else ""
-
-
-def value_label(array: xr.DataArray | xr.Variable, value: object) -> str:
-    """Return ``symbol = value unit``, for legends and panels.
-
-    Examples
-    --------
-    >>> import xarray as xr
-    >>> value_label(xr.Variable((), 0.0, {"units": "K", "symbol": "T", "long_name": ""}), 250.0)
-    '$T = 250$ K'
-    """
-    if isinstance(value, str):
-        return value
-    units = _typeset_units(array)
-    text = f"${_schema_attribute(array, 'symbol')} = {format_number(value)}$"
-    return f"{text} {units}" if units else text
-
-
-def format_number(value: object) -> str:
-    """Format a number for mathtext, in at most six digits and without ``e``."""
-    text = f"{float(value):.6g}"  # type: ignore[arg-type]
-    mantissa, _, exponent = text.partition("e")
-    if not exponent:
-        return mantissa
-    power = f"10^{{{int(exponent)}}}"
-    return power if mantissa == "1" else rf"{mantissa}\times {power}"
-
-
-def temperature_colours(temperatures: Iterable[float]) -> list[tuple[float, ...]]:
-    """Colour each temperature on the one map.
+def subplots(
+    rows: int = 1,
+    columns: int = 1,
+    *,
+    figsize: tuple[float, float] = (SINGLE_COLUMN_WIDTH_INCHES, 2.6),
+    **options: Any,
+) -> tuple[Figure, Any]:
+    """Make a figure in the house style with axes for several plots.
 
     Parameters
     ----------
-    temperatures : iterable of float
-        In kelvin, in any order.
+    rows, columns : int
+        How many axes lie below and beside each other.
+    figsize : (float, float)
+        Width and height in inches.
+    **options : Any
+        Passed to :func:`matplotlib.pyplot.subplots`.
 
     Returns
     -------
-    list of RGBA
-        Lightness rises with temperature.
+    figure : matplotlib.figure.Figure
+        Known to pyplot.  However it is saved, fonts are TrueType and pixels are fine.
+    axes : matplotlib.axes.Axes or array of them
+        For the argument ``ax`` of the plots.
     """
-    values, (low, high) = list(temperatures), _TEMPERATURE_COLOUR_MAP_RANGE
-    scale, colours = _temperature_normalisation(values), mpl.colormaps[_TEMPERATURE_COLOUR_MAP]
-    return [tuple(map(float, colours(low + (high - low) * float(scale(t))))) for t in values]
+    from matplotlib import pyplot as plt
+
+    with context():
+        return plt.subplots(
+            rows, columns, figsize=figsize, layout="constrained", FigureClass=HouseFigure, **options
+        )
+
+
+def ink_colour() -> str:
+    """Colour of text and of what belongs to no member, in the style that is in force."""
+    return str(mpl.rcParams["text.color"])
+
+
+def label_axes(axes: Axes, across: str, up: str) -> None:
+    """Label axes; a label that is there already stays, and none is longer than its axis.
+
+    Of panels that share a horizontal axis only the last is labelled.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        What was drawn in.
+    across, up : str
+        Labels of the horizontal and of the vertical axis.
+    """
+    place = axes.get_subplotspec()
+    is_shared = len(axes.get_shared_x_axes().get_siblings(axes)) > 1
+    is_inner = is_shared and place is not None and not place.is_last_row()
+    if not axes.get_xlabel() and not is_inner:
+        axes.set_xlabel(across)
+    if not axes.get_ylabel():
+        axes.set_ylabel(_wrapped_label(up, axes))
+
+
+def _wrapped_label(text: str, axes: Axes) -> str:
+    """A label of the vertical axis, in two lines where it would be longer than the axis."""
+    figure = axes.get_figure(root=True)
+    if figure is None:
+        return text
+    font = FontProperties(size=mpl.rcParams["axes.labelsize"])
+    length = text_to_path.get_text_width_height_descent(text, font, ismath="$" in text)[0]
+    room = 72.0 * figure.get_figheight() * axes.get_position().height
+    words = text.split(" ")
+    if length <= _LABEL_SHARE * room or len(words) < 2:
+        return text
+    # The break that leaves the longer line shortest.
+    breaks = ((" ".join(words[:k]), " ".join(words[k:])) for k in range(1, len(words)))
+    fitting = [pair for pair in breaks if pair[0].count("$") % 2 == 0]
+    return "\n".join(min(fitting, key=lambda pair: max(map(len, pair)))) if fitting else text
 
 
 def save_figure(figure: Figure, path: str | os.PathLike[str]) -> Path:
@@ -271,72 +286,15 @@ def save_figure(figure: Figure, path: str | os.PathLike[str]) -> Path:
     """
     path = Path(path)
     undated = {".svg": {"Date": None}, ".pdf": {"CreationDate": None, "ModDate": None}}
+    layers = path.suffix.lstrip(".") in _VECTOR_FORMATS
     with context():
-        figure.savefig(path, metadata=undated.get(path.suffix))
+        figure.savefig(
+            path, dpi=_LAYER_RESOLUTION_DPI if layers else _PIXEL_RESOLUTION_DPI,
+            metadata=undated.get(path.suffix),
+        )  # fmt: skip
     return path
 
 
 def set_panel_title(ax: Axes, letter: str, text: str) -> None:
     """Write ``(a)  text`` above the upper left corner of a panel."""
     ax.set_title(f"({letter})  {text}" if letter else text, loc="left")
-
-
-def add_legend_above(owner: Axes | Figure, entries: Sequence[Artist]) -> None:
-    """Put a legend above the axes or the figure, where it cannot hide data."""
-    if len(entries) < 2:
-        return
-    columns = _legend_column_count(owner, [str(entry.get_label()) for entry in entries])
-    # Matplotlib fills columns; readers read rows.
-    rows = [entry for first in range(columns) for entry in entries[first::columns]]
-    if isinstance(owner, Axes):
-        owner.legend(
-            handles=rows, ncols=columns, loc="lower left", bbox_to_anchor=(0.0, 1.0),
-            borderaxespad=0.2,
-        )  # fmt: skip
-    else:
-        owner.legend(handles=rows, ncols=columns, loc="outside upper center")
-
-
-def _legend_column_count(owner: Axes | Figure, names: Sequence[str]) -> int:
-    """How many entries fit side by side, by the length of the longest name."""
-    figure = owner if isinstance(owner, Figure) else owner.get_figure(root=True)
-    inches = figure.get_figwidth() if figure is not None else SINGLE_COLUMN_WIDTH_INCHES
-    width = 72.0 * inches * (owner.get_position().width if isinstance(owner, Axes) else 1.0)
-    letters = max(len(re.sub(r"\\[A-Za-z]+", "x", re.sub(r"[$^_{}]", "", name))) for name in names)
-    return min(
-        len(names),
-        max(1, int(width / (_LEGEND_LETTER_WIDTH_POINTS * letters + _LEGEND_SAMPLE_WIDTH_POINTS))),
-    )
-
-
-def _schema_attribute(array: xr.DataArray | xr.Variable, key: str) -> str:
-    """An attribute of a variable; where it is missing, that of the schema, or the name."""
-    if key in array.attrs:
-        return str(array.attrs[key])
-    name = getattr(array, "name", None)
-    if name is None:
-        return ""
-    try:
-        return describe(str(name)).attributes()[key]
-    except InputError:  # a variable of the user's own
-        return str(name).replace("_", " ") if key == "long_name" else ""
-
-
-def _typeset_units(array: xr.DataArray | xr.Variable) -> str:
-    """Units in mathtext; nothing where dimensionless (angles are)."""
-    units = _schema_attribute(array, "units")
-    if units in {"", "1", "rad"}:
-        return ""
-    return re.sub(r"(?<=[A-Za-z])(-?\d+)", r"$^{\1}$", units)
-
-
-def _temperature_normalisation(temperatures: Sequence[float]) -> Normalize:
-    low, high = float(np.min(temperatures)), float(np.max(temperatures))
-    inside = _TEMPERATURE_SCALE_KELVIN[0] <= low and high <= _TEMPERATURE_SCALE_KELVIN[1]
-    if inside and (high == low or high - low >= _MIN_TEMPERATURE_SPREAD_KELVIN):
-        return Normalize(*_TEMPERATURE_SCALE_KELVIN)
-    if inside:
-        return Normalize(low, high)
-    return Normalize(
-        min(low, _TEMPERATURE_SCALE_KELVIN[0]), max(high, _TEMPERATURE_SCALE_KELVIN[1])
-    )

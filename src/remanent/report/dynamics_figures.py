@@ -10,11 +10,10 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
 
 from remanent import plots
+from remanent.plots import branch_marks, footer, style
 from remanent.plots import branches as branch_plot
-from remanent.plots import footer, maps, style
 from remanent.report.figures import keep_only_outer_labels, make_panel_grid
 
 __all__ = ["draw_chaos_map", "draw_jump_at_resonance", "draw_resonance_orbits"]
@@ -23,6 +22,8 @@ __all__ = ["draw_chaos_map", "draw_jump_at_resonance", "draw_resonance_orbits"]
 _FROM_REST_COLOUR = style.OKABE_ITO_COLOURS["orange"]
 #: Colours of the motions below and above the jump.
 _JUMP_SIDE_COLOURS = (style.OKABE_ITO_COLOURS["blue"], style.OKABE_ITO_COLOURS["vermillion"])
+#: Diameters of their points: the first shows below the second where they agree.
+_JUMP_SIDE_SIZES = (3.4, 1.6)
 #: Colour of the line at the jump.
 _JUMP_COLOUR = style.OKABE_ITO_COLOURS["vermillion"]
 
@@ -58,7 +59,7 @@ def draw_resonance_orbits(branches: xr.Dataset, response: xr.Dataset, orbits: xr
         keep_only_outer_labels(grid, x=True, y=True)
         rest = Line2D([], [], color=_FROM_REST_COLOUR, linewidth=0.8, label="from rest")
         style.add_legend_above(
-            figure, [*branch_plot.stability_legend_entries(branches), rest, _orbit_legend_entry()]
+            figure, [*_branch_legend_entries(branches), rest, _orbit_legend_entry()]
         )
         footer.add_footer(figure, branches, hide=("omega",))
     return figure
@@ -94,14 +95,14 @@ def draw_jump_at_resonance(
         left.plot(response["omega"], response["amplitude"], color=_FROM_REST_COLOUR, linewidth=0.9)
         left.axvline(float(crossing["omega"]), color=_JUMP_COLOUR, linewidth=0.8, linestyle=":")
         left.set(xlim=(low, high), ylim=(0.0, 1.1 * float(response["amplitude"].max())))
-        for k, colour in enumerate(_JUMP_SIDE_COLOURS):
+        for k, (colour, size) in enumerate(zip(_JUMP_SIDE_COLOURS, _JUMP_SIDE_SIZES, strict=True)):
             motion = sections.isel(omega=k)
             x, y = motion["stretch"].values, motion["stretch_rate"].values
             right.plot(x, y, color=colour, linewidth=0.4, alpha=0.6)
-            right.plot(x, y, "o", ms=2.0, mew=0.0, color=colour)
+            right.plot(x, y, "o", ms=size, mew=0.0, color=colour)
         saddle = float(crossing["stretch"]), float(crossing["stretch_rate"])
         right.plot(*saddle, "X", ms=6, color=style.INK_COLOUR, mec="white", mew=0.6, zorder=5)
-        right.plot(1.0, 0.0, "o", ms=4, mfc="white", mec=style.INK_COLOUR, mew=0.8, zorder=5)
+        right.plot(1.0, 0.0, "P", ms=5, mfc="white", mec=style.INK_COLOUR, mew=0.8, zorder=5)
         right.set(xlabel=style.axis_label(sections["stretch"]),
                   ylabel=style.axis_label(sections["stretch_rate"]))  # fmt: skip
         style.set_panel_title(left, "a", "response from rest and branches")
@@ -109,7 +110,7 @@ def draw_jump_at_resonance(
         style.add_legend_above(
             figure,
             [
-                *branch_plot.stability_legend_entries(branches),
+                *_branch_legend_entries(branches),
                 *_jump_side_legend_entries(sections["omega"], crossing),
             ],
         )
@@ -135,7 +136,7 @@ def draw_chaos_map(chart: xr.Dataset, cases: xr.Dataset) -> Figure:
         figure, grid = make_panel_grid(1, 1, (5.4, 3.6))
         axes = grid[0, 0]
         plots.map(chart, ax=axes)
-        entries: list[Artist] = [Patch(color=maps.UNDECIDED_COLOUR, label="undecided")]
+        entries: list[Artist] = []
         temperatures = cases["temperature"].values
         for colour, t in zip(style.temperature_colours(temperatures), temperatures, strict=True):
             case = cases.sel(temperature=t)
@@ -168,6 +169,14 @@ def _draw_resonance(
     axes.set_xlim(float(branches["omega"].min()), float(branches["omega"].max()))
 
 
+def _branch_legend_entries(branches: xr.Dataset) -> list[Line2D]:
+    return [
+        *branch_plot.stability_legend_entries(branches),
+        *branch_marks.special_point_legend_entries(branches),
+        *branch_marks.end_legend_entries(branches, "omega"),
+    ]
+
+
 def _orbit_legend_entry() -> Line2D:
     return Line2D([], [], color=style.INK_COLOUR, marker="o", mec="white", ms=4, linestyle="",
                   label="orbits at resonance")  # fmt: skip
@@ -186,6 +195,6 @@ def _jump_side_legend_entries(omega: xr.DataArray, crossing: xr.Dataset) -> list
                label=rf"$\omega^* = {float(crossing['omega']):.8f}$"),
         Line2D([], [], color=style.INK_COLOUR, marker="X", mec="white", ms=6, linestyle="",
                label="saddle, strobed"),
-        Line2D([], [], color=style.INK_COLOUR, marker="o", mfc="white", ms=4, linestyle="",
+        Line2D([], [], color=style.INK_COLOUR, marker="P", mfc="white", ms=5, linestyle="",
                label="rest"),
     ]  # fmt: skip

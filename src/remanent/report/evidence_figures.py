@@ -15,7 +15,7 @@ from matplotlib.gridspec import GridSpec
 from matplotlib.lines import Line2D
 
 from remanent import plots
-from remanent.plots import energy, ensemble, footer, style
+from remanent.plots import energy, ensemble, footer, keys, style
 from remanent.report.figures import (
     draw_panel_per_prestress,
     keep_only_outer_labels,
@@ -49,7 +49,7 @@ def draw_landscapes(dataset: xr.Dataset) -> Figure:
         One panel per prestress.
     """
     first = dataset.isel(prestress=0)
-    names = ensemble.line_legend_entries(
+    names = keys.line_legend_entries(
         ensemble.split_into_members(first, ("potential",), ("thickness_stretch",))
     )
     entries = [*names, *energy.equilibrium_legend_entries(dataset)]
@@ -92,7 +92,7 @@ def draw_solver_comparison(sections: xr.Dataset, drift: xr.Dataset) -> Figure:
         members = ensemble.split_into_members(drift.isel(prestress=0), ("energy_drift",), ("time",))
         behind = Line2D([], [], color=_BACKGROUND_COLOUR, linestyle="", marker="o", ms=3,
                         label=f"{sections['solver'].values[0]}, behind the other")  # fmt: skip
-        style.add_legend_above(figure, [*ensemble.line_legend_entries(members), behind])
+        style.add_legend_above(figure, [*keys.line_legend_entries(members), behind])
         footer.add_footer(figure, sections)
     return figure
 

@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from remanent import plots
-from remanent.plots import ensemble, footer, forced, style
+from remanent.plots import ensemble, footer, forced, keys, style
 
 __all__ = [
     "draw_figure_2",
@@ -45,9 +45,7 @@ def draw_figure_2(dataset: xr.Dataset) -> Figure:
     matplotlib.figure.Figure
         Panel (a), (b) ... per prestress, one below the other.
     """
-    names = ensemble.line_legend_entries(
-        _members_of_first_panel(dataset, "thickness_stretch", "time")
-    )
+    names = keys.line_legend_entries(_members_of_first_panel(dataset, "thickness_stretch", "time"))
     return draw_panel_per_prestress(
         dataset, plots.history, (style.DOUBLE_COLUMN_WIDTH_INCHES, 4.1), names, stacked=True
     )
@@ -67,9 +65,7 @@ def draw_figure_3(dataset: xr.Dataset) -> Figure:
     matplotlib.figure.Figure
         Panel (a), (b) ... per prestress, side by side.
     """
-    names = ensemble.line_legend_entries(
-        _members_of_first_panel(dataset, "thickness_stretch", "time")
-    )
+    names = keys.line_legend_entries(_members_of_first_panel(dataset, "thickness_stretch", "time"))
     return draw_panel_per_prestress(
         dataset, plots.phase, (style.DOUBLE_COLUMN_WIDTH_INCHES, 3.6), names
     )
@@ -90,7 +86,7 @@ def draw_figure_4(dataset: xr.Dataset) -> Figure:
     matplotlib.figure.Figure
         Panel (a), (b) ... per prestress, side by side, on one scale.
     """
-    names = ensemble.line_legend_entries(_members_of_first_panel(dataset, "amplitude", "omega"))
+    names = keys.line_legend_entries(_members_of_first_panel(dataset, "amplitude", "omega"))
     entries = [*names, *forced.resonance_legend_entries(dataset)]
     return draw_panel_per_prestress(
         dataset, plots.response, (style.DOUBLE_COLUMN_WIDTH_INCHES, 3.4), entries, sharey=True

@@ -32,14 +32,14 @@ def test_every_basin_has_the_colour_of_its_attractor() -> None:
 
 
 def test_the_legend_of_basins_gives_shares_with_their_errors() -> None:
-    """Each attractor has its share and the error of it in the legend."""
+    """Each attractor has a letter, its share and the error of it in the legend."""
     axes = Figure().add_subplot()
     plots.basins(synthetic.basins_of_two(), ax=axes)
     legend = axes.get_legend()
     assert legend is not None
-    assert [text.get_text() for text in legend.get_texts()] == [
-        "period 3: 40.0 ± 1.0 %", "chaotic: 58.0 ± 2.0 %", "undecided or escaped",
-    ]  # fmt: skip
+    assert {text.get_text() for text in legend.get_texts()} == {
+        "A, period 3: 40.0 ± 1.0 %", "B, chaotic: 58.0 ± 2.0 %", "undecided",
+    }  # fmt: skip
 
 
 def test_without_dissipation_islands_are_drawn_as_a_map() -> None:

@@ -13,7 +13,6 @@ import pytest
 import xarray as xr
 from matplotlib import pyplot as plt
 from matplotlib.artist import Artist
-from matplotlib.collections import PathCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from tests.unit.plots import synthetic
@@ -222,16 +221,18 @@ def test_lines_without_temperature_have_house_colours() -> None:
     assert colours == list(style.OKABE_ITO_COLOURS.values())[:2]
 
 
-def test_clouds_of_points_are_pixels_and_axes_are_vectors() -> None:
-    """In an SVG all points are one image; axes, ticks and letters are paths."""
-    artists = plots.section(synthetic.sections(0.0, 1.25, 12))
-    assert all(isinstance(artist, PathCollection) and artist.get_rasterized() for artist in artists)
-    assert not figure_of(artists).axes[0].get_rasterized()
-    buffer = io.StringIO()
-    figure_of(artists).savefig(buffer, format="svg", metadata={"Date": None})
-    text = buffer.getvalue()
-    assert text.count("<image") == 1
-    assert text.count("<path") > 20
+def test_a_few_points_are_vectors_and_large_clouds_are_pixels() -> None:
+    """Points are shapes up to some thousands; more are one image, below vector axes."""
+    small = synthetic.sections(0.0, 1.25, 12)
+    large = small.isel(temperature=[0], period=np.arange(6000) % 13)
+    for dataset, images in ((small, 0), (large, 1)):
+        artists = plots.section(dataset)
+        assert all(artist.get_rasterized() == bool(images) for artist in artists)
+        assert not figure_of(artists).axes[0].get_rasterized()
+        buffer = io.StringIO()
+        figure_of(artists).savefig(buffer, format="svg", metadata={"Date": None})
+        assert buffer.getvalue().count("<image") == images
+        assert buffer.getvalue().count("<path") > 20
 
 
 def test_resonances_are_marked_where_they_are() -> None:
@@ -276,7 +277,7 @@ def test_stable_equilibria_are_full_and_unstable_ones_empty() -> None:
     axes = plots.landscape(dataset)[0].axes
     assert axes is not None
     marks = [line for line in axes.get_lines() if line.get_marker() == "o"]
-    fills = [mpl.colors.to_hex(str(mark.get_markerfacecolor())) for mark in marks]
+    fills = [mpl.colors.to_hex(mark.get_markerfacecolor()) for mark in marks]
     assert [fill == "#ffffff" for fill in fills] == [False, True, False]
 
 
@@ -324,6 +325,9 @@ def test_a_curve_has_the_band_of_its_quantiles() -> None:
     (shade,) = line.axes.collections
     ends = shade.get_paths()[0].get_extents()
     assert (ends.y0, ends.y1) == (0.0, 7.0)
+    legend = line.axes.get_legend()
+    assert legend is not None
+    assert [text.get_text() for text in legend.get_texts()] == ["median", "5–95 %"]
 
 
 def test_a_fit_shows_what_it_compared() -> None:
