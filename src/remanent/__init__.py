@@ -7,8 +7,11 @@ first used, so that ``import remanent`` itself imports neither NumPy nor anythin
 from __future__ import annotations
 
 from importlib import import_module
+from types import FunctionType
 
 import lazy_loader
+
+from remanent._calls import explained
 
 _lazy_attribute, _, _listed = lazy_loader.attach_stub(__name__, __file__)
 # `plot` stands for the package `plots`, and the version is not imported from anywhere.
@@ -22,9 +25,21 @@ def __getattr__(name: str) -> object:
     elif name == "__version__":
         value = import_module("importlib.metadata").version("remanent")
     else:
-        return _lazy_attribute(name)
+        value = _explained_public_function(name, _lazy_attribute(name))
     globals()[name] = value
     return value
+
+
+def _explained_public_function(name: str, value: object) -> object:
+    """A public function, whose unknown names are told in words; other values as they are.
+
+    It is known by its public name, so that it can be pickled.
+    """
+    if not isinstance(value, FunctionType):
+        return value
+    function = explained(value)
+    function.__module__, function.__qualname__ = __name__, name
+    return function
 
 
 def __dir__() -> list[str]:

@@ -14,6 +14,7 @@ from .models.materials.named import Gent as Gent
 from .models.materials.named import MooneyRivlin as MooneyRivlin
 from .models.materials.named import Ogden as Ogden
 from .models.materials.named import ArrudaBoyce as ArrudaBoyce
+from .models.materials.yeoh import Yeoh as Yeoh
 from .models.materials.strain_energy import StrainEnergy as StrainEnergy
 from .models.magnet import Magnet as Magnet
 

@@ -6,17 +6,36 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from numbers import Real
-from typing import Any
+from typing import Any, TypeGuard
 
 import numpy as np
 
-from remanent._errors import InputError
+from remanent._arrays import as_float_array, is_increasing, remedy_for_kind, without_wrapping
+from remanent._errors import InputError, shortened_repr
 from remanent._typing import ArrayLike, BoolArray, FloatArray
 
-#: Kinds of NumPy data that are real numbers: truth values, integers, floats.
-_REAL_DTYPE_KINDS = "biuf"
-#: How the least number of entries is said in a message.
-_NUMBER_WORDS = {1: "one", 2: "two"}
+__all__ = [
+    "Rule",
+    "as_float_array",
+    "finite_rule",
+    "is_increasing",
+    "is_integer",
+    "is_positive_number",
+    "not_negative_rule",
+    "positive_rule",
+    "require_choice",
+    "require_field_names",
+    "require_flag",
+    "require_increasing",
+    "require_instance",
+    "require_known_names",
+    "require_mapping",
+    "require_named_numbers",
+    "require_numbers",
+    "require_real",
+    "shortened_repr",
+    "where_rule_broken",
+]
 
 
 @dataclass(frozen=True)
@@ -67,19 +86,22 @@ def require_real(name: str, value: object, rule: Rule) -> float:
     InputError
         If it is not one real number, or breaks the rule.
     """
-    if isinstance(value, np.ndarray) and value.ndim == 0:
-        value = value.item()
-    if isinstance(value, bool | np.bool_) or not isinstance(value, Real):
+    content = without_wrapping(value)
+    if isinstance(content, np.ndarray) and content.ndim == 0 and not np.ma.is_masked(content):
+        content = content.item()  # of a result, for example
+    no_number = (bool, np.bool_, np.timedelta64)
+    if isinstance(content, no_number) or not isinstance(content, Real):
         raise InputError(
             name,
             must="be one real number",
-            got=repr(value),
+            got=shortened_repr(value),
             why="It is one value, without a unit.",
-            fix="Pass a plain number; many values of a field go into over={...}.",
+            fix=remedy_for_kind(content)
+            or "Pass a plain number; many values of a field go into over={...}.",
         )
-    number = _to_float(value)
+    number = _to_float(content)
     if not rule.is_satisfied_by(number):
-        raise InputError(name, must=rule.must, got=value, why=rule.why, fix=rule.fix)
+        raise InputError(name, must=rule.must, got=content, why=rule.why, fix=rule.fix)
     return number
 
 
@@ -92,14 +114,32 @@ def _to_float(value: Real) -> float:
 
 def require_instance(name: str, value: object, kind: type, example: str) -> None:
     """Raise unless `value` is a `kind`, proposing `example`."""
-    if not isinstance(value, kind):
-        raise InputError(
-            name,
-            must=f"be a {kind.__name__}",
-            got=repr(value),
-            why="The equations of motion are built from this part.",
-            fix=f"Pass for example {example}.",
-        )
+    if isinstance(value, kind):
+        return
+    got, fix = shortened_repr(value), f"Pass for example {example}."
+    if isinstance(value, type):
+        got = f"the class {value.__name__} itself"
+        if issubclass(value, kind):
+            fix = f"Write {value.__name__}(...), with its numbers in the brackets."
+    raise InputError(
+        name,
+        must=f"be {'an' if kind.__name__[0] in 'AEIOU' else 'a'} {kind.__name__}",
+        got=got,
+        why="The equations of motion are built from this part.",
+        fix=fix,
+    )
+
+
+def is_integer(value: object) -> TypeGuard[int]:
+    """Whether this is an integer of Python or NumPy: no truth value, and no length of time."""
+    no_integer = isinstance(value, bool | np.bool_ | np.timedelta64)
+    return isinstance(value, int | np.integer) and not no_integer
+
+
+def is_positive_number(value: object) -> bool:
+    """Whether this is one finite number above 0."""
+    is_number = isinstance(value, Real) and not isinstance(value, bool | np.bool_ | np.timedelta64)
+    return is_number and 0.0 < _to_float(value) < float("inf")  # type: ignore[arg-type]
 
 
 def require_choice(name: str, value: object, choices: Sequence[str]) -> str:
@@ -108,7 +148,7 @@ def require_choice(name: str, value: object, choices: Sequence[str]) -> str:
         raise InputError(
             name,
             must=f"be one of {', '.join(map(repr, choices))}",
-            got=repr(value),
+            got=shortened_repr(value),
             why="Nothing else is defined.",
             fix=f"Pass {_closest_choice(value, choices)!r}, for example.",
         )
@@ -128,7 +168,7 @@ def require_known_names(names: Iterable[str], known: Iterable[str], owner: str) 
             raise InputError(
                 str(name),
                 must=f"be a field of {owner}",
-                got=repr(name),
+                got=shortened_repr(name),
                 why="Unknown fields are refused so that a misspelling does not go unnoticed.",
                 fix=f"Its fields are: {', '.join(fields) or 'none'}.",
             )
@@ -154,7 +194,8 @@ def require_field_names(name: str, value: object, known: Iterable[str], owner: s
         "why": "Only fields that enter the equations can be chosen.",
         "fix": f"Its fields are: {', '.join(fields)}.",
     }
-    if not isinstance(names, Iterable) or not (entries := list(names)):
+    is_scalar = getattr(names, "ndim", 1) == 0  # iterable by its type only
+    if is_scalar or not isinstance(names, Iterable) or not (entries := list(names)):
         raise InputError(
             name, must=f"name fields of {owner}, at least one", got=shortened_repr(value), **message
         )
@@ -190,70 +231,6 @@ def require_flag(name: str, value: object) -> bool:
             fix="Pass True or False.",
         )
     return bool(value)
-
-
-def as_float_array(
-    name: str,
-    value: object,
-    *,
-    what: str,
-    why: str,
-    fix: str,
-    ndim: int | None = None,
-    least: int = 0,
-    finite: bool = False,
-) -> FloatArray:
-    """`value` as a new array of floats: the one gate through which arrays come in.
-
-    Text, dates, complex numbers and objects are refused.  NumPy would turn some of them
-    into floats without a word: ``"1"`` into 1, None into NaN, a date into its days.
-
-    Parameters
-    ----------
-    name : str
-        Name of the argument.
-    value : array_like
-        What was passed for it.
-    what : str
-        What it must be, in the plural: ``"frequencies"``.
-    why, fix : str
-        Reason and remedy, a sentence each; see :class:`~remanent._errors.InputError`.
-    ndim : int, optional
-        Number of dimensions; by default any.
-    least : int
-        Least number of entries.
-    finite : bool
-        Whether NaN and infinity are refused.
-
-    Returns
-    -------
-    array of float
-        The caller may keep and change it.
-
-    Raises
-    ------
-    InputError
-        If it is not such an array.
-    """
-    try:
-        array = np.asarray(value)
-    except (TypeError, ValueError, OverflowError):  # rows of different lengths, among others
-        array = np.empty(0, dtype=np.object_)
-    sound = array.dtype.kind in _REAL_DTYPE_KINDS and array.size >= least
-    sound = sound and (ndim is None or array.ndim == ndim)
-    if sound:
-        floats = np.array(array, dtype=np.float64)
-        if not finite or np.isfinite(floats).all():
-            return floats
-    shape = {None: "", 0: "one of ", 1: "a sequence of "}.get(ndim, f"{ndim}-dimensional: ")
-    raise InputError(
-        name,
-        must=f"be {shape}{'finite' if finite else 'real'} numbers ({what})"
-        + (f", at least {_NUMBER_WORDS.get(least, str(least))}" if least else ""),
-        got=shortened_repr(value),
-        why=why,
-        fix=fix,
-    )
 
 
 def require_numbers(name: str, values: object, *, what: str, why: str) -> FloatArray:
@@ -322,12 +299,6 @@ def require_increasing(name: str, values: object, *, what: str, why: str) -> Flo
     return numbers
 
 
-def is_increasing(values: FloatArray) -> bool:
-    """Whether entries are finite and each is greater than the one before; little memory."""
-    ends = values.size and np.isfinite(values[[0, -1]]).all()
-    return bool(ends and (values[1:] > values[:-1]).all())
-
-
 def where_rule_broken(rules: Mapping[str, Rule], values: Mapping[str, ArrayLike]) -> BoolArray:
     """Where a batch of parameter values breaks a rule.
 
@@ -348,9 +319,3 @@ def where_rule_broken(rules: Mapping[str, Rule], values: Mapping[str, ArrayLike]
         if name in rules:
             invalid = invalid | ~rules[name].is_satisfied_by(value)
     return np.asarray(invalid)
-
-
-def shortened_repr(values: object) -> str:
-    """`values` as they are written, on one line of at most 80 characters."""
-    text = " ".join(repr(values).split())
-    return text if len(text) <= 80 else f"{text[:77]}..."

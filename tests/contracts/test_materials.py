@@ -414,3 +414,23 @@ def test_a_formula_with_a_limit_of_its_own_rests_where_gent_does() -> None:
     gent = rm.Actuator(material=rm.Gent(100.0))
     ours, theirs = (rm.equilibria(body, 0.3) for body in (written, gent))
     np.testing.assert_allclose(ours.stretch, theirs.stretch, rtol=1e-12)
+
+
+def test_yeoh_by_name_and_by_formula() -> None:
+    """A first and a zeroth power are flat at rest: the formula is the named solid."""
+    constants = {"c1": 0.5, "c2": -0.005, "c3": 1e-4}
+    formula = "c1*(I1 - 3)**1 + c2*(I1 - 3)**2 + c3*(I1 - 3)**3 + (I1 - 3)**0"
+    for l1, l2 in PAIRS:
+        named = energy(rm.Yeoh(**constants), l1, l2)
+        assert energy(rm.StrainEnergy(formula, constants), l1, l2) == pytest.approx(
+            named, abs=1e-13
+        )
+
+
+def test_an_energy_whose_value_at_rest_is_e() -> None:
+    """exp(I1/3) moves as k = 1/3 in exp(k I1), which is compiled without the number e."""
+    runs = [
+        rm.simulate(rm.Actuator(material=solid), rm.Constant(0.3), duration=5.0).stretch.values
+        for solid in (rm.StrainEnergy("exp(I1/3)"), rm.StrainEnergy("exp(k*I1)", {"k": 1 / 3}))
+    ]
+    np.testing.assert_allclose(runs[0], runs[1], atol=1e-9)

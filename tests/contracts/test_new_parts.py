@@ -99,7 +99,7 @@ from remanent.analysis.regimes.collection import collect_evidence
 from remanent.analysis.regimes.long_runs import LongRun
 from remanent.results.provenance import read_system
 
-body = rm.Actuator(material=rm.Yeoh(0.1), dissipation=rm.LogarithmicDashpot(0.1))
+body = rm.Actuator(material=rm.Quadratic(0.1), dissipation=rm.LogarithmicDashpot(0.1))
 drive = rm.SineCubed(0.2, 1.25)
 ds = rm.steady_extremes(
     body, drive, duration=60.0, discard=30.0, over={"material.stiffening": [0.1, 0.2]}

@@ -314,6 +314,8 @@ class _Translator:
         if expression is sp.pi:  # as 4 atan(1), which any kind of numbers can do
             quarter = self.instructions.apply_function("atan", self.instructions.constant(1.0))
             return self.instructions.mul(self.instructions.constant(4.0), quarter)
+        if expression is sp.E:  # as exp(1), for the same reason
+            return self.instructions.apply_function("exp", self.instructions.constant(1.0))
         inside = expression.args[-1]
         if isinstance(expression, Unexpanded):
             return self.value_as_written(inside)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from textwrap import fill
 
 import sympy as sp
 
@@ -15,6 +16,9 @@ from remanent.derivation.symbols import Expression, Symbol
 from remanent.derivation.unexpanded import Unexpanded
 from remanent.models.actuator import Actuator
 from remanent.models.system import System
+
+#: Longest line of equations in a terminal, in characters.
+_TERMINAL_WIDTH = 100
 
 
 @dataclass(frozen=True)
@@ -39,6 +43,14 @@ class Equations:
     first_order: tuple[Expression, ...]
     definitions: tuple[Expression, ...]
     latex: str
+
+    def __str__(self) -> str:
+        """The equations in a terminal, broken into lines of at most 100 characters."""
+        rows = (*self.second_order, *self.first_order, *self.definitions)
+        return "\n\n".join(
+            fill(f"{row.lhs} = {row.rhs}", _TERMINAL_WIDTH, subsequent_indent="    ")
+            for row in rows
+        )
 
     def _repr_latex_(self) -> str:
         return f"$\\displaystyle {self.latex}$"

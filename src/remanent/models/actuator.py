@@ -12,6 +12,7 @@ from typing import Any, ClassVar, Final, Self
 import numpy as np
 
 from remanent import _checks, _units
+from remanent._calls import ExplainedConstruction, explained
 from remanent._checks import Rule
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, BoolArray, FloatArray
@@ -40,7 +41,7 @@ _TEMPERATURE_RULE: Final = _checks.positive_rule(
 
 
 @dataclass(frozen=True, kw_only=True)
-class Actuator:
+class Actuator(metaclass=ExplainedConstruction):
     """A block of hard-magnetic elastomer under in-plane dead loads.
 
     Equal dead loads and edges keep both in-plane stretches equal: the motion has one
@@ -113,11 +114,15 @@ class Actuator:
             ]
             object.__setattr__(self, name, numbers[0] if name in values else tuple(numbers))
         object.__setattr__(self, "dissipation", _as_dissipative_elements(self.dissipation))
-        _checks.require_instance("material", self.material, Material, "NeoHookean()")
-        _checks.require_instance("magnet", self.magnet, Magnet, "Magnet()")
+        _checks.require_instance("material", self.material, Material, "rm.NeoHookean()")
+        _checks.require_instance("magnet", self.magnet, Magnet, "rm.Magnet()")
         if self.heat is not None:
-            _checks.require_instance("heat", self.heat, Heat, "Heat()")
-        self.warn_if_implausible(self.parameters(), stacklevel=4)
+            _checks.require_instance("heat", self.heat, Heat, "rm.Heat()")
+        if self.scales is not None:
+            _checks.require_instance(
+                "scales", self.scales, Scales, "actuator.scales of one that from_si made"
+            )
+        self.warn_if_implausible(self.parameters())
         _require_valid_shifts(self)
 
     @property
@@ -281,9 +286,9 @@ class Actuator:
         """What limits the stretches, as a noun in a message."""
         return f"the limiting chain extension of {self.material!r}"
 
-    def warn_if_implausible(self, values: Mapping[str, ArrayLike], *, stacklevel: int = 2) -> None:
+    def warn_if_implausible(self, values: Mapping[str, ArrayLike]) -> None:
         """Warn of allowed values, single or in a batch, that look like a mistake."""
-        warn_of_implausible_temperatures(values, stacklevel=stacklevel)
+        warn_of_implausible_temperatures(values)
 
     def replace(self, **changes: Any) -> Self:
         """A copy with some fields changed; unknown fields raise `InputError`."""
@@ -308,6 +313,7 @@ class Actuator:
         return self.replace(dissipation=elements, **single)
 
     @classmethod
+    @explained
     def from_si(
         cls,
         *,
@@ -364,6 +370,7 @@ class Actuator:
             remanence=remanence,
         )
         thickness = _units.positive_magnitude("half_thickness", half_thickness, "m")
+        own_field = _checks.require_flag("own_field", own_field)
         edges = None
         if half_width is not None:
             edges = (
@@ -372,7 +379,7 @@ class Actuator:
             )
         if own_field:
             magnet = parts.get("magnet", Magnet())
-            _checks.require_instance("magnet", magnet, Magnet, "Magnet()")
+            _checks.require_instance("magnet", magnet, Magnet, "rm.Magnet()")
             parts["magnet"] = magnet.replace(demagnetisation=scales.demagnetisation)
         return cls(
             c=(thickness / scales.half_length) ** 2,
@@ -437,11 +444,12 @@ def _require_valid_shifts(actuator: Actuator) -> None:
         )
 
 
-def _as_dissipative_elements(dissipation: object) -> tuple[Dissipation, ...]:
+def _as_dissipative_elements(dissipation: Any) -> tuple[Dissipation, ...]:
     """One element or several, as a tuple."""
-    if isinstance(dissipation, Dissipation):
-        return (dissipation,)
-    items = tuple(dissipation) if isinstance(dissipation, Sequence) else (dissipation,)
+    several = isinstance(dissipation, list | tuple)
+    items = tuple(dissipation) if several else (dissipation,)
     for i, item in enumerate(items):
-        _checks.require_instance(f"dissipation.{i}", item, Dissipation, "Rayleigh(0.1)")
+        name = f"dissipation.{i}" if several else "dissipation"
+        eta = item if _checks.is_positive_number(item) else 0.1
+        _checks.require_instance(name, item, Dissipation, f"rm.Rayleigh({eta})")
     return items

@@ -23,7 +23,11 @@ def split_by_direction(name: str, value: Any) -> dict[str, Any]:
     >>> split_by_direction("prestress", (0.0, 0.5))
     {'prestress_1': 0.0, 'prestress_2': 0.5}
     """
-    pair = tuple(value) if is_several_numbers(value) and np.ndim(value) == 1 else (value, value)
+    pair = (
+        tuple(value)
+        if is_several_numbers(value) and getattr(value, "ndim", 1) == 1
+        else (value, value)
+    )
     if len(pair) != 2:
         raise InputError(
             name,

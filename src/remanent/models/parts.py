@@ -11,6 +11,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from remanent import _checks
+from remanent._calls import ExplainedConstruction
 from remanent._checks import Rule
 from remanent._typing import ArrayLike, BoolArray
 
@@ -19,7 +20,7 @@ EquationStructure = tuple[Any, ...]
 
 
 @dataclass(frozen=True)
-class Part:
+class Part(metaclass=ExplainedConstruction):
     """A small immutable value: a material, a magnet, a drive ...
 
     A subclass is a frozen dataclass.  Its numeric fields, those that ``over`` and

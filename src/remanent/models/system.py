@@ -101,7 +101,7 @@ class System(Protocol):
         """
         ...
 
-    def warn_if_implausible(self, values: Mapping[str, ArrayLike], *, stacklevel: int = 2) -> None:
+    def warn_if_implausible(self, values: Mapping[str, ArrayLike]) -> None:
         """Warn of allowed values, single or in a batch, that look like a mistake."""
         ...
 

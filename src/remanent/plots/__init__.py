@@ -1,15 +1,30 @@
 """Pictures of results: a dataset in, Matplotlib artists out; nothing is computed here."""
 
-from remanent.plots.bars import bars
-from remanent.plots.basins import basins
-from remanent.plots.branches import branch, multipliers
-from remanent.plots.curves import curve
-from remanent.plots.energy import landscape
-from remanent.plots.equilibria import equilibria
-from remanent.plots.fits import fit
-from remanent.plots.forced import response
-from remanent.plots.maps import map
-from remanent.plots.motion import history, phase, section
+from remanent.plots import bars as _bars
+from remanent.plots import basins as _basins
+from remanent.plots import branches as _branches
+from remanent.plots import curves as _curves
+from remanent.plots import energy as _energy
+from remanent.plots import equilibria as _equilibria
+from remanent.plots import fits as _fits
+from remanent.plots import forced as _forced
+from remanent.plots import maps as _maps
+from remanent.plots import motion as _motion
+from remanent.plots.checks import checked_picture as _checked
+
+bars = _checked(_bars.bars)
+basins = _checked(_basins.basins)
+branch = _checked(_branches.branch)
+curve = _checked(_curves.curve)
+equilibria = _checked(_equilibria.equilibria)
+fit = _checked(_fits.fit)
+history = _checked(_motion.history)
+landscape = _checked(_energy.landscape)
+map = _checked(_maps.map)
+multipliers = _checked(_branches.multipliers)
+phase = _checked(_motion.phase)
+response = _checked(_forced.response)
+section = _checked(_motion.section)
 
 __all__ = [
     "bars",

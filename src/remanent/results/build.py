@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from remanent._errors import InputError
 from remanent.results.schema import FLAG_MEANINGS, describe, flag_attributes
 
-__all__ = ["Labelled", "dataset"]
+__all__ = ["Labelled", "dataset", "with_labels"]
 
 #: Dimension names and values, as xarray takes them.
 Labelled = tuple[tuple[str, ...], NDArray[Any]]
@@ -63,6 +63,25 @@ def dataset(
         coords={name: _labelled_coordinate(name, *labelled) for name, labelled in coords.items()},
         attrs=dict(provenance),
     )
+
+
+def with_labels(result: xr.Dataset, labels: Mapping[str, Labelled]) -> xr.Dataset:
+    """A result with the labels that its caller gave to dimensions of their own naming.
+
+    Parameters
+    ----------
+    result : xarray.Dataset
+    labels : mapping of name to Labelled
+        One array (entry,) for each dimension; those that `result` does not have are left out.
+    """
+    added = {
+        name: xr.Variable(
+            dims, values, {"units": "1", "long_name": name.replace("_", " "), "symbol": ""}
+        )
+        for name, (dims, values) in labels.items()
+        if name in result.dims
+    }
+    return result.assign_coords(added) if added else result
 
 
 def _labelled_variable(name: str, dims: tuple[str, ...], values: NDArray[Any]) -> xr.Variable:

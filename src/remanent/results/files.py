@@ -11,7 +11,7 @@ from typing import Final
 
 import xarray as xr
 
-from remanent._errors import InputError
+from remanent._errors import InputError, error_sentence, shortened_repr
 from remanent.results import mat, netcdf, table
 
 __all__ = ["load", "save"]
@@ -85,13 +85,13 @@ def save(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
             why="A file holds variables by name.",
             fix="For a DataArray pass array.to_dataset(name=...).",
         )
-    target = Path(path)
+    target = _require_path(path)
     module = _format_module(target)
     if not target.parent.is_dir():
         raise InputError(
             "path",
             must="lie in a folder that exists",
-            got=str(path),
+            got=shortened_repr(str(path)),
             why=f"There is no folder {str(target.parent)!r}.",
             fix="Create it first.",
         )
@@ -125,13 +125,13 @@ def load(path: str | os.PathLike[str]) -> xr.Dataset:
     save : the way there.
     read_measurements : to read CSV and MAT files of other origin.
     """
-    source = Path(path)
+    source = _require_path(path)
     module = _format_module(source)
     if not source.is_file():
         raise InputError(
             "path",
             must="be a file",
-            got=str(path),
+            got=shortened_repr(str(path)),
             why="There is none of that name.",
             fix="Check the path.",
         )
@@ -142,6 +142,19 @@ def load(path: str | os.PathLike[str]) -> xr.Dataset:
     return dataset
 
 
+def _require_path(path: object) -> Path:
+    """A path in text or as an object."""
+    if not isinstance(path, str | os.PathLike) or "\0" in str(path):
+        raise InputError(
+            "path",
+            must="be a path",
+            got=shortened_repr(path),
+            why="It says where the file is.",
+            fix="Pass for example 'result.nc'.",
+        )
+    return Path(path)
+
+
 def _format_module(path: Path) -> ModuleType:
     module = _FORMAT_MODULES.get(path.suffix.lower())
     if module is None:
@@ -149,7 +162,7 @@ def _format_module(path: Path) -> ModuleType:
         raise InputError(
             "path",
             must=f"end in one of {endings}",
-            got=str(path),
+            got=shortened_repr(str(path)),
             why="The ending says the format.",
             fix="Use .nc for everything, .csv for one table, .mat for MATLAB and Octave.",
         )
@@ -167,7 +180,7 @@ def _explain_file_errors(action: str, path: Path, errors: type[Exception]) -> It
         raise InputError(
             "path",
             must=f"be a file that can be {action}",
-            got=str(path),
-            why=f"{type(error).__name__}: {error}.",
+            got=shortened_repr(str(path)),
+            why=error_sentence(error),
             fix="Check the disk, the permissions and the file.",
         ) from error

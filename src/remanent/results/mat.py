@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from remanent._errors import InputError
 from remanent.results import metadata
 from remanent.results.atomic import atomic_replacement
+from remanent.results.mat_reader import read_mat
 
 __all__ = ["read", "write"]
 
@@ -99,9 +100,7 @@ def read(path: str | os.PathLike[str]) -> xr.Dataset:
     InputError
         A file without ``metadata``.
     """
-    from scipy.io import loadmat
-
-    contents = loadmat(path, appendmat=False, chars_as_strings=True)
+    contents = read_mat(Path(path)).arrays
     if _METADATA_VARIABLE not in contents:
         raise InputError(
             "path",
@@ -123,8 +122,4 @@ def _matlab_name(name: str) -> str:
 
 
 def _unpack_values(array: NDArray[Any], about: metadata.VariableRecord) -> NDArray[Any]:
-    if about["dtype"] != "str":
-        return array
-    # An empty text is an empty array of characters.
-    words = [str(cell.item()) if np.size(cell) else "" for cell in map(np.asarray, array.flat)]
-    return np.array(words, dtype=np.str_)
+    return array if about["dtype"] != "str" else np.ravel(array).astype(np.str_)

@@ -30,6 +30,8 @@ from remanent.results.atomic import atomic_replacement
 
 __all__ = ["read", "write"]
 
+#: How files of netCDF-4 begin, which are HDF5.
+_HDF5_SIGNATURE: Final = b"\x89HDF\r\n\x1a\n"
 #: Attribute with the type that a variable had, where the file holds another.
 _DTYPE_ATTRIBUTE: Final = "remanent_dtype"
 #: Attributes that say which words the codes of a variable stand for.
@@ -85,6 +87,15 @@ def read(path: str | os.PathLike[str]) -> xr.Dataset:
     -------
     xarray.Dataset
     """
+    with Path(path).open("rb") as file:
+        if file.read(len(_HDF5_SIGNATURE)) != _HDF5_SIGNATURE:
+            raise InputError(
+                "path",
+                must="be a file of netCDF-4",
+                got=str(path),
+                why="Such files begin with the signature of HDF5, and this one does not.",
+                fix="Save it by rm.save(dataset, 'name.nc'); read tables by read_measurements.",
+            )
     raw = xr.load_dataset(path, engine="h5netcdf", decode_cf=False)
     coords = {name for v in raw.variables.values() for name in _coordinate_names(v.attrs)}
     coords |= _coordinate_names(raw.attrs) | set(map(str, raw.coords))

@@ -202,7 +202,7 @@ def has_drive(dataset: xr.Dataset) -> bool:
 def varying_field_names(dataset: xr.Dataset) -> list[str]:
     """Fields that were given many values and are not reduced to one in this Dataset."""
     names = str(dataset.attrs.get("over", "")).split()
-    return [name for name in names if name not in dataset.coords or dataset[name].ndim]
+    return [name for name in names if name not in dataset.coords or dataset[name].size != 1]
 
 
 def _read_model(dataset: xr.Dataset, name: str) -> Any:
@@ -231,7 +231,7 @@ def _with_selected_values(value: Any, dataset: xr.Dataset) -> Any:
     """A system or a drive with the fields that a Dataset was reduced to."""
     reduced = set(str(dataset.attrs.get("over", "")).split()) - set(varying_field_names(dataset))
     for name in sorted(reduced & set(value.parameters())):
-        number = float(dataset[name])
+        number = float(dataset[name].item())
         if isinstance(value, Drive):
             value = value.replace(**{name: number})
         else:

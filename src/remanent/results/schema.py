@@ -30,6 +30,7 @@ __all__ = [
     "QuantityKind",
     "describe",
     "flag_attributes",
+    "is_described",
 ]
 
 
@@ -173,6 +174,15 @@ def describe(name: str) -> Description:
         why="Every variable of a Dataset has a unit, a meaning and a symbol.",
         fix="Add a line to remanent/results/variables.csv.",
     )
+
+
+def is_described(name: str) -> bool:
+    """Whether the table describes a name, by a row or by rule."""
+    try:
+        describe(name)
+    except InputError:
+        return False
+    return True
 
 
 def flag_attributes(name: str) -> dict[str, object]:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from remanent._errors import InputError
 from remanent.results.checks import require_dataset
-from remanent.results.schema import Description, QuantityKind, describe
+from remanent.results.schema import Description, QuantityKind, describe, is_described
 
 __all__ = ["to_si"]
 
@@ -97,6 +97,8 @@ def to_si(dataset: xr.Dataset) -> xr.Dataset:
     scales = _read_scales(dataset)
     converted = dataset.copy()
     for name in dataset.variables:
+        if not is_described(str(name)):  # labels of the caller's own
+            continue
         row = describe(str(name))
         if row.kind in _CONVERSIONS and ("load_T" in scales or row.kind not in _LOAD_KINDS):
             converted = _replace_variable(

@@ -115,7 +115,7 @@ RULES: list[tuple[dict[str, Any], str]] = [
     ({"heat": 1.0}, "`heat` must be a Heat; got 1.0"),
     ({"material": "rubber"}, "`material` must be a Material; got 'rubber'"),
     ({"magnet": None}, "`magnet` must be a Magnet; got None"),
-    ({"dissipation": 0.1}, "`dissipation.0` must be a Dissipation; got 0.1"),
+    ({"dissipation": 0.1}, "`dissipation` must be a Dissipation; got 0.1"),
     ({"dissipation": (Rayleigh(0.1), 2)}, "`dissipation.1` must be a Dissipation; got 2"),
 ]
 

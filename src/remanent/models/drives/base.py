@@ -9,9 +9,14 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from remanent._checks import as_float_array
+from remanent._errors import InputError, shortened_repr
 from remanent._timeline import Timeline
 from remanent._typing import ArrayLike, FloatArray
 from remanent.models.parts import Part
+
+#: Latest time at which a load is asked for, in tau.
+_LATEST_TIME = 1e100
 
 
 @dataclass(frozen=True)
@@ -127,6 +132,26 @@ class Drive(Part, ABC):
         """The field `name` of a batch: from `values`, else the drive's own."""
         numbers = values[name] if name in values else self.parameters()[name]
         return np.asarray(numbers, dtype=np.float64)
+
+
+def as_times(tau: ArrayLike) -> FloatArray:
+    """Times at which a load is asked for: NaN where there is none, and never infinite."""
+    times = as_float_array(
+        "tau",
+        tau,
+        what="times in tau",
+        why="The load is a function of time.",
+        fix="Pass a time, or an array of them.",
+    )
+    if (np.abs(times) > _LATEST_TIME).any():
+        raise InputError(
+            "tau",
+            must=f"be at most {_LATEST_TIME:g} in size",
+            got=shortened_repr(tau),
+            why="No run lasts longer, and products of such times overflow.",
+            fix="Pass a time within a run.",
+        )
+    return times
 
 
 def periodic_timeline(

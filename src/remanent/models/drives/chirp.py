@@ -13,7 +13,7 @@ from remanent import _checks
 from remanent._checks import Rule
 from remanent._timeline import Timeline
 from remanent._typing import ArrayLike, FloatArray
-from remanent.models.drives.base import Drive, empty_waveforms
+from remanent.models.drives.base import Drive, as_times, empty_waveforms
 from remanent.models.drives.waves import LOAD_RULE, PHASE_RULE
 
 #: The rule of the frequencies at both ends of the sweep.
@@ -72,7 +72,7 @@ class Chirp(Drive):
 
     def __call__(self, tau: ArrayLike) -> FloatArray:
         """m(tau) = mean + m sin(angle(tau))."""
-        time = np.asarray(tau, dtype=np.float64)
+        time = as_times(tau)
         swept = np.minimum(time, self.duration)
         curvature = (self.stop - self.start) / (2.0 * self.duration)
         angle = self.phase + self.start * swept + curvature * swept**2

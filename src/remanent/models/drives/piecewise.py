@@ -14,7 +14,7 @@ from remanent import _checks
 from remanent._errors import InputError
 from remanent._timeline import Timeline
 from remanent._typing import ArrayLike, FloatArray
-from remanent.models.drives.base import Drive, empty_waveforms
+from remanent.models.drives.base import Drive, as_times, empty_waveforms
 
 #: What a table may be given as; it is kept as a tuple of floats.
 Numbers: TypeAlias = Sequence[float] | FloatArray
@@ -84,7 +84,7 @@ class PiecewiseDrive(Drive):
 
     def __call__(self, tau: ArrayLike) -> FloatArray:
         """The load at times `tau`."""
-        time = self._require_covered("tau", np.asarray(tau, dtype=np.float64))
+        time = self._require_covered("tau", as_times(tau))
         piece = np.maximum(np.searchsorted(self.times, time, side="right") - 1, 0)
         a0, a1, a2, a3 = self.piece_coefficients()[:, piece]
         s = time - np.asarray(self.times)[piece]

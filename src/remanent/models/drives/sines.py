@@ -16,7 +16,7 @@ from remanent._checks import Rule
 from remanent._errors import InputError
 from remanent._timeline import Timeline
 from remanent._typing import ArrayLike, FloatArray
-from remanent.models.drives.base import Drive, empty_waveforms, periodic_timeline
+from remanent.models.drives.base import Drive, as_times, empty_waveforms, periodic_timeline
 from remanent.models.drives.piecewise import Numbers
 from remanent.models.drives.waves import LOAD_RULE, OMEGA_RULE, PHASE_RULE
 
@@ -128,7 +128,7 @@ class Sines(Drive):
 
     def __call__(self, tau: ArrayLike) -> FloatArray:
         """m(tau) = mean + sum loads sin(multiples omega tau + phases)."""
-        angle = self.omega * np.asarray(tau, dtype=np.float64)
+        angle = self.omega * as_times(tau)
         p = self.parameters()
         terms = (
             p[f"loads.{i}"] * np.sin(k * angle + p[f"phases.{i}"])

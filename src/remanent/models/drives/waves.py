@@ -13,7 +13,7 @@ from remanent import _checks
 from remanent._checks import Rule
 from remanent._timeline import Timeline
 from remanent._typing import ArrayLike, FloatArray
-from remanent.models.drives.base import Drive, empty_waveforms, periodic_timeline
+from remanent.models.drives.base import Drive, as_times, empty_waveforms, periodic_timeline
 
 #: The rule of a magnetic load.
 LOAD_RULE = _checks.finite_rule("It is a magnetic load, B_r B/(mu mu0).")
@@ -53,7 +53,7 @@ class Constant(Drive):
 
     def __call__(self, tau: ArrayLike) -> FloatArray:
         """m(tau) = m."""
-        return np.full(np.shape(tau), self.m)
+        return np.full_like(as_times(tau), self.m)
 
     def load(self, p: Mapping[str, Any], u: Mapping[str, Any], phase: Any, fn: Any) -> Any:
         """m(tau) = m."""
@@ -114,7 +114,7 @@ class SineSquared(Drive):
 
     def __call__(self, tau: ArrayLike) -> FloatArray:
         """m(tau) = [b sin(omega tau + phase)]^2."""
-        angle = self.omega * np.asarray(tau, dtype=np.float64) + self.phase
+        angle = self.omega * as_times(tau) + self.phase
         return np.asarray((self.b * np.sin(angle)) ** 2)
 
     def load(self, p: Mapping[str, Any], u: Mapping[str, Any], phase: Any, fn: Any) -> Any:
@@ -176,7 +176,7 @@ class Sine(Drive):
 
     def __call__(self, tau: ArrayLike) -> FloatArray:
         """m(tau) = mean + m sin(omega tau + phase)."""
-        angle = self.omega * np.asarray(tau, dtype=np.float64) + self.phase
+        angle = self.omega * as_times(tau) + self.phase
         return np.asarray(self.mean + self.m * np.sin(angle))
 
     def load(self, p: Mapping[str, Any], u: Mapping[str, Any], phase: Any, fn: Any) -> Any:

@@ -69,7 +69,14 @@ class SecondOrderDual:
 
     def __pow__(self, n: Any) -> SecondOrderDual:
         """The power by an exponent without derivatives."""
-        return self.apply_function(lambda x: (x**n, n * x ** (n - 1), n * (n - 1) * x ** (n - 2)))
+
+        def derivatives(x: Any) -> tuple[Any, Any, Any]:
+            # A vanishing factor stands for the whole derivative, also where x is 0.
+            first = 0 * x if _is_integer(n, 0) else n * x ** (n - 1)
+            flat = _is_integer(n, 0) or _is_integer(n, 1)
+            return x**n, first, 0 * x if flat else n * (n - 1) * x ** (n - 2)
+
+        return self.apply_function(derivatives)
 
     def apply_function(self, derivatives: Any) -> SecondOrderDual:
         """f of this, where ``derivatives(value)`` gives f and its first two derivatives."""
@@ -77,6 +84,11 @@ class SecondOrderDual:
         return SecondOrderDual(
             f, d * self.first_derivative, dd * self.first_derivative**2 + d * self.second_derivative
         )
+
+
+def _is_integer(n: Any, value: int) -> bool:
+    """Whether an exponent is this integer as it is written, not by its value."""
+    return isinstance(n, int) and n == value
 
 
 def _as_dual(x: Any) -> SecondOrderDual:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from remanent._checks import positive_rule, require_field_names, require_real
+from remanent._checks import Rule, require_field_names, require_real
 from remanent._errors import InputError
 from remanent._status import Status
 from remanent._typing import ArrayLike, FloatArray
@@ -22,8 +22,11 @@ from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble
 from remanent.studies.ensemble.physical_scales import PHYSICAL_SIZES
 
-_TARGET_RULE = positive_rule(
-    "It is a thickness stretch, a ratio of lengths.", "Pass for example 1.2."
+_TARGET_RULE = Rule(
+    "be a finite number from 1e-6 to 1e6",
+    lambda x: np.asarray((x >= 1e-6) & (x <= 1e6)),
+    "It is a thickness stretch, a ratio of lengths.",
+    "Pass for example 1.2.",
 )
 #: The load of the ensemble's own drive: each step has its load in place of it.
 _ZERO_LOAD_DRIVE = Constant(0.0)

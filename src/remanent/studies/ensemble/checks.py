@@ -11,6 +11,7 @@ import numpy as np
 from remanent._checks import (
     Rule,
     as_float_array,
+    is_integer,
     require_choice,
     require_field_names,
     require_instance,
@@ -29,6 +30,8 @@ from remanent.studies.ensemble.ensemble import Ensemble
 FINEST_TOLERANCE = 1e-13
 #: Above this, an error bound says nothing.
 COARSEST_TOLERANCE = 0.1
+#: What to do where a drive stands in the place of a system, or a system in that of a drive.
+_ORDER_REMEDY = "The system comes first, then the drive: simulate(actuator, drive, ...)."
 #: What ``rng`` accepts.
 RngArgument: TypeAlias = int | np.random.Generator | None
 #: The seed of all random choices where none is given.
@@ -62,9 +65,9 @@ def require_system(name: str, system: object) -> System:
         raise InputError(
             name,
             must="be a system that can move",
-            got=shortened_repr(system),
+            got=_kind_or_value(system),
             why="The equations of motion are derived from it.",
-            fix="Pass for example rm.Actuator().",
+            fix=_ORDER_REMEDY if isinstance(system, Drive) else "Pass for example rm.Actuator().",
         )
     return system
 
@@ -75,18 +78,35 @@ def require_actuator(name: str, system: object) -> Actuator:
         raise InputError(
             name,
             must="be an actuator",
-            got=shortened_repr(system),
+            got=_kind_or_value(system),
             why="Only an actuator has in-plane stretches, dead loads and a magnetic load.",
-            fix="Pass for example rm.Actuator().",
+            fix=_ORDER_REMEDY if isinstance(system, Drive) else "Pass for example rm.Actuator().",
         )
     return system
 
 
 def require_drive(drive: object) -> Drive:
     """A drive, for what is asked of it before the trajectories are laid out."""
+    if isinstance(drive, System) and not isinstance(drive, type):
+        raise InputError(
+            "drive",
+            must="be a Drive",
+            got=_kind_or_value(drive),
+            why="It says how the load changes in time.",
+            fix=_ORDER_REMEDY,
+        )
     require_instance("drive", drive, Drive, "rm.SineSquared(0.4, 1.25)")
     assert isinstance(drive, Drive)
     return drive
+
+
+def _kind_or_value(value: object) -> str:
+    """A value in a message; of a system, a drive or a class its kind."""
+    if isinstance(value, type):
+        return f"the class {value.__name__} itself"
+    if isinstance(value, System | Drive):
+        return f"{type(value).__name__}(...)"
+    return shortened_repr(value)
 
 
 def require_interval(
@@ -220,7 +240,7 @@ def as_seed(rng: RngArgument) -> int:
         return _DEFAULT_SEED
     if isinstance(rng, np.random.Generator):
         return int(deepcopy(rng).integers(_SEED_LIMIT))
-    if isinstance(rng, bool | np.bool_) or not isinstance(rng, int | np.integer) or rng < 0:
+    if not is_integer(rng) or rng < 0:
         raise InputError(
             "rng",
             must="be an integer that is not negative, or a numpy.random.Generator",

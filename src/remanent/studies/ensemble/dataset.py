@@ -74,9 +74,10 @@ def to_dataset(
     }
     drive = ens.drive if driven else None
     attributes = provenance.attributes(ens.system, drive, tolerance, over=ens.coords, **settings)
-    return build.dataset(
+    result = build.dataset(
         {**labelled, **(shared or {})}, {**ens.coords, **(coords or {})}, attributes
     )
+    return build.with_labels(result, ens.labels)
 
 
 def _label_for_ensemble(ens: Ensemble, values: PerTrajectoryArray) -> Labelled:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from remanent._checks import Rule, positive_rule, require_real, shortened_repr
+from remanent._checks import Rule, is_integer, positive_rule, require_real, shortened_repr
 from remanent._errors import InputError
 from remanent._typing import FloatArray
 from remanent.studies.ensemble.ensemble import Ensemble
@@ -32,7 +32,7 @@ def require_count(name: str, value: Any, why: str, least: int = 1) -> int:
     least : int
         Least number allowed.
     """
-    if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
+    if not is_integer(value) or value < least:
         raise InputError(
             name,
             must="be a positive integer" if least == 1 else f"be an integer, at least {least}",

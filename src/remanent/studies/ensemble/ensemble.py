@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -39,6 +39,8 @@ class Ensemble:
         Initial states.
     is_invalid : array (trajectory,) of bool
         Where a value breaks a rule.  Nothing is computed there.
+    labels : dict of name to Labelled
+        Labels of the dimensions that the caller named, where they have some.
     """
 
     system: System
@@ -49,6 +51,7 @@ class Ensemble:
     parameter_values: dict[str, FloatArray]
     initial_states: FloatArray
     is_invalid: BoolArray
+    labels: dict[str, Labelled] = field(default_factory=dict)
 
     @property
     def trajectory_count(self) -> int:
@@ -75,7 +78,7 @@ class Ensemble:
 
     def single_member(self, k: int) -> Ensemble:
         """Trajectory `k` as an ensemble of its own, without dimensions."""
-        return replace(self._take_slice(slice(k, k + 1)), dimension_sizes={}, coords={})
+        return replace(self._take_slice(slice(k, k + 1)), dimension_sizes={}, coords={}, labels={})
 
     def with_initial_states(self, states: FloatArray, varied: Mapping[str, FloatArray]) -> Ensemble:
         """Many trajectories like this single one, from other states and with some other values.
@@ -100,6 +103,7 @@ class Ensemble:
             self,
             dimension_sizes={"point": count},
             coords={},
+            labels={},
             parameter_values=values | dict(varied),
             initial_states=states,
             is_invalid=np.zeros(count, dtype=np.bool_),

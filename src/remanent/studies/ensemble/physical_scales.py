@@ -103,6 +103,7 @@ def lay_out_physical_scales(
     initial: ArrayLike | None = None,
     *,
     reserved: frozenset[str] = frozenset({"time", "cycle", "step"}),
+    tells: bool = True,
 ) -> PhysicalScales:
     """Lay out trajectories over numeric fields and over :data:`PHYSICAL_SIZES` sizes.
 
@@ -110,7 +111,13 @@ def lay_out_physical_scales(
     dimensionless numbers change: m ~ B_r/mu, S ~ 1/mu, omega ~ sqrt(rho/mu) ...
     """
     ens = lay_out_ensemble(
-        system, drive, over, initial, reserved=reserved, extra=dict.fromkeys(PHYSICAL_SIZES, 1.0)
+        system,
+        drive,
+        over,
+        initial,
+        reserved=reserved,
+        extra=dict.fromkeys(PHYSICAL_SIZES, 1.0),
+        tells=tells,
     )
     sizes = np.stack([ens.parameter_values[name] for name in PHYSICAL_SIZES])
     broken = ~np.all([PHYSICAL_SIZE_RULE.is_satisfied_by(row) for row in sizes], axis=0)

@@ -13,6 +13,7 @@ from remanent.results.build import Labelled
 from remanent.studies.ensemble.durations import trajectory_durations
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.memory import BYTES_PER_SAMPLE, require_memory
+from remanent.studies.ensemble.quantities import without_unit
 
 #: Points of the default time grid per unit of tau.
 _DEFAULT_POINTS_PER_TAU = 20
@@ -89,7 +90,10 @@ def time_grid(
 
 def _grid_of_given_times(ens: Ensemble, times: ArrayLike) -> TimeGrid:
     instants = require_increasing(
-        "times", times, what="instants in tau", why="The state is returned at each of them."
+        "times",
+        without_unit("times", times, "time", ens.system),
+        what="instants in tau",
+        why="The state is returned at each of them.",
     )
     if instants[0] < 0.0:
         raise InputError(

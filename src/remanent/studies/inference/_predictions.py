@@ -185,7 +185,7 @@ class MeasurementPredictor:
         )
 
     def _predict_history(self, over: Mapping[str, xr.DataArray]) -> dict[str, FloatArray]:
-        scaled = lay_out_physical_scales(self.system, self.drive, over, self.initial)
+        scaled = lay_out_physical_scales(self.system, self.drive, over, self.initial, tells=False)
         times = self.measurements.coordinate_values
         end = max(float(times[-1]), np.finfo(float).tiny)
         problem = scaled.build_problem_lasting(
@@ -202,9 +202,9 @@ class MeasurementPredictor:
         }
 
     def _predict_response(self, over: Mapping[str, xr.DataArray]) -> dict[str, FloatArray]:
-        omega = xr.DataArray(self.measurements.coordinate_values, dims="frequency")
+        omega = xr.DataArray(self.measurements.coordinate_values, dims="reading")
         scaled = lay_out_physical_scales(
-            self.system, self.drive, {**over, "omega": omega}, self.initial
+            self.system, self.drive, {**over, "omega": omega}, self.initial, tells=False
         )
         outcome = self.response_window.integrate_extremes(scaled, self.motion_tolerance)
         low, high = (

@@ -156,9 +156,11 @@ class _InverseDesignProblem:
 
     def distance_derivatives(self, x: FloatArray) -> FloatArray:
         """Derivatives of the distances at one point, array (measure, field)."""
-        return difference_jacobian(
+        slopes = difference_jacobian(
             self.relative_distances, x, self.parameter_box, self.relative_step
         )
+        # A field that a measure cannot be followed along is left where it is.
+        return np.where(np.isfinite(slopes), slopes, 0.0)
 
     def solve(self, guess: FloatArray) -> FloatArray:
         """The point nearest to all targets, array (field,)."""

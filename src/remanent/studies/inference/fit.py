@@ -9,7 +9,7 @@ import xarray as xr
 
 from remanent._checks import Rule, not_negative_rule, require_flag, require_real
 from remanent._errors import InputError
-from remanent._typing import ArrayLike
+from remanent._typing import ArrayLike, FloatArray
 from remanent.analysis.inference import fitting
 from remanent.analysis.inference.fitting import LeastSquaresFit, Observations, ParameterBox
 from remanent.models.drives.base import Drive
@@ -193,6 +193,14 @@ def _require_run_length(duration: float | None, periods: int | None) -> None:
         require_count("periods", periods, "Runs are counted in whole drive periods.")
 
 
+def _correlation(best: LeastSquaresFit) -> FloatArray:
+    """Correlations, NaN where an estimate has no error, as of data that fit exactly."""
+    products = np.outer(best.standard_errors, best.standard_errors)
+    return np.divide(
+        best.covariance, products, out=np.full_like(products, np.nan), where=products > 0.0
+    )
+
+
 def _fit_variables(
     best: LeastSquaresFit, observed: Observations, confidence: float
 ) -> dict[str, Labelled]:
@@ -207,7 +215,7 @@ def _fit_variables(
         ),
         "correlation": (
             ("parameter", "other_parameter"),
-            best.covariance / np.outer(best.standard_errors, best.standard_errors),
+            _correlation(best),
         ),
         "chi_square": ((), np.array(best.chi_square)),
         "degrees": ((), np.array(best.degrees_of_freedom)),

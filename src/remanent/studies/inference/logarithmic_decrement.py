@@ -114,7 +114,12 @@ def _time_dimension(history: xr.Dataset, variable: str) -> Hashable:
             why="Its decay is measured.",
             fix=f"Pass one of {', '.join(map(str, history.data_vars)) or 'those it has'}.",
         )
-    if variable not in history or "time" not in history.variables or not dims:
+    if (
+        not isinstance(variable, str)
+        or variable not in history
+        or "time" not in history.variables
+        or not dims
+    ):
         raise InputError(
             "history",
             must=f"have {variable} along `time`",

@@ -33,6 +33,7 @@ from remanent.studies.ensemble.progress import (
     as_progress,
     report_part_of_whole,
 )
+from remanent.studies.ensemble.quantities import without_unit
 
 _RESONANCE_WIDTH_RULE = positive_rule(
     "It is the width of the last bracket.", "Pass for example 1e-6."
@@ -122,7 +123,7 @@ def frequency_response(
     discard = require_real("discard", discard, _DISCARD_RULE)
     resonance_width = require_real("resonance_width", resonance_width, _RESONANCE_WIDTH_RULE)
     require_over(over)
-    grid = _require_frequencies(require_drive(drive), omega, over)
+    grid = _require_frequencies(system, require_drive(drive), omega, over)
     ens = lay_out_ensemble(system, drive, {**(over or {}), "omega": grid}, initial)
 
     def respond(runs: Ensemble, report: ProgressFunction | None = None) -> Outcome:
@@ -144,7 +145,9 @@ def frequency_response(
     )
 
 
-def _require_frequencies(drive: Drive, omega: ArrayLike, over: OverArgument | None) -> FloatArray:
+def _require_frequencies(
+    system: System, drive: Drive, omega: ArrayLike, over: OverArgument | None
+) -> FloatArray:
     if "omega" not in drive.parameters():
         raise InputError(
             "drive",
@@ -162,7 +165,10 @@ def _require_frequencies(drive: Drive, omega: ArrayLike, over: OverArgument | No
             fix="Pass them as the third argument.",
         )
     return require_increasing(
-        "omega", omega, what="frequencies", why="The response is computed at each of them."
+        "omega",
+        without_unit("omega", omega, "omega", system),
+        what="frequencies",
+        why="The response is computed at each of them.",
     )
 
 

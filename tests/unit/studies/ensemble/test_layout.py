@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import xarray as xr
+from hypothesis import given
+from hypothesis import strategies as st
 
 import remanent as rm
 from remanent import _threads
@@ -131,3 +134,66 @@ def test_invalid_points_leave_the_others_alone() -> None:
     assert np.isnan(ds.energy.values[[1, 3, 5]]).all()
     for name in ("stretch", "energy", "error"):
         np.testing.assert_array_equal(ds[name].values[[0, 2, 4]], reference[name].values)
+
+
+def labelled(values: list[float], labels: list[Any], dim: str = "specimen") -> xr.DataArray:
+    return xr.DataArray(values, dims=dim, coords={dim: labels})
+
+
+@given(order=st.permutations(["p", "q", "r"]))
+def test_values_are_paired_by_their_labels(order: list[str]) -> None:
+    """Whatever the order of the second, the result is in that of the first, with its labels."""
+    b, omega = {"p": 0.2, "q": 0.3, "r": 0.4}, {"p": 0.7, "q": 1.1, "r": 0.9}
+    ds = simulated(over={
+        "b": labelled([b[x] for x in "pqr"], list("pqr")),
+        "omega": labelled([omega[x] for x in order], order),
+    })  # fmt: skip
+    assert ds.specimen.values.tolist() == list("pqr")
+    for name in "pqr":
+        drive = rm.SineSquared(b[name], omega[name])
+        assert_bits(ds.sel(specimen=name), rm.simulate(rm.Actuator(), drive, times=TIMES))
+
+
+def test_labels_that_do_not_match_are_refused() -> None:
+    """Other labels, repeated labels, and the values of a field as labels of another."""
+    b = labelled([0.2, 0.3], ["p", "q"])
+    with pytest.raises(rm.InputError, match=r"labels along 'specimen' that b has"):
+        simulated(over={"b": b, "omega": labelled([0.7, 1.1], ["p", "s"])})
+    with pytest.raises(rm.InputError, match="each once"):
+        simulated(over={"b": labelled([0.2, 0.3], ["p", "p"])})
+    with pytest.raises(rm.InputError, match="labels along 'omega'"):
+        simulated(over={"omega": [0.7, 1.1], "b": labelled([0.2, 0.3], [0.7, 1.2], "omega")})
+    ds = simulated(over={"omega": [0.7, 1.1], "b": labelled([0.2, 0.3], [1.1, 0.7], "omega")})
+    assert ds.b.values.tolist() == [0.3, 0.2]
+
+
+def test_labels_survive_units_and_files(tmp_path: Path) -> None:
+    """Text labels of the caller's own come through SI and netCDF."""
+    film = rm.Actuator.from_si(
+        shear_modulus="100 kPa", density="2000 kg/m3", half_length="5 mm", half_thickness="5 mm"
+    )
+    ds = simulated(film, over={"b": labelled([0.2, 0.3], ["p", "q"])})
+    assert rm.to_si(ds).specimen.values.tolist() == ["p", "q"]
+    assert rm.load(rm.save(ds, tmp_path / "x.nc")).specimen.values.tolist() == ["p", "q"]
+
+
+@pytest.mark.parametrize(
+    "dim", ["stretch", "energy", "error", "status", "time", "stretch_error", "b", "horizon"]
+)
+def test_dimensions_named_like_variables_are_refused(dim: str) -> None:
+    """Else the variable would vanish from the result."""
+    with pytest.raises(rm.InputError, match="Rename the dimension"):
+        simulated(over={"c": xr.DataArray([1.0, 2.0], dims=dim)})
+
+
+def test_values_that_break_a_rule_draw_one_warning() -> None:
+    """It names the field, the values, the rule and how many points are left out."""
+    expected = r"1 of 3 points .*over\['temperature'\] must be .* greater than 0; got -20"
+    with pytest.warns(rm.InputWarning, match=expected) as caught:
+        simulated(over={"temperature": [-20.0, 280.0, 300.0]})
+    assert len(caught) == 1
+    assert caught[0].filename == __file__
+    with pytest.warns(rm.InputWarning, match="`temperature` is below 100 K: 25 K"):
+        simulated(over={"temperature": [25.0, 300.0]})
+    with pytest.warns(rm.InputWarning, match=r"got nan"):
+        simulated(over={"c": xr.DataArray([1.0, np.nan], dims="case")})
