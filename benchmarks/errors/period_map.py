@@ -49,9 +49,11 @@ class Orbit:
     @property
     def multipliers(self) -> FloatArray:
         """Eigenvalues of the Jacobian, complex array (2,)."""
-        trace, determinant = np.trace(self.jacobian), np.linalg.det(self.jacobian.astype(float))
-        root = np.sqrt(complex((trace / 2) ** 2 - determinant))
-        return np.array([trace / 2 + root, trace / 2 - root], dtype=complex)
+        (a, b), (c, d) = self.jacobian
+        middle, half = (a + d) / 2, (a - d) / 2
+        square = half * half + b * c  # of the distance from the middle, in extended precision
+        root = np.sqrt(np.clongdouble(square))
+        return np.array([middle + root, middle - root], dtype=np.clongdouble)
 
 
 @dataclass(frozen=True)
@@ -78,8 +80,23 @@ class PeriodMap:
     def image(self, state: Any, periods: int) -> tuple[Any, Any]:
         """A state `periods` later, array (2,), and its derivatives, (2, 2), extended precision."""
         engine = _engine(isinstance(self.drive, SineSquared))
+        if not self._advance(engine, [*state, 1, 0, 0, 1], periods):
+            return np.full(2, np.nan, dtype=LONG), np.full((2, 2), np.nan, dtype=LONG)
+        return engine.state[:2].copy(), engine.state[2:].reshape(2, 2).copy()
+
+    def extremes(self, state: Any, periods: int) -> tuple[float, float]:
+        """Smallest and largest thickness stretch over `periods` from a state at phase 0."""
+        stretches, engine = _engine_at_rest(isinstance(self.drive, SineSquared))
+        stretches[:] = [float(state[0])]
+        if not self._advance(engine, list(state), periods):
+            return np.nan, np.nan
+        stretches.append(float(engine.state[0]))
+        return max(stretches) ** -2.0, min(stretches) ** -2.0
+
+    def _advance(self, engine: Any, state: list[Any], periods: int) -> bool:
+        """Follow a state from phase 0; whether it arrives."""
         engine.time = LONG(0)
-        engine.state[:] = [*state, 1, 0, 0, 1]
+        engine.state[:] = state
         v = self.values
         theta = LONG(v["temperature"]) / LONG(v.get("reference_temperature", 293.0))
         body = [v["c"], theta, v.get("prestress", 0.0), v.get("dissipation.0.eta", 0.0)]
@@ -87,9 +104,7 @@ class PeriodMap:
         load = [v.get("phase", 0.0), v["omega"], size, v.get("mean", 0.0)]
         engine.pars[:] = [*body, *load][: len(engine.pars)]
         outcome = engine.propagate_until(periods * self.period, max_steps=1_000_000)
-        if "time_limit" not in str(outcome[0]) or not engine.state[0] > 0:
-            return np.full(2, np.nan, dtype=LONG), np.full((2, 2), np.nan, dtype=LONG)
-        return engine.state[:2].copy(), engine.state[2:].reshape(2, 2).copy()
+        return "time_limit" in str(outcome[0]) and bool(engine.state[0] > 0)
 
     def orbit(self, start: Any, periods: int) -> Orbit | None:
         """The fixed point that Newton's method finds from `start`; None if it finds none."""
@@ -122,6 +137,36 @@ def _engine(squared: bool) -> Any:
     """The equation of motion with its variational equations."""
     import heyoka as hy
 
+    _, equations = _equations(squared)
+    system = hy.var_ode_sys(equations, hy.var_args.vars, order=1)
+    start = np.array([1, 0, 1, 0, 0, 1], dtype=LONG)
+    return hy.taylor_adaptive(system, start[:2], fp_type=LONG, tol=LONG(PRECISION))
+
+
+@cache
+def _engine_at_rest(squared: bool) -> tuple[list[float], Any]:
+    """A list, and the equation of motion, which adds to it the stretch where its rate is 0."""
+    import heyoka as hy
+
+    stretches: list[float] = []
+
+    def add(engine: Any, time: Any, _direction: int) -> None:
+        engine.update_d_output(time)
+        stretches.append(float(engine.d_output[0]))
+
+    (_, rate), equations = _equations(squared)
+    event = hy.nt_event(rate, callback=add, fp_type=LONG)
+    start = np.array([1, 0], dtype=LONG)
+    engine = hy.taylor_adaptive(
+        equations, start, fp_type=LONG, tol=LONG(PRECISION), nt_events=[event]
+    )
+    return stretches, engine
+
+
+def _equations(squared: bool) -> tuple[Any, Any]:
+    """The variables, stretch and rate, and their equations of motion."""
+    import heyoka as hy
+
     x, v = hy.make_vars("x", "v")
     c, theta, prestress, eta, phase, omega, size, mean = (hy.par[k] for k in range(8))
     sine = size * hy.sin(phase + omega * hy.time)
@@ -130,6 +175,4 @@ def _engine(squared: bool) -> Any:
     x4, x7 = x2 * x2, x2 * x2 * x2 * x
     force = theta * (x4 * x4 - x2) - prestress * x7 + m * x4 + eta * v * x7
     rate = (6.0 * c * v * v - 3.0 * force) / (x7 + 2.0 * c * x)
-    system = hy.var_ode_sys([(x, v), (v, rate)], hy.var_args.vars, order=1)
-    start = np.array([1, 0, 1, 0, 0, 1], dtype=LONG)
-    return hy.taylor_adaptive(system, start[:2], fp_type=LONG, tol=LONG(PRECISION))
+    return (x, v), [(x, v), (v, rate)]

@@ -38,6 +38,7 @@ from .models.drives.piecewise import Sampled as Sampled
 
 # Family: Motion
 from .studies.motion.simulate import simulate as simulate
+from .studies.motion.rates import rates as rates
 from .studies.motion.poincare_section import poincare_section as poincare_section
 from .studies.motion.crossings import crossings as crossings
 from .studies.motion.energy_balance import energy_balance as energy_balance
@@ -50,6 +51,7 @@ from .studies.response.backbone import backbone as backbone
 
 # Family: Periodic orbits and bifurcations
 from .studies.orbits.periodic_orbits import periodic_orbits as periodic_orbits
+from .studies.orbits.period_map import period_map as period_map
 from .studies.orbits.continue_orbit import continue_orbit as continue_orbit
 from .studies.orbits.response_diagram import response_diagram as response_diagram
 from .studies.orbits.switch_branch import switch_branch as switch_branch

@@ -1,6 +1,6 @@
 """A Field evaluated with NumPy, one trajectory a row: slow and obviously right.
 
-Only tests use it, as the reference for compiled kernels.
+It is the reference for compiled kernels in tests, and what :func:`remanent.rates` gives.
 """
 
 from __future__ import annotations

@@ -21,12 +21,18 @@ class MapImage:
         Derivatives by the parameters.
     error : array (point,)
         Estimated error of the state, and of the derivatives relative to their largest.
+    state_error : array (point, state), optional
+        Estimated error of each variable of the state, with its sign, of one iterate.
+    jacobian_error : array (point, state, state), optional
+        The same of the entries of the Jacobian.
     """
 
     state: FloatArray
     jacobian: FloatArray
     parameter_jacobian: FloatArray
     error: FloatArray
+    state_error: FloatArray | None = None
+    jacobian_error: FloatArray | None = None
 
 
 class Map(Protocol):

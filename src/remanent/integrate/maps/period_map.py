@@ -55,6 +55,11 @@ class PeriodMapImage:
         Double steps per period.
     visited_states : array (point, period, state), optional
         The state after each period.
+    last_state_error : array (point, state), optional
+        Estimated error that the last period adds to each variable of the state, with its sign:
+        with the factor of safety of :class:`~remanent.integrate.kernel.options.KernelOptions`.
+    last_tangents_error : array (point, column, state), optional
+        The same of the tangents.
     """
 
     state: FloatArray
@@ -62,6 +67,8 @@ class PeriodMapImage:
     largest_period_error: FloatArray
     resolution: IntArray
     visited_states: FloatArray | None
+    last_state_error: FloatArray | None = None
+    last_tangents_error: FloatArray | None = None
 
 
 @dataclass(frozen=True)
@@ -159,6 +166,9 @@ class PeriodMap:
             with_tangents if self.column_count else field, method, options
         )
         self.order = method.order
+        self._error_per_solution_difference = options.error_safety_factor / float(
+            2**method.order_assumed_by_error_estimate - 1
+        )
         self._cycle_tables = CycleTables(waveform, phase)
 
     def __call__(
@@ -211,6 +221,7 @@ class PeriodMap:
         levels += levels % 2 if half else 0  # half a period needs whole double steps
         tolerances = np.broadcast_to(np.asarray(tolerance, dtype=np.float64), (count,))
         ends, error = np.full(points.states_and_tangents.shape, np.nan), np.full(count, np.inf)
+        last_error = np.full(ends.shape, np.nan)
         path = np.full((count, cycles, d), np.nan) if visited else None
         pending = np.arange(count)
         while pending.size:
@@ -219,6 +230,8 @@ class PeriodMap:
                 memory = self._initial_memory(points.subset(members), int(level), course)
                 states_after = self._advance_points(memory, int(level), course)
                 ends[members] = memory.state_vectors("fine")
+                difference = ends[members] - memory.state_vectors("coarse")
+                last_error[members] = self._error_per_solution_difference * difference
                 error[members] = memory.column("largest_error")
                 if path is not None and states_after is not None:
                     path[members] = states_after
@@ -228,8 +241,12 @@ class PeriodMap:
             )
             pending = missed[finer <= max_resolution]
             levels[pending] = finer[finer <= max_resolution]
-        columns = ends[:, d:].reshape(count, self.column_count, d)
-        return PeriodMapImage(ends[:, :d], columns, error, levels, path)
+        columns, columns_error = (
+            vectors[:, d:].reshape(count, self.column_count, d) for vectors in (ends, last_error)
+        )
+        return PeriodMapImage(
+            ends[:, :d], columns, error, levels, path, last_error[:, :d], columns_error
+        )
 
     def _states_and_tangents(self, states: FloatArray, tangent: FloatArray | None) -> FloatArray:
         """States followed by their tangents, array (point, component)."""

@@ -15,7 +15,7 @@ from remanent._status import Status
 from remanent._typing import IntArray
 from remanent.analysis.orbits.bifurcations import SpecialPoint
 from remanent.analysis.orbits.curves import CurvePoints
-from remanent.analysis.orbits.periodic_orbits import PeriodicOrbits
+from remanent.analysis.orbits.errors import orbit_errors
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
 from remanent.studies.ensemble.ensemble import Ensemble
@@ -99,12 +99,10 @@ def describe_branches(
 def _describe_points(ens: Ensemble, points: CurvePoints, options: TracingOptions) -> ColumnTable:
     """Columns along points of a curve: orbits with their parameter."""
     values = points.unknown[:, -1]
-    orbits = PeriodicOrbits(
-        points.unknown[:, :-1],
-        points.extra_arrays["jacobian"],
-        points.residual,
-        points.residual_error,
-    )
+    orbits = orbit_errors(
+        options.tracing_of_member(ens).map, points.unknown[:, :-1], values[:, None],
+        options.orbit_period,
+    )  # fmt: skip
     columns = describe_orbits(ens, orbits, options.orbit_period, {options.parameter: values})
     return columns | {"parameter": values}
 

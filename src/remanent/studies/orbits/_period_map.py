@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from remanent._typing import FloatArray, IntArray
+from remanent.analysis.orbits.errors import OrbitErrors
 from remanent.analysis.orbits.maps import MapImage
+from remanent.analysis.orbits.refinement import refine_orbits
 from remanent.integrate.ensemble.problem import Problem
 from remanent.integrate.ensemble.resolution import MAX_RESOLUTION
 from remanent.integrate.maps.period_map import PeriodMap, PeriodMapImage
@@ -26,6 +28,43 @@ _MAX_PERIOD_ERROR = 1e-10
 def period_tolerance_for_residual(tolerance: float, share: float = 0.1) -> float:
     """Error of a period that leaves a residual of `tolerance` its meaning."""
     return min(share * tolerance, _MAX_PERIOD_ERROR)
+
+
+#: Smallest error of a period that is asked for: rounding makes as much.
+_MIN_PERIOD_TOLERANCE = 1e-14
+#: Largest resolution of maps for such errors: rounding grows with the number of steps.
+_FINEST_RESOLUTION_AGAINST_ROUNDING = 2048
+
+
+def refine_on_period_map(
+    map_: StroboscopicMap,
+    states: FloatArray,
+    parameters: FloatArray,
+    iterate: int,
+    tolerance: float,
+) -> OrbitErrors:
+    """Points near periodic orbits moved onto them, until the error of each is below `tolerance`.
+
+    Parameters
+    ----------
+    map_ : StroboscopicMap
+        To begin with; where its steps leave a larger error, shorter ones are taken.
+    states : array (orbit, state)
+    parameters : array (orbit, parameter)
+    iterate : int
+        Periods after which the orbits close.
+    tolerance : float
+        Of the error of each variable of the state.
+    """
+    return refine_orbits(
+        map_.with_smaller_errors, finest_level(map_), states, parameters, iterate, tolerance
+    )
+
+
+def finest_level(map_: StroboscopicMap) -> int:
+    """Last level of :meth:`StroboscopicMap.with_smaller_errors` that rounding allows."""
+    room = np.log10(map_.period_tolerance / _MIN_PERIOD_TOLERANCE)
+    return int(np.floor(np.maximum(room, 0.0)))
 
 
 @dataclass(frozen=True)
@@ -68,6 +107,16 @@ class StroboscopicMap:
     def dimension(self) -> int:
         """Number of state variables."""
         return self._period_map.dimension
+
+    def with_smaller_errors(self, level: int) -> StroboscopicMap:
+        """The map with errors of a period 10**level times smaller."""
+        if level == 0:
+            return self
+        return replace(
+            self,
+            period_tolerance=self.period_tolerance * 10.0**-level,
+            finest_resolution=_FINEST_RESOLUTION_AGAINST_ROUNDING,
+        )
 
     def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> MapImage:
         """Apply the map; see :class:`remanent.analysis.orbits.maps.Map`."""
@@ -156,7 +205,11 @@ class StroboscopicMap:
         """What analysis wants of an image."""
         jacobian = np.moveaxis(image.tangents[:, : self.dimension], 1, 2)
         slope = self._parameter_derivatives(image, self._parameter_columns(parameters))
-        return MapImage(image.state, jacobian, slope, image.largest_period_error * max(iterate, 1))
+        error = image.largest_period_error * max(iterate, 1)
+        if iterate != 1 or image.last_tangents_error is None:
+            return MapImage(image.state, jacobian, slope, error)
+        jacobian_error = np.moveaxis(image.last_tangents_error[:, : self.dimension], 1, 2)
+        return MapImage(image.state, jacobian, slope, error, image.last_state_error, jacobian_error)
 
     def _parameter_derivatives(
         self, image: PeriodMapImage, values: dict[str, FloatArray]

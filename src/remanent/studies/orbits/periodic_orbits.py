@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from remanent._status import Status
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.results.build import Labelled
@@ -30,13 +31,19 @@ from remanent.studies.orbits._orbit_tables import (
     describe_orbits,
     empty_orbit_columns,
 )
-from remanent.studies.orbits._period_map import StroboscopicMap, period_tolerance_for_residual
+from remanent.studies.orbits._period_map import (
+    StroboscopicMap,
+    period_tolerance_for_residual,
+    refine_on_period_map,
+)
 from remanent.studies.orbits._search import OrbitSearch, find_all_orbits, is_reversible
 
 #: Dimensions of columns beyond that of the orbits.
 _EXTRA_DIMENSIONS_OF_COLUMN = MappingProxyType(
     {"initial": ("state",), "multipliers": ("multiplier",), "multipliers_error": ("multiplier",)}
 )
+#: Residual of orbits as they are found; refinement goes on from there.
+_SEARCH_RESIDUAL = 1e-9
 
 
 def periodic_orbits(
@@ -67,7 +74,7 @@ def periodic_orbits(
     over : mapping of name to values, optional
         Values of numeric fields; they become dimensions of the result.
     tolerance : float
-        Of the residual: the distance of the orbit's point from its image.
+        Of the error of the orbit's point; shorter steps are taken until it is met.
     progress : bool or callable, optional
         True draws a bar; a callable is called with the share of the combinations in `over`
         that are finished.
@@ -80,8 +87,12 @@ def periodic_orbits(
         ``multipliers_error``; ``stability`` (orbit): ``elliptic`` or ``saddle`` without
         dissipation, ``stable``, ``saddle`` or ``unstable`` with it, ``undecided`` within the
         error; ``maximum``, ``minimum`` and ``amplitude`` of the thickness stretch along the
-        orbit; ``residual``; ``orbits``, how many there are; ``status``.  NaN where there are
-        fewer orbits than elsewhere.
+        orbit, with ``maximum_error`` and so on; ``residual``, the distance of the point from
+        its image; ``error``, that of the point: its step in Newton's method, the error of the
+        map and rounding, each through (1 - J)^-1, where J has the multipliers, with the terms
+        of second order; NaN where they leave it open whether there is an orbit.  ``orbits``,
+        how many there are; ``status``: ``max-steps`` where an error is above the tolerance.
+        NaN where there are fewer orbits than elsewhere.
 
     Raises
     ------
@@ -110,17 +121,21 @@ def periodic_orbits(
     ['elliptic', 'elliptic', 'saddle']
     """
     orbit_period = require_orbit_period(orbit_period)
-    require_tolerance(tolerance, "the residual")
+    require_tolerance(tolerance, "the error of the orbits")
     ens = lay_out_ensemble(system, drive, over, reserved=ORBIT_DIMENSIONS)
     require_drive_periods(ens)
     require_heat_exchange(ens)
     require_state_box("state_box", state_box, ens)
 
     def find(member: Ensemble) -> dict[str, NDArray[Any]]:
-        map_ = StroboscopicMap(member, (), period_tolerance_for_residual(tolerance))
+        map_ = StroboscopicMap(member, (), period_tolerance_for_residual(_SEARCH_RESIDUAL))
         box = require_state_box("state_box", state_box, member)
-        search = OrbitSearch(map_, box, orbit_period, tolerance, is_reversible(system, drive))
-        (orbits,) = find_all_orbits(search, np.empty((1, 0)))
+        search = OrbitSearch(
+            map_, box, orbit_period, _SEARCH_RESIDUAL, is_reversible(system, drive)
+        )
+        (found,) = find_all_orbits(search, np.empty((1, 0)))
+        rows = np.empty((len(found.state), 0))
+        orbits = refine_on_period_map(map_, found.state, rows, orbit_period, tolerance)
         return describe_orbits(member, orbits, orbit_period, {})
 
     tables = map_members_in_threads(ens, find, as_progress(progress))
@@ -135,4 +150,15 @@ def periodic_orbits(
         "state": (("state",), np.array(ens.vector_field.state_names)),
         "multiplier": (("multiplier",), np.arange(len(ens.vector_field.state_names))),
     }
-    return to_dataset(ens, variables, coords=coords, tolerance=tolerance, orbit_period=orbit_period)
+    status = np.array(
+        [
+            Status.INVALID if table is None
+            else Status.OK if (table["error"] <= tolerance).all()
+            else Status.MAX_STEPS
+            for table in tables
+        ]
+    )  # fmt: skip
+    return to_dataset(
+        ens, variables, coords=coords, tolerance=tolerance, status=status,
+        orbit_period=orbit_period,
+    )  # fmt: skip

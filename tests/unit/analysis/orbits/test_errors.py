@@ -1,0 +1,203 @@
+"""Errors of periodic orbits on maps whose orbits are known in closed form."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pytest
+
+from remanent._typing import FloatArray
+from remanent.analysis.orbits.errors import OrbitErrors, orbit_errors
+from remanent.analysis.orbits.maps import MapImage
+from remanent.analysis.orbits.refinement import refine_orbits
+from remanent.analysis.orbits.stability import Stability, floquet_multipliers, orbit_stability
+
+EPS = float(np.finfo(float).eps)
+#: Random cases of each law.
+COUNT = 400
+
+
+@dataclass(frozen=True)
+class ClosedFormMap:
+    """A map x -> image(x, p) whose images are wrong by `error`, of which it knows the size."""
+
+    dimension: int
+    image: Callable[[FloatArray, FloatArray], FloatArray]
+    jacobian: Callable[[FloatArray, FloatArray], FloatArray]
+    error: float = 0.0
+
+    def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> MapImage:
+        x, product = states, np.tile(np.eye(self.dimension), (len(states), 1, 1))
+        for _ in range(iterate):
+            product = self.jacobian(x, parameters) @ product
+            x = self.image(x, parameters) + self.error
+        size = np.full(len(states), self.error)
+        slope = np.zeros((len(states), self.dimension, 0))
+        vector = np.full(states.shape, self.error)
+        return MapImage(x, product, slope, size, vector, np.zeros_like(product))
+
+
+def linear_map(error: float = 0.0) -> ClosedFormMap:
+    """x -> A x + b; the parameters are the entries of A, then b."""
+
+    def matrices(p: FloatArray) -> FloatArray:
+        return p[:, :4].reshape(-1, 2, 2)
+
+    def image(x: FloatArray, p: FloatArray) -> FloatArray:
+        return (matrices(p) @ x[..., None])[..., 0] + p[:, 4:]
+
+    return ClosedFormMap(2, image, lambda _, p: matrices(p), error)
+
+
+#: x -> x + p - x^2, fixed at the roots of p: they meet in a fold at p = 0.
+FOLD = ClosedFormMap(1, lambda x, p: x + p - x**2, lambda x, _: (1.0 - 2.0 * x)[..., None])
+
+
+def twist(x: FloatArray, p: FloatArray) -> FloatArray:
+    """Turn each point about the origin by 2 pi (p + r^2): a torus for each radius."""
+    angle = 2.0 * np.pi * (p[:, 0] + (x**2).sum(axis=1))
+    cos, sin = np.cos(angle), np.sin(angle)
+    return np.column_stack([cos * x[:, 0] - sin * x[:, 1], sin * x[:, 0] + cos * x[:, 1]])
+
+
+def twist_jacobian(x: FloatArray, p: FloatArray) -> FloatArray:
+    """The derivatives of :func:`twist`, in closed form."""
+    angle = 2.0 * np.pi * (p[:, 0] + (x**2).sum(axis=1))
+    cos, sin = np.cos(angle), np.sin(angle)
+    turn = np.stack([cos, -sin, sin, cos], axis=1).reshape(-1, 2, 2)
+    across = np.stack([-sin, -cos, cos, -sin], axis=1).reshape(-1, 2, 2)
+    along = (across @ x[..., None]) * (4.0 * np.pi * x)[:, None, :]
+    return np.asarray(turn + along)
+
+
+def test_the_error_of_an_orbit_of_a_linear_map_is_its_distance() -> None:
+    """Law: Coverage.  x -> A x + b: the point is (1 - A)^-1 b - x away, and so is the bound."""
+    rng = np.random.default_rng(1)
+    parameters = rng.normal(size=(COUNT, 6))
+    matrix = np.eye(2) - parameters[:, :4].reshape(-1, 2, 2)
+    exact = np.linalg.solve(matrix, parameters[:, 4:, None])[..., 0]
+    off = 10.0 ** rng.uniform(-12.0, -2.0, (COUNT, 1)) * rng.normal(size=(COUNT, 2))
+    found = orbit_errors(linear_map(), exact + off, parameters, 1)
+    true = np.abs(found.state - exact)
+    condition = np.linalg.cond(matrix)
+    noise = 100.0 * EPS * condition * (np.abs(exact).max(axis=1) + 1.0)
+    assert found.is_confirmed.all()
+    assert (true <= found.state_error + 1e-3 * noise[:, None]).all()
+    assert (found.state_error <= 1.001 * true + 100.0 * noise[:, None]).all()
+
+
+def test_the_error_of_the_map_goes_through_one_minus_the_jacobian() -> None:
+    """x -> A x + b, images wrong by d: the fixed point is (1 - A)^-1 d from the true one."""
+    rng = np.random.default_rng(2)
+    parameters = rng.normal(size=(COUNT, 6))
+    matrix = np.eye(2) - parameters[:, :4].reshape(-1, 2, 2)
+    error = 1e-7
+    exact = np.linalg.solve(matrix, parameters[:, 4:, None])[..., 0]
+    wrong: FloatArray = np.asarray(np.linalg.solve(matrix, parameters[:, 4:, None] + error)[..., 0])
+    found = orbit_errors(linear_map(error), wrong, parameters, 1)
+    np.testing.assert_allclose(found.state_error, np.abs(wrong - exact), rtol=1e-3)
+
+
+def test_near_a_fold_an_error_covers_or_there_is_none() -> None:
+    """Law: Coverage.  x -> x + p - x²: fixed at ±√p, and nowhere where p < 0."""
+    rng = np.random.default_rng(3)
+    root = 10.0 ** rng.uniform(-7.0, 0.0, (COUNT, 1))
+    guess = root * (1.0 + rng.uniform(-1.5, 1.5, (COUNT, 1)))
+    found = orbit_errors(FOLD, guess, root**2, 1)
+    true = np.minimum(np.abs(found.state - root), np.abs(found.state + root))[:, 0]
+    told = found.is_confirmed
+    assert (true[told] <= found.error[told] * (1.0 + 1e-9)).all()
+    assert np.isnan(found.error[~told]).all()
+    # The derivative 1 - 2 x of the map is as far from that of the orbit as 2 (x - root).
+    assert (2.0 * true[told] <= found.jacobian_error[told, 0, 0] * (1.0 + 1e-9)).all()
+    # At x = (1 + u)√p a contraction of 1/2 is allowed where |u (2 + u)| <= 3/4 (1 + u)^2.
+    u = (guess / root - 1.0)[:, 0]
+    share = np.abs(u * (2.0 + u)) / (0.75 * (1.0 + u) ** 2)
+    clear = (share < 0.95) | (share > 1.05)
+    assert (told == (share < 1.0))[clear].all()
+    nothing = orbit_errors(FOLD, guess, -(root**2), 1)
+    assert not nothing.is_confirmed.any()
+
+
+@pytest.mark.parametrize("period", [1, 3, 7])
+def test_points_of_a_torus_that_closes_are_no_orbits(period: int) -> None:
+    """A twist map turns the radius where r² = k/n by whole turns: every point there closes."""
+    rng = np.random.default_rng(period)
+    angle = rng.uniform(0.0, 2.0 * np.pi, 50)
+    radius = np.sqrt(1.0 + 1.0 / period + 10.0 ** rng.uniform(-16.0, -10.0, 50))
+    points = radius[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
+    map_ = ClosedFormMap(2, twist, twist_jacobian)
+    found = orbit_errors(map_, points, np.zeros((50, 1)), period)
+    assert found.residual.max() < 1e-8
+    assert not found.is_confirmed.any()
+
+
+def test_refinement_takes_the_coarsest_map_that_is_enough() -> None:
+    """Maps wrong by 1e-6, 1e-7 ...: the error is below the tolerance, and no map far below it."""
+    parameters = np.array([[0.5, 0.0, 0.0, -0.5, 1.0, 1.0]])
+    exact = np.array([[2.0, 2.0 / 3.0]])
+    used: list[int] = []
+
+    def map_of_level(level: int) -> ClosedFormMap:
+        used.append(level)
+        return linear_map(1e-6 * 10.0**-level)
+
+    for tolerance, last in ((1e-3, 0), (1e-6, 1), (1e-9, 4)):
+        used.clear()
+        found = refine_orbits(map_of_level, 8, exact + 1e-4, parameters, 1, tolerance)
+        assert np.abs(found.state - exact).max() <= found.error[0] <= tolerance
+        assert max(used) == last
+    found = refine_orbits(map_of_level, 2, exact + 1e-4, parameters, 1, 1e-12)
+    assert found.error[0] > 1e-12  # and says so
+    none: OrbitErrors = refine_orbits(map_of_level, 2, exact[:0], parameters[:0], 1, 1e-9)
+    assert none.error.shape == (0,)
+
+
+@pytest.mark.parametrize("dimension", [2, 3, 4])
+@pytest.mark.parametrize("gap", [0.0, 1e-10, 1e-6, 1e-3, 1.0])
+def test_no_eigenvalue_moves_further_than_its_error(dimension: int, gap: float) -> None:
+    """Law: Coverage.  Matrices with two eigenvalues a gap apart, each entry changed at random."""
+    rng = np.random.default_rng(round(1e3 * gap) + dimension)
+    block = np.triu(rng.normal(size=(COUNT, dimension, dimension)), 1)
+    values = rng.normal(size=(COUNT, dimension))
+    values[:, 1] = values[:, 0] + gap
+    block[:, np.arange(dimension), np.arange(dimension)] = values
+    turned, _ = np.linalg.qr(rng.normal(size=block.shape))
+    matrix = turned @ block @ turned.swapaxes(1, 2)
+    bound = 10.0 ** rng.uniform(-14.0, -4.0, (COUNT, 1, 1)) * rng.uniform(0.0, 1.0, block.shape)
+    changed = matrix + bound * rng.choice([-1.0, 1.0], block.shape)
+    found, errors = floquet_multipliers(matrix, bound)
+    others, _ = floquet_multipliers(changed, np.zeros(COUNT))
+    distance = np.abs(found[:, :, None] - others[:, None, :]).min(axis=2)
+    # what the eigenvalues of the changed matrix are themselves known to
+    _, rounding = floquet_multipliers(changed, np.full(COUNT, 4.0 * EPS))
+    assert (distance <= errors + rounding).all()
+
+
+def test_errors_of_eigenvalues_are_not_needlessly_large() -> None:
+    """Of a symmetric matrix no eigenvalue moves further than the norm of the change."""
+    rng = np.random.default_rng(4)
+    matrix = rng.normal(size=(COUNT, 2, 2))
+    matrix = matrix + matrix.swapaxes(1, 2)
+    _, errors = floquet_multipliers(matrix, np.full(matrix.shape, 1e-8))
+    assert (errors <= 4.0 * 2e-8).all()
+
+
+def test_stability_follows_the_errors() -> None:
+    """Undecided as soon as the error reaches the unit circle, and not before."""
+    for conservative, values, kind in (
+        (False, [0.9, 0.5], Stability.STABLE),
+        (False, [1.1, 0.5], Stability.SADDLE),
+        (False, [1.3, 1.1], Stability.UNSTABLE),
+        (True, [1.1, 1.0 / 1.1], Stability.SADDLE),
+        (True, np.exp([0.1j, -0.1j]), Stability.ELLIPTIC),
+    ):
+        multipliers: Any = np.array([values], dtype=complex)
+        for error, expected in ((0.089, kind), (0.101, Stability.UNDECIDED)):
+            errors = np.full((1, 2), error)
+            assert orbit_stability(multipliers, errors, conservative=conservative)[0] == expected
+        unknown = np.full((1, 2), np.nan)
+        assert orbit_stability(multipliers, unknown, conservative=conservative)[0] == 0
