@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Self
 
@@ -11,6 +11,12 @@ import numpy as np
 from remanent._field import Field, Program
 from remanent._roots import find_roots
 from remanent._typing import BoolArray, FloatArray, IntArray
+from remanent.integrate.crossings import (
+    NO_CROSSING,
+    Crossings,
+    merge_within_error,
+    with_distances,
+)
 from remanent.integrate.ensemble import dense
 from remanent.integrate.ensemble.ensemble import ProgressCallback, integrate
 from remanent.integrate.ensemble.problem import (
@@ -18,58 +24,14 @@ from remanent.integrate.ensemble.problem import (
     Problem,
     Request,
     StepWindow,
-    latest_trusted_time,
 )
 from remanent.integrate.methods.runge_kutta import default_method
 from remanent.integrate.variations import observable_derivatives
 
+#: Step of the phase by which the rate of an observable of the load itself is taken.
+_PHASE_STEP = 1e-5
 #: A root is located to the last digits of the fraction of a step.
 _ROOT_TOLERANCES = {"xatol": 0.0, "xrtol": 4.0 * np.finfo(float).eps, "fatol": 0.0, "frtol": 0.0}
-
-
-@dataclass(frozen=True)
-class Crossings:
-    """Crossings of all trajectories, sorted by trajectory and time.
-
-    Attributes
-    ----------
-    trajectory : array (crossing,)
-    time : array (crossing,)
-        tau.
-    states : array (crossing, state)
-    direction : array (crossing,)
-        1 upwards, -1 downwards, 0 where the observable touches the value and turns back.
-    """
-
-    trajectory: IntArray
-    time: FloatArray
-    states: FloatArray
-    direction: IntArray
-
-    @classmethod
-    def concatenated(cls, parts: Sequence[Crossings], dimension: int) -> Self:
-        """Several lists as one, in the order of the parts.
-
-        Parameters
-        ----------
-        parts : sequence of Crossings
-            May be empty.
-        dimension : int
-            Of the state.
-        """
-        numbers = np.empty(0, dtype=np.int64)
-        empty = Crossings(numbers, np.empty(0), np.empty((0, dimension)), numbers)
-        names = ("trajectory", "time", "states", "direction")
-        lists = ([getattr(part, name) for part in (empty, *parts)] for name in names)
-        return cls(*(np.concatenate(columns) for columns in lists))
-
-    def sorted_up_to(self, ends: FloatArray) -> Crossings:
-        """Those that come before the `ends` of their trajectories, sorted."""
-        trusted = np.flatnonzero(self.time <= latest_trusted_time(ends[self.trajectory]))
-        order = trusted[np.lexsort((self.time[trusted], self.trajectory[trusted]))]
-        return Crossings(
-            self.trajectory[order], self.time[order], self.states[order], self.direction[order]
-        )
 
 
 def find_crossings(
@@ -87,15 +49,15 @@ def find_crossings(
     the end of a step is found once.  Two passages within one step, and a touch, are found
     where the observable turns within the step: its extremum is located and compared with
     the value.  An extremum nearer to the value than the tolerance is a touch, since
-    nothing better is known of it.
+    nothing better is known of it; and where the motion stays as near as that, its passages are
+    those of its error, see :func:`~remanent.integrate.crossings.merge_within_error`.
 
     Parameters
     ----------
     problem : Problem
         What to integrate.
     name : str
-        A state variable, or one of ``problem.field.observables`` that depends on state and
-        parameters only.
+        A state variable, or one of ``problem.field.observables``.
     value : float
         That it passes.
     tolerance : float
@@ -121,7 +83,7 @@ def find_crossings(
     parts = [part for part in outcome.inspection_results if part is not None]
     ends = np.minimum(outcome.horizon, problem.duration)
     joined = Crossings.concatenated(parts, problem.initial_states.shape[1])
-    return joined.sorted_up_to(ends), outcome
+    return merge_within_error(joined.sorted_up_to(ends), tolerance), outcome
 
 
 @dataclass(frozen=True)
@@ -132,11 +94,14 @@ class _CrossingFinder:
     ----------
     observable_program : Program
         The observable and its derivatives by the state.
+    is_driven : bool
+        Whether the observable depends on the load itself.
     """
 
     field: Field
     waveform: Callable[[FloatArray], FloatArray]
     observable_program: Program
+    is_driven: bool
     crossed_value: float
     tolerance: float
 
@@ -144,16 +109,21 @@ class _CrossingFinder:
     def for_observable(cls, problem: Problem, name: str, value: float, tolerance: float) -> Self:
         """A finder for one observable."""
         program = observable_derivatives(problem.field, name, problem.field.state_names)
-        if _depends_on_drive(program, problem.field):
-            raise ValueError(f"{name} depends on the drive itself, not only on the state")
-        return cls(problem.field, problem.timeline.waveforms_at_phase, program, value, tolerance)
+        driven = bool(_depends_on_drive(program, problem.field))
+        waveform = problem.timeline.waveforms_at_phase
+        return cls(problem.field, waveform, program, driven, value, tolerance)
 
-    def find_in_window(self, window: StepWindow) -> Crossings | None:
-        """The crossings in a window."""
+    def find_in_window(self, window: StepWindow) -> Crossings:
+        """The crossings in a window, and its ends."""
         nodes = window.states.shape[1]
-        level, rate = self.signed_distance_and_rate(
-            np.moveaxis(window.states, 2, 0), window.parameters[:, :, None], window.phase
+        length = window.segment.fine_step_length[:, None]
+        at_nodes = self.observe(
+            np.moveaxis(window.states, 2, 0),
+            window.parameters[:, :, None],
+            window.phase,
+            window.segment.phase_change_per_fine_step / length,
         )
+        level, rate = at_nodes.level, at_nodes.rate
         inside = np.arange(nodes - 1) < window.steps_in_run[:, None]
         before, after = level[:, :-1], level[:, 1:]
         # A step that starts on the value goes to the side it moves to.
@@ -162,25 +132,101 @@ class _CrossingFinder:
         # An extremum towards the value can hide two passages: the rate changes sign in the
         # step, and points towards the value at its beginning.
         turns = inside & ~passed & (rate[:, :-1] * rate[:, 1:] < 0.0) & (side * rate[:, :-1] < 0.0)
+        curvature = _largest_of_neighbours(np.abs(np.diff(rate, axis=1)) / length)
         parts: list[Crossings] = []
         if passed.any():
-            steps = _WindowSteps(self, window, *np.nonzero(passed))
+            steps = _WindowSteps(self, window, curvature, *np.nonzero(passed))
             parts.append(steps.locate_passages(np.zeros(steps.count), np.ones(steps.count)))
         if turns.any():
-            parts += _WindowSteps(self, window, *np.nonzero(turns)).locate_turns(side)
-        return Crossings.concatenated(parts, window.states.shape[2]) if parts else None
+            turning = _WindowSteps(self, window, curvature, *np.nonzero(turns))
+            parts += turning.locate_turns(side)
+        found = Crossings.concatenated(parts, window.states.shape[2])
+        found = found.subset(np.lexsort((found.time, found.trajectory)))
+        row_of_trajectory = np.zeros(int(window.indices.max()) + 1, dtype=np.int64)
+        row_of_trajectory[window.indices] = np.arange(len(window.indices))
+        distance = np.abs(level)
+        distance[:, 1:][~inside] = 0.0
+        return with_distances(
+            found, distance, row_of_trajectory[found.trajectory], _ends_of_window(window)
+        )
 
-    def signed_distance_and_rate(
-        self, states: Any, parameters: FloatArray, phase: Any
-    ) -> tuple[FloatArray, FloatArray]:
-        """The observable less the value, and its rate."""
-        inputs = [phase, *states, *parameters, *self.waveform(np.asarray(phase))]
+    def observe(
+        self, states: Any, parameters: FloatArray, phase: Any, phase_rate: Any
+    ) -> _Observed:
+        """What is observed of some states, whose phase advances at a rate."""
+        fixed, shape = [*states, *parameters], np.shape(states[0])
+
+        def program_at(s: Any) -> list[Any]:
+            inputs = [s, *fixed, *self.waveform(np.asarray(s))]
+            return list(self.observable_program(inputs, functions=np))
+
         with np.errstate(all="ignore"):
-            level, *slopes = self.observable_program(inputs, functions=np)
+            level, *slopes = program_at(phase)
+            inputs = [phase, *fixed, *self.waveform(np.asarray(phase))]
             rates = self.field.rates(inputs, functions=np)
             rate = sum(a * b for a, b in zip(slopes, rates, strict=True))
-        shape = np.shape(states[0])
-        return np.broadcast_to(level - self.crossed_value, shape), np.broadcast_to(rate, shape)
+            if self.is_driven:
+                change = program_at(phase + _PHASE_STEP)[0] - program_at(phase - _PHASE_STEP)[0]
+                rate = rate + change / (2.0 * _PHASE_STEP) * phase_rate
+            sensitivity = sum(np.abs(slope) for slope in slopes)
+        speed = np.max([np.broadcast_to(np.abs(r), shape) for r in rates], axis=0)
+        level, rate, sensitivity = (
+            np.broadcast_to(v, shape) for v in (level - self.crossed_value, rate, sensitivity)
+        )
+        return _Observed(level, rate, sensitivity, speed)
+
+
+def _largest_of_neighbours(values: FloatArray) -> FloatArray:
+    """The largest of each value and the two beside it, array (trajectory, step)."""
+    padded = np.pad(values, ((0, 0), (1, 1)), mode="edge")
+    return np.asarray(np.maximum(np.maximum(padded[:, :-2], padded[:, 2:]), values))
+
+
+def _ends_of_window(window: StepWindow) -> Crossings:
+    """The end of a window in each of its trajectories, as what comes after their crossings."""
+    count = window.indices.size
+    steps = np.clip(window.steps_in_run, 0, window.states.shape[1] - 1)
+    unknown = np.full(count, np.nan)
+    return Crossings(
+        trajectory=window.indices,
+        time=window.segment.time_after(steps),
+        states=np.full((count, window.states.shape[2]), np.nan),
+        direction=np.full(count, NO_CROSSING),
+        rate=unknown,
+        curvature=unknown,
+        sensitivity=unknown,
+        speed=unknown,
+        largest_before=unknown,
+        step=steps,
+    )
+
+
+@dataclass(frozen=True)
+class _Observed:
+    """What is observed of some states, arrays of one shape.
+
+    Attributes
+    ----------
+    level : array
+        The observable less the value that is crossed.
+    rate : array
+        Of the observable.
+    sensitivity : array
+        Sum of the sizes of its derivatives by the state.
+    speed : array
+        Largest rate of a state variable.
+    """
+
+    level: FloatArray
+    rate: FloatArray
+    sensitivity: FloatArray
+    speed: FloatArray
+
+    def subset(self, where: BoolArray) -> _Observed:
+        """Some of the states."""
+        return _Observed(
+            self.level[where], self.rate[where], self.sensitivity[where], self.speed[where]
+        )
 
 
 @dataclass(frozen=True)
@@ -189,12 +235,15 @@ class _WindowSteps:
 
     Attributes
     ----------
+    curvature : array (trajectory, step)
+        Size of the observable's second derivative in every step of the window.
     trajectory_rows, step_numbers : array (n,)
         Trajectory and step in the window.
     """
 
     finder: _CrossingFinder
     window: StepWindow
+    curvature: FloatArray
     trajectory_rows: IntArray
     step_numbers: IntArray
 
@@ -211,13 +260,15 @@ class _WindowSteps:
     def subset(self, where: BoolArray) -> _WindowSteps:
         """Some of the steps."""
         return _WindowSteps(
-            self.finder, self.window, self.trajectory_rows[where], self.step_numbers[where]
+            self.finder,
+            self.window,
+            self.curvature,
+            self.trajectory_rows[where],
+            self.step_numbers[where],
         )
 
-    def evaluate_at(
-        self, part: FloatArray, number: FloatArray
-    ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Observable, rate and state at fractions of steps with these numbers."""
+    def evaluate_at(self, part: FloatArray, number: FloatArray) -> tuple[_Observed, FloatArray]:
+        """What is observed, and the state, at fractions of steps with these numbers."""
         k = number.astype(np.int64)
         i, j = self.trajectory_rows[k], self.step_numbers[k]
         window, finder = self.window, self.finder
@@ -228,30 +279,56 @@ class _WindowSteps:
             states=window.states[i, j], parameters=list(parameters),
             phase=window.phase[j], span=span, time=part * window.segment.fine_step_length[i],
         )  # fmt: skip
-        phase = window.phase[j] + span
-        return *finder.signed_distance_and_rate(list(states.T), parameters, phase), states
+        phase_rate = window.segment.phase_change_per_fine_step / window.segment.fine_step_length[i]
+        observed = finder.observe(list(states.T), parameters, window.phase[j] + span, phase_rate)
+        return observed, states
+
+    def crossings_at(
+        self,
+        part: FloatArray,
+        observed: _Observed,
+        states: FloatArray,
+        direction: IntArray,
+        beyond: FloatArray | float = 0.0,
+    ) -> Crossings:
+        """Crossings at a fraction of each step.
+
+        Where another one in the same step comes before, `beyond` is the distance between them.
+        """
+        return Crossings(
+            trajectory=self.window.indices[self.trajectory_rows],
+            time=self.time_at(part),
+            states=states,
+            direction=direction,
+            rate=observed.rate,
+            curvature=self.curvature[self.trajectory_rows, self.step_numbers],
+            sensitivity=observed.sensitivity,
+            speed=observed.speed,
+            largest_before=np.broadcast_to(beyond, (self.count,)),
+            step=self.step_numbers,
+        )
 
     def time_at(self, part: FloatArray) -> FloatArray:
         """Time at a fraction of each step, tau."""
         return self.window.segment.time_after(self.step_numbers, part, self.trajectory_rows)
 
-    def locate_passages(self, low: FloatArray, high: FloatArray) -> Crossings:
+    def locate_passages(
+        self, low: FloatArray, high: FloatArray, beyond: FloatArray | float = 0.0
+    ) -> Crossings:
         """The passage in each of the steps, between two fractions of it."""
         # The root at the beginning of a step that starts on the value is none.
         start = np.nextafter(low, 1.0, where=low == 0.0, out=low.copy())
         root = find_roots(
-            lambda s, k: self.evaluate_at(s, k)[0],
+            lambda s, k: self.evaluate_at(s, k)[0].level,
             (start, high),
             args=(self.consecutive_numbers,),
             tolerances=_ROOT_TOLERANCES,
         )
         # Where rounding hides the change of sign, the crossing is at the end of the step.
         part = np.where(root.success, root.x, high)
-        _, rate, states = self.evaluate_at(part, self.consecutive_numbers)
-        direction = np.sign(rate).astype(np.int64)
-        return Crossings(
-            self.window.indices[self.trajectory_rows], self.time_at(part), states, direction
-        )
+        observed, states = self.evaluate_at(part, self.consecutive_numbers)
+        direction = np.sign(observed.rate).astype(np.int64)
+        return self.crossings_at(part, observed, states, direction, beyond)
 
     def locate_turns(self, side: FloatArray) -> list[Crossings]:
         """Two passages, or a touch, in steps in which the observable turns towards the value.
@@ -262,11 +339,12 @@ class _WindowSteps:
             Sign of the observable less the value at the beginning of each step.
         """
         turn = find_roots(
-            lambda s, k: self.evaluate_at(s, k)[1],
+            lambda s, k: self.evaluate_at(s, k)[0].rate,
             (np.zeros(self.count), np.ones(self.count)),
             args=(self.consecutive_numbers,),
         )
-        level, _, states = self.evaluate_at(turn.x, self.consecutive_numbers)
+        observed, states = self.evaluate_at(turn.x, self.consecutive_numbers)
+        level = observed.level
         touches = turn.success & (np.abs(level) <= self.finder.tolerance)
         passes_twice = (
             turn.success & ~touches & (level * side[self.trajectory_rows, self.step_numbers] < 0.0)
@@ -275,13 +353,13 @@ class _WindowSteps:
         if touches.any():
             touched = self.subset(touches)
             direction = np.zeros(touched.count, dtype=np.int64)
-            trajectory = self.window.indices[touched.trajectory_rows]
-            time = touched.time_at(turn.x[touches])
-            parts.append(Crossings(trajectory, time, states[touches], direction))
+            at_turn, place = observed.subset(touches), turn.x[touches]
+            parts.append(touched.crossings_at(place, at_turn, states[touches], direction))
         if passes_twice.any():
             steps, part = self.subset(passes_twice), turn.x[passes_twice]
             parts.append(steps.locate_passages(np.zeros(part.size), part))
-            parts.append(steps.locate_passages(part, np.ones(part.size)))
+            beyond = np.abs(level[passes_twice])
+            parts.append(steps.locate_passages(part, np.ones(part.size), beyond))
         return parts
 
 

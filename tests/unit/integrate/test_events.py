@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy.special import ellipk
-from tests.unit.integrate.handmade import SINE, Oscillator, Q, problem
+from tests.unit.integrate.handmade import SINE, Oscillator, Q, V, problem
 
-from remanent.integrate.events import Crossings, find_crossings
+from remanent.integrate.crossings import Crossings
+from remanent.integrate.events import find_crossings
 
 HARMONIC = Oscillator(-Q, {})
 
@@ -74,11 +75,43 @@ def test_no_crossing_beyond_the_end() -> None:
     assert found.trajectory.tolist() == [1, 2, 2]
 
 
-def test_the_drive_itself_is_refused() -> None:
-    """An observable that depends on the drive directly has no rate to find crossings with."""
-    asked = problem(Oscillator(-Q + SINE, {}), (1.0, 0.0), 1.0, period=1.0)
-    with pytest.raises(ValueError, match="drive"):
-        find_crossings(asked, "acceleration", 0.0, tolerance=1e-9)
+def test_an_observable_may_depend_on_the_load_itself() -> None:
+    """q'' = -q + sin 2 pi tau from (1, 0): every zero of q'' by its exact solution, once."""
+    asked = problem(Oscillator(-Q + SINE, {}), (1.0, 0.0), 12.0, period=1.0)
+    found, _ = find_crossings(asked, "acceleration", 0.0, tolerance=1e-11)
+    share = 1.0 / (1.0 - 4.0 * np.pi**2)
+
+    def acceleration(t: np.ndarray) -> np.ndarray:
+        turn = 2.0 * np.pi
+        swing = turn * share * (turn * np.sin(turn * t) - np.sin(t))
+        return np.asarray(-np.cos(t) - swing)
+
+    dense = acceleration(np.linspace(1e-3, 12.0, 20001))
+    assert found.time.size == np.count_nonzero(dense[1:] * dense[:-1] < 0.0)
+    np.testing.assert_allclose(acceleration(found.time), 0.0, atol=1e-9)
+
+
+@pytest.mark.parametrize("value", [0.0, 0.3, 0.999, 0.99999999])
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-7, 1e-10])
+def test_errors_of_times_cover(value: float, tolerance: float) -> None:
+    """cos tau: the true error of every time is below the one that is told."""
+    asked = problem(HARMONIC, (1.0, 0.0), 50.0)
+    found, outcome = find_crossings(asked, "position", value, tolerance=tolerance)
+    angle, turns = np.arccos(value), 2.0 * np.pi * np.arange(9)
+    exact = np.concatenate([turns + angle, turns - angle, turns])
+    nearest = np.abs(found.time[:, None] - exact).min(axis=1)
+    assert (nearest <= found.time_error(outcome.error[found.trajectory])).all()
+
+
+@pytest.mark.parametrize("tolerance", [1e-5, 1e-8])
+def test_motion_within_its_error_passes_nothing(tolerance: float) -> None:
+    """q'' = -q' - q: passages of 0, every 2 pi/sqrt 3, end where the motion is below its error."""
+    asked = problem(Oscillator(-Q - V, {}), (1.0, 0.0), 400.0)
+    found, _ = find_crossings(asked, "position", 0.0, tolerance=tolerance)
+    spacing = 2.0 * np.pi / np.sqrt(3.0)
+    np.testing.assert_allclose(np.diff(found.time[:-2]), spacing, rtol=1e-2)
+    last = -2.0 * np.log(tolerance)  # where exp(-tau/2) is the tolerance
+    assert abs(found.time[-1] - last) < 2.0 * spacing + 4.0
 
 
 def test_the_backbone_of_duffings_oscillator() -> None:

@@ -9,7 +9,8 @@ import numpy as np
 from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.analysis.regimes.birkhoff import weighted_birkhoff_average
 from remanent.analysis.regimes.labels import Regime
-from remanent.analysis.regimes.limit_orbits import IterateWithJacobian, find_limit_orbits
+from remanent.analysis.regimes.limit_orbits import IterateWithJacobian
+from remanent.analysis.regimes.orbit_exponents import OrbitExponents
 
 #: Distance between two points of one periodic orbit, relative to the extent of all motion.
 _MAX_RELATIVE_DISTANCE_FROM_SAME_ORBIT = 1e-4
@@ -108,7 +109,7 @@ def _renumber_most_visited_first(
 
 
 def replace_tails_by_limit_orbits(
-    iterate: IterateWithJacobian, tails: FloatArray, regime: IntArray, period: IntArray
+    iterate: IterateWithJacobian, tails: FloatArray, settled: OrbitExponents
 ) -> FloatArray:
     """The ends of orbits with the periodic orbits that they approach as their last points.
 
@@ -122,22 +123,19 @@ def replace_tails_by_limit_orbits(
         Images and Jacobians of some orbits' maps.
     tails : array (orbit, iterate, state)
         Ends of the orbits.
-    regime : array (orbit,) of int
-        Values of :class:`~remanent.analysis.regimes.labels.Regime`.
-    period : array (orbit,) of int
-        Where periodic.
+    settled : OrbitExponents
+        The periodic orbits that they end on.
 
     Returns
     -------
     array (orbit, iterate, state)
     """
     ends = tails.copy()
-    periodic = regime == Regime.PERIODIC
-    for q in np.unique(period[periodic]).tolist():
-        orbits = np.flatnonzero(periodic & (period == q))
-        ahead = find_limit_orbits(iterate, orbits, tails[orbits, -1], q)
-        stable = ahead.has_converged & (ahead.largest_multiplier_modulus < 1.0)
-        settling, point = orbits[stable], ahead.state[stable]
+    with np.errstate(invalid="ignore"):
+        stable = settled.exponents[:, 0] < 0.0
+    for q in np.unique(settled.period[stable]).tolist():
+        settling = np.flatnonzero(stable & (settled.period == q))
+        point = settled.state[settling]
         for k in range(q):
             ends[settling, -1 - k] = point
             if k < q - 1:

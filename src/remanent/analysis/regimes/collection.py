@@ -131,14 +131,17 @@ def _growth_columns(
     logs = np.cumsum(growth[:, int(transient * lengths.size) :, 0], axis=1)
     quarter = max(logs.shape[1] // 4, 1)
     half = logs[:, logs.shape[1] // 2]
+    with np.errstate(invalid="ignore"):  # growth that no number can hold says nothing
+        late = logs[:, -quarter:].mean(axis=1) - logs[:, quarter : 2 * quarter].mean(axis=1)
+        second_half = logs[:, -1] - half
     return {
         "exponent": statistics.mean[:, 0],
-        "exponent_error": statistics.error[:, 0],
+        "exponent_error": statistics.batch_error[:, 0],
+        "swing_error": statistics.error[:, 0],
+        "finite_time_error": statistics.finite_time_error[:, 0],
         "log_growth": logs[:, -1],
-        "log_growth_of_halves": np.column_stack([half, logs[:, -1] - half]),
-        "late_log_growth": (
-            logs[:, -quarter:].mean(axis=1) - logs[:, quarter : 2 * quarter].mean(axis=1)
-        ),
+        "log_growth_of_halves": np.column_stack([half, second_half]),
+        "late_log_growth": late,
     }
 
 

@@ -10,6 +10,7 @@ one.  :func:`decide_regimes` names them in order; a new step goes between two of
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -27,6 +28,8 @@ from remanent.analysis.regimes.transients import LOOSEST_TOLERANCE_INDEX, chaos_
 
 #: An orbit that returns worse than this, relative to its extent, is not settling yet.
 _MAX_SETTLING_RETURN_DEFECT = 0.5
+#: Error of a rotation number over the difference of those of two parts of the run.  Measured.
+_ERROR_PER_DIFFERENCE_OF_PARTS = 4.0
 #: An orbit that returns better than this, relative to its extent, has settled.
 _MAX_SETTLED_RETURN_DEFECT = 1e-10
 
@@ -43,6 +46,8 @@ class PartialLabelling:
         At the finest tolerance so far.
     exponent_spread_between_tolerances : array (orbit,)
         Of the exponents at the tolerances so far.
+    rotation_spread_between_tolerances : array (orbit,)
+        The same of the rotation numbers, in turns.
     run : LongRun
         At the finest tolerance so far.
     """
@@ -52,12 +57,28 @@ class PartialLabelling:
     margin: FloatArray
     evidence: EvidenceTable
     exponent_spread_between_tolerances: FloatArray
+    rotation_spread_between_tolerances: FloatArray
     run: LongRun
 
     def to_regime_labels(self) -> RegimeLabels:
         """The labels with their evidence."""
-        error = np.hypot(self.evidence.exponent_error, self.exponent_spread_between_tolerances)
-        return RegimeLabels(self.regime, self.period, self.margin, self.evidence, error)
+        evidence = self.evidence
+        error = np.hypot(evidence.swing_error, self.exponent_spread_between_tolerances)
+        rotation_error = (
+            _ERROR_PER_DIFFERENCE_OF_PARTS * 10.0**-evidence.rotation_digits
+            + self.rotation_spread_between_tolerances
+            + self.run.largest_period_error
+        )
+        return RegimeLabels(
+            regime=self.regime,
+            period=self.period,
+            margin=self.margin,
+            evidence=evidence,
+            exponent_error=error + evidence.finite_time_error,
+            rotation_number_error=np.where(
+                np.isfinite(evidence.rotation_number), rotation_error, np.nan
+            ),
+        )
 
 
 def decide_regimes(problem: RegimeProblem) -> tuple[RegimeLabels, LongRun]:
@@ -124,7 +145,10 @@ def screen_at_loose_tolerances(
         period=np.zeros(problem.orbit_count, dtype=np.int64),
         margin=margin,
         evidence=evidence,
-        exponent_spread_between_tolerances=np.abs(evidence.exponent - loosest.exponent),
+        exponent_spread_between_tolerances=_spread([evidence.exponent, loosest.exponent]),
+        rotation_spread_between_tolerances=_spread_on_circle(
+            [evidence.rotation_number, loosest.rotation_number]
+        ),
         run=run,
     )
     return labelling, loosest, disputed
@@ -152,7 +176,6 @@ def rerun_disputed_orbits(
     by_two, margin_by_two = problem.agreed_regime(runs[:2], disputed, labelling.run.periods)
     by_three, margin_by_three = problem.agreed_regime(runs, disputed, labelling.run.periods)
     chaotic = by_two == Regime.CHAOTIC
-    exponents = np.array([evidence.exponent for evidence in runs])
     return replace(
         labelling,
         regime=_with_replaced_values(
@@ -163,7 +186,14 @@ def rerun_disputed_orbits(
         ),
         evidence=labelling.evidence.with_replaced_rows(disputed, finest),
         exponent_spread_between_tolerances=_with_replaced_values(
-            labelling.exponent_spread_between_tolerances, disputed, np.ptp(exponents, axis=0)
+            labelling.exponent_spread_between_tolerances,
+            disputed,
+            _spread([evidence.exponent for evidence in runs]),
+        ),
+        rotation_spread_between_tolerances=_with_replaced_values(
+            labelling.rotation_spread_between_tolerances,
+            disputed,
+            _spread_on_circle([evidence.rotation_number for evidence in runs[:2]]),
         ),
         run=labelling.run.with_replaced_rows(disputed, run),
     )
@@ -260,6 +290,19 @@ def _approached_orbit_periods_of_run(
 ) -> IntArray:
     assert run.visited_states is not None
     return find_approached_orbit_periods(run.visited_states[orbits], orbits, candidates, iterate)
+
+
+def _spread(values: Sequence[FloatArray]) -> FloatArray:
+    """Largest less least of some numbers of each orbit; NaN where one is infinite."""
+    with np.errstate(invalid="ignore"):
+        return np.asarray(np.ptp(np.array(values), axis=0))
+
+
+def _spread_on_circle(turns: Sequence[FloatArray]) -> FloatArray:
+    """Distance of two numbers of turns modulo 1; half a turn where one is not known."""
+    difference = np.abs(turns[0] - turns[1])
+    distance = np.minimum(difference, 1.0 - difference)
+    return np.where(np.isnan(distance), 0.5, distance)
 
 
 def _with_replaced_values(

@@ -19,7 +19,12 @@ class EvidenceTable:
     Attributes
     ----------
     exponent, exponent_error
-        Largest Lyapunov exponent per period, and its standard error.
+        Largest Lyapunov exponent per period, and its standard error by means of batches, which
+        is the larger one on a torus.
+    swing_error
+        The standard error by the swings of the growth about its trend.
+    finite_time_error
+        How much of the exponent may be growth in proportion to time, as on a torus.
     log_growth
         Logarithm of the tangent's growth over the run, without the transient.
     log_growth_of_halves : array (orbit, 2)
@@ -41,6 +46,8 @@ class EvidenceTable:
 
     exponent: FloatArray
     exponent_error: FloatArray
+    swing_error: FloatArray
+    finite_time_error: FloatArray
     log_growth: FloatArray
     log_growth_of_halves: FloatArray
     late_log_growth: FloatArray

@@ -40,7 +40,11 @@ class RegimeLabels:
     evidence : EvidenceTable
         At the finest tolerance at which each orbit was followed.
     exponent_error : array (orbit,)
-        Standard error of the exponent and its spread over the tolerances, added in squares.
+        Standard error of the exponent and its spread over the tolerances, added in squares, and
+        what the length of the run adds.
+    rotation_number_error : array (orbit,)
+        Of the difference of the rotation numbers of the first and the last two thirds of the
+        run, the spread over the tolerances, and the error that a period adds.
     """
 
     regime: IntArray
@@ -48,3 +52,4 @@ class RegimeLabels:
     margin: FloatArray
     evidence: EvidenceTable
     exponent_error: FloatArray
+    rotation_number_error: FloatArray

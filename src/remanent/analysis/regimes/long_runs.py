@@ -15,6 +15,8 @@ import numpy as np
 from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.analysis.regimes.orthonormalisation import orthonormalise
 
+#: Tangents that shrink by more than this within a block have lost digits.
+SMALLEST_GROWTH = 1e-290
 #: A state beyond this has escaped.
 ESCAPE_BOUND = 1e6
 #: Periods between renormalisations of a single tangent, which must not overflow, at most.
@@ -91,7 +93,7 @@ class LongRun:
     last_state : array (point, state)
         Where the points ended.
     visited_states : array (point, period + 1, state), optional
-        All states, the start included; NaN after the end.
+        All states, the start included, or those of the last periods; NaN after the end.
     escaped : array (point,) of bool
         The state exceeded :data:`ESCAPE_BOUND` or became NaN.
     error_bound_met : array (point,) of bool
@@ -117,9 +119,13 @@ class LongRun:
 
     @property
     def log_growth(self) -> FloatArray:
-        """Logarithms of the tangents' growth in each block, array (point, block, direction)."""
+        """Logarithms of the tangents' growth in each block, array (point, block, direction).
+
+        Minus infinity where tangents shrank to less than a double holds with all its digits.
+        """
+        factors = np.diagonal(self.triangular_factors, axis1=2, axis2=3)
         with np.errstate(divide="ignore", invalid="ignore"):
-            return np.log(np.diagonal(self.triangular_factors, axis1=2, axis2=3))
+            return np.log(np.where(factors < SMALLEST_GROWTH, 0.0, factors))
 
     @property
     def block_lengths_in_periods(self) -> IntArray:
@@ -146,6 +152,11 @@ def block_lengths_in_periods(periods: int, directions: int, block: int | None = 
     )
 
 
+def _first_kept_period(ends: IntArray, kept: int) -> int:
+    """The end of a block, or the start, after which at least so many periods are left."""
+    return int(max(ends[ends <= ends[-1] - kept], default=0))
+
+
 def _block_ends_in_periods(periods: int, block: int) -> IntArray:
     return np.append(np.arange(block, periods, block), periods)
 
@@ -166,7 +177,7 @@ def propagate_tangents(
     *,
     directions: int,
     width: int | None = None,
-    every: bool = False,
+    every: bool | int = False,
     max_state_error: float = 1e-2,
     block: int | None = None,
 ) -> LongRun:
@@ -184,8 +195,8 @@ def propagate_tangents(
         Tangents that are carried along.
     width : int, optional
         Components of a tangent; those of a state by default.
-    every : bool
-        Keep all states.
+    every : bool or int
+        Keep all states, or those of about so many periods at the end.
     max_state_error : float
         Error of the state from which on it counts as unknown, for `horizon`.
     block : int, optional
@@ -196,8 +207,9 @@ def propagate_tangents(
     block = block or _default_periods_per_block(periods, directions)
     ends = _block_ends_in_periods(periods, block)
     factors = np.full((count, ends.size, directions, directions), np.nan)
-    visited = np.full((count, periods + 1, dimension), np.nan) if every else None
-    if visited is not None:
+    first = _first_kept_period(ends, periods if every is True else int(every))
+    visited = np.full((count, periods - first + 1, dimension), np.nan) if every else None
+    if visited is not None and first == 0:
         visited[:, 0] = states
     now = states.copy()
     frame = np.tile(_initial_tangents(width or dimension)[:directions], (count, 1, 1))
@@ -209,14 +221,20 @@ def propagate_tangents(
         if not active.size:
             break
         end = int(ends[k])
-        image = advance(active, now[active], frame[active], end - done, every=every)
+        keeps = visited is not None and end > first
+        image = advance(active, now[active], frame[active], end - done, every=keeps)
         is_beyond_bound = ~(np.abs(image.visited_states) < ESCAPE_BOUND).all(axis=(1, 2))
         # A point that escapes is beyond its error bound too; that is no reason for distrust.
         escaped[active], trusted[active] = is_beyond_bound, image.error_bound_met | is_beyond_bound
         going_on = np.flatnonzero(~is_beyond_bound & image.error_bound_met)
         points = active[going_on]
-        if visited is not None:
-            visited[points, done + 1 : end + 1] = image.visited_states[going_on]
+        if visited is not None and end >= first:
+            kept = (
+                image.visited_states[going_on, -1:]
+                if end == first
+                else image.visited_states[going_on]
+            )
+            visited[points, end - first + 1 - kept.shape[1] : end - first + 1] = kept
         now[points], completed[points] = image.visited_states[going_on, -1], end
         error[points] = np.maximum(error[points], image.largest_period_error[going_on])
         frame[points], factors[points, k] = orthonormalise(image.tangents[going_on])

@@ -26,7 +26,11 @@ def orthonormalise(vectors: FloatArray) -> tuple[FloatArray, FloatArray]:
         ``factors[i, j]`` times row i.  Of a vector that lies among those before it to
         within rounding, the diagonal says how large that is, and its row is any.
     """
-    q = vectors.copy()
+    # A power of two out of each vector: squares of tangents that have shrunk or grown much
+    # would not fit into a double.
+    with np.errstate(invalid="ignore"):
+        _, exponent = np.frexp(np.abs(vectors).max(axis=2, initial=0.0))
+    q = np.ldexp(vectors, -exponent[:, :, None])
     count = q.shape[1]
     r = np.zeros((q.shape[0], count, count))
     with np.errstate(all="ignore"):
@@ -40,7 +44,7 @@ def orthonormalise(vectors: FloatArray) -> tuple[FloatArray, FloatArray]:
                 q[lined_up, j] = _orthogonal_vectors(q[lined_up], j)
             r[:, j, j] = np.where(lined_up, rounding, _lengths(q[:, j]))
             q[:, j] /= _lengths(q[:, j])[:, None]
-    return q, r
+    return q, np.ldexp(r, exponent[:, None, :])
 
 
 def _lengths(vectors: FloatArray) -> FloatArray:

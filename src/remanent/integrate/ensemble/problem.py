@@ -14,6 +14,11 @@ from remanent._timeline import Timeline
 from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.integrate.ensemble.segments import Segment
 
+#: The error of a function of the state, by first-order propagation, over its derivatives times
+#: the error of the state.  The latter is the largest over all variables and times, with a factor
+#: of safety of four; a function that needs all of them at their worst at once can do without that
+#: factor.  Measured by ``benchmarks.errors``.
+ERROR_SHARE_IN_FUNCTIONS = 0.25
 #: Times that exceed the horizon by less than this, relative to it, are at it.
 _RELATIVE_HORIZON_ROUNDING = 1e-12
 

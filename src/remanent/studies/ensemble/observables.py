@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
+from remanent._field import Program
 from remanent._timeline import Timeline
 from remanent._typing import FloatArray
-from remanent.integrate.ensemble.problem import Outcome, Problem
+from remanent.integrate.ensemble.problem import ERROR_SHARE_IN_FUNCTIONS, Outcome, Problem
+from remanent.integrate.variations import observable_derivatives
 
 
 def evaluate_observable(
@@ -21,6 +25,45 @@ def evaluate_observable(
     times : array (trajectory, time)
     states : array (trajectory, time, state)
     """
+    (value,) = _evaluate_program(problem, problem.field.observables[name], times, states)
+    return np.asarray(np.broadcast_to(value, times.shape))
+
+
+def largest_observable_error(
+    problem: Problem, name: str, times: FloatArray, states: FloatArray, error: FloatArray
+) -> FloatArray:
+    """Error that an observable has from that of the state, the largest over the times.
+
+    To first order it is the sum of the sizes of the derivatives times the error of a state
+    variable, without the factor of safety of the latter.
+
+    Parameters
+    ----------
+    name
+        One of ``problem.field.observables``.
+    times : array (trajectory, time)
+    states : array (trajectory, time, state)
+        NaN where unknown.
+    error : array (trajectory,)
+        Of each state variable.
+
+    Returns
+    -------
+    array (trajectory,)
+        NaN where no state is known.
+    """
+    program = observable_derivatives(problem.field, name, problem.field.state_names)
+    _, *slopes = _evaluate_program(problem, program, times, states)
+    total = np.broadcast_to(sum(np.abs(slope) for slope in slopes), times.shape)
+    known = np.asarray(np.isfinite(states).all(axis=2))
+    largest = np.where(known, total, 0.0).max(axis=1, initial=0.0)
+    return np.where(known.any(axis=1), largest * ERROR_SHARE_IN_FUNCTIONS * error, np.nan)
+
+
+def _evaluate_program(
+    problem: Problem, program: Program, times: FloatArray, states: FloatArray
+) -> list[Any]:
+    """Outputs of a program of the field at some times, each (trajectory, time) or a number."""
     phase, piece = phase_and_piece_index(problem.timeline, times)
     row = np.arange(times.shape[0])[:, None]
     columns = []
@@ -35,8 +78,7 @@ def evaluate_observable(
         *problem.timeline.waveforms_at_phase(phase),
     ]
     with np.errstate(all="ignore"):
-        (value,) = problem.field.observables[name](inputs, functions=np)
-    return np.asarray(np.broadcast_to(value, times.shape))
+        return list(program(inputs, functions=np))
 
 
 def blank_beyond_horizon(states: FloatArray, times: FloatArray, outcome: Outcome) -> FloatArray:

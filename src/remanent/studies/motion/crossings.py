@@ -9,8 +9,9 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from remanent._checks import finite_rule, require_choice, require_real
-from remanent._typing import ArrayLike, BoolArray
+from remanent._typing import ArrayLike, FloatArray
 from remanent.integrate import events
+from remanent.integrate.crossings import Crossings
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.studies.ensemble.checks import require_tolerance
@@ -23,6 +24,8 @@ from remanent.studies.ensemble.problem import initial_value_problem
 from remanent.studies.ensemble.progress import ProgressArgument, as_progress
 
 _PASSED_VALUE_RULE = finite_rule("It is the value that is passed.")
+#: Energies whose passages are found too.
+_ENERGY_NAMES = ("energy", "stored_energy")
 #: Signs of the passages that each `direction` stands for; 0 is a touch.
 _SIGNS_OF_DIRECTION = {"both": (-1, 0, 1), "up": (1,), "down": (-1,)}
 
@@ -50,7 +53,8 @@ def crossings(
     drive : Drive
         The magnetic load on it.
     variable : str
-        ``"thickness_stretch"``, ``"thickness_stretch_rate"``, or a state variable.
+        ``"thickness_stretch"``, ``"thickness_stretch_rate"``, a state variable, ``"energy"``
+        or ``"stored_energy"``.
     value : float
         That it passes.  Rates that pass through 0 are extremes of the motion.
     direction : str
@@ -72,9 +76,12 @@ def crossings(
     Returns
     -------
     xarray.Dataset
-        Against ``crossing``: ``crossing_time``, NaN where a trajectory has fewer, the state
-        there, and ``direction``: 1 upwards, −1 downwards, 0 a touch; ``crossings``, how many
-        there are; ``error`` of the states, ``horizon``, ``status`` per trajectory.
+        Against ``crossing``: ``crossing_time`` and ``crossing_time_error``, NaN where a
+        trajectory has fewer; the state there and ``state_error``, the largest over its
+        variables, which counts the error of the time too; ``direction``: 1 upwards, −1
+        downwards, 0 a touch.  ``crossings``, how many there are: a count, that of the motion
+        within its error; ``error`` of the states at given times, ``horizon``, ``status`` per
+        trajectory.
 
     Raises
     ------
@@ -91,6 +98,13 @@ def crossings(
     Bracketed roots of the dense output, to the last digit of the time within the step.  Two
     passages within one step are told apart by the extremum between them; an extremum within
     the tolerance of the value counts as a touch.  A start on the value is not a passage.
+    While the motion stays as near to the value as the tolerance, it passes it as its error
+    does: such passages count as the one, or the touch, that is left of them, and as none where
+    the motion comes to rest on the value.  An energy that jumps past the value with a step of
+    the load does not pass through it.
+
+    With an error d of the variable, rate r and second derivative a there, the error of the
+    time is t with d = |r| t − |a| t²/2, or (1 + √2) √(2 d/|a|) where the motion may turn first.
 
     Examples
     --------
@@ -115,14 +129,20 @@ def crossings(
     require_choice(
         "variable",
         variable,
-        [*ens.vector_field.observable_and_rate_names, *ens.vector_field.state_names],
+        [
+            *ens.vector_field.observable_and_rate_names,
+            *ens.vector_field.state_names,
+            *(name for name in _ENERGY_NAMES if name in ens.vector_field.observables),
+        ],
     )
     problem = initial_value_problem(ens, trajectory_durations(ens, duration, periods))
     passages, outcome = events.find_crossings(
         problem, variable, value, tolerance=tolerance, progress=report
     )
     variables = _padded_passage_arrays(
-        ens, passages, np.isin(passages.direction, _SIGNS_OF_DIRECTION[direction])
+        ens,
+        passages.subset(np.isin(passages.direction, _SIGNS_OF_DIRECTION[direction])),
+        outcome.error,
     )
     columns = int(variables["crossings"].max(initial=0))
     return to_dataset(
@@ -140,25 +160,29 @@ def crossings(
 
 
 def _padded_passage_arrays(
-    ens: Ensemble, passages: events.Crossings, subset: BoolArray
+    ens: Ensemble, passages: Crossings, error: FloatArray
 ) -> dict[str, NDArray[Any]]:
-    """A subset of the passages with one row for each trajectory, padded at its end."""
-    row = passages.trajectory[subset]
+    """The passages with one row for each trajectory, padded at its end."""
+    row = passages.trajectory
     count = np.bincount(row, minlength=ens.trajectory_count)
     width = int(count.max(initial=0))
     require_memory(
         "over",
-        8.0 * ens.trajectory_count * width * (2 + len(ens.vector_field.state_names)),
+        8.0 * ens.trajectory_count * width * (4 + len(ens.vector_field.state_names)),
         "the crossings",
     )
     column = np.arange(row.size) - (np.cumsum(count) - count)[row]
 
     def padded(values: NDArray[Any], missing: float) -> NDArray[Any]:
         rows = np.full((ens.trajectory_count, width), missing, dtype=values.dtype)
-        rows[row, column] = values[subset]
+        rows[row, column] = values
         return rows
 
-    columns = {"crossing_time": padded(passages.time, np.nan)}
+    columns = {
+        "crossing_time": padded(passages.time, np.nan),
+        "crossing_time_error": padded(passages.time_error(error[row]), np.nan),
+        "state_error": padded(passages.state_error(error[row]), np.nan),
+    }
     for k, name in enumerate(ens.vector_field.state_names):
         columns[name] = padded(passages.states[:, k], np.nan)
     columns["direction"] = padded(passages.direction.astype(np.int8), 0)

@@ -9,7 +9,7 @@ import xarray as xr
 
 from remanent._typing import ArrayLike
 from remanent.integrate.ensemble.ensemble import integrate
-from remanent.integrate.ensemble.problem import Request
+from remanent.integrate.ensemble.problem import ERROR_SHARE_IN_FUNCTIONS, Request
 from remanent.integrate.variations import field_with_integrals
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
@@ -21,6 +21,7 @@ from remanent.studies.ensemble.memory import require_memory
 from remanent.studies.ensemble.observables import blank_beyond_horizon
 from remanent.studies.ensemble.problem import initial_value_problem
 from remanent.studies.ensemble.progress import ProgressArgument, as_progress
+from remanent.studies.motion._strobed_states import strobed_states
 
 #: Bytes that a period of one trajectory takes.
 _BYTES_PER_PERIOD = 100.0
@@ -65,7 +66,10 @@ def cycle_losses(
     xarray.Dataset
         Along ``period``, the number of the period that ends, from 1: ``dissipated_energy``
         per reference volume and μ, and ``drive_work`` of the magnetic load.  Once the motion is
-        periodic both are equal.  ``error``, ``horizon``, ``status``; NaN beyond the horizon.
+        periodic both are equal.  Per trajectory ``dissipated_energy_error`` and
+        ``drive_work_error``, the largest over the periods; ``error``, the largest of the state
+        and of the sums since τ = 0; ``drive_period``, exact but for rounding, ``horizon``,
+        ``status``; NaN beyond the horizon.
 
     Raises
     ------
@@ -79,7 +83,9 @@ def cycle_losses(
     Notes
     -----
     The integrals of the dissipated power, Σ q' ∂D/∂q' + Σ 2η(ε̇₁² + ε̇₂² + (ε̇₁ + ε̇₂)²) over
-    dashpots and branches, and of the load's power are advanced with the state.
+    dashpots and branches, and of the load's power are advanced with the state.  Where the
+    temperature of the magnet is a state, the load's power is that of
+    :func:`remanent.energy_balance`.
 
     Examples
     --------
@@ -109,13 +115,15 @@ def cycle_losses(
     field = field_with_integrals(problem.field, tuple(_POWER_OBSERVABLE_OF_ENERGY.values()))
     problem = replace(problem, field=field, initial_states=start)
     outcome = integrate(problem, Request(strobe_cycles=1), tolerance=tolerance, progress=report)
-    assert outcome.states is not None
     ends = np.arange(periods + 1) * length[:, None]
-    sums = outcome.states[:, : periods + 1, -len(_POWER_OBSERVABLE_OF_ENERGY) :]
+    sums = strobed_states(outcome, periods + 1)[:, :, -len(_POWER_OBSERVABLE_OF_ENERGY) :]
     losses = np.diff(blank_beyond_horizon(sums, ends, outcome), axis=1)[:, discard:]
     variables: dict[str, PerTrajectoryArray] = {
         name: (("period",), losses[:, :, k]) for k, name in enumerate(_POWER_OBSERVABLE_OF_ENERGY)
     }
+    # Each is a difference of two sums, whose errors are much the same.
+    error = ERROR_SHARE_IN_FUNCTIONS * outcome.error
+    variables |= {f"{name}_error": error for name in _POWER_OBSERVABLE_OF_ENERGY}
     variables["drive_period"] = length
     return to_dataset(
         ens,

@@ -10,7 +10,7 @@ import xarray as xr
 from remanent._field import Role
 from remanent._typing import ArrayLike, FloatArray
 from remanent.integrate.ensemble.ensemble import integrate
-from remanent.integrate.ensemble.problem import Problem, Request
+from remanent.integrate.ensemble.problem import ERROR_SHARE_IN_FUNCTIONS, Problem, Request
 from remanent.integrate.variations import field_with_integrals
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
@@ -18,7 +18,11 @@ from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
 from remanent.studies.ensemble.durations import require_exactly_one_argument
 from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble
-from remanent.studies.ensemble.observables import blank_beyond_horizon, evaluate_observable
+from remanent.studies.ensemble.observables import (
+    blank_beyond_horizon,
+    evaluate_observable,
+    largest_observable_error,
+)
 from remanent.studies.ensemble.problem import initial_value_problem
 from remanent.studies.ensemble.progress import ProgressArgument, as_progress
 from remanent.studies.ensemble.time_grid import time_grid
@@ -85,7 +89,9 @@ def energy_balance(
         of the dissipation, which stays in the body; in units of μ/T0 also its ``entropy``,
         ``entropy_produced`` within and by the exchange, ``entropy_given_off``, and
         ``entropy_balance`` = change of the entropy − production + what was given off.
-        ``error``, ``horizon``, ``status`` per trajectory.
+        Per trajectory the largest error of each over the times, under its name with
+        ``_error``; ``error``, the largest of the state and of the integrals, from which they
+        follow; ``horizon``, ``status``.
 
     Raises
     ------
@@ -102,6 +108,15 @@ def energy_balance(
     The integrals are advanced with the state, by the same steps and under the same error
     bound; nothing is summed from samples.  Work and dissipation per cycle are differences
     over a drive period.
+
+    The field's energy per reference volume is that of the magnet in the load, U_m = −m λ₃ with
+    λ₃ the thickness stretch (its factor of temperature included).  It is no part of
+    ``stored_energy``, and the power of ``drive_work`` is −∂U_m/∂λ₃ λ₃' where the temperature is
+    held.  Where the temperature T of the body is a state, with θ = T/T₀, a magnet whose
+    remanence depends on it, m = m₀ f(θ), has the free energy Ψ_m = −m₀ f λ₃ and the internal
+    energy e_m = −m₀ (f − θ f') λ₃: the block gives e_m, not Ψ_m, to the field.
+    ``drive_work`` is then the integral of ∂Ψ_m/∂m₀ m₀' − e_m', in which the load's own change
+    cancels but for −θ f' λ₃ m₀'.
 
     Examples
     --------
@@ -130,6 +145,7 @@ def energy_balance(
     variables: dict[str, PerTrajectoryArray] = {
         name: ((grid.time_dimension,), values) for name, values in columns.items()
     }
+    variables |= _balance_errors(problem, grid.times, states, outcome.error, integrals, warms)
     return to_dataset(
         ens,
         variables,
@@ -147,6 +163,32 @@ def _append_integrals(problem: Problem, integrals: dict[str, str]) -> Problem:
     return replace(
         problem, field=field_with_integrals(problem.field, tuple(integrals)), initial_states=start
     )
+
+
+def _balance_errors(
+    problem: Problem,
+    times: FloatArray,
+    states: FloatArray,
+    error: FloatArray,
+    integrals: dict[str, str],
+    warms: bool,
+) -> dict[str, FloatArray]:
+    """Errors of the integrals and the energies, the largest over the times, (trajectory,)."""
+    errors = {
+        name: largest_observable_error(problem, name, times, states, error)
+        for name in ("thickness_stretch", "stored_energy", *(("entropy",) if warms else ()))
+    }
+    error = ERROR_SHARE_IN_FUNCTIONS * error
+    sums = dict.fromkeys(integrals.values(), error)
+    # The mean over a short time has the error of the stretch, and a sum's over the time.
+    stretch, last = errors.pop("thickness_stretch"), times[:, -1]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        sums["mean_thickness_stretch"] = stretch + np.where(last > 0.0, error / last, 0.0)
+    balance = errors["stored_energy"] + 2.0 * error  # of the work and the outflow
+    totals = {**sums, **errors, "balance": balance}
+    if warms:
+        totals["entropy_balance"] = errors["entropy"] + 2.0 * error
+    return {f"{name}_error": values for name, values in totals.items()}
 
 
 def _balance_variables(

@@ -15,10 +15,15 @@ from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
 from remanent.studies.ensemble.durations import require_count, require_drive_periods
 from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble
-from remanent.studies.ensemble.observables import blank_beyond_horizon, evaluate_observable
+from remanent.studies.ensemble.observables import (
+    blank_beyond_horizon,
+    evaluate_observable,
+    largest_observable_error,
+)
 from remanent.studies.ensemble.problem import initial_value_problem
 from remanent.studies.ensemble.progress import ProgressArgument, as_progress
 from remanent.studies.ensemble.time_grid import require_memory_for_samples
+from remanent.studies.motion._strobed_states import strobed_states
 
 _SECTION_PHASE_RULE = Rule(
     "lie in [0, 1)",
@@ -69,8 +74,10 @@ def poincare_section(
     xarray.Dataset
         ``stretch``, ``stretch_rate``, ``thickness_stretch``,
         ``thickness_stretch_rate`` against ``period`` (the number of whole periods
-        before each point: 0, every, 2 every ...), NaN beyond the trusted horizon;
-        ``drive_period``, ``error``, ``horizon``, ``status`` per trajectory.
+        before each point: 0, every, 2 every ...), NaN beyond the trusted horizon.  Per
+        trajectory ``error``, the largest of the state variables at these points, and
+        ``thickness_stretch_error``, ``thickness_stretch_rate_error``, what it makes of these;
+        ``drive_period``, exact but for rounding, ``horizon``, ``status``.
 
     Raises
     ------
@@ -111,13 +118,16 @@ def poincare_section(
     # At phase 0 points are ends of steps; elsewhere they are interpolated.
     request = Request(times=times) if section_phase else Request(strobe_cycles=every)
     outcome = integrate(problem, request, tolerance=tolerance, progress=report)
-    assert outcome.states is not None
-    states = blank_beyond_horizon(outcome.states[:, : number.size], times, outcome)
+    states = blank_beyond_horizon(strobed_states(outcome, number.size), times, outcome)
     variables: dict[str, PerTrajectoryArray] = {
         name: (("period",), states[:, :, k]) for k, name in enumerate(ens.vector_field.state_names)
     }
     for name in ens.vector_field.observable_and_rate_names:
         variables[name] = (("period",), evaluate_observable(problem, name, times, states))
+        if name not in ens.vector_field.state_names:
+            variables[f"{name}_error"] = largest_observable_error(
+                problem, name, times, states, outcome.error
+            )
     variables["drive_period"] = length
     return to_dataset(
         ens,

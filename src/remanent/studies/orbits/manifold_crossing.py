@@ -118,9 +118,10 @@ def manifold_crossing(
     xarray.Dataset
         The parameter at the crossing, with ``_error``, the width of the last bracket, both of
         whose ends passed the saddle on a side that no error could change; ``stretch``,
-        ``stretch_rate`` and ``multipliers`` of the saddle there; ``residual``.  NaN, and
-        ``status`` ``diverged``, where `over` has other combinations and this one has no
-        saddle or no single crossing.
+        ``stretch_rate`` and ``multipliers`` of the saddle there, with ``error``, the largest of
+        its state, and ``multipliers_error``; ``residual``, which is itself a measure of error.
+        Where `over` has other combinations and this one has no saddle or no single crossing,
+        NaN, ``status`` ``incomplete``, and ``reason``, what was missing.
 
     Raises
     ------
@@ -165,10 +166,14 @@ def manifold_crossing(
         guess = require_state("saddle", saddle, ens, why="It is a state at phase 0.",
                               fix="Take one from periodic_orbits.")  # fmt: skip
 
-    def bracket(member: Ensemble) -> _ManifoldCrossing:
-        return _MotionsPastSaddle(
-            member, parameter, orbit_period, periods, tolerance
-        ).bracket_crossing(limits, guess, width)
+    def bracket(member: Ensemble) -> _ManifoldCrossing | str:
+        motions = _MotionsPastSaddle(member, parameter, orbit_period, periods, tolerance)
+        try:
+            return motions.bracket_crossing(limits, guess, width)
+        except InputError as error:
+            if not ens.dimension_sizes:
+                raise
+            return f"`{error.name}` must {error.must}. {error.why}"
 
     crossings = map_members_in_threads(ens, bracket, as_progress(progress))
     return _crossings_dataset(
@@ -186,7 +191,10 @@ class _ManifoldCrossing:
     parameter_value, bracket_width : float
         Middle and width of the bracket.
     saddle_state : array (state,)
+    saddle_error : float
+        Of its state: what the residual leaves open, and its change over the bracket.
     saddle_multipliers : array (multiplier,) of complex
+    saddle_multipliers_error : array (multiplier,)
     saddle_residual : float
         Of the saddle.
     """
@@ -194,7 +202,9 @@ class _ManifoldCrossing:
     parameter_value: float
     bracket_width: float
     saddle_state: FloatArray
+    saddle_error: float
     saddle_multipliers: ComplexArray
+    saddle_multipliers_error: FloatArray
     saddle_residual: float
 
 
@@ -246,12 +256,23 @@ class _MotionsPastSaddle:
             )
             length = min(latest * self.orbit_period, self.max_periods)
             values = np.linspace(values[ends[0]], values[ends[1]], _VALUES_TRIED_AT_ONCE + 2)
-        there = points.subset(slice(ends[0], ends[0] + 1))
-        multipliers, _ = floquet_multipliers(there.extra_arrays["jacobian"], there.residual_error)
+        at_ends = points.subset(np.array(ends))
+        jacobian = at_ends.extra_arrays["jacobian"]
+        multipliers, multipliers_error = floquet_multipliers(jacobian, at_ends.residual_error)
+        inverse = np.linalg.inv(np.eye(state.size) - jacobian)
+        defect = (at_ends.residual + at_ends.residual_error)[:, None]
+        open_distance = (np.abs(inverse).sum(axis=2) * defect).max()
+        across_bracket = np.abs(np.diff(at_ends.unknown[:, :-1], axis=0)).max()
         return _ManifoldCrossing(
-            float(values[ends[0]] + 0.5 * gap), gap, state, multipliers[0],
-            float(there.residual[0]),
-        )  # fmt: skip
+            parameter_value=float(values[ends[0]] + 0.5 * gap),
+            bracket_width=gap,
+            saddle_state=state,
+            saddle_error=float(open_distance + across_bracket),
+            saddle_multipliers=multipliers[0],
+            saddle_multipliers_error=multipliers_error.max(axis=0)
+            + np.abs(multipliers[1] - multipliers[0]),
+            saddle_residual=float(at_ends.residual[0]),
+        )
 
     def _section_states(self, values: FloatArray, length: int) -> tuple[FloatArray, FloatArray]:
         """States (value, iterate, state) once per period of the orbit, and their errors."""
@@ -360,25 +381,33 @@ def _no_crossing_error(passage: SaddlePassage, limits: tuple[float, float]) -> I
 
 
 def _crossings_dataset(
-    ens: Ensemble, crossings: list[_ManifoldCrossing | None], parameter: str, **settings: Any
+    ens: Ensemble, crossings: list[_ManifoldCrossing | str | None], parameter: str, **settings: Any
 ) -> xr.Dataset:
-    """Crossings of all members as a Dataset, NaN where there are none."""
+    """Crossings of all members as a Dataset; where there is none, NaN and the reason."""
     d = len(ens.vector_field.state_names)
-    nothing = _ManifoldCrossing(np.nan, np.nan, np.full(d, np.nan), np.full(d, np.nan + 0j), np.nan)
-    rows = [nothing if crossing is None else crossing for crossing in crossings]
+    unknown = np.full(d, np.nan)
+    nothing = _ManifoldCrossing(np.nan, np.nan, unknown, np.nan, unknown + 0j, unknown, np.nan)
+    rows = [each if isinstance(each, _ManifoldCrossing) else nothing for each in crossings]
     saddles = np.array([row.saddle_state for row in rows])
-    missing = np.where(ens.is_invalid, Status.INVALID, Status.DIVERGED)
+    missing = np.where(ens.is_invalid, Status.INVALID, Status.INCOMPLETE)
+    found = [isinstance(each, _ManifoldCrossing) for each in crossings]
     dataset = to_dataset(
         ens,
         {
             parameter: np.array([row.parameter_value for row in rows]),
             f"{parameter}_error": np.array([row.bracket_width for row in rows]),
+            "error": np.array([row.saddle_error for row in rows]),
             "multipliers": (("multiplier",), np.array([row.saddle_multipliers for row in rows])),
+            "multipliers_error": (
+                ("multiplier",),
+                np.array([row.saddle_multipliers_error for row in rows]),
+            ),
+            "reason": np.array([each if isinstance(each, str) else "" for each in crossings]),
             "residual": np.array([row.saddle_residual for row in rows]),
             **{name: saddles[:, k] for k, name in enumerate(ens.vector_field.state_names)},
         },
         coords={"multiplier": (("multiplier",), np.arange(d))},
-        status=np.where([crossing is not None for crossing in crossings], Status.OK, missing),
+        status=np.where(found, Status.OK, missing),
         **settings,
     )
     # The drive's or the system's own value of the parameter has no part in the result.

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from remanent._typing import BoolArray, IntArray
+from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.analysis.regimes.attractors import (
     AttractorAssignment,
     assign_attractors,
@@ -41,23 +41,29 @@ class EndClassifier:
         """Types and later dimensions of what is told of each trajectory."""
         dimension = len(self.classifier.follower.ensemble.vector_field.state_names)
         points = np.empty((0, self.tail_point_count, dimension))
-        return {**LABEL_TEMPLATES, "tail": points, "code": np.empty(0, dtype=np.int64)}
+        return {
+            **LABEL_TEMPLATES,
+            "tail": points,
+            "tail_error": np.empty(0),
+            "code": np.empty(0, dtype=np.int64),
+        }
 
     def __call__(self, indices: IntArray) -> dict[str, np.ndarray]:
         """Labels and last points of a subset of the trajectories, by name."""
         labels, path = self.classifier.decide_regimes(indices)
         assert path.visited_states is not None
         tail = path.visited_states[:, -self.tail_point_count :].copy()
-        contracting = np.flatnonzero(self.classifier.is_damped[indices])
-        if contracting.size:
-            tail[contracting] = replace_tails_by_limit_orbits(
-                self.classifier.iterate_map(indices[contracting]),
-                tail[contracting],
-                labels.regime[contracting],
-                labels.period[contracting],
+        settled = self.classifier.settled_orbits(indices, labels, path)
+        if self.classifier.is_damped[indices].any():
+            tail = replace_tails_by_limit_orbits(
+                self.classifier.iterate_map(indices), tail, settled
             )
-        variables = self.classifier.label_variables(indices, labels, path)
-        return variables | {"tail": tail, "code": labels.regime}
+        variables = self.classifier.label_variables(indices, labels, path, settled)
+        return variables | {
+            "tail": tail,
+            "tail_error": settled.state_error,
+            "code": labels.regime,
+        }
 
 
 @dataclass(frozen=True)
@@ -67,12 +73,15 @@ class MotionEnds:
     Attributes
     ----------
     tail_states : array (parameters, start, iterate, state)
+    last_state_error : array (parameters, start)
+        Estimated error of the last of them, where that is a point of a periodic orbit.
     regime, period : array (parameters, start)
     is_damped : array (parameters,) of bool
         Only damped motion has attractors.
     """
 
     tail_states: np.ndarray
+    last_state_error: FloatArray
     regime: IntArray
     period: IntArray
     is_damped: BoolArray
@@ -98,6 +107,28 @@ def basin_numbers(sorted_ends: list[AttractorAssignment | None], starts: int) ->
     return np.concatenate([none if each is None else each.attractor_number for each in sorted_ends])
 
 
+def error_of_fraction(fraction: FloatArray, count: int) -> FloatArray:
+    """Distance of an observed fraction from the farther end of Wilson's interval.
+
+    The interval is that of one standard deviation, z = 1,
+    (f + z^2/2n)/(1 + z^2/n) +- z/(1 + z^2/n) sqrt(f (1 - f)/n + z^2/4n^2).  It does not shrink
+    to nothing where all or none of few states end on an attractor.  Source: E. B. Wilson,
+    J. Am. Stat. Assoc. 22 (1927) 209.
+
+    Parameters
+    ----------
+    fraction : array
+        Of the states that end on an attractor.
+    count : int
+        How many states there were.
+    """
+    centre = (fraction + 0.5 / count) / (1.0 + 1.0 / count)
+    half = np.sqrt(fraction * (1.0 - fraction) / count + 0.25 / count**2) / (1.0 + 1.0 / count)
+    return np.asarray(
+        np.maximum(np.abs(centre - half - fraction), np.abs(centre + half - fraction))
+    )
+
+
 def attractor_table(
     ends: MotionEnds,
     sorted_ends: list[AttractorAssignment | None],
@@ -119,7 +150,7 @@ def attractor_table(
     regime = np.zeros((points, count), dtype="<U14")
     period = np.zeros((points, count), dtype=ends.period.dtype)
     state = np.full((points, count, ends.tail_states.shape[-1]), np.nan)
-    fraction = np.full((points, count), np.nan)
+    fraction, state_error = np.full((2, points, count), np.nan)
     for k, each in enumerate(sorted_ends):
         if each is None:
             continue
@@ -127,15 +158,17 @@ def attractor_table(
         regime[k, :number] = [Regime(code).meaning for code in ends.regime[k, first]]
         period[k, :number] = ends.period[k, first]
         state[k, :number] = ends.tail_states[k, first, -1]
+        state_error[k, :number] = ends.last_state_error[k, first]
         fraction[k, :number] = [np.mean(each.attractor_number == n) for n in range(number)]
     columns: dict[str, tuple[tuple[str, ...], np.ndarray]] = {
         "attractor_regime": ((ATTRACTOR_DIMENSION,), regime),
         "attractor_period": ((ATTRACTOR_DIMENSION,), period),
         "attractor_state": ((ATTRACTOR_DIMENSION, "state"), state),
+        "attractor_state_error": ((ATTRACTOR_DIMENSION,), state_error),
         "fraction": ((ATTRACTOR_DIMENSION,), fraction),
         "fraction_error": (
             (ATTRACTOR_DIMENSION,),
-            np.sqrt(fraction * (1.0 - fraction) / ends.initial_state_count),
+            error_of_fraction(fraction, ends.initial_state_count),
         ),
     }
     return {

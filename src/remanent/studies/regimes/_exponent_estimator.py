@@ -7,11 +7,21 @@ from functools import cached_property
 
 import numpy as np
 
+from remanent._status import Status
 from remanent._typing import IntArray
-from remanent.analysis.regimes.lyapunov import lyapunov_exponents
+from remanent.analysis.regimes.long_runs import LongRun
+from remanent.analysis.regimes.lyapunov import LyapunovExponents, lyapunov_exponents
+from remanent.analysis.regimes.orbit_exponents import (
+    OrbitExponents,
+    find_settled_orbit_periods,
+)
 from remanent.integrate.maps.period_map import ErrorControl
-from remanent.studies.regimes._follower import EnsembleFollower, status_of_run
+from remanent.studies.regimes._follower import EnsembleFollower, is_damped, status_of_run
 
+#: Periods at the end of a run that show whether it has settled on a periodic orbit.
+_TAIL_PERIODS = 256
+#: Standard errors above 0 beyond which an exponent is that of no stable orbit.
+_MAX_REGULAR_EXPONENT_OVER_ERROR = 3.0
 #: Points of the history, at most.
 MAX_HISTORY_POINTS = 100
 #: Standard errors by which two runs of a chaotic motion hardly ever differ.
@@ -66,6 +76,7 @@ class ExponentEstimator:
         """Types and later dimensions of what is told of each trajectory."""
         return {
             **dict.fromkeys(("exponent", "exponent_error"), np.empty((0, self.exponent_count))),
+            "settled_period": np.empty(0, dtype=np.int64),
             "exponent_history": np.empty((0, self.history_blocks.size, self.exponent_count)),
             **dict.fromkeys(("horizon", "local_error", "status"), np.empty(0)),
         }
@@ -100,6 +111,7 @@ class ExponentEstimator:
             self.period_tolerance,
             error_control=error_control,
             block=self.periods_per_block,
+            kept=min(_TAIL_PERIODS, self.follower.periods // 2),
         )
         fine, coarse = (
             lyapunov_exponents(p.log_growth, p.block_lengths_in_periods)
@@ -107,21 +119,64 @@ class ExponentEstimator:
         )
         tau = self.follower.period_lengths[indices]
         # Tangents that lined up within a period leave a bound, not a value.
-        collapsed = (
-            path.log_growth - path.log_growth[:, :, :1] < np.log(_COLLAPSED_TANGENT_SHARE)
-        ).any(axis=1)
+        with np.errstate(invalid="ignore"):
+            collapsed = (
+                path.log_growth - path.log_growth[:, :, :1] < np.log(_COLLAPSED_TANGENT_SHARE)
+            ).any(axis=1)
+            difference = np.abs(fine.mean - coarse.mean)
+        settled = self._settled_orbits(indices, path, fine)
         return {
             "exponent": fine.mean / tau[:, None],
             "scatter": np.where(collapsed, np.inf, fine.error) / tau[:, None],
-            "difference": np.abs(fine.mean - coarse.mean) / tau[:, None],
+            "difference": difference / tau[:, None],
+            "finite_time": fine.finite_time_error / tau[:, None],
+            "of_orbit": settled.exponents[:, : self.exponent_count] / tau[:, None],
+            "of_orbit_error": settled.exponents_error[:, : self.exponent_count] / tau[:, None],
+            "settled_period": settled.period,
             "exponent_history": fine.running_mean[:, self.history_blocks] / tau[:, None, None],
             "horizon": path.horizon * tau,
             "local_error": path.largest_period_error,
             "status": status_of_run(path),
         }
 
+    def _settled_orbits(
+        self, indices: IntArray, path: LongRun, average: LyapunovExponents
+    ) -> OrbitExponents:
+        """The periodic orbits that motions end on, where their exponents do not deny it."""
+        assert path.visited_states is not None
+        with np.errstate(invalid="ignore"):
+            chaotic = average.mean[:, 0] > (
+                _MAX_REGULAR_EXPONENT_OVER_ERROR * average.error[:, 0]
+                + average.finite_time_error[:, 0]
+            )
+        known = path.error_bound_met & ~path.escaped & ~chaotic
+        candidates = np.flatnonzero(known & np.isfinite(path.visited_states).all(axis=(1, 2)))
+        period = np.zeros(indices.size, dtype=np.int64)
+        period[candidates] = find_settled_orbit_periods(
+            path.visited_states[candidates],
+            candidates,
+            self.follower.iterate_map(indices, self.period_tolerance),
+            (is_damped(self.follower.ensemble)[indices] & (average.mean[:, 0] < 0.0))[candidates],
+        )
+        return self.follower.settled_orbits(indices, path.last_state, period, self.period_tolerance)
+
 
 def _with_total_error(estimate: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """The estimate with its two errors, of chance and of steps, added up."""
-    error = estimate.pop("scatter") + estimate.pop("difference")
-    return {**estimate, "exponent_error": error}
+    """The estimate with its errors, of chance, of the run's length and of steps, added up.
+
+    Where the motion ends on a periodic orbit, what the orbit says is taken if it is known
+    better than the average.
+    """
+    error = estimate.pop("scatter") + estimate.pop("finite_time") + estimate.pop("difference")
+    of_orbit, of_orbit_error = estimate.pop("of_orbit"), estimate.pop("of_orbit_error")
+    lost = ~np.isfinite(estimate["exponent"])
+    with np.errstate(invalid="ignore"):
+        better = (of_orbit_error < error) | (lost & np.isfinite(of_orbit_error))
+    exponent = np.where(better, of_orbit, np.where(lost, np.nan, estimate["exponent"]))
+    unknown = np.isnan(exponent).any(axis=1) & (estimate["status"] == Status.OK)
+    return {
+        **estimate,
+        "status": np.where(unknown, int(Status.INCOMPLETE), estimate["status"]),
+        "exponent": exponent,
+        "exponent_error": np.where(better, of_orbit_error, np.where(lost, np.nan, error)),
+    }

@@ -13,15 +13,24 @@ from remanent._machine import available_processor_count
 from remanent._status import Status
 from remanent._threads import StoppableThreads
 from remanent._typing import BoolArray, FloatArray, IntArray
+from remanent.analysis.regimes.limit_orbits import IterateWithJacobian
 from remanent.analysis.regimes.long_runs import (
     LongRun,
     TangentMap,
     block_lengths_in_periods,
     propagate_tangents,
 )
+from remanent.analysis.regimes.orbit_exponents import (
+    MapsOfTwoResolutions,
+    OrbitExponents,
+    orbit_exponents,
+)
 from remanent.integrate.ensemble.problem import Problem
+from remanent.integrate.ensemble.resolution import round_up_resolution
+from remanent.integrate.kernel.options import KernelOptions
 from remanent.integrate.maps.advance import BlockAdvancer, CoarseReplay
 from remanent.integrate.maps.period_map import ErrorControl, PeriodMap
+from remanent.integrate.methods.runge_kutta import default_method
 from remanent.studies.ensemble.durations import require_drive_periods
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.memory import require_memory
@@ -30,6 +39,14 @@ from remanent.studies.ensemble.progress import ProgressFunction
 
 #: Trajectories followed together: enough of each resolution to fill the lanes of a kernel.
 TRAJECTORIES_PER_CHUNK = 4096
+#: Bound of a period's error for orbits that motions settle on, at most.
+LIMIT_ORBIT_TOLERANCE = 1e-9
+#: Double steps per period of the coarser of two maps, at least.
+MIN_COARSE_RESOLUTION = 4
+#: Error of what a map gives over its difference from that of steps twice as long.
+ERROR_PER_DIFFERENCE = KernelOptions().error_safety_factor / (
+    2.0 ** default_method().order_assumed_by_error_estimate - 1.0
+)
 #: Arrays by name.
 NamedArrays = Mapping[str, np.ndarray]
 #: ``work(indices)``: arrays (trajectory, ...) of a chunk of trajectories.
@@ -157,26 +174,102 @@ class EnsembleFollower:
         *,
         error_control: ErrorControl,
         block: int | None,
+        kept: int,
     ) -> tuple[LongRun, LongRun]:
         """Follow a subset of the trajectories, and once more with steps twice as long.
 
         The difference of the two runs is the error of discretisation: the second repeats the
         resolutions that the first chose, halved, and so has nothing of its own to choose.
+        The first keeps the states after about the last `kept` periods.
         """
         fine = self.make_advancer(indices, tolerance, error_control=error_control)
         flow = self.period_map_maker(self.tangent_count, "none")
         coarse = CoarseReplay(flow, fine.parameters, fine.period_lengths, fine.resolution_history)
 
-        def path(advance: TangentMap) -> LongRun:
+        def path(advance: TangentMap, every: int) -> LongRun:
             return propagate_tangents(
                 advance,
                 self.problem.initial_states[indices],
                 self.periods,
                 directions=self.tangent_count,
+                every=every,
                 block=block,
             )
 
-        return path(fine), path(coarse)
+        return path(fine, kept), path(coarse, 0)
+
+    def iterate_map(self, indices: IntArray, tolerance: float) -> IterateWithJacobian:
+        """Images and Jacobians of a subset's maps, within a bound of a period's error."""
+        dimension = len(self.ensemble.vector_field.state_names)
+        advance = self.make_advancer(indices, tolerance, directions=dimension)
+
+        def image(
+            subset: IntArray, states: FloatArray, period: int
+        ) -> tuple[FloatArray, FloatArray]:
+            unit = np.tile(np.eye(dimension), (subset.size, 1, 1))
+            step = advance(subset, states, unit, period, every=False)
+            return step.visited_states[:, -1], np.moveaxis(step.tangents, 1, 2)
+
+        return image
+
+    def settled_orbits(
+        self, indices: IntArray, states: FloatArray, period: IntArray, tolerance: float
+    ) -> OrbitExponents:
+        """The periodic orbits, of known periods, that a subset's motions end on.
+
+        Parameters
+        ----------
+        indices : array (trajectory,) of int
+        states : array (trajectory, state)
+            Near the orbits.
+        period : array (trajectory,) of int
+            Of each orbit; 0 where there is none.
+        tolerance : float
+            Bound of a period's error.  An orbit takes few periods, so that a finer one than
+            this may be used.
+        """
+        tolerance = min(tolerance, LIMIT_ORBIT_TOLERANCE)
+        dimension = len(self.ensemble.vector_field.state_names)
+        flow = self.period_map_maker(dimension, "all")
+        unchecked = self.period_map_maker(dimension, "none")
+        parameters, lengths = self.problem.parameters[indices], self.period_lengths[indices]
+
+        def maps_of_orbits(orbits: IntArray, near: FloatArray, q: int) -> MapsOfTwoResolutions:
+            enough = flow(
+                near, parameters[orbits], lengths[orbits], tolerance=tolerance, cycles=q
+            ).resolution
+            # Whole double steps of the coarser map, and not so few that its error says nothing.
+            resolution = np.zeros(indices.size, dtype=np.int64)
+            resolution[orbits] = round_up_resolution(
+                np.maximum(0.5 * enough, MIN_COARSE_RESOLUTION)
+            )
+
+            def at_resolution(factor: int) -> IterateWithJacobian:
+                def image(
+                    some: IntArray, states: FloatArray, periods: int
+                ) -> tuple[FloatArray, FloatArray]:
+                    step = unchecked(
+                        states,
+                        parameters[some],
+                        lengths[some],
+                        tolerance=np.inf,
+                        cycles=periods,
+                        resolution=factor * resolution[some],
+                    )
+                    return step.state, np.moveaxis(step.tangents, 1, 2)
+
+                return image
+
+            return at_resolution(2), at_resolution(1)
+
+        return orbit_exponents(
+            self.iterate_map(indices, tolerance),
+            maps_of_orbits,
+            np.arange(indices.size),
+            states,
+            period,
+            ERROR_PER_DIFFERENCE,
+        )
 
     def block_lengths_in_periods(self, block: int | None) -> IntArray:
         """Periods between renormalisations of the tangents, array (block,)."""

@@ -15,6 +15,7 @@ from remanent.analysis.regimes.decision import decide_regimes
 from remanent.analysis.regimes.labels import Regime, RegimeLabels
 from remanent.analysis.regimes.limit_orbits import IterateWithJacobian
 from remanent.analysis.regimes.long_runs import LongRun
+from remanent.analysis.regimes.orbit_exponents import OrbitExponents
 from remanent.analysis.regimes.problem import RegimeProblem
 from remanent.studies.ensemble.dataset import to_dataset
 from remanent.studies.ensemble.durations import require_count, require_drive_periods
@@ -46,6 +47,7 @@ LABEL_TEMPLATES: Mapping[str, np.ndarray] = {
     "regime": np.empty(0, dtype="<U14"),
     "period": np.empty(0, dtype=np.int64),
     **dict.fromkeys(("margin", "exponent", "exponent_error"), np.empty(0)),
+    "rotation_number_error": np.empty(0),
     **dict.fromkeys(("horizon", "local_error", "status"), np.empty(0)),
     **dict.fromkeys(EVIDENCE_VARIABLE_NAMES, np.empty(0)),
 }
@@ -78,7 +80,11 @@ def regime_dataset(
     classifier = RegimeClassifier.from_ensemble(ens, periods, tolerance, seed)
     values = classifier.compute_in_chunks(classifier, LABEL_TEMPLATES, report)
     return to_dataset(
-        ens, {"drive_period": period_lengths, **values}, tolerance=tolerance, periods=periods
+        ens,
+        {"drive_period": period_lengths, **values},
+        tolerance=tolerance,
+        periods=periods,
+        rng=seed,
     )
 
 
@@ -133,7 +139,10 @@ class RegimeClassifier:
 
     def __call__(self, indices: IntArray) -> dict[str, np.ndarray]:
         """Label a subset of the trajectories: variables by name."""
-        return self.label_variables(indices, *self.decide_regimes(indices))
+        labels, path = self.decide_regimes(indices)
+        return self.label_variables(
+            indices, labels, path, self.settled_orbits(indices, labels, path)
+        )
 
     def decide_regimes(self, indices: IntArray) -> tuple[RegimeLabels, LongRun]:
         """Labels of a subset of the trajectories, and the paths they were read from."""
@@ -161,31 +170,39 @@ class RegimeClassifier:
 
     def iterate_map(self, indices: IntArray) -> IterateWithJacobian:
         """Images and Jacobians of the trajectories' maps at the finest tolerance."""
-        dimension = len(self.follower.ensemble.vector_field.state_names)
-        advance = self.follower.make_advancer(
-            indices, self.finest_period_tolerance, directions=dimension
+        return self.follower.iterate_map(indices, self.finest_period_tolerance)
+
+    def settled_orbits(
+        self, indices: IntArray, labels: RegimeLabels, path: LongRun
+    ) -> OrbitExponents:
+        """The orbits that a subset's periodic motions are on, or settle on."""
+        periodic = labels.regime == Regime.PERIODIC
+        return self.follower.settled_orbits(
+            indices,
+            path.last_state,
+            np.where(periodic, labels.period, 0),
+            self.finest_period_tolerance,
         )
 
-        def image(
-            subset: IntArray, states: FloatArray, period: int
-        ) -> tuple[FloatArray, FloatArray]:
-            unit = np.tile(np.eye(dimension), (subset.size, 1, 1))
-            step = advance(subset, states, unit, period, every=False)
-            return step.visited_states[:, -1], np.moveaxis(step.tangents, 1, 2)
-
-        return image
-
     def label_variables(
-        self, indices: IntArray, labels: RegimeLabels, path: LongRun
+        self, indices: IntArray, labels: RegimeLabels, path: LongRun, of_orbit: OrbitExponents
     ) -> dict[str, np.ndarray]:
         """What is told of a subset of the trajectories, by name."""
         tau = self.follower.period_lengths[indices]
+        average, error = labels.evidence.exponent, labels.exponent_error
+        known = np.isfinite(average)
+        with np.errstate(invalid="ignore"):
+            better = (of_orbit.exponents_error[:, 0] < error) | (
+                ~known & np.isfinite(of_orbit.exponents_error[:, 0])
+            )
+        average, error = (np.where(known, each, np.nan) for each in (average, error))
         values = {
             "regime": np.array([Regime(code).meaning for code in labels.regime], dtype="<U14"),
             "period": labels.period,
             "margin": labels.margin,
-            "exponent": labels.evidence.exponent / tau,
-            "exponent_error": labels.exponent_error / tau,
+            "exponent": np.where(better, of_orbit.exponents[:, 0], average) / tau,
+            "exponent_error": np.where(better, of_orbit.exponents_error[:, 0], error) / tau,
+            "rotation_number_error": labels.rotation_number_error,
             "horizon": path.horizon * tau,
             "local_error": path.largest_period_error,
             "status": status_of_run(path),

@@ -9,9 +9,15 @@ import numpy as np
 
 from remanent._errors import InputError
 from remanent._threads import raise_if_stopped
-from remanent._typing import FloatArray, IntArray
+from remanent._typing import ComplexArray, FloatArray, IntArray
 from remanent.analysis.orbits.stability import floquet_multipliers
 from remanent.analysis.regimes.long_runs import LongRun, propagate_tangents
+from remanent.analysis.regimes.lyapunov import lyapunov_exponents
+from remanent.analysis.regimes.orbit_exponents import (
+    OrbitExponents,
+    find_settled_orbit_periods,
+)
+from remanent.integrate.ensemble.resolution import round_up_resolution
 from remanent.integrate.maps.advance import BlockImage
 from remanent.integrate.maps.period_map import PeriodMap
 from remanent.integrate.variations import transverse_field
@@ -20,7 +26,14 @@ from remanent.studies.ensemble.durations import require_drive_periods
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.problem import initial_value_problem
 from remanent.studies.ensemble.two_coordinates import ensemble_with_two_coordinates
-from remanent.studies.regimes._follower import status_of_run
+from remanent.studies.regimes._follower import (
+    ERROR_PER_DIFFERENCE,
+    LIMIT_ORBIT_TOLERANCE,
+    MIN_COARSE_RESOLUTION,
+    EnsembleFollower,
+    is_damped,
+    status_of_run,
+)
 
 #: Differences that do not grow exponentially grow at most like n e^EXCESS over n periods,
 #: and those that do grow at least like n^POWER e^(2 EXCESS).
@@ -31,6 +44,12 @@ _GROWTH_POWER = 1.5
 _HALF_RUN_LOG_GROWTH = 2.0
 #: A motion that closes within this after one period has multipliers.
 _CLOSURE_DISTANCE = 1e-6
+#: Factor of safety of the errors of exponents and multipliers.  Measured.
+_SAFETY_FACTOR = 4.0
+#: Rounding errors of many steps over those of one.
+_ROUNDING_FACTOR = 40.0
+#: Periods at the end of a run that show whether it has settled on a periodic orbit.
+_TAIL_PERIODS = 256
 #: Size with which differences enter, as tangents do elsewhere.
 _INITIAL_DIFFERENCE_SIZE = 1e-3
 
@@ -50,6 +69,8 @@ class TransverseFlow:
         Components of a difference.
     period_tolerance : float
         Bound of a period's error.
+    unchecked_period_map : PeriodMap
+        The same as `period_map`, with the steps that it is told.
     """
 
     initial_states: FloatArray
@@ -58,6 +79,7 @@ class TransverseFlow:
     period_lengths: FloatArray
     difference_dimension: int
     period_tolerance: float
+    unchecked_period_map: PeriodMap
 
     @classmethod
     def from_ensemble(cls, ens: Ensemble, tolerance: float) -> TransverseFlow:
@@ -73,17 +95,19 @@ class TransverseFlow:
             )
         two, pairs = ensemble_with_two_coordinates(ens)
         arrays = initial_value_problem(two, np.ones(ens.trajectory_count))
-        flow = PeriodMap(
-            transverse_field(two.vector_field, pairs), arrays.timeline.waveforms_at_phase
+        field, waveform = (
+            transverse_field(two.vector_field, pairs),
+            arrays.timeline.waveforms_at_phase,
         )
         lengths = np.where(ens.is_invalid, 1.0, require_drive_periods(ens))
         return cls(
             initial_states=ens.initial_states,
-            period_map=flow,
+            period_map=PeriodMap(field, waveform),
             parameters=arrays.parameters,
             period_lengths=lengths,
             difference_dimension=len(pairs),
             period_tolerance=tolerance,
+            unchecked_period_map=PeriodMap(field, waveform, error_control="none"),
         )
 
     @property
@@ -92,38 +116,148 @@ class TransverseFlow:
         return {
             "symmetry": np.empty(0, dtype="<U9"),
             **dict.fromkeys(("transverse_growth", "transverse_exponent"), np.empty(0)),
+            "transverse_exponent_error": np.empty(0),
             "transverse_multipliers": np.empty((0, self.difference_dimension), dtype=complex),
+            "transverse_multipliers_error": np.empty((0, self.difference_dimension)),
+            "settled_period": np.empty(0, dtype=np.int64),
             **dict.fromkeys(("local_error", "status"), np.empty(0)),
         }
 
-    def examine_growth(self, indices: IntArray, periods: int) -> dict[str, np.ndarray]:
-        """Follow differences of a subset of the trajectories and say whether they grow."""
+    def examine_growth(
+        self,
+        indices: IntArray,
+        periods: int,
+        follower: EnsembleFollower,
+    ) -> dict[str, np.ndarray]:
+        """Follow differences of a subset of the trajectories and say whether they grow.
+
+        Where the motion is a periodic orbit, or settles on one, the exponent is that of the
+        orbit; `follower` knows the motion without differences.
+        """
         path = propagate_tangents(
             _SubsetMap(self, indices),
             self.initial_states[indices],
             periods,
             directions=self.difference_dimension,
             width=self.difference_dimension,
+            every=min(_TAIL_PERIODS, periods // 2),
             block=1,
         )
-        label, growth, exponent = _decide_growth(path, periods)
+        label, growth, average, error = _decide_growth(path, periods)
+        orbits = self._orbits(indices, path, follower)
+        multipliers, multipliers_error, exponent, exponent_error = self._multipliers(
+            indices, orbits
+        )
+        with np.errstate(invalid="ignore"):
+            better = exponent_error < error
+        length = self.period_lengths[indices]
         return {
             "symmetry": label,
             "transverse_growth": growth,
-            "transverse_exponent": exponent / self.period_lengths[indices],
-            "transverse_multipliers": self._multipliers(indices),
+            "transverse_exponent": np.where(better, exponent, average) / length,
+            "transverse_exponent_error": np.where(better, exponent_error, error) / length,
+            "transverse_multipliers": multipliers,
+            "transverse_multipliers_error": multipliers_error,
+            "settled_period": orbits.period,
             "local_error": path.largest_period_error,
             "status": status_of_run(path),
         }
 
-    def _multipliers(self, indices: IntArray) -> np.ndarray:
-        """Of the difference, where the motion closes after one period; NaN elsewhere."""
+    def _orbits(
+        self, indices: IntArray, path: LongRun, follower: EnsembleFollower
+    ) -> OrbitExponents:
+        """The periodic orbits that motions start on or settle on."""
         start = self.initial_states[indices]
-        unit = np.tile(np.eye(self.difference_dimension), (indices.size, 1, 1))
-        once = self.advance(indices, start, unit, 1)
-        values, _ = floquet_multipliers(np.moveaxis(once.tangents, 1, 2), once.largest_period_error)
-        values[np.abs(once.visited_states[:, -1] - start).max(axis=1) > _CLOSURE_DISTANCE] = np.nan
-        return np.asarray(values)
+        once = self.period_map(
+            np.pad(start, ((0, 0), (0, self.difference_dimension))),
+            self.parameters[indices],
+            self.period_lengths[indices],
+            tolerance=self.period_tolerance,
+        )
+        image = once.state[:, : start.shape[1]]
+        with np.errstate(invalid="ignore"):
+            closes = np.abs(image - start).max(axis=1) <= _CLOSURE_DISTANCE
+        assert path.visited_states is not None
+        period = np.where(closes, 1, 0)
+        others = np.flatnonzero(~closes & np.isfinite(path.visited_states).all(axis=(1, 2)))
+        period[others] = find_settled_orbit_periods(
+            path.visited_states[others],
+            others,
+            follower.iterate_map(indices, self.period_tolerance),
+            is_damped(follower.ensemble)[indices[others]],
+        )
+        near = np.where(closes[:, None], start, path.last_state)
+        return follower.settled_orbits(indices, near, period, self.period_tolerance)
+
+    def _multipliers(
+        self, indices: IntArray, orbits: OrbitExponents
+    ) -> tuple[ComplexArray, FloatArray, FloatArray, FloatArray]:
+        """Multipliers of a difference over each orbit, their errors; the exponent and its error.
+
+        Steps of two lengths say what steps matter, and points beside the orbit what its own
+        error does.
+        """
+        count, d = indices.size, self.difference_dimension
+        multipliers = np.full((count, d), np.nan + 0j)
+        multipliers_error, exponent, exponent_error = (
+            np.full((count, d), np.nan),
+            *np.full((2, count), np.nan),
+        )
+        known = np.isfinite(orbits.state).all(axis=1) & np.isfinite(orbits.state_error)
+        for q in np.unique(orbits.period[known & (orbits.period > 0)]).tolist():
+            some = np.flatnonzero(known & (orbits.period == q))
+            rows, states = indices[some], orbits.state[some]
+            enough = self._resolution_of_orbit(rows, states, q)
+            fine = self._transverse_jacobian(rows, states, q, 2 * enough)
+            others = [(ERROR_PER_DIFFERENCE, self._transverse_jacobian(rows, states, q, enough))]
+            for unit in np.eye(states.shape[1]):
+                beside = states + orbits.state_error[some, None] * unit
+                others.append((1.0, self._transverse_jacobian(rows, beside, q, 2 * enough)))
+            size = np.abs(fine).max(axis=(1, 2))
+            change = sum(f * np.abs(other - fine).max(axis=(1, 2)) for f, other in others)
+            multipliers[some], multipliers_error[some] = floquet_multipliers(
+                fine, _SAFETY_FACTOR * change / size
+            )
+            logs, rounding = _log_of_largest_multiplier(fine)
+            moved = sum(f * np.abs(_log_of_largest_multiplier(o)[0] - logs) for f, o in others)
+            exponent[some], exponent_error[some] = logs / q, _SAFETY_FACTOR * (moved + rounding) / q
+        return multipliers, multipliers_error, exponent, exponent_error
+
+    def _resolution_of_orbit(self, rows: IntArray, states: FloatArray, periods: int) -> IntArray:
+        """Double steps per period that the coarser of two maps takes."""
+        image = self.period_map(
+            np.pad(
+                states,
+                ((0, 0), (0, self.difference_dimension)),
+                constant_values=_INITIAL_DIFFERENCE_SIZE,
+            ),
+            self.parameters[rows],
+            self.period_lengths[rows],
+            tolerance=min(self.period_tolerance, LIMIT_ORBIT_TOLERANCE),
+            cycles=periods,
+        )
+        return round_up_resolution(np.maximum(0.5 * image.resolution, MIN_COARSE_RESOLUTION))
+
+    def _transverse_jacobian(
+        self, rows: IntArray, states: FloatArray, periods: int, resolution: IntArray
+    ) -> FloatArray:
+        """Derivatives of a difference by itself over some periods, array (motion, d, d)."""
+        d = self.difference_dimension
+        unit = np.tile(np.eye(d), (rows.size, 1, 1))
+        every = np.repeat(rows, d)
+        image = self.unchecked_period_map(
+            np.concatenate(
+                [np.repeat(states, d, axis=0), _INITIAL_DIFFERENCE_SIZE * unit.reshape(-1, d)],
+                axis=1,
+            ),
+            self.parameters[every],
+            self.period_lengths[every],
+            tolerance=np.inf,
+            cycles=periods,
+            resolution=np.repeat(resolution, d),
+        )
+        columns = image.state[:, states.shape[1] :].reshape(-1, d, d) / _INITIAL_DIFFERENCE_SIZE
+        return np.moveaxis(columns, 1, 2)
 
     def advance(
         self, indices: IntArray, states: FloatArray, frame: FloatArray, periods: int
@@ -157,6 +291,14 @@ class TransverseFlow:
         )
 
 
+def _log_of_largest_multiplier(jacobian: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Logarithm of the size of the largest multiplier, and what rounding may add to it."""
+    multipliers, rounding = floquet_multipliers(jacobian, np.zeros(len(jacobian)))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        size = np.abs(multipliers[:, 0])
+        return np.log(size), _ROUNDING_FACTOR * rounding[:, 0] / size
+
+
 @dataclass(frozen=True)
 class _SubsetMap:
     """A subset of the motions, numbered from 0, as a map that analysis can follow."""
@@ -173,13 +315,15 @@ class _SubsetMap:
         *,
         every: bool,
     ) -> BlockImage:
-        """Advance them; the last state is all that is ever needed."""
-        assert not every
+        """Advance them by one period, whose end is all there is to keep."""
+        assert not every or periods == 1
         return self.flow.advance(self.indices[which], states, tangents, periods)
 
 
-def _decide_growth(path: LongRun, periods: int) -> tuple[np.ndarray, FloatArray, FloatArray]:
-    """The label, the largest logarithm of the growth, and the exponent per period."""
+def _decide_growth(
+    path: LongRun, periods: int
+) -> tuple[np.ndarray, FloatArray, FloatArray, FloatArray]:
+    """The label, the largest logarithm of the growth, the exponent per period and its error."""
     logs = _log_growth_up_to_each_block(path.triangular_factors)
     with np.errstate(invalid="ignore"):
         growth = logs.max(axis=1)
@@ -189,8 +333,17 @@ def _decide_growth(path: LongRun, periods: int) -> tuple[np.ndarray, FloatArray,
         lost = (growth >= _GROWTH_POWER * np.log(periods) + 2.0 * _LOG_GROWTH_EXCESS) & (
             halves >= _HALF_RUN_LOG_GROWTH
         )
-        exponent = (logs[:, -1] - middle) / (periods - periods // 2 - 1)
-    return np.where(is_kept, "kept", np.where(lost, "lost", "undecided")), growth, exponent
+    late = lyapunov_exponents(
+        np.diff(logs[:, periods // 2 :], axis=1)[..., None],
+        np.ones(periods - periods // 2 - 1, dtype=np.int64),
+        transient=0.0,
+    )
+    # Growth in proportion to time over the second half of the run, and the errors of steps.
+    in_proportion = np.log(2.0) / late.running_mean.shape[1]
+    error = late.error[:, 0] + np.minimum(np.abs(late.mean[:, 0]), in_proportion)
+    error = error + path.largest_period_error / _INITIAL_DIFFERENCE_SIZE
+    label = np.where(is_kept, "kept", np.where(lost, "lost", "undecided"))
+    return label, growth, late.mean[:, 0], error
 
 
 def _log_growth_up_to_each_block(factors: FloatArray) -> FloatArray:

@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 
 from remanent._errors import InputError
-from remanent._typing import ArrayLike, BoolArray, IntArray
+from remanent._typing import ArrayLike, BoolArray, FloatArray, IntArray
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.results.build import Labelled
@@ -72,7 +72,8 @@ def basins(
         Bound of the error that one drive period adds, at the finest of the tolerances tried.
     rng : int, numpy.random.Generator or None
         Draws the frequencies of the 0-1 test, the same for every motion.  None is a fixed
-        seed.  A generator is copied: it is not advanced.
+        seed.  A generator is copied: it is not advanced.  The attribute ``rng`` of the result
+        is the seed that was used: passed as `rng`, it gives the same result.
     progress : bool or callable, optional
         True draws a bar; a function is called with the share of motions that are
         finished, in [0, 1].
@@ -88,8 +89,12 @@ def basins(
             or it escaped.
         ``attractor_regime``, ``attractor_period``, ``attractor_state``
             Of each attractor, the most visited first; the state is a point of it.
+        ``attractor_state_error``
+            Estimated error of that point, where the attractor is a periodic orbit.  A point of
+            a torus or of a chaotic set has none: NaN.
         ``fraction``, ``fraction_error``
-            The fraction of the initial states that end there, and its standard error.
+            The fraction of the initial states that end there, and its standard error: the
+            distance from the farther end of Wilson's interval.
 
         With `over` attractors are numbered anew for each set of parameters; where one has
         fewer than another, the rest is NaN, 0 or an empty text.
@@ -101,7 +106,8 @@ def basins(
 
     Notes
     -----
-    The standard error is the binomial one, of states drawn at random from the grid's box.
+    The standard error is that of states drawn at random from the grid's box: Wilson's interval
+    of one standard deviation, which has a width also where all states end on one attractor.
     Periodic attractors are told apart by their points.  Tori and chaotic sets are told
     apart by averages of coordinates: two that lie in the same place count as one.
 
@@ -132,15 +138,18 @@ def basins(
         BYTES_PER_LABEL + 8.0 * TAIL_PERIODS * len(ens.vector_field.state_names)
     ) * ens.trajectory_count
     require_memory("grid", needed, f"{ens.trajectory_count} ends")
-    classifier = RegimeClassifier.from_ensemble(ens, periods, tolerance, as_seed(rng))
+    seed = as_seed(rng)
+    classifier = RegimeClassifier.from_ensemble(ens, periods, tolerance, seed)
     work = EndClassifier(classifier, min(TAIL_PERIODS, periods))
     values = classifier.compute_in_chunks(work, work.result_templates, as_progress(progress))
-    tail, code = values.pop("tail"), values.pop("code")
+    tail, tail_error, code = (values.pop(name) for name in ("tail", "tail_error", "code"))
     variables: dict[str, PerTrajectoryArray] = {"drive_period": period_lengths, **values}
     shared: dict[str, Labelled] = {}
     coords: dict[str, Labelled] = {}
     if classifier.is_damped.any():
-        ends = layout.build_motion_ends(tail, code, values["period"], classifier.is_damped)
+        ends = layout.build_motion_ends(
+            tail, tail_error, code, values["period"], classifier.is_damped
+        )
         attractors = ends.assign_attractors()
         variables["basin"] = basin_numbers(attractors, ends.initial_state_count)
         shared = attractor_table(ends, attractors, layout.parameter_dims, layout.parameter_shape)
@@ -150,7 +159,13 @@ def basins(
             "state": (("state",), np.array(ens.vector_field.state_names)),
         }
     result = to_dataset(
-        ens, variables, shared=shared, coords=coords, tolerance=tolerance, periods=periods
+        ens,
+        variables,
+        shared=shared,
+        coords=coords,
+        tolerance=tolerance,
+        periods=periods,
+        rng=seed,
     )
     return result.rename({f"initial.{name}": name for name in grid})
 
@@ -191,14 +206,21 @@ class _BasinLayout:
         return cls(ens, ens.dims[:split], tuple(ens.dimension_sizes.values())[:split])
 
     def build_motion_ends(
-        self, tail: np.ndarray, regime: IntArray, period: IntArray, damped: BoolArray
+        self,
+        tail: np.ndarray,
+        tail_error: FloatArray,
+        regime: IntArray,
+        period: IntArray,
+        damped: BoolArray,
     ) -> MotionEnds:
         """How motions end, arrays (trajectory, ...), with an axis for the parameters."""
 
         def apart(values: Any) -> Any:
             return values.reshape(math.prod(self.parameter_shape), -1, *values.shape[1:])
 
-        return MotionEnds(apart(tail), apart(regime), apart(period), apart(damped)[:, 0])
+        return MotionEnds(
+            apart(tail), apart(tail_error), apart(regime), apart(period), apart(damped)[:, 0]
+        )
 
 
 def _over_from_grid(grid: Any) -> dict[str, Any]:

@@ -48,7 +48,8 @@ def classify(
         are not regular at both are followed at the bound itself too.
     rng : int, numpy.random.Generator or None
         Draws the frequencies of the 0-1 test, the same for every motion.  None is a fixed
-        seed.  A generator is copied: it is not advanced.
+        seed.  A generator is copied: it is not advanced.  The attribute ``rng`` of the result
+        is the seed that was used: passed as `rng`, it gives the same result.
     progress : bool or callable, optional
         True draws a bar; a function is called with the share of motions that are
         finished, in [0, 1].
@@ -64,19 +65,25 @@ def classify(
             Of periodic motion, in drive periods, else 0.
         ``margin``
             The factor by which the weakest evidence clears its threshold.
-        ``rotation_number``, ``rotation_digits``
+        ``rotation_number``, ``rotation_number_error``, ``rotation_digits``
             Turns per drive period about the middle of the section, in [0, 1), NaN where the
-            section does not surround it, and how many of its digits have converged.
+            section does not surround it; its error, from the difference of the first and the
+            last two thirds of the run, that of two tolerances, and the error that one period
+            adds; how many digits the two parts of the run have in common.
         ``exponent``, ``exponent_error``
-            The largest Lyapunov exponent per unit of τ; its standard error, combined with
-            the spread over the tolerances.
+            The largest Lyapunov exponent per unit of τ.  Of periodic motion that of the orbit,
+            from its multipliers; else the mean with its standard error, as for
+            :func:`remanent.lyapunov`, combined with the spread over the tolerances.
         ``digits``, ``zero_one``, ``sali``, ``defect``
             The rest of the evidence: digits to which weighted averages converge, the 0-1
             test, the smaller alignment index (NaN unless the finest tolerance was needed),
-            the defect of the best return.
+            the defect of the best return.  These describe the run and are compared with
+            thresholds; they estimate no number beyond the run, and like ``margin`` they have no
+            error.  What they leave open makes the regime ``undecided``.
         ``drive_period``, ``horizon``, ``local_error``, ``status``
-            Of the run: the load's period, how long the motion itself is known to 0.01, the
-            largest error of one period, and what became of it.
+            Of the run: the load's period, exact but for rounding; how long the motion itself is
+            known to 0.01 and the largest error of one period, themselves estimates of errors;
+            and what became of it.
 
     Raises
     ------

@@ -73,14 +73,22 @@ def lyapunov(
         Along the dimensions of `over`:
 
         ``exponent``, ``exponent_error``
-            Per unit of τ, with a dimension ``exponent_number`` if `count` is above 1.  The
-            error is the standard error by batch means, plus the difference from a run with
-            steps twice as long.
+            Per unit of τ, with a dimension ``exponent_number`` if `count` is above 1.  Where
+            the motion is seen to end on a stable periodic orbit, from the multipliers of that
+            orbit, with an estimate of their error; elsewhere the mean over the run with its
+            standard error: that by batch means, or of the swings that the ends of the run cut
+            off if that is larger, plus what of the mean may be growth in proportion to time,
+            plus the difference from a run with steps twice as long.
+        ``settled_period``
+            Period of the orbit in drive periods, 0 where none is known.
         ``exponent_history``
-            The mean up to each value of ``period``.
+            The mean up to each value of ``period``: it shows how the mean settles and has no
+            error of its own.
         ``drive_period``, ``horizon``, ``local_error``, ``status``
-            The load's period, how long the motion itself is known to 0.01, the largest error
-            of one period, and what became of the run.
+            The load's period, exact but for rounding; how long the motion itself is known to
+            0.01, and the largest error of one period, which are themselves estimates of errors;
+            and what became of the run: ``incomplete`` where differences shrink within one
+            period to less than any number can tell, so that the exponent is NaN.
 
     Raises
     ------
@@ -92,7 +100,9 @@ def lyapunov(
     Tangents obey w' = J w along the motion and are made orthonormal again after every few
     periods (W = Q R); the exponent of direction j is the mean of ln R[j, j] over time.
     Source: G. Benettin et al., Meccanica 15 (1980) 9.  With few periods, ``exponent_error``
-    is infinite: there are no batches to compare.
+    is infinite: there are no batches to compare.  On a periodic orbit of n drive periods the
+    exponents are ln |ρ| over its length, ρ its Floquet multipliers; orbit and multipliers are
+    computed with steps of two lengths, whose difference is the error.
 
     Examples
     --------

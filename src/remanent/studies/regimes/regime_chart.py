@@ -48,7 +48,8 @@ def regime_chart(
         Bound of the error that one drive period adds, at the finest of the tolerances tried.
     rng : int, numpy.random.Generator or None
         Draws the frequencies of the 0-1 test, the same for every motion.  None is a fixed
-        seed.  A generator is copied: it is not advanced.
+        seed.  A generator is copied: it is not advanced.  The attribute ``rng`` of the result
+        is the seed that was used: passed as `rng`, it gives the same result.
     progress : bool or callable, optional
         True draws a bar; a function is called with the share of motions that are
         finished, in [0, 1].

@@ -63,12 +63,17 @@ def symmetry_check(
             ``kept``, ``lost`` or ``undecided``.
         ``transverse_growth``
             The logarithm of the growth of a difference λ₁ − λ₂ over the run, the largest of
-            all directions and times.
-        ``transverse_exponent``
-            Its growth per unit of τ over the second half of the run.
-        ``transverse_multipliers``
-            Where the motion closes after one drive period, the Floquet multipliers of the
-            difference, else NaN.
+            all directions and times.  It says what happened in this run and has no error of
+            its own: its digits are those of ``local_error`` over the size 0.001 of a difference.
+        ``settled_period``
+            Of the periodic orbit that the motion starts on or settles on, in drive periods; 0
+            where there is none.
+        ``transverse_exponent``, ``transverse_exponent_error``
+            The growth of the difference per unit of τ: that of the orbit, from its multipliers;
+            without an orbit its mean over the second half of the run, with a standard error.
+        ``transverse_multipliers``, ``transverse_multipliers_error``
+            The Floquet multipliers of the difference over the period of the orbit, largest
+            first, and their estimated errors; NaN without an orbit.
         ``drive_period``, ``local_error``, ``status``
             The load's period, the largest error of one period, and what became of the run.
 
@@ -80,8 +85,9 @@ def symmetry_check(
     Notes
     -----
     The equations of both coordinates are linearised about the motion with λ₁ = λ₂; the
-    difference a of the stretches obeys a'' = −3[θ(1 + λ⁻⁶) − mλ⁻⁴] a without dissipation,
-    and differences of viscous stretches follow it.  It is parametrically driven: the
+    difference a of the stretches obeys
+    a'' = −{3[θ(1 + λ⁻⁶) − mλ⁻⁴] + c λ⁻⁴ (λ⁻²)''} a without dissipation, and differences of
+    viscous stretches follow it.  It is parametrically driven: the
     symmetry is lost in tongues, at resonance with half the drive's frequency or the
     motion's above all.  Nothing else than the growth of small differences is looked at; the
     run itself stays symmetric.
@@ -105,18 +111,22 @@ def symmetry_check(
     period_lengths = require_drive_periods(ens)
     flow = TransverseFlow.from_ensemble(ens, tolerance)
     require_memory_for_runs(ens, periods, _BYTES_PER_PERIOD)
-    values = EnsembleFollower(ens, periods, 0).compute_in_chunks(
-        lambda indices: flow.examine_growth(indices, periods),
+    follower = EnsembleFollower(ens, periods, 0)
+    values = follower.compute_in_chunks(
+        lambda indices: flow.examine_growth(indices, periods, follower),
         flow.result_templates,
         as_progress(progress),
     )
-    multipliers: PerTrajectoryArray = (("multiplier",), values.pop("transverse_multipliers"))
+    multipliers: dict[str, PerTrajectoryArray] = {
+        name: (("multiplier",), values.pop(name))
+        for name in ("transverse_multipliers", "transverse_multipliers_error")
+    }
     coords: dict[str, Labelled] = {
         "multiplier": (("multiplier",), np.arange(flow.difference_dimension))
     }
     return to_dataset(
         ens,
-        {"drive_period": period_lengths, "transverse_multipliers": multipliers, **values},
+        {"drive_period": period_lengths, **multipliers, **values},
         coords=coords,
         tolerance=tolerance,
         periods=periods,

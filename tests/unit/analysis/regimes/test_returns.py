@@ -14,6 +14,7 @@ from remanent.analysis.regimes.limit_orbits import (
     find_approached_orbit_periods,
     find_limit_orbits,
 )
+from remanent.analysis.regimes.orbit_exponents import orbit_exponents
 from remanent.analysis.regimes.returns import find_best_returns
 
 GOLDEN = (np.sqrt(5.0) - 1.0) / 2.0
@@ -97,8 +98,11 @@ def test_tails_end_on_the_orbit_that_they_approach() -> None:
     tails[:, 0, 0] = 0.65, low + 0.003
     for n in range(7):
         tails[:, n + 1] = points.iterate(np.arange(2), tails[:, n], 1)[0]
-    regime = np.full(2, int(Regime.PERIODIC))
-    ends = replace_tails_by_limit_orbits(points.iterate, tails, regime, np.array([1, 2]))
+    settled = orbit_exponents(
+        points.iterate, lambda *_: (points.iterate, points.iterate),
+        np.arange(2), tails[:, -1], np.array([1, 2]), 0.0,
+    )  # fmt: skip
+    ends = replace_tails_by_limit_orbits(points.iterate, tails, settled)
     np.testing.assert_allclose(ends[0, -1, 0], 1.0 - 1.0 / 2.95, atol=1e-12)
     np.testing.assert_allclose(ends[1, -2:, 0], [low, high], atol=1e-12)
     np.testing.assert_array_equal(ends[:, :-2], tails[:, :-2])
