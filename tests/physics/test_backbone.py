@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+from benchmarks.errors.rows import backbone as rows
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
@@ -88,3 +89,18 @@ def test_oscillations_without_bound_have_the_limit_frequency() -> None:
     away = ds.frequency.values - limit
     assert (np.diff(np.abs(away)) < 0.0).all()
     assert abs(away[-1]) < 0.05 * limit
+
+
+def test_no_oscillation_is_told_of_an_equilibrium() -> None:
+    """A failure is a status: from a stretch at rest nothing moves."""
+    ds = rm.backbone(rm.Actuator(), [1.0, 1.5])
+    assert ds.status.values.tolist() == [rm.Status.SINGULAR, rm.Status.OK]
+    assert np.isnan(ds.frequency.values).tolist() == [True, False]
+    assert "equilibrium" in str(ds.reason.values[0])
+
+
+def test_frequencies_are_right_to_their_errors() -> None:
+    """Coverage of errors: against the return to rest in extended precision."""
+    judged = [one for seed in range(3) for one in rows._frequencies(np.random.default_rng(seed))]
+    assert len(judged) > 50
+    assert all(one.covered for one in judged)

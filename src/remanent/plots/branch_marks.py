@@ -104,7 +104,8 @@ def mark_ends(axes: Axes, member: Member, x: str, variable: str) -> list[Line2D]
     for k in range(data.sizes["branch"]):
         row = data.isel(branch=k)
         for place, words in _early_ends(row, x):
-            spot = float(row[x].values[place]), float(row[variable].values[place])
+            height = np.ravel(row[variable].isel(point=place).values)[0]
+            spot = float(row[x].values[place]), float(height)
             axes.plot(*spot, color=member.colour, zorder=6, **_END_LOOKS)
             entries.append(_end_entry(words))
     return entries

@@ -34,7 +34,7 @@ _STABILITY_LINE_STYLES: Final[Mapping[str, Mapping[str, Any]]] = MappingProxyTyp
     }
 )
 #: Dimensions of branches beside those of ``over``.
-_OWN_DIMENSIONS: Final = ("branch", "point", "special", "multiplier", "end")
+_OWN_DIMENSIONS: Final = ("branch", "point", "special", "multiplier", "end", "period")
 #: Width of the core of a double line, in points.
 _DOUBLE_LINE_CORE_WIDTH_POINTS: Final = 0.8
 #: Room beside branches, over their width.
@@ -60,7 +60,8 @@ def branch(
         A result of ``continue_orbit`` or ``response_diagram``, with at most two dimensions
         of ``over``.
     variable : str
-        What to draw: ``amplitude``, ``maximum``, ``minimum`` or a state variable.
+        What to draw: ``amplitude``, ``maximum``, ``minimum``, a state variable, or
+        ``thickness_stretch`` at the beginning of each drive period, over a bifurcation diagram.
     parameter : str, optional
         Against what; by default the parameter that was followed.
     ax : matplotlib.axes.Axes, optional
@@ -214,19 +215,25 @@ def _draw_branches(
     for k in range(data.sizes["branch"]):
         row = data.isel(branch=k)
         stabilities = row["stability"].values
-        points = np.stack([row[x].values, row[variable].values], axis=1).astype(np.float64)
-        count = int(np.isfinite(points[:, 0]).sum())
-        for first, last in _equal_stability_ranges(stabilities, count):
-            name = str(stabilities[first])
-            looks = {"color": member.colour, **_STABILITY_LINE_STYLES[name], **line}
-            # A stretch begins where the one before it ends, so that no gap is seen.
-            stretch = points[max(first - 1, 0) : last]
-            for piece in _pieces_not_drawn(stretch, drawn.setdefault(name, []), size):
-                (artist,) = axes.plot(*piece.T, solid_capstyle="butt", gid=name, **looks)
-                if name == "elliptic":
-                    artist.set_path_effects(_double_line_effects(name, axes.get_facecolor()))
-                artists.append(artist)
+        for column in _columns(row[variable]):
+            points = np.stack([row[x].values, column], axis=1).astype(np.float64)
+            count = int(np.isfinite(points[:, 0]).sum())
+            for first, last in _equal_stability_ranges(stabilities, count):
+                name = str(stabilities[first])
+                looks = {"color": member.colour, **_STABILITY_LINE_STYLES[name], **line}
+                # A stretch begins where the one before it ends, so that no gap is seen.
+                stretch = points[max(first - 1, 0) : last]
+                for piece in _pieces_not_drawn(stretch, drawn.setdefault(name, []), size):
+                    (artist,) = axes.plot(*piece.T, solid_capstyle="butt", gid=name, **looks)
+                    if name == "elliptic":
+                        artist.set_path_effects(_double_line_effects(name, axes.get_facecolor()))
+                    artists.append(artist)
     return artists
+
+
+def _columns(variable: xr.DataArray) -> FloatArray:
+    """What is drawn along a branch, a row for each drive period where it has one for each."""
+    return variable.transpose(..., "point").values.reshape(-1, variable.sizes["point"])
 
 
 def _pieces_not_drawn(

@@ -20,13 +20,22 @@ import numpy as np
 
 from remanent._roots import find_minima, find_roots
 from remanent._typing import FloatArray
-from remanent.analysis.orbits.correction import correct_points
+from remanent.analysis.orbits.correction import correct_points, unit_tangents
 from remanent.analysis.orbits.curves import CurveEquations, CurvePoints, interpolate_curve
+from remanent.analysis.orbits.extended_systems import LocatedPoint, locate_special_points
 
 #: A test function is beyond zero if it is by this many times its error.
 _MIN_CROSSING_DEPTH_OVER_ERROR = 8.0
-#: Tolerance of a root, relative to its place along the branch, which counts points.
-_RELATIVE_ROOT_POSITION_TOLERANCE = 1e-13
+#: Tolerance of the place of a root along the branch, which counts points, before it is located.
+_ROUGH_ROOT_POSITION_TOLERANCE = 1e-6
+#: How far from its bracket a special point may be, in lengths of the bracket.
+_MAX_DISTANCE_IN_BRACKETS = 1.0
+#: The same, beside these, in scaled unknowns.
+_MAX_DISTANCE_FROM_BRACKET = 1e-3
+#: Brackets farther from each other along the branch, in points, hold different special points.
+_MAX_SEGMENTS_TO_SAME_POINT = 3.0
+#: A turn nearer to a crossing of branches, in scaled unknowns, is that of the crossing.
+_MAX_TURN_DISTANCE_FROM_CROSSING = 1e-3
 #: Tolerance of a minimum along the branch.
 _LOCATED_MINIMUM_POSITION_TOLERANCE = 1e-7
 #: Relative tolerance of the value of a minimum.
@@ -49,14 +58,15 @@ class SpecialPoint:
         It lies between this point of the branch and the next.
     point : CurvePoints
         The point itself, of length 1.
-    parameter_error : float
-        Estimated error of the parameter.
+    parameter_error, state_error : float
+        Estimated errors of the parameter, and of the state (its largest component).
     """
 
     kind: str
     segment_index: int
     point: CurvePoints
     parameter_error: float
+    state_error: float
 
 
 # Test functions: points (point,) and the units of the unknowns in, values (point,) out.
@@ -121,9 +131,11 @@ class _InterpolatedBranch:
         """Points of the branch itself, by Newton's method from the cubic between its points."""
         segment = np.clip(places.astype(np.int64), 0, len(self.points) - 2)
         guess, direction = interpolate_curve(self.points, segment, places - segment, self.scale)
+        ends = self.points.unknown[segment + 1] - self.points.unknown[segment]
         points, _ = correct_points(
-            self.equations, guess, direction, scale=self.scale, tolerance=self.tolerance
-        )
+            self.equations, guess, direction, scale=self.scale, tolerance=self.tolerance,
+            reach=np.linalg.norm(ends / self.scale, axis=1),
+        )  # fmt: skip
         return points
 
 
@@ -134,6 +146,9 @@ def find_special_points(
     scale: FloatArray,
     tolerance: float,
     conservative: bool,
+    precise_equations: CurveEquations | None = None,
+    judging_equations: CurveEquations | None = None,
+    touching_ends: tuple[bool, bool] = (False, False),
 ) -> list[SpecialPoint]:
     """All special points of a branch, in order along it.
 
@@ -150,9 +165,16 @@ def find_special_points(
         Of the equations.
     conservative : bool
         Products of multipliers are 1 throughout, so that no Neimark-Sacker point exists.
+    precise_equations : callable, optional
+        The same equations with a smaller error, by which the points are located in the end.
+    judging_equations : callable, optional
+        The same once more, by which the errors of the points located are judged.
+    touching_ends : two bool
+        Whether the first and the last point are on another branch: they are no special points of
+        this one, although its folds and crossings have their values there.
     """
     branch = _InterpolatedBranch(equations, points, scale, tolerance)
-    special: list[SpecialPoint] = []
+    brackets: list[_Bracket] = []
     for kind, test in TEST_FUNCTION_OF_KIND.items():
         if kind == "Neimark-Sacker" and conservative:
             continue
@@ -161,14 +183,28 @@ def find_special_points(
             return np.asarray(test(branch.points_at(places), scale), dtype=np.float64)
 
         values = test(points, scale)
+        if kind in ("fold", "branch point"):
+            values = _with_signs_of_neighbours(values, touching_ends)
         with np.errstate(invalid="ignore"):
             crossed = np.flatnonzero(values[:-1] * values[1:] < 0.0)
         middle, before, after = _bracket_double_crossings(value, values, points)
         low = np.concatenate([crossed, before, middle]).astype(np.float64)
         high = np.concatenate([crossed + 1, middle, after]).astype(np.float64)
         if low.size:
-            special += _locate_special_points(kind, branch, value, low, high)
-    return sorted(special, key=lambda point: point.segment_index)
+            brackets += _narrow_brackets(kind, value, low, high)
+    return _locate_in_brackets(
+        precise_equations or equations, judging_equations, branch,
+        sorted(brackets, key=lambda one: one.root),
+    )  # fmt: skip
+
+
+def _with_signs_of_neighbours(values: FloatArray, at_ends: tuple[bool, bool]) -> FloatArray:
+    """Values of a test function without a change of sign in the first or the last segment."""
+    values = values.copy()
+    for end, neighbour, changed in ((0, 1, at_ends[0]), (-1, -2, at_ends[1])):
+        if changed and len(values) > 1:
+            values[end] = values[neighbour]
+    return values
 
 
 def _bracket_double_crossings(
@@ -227,47 +263,118 @@ def _state_error_magnifications(points: CurvePoints) -> FloatArray:
     return np.asarray(np.maximum(1.0, np.abs(points.extra_arrays["jacobian"]).max(axis=(1, 2))))
 
 
-def _locate_special_points(
-    kind: str,
-    branch: _InterpolatedBranch,
-    value: Callable[[FloatArray], FloatArray],
-    low: FloatArray,
-    high: FloatArray,
-) -> list[SpecialPoint]:
-    """Roots of a test function between places along a branch, all together."""
+@dataclass(frozen=True)
+class _Bracket:
+    """Where along a branch a test function changes its sign.
+
+    Attributes
+    ----------
+    kind : str
+    root, low, high : float
+        Places along the branch: of the root, roughly, and of the ends.
+    """
+
+    kind: str
+    root: float
+    low: float
+    high: float
+
+
+def _narrow_brackets(
+    kind: str, value: Callable[[FloatArray], FloatArray], low: FloatArray, high: FloatArray
+) -> list[_Bracket]:
+    """Rough roots of a test function between places along a branch, all together."""
     root = find_roots(
         value,
         (low, high),
         tolerances={
-            "xatol": _RELATIVE_ROOT_POSITION_TOLERANCE,
-            "xrtol": _RELATIVE_ROOT_POSITION_TOLERANCE,
+            "xatol": _ROUGH_ROOT_POSITION_TOLERANCE,
+            "xrtol": 0.0,
             "fatol": 0.0,
             "frtol": 0.0,
         },
         maxiter=_MAX_ROOT_OR_MINIMUM_ITERATIONS,
     )
+    found = np.flatnonzero(root.success)
+    return [_Bracket(kind, float(root.x[k]), float(low[k]), float(high[k])) for k in found]
+
+
+def _locate_in_brackets(
+    equations: CurveEquations,
+    judging_equations: CurveEquations | None,
+    branch: _InterpolatedBranch,
+    brackets: list[_Bracket],
+) -> list[SpecialPoint]:
+    """Special points in brackets, in order along a branch, each once.
+
+    A test function is uncertain by its error: near a crossing of branches the tangent turns at
+    random, so that folds seem to be there.  What counts is the solution of the extended system.
+    """
+    if not brackets:
+        return []
     scale = branch.scale
-    located, ends = branch.points_at(root.x), (branch.points_at(low), branch.points_at(high))
-    steps = [np.linalg.norm((end.unknown - located.unknown) / scale, axis=1) for end in ends]
-    # The slope is taken no steeper than towards either end: next to a turn it is half as steep.
-    slope = np.minimum(*(np.abs(value(x)) / s for x, s in zip((low, high), steps, strict=True)))
-    error = (located.residual_error + located.residual) * _state_error_magnifications(located)
-    shift = error / np.maximum(slope, 1e-300)
-    shift += (
-        2.0
-        * _RELATIVE_ROOT_POSITION_TOLERANCE
-        * (1.0 + root.x)
-        * (steps[0] + steps[1])
-        / (high - low)
+    rough, low, high = (
+        branch.points_at(np.array([getattr(one, place) for one in brackets]))
+        for place in ("root", "low", "high")
     )
-    # A shift along the branch moves the parameter by the tangent's part; at a fold that part is
-    # zero, and the shift itself tilts the tangent.
-    uncertainty = scale[-1] * (error + shift * (np.abs(located.tangent[:, -1]) + shift))
-    return [
-        SpecialPoint(kind, int(root.x[k]), located.subset(slice(k, k + 1)), float(uncertainty[k]))
-        for k in range(root.x.size)
-        if root.success[k] and _is_bifurcation(kind, located, k)
+    width = np.linalg.norm((high.unknown - low.unknown) / scale, axis=1)
+    located = locate_special_points(
+        equations, [one.kind for one in brackets], rough.unknown,
+        _MAX_DISTANCE_IN_BRACKETS * width + _MAX_DISTANCE_FROM_BRACKET, scale,
+        judging_equations=judging_equations,
+    )  # fmt: skip
+    kept: list[tuple[_Bracket, LocatedPoint, FloatArray]] = []
+    for k, (bracket, one) in enumerate(zip(brackets, located, strict=True)):
+        if one is not None and not any(
+            bracket.kind == other.kind and _is_same_point(bracket, one, other, earlier)
+            for other, earlier, _ in kept
+        ):
+            kept.append((bracket, one, rough.tangent[k]))
+    crossings = [(b, one) for b, one, _ in kept if b.kind == "branch point"]
+    kept = [
+        (bracket, one, like)
+        for bracket, one, like in kept
+        if bracket.kind != "fold"
+        or not any(_turns_at_crossing(bracket, one, *c, scale) for c in crossings)
     ]
+    if not kept:
+        return []
+    unknown = np.array([one.unknown for _, one, _ in kept])
+    values = equations(unknown)
+    tangents = unit_tangents(
+        values.extra_arrays["derivative"], np.array([like for _, _, like in kept]), scale
+    )
+    points = CurvePoints(
+        unknown, tangents, np.abs(values.value).max(axis=1), values.value_error,
+        values.extra_arrays,
+    )  # fmt: skip
+    return [
+        SpecialPoint(
+            bracket.kind, int(bracket.root), points.subset(slice(k, k + 1)),
+            float(one.error[-1]), float(one.error[:-1].max()),
+        )
+        for k, (bracket, one, _) in enumerate(kept)
+        if _is_bifurcation(bracket.kind, points, k)
+    ]  # fmt: skip
+
+
+def _is_same_point(
+    bracket: _Bracket, one: LocatedPoint, other: _Bracket, earlier: LocatedPoint
+) -> bool:
+    """Whether two brackets beside each other lead to the same point."""
+    if abs(bracket.root - other.root) > _MAX_SEGMENTS_TO_SAME_POINT:
+        return False
+    return bool((np.abs(one.unknown - earlier.unknown) <= 2.0 * (one.error + earlier.error)).all())
+
+
+def _turns_at_crossing(
+    fold: _Bracket, turn: LocatedPoint, crossing: _Bracket, point: LocatedPoint, scale: FloatArray
+) -> bool:
+    """Whether a turn is only that of the parabola in which a branch crosses another."""
+    if abs(fold.root - crossing.root) > _MAX_SEGMENTS_TO_SAME_POINT:
+        return False
+    distance = np.linalg.norm((turn.unknown - point.unknown) / scale)
+    return bool(distance <= _MAX_TURN_DISTANCE_FROM_CROSSING)
 
 
 def _is_bifurcation(kind: str, located: CurvePoints, k: int) -> bool:

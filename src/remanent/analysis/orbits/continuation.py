@@ -11,6 +11,7 @@ H. B. Keller, in: Applications of Bifurcation Theory (Academic Press, 1977) 359.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -67,6 +68,9 @@ class ContinuationSettings:
         Of a curve, in each direction.
     held_unknown_indices : tuple of int
         Unknowns that do not change along a curve.
+    ends_between : callable, optional
+        Takes consecutive points of a curve and says between which of them, array (point - 1,),
+        it ends although it could be followed further.
     """
 
     lower_bounds: FloatArray
@@ -78,12 +82,17 @@ class ContinuationSettings:
     points_per_block: int = 8
     max_points: int = 1000
     held_unknown_indices: tuple[int, ...] = ()
+    ends_between: Callable[[CurvePoints], BoolArray] | None = None
 
 
 def continue_curves(
-    equations: CurveEquations, starts: CurvePoints, settings: ContinuationSettings
+    equations: CurveEquations,
+    starts: CurvePoints,
+    settings: ContinuationSettings,
+    *,
+    both_ways: bool = True,
 ) -> list[Curve]:
-    """Follow the curve through each of some points, both ways, all together.
+    """Follow the curve through each of some points, all together.
 
     Parameters
     ----------
@@ -92,10 +101,17 @@ def continue_curves(
     starts : CurvePoints
         Points of curves (one each), with tangents; one curve is made of each.
     settings : ContinuationSettings
+    both_ways : bool
+        Otherwise each is followed along its tangent only, and its first end is its ``start``.
     """
+    if not both_ways:
+        return [
+            Curve(concatenate_points(arm.point_blocks), False, ("start", arm.end_reason))
+            for arm in _grow_arms(equations, starts, settings)
+        ]
     count = len(starts)
     heads = concatenate_points([starts, starts.with_reversed_tangents()])
-    arms = _grow_arms(equations, heads, settings)
+    arms = _grow_arms(equations, heads, settings, paired=True)
     return [_join_arms(arms[k], arms[k + count]) for k in range(count)]
 
 
@@ -105,7 +121,8 @@ class _CurveArm:
 
     Everything but `first_step_length` and `scaled_start` changes: each block appends to
     `point_blocks`, moves `point_before_last` up to the last point but one, and sets the next
-    `step_length`; `end_reason` is empty until the arm stops.
+    `step_length`; `end_reason` is empty until the arm stops, `came_home` true only for one that
+    went all the way round a closed curve.
     """
 
     point_blocks: list[CurvePoints]
@@ -115,6 +132,7 @@ class _CurveArm:
     scaled_start: FloatArray
     end_reason: str = ""
     point_count: int = 1
+    came_home: bool = False
 
     @property
     def last_point(self) -> tuple[FloatArray, FloatArray]:
@@ -129,23 +147,29 @@ class _CurveArm:
 
 
 def _grow_arms(
-    equations: CurveEquations, heads: CurvePoints, settings: ContinuationSettings
+    equations: CurveEquations,
+    heads: CurvePoints,
+    settings: ContinuationSettings,
+    *,
+    paired: bool = False,
 ) -> list[_CurveArm]:
-    """Grow the arm from each head until it ends; arms k and k + count/2 are of one curve."""
+    """Grow the arm from each head until it ends; paired arms k, k + count/2 are of one curve."""
     arms = [_start_arm(heads.subset(slice(k, k + 1)), settings) for k in range(len(heads))]
     half = len(arms) // 2
     while growing := [k for k, arm in enumerate(arms) if not arm.end_reason]:
         subset = [arms[k] for k in growing]
         guess, direction = _predict_points(subset, settings)
+        steps = np.repeat([arm.step_length for arm in subset], settings.points_per_block)
         points, reached = correct_points(
-            equations, guess, direction, scale=settings.scale, tolerance=settings.tolerance
-        )
+            equations, guess, direction, scale=settings.scale, tolerance=settings.tolerance,
+            reach=steps,
+        )  # fmt: skip
         blocks = _inspect_blocks(subset, points, reached, guess, settings)
         for k, block in zip(growing, blocks, strict=True):
             if arms[k].end_reason:  # its other half came round just now
                 continue
             _extend_arm(arms[k], points, block, settings)
-            if arms[k].end_reason == "closed":
+            if paired and arms[k].came_home:
                 arms[(k + half) % len(arms)].end_reason = "closed"
     return arms
 
@@ -295,9 +319,14 @@ def _extend_arm(
 ) -> None:
     """Append the points of a block that are what was predicted, and choose the next step."""
     kept = block.kept_count if block.count_before_closure is None else block.count_before_closure
-    arm.end_reason = (
-        "bounds" if block.leaves_box else "closed" if block.count_before_closure is not None else ""
-    )
+    arm.came_home = block.count_before_closure is not None
+    arm.end_reason = "bounds" if block.leaves_box else "closed" if arm.came_home else ""
+    if kept and settings.ends_between is not None:
+        ahead = points.subset(slice(block.first_point_index, block.first_point_index + kept))
+        last = arm.point_blocks[-1].subset(slice(-1, None))
+        ends = np.flatnonzero(settings.ends_between(concatenate_points([last, ahead])))
+        if ends.size:  # the first point beyond the end is kept: the end is before it
+            kept, arm.end_reason, arm.came_home = int(ends[0]) + 1, "branching", False
     if kept:
         part = points.subset(slice(block.first_point_index, block.first_point_index + kept))
         last_but_one = kept - 2
@@ -339,15 +368,11 @@ def _next_step_length(
 
 def _join_arms(forth: _CurveArm, back: _CurveArm) -> Curve:
     """Both arms as one curve, in the direction of the first."""
-    closed = forth.end_reason == "closed" and back.end_reason == "closed" and forth.point_count > 1
     ahead = concatenate_points(forth.point_blocks)
-    if closed:
-        # Each arm went all the way round, or was told that the other did: the longer one did.
-        loop = (
-            ahead
-            if forth.point_count >= back.point_count
-            else concatenate_points(back.point_blocks)
-        )
+    if forth.came_home or back.came_home:
+        # Of two arms the one that came home is the whole curve.  The other was told to stop on its
+        # way, where it may have more points.
+        loop = ahead if forth.came_home else concatenate_points(back.point_blocks)
         points = loop.subset(np.append(np.arange(len(loop)), 0))
         return Curve(points, True, ("closed", "closed"))
     behind = (

@@ -9,6 +9,8 @@ from remanent.analysis.orbits.curves import CurveEquations, CurvePoints, Equatio
 
 #: Newton steps at most.
 _MAX_NEWTON_STEPS = 6
+#: Share of the tolerance that Newton's method aims at.
+_AIM_SHARE_OF_TOLERANCE = 0.1
 #: A residual cannot be expected to fall below this many times the error of the equations.
 _RESIDUAL_FLOOR_OVER_ERROR = 4.0
 
@@ -42,6 +44,7 @@ def correct_points(
     *,
     scale: FloatArray,
     tolerance: float,
+    reach: FloatArray | float = np.inf,
 ) -> tuple[CurvePoints, BoolArray]:
     """Points of curves nearest to guesses, in planes across given directions.
 
@@ -54,19 +57,30 @@ def correct_points(
     scale : array (n + 1,)
         Units of the unknowns.
     tolerance : float
-        Of the residual, where the error of the equations allows it.
+        Of the residual.  Newton's method aims at a tenth of it where the error of the equations
+        allows that; no point beyond it counts as reached.
+
+    reach : array (point,) or float
+        Points that would go farther from their guess, in scaled unknowns, are given up.
 
     Returns
     -------
     points : CurvePoints
     reached : array (point,) of bool
-        Whether Newton's method converged.
+        Whether the residual meets the tolerance.
     """
     z, equation_values = guess.copy(), equations(guess)
+    lost = np.zeros(len(z), dtype=np.bool_)
     for _ in range(_MAX_NEWTON_STEPS - 1):
-        residual, reached, finite = _residuals_and_convergence(equation_values, tolerance)
+        residual, finite = _residuals(equation_values)
+        # A residual cannot be expected to fall below the error of the equations.
+        aim = np.clip(
+            _RESIDUAL_FLOOR_OVER_ERROR * equation_values.value_error,
+            _AIM_SHARE_OF_TOLERANCE * tolerance,
+            tolerance,
+        )
         # Points that have converged are left alone: each further evaluation costs a period map.
-        moving = np.flatnonzero(finite & ~reached)
+        moving = np.flatnonzero(finite & ~lost & (residual > aim))
         if not moving.size:
             break
         matrix = np.concatenate(
@@ -74,28 +88,29 @@ def correct_points(
         )
         offset = np.einsum("ij,ij->i", direction[moving], (guess - z)[moving] / scale)
         right = np.concatenate([-equation_values.value[moving], offset[:, None]], axis=1)
-        z[moving] += _solve_linear_systems(matrix, right) * scale
+        moved = z[moving] + _solve_linear_systems(matrix, right) * scale
+        distance = np.linalg.norm((moved - guess[moving]) / scale, axis=1)
+        near = distance <= np.broadcast_to(reach, len(z))[moving]
+        lost[moving[~near]] = True
+        moving = moving[near]
+        if not moving.size:
+            break
+        z[moving] = moved[near]
         equation_values = equation_values.with_replaced_rows(moving, equations(z[moving]))
-    residual, reached, finite = _residuals_and_convergence(equation_values, tolerance)
+    residual, finite = _residuals(equation_values)
     derivative = np.where(finite[:, None, None], equation_values.derivative, 0.0)
     tangent = unit_tangents(derivative, direction, scale)
     return CurvePoints(
         z, tangent, residual, equation_values.value_error, equation_values.extra_arrays
-    ), reached & finite
+    ), (residual <= tolerance) & finite
 
 
-def _residuals_and_convergence(
-    equation_values: EquationValues, tolerance: float
-) -> tuple[FloatArray, BoolArray, BoolArray]:
-    """Residuals, where they are small enough, and where all is finite."""
+def _residuals(equation_values: EquationValues) -> tuple[FloatArray, BoolArray]:
+    """Residuals, and where all is finite."""
     with np.errstate(all="ignore"):
         residual = np.abs(equation_values.value).max(axis=1)
     finite = np.isfinite(equation_values.derivative).all(axis=(1, 2)) & np.isfinite(residual)
-    return (
-        residual,
-        residual <= np.maximum(tolerance, _RESIDUAL_FLOOR_OVER_ERROR * equation_values.value_error),
-        finite,
-    )
+    return np.asarray(residual), np.asarray(finite)
 
 
 def _solve_linear_systems(matrix: FloatArray, right: FloatArray) -> FloatArray:

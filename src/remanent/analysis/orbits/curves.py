@@ -103,12 +103,25 @@ class Curve:
     end_reasons : two str
         Why the curve ends before its first and after its last point: ``closed``; ``bounds``,
         it leaves the box; ``points``, as many as were asked for; ``lost``, the step became
-        too short.
+        too short; ``branching``, it ends on another curve; ``start``, it was followed from
+        there in one direction only.
+    bounded_unknowns : two int
+        Number of the unknown that reached its bound at each end; -1 where none did.
     """
 
     points: CurvePoints
     is_closed: bool
     end_reasons: tuple[str, str]
+    bounded_unknowns: tuple[int, int] = (-1, -1)
+
+    def reversed(self) -> Curve:
+        """The same curve in the other order; its tangents still point the way they did."""
+        return replace(
+            self,
+            points=self.points.subset(slice(None, None, -1)),
+            end_reasons=(self.end_reasons[1], self.end_reasons[0]),
+            bounded_unknowns=(self.bounded_unknowns[1], self.bounded_unknowns[0]),
+        )
 
 
 def concatenate_points(parts: Sequence[CurvePoints]) -> CurvePoints:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from types import MappingProxyType
+from typing import Final
 
 import numpy as np
 
@@ -11,9 +13,11 @@ from remanent.analysis.orbits.curves import CurveEquations, EquationValues
 from remanent.analysis.orbits.maps import Map
 
 #: Half the distance over which a test function is differenced, in scaled unknowns.
-_SCALED_DIFFERENCE_HALF_STEP = 1e-5
-#: The test function of each kind is det(J + sign 1).
-_IDENTITY_SIGN_OF_KIND = MappingProxyType({"fold": -1.0, "period doubling": 1.0})
+_SCALED_DIFFERENCE_HALF_STEP = 1e-6
+#: What vanishes at each kind is det(J + sign 1).
+IDENTITY_SIGN_OF_KIND: Final[Mapping[str, float]] = MappingProxyType(
+    {"fold": -1.0, "period doubling": 1.0}
+)
 
 
 def build_orbit_equations(map_: Map, iterate: int) -> CurveEquations:
@@ -32,7 +36,8 @@ def build_orbit_equations(map_: Map, iterate: int) -> CurveEquations:
     -------
     callable
         Its ``extra_arrays["jacobian"]`` is that of the iterate,
-        ``extra_arrays["derivative"]`` that of the equations.
+        ``extra_arrays["derivative"]`` that of the equations, ``extra_arrays["value"]`` their
+        value.
     """
 
     def equations(unknown: FloatArray) -> EquationValues:
@@ -48,7 +53,7 @@ def build_orbit_equations(map_: Map, iterate: int) -> CurveEquations:
             rows[:, np.arange(held), d + np.arange(held)] = 1.0
             derivative = np.concatenate([derivative, rows], axis=1)
             value = np.concatenate([value, np.zeros((len(x), held))], axis=1)
-        extra = {"jacobian": image.jacobian, "derivative": derivative}
+        extra = {"jacobian": image.jacobian, "derivative": derivative, "value": value}
         return EquationValues(value, derivative, image.error, extra)
 
     return equations
@@ -59,9 +64,10 @@ def build_bifurcation_equations(
 ) -> CurveEquations:
     """Folds or period doublings as curves: unknowns (state, two parameters).
 
-    Equations: map^q(x) - x = 0 and det(J - 1) = 0 at a fold, det(J + 1) = 0 at a doubling.
-    The derivatives of the determinant are differences; they decide how fast Newton's method
-    converges, not where.
+    Equations: map^q(x) - x = 0, and the smallest singular value of J - 1 at a fold, of J + 1 at
+    a doubling, with the sign of the determinant, is zero.  It vanishes where the determinant
+    does, and an error of J changes it by no more than itself, however large the other singular
+    values are.
 
     Parameters
     ----------
@@ -72,31 +78,101 @@ def build_bifurcation_equations(
         ``fold`` or ``period doubling``.
     scale : array (state + 2,)
         Units of the unknowns.
-    """
-    sign = _IDENTITY_SIGN_OF_KIND[kind]
 
-    def determinant(jacobian: FloatArray) -> FloatArray:
-        return np.asarray(np.linalg.det(jacobian + sign * np.eye(jacobian.shape[-1])))
+    Returns
+    -------
+    callable
+        Its ``extra_arrays`` hold ``jacobian``, that of the iterate; ``derivative`` and ``value``,
+        those of the equations; and ``equation_error``, the error of each equation's value.
+    """
+    sign = IDENTITY_SIGN_OF_KIND[kind]
 
     def equations(unknown: FloatArray) -> EquationValues:
         count, size = unknown.shape
         d = size - 2
-        # The point itself, then a step forwards in each unknown, then one backwards: one call.
-        steps = np.concatenate([np.zeros((1, size)), np.diag(scale), -np.diag(scale)])
-        places = (unknown[:, None, :] + _SCALED_DIFFERENCE_HALF_STEP * steps).reshape(-1, size)
+        places = places_around(unknown, scale)
         image = map_(places[:, :d], places[:, d:], iterate)
-        test = determinant(image.jacobian).reshape(count, -1)
-        here = slice(None, None, 2 * size + 1)
-        slope = (test[:, 1 : 1 + size] - test[:, 1 + size :]) / (
-            2.0 * _SCALED_DIFFERENCE_HALF_STEP * scale
-        )
-        jacobian = image.jacobian[here]
+        jacobians = image.jacobian.reshape(count, -1, d, d)
+        test, slope, entry_weight = smallest_singular_values(jacobians, sign, scale)
+        here = slice(None, None, jacobians.shape[1])
+        jacobian = jacobians[:, 0]
         orbit = np.concatenate([jacobian - np.eye(d), image.parameter_jacobian[here]], axis=2)
-        value = np.column_stack([image.state[here] - unknown[:, :d], test[:, 0]])
+        value = np.column_stack([image.state[here] - unknown[:, :d], test])
         derivative = np.concatenate([orbit, slope[:, None, :]], axis=1)
-        # An error of the entries of J changes a determinant of order d by up to |J|^d times it.
-        magnification = np.maximum(1.0, np.abs(jacobian).max(axis=(1, 2))) ** d
-        error = image.error[here] * magnification
-        return EquationValues(value, derivative, error, {"jacobian": jacobian})
+        error = image.error[here]
+        test_error = entry_weight * error * np.abs(jacobian).max(axis=(1, 2))
+        errors = np.column_stack([np.tile(error[:, None], d), test_error])
+        extra = {
+            "jacobian": jacobian, "derivative": derivative, "value": value,
+            "equation_error": errors,
+        }  # fmt: skip
+        return EquationValues(value, derivative, errors.max(axis=1), extra)
 
     return equations
+
+
+def places_around(unknown: FloatArray, scale: FloatArray) -> FloatArray:
+    """Each point, then a step forwards in each unknown, then one backwards.
+
+    Parameters
+    ----------
+    unknown : array (point, unknown)
+    scale : array (unknown,)
+        Units of the unknowns.
+
+    Returns
+    -------
+    array (point * (2 unknown + 1), unknown)
+    """
+    size = scale.size
+    steps = np.concatenate([np.zeros((1, size)), np.diag(scale), -np.diag(scale)])
+    places = unknown[:, None, :] + _SCALED_DIFFERENCE_HALF_STEP * steps
+    return np.asarray(places.reshape(-1, size))
+
+
+def central_differences(values: FloatArray, scale: FloatArray) -> FloatArray:
+    """Derivatives by each unknown of what was evaluated at :func:`places_around` points.
+
+    Parameters
+    ----------
+    values : array (point, 2 unknown + 1, ...)
+    scale : array (unknown,)
+
+    Returns
+    -------
+    array (point, unknown, ...)
+    """
+    size = scale.size
+    width = (2.0 * _SCALED_DIFFERENCE_HALF_STEP * scale).reshape(-1, *[1] * (values.ndim - 2))
+    return np.asarray((values[:, 1 : 1 + size] - values[:, 1 + size :]) / width)
+
+
+def smallest_singular_values(
+    jacobians: FloatArray, sign: float, scale: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Smallest singular values of J + sign 1, with the signs of the determinants.
+
+    Parameters
+    ----------
+    jacobians : array (point, 2 unknown + 1, state, state)
+        At :func:`places_around` points.
+    sign : float
+    scale : array (unknown,)
+
+    Returns
+    -------
+    value : array (point,)
+    slope : array (point, unknown)
+        The derivative is u' dJ v with the singular vectors u, v.
+    entry_weight : array (point,)
+        By how much the value changes at most if every entry of J changes by one.
+    """
+    matrix = jacobians[:, 0] + sign * np.eye(jacobians.shape[-1])
+    finite = np.asarray(np.isfinite(matrix).all(axis=(1, 2)))
+    left, values, right = np.linalg.svd(np.where(finite[:, None, None], matrix, 0.0))
+    with np.errstate(invalid="ignore"):
+        side = np.where(np.linalg.det(matrix) < 0.0, -1.0, 1.0)
+    u, v = left[:, :, -1] * side[:, None], right[:, -1, :]
+    slope = np.einsum("pi,pkij,pj->pk", u, central_differences(jacobians, scale), v)
+    weight = np.abs(u).sum(axis=1) * np.abs(v).sum(axis=1)
+    return np.where(finite, side * values[:, -1], np.nan), slope, weight

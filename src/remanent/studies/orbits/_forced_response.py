@@ -47,6 +47,5 @@ def trace_all_forced_response_branches(
     """
     middle = np.array([0.5 * sum(options.parameter_range)])
     centred = replace(member, parameter_values={**member.parameter_values, "omega": middle})
-    return describe_branches(
-        centred, trace_all_branches(options.tracing_of_member(centred), slices), options
-    )
+    tracing = options.tracing_of_member(centred)
+    return describe_branches(tracing, trace_all_branches(tracing, slices), options.parameter)

@@ -20,8 +20,11 @@ from remanent.studies.ensemble.problem import initial_value_problem
 
 #: Dimensions that results about orbits have of their own.
 ORBIT_DIMENSIONS = frozenset(
-    {"orbit", "state", "multiplier", "branch", "point", "special", "end", "peak", "harmonic"}
-)
+    {
+        "orbit", "state", "multiplier", "branch", "point", "special", "end", "peak", "harmonic",
+        "period",
+    }
+)  # fmt: skip
 #: Length of the longest word for stability.
 _STABILITY_DTYPE = "<U9"
 #: Tolerance of the extremes along an orbit: below that of Adams steps, whose errors are told less

@@ -4,21 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from remanent._typing import FloatArray
+from remanent._typing import BoolArray, FloatArray
 from remanent.analysis.orbits.bifurcations import SpecialPoint, find_special_points
 from remanent.analysis.orbits.continuation import ContinuationSettings, continue_curves
-from remanent.analysis.orbits.correction import correct_points, unit_tangents
-from remanent.analysis.orbits.curves import (
-    Curve,
-    CurveEquations,
-    CurvePoints,
-    concatenate_points,
-    interpolate_curve,
-)
+from remanent.analysis.orbits.correction import unit_tangents
+from remanent.analysis.orbits.curves import Curve, CurveEquations, CurvePoints
+from remanent.analysis.orbits.extended_systems import LocatedPoint, locate_special_points
 from remanent.analysis.orbits.orbit_equations import build_orbit_equations
 from remanent.analysis.orbits.periodic_orbits import PeriodicOrbits
 from remanent.studies.ensemble.checks import require_tolerance
@@ -29,13 +25,10 @@ from remanent.studies.orbits._checks import (
     require_orbit_period,
     require_state_box,
 )
+from remanent.studies.orbits._curve_ends import clip_to_bounds, curve_contains, replace_last_point
 from remanent.studies.orbits._period_map import StroboscopicMap, period_tolerance_for_residual
 from remanent.studies.orbits._search import OrbitSearch, find_all_orbits, is_reversible
 
-#: A point nearer to a curve than this, in scaled unknowns, is on it.
-_MAX_DISTANCE_ON_CURVE = 1e-3
-#: Chords of a curve, nearest to a point, on whose arcs it is looked for.
-_NEAREST_CHORD_COUNT = 3
 #: First step along a branch, in scaled unknowns.
 FIRST_CONTINUATION_STEP = 0.005
 #: Longest step along a branch, in scaled unknowns.
@@ -44,14 +37,36 @@ LONGEST_CONTINUATION_STEP = 0.02
 _POINTS_PREDICTED_ON_SINGLE_CURVE = 16
 #: Points predicted at once on each of many curves.
 _POINTS_PREDICTED_ON_EACH_OF_MANY_CURVES = 8
+#: Error of the map by which special points are located, as a share of that for branches; and of
+#: the one by which their error is judged, as a share of that.
+_PRECISE_MAP_SHARES = (0.1, 0.01)
+#: No smaller errors are asked of these two maps.
+_LEAST_PRECISE_TOLERANCES = (1e-12, 1e-13)
+#: Largest resolution of these maps: where motions part fast, rounding keeps them from such errors.
+_PRECISE_FINEST_RESOLUTION = 1024
+#: Least distance, in scaled unknowns, within which a branch meets that of half its period.
+_MIN_BRANCHING_REACH = 1e-6
+#: Distance in steps within which a branch meets that of half its period.
+_MAX_BRANCHING_DISTANCE_IN_STEPS = 4.0
 
 
 @dataclass(frozen=True)
 class Branch:
-    """A branch with its special points."""
+    """A branch with its special points.
+
+    Attributes
+    ----------
+    curve : Curve
+    special_points : list of SpecialPoint
+        In order along it.
+    joins_shorter_period : list of bool
+        Of each special point, whether it is a doubling of the branch of half the period, at
+        which this branch ends.
+    """
 
     curve: Curve
     special_points: list[SpecialPoint]
+    joins_shorter_period: list[bool]
 
 
 @dataclass(frozen=True)
@@ -84,17 +99,53 @@ class Tracing:
         """Equations of the curve: state and parameter are the unknowns."""
         return build_orbit_equations(self.map, self.orbit_period)
 
+    @cached_property
+    def _precise_maps(self) -> list[StroboscopicMap]:
+        """With smaller errors, the second one the smallest."""
+        tolerances = [self.map.period_tolerance]
+        for share, least in zip(_PRECISE_MAP_SHARES, _LEAST_PRECISE_TOLERANCES, strict=True):
+            tolerances.append(min(max(share * tolerances[-1], least), tolerances[-1]))
+        return [
+            replace(
+                self.map, period_tolerance=tolerance, finest_resolution=_PRECISE_FINEST_RESOLUTION
+            )
+            for tolerance in tolerances[1:]
+        ]
+
+    def precise_equations(self, orbit_period: int) -> CurveEquations:
+        """Equations of orbits of a period, with a smaller error: they locate special points."""
+        return build_orbit_equations(self._precise_maps[0], orbit_period)
+
+    def judging_equations(self, orbit_period: int) -> CurveEquations:
+        """The same with a still smaller error: they tell how well these are located."""
+        return build_orbit_equations(self._precise_maps[1], orbit_period)
+
+    def locate(
+        self, kind: str, orbit_period: int, guess: FloatArray, reach: float
+    ) -> LocatedPoint | None:
+        """A special point of orbits of some period near a guess, array (state + 1,)."""
+        (located,) = locate_special_points(
+            self.precise_equations(orbit_period), [kind], guess[None], np.array([reach]),
+            self.scale, judging_equations=self.judging_equations(orbit_period),
+        )  # fmt: skip
+        return located
+
+    @property
+    def scale(self) -> FloatArray:
+        """Units of the unknowns, array (state + 1,)."""
+        return np.append(
+            np.ones(len(self.state_box)), self.parameter_range[1] - self.parameter_range[0]
+        )
+
     @property
     def continuation_settings(self) -> ContinuationSettings:
         """Bounds, scale and steps of the continuation."""
         lower, upper = (np.append(self.state_box[:, k], self.parameter_range[k]) for k in (0, 1))
-        scale = np.append(
-            np.ones(len(self.state_box)), self.parameter_range[1] - self.parameter_range[0]
-        )
         return ContinuationSettings(
-            lower, upper, scale,
+            lower, upper, self.scale,
             first_step_length=FIRST_CONTINUATION_STEP, max_step_length=LONGEST_CONTINUATION_STEP,
-            tolerance=0.1 * self.residual_tolerance, max_points=self.max_points,
+            tolerance=self.residual_tolerance, max_points=self.max_points,
+            ends_between=None if self.orbit_period % 2 else self._meets_shorter_period,
         )  # fmt: skip
 
     def orbit_search(self, *, dense: bool = True) -> OrbitSearch:
@@ -104,6 +155,39 @@ class Tracing:
         return OrbitSearch(
             self.map, self.state_box, self.orbit_period, self.residual_tolerance, reversible, dense
         )
+
+    def states_at_all_phases(self, states: FloatArray, values: FloatArray) -> list[FloatArray]:
+        """Points of orbits after 0, 1, ... drive periods, each an array (orbit, state)."""
+        phases = [states]
+        for _ in range(self.orbit_period - 1 if len(states) else 0):
+            phases.append(self.map(phases[-1], values[:, None], 1).state)
+        return phases
+
+    def _meets_shorter_period(self, points: CurvePoints) -> BoolArray:
+        """Between which points the orbits have half the period: array (point - 1,).
+
+        There the branch turns back and passes through the same orbits once more, at their other
+        phase: the way from each point to that half the period later changes its sign.
+        """
+        turns = points.tangent[:-1, -1] * points.tangent[1:, -1] < 0.0
+        rows = np.flatnonzero(turns)
+        if rows.size:
+            ends = points.unknown[np.concatenate([rows, rows + 1])]
+            away = self._state_after(ends, self.orbit_period // 2) - ends[:, :-1]
+            before, after = np.split(away, 2)
+            turns[rows] = np.einsum("ij,ij->i", before, after) < 0.0
+        return np.asarray(turns)
+
+    def _state_after(self, unknown: FloatArray, periods: int) -> FloatArray:
+        return self.map(unknown[:, :-1], unknown[:, -1:], periods).state
+
+    def point_of_branch(self, located: LocatedPoint) -> CurvePoints:
+        """A located point as one of this branch, to be left along its null vector."""
+        values = self.curve_equations(located.unknown[None])
+        return CurvePoints(
+            located.unknown[None], located.null_vector[None], np.abs(values.value).max(axis=1),
+            values.value_error, values.extra_arrays,
+        )  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -181,21 +265,124 @@ def trace_through_orbits(
         else _POINTS_PREDICTED_ON_EACH_OF_MANY_CURVES
     )
     curves = continue_curves(equations, starts, replace(settings, points_per_block=block))
-    # Orbits on both arms of a fold lie on the same branch.  It was followed from each.
-    distinct: list[Curve] = []
-    for curve, start in zip(curves, unknown, strict=True):
-        if not any(curve_contains(earlier, start, settings.scale) for earlier in distinct):
-            distinct.append(_clip_to_bounds(equations, curve, settings))
-    return [Branch(curve, _find_special_points(tracing, curve)) for curve in distinct]
+    phases = np.stack(tracing.states_at_all_phases(orbits.state, values), axis=1)
+    # Orbits on both arms of a fold lie on the same branch, which was followed from each.
+    distinct: list[Branch] = []
+    for k, curve in enumerate(curves):
+        if not lies_on_branches(tracing, distinct, phases[k], values[k]):
+            distinct.append(_finished_branch(tracing, curve))
+    return distinct
 
 
-def _find_special_points(tracing: Tracing, curve: Curve) -> list[SpecialPoint]:
-    return find_special_points(
+def trace_from_special_point(tracing: Tracing, start: LocatedPoint, *, doubles: bool) -> Branch:
+    """The branch that leaves another one at a special point.
+
+    Parameters
+    ----------
+    tracing : Tracing
+        Of the branch to be followed.
+    start : LocatedPoint
+        Where it leaves, along the null vector.
+    doubles : bool
+        Whether it has twice the period of the other.  Then both directions hold the same orbits,
+        at two phases, and one of them is followed.
+    """
+    settings = replace(
+        tracing.continuation_settings, points_per_block=_POINTS_PREDICTED_ON_SINGLE_CURVE
+    )
+    (curve,) = continue_curves(
+        tracing.curve_equations, tracing.point_of_branch(start), settings, both_ways=not doubles
+    )
+    if doubles:
+        curve = replace(curve, end_reasons=("branching", curve.end_reasons[1]))
+        return _finished_branch(tracing, curve, begins_at=start)
+    branch = _finished_branch(tracing, curve)
+    k = int(np.linalg.norm((curve.points.unknown - start.unknown) / tracing.scale, axis=1).argmin())
+    special = _special_point(tracing, "branch point", k, start)
+    others = [
+        one
+        for one in branch.special_points
+        if abs(one.segment_index - k) > 1 or one.kind not in ("fold", "branch point")
+    ]
+    every = sorted([*others, special], key=lambda one: one.segment_index)
+    return Branch(branch.curve, every, [False] * len(every))
+
+
+def _special_point(
+    tracing: Tracing, kind: str, segment_index: int, located: LocatedPoint
+) -> SpecialPoint:
+    return SpecialPoint(
+        kind, segment_index, tracing.point_of_branch(located), float(located.error[-1]),
+        float(located.error[:-1].max()),
+    )  # fmt: skip
+
+
+def _finished_branch(
+    tracing: Tracing, curve: Curve, *, begins_at: LocatedPoint | None = None
+) -> Branch:
+    """A curve cut at its ends, with its special points.
+
+    Where it begins on the branch of half the period, `begins_at` is that point.
+    """
+    curve = clip_to_bounds(tracing.curve_equations, curve, tracing.continuation_settings)
+    last: LocatedPoint | None = None
+    if curve.end_reasons[1] == "branching":
+        curve, last = _cut_at_shorter_period(tracing, curve)
+    first = begins_at
+    if curve.end_reasons[0] == "branching" and first is None:
+        curve, first = _cut_at_shorter_period(tracing, curve.reversed())
+        curve = curve.reversed()
+    inner = find_special_points(
         tracing.curve_equations,
         curve.points,
-        scale=tracing.continuation_settings.scale,
-        tolerance=tracing.continuation_settings.tolerance,
+        scale=tracing.scale,
+        tolerance=tracing.residual_tolerance,
         conservative=tracing.map.ensemble.system.conservative,
+        precise_equations=tracing.precise_equations(tracing.orbit_period),
+        judging_equations=tracing.judging_equations(tracing.orbit_period),
+        touching_ends=(first is not None, last is not None),
+    )
+    end_index = max(len(curve.points) - 2, 0)
+    before = [] if first is None else [_special_point(tracing, "period doubling", 0, first)]
+    after = [] if last is None else [_special_point(tracing, "period doubling", end_index, last)]
+    joins = [True] * len(before) + [False] * len(inner) + [True] * len(after)
+    return Branch(curve, [*before, *inner, *after], joins)
+
+
+def _cut_at_shorter_period(tracing: Tracing, curve: Curve) -> tuple[Curve, LocatedPoint | None]:
+    """The curve up to where its orbits have half the period, beyond which its last point is."""
+    points = curve.points
+    before = points.unknown[-2 if len(points) > 1 else -1]
+    later = tracing._state_after(before[None], tracing.orbit_period // 2)[0]
+    guess = np.append(0.5 * (before[:-1] + later), before[-1])
+    step = np.linalg.norm((points.unknown[-1] - before) / tracing.scale)
+    located = tracing.locate(
+        "period doubling", tracing.orbit_period // 2, guess,
+        _MAX_BRANCHING_DISTANCE_IN_STEPS * float(step) + _MIN_BRANCHING_REACH,
+    )  # fmt: skip
+    if located is None:
+        return replace(curve, points=points.subset(slice(0, max(len(points) - 1, 1)))), None
+    return replace_last_point(curve, tracing.point_of_branch(located)), located
+
+
+def lies_on_branches(
+    tracing: Tracing, branches: list[Branch], phases: FloatArray, value: float
+) -> bool:
+    """Whether an orbit is on one of some branches, by any of its points.
+
+    Parameters
+    ----------
+    tracing : Tracing
+    branches : list of Branch
+    phases : array (period, state)
+        The points of the orbit.
+    value : float
+        Of the parameter.
+    """
+    return any(
+        curve_contains(branch.curve, np.append(state, value), tracing.scale)
+        for branch in branches
+        for state in phases
     )
 
 
@@ -205,73 +392,16 @@ def trace_all_branches(tracing: Tracing, slices: int) -> list[Branch]:
     values = low + (high - low) * (np.arange(slices) + 0.5) / slices
     orbits_at = find_all_orbits(tracing.orbit_search(dense=False), values[:, None])
     branches: list[Branch] = []
-    scale = tracing.continuation_settings.scale
     # From the middle outwards: most branches pass there, and are followed together.
     for k in np.argsort(np.abs(values - values.mean()), kind="stable"):
         orbits = orbits_at[k]
-        points = np.column_stack([orbits.state, np.full(len(orbits.state), values[k])])
+        here = np.full(len(orbits.state), values[k])
+        phases = np.stack(tracing.states_at_all_phases(orbits.state, here), axis=1)
         new = [
             i
-            for i, point in enumerate(points)
-            if not any(curve_contains(branch.curve, point, scale) for branch in branches)
+            for i in range(len(here))
+            if not lies_on_branches(tracing, branches, phases[i], float(values[k]))
         ]
         subset = orbits.subset(np.array(new, dtype=np.int64))
-        branches += trace_through_orbits(tracing, subset, np.full(len(new), values[k]))
+        branches += trace_through_orbits(tracing, subset, here[: len(new)])
     return branches
-
-
-def curve_contains(curve: Curve, point: FloatArray, scale: FloatArray) -> bool:
-    """Whether a curve passes through a point, array (n + 1,)."""
-    points = curve.points
-    if len(points) < 2:
-        return bool(np.linalg.norm((points.unknown[0] - point) / scale) < _MAX_DISTANCE_ON_CURVE)
-    chain = points.unknown / scale
-    chord = np.diff(chain, axis=0)
-    away = point / scale - chain[:-1]
-    square = np.maximum(np.einsum("ij,ij->i", chord, chord), 1e-300)
-    part = (np.einsum("ij,ij->i", away, chord) / square).clip(0.0, 1.0)
-    distance = np.linalg.norm(away - part[:, None] * chord, axis=1)
-    # Between its points a curve bends away from the chord by more than the distance that
-    # counts as on it, so the point is compared with the cubic.
-    nearest = np.argsort(distance)[:_NEAREST_CHORD_COUNT]
-    guess, _ = interpolate_curve(points, nearest, part[nearest], scale)
-    return bool((np.linalg.norm((guess - point) / scale, axis=1) < _MAX_DISTANCE_ON_CURVE).any())
-
-
-def _clip_to_bounds(
-    equations: CurveEquations, curve: Curve, settings: ContinuationSettings
-) -> Curve:
-    """The curve up to the bounds exactly, where it left them."""
-    points = curve.points
-    if curve.end_reasons[1] == "bounds":
-        points = _move_last_point_onto_bounds(equations, points, settings)
-    if curve.end_reasons[0] == "bounds":
-        backwards = np.arange(len(points))[::-1]
-        points = _move_last_point_onto_bounds(equations, points.subset(backwards), settings)
-        points = points.subset(np.arange(len(points))[::-1])
-    return Curve(points, curve.is_closed, curve.end_reasons)
-
-
-def _move_last_point_onto_bounds(
-    equations: CurveEquations, points: CurvePoints, settings: ContinuationSettings
-) -> CurvePoints:
-    """Move the last point back to where the curve crosses the bounds."""
-    if len(points) < 2:
-        return points
-    before, last = points.unknown[-2], points.unknown[-1]
-    wall = np.where(last > settings.upper_bounds, settings.upper_bounds, settings.lower_bounds)
-    outside = (last > settings.upper_bounds) | (last < settings.lower_bounds)
-    with np.errstate(all="ignore"):
-        part = np.where(outside, (wall - before) / (last - before), np.inf)
-    i = int(np.argmin(part))  # the unknown whose bound is crossed first
-    guess = before + np.clip(part[i], 0.0, 1.0) * (last - before)
-    guess[i] = wall[i]
-    direction = np.zeros((1, last.size))
-    direction[0, i] = 1.0
-    end, reached = correct_points(
-        equations, guess[None], direction, scale=settings.scale, tolerance=settings.tolerance
-    )
-    inner = points.subset(slice(0, -1))
-    side = np.sign(end.tangent[0] @ inner.tangent[-1])
-    end = replace(end, tangent=side * end.tangent)
-    return concatenate_points([inner, end]) if reached[0] else inner

@@ -16,6 +16,7 @@ from remanent._status import Status
 from remanent._typing import ArrayLike, FloatArray
 from remanent.analysis.orbits.continuation import ContinuationSettings, continue_curves
 from remanent.analysis.orbits.correction import correct_points
+from remanent.analysis.orbits.curve_errors import errors_at_fixed_unknown
 from remanent.analysis.orbits.curves import Curve
 from remanent.analysis.orbits.orbit_equations import build_bifurcation_equations
 from remanent.models.drives.base import Drive
@@ -32,7 +33,13 @@ from remanent.studies.ensemble.durations import require_count, require_drive_per
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble
 from remanent.studies.ensemble.progress import ProgressArgument, as_progress
-from remanent.studies.orbits._branch_tables import END_LABELS, end_reasons_of_curves, member_status
+from remanent.studies.orbits._branch_ends import (
+    END_LABELS,
+    CurveEnds,
+    ends_of_curves,
+    member_status,
+    stack_ends,
+)
 from remanent.studies.orbits._checks import (
     BIFURCATION_KINDS,
     require_heat_exchange,
@@ -40,6 +47,7 @@ from remanent.studies.orbits._checks import (
     require_orbit_period,
     require_state_box,
 )
+from remanent.studies.orbits._curve_ends import clip_to_bounds
 from remanent.studies.orbits._members import map_members_in_threads, stack_tables
 from remanent.studies.orbits._orbit_tables import ORBIT_DIMENSIONS
 from remanent.studies.orbits._period_map import StroboscopicMap, period_tolerance_for_residual
@@ -91,7 +99,7 @@ def continue_bifurcation(
     max_points : int
         In each direction from the start.
     tolerance : float
-        Of the residual, also of the determinant that vanishes.
+        Of the residual, also of the singular value that vanishes.
     progress : bool or callable, optional
         True draws a bar; a callable is called with the share of the combinations in `over`
         that are finished.
@@ -99,11 +107,14 @@ def continue_bifurcation(
     Returns
     -------
     xarray.Dataset
-        Along ``point``: both parameters, the state at phase 0, ``residual``, ``error``; along
-        ``end``: ``end_reason``, why the curve ends before its first and after its last point
-        (``bounds``, ``closed``, ``max_points``, ``lost``).  ``status`` is ``incomplete`` where
-        an end is ``max_points`` or ``lost``, and ``diverged`` where `over` has other
-        combinations and no special point is near `initial`.
+        Along ``point``: both parameters with their errors (``omega_error``, ``b_error`` …), that
+        of each at the other one as it is; the state at phase 0 and its ``error``;
+        ``residual``.  Along ``end``: ``end_reason``, why the curve ends before its first and
+        after its last point (``bounds``, ``closed``, ``max_points``, ``lost``), and
+        ``end_bound``, what reached its bound.  ``status`` is ``incomplete`` where an end is
+        ``max_points``, ``lost`` or a bound of the state that was not asked for, with the
+        ``reason``; ``diverged`` where `over` has other combinations and no special point is
+        near `initial`.
 
     Raises
     ------
@@ -118,7 +129,8 @@ def continue_bifurcation(
     Notes
     -----
     Orbits with det(J − 1) = 0 or det(J + 1) = 0, by pseudo-arclength continuation
-    (Kuznetsov 2004, chapter 10).  The curve of folds has a cusp where two of them meet; it
+    (Kuznetsov 2004, chapter 10).  In place of the determinant its smallest factor is taken, the
+    smallest singular value of J ∓ 1.  The curve of folds has a cusp where two of them meet; it
     is passed without notice, as all unknowns are smooth along it.
 
     Examples
@@ -150,26 +162,35 @@ def continue_bifurcation(
         fix="Take it from the special points of a branch.",
     )  # fmt: skip
 
-    def trace(member: Ensemble) -> dict[str, NDArray[Any]]:
+    def trace(member: Ensemble) -> tuple[dict[str, NDArray[Any]], CurveEnds]:
         box = require_state_box("state_box", state_box, member)
         plane = _ParameterPlane(member, names, limits, box, orbit_period, tolerance, max_points)
-        return _curve_columns(
-            plane.trace_bifurcation(kind, state), names, ens.vector_field.state_names
-        )
+        curve = plane.trace_bifurcation(kind, state)
+        unknown_names = [*field.state_names, *names]
+        return plane.columns(curve), ends_of_curves([curve], unknown_names)
 
-    tables = map_members_in_threads(ens, trace, as_progress(progress))
-    columns = stack_tables(tables, _curve_columns(None, names, ens.vector_field.state_names))
-    reasons = [None if table is None else table["end_reason"] for table in tables]
+    field = ens.vector_field
+    traced = map_members_in_threads(ens, trace, as_progress(progress))
+    columns = stack_tables(
+        [None if one is None else one[0] for one in traced],
+        dict.fromkeys(_column_names(field.state_names, names), np.empty(0)),
+    )
+    ends = [None if one is None else one[1] for one in traced]
+    both = stack_ends(ends, 1)
     variables: dict[str, PerTrajectoryArray] = {
-        name: (("end",) if name == "end_reason" else ("point",), column)
-        for name, column in columns.items()
+        **{name: (("point",), column) for name, column in columns.items()},
+        "end_reason": (("end",), both.reasons[:, 0]),
+        "end_bound": (("end",), both.bounds[:, 0]),
     }
     coords: dict[str, Labelled] = {
         "point": (("point",), np.arange(columns["residual"].shape[1])),
         "end": (("end",), np.array(END_LABELS)),
     }
+    status, variables["reason"] = member_status(
+        ens, ends, Status.DIVERGED, set(field.state_names) - set(state_box or {})
+    )
     return to_dataset(
-        ens, variables, coords=coords, status=member_status(ens, reasons, Status.DIVERGED),
+        ens, variables, coords=coords, status=status,
         tolerance=tolerance, kind=kind, parameter_ranges=limits, orbit_period=orbit_period,
     )  # fmt: skip
 
@@ -245,6 +266,25 @@ class _ParameterPlane:
             tolerance=self.tolerance, max_points=self.max_points,
         )  # fmt: skip
 
+    def columns(self, curve: Curve) -> dict[str, NDArray[Any]]:
+        """Columns along a curve, with the errors of its points.
+
+        The error of each parameter is that at the other one as it is; that of the state is the
+        larger one of these two ways.
+        """
+        points, scale = curve.points, self.continuation_settings.scale
+        value_error = points.extra_arrays["equation_error"]
+        first, second = -2, -1
+        at_second = errors_at_fixed_unknown(points, value_error, scale, second)
+        at_first = errors_at_fixed_unknown(points, value_error, scale, first)
+        values = [
+            points.unknown[:, first], points.unknown[:, second], *points.unknown[:, :first].T,
+            at_second[:, first], at_first[:, second], points.residual,
+            np.maximum(at_first, at_second)[:, :first].max(axis=1),
+        ]  # fmt: skip
+        names = _column_names(self.ensemble.vector_field.state_names, self.parameters)
+        return dict(zip(names, values, strict=True))
+
     def trace_bifurcation(self, kind: str, state: FloatArray) -> Curve:
         """The curve through the special point nearest to a state, at the system's own values."""
         settings = self.continuation_settings
@@ -270,22 +310,10 @@ class _ParameterPlane:
                 fix="Pass the state and parameters of a special point of a branch.",
             )
         (curve,) = continue_curves(equations, points, settings)
-        return curve
+        return clip_to_bounds(equations, curve, settings)
 
 
-def _curve_columns(
-    curve: Curve | None, parameters: tuple[str, str], state: Sequence[str]
-) -> dict[str, NDArray[Any]]:
-    """Columns along a curve; without one, their kinds."""
-    names = (*parameters, *state)
-    if curve is None:
-        empty = dict.fromkeys((*names, "residual", "error"), np.empty(0))
-        return {**empty, "end_reason": end_reasons_of_curves([("", "")])[0]}
-    points = curve.points
-    order = [*range(len(state), len(state) + 2), *range(len(state))]
-    return {
-        **{name: points.unknown[:, k] for name, k in zip(names, order, strict=True)},
-        "residual": points.residual,
-        "error": points.residual_error,
-        "end_reason": end_reasons_of_curves([curve.end_reasons])[0],
-    }
+def _column_names(state_names: Sequence[str], parameters: tuple[str, str]) -> list[str]:
+    """Of the columns along a curve."""
+    errors = [f"{name}_error" for name in parameters]
+    return [*parameters, *state_names, *errors, "residual", "error"]

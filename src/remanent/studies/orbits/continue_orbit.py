@@ -77,7 +77,8 @@ def continue_orbit(
     max_points : int
         In each direction from the start.
     tolerance : float
-        Of the residual: the distance of the orbit's point from its image.
+        Of the residual: the distance of the orbit's point from its image.  No point beyond it
+        is in the result.
     progress : bool or callable, optional
         True draws a bar; a callable is called with the share of the combinations in `over`
         that are finished.
@@ -85,14 +86,20 @@ def continue_orbit(
     Returns
     -------
     xarray.Dataset
-        Along ``point``: the parameter, the state at phase 0, ``multipliers``,
-        ``stability``, ``amplitude``, ``maximum``, ``minimum``, ``residual``, ``error``;
-        along ``special``: ``special_kind`` (``fold``, ``period doubling``,
-        ``Neimark-Sacker``, ``branch point``), its parameter, state and error; along ``end``:
-        ``end_reason``, why the branch ends before its first and after its last point
-        (``bounds``, ``closed``, ``max_points``, ``lost``).  ``status`` is ``incomplete`` where
-        an end is ``max_points`` or ``lost``, and ``diverged`` where `over` has other
-        combinations and there is no orbit to start from.
+        Along ``point``: the parameter, the state at phase 0 and its ``error`` at that value of
+        the parameter, ``residual``; ``multipliers`` and ``stability``; ``amplitude``,
+        ``maximum`` and ``minimum`` with their errors; along ``point`` and ``period``:
+        ``thickness_stretch`` and its rate at the beginning of each drive period.  Along
+        ``special``: ``special_kind`` (``fold``, ``period doubling``, ``Neimark-Sacker``,
+        ``branch point``), its parameter and ``special_error``, its state and
+        ``special_state_error``, ``special_orbit_period``: the least period of its orbit,
+        which is half the branch's where this starts or ends on the branch that it doubled
+        from.  Along ``end``: ``end_reason``, why the branch ends before its first and after
+        its last point (``bounds``, ``closed``, ``period doubling``, ``max_points``,
+        ``lost``), and ``end_bound``, what reached its bound.  ``status`` is ``incomplete``
+        where an end is ``max_points``, ``lost`` or a bound of the state that was not asked
+        for, with the ``reason``; ``diverged`` where `over` has other combinations and there
+        is no orbit to start from.
 
     Raises
     ------
@@ -108,7 +115,7 @@ def continue_orbit(
     Notes
     -----
     Pseudo-arclength continuation; special points are roots of test functions along the
-    branch (Kuznetsov 2004, chapter 10), located with the map's own accuracy.
+    branch (Kuznetsov 2004, chapter 10), located by Newton's method on the extended system.
 
     Examples
     --------
@@ -143,7 +150,7 @@ def continue_orbit(
         branches = trace_through_orbits(
             tracing, _start_orbit(tracing, guess, value), np.array([value])
         )
-        return describe_branches(member, branches, options)
+        return describe_branches(tracing, branches, parameter)
 
     tables = map_members_in_threads(ens, trace, as_progress(progress))
     return label_branches(ens, tables, options, single=True, parameter=parameter)

@@ -30,6 +30,8 @@ from remanent.studies.orbits._checks import (
 from remanent.studies.orbits._orbit_tables import ORBIT_DIMENSIONS
 from remanent.studies.orbits._period_map import StroboscopicMap, period_tolerance_for_residual
 
+#: Rounding of a number, relative to it.
+_ROUNDING = 8.0 * float(np.finfo(float).eps)
 #: Steps in which other fields are moved from the system's own values.
 _HOMOTOPY_STEP_COUNT = 4
 
@@ -65,13 +67,14 @@ def locate_bifurcation(
     over : mapping of name to values, optional
         Values of other numeric fields, not far from the own ones; they become dimensions.
     tolerance : float
-        Of the residual, also of the determinant that vanishes.
+        Of the residual, also of the singular value that vanishes.
 
     Returns
     -------
     xarray.Dataset
-        `parameter` at the special point, with its error; the state there; ``residual`` and
-        ``status``.  NaN, and ``diverged``, where Newton's method found none.
+        `parameter` at the special point, with its error (``omega_error`` …); the state there,
+        with its ``error``; ``residual`` and ``status``.  NaN, and ``diverged``, where Newton's
+        method found none.
 
     Raises
     ------
@@ -124,6 +127,7 @@ def locate_bifurcation(
         parameter: outcome.unknowns[:, state.size],
         f"{parameter}_error": outcome.parameter_error,
         "residual": outcome.residual,
+        "error": outcome.state_error,
         **{name: outcome.unknowns[:, k] for k, name in enumerate(ens.vector_field.state_names)},
     }
     missing = np.where(ens.is_invalid, Status.INVALID, Status.DIVERGED)
@@ -153,8 +157,8 @@ class _LocatedBifurcations:
     ----------
     unknowns : array (member, state + 2)
         State, parameter, and the number of the member.
-    residual, parameter_error : array (member,)
-        The error is that of the parameter.
+    residual, parameter_error, state_error : array (member,)
+        The error of the state is that of its worst variable.
     has_converged : array (member,) of bool
         Whether Newton's method converged.
     """
@@ -162,6 +166,7 @@ class _LocatedBifurcations:
     unknowns: FloatArray
     residual: FloatArray
     parameter_error: FloatArray
+    state_error: FloatArray
     has_converged: BoolArray
 
 
@@ -183,7 +188,8 @@ def _locate_in_all_members(
     size = target.initial_state.size + 2
     located = _LocatedBifurcations(
         np.full((ens.trajectory_count, size), np.nan), np.full(ens.trajectory_count, np.nan),
-        np.full(ens.trajectory_count, np.nan), np.zeros(ens.trajectory_count, dtype=np.bool_),
+        np.full(ens.trajectory_count, np.nan), np.full(ens.trajectory_count, np.nan),
+        np.zeros(ens.trajectory_count, dtype=np.bool_),
     )  # fmt: skip
     if not members.size:
         return located
@@ -202,13 +208,16 @@ def _locate_in_all_members(
             equations, guess, fixed, scale=scale, tolerance=target.tolerance
         )
         guess = np.where(reached[:, None], points.unknown, guess)
-    square = equations(points.unknown).derivative[:, :, :-1]
+    defect = points.residual[:, None] + points.extra_arrays["equation_error"]
+    square = points.extra_arrays["derivative"][:, :, :-1] * scale[:-1]
     with np.errstate(all="ignore"):
-        inverse = np.linalg.pinv(np.nan_to_num(square))
-        spread = np.abs(inverse)[:, target.initial_state.size].sum(axis=1)
+        inverse = np.abs(np.linalg.pinv(np.nan_to_num(square)))
+    error = np.einsum("pij,pj->pi", inverse, defect) * scale[:-1]
+    error += _ROUNDING * np.abs(points.unknown[:, :-1])
     located.unknowns[members], located.has_converged[members] = points.unknown, reached
     located.residual[members] = points.residual
-    located.parameter_error[members] = spread * (points.residual + points.residual_error)
+    located.parameter_error[members] = error[:, -1]
+    located.state_error[members] = error[:, :-1].max(axis=1)
     return located
 
 

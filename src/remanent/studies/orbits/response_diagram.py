@@ -69,13 +69,11 @@ def response_diagram(
     Returns
     -------
     xarray.Dataset
-        Along ``branch`` and ``point``: ``omega``, the state at phase 0, ``multipliers``,
-        ``stability``, ``amplitude``, ``maximum``, ``minimum``, ``residual``, ``error``;
-        along ``special``: ``special_kind`` (``fold``, ``period doubling``,
-        ``Neimark-Sacker``, ``branch point``), with ``special_branch``, its frequency, state
-        and error; along ``branch`` and ``end``: ``end_reason`` (``bounds``, ``closed``,
-        ``max_points``, ``lost``).  Padded with NaN where there are fewer.  ``status`` is
-        ``incomplete`` where an end is ``max_points`` or ``lost``.
+        Along ``branch`` and ``point``, ``special``, ``branch`` and ``end``: the variables of
+        :func:`remanent.continue_orbit`, with ``special_branch``, the branch of each special
+        point.  Padded with NaN where there are fewer.  ``status`` is ``incomplete`` where an
+        end is ``max_points``, ``lost`` or a bound of the state that was not asked for, with
+        the ``reason``: undamped branches run off to infinite amplitude.
 
     Raises
     ------

@@ -12,7 +12,6 @@ import xarray as xr
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, FloatArray
 from remanent.analysis.orbits.periodic_orbits import PeriodicOrbits
-from remanent.analysis.orbits.switching import find_point_on_crossing_branch
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.results import provenance
@@ -22,12 +21,22 @@ from remanent.studies.ensemble.durations import require_count
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.layout import lay_out_ensemble
 from remanent.studies.orbits._branch_tables import describe_branches, label_branches
-from remanent.studies.orbits._tracing import Branch, Tracing, TracingOptions, trace_through_orbits
+from remanent.studies.orbits._tracing import (
+    Branch,
+    Tracing,
+    TracingOptions,
+    trace_from_special_point,
+    trace_through_orbits,
+)
 
 #: Where other branches start, and how many times longer the period of their orbits is.
 _PERIOD_FACTOR_OF_KIND: Final[Mapping[str, int]] = MappingProxyType(
     {"period doubling": 2, "branch point": 1}
 )
+#: Distance of a special point from the one in the result, in scaled unknowns, at most.
+_MAX_DISTANCE_FROM_RESULT = 0.01
+#: A branch has at least so many points: where it starts, and one beside it.
+_MIN_BRANCH_POINTS = 2
 
 
 def switch_branch(
@@ -76,7 +85,10 @@ def switch_branch(
     xarray.Dataset
         The same variables as of :func:`remanent.continue_orbit`: along ``point`` the parameter,
         the state at phase 0, ``multipliers``, ``stability`` and extremes; along ``special`` its
-        special points; along ``end`` why it ended.
+        special points; along ``end`` why it ended.  A branch that starts at a doubling is
+        followed once: its other direction holds the same orbits, half their period later.  It
+        begins with the doubling, whose ``special_orbit_period`` is that of the first branch;
+        there this verb leads back.
 
     Raises
     ------
@@ -122,12 +134,14 @@ def switch_branch(
         ens,
         "The branch is followed between them.",
     )
-    period = single_period * _PERIOD_FACTOR_OF_KIND[kind]
+    joins = _joins_shorter_period(branch, number, single_period)
+    period = single_period // 2 if joins else single_period * _PERIOD_FACTOR_OF_KIND[kind]
     options = TracingOptions(parameter, limits, state_box, period, max_points, tolerance)
     options.require_valid(ens)
     crossing = _read_special_point(branch, number, ens, parameter)
-    branches = _branch_across_point(options.tracing_of_member(ens), crossing, kind)
-    tables = [describe_branches(ens, branches, options)]
+    tracing = options.tracing_of_member(ens)
+    branches = _branches_at_point(tracing, crossing, kind, joins=joins)
+    tables = [describe_branches(tracing, branches, parameter)]
     return label_branches(ens, tables, options, single=True, parameter=parameter)
 
 
@@ -195,24 +209,50 @@ def _read_special_point(
     return np.array([float(branch[name].values.ravel()[number]) for name in names])
 
 
-def _branch_across_point(tracing: Tracing, crossing: FloatArray, kind: str) -> list[Branch]:
-    """The branch that crosses another one at a point."""
-    point = find_point_on_crossing_branch(
-        tracing.curve_equations,
-        crossing,
-        scale=tracing.continuation_settings.scale,
-        tolerance=0.1 * tracing.residual_tolerance,
-    )
-    if point is None:
-        raise InputError(
-            "special_point",
-            must="have another branch beside it",
-            got=kind,
-            why="No point of one was reached by short steps across the branch.",
-            fix="Look for its orbits with periodic_orbits, and start there.",
-        )
-    z = point.unknown
+def _joins_shorter_period(branch: xr.Dataset, number: int, orbit_period: int) -> bool:
+    """Whether a special point is where the branch starts on that of half its period."""
+    if "special_orbit_period" not in branch:
+        return False
+    return int(branch["special_orbit_period"].values.ravel()[number]) < orbit_period
+
+
+def _branches_at_point(
+    tracing: Tracing, crossing: FloatArray, kind: str, *, joins: bool
+) -> list[Branch]:
+    """The other branch at a special point.
+
+    Parameters
+    ----------
+    tracing : Tracing
+        Of that branch.
+    crossing : array (state + 1,)
+        Where both meet, roughly.
+    kind : str
+    joins : bool
+        Whether the known branch starts there, and the other has half its period.
+    """
+    doubles = kind == "period doubling" and not joins
+    period = tracing.orbit_period // (2 if doubles else 1)
+    located = tracing.locate(kind, period, crossing, _MAX_DISTANCE_FROM_RESULT)
+    if located is None:
+        raise _no_branch(f"Newton's method found no {kind} at the state in the result.")
+    if not joins:
+        branch = trace_from_special_point(tracing, located, doubles=doubles)
+        if len(branch.curve.points) < _MIN_BRANCH_POINTS:
+            raise _no_branch("No point of one was reached by short steps across the branch.")
+        return [branch]
+    point = tracing.point_of_branch(located)
     orbit = PeriodicOrbits(
-        z[:, :-1], point.extra_arrays["jacobian"], point.residual, point.residual_error
+        point.unknown[:, :-1], point.extra_arrays["jacobian"], point.residual, point.residual_error
     )
-    return trace_through_orbits(tracing, orbit, z[:, -1])
+    return trace_through_orbits(tracing, orbit, point.unknown[:, -1])
+
+
+def _no_branch(why: str) -> InputError:
+    return InputError(
+        "special_point",
+        must="have another branch beside it",
+        got="none",
+        why=why,
+        fix="Look for its orbits with periodic_orbits, and start there.",
+    )

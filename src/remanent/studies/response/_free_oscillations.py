@@ -2,25 +2,29 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from remanent._errors import InputError
-from remanent._typing import FloatArray, IntArray
+from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.integrate import events
-from remanent.integrate.ensemble.ensemble import integrate
-from remanent.integrate.ensemble.problem import Outcome, Problem, Request
+from remanent.integrate.ensemble.problem import Outcome, Problem
 from remanent.models.actuator import Actuator
 from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.observables import evaluate_observable
 from remanent.studies.ensemble.problem import initial_value_problem
 
 #: Time within which half a period is looked for first.
-_FIRST_SEARCH_DURATION_IN_TAU = 8.0
+_FIRST_SEARCH_DURATION_IN_TAU = 2.5
 #: Factor by which the time grows where none was found.
 _DURATION_GROWTH_FACTOR = 4.0
+#: Factor by which a run is longer than half a period.
+_TURN_MARGIN = 1.02
+#: Rounding of a frequency, relative to it.
+_ROUNDING = 8.0 * float(np.finfo(float).eps)
 #: How often it is looked for.
-_MAX_ATTEMPTS = 5
+_MAX_ATTEMPTS = 6
 
 
 @dataclass(frozen=True)
@@ -30,7 +34,7 @@ class FreeOscillations:
     Attributes
     ----------
     problem : Problem
-        Of one whole period each.
+        Of half a period each, and a little more.
     outcome : Outcome
         With the extremes of the thickness stretch.
     frequency, frequency_error : array (trajectory,)
@@ -41,6 +45,17 @@ class FreeOscillations:
     outcome: Outcome
     frequency: FloatArray
     frequency_error: FloatArray
+
+    @property
+    def frequency_is_missing(self) -> BoolArray:
+        """Where there is none, or none was found, array (trajectory,)."""
+        return np.asarray(np.isnan(self.frequency))
+
+    @property
+    def acceleration(self) -> FloatArray:
+        """At the start, array (trajectory,): zero at an equilibrium."""
+        rows = np.arange(len(self.frequency))
+        return _rate_slope_at_zero(self.problem, rows, self.problem.initial_states)
 
     @property
     def amplitude(self) -> FloatArray:
@@ -70,24 +85,61 @@ def free_oscillations(ens: Ensemble, tolerance: float) -> FreeOscillations:
     tolerance : float
         Of the state at the other turning point.
     """
-    half, error = np.full(ens.trajectory_count, np.nan), np.full(ens.trajectory_count, np.nan)
+    half = np.full(ens.trajectory_count, np.nan)
     duration = _FIRST_SEARCH_DURATION_IN_TAU
     for _ in range(_MAX_ATTEMPTS):
         missing = np.isnan(half) & ~ens.is_invalid
         if not missing.any():
             break
-        problem = initial_value_problem(ens, np.full(ens.trajectory_count, duration))
-        turns, outcome = events.find_crossings(problem, "stretch_rate", 0.0, tolerance=tolerance)
-        rows, first = np.unique(turns.trajectory, return_index=True)
-        acceleration = _rate_slope_at_zero(problem, rows, turns.states[first])
-        half[rows] = turns.time[first]
-        error[rows] = outcome.error[rows] / np.abs(acceleration)
+        turn = _first_turns(ens, np.full(ens.trajectory_count, duration), tolerance)
+        half = np.where(missing, turn.time, half)
         duration *= _DURATION_GROWTH_FACTOR
-    problem = initial_value_problem(ens, np.where(np.isfinite(half), 2.0 * half, 1.0))
-    outcome = integrate(problem, Request(wants_extremes=True), tolerance=tolerance)
+    # Once more, no further than to the turn: the error of a longer run is that of its end.
+    until = np.where(np.isfinite(half), _TURN_MARGIN * half, 1.0)
+    turn = _first_turns(ens, until, tolerance)
+    half = np.where(np.isfinite(half), turn.time, np.nan)
+    # The stretch is extreme where it turns: at the start and there.
+    ends = np.stack([ens.initial_states, turn.states], axis=1)
+    name = turn.problem.field.observable_name
+    thickness = evaluate_observable(turn.problem, name, np.zeros(ends.shape[:2]), ends)
+    outcome = replace(turn.outcome, maximum=thickness.max(axis=1), minimum=thickness.min(axis=1))
     with np.errstate(all="ignore"):
         frequency = np.pi / half
-    return FreeOscillations(problem, outcome, frequency, frequency * error / half)
+        frequency_error = frequency * turn.time_error / half + _ROUNDING * frequency
+    return FreeOscillations(turn.problem, outcome, frequency, frequency_error)
+
+
+@dataclass(frozen=True)
+class _FirstTurns:
+    """Where the rate is zero first: NaN where it is not.
+
+    Attributes
+    ----------
+    problem : Problem
+    outcome : Outcome
+    time, time_error : array (trajectory,)
+    states : array (trajectory, state)
+    """
+
+    problem: Problem
+    outcome: Outcome
+    time: FloatArray
+    time_error: FloatArray
+    states: FloatArray
+
+
+def _first_turns(ens: Ensemble, duration: FloatArray, tolerance: float) -> _FirstTurns:
+    """Runs of some duration, up to where the rate is zero first."""
+    problem = initial_value_problem(ens, duration)
+    turns, outcome = events.find_crossings(problem, "stretch_rate", 0.0, tolerance=tolerance)
+    rows, first = np.unique(turns.trajectory, return_index=True)
+    acceleration = _rate_slope_at_zero(problem, rows, turns.states[first])
+    time, error = np.full(ens.trajectory_count, np.nan), np.full(ens.trajectory_count, np.nan)
+    time[rows] = turns.time[first]
+    error[rows] = outcome.error[rows] / np.abs(acceleration)
+    states = np.full(ens.initial_states.shape, np.nan)
+    states[rows] = turns.states[first]
+    return _FirstTurns(problem, outcome, time, error, states)
 
 
 def _rate_slope_at_zero(problem: Problem, rows: IntArray, states: FloatArray) -> FloatArray:

@@ -86,9 +86,8 @@ def find_peaks(branches: BranchTablesOfSystem, options: TracingOptions) -> list[
     peaks = []
     for number, points in enumerate(branches.point_tables):
         size, omega = points["amplitude"], points["parameter"]
-        kinds = branches.special_point_table["kind"][
-            branches.special_point_table["branch"] == number
-        ].tolist()
+        special = branches.special_point_table
+        springs = bool((special["orbit_period"][special["branch"] == number] < period).any())
         for k in _local_maximum_indices(size):
             inner = 0 < k < len(size) - 1
             if not inner and not low < omega[k] < high:
@@ -102,7 +101,7 @@ def find_peaks(branches: BranchTablesOfSystem, options: TracingOptions) -> list[
                     orbit_period=period,
                     stability=str(points["stability"][k]),
                     is_unbounded=not inner,
-                    is_from_period_doubling=period % 2 == 0 and "branch point" in kinds,
+                    is_from_period_doubling=springs,
                 )
             )
     return peaks

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import xarray as xr
 
 from remanent._checks import as_float_array
+from remanent._status import Status
 from remanent._typing import ArrayLike
 from remanent.models.actuator import Actuator
 from remanent.models.drives.waves import Constant
@@ -47,7 +50,9 @@ def backbone(
     xarray.Dataset
         Against ``initial.stretch``: ``frequency`` with ``frequency_error``, ``energy``,
         ``maximum``, ``minimum`` and ``amplitude`` of the thickness stretch; ``error``,
-        ``horizon``, ``status``.
+        ``horizon``, ``status``.  At an equilibrium there is no oscillation: NaN, and
+        ``singular``; where no other turning point was found, ``incomplete``; ``reason``
+        says so.
 
     Raises
     ------
@@ -92,6 +97,16 @@ def backbone(
     )
     free = free_oscillations(ens, tolerance)
     start = np.zeros((ens.trajectory_count, 1))
+    at_rest = free.frequency_is_missing & (free.acceleration == 0.0)
+    status = np.where(
+        free.frequency_is_missing & (free.outcome.status == Status.OK),
+        np.where(at_rest, Status.SINGULAR, Status.INCOMPLETE),
+        free.outcome.status,
+    )
+    reason = np.where(
+        at_rest, "it starts at an equilibrium, about which nothing oscillates",
+        np.where(status == Status.INCOMPLETE, "no other turning point was found in time", ""),
+    )  # fmt: skip
     return to_dataset(
         ens,
         {
@@ -103,7 +118,8 @@ def backbone(
             "maximum": free.outcome.maximum,
             "minimum": free.outcome.minimum,
             "amplitude": free.amplitude,
+            "reason": reason,
         },
-        outcome=free.outcome,
+        outcome=replace(free.outcome, status=status.astype(np.int8)),
         tolerance=tolerance,
     )

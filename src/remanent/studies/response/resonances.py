@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from remanent._checks import shortened_repr
 from remanent._errors import InputError
@@ -22,7 +21,8 @@ from remanent.studies.ensemble.durations import require_count
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble
 from remanent.studies.ensemble.progress import ProgressArgument, as_progress
-from remanent.studies.orbits._branch_tables import ColumnTable, member_status
+from remanent.studies.orbits._branch_ends import CurveEnds, member_status
+from remanent.studies.orbits._branch_tables import ColumnTable
 from remanent.studies.orbits._checks import require_orbit_period
 from remanent.studies.orbits._forced_response import (
     require_frequency_range,
@@ -95,7 +95,8 @@ def resonances(
         square; ``free_frequency`` of the free oscillation as large as the orbit, under the
         mean load, without dissipation and at the surroundings' temperature; ``detuning`` of
         the harmonic from it.  Padded where other combinations of `over` have more peaks;
-        ``status`` is ``incomplete`` where a branch was not followed to its end.
+        ``status`` is ``incomplete`` where a branch was not followed to its end, for the
+        ``reason`` that is given.
 
     Raises
     ------
@@ -139,7 +140,7 @@ def resonances(
     for options in plans:
         options.require_valid(ens)
 
-    def find(member: Ensemble) -> tuple[ColumnTable, NDArray[Any]]:
+    def find(member: Ensemble) -> tuple[ColumnTable, CurveEnds]:
         branches = [
             trace_all_forced_response_branches(member, options, slices) for options in plans
         ]
@@ -149,12 +150,15 @@ def resonances(
             for peak in find_peaks(table, options)
         ]
         peaks.sort(key=lambda peak: peak.omega)
-        reasons = np.concatenate([table.end_reasons for table in branches])
-        return describe_peaks(member, ens.coords, peaks), reasons
+        ends = CurveEnds(
+            np.concatenate([table.ends.reasons for table in branches]),
+            np.concatenate([table.ends.bounds for table in branches]),
+        )
+        return describe_peaks(member, ens.coords, peaks), ends
 
     outcomes = map_members_in_threads(ens, find, as_progress(progress))
     columns = stack_tables([None if o is None else o[0] for o in outcomes], empty_peak_table())
-    reasons = [None if outcome is None else outcome[1] for outcome in outcomes]
+    ends = [None if outcome is None else outcome[1] for outcome in outcomes]
     variables: dict[str, PerTrajectoryArray] = {
         name: (("peak", "harmonic") if name == "harmonics" else ("peak",), column)
         for name, column in columns.items()
@@ -163,8 +167,10 @@ def resonances(
         "peak": (("peak",), np.arange(columns["omega"].shape[1])),
         "harmonic": (("harmonic",), np.arange(HARMONIC_COUNT + 1)),
     }
+    # Peaks say themselves where a branch runs off to the bounds of the state.
+    status, variables["reason"] = member_status(ens, ends, Status.DIVERGED, ())
     dataset = to_dataset(
-        ens, variables, coords=coords, status=member_status(ens, reasons, Status.DIVERGED),
+        ens, variables, coords=coords, status=status,
         tolerance=tolerance, parameter_range=limits, slices=slices,
     )  # fmt: skip
     # The drive's own frequency has no part in the result.
