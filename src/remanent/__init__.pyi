@@ -88,6 +88,8 @@ from .studies.inference.uncertainty import uncertainty as uncertainty
 # Family: Results and units
 from .results.si import to_si as to_si
 from .results.rescale import rescale as rescale
+from .results.provenance import read_system as read_system
+from .results.provenance import read_drive as read_drive
 from .results.files import save as save
 from .results.files import load as load
 

@@ -149,8 +149,16 @@ def _parse_quantity(name: str, quantity: Quantity, unit: str) -> Any:
     if hasattr(content, "to") and hasattr(content, "magnitude"):
         return content
     match = _QUANTITY_PATTERN.fullmatch(content) if isinstance(content, str) else None
-    if match is None or not np.isfinite(float(match[1])):
+    if match is None:
         raise _no_quantity_error(name, quantity, unit)
+    if not np.isfinite(float(match[1])):
+        raise InputError(
+            name,
+            must=f"be a finite number of {unit}",
+            got=shortened_repr(quantity),
+            why="It is larger than every number that can be computed with.",
+            fix="Check its exponent.",
+        )
     try:
         return _unit_registry().Quantity(float(match[1]), _as_pint_writes(match[2]))
     except Exception as error:  # pint raises from several unrelated families

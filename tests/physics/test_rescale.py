@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -162,11 +163,40 @@ def test_several_temperatures_are_refused() -> None:
     assert float(rm.rescale(result.isel(temperature=0), temperature=HOT).temperature) == HOT
 
 
+@dataclass(frozen=True)
+class Kicked(rm.Constant):
+    """A drive with a field that no table describes."""
+
+    kick: float = 1.0
+
+
 def test_a_drive_of_unknown_fields_is_refused() -> None:
     """A drive whose scaling is not known is refused."""
-    result = rm.simulate(rm.Actuator(), rm.Steps([0.0, 1.0], [0.1, 0.2]), duration=2.0)
+    result = rm.simulate(rm.Actuator(), rm.Constant(0.2), duration=2.0)
     with pytest.raises(rm.InputError, match="how this one scales"):
-        rm.rescale(result, temperature=HOT)
+        rm.rescale(result, temperature=HOT, drive=Kicked(0.2))
+
+
+@pytest.mark.parametrize(
+    "drive",
+    [
+        rm.Steps([0.0, 1.0], [0.1, 0.2]),
+        rm.Ramp([0.0, 1.0, 2.0], [0.0, 0.2, 0.1]),
+        rm.Sampled([0.0, 1.0, 2.0, 3.0], [0.0, 0.1, 0.2, 0.1]),
+        rm.Sines([0.1, 0.2], [1.0, 3.0], 1.2, mean=0.1),
+        rm.Chirp(0.2, 1.0, 2.0, 3.0),
+        rm.Sine(0.2, 1.2, mean=0.1, phase=0.4),
+    ],
+    ids=lambda drive: type(drive).__name__,
+)
+def test_every_drive(drive: Any) -> None:
+    """The rescaled history is that under the rescaled drive, which the result has."""
+    body = rm.Actuator(dissipation=rm.Rayleigh(0.1))
+    times = np.linspace(0.0, 2.9, 9)
+    scaled = rm.rescale(rm.simulate(body, drive, times=times), temperature=HOT)
+    again = rm.simulate(rm.read_system(scaled), rm.read_drive(scaled), times=times / ROOT)
+    compared(scaled, again, 1e-8)
+    np.testing.assert_allclose(scaled["load"], ROOT**2 * drive(times), rtol=1e-12, atol=1e-12)
 
 
 def test_a_dropped_value_of_a_varied_field_is_refused() -> None:

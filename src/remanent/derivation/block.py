@@ -42,7 +42,9 @@ def build_motion(actuator: Actuator, drive: Drive | None) -> Motion:
     Equations, per 8 H L1 L2 mu [Thermal, eqs. 3 to 12], l3 = 1/(l1 l2):
     T = (w1 l1'^2 + w2 l2'^2 + c l3'^2)/6,  w_i = (L_i/L)^2, here 1 where edges are equal,
     U = mu(T)/mu W(l1, l2, l3) - m l3 - S1 (l1 - 1) - S2 (l2 - 1) + viscous energy
-    + the magnet's energy in its own field.
+    + the magnet's energy in its own field.  Where physical sizes differ from those that the
+    actuator was built with, mu of W, rho of T and B_r of the magnet's energies are theirs, over
+    those in the units.
     """
     p = {name: parameter_symbol(name) for name in actuator.parameters()}
     q, v = coordinate_symbols(actuator.coordinate_count)
@@ -67,7 +69,9 @@ def build_motion(actuator: Actuator, drive: Drive | None) -> Motion:
     return Motion(
         coordinates=q,
         rates=v,
-        kinetic_weights=(*_kinetic_weights(actuator, p), p["c"]),
+        kinetic_weights=tuple(
+            _size(p, "density") * weight for weight in (*_kinetic_weights(actuator, p), p["c"])
+        ),
         energies=energies,
         rayleigh_function=sum((e.rayleigh_function for e in elements), start=sp.Integer(0)),
         internal_rates={xi: rate for e in elements for xi, rate in e.internal_rates.items()},
@@ -152,10 +156,9 @@ def _temperature_and_load_definitions(
     actuator: Actuator, drive: Drive | None, p: Mapping[str, Symbol]
 ) -> dict[Symbol, Expression]:
     """Temperature ratio, stiffness, load, and load with the remanence at temperature."""
-    fraction = p["material.entropic_fraction"]
     definitions = {
         TEMPERATURE_RATIO: body_temperature_symbol(actuator) / p["reference_temperature"],
-        STIFFNESS_RATIO: heat.entropic_stiffness_ratio(TEMPERATURE_RATIO, fraction),
+        STIFFNESS_RATIO: _stiffness_ratio(p),
     }
     if drive is not None:
         definitions[LOAD] = loads_in_symbols(drive.loads_by_name, drive)[LOAD]
@@ -169,15 +172,15 @@ def _build_heat_balance(
     """The heat balance: factors of the energies in terms of theta, and the load itself."""
     if actuator.heat is None:
         return None
-    fraction = p["material.entropic_fraction"]
     of_theta = {
-        STIFFNESS_RATIO: heat.entropic_stiffness_ratio(TEMPERATURE_RATIO, fraction),
+        STIFFNESS_RATIO: _stiffness_ratio(p),
         body_temperature_symbol(actuator): TEMPERATURE_RATIO * p["reference_temperature"],
     }
     return assemble_heat_balance(
         energies,
         of_theta,
         p=p,
+        coupling=p["heat.coupling"] / _size(p, "density"),
         in_field=EnergyTerm(
             _remanence_ratio(actuator, p).subs(of_theta),
             energies.applied_field.energy.subs(LOAD_AT_TEMPERATURE, LOAD),
@@ -188,10 +191,23 @@ def _build_heat_balance(
     )
 
 
+def _size(p: Mapping[str, Symbol], name: str) -> Expression:
+    """A physical size over the one in the units; 1 where it does not differ."""
+    return p.get(name, sp.Integer(1))
+
+
+def _stiffness_ratio(p: Mapping[str, Symbol]) -> Expression:
+    """mu(T) over the modulus in the units."""
+    fraction = p["material.entropic_fraction"]
+    ratio = heat.entropic_stiffness_ratio(TEMPERATURE_RATIO, fraction)
+    return _size(p, "shear_modulus") * ratio
+
+
 def _remanence_ratio(actuator: Actuator, p: Mapping[str, Symbol]) -> Expression:
-    """B_r(T)/B_r(T0)."""
+    """B_r(T) over the remanence in the units."""
     temperature, reference = body_temperature_symbol(actuator), p["reference_temperature"]
-    return actuator.magnet.remanence_ratio(temperature, reference, part_parameters("magnet", p))
+    ratio = actuator.magnet.remanence_ratio(temperature, reference, part_parameters("magnet", p))
+    return _size(p, "remanence") * ratio
 
 
 def body_temperature_symbol(actuator: Actuator) -> Symbol:

@@ -31,6 +31,7 @@ def assemble_heat_balance(
     of_theta: Mapping[Symbol, Expression],
     *,
     p: Mapping[str, Symbol],
+    coupling: Expression,
     in_field: EnergyTerm,
     load_rate: Expression | None,
 ) -> HeatBalance:
@@ -45,15 +46,16 @@ def assemble_heat_balance(
     of_theta
         What symbols in their factors stand for, in terms of theta.
     p
-        Numeric fields of the actuator, with ``heat.coupling`` k = mu/(rho c_p T0) and
-        ``heat.exchange``, the rate at which the temperature would decay, so that h is
-        the latter over the former.
+        Numeric fields of the actuator, with ``heat.exchange``, the rate at which the
+        temperature would decay, so that h is that over the coupling.
+    coupling
+        k = mu/(rho c_p T0), with mu in the units and the body's own density.
     in_field
         The energy in the applied field, its factor in terms of theta.
     load_rate
         Rate of the load; None where it is not known in closed form.
     """
-    coupling, exchange = p["heat.coupling"], p["heat.exchange"]
+    exchange = p["heat.exchange"]
     mechanical = (energies.strain, energies.self_field, *energies.viscous)
     caloric = EnergyTerm(heat.caloric_free_energy(TEMPERATURE_RATIO, coupling, sp), sp.Integer(1))
     return HeatBalance(

@@ -146,6 +146,9 @@ def time_derivative_symbol(symbol: Symbol) -> Symbol:
 def _equation_latex(equation: Expression, motion: Motion) -> str:
     names = {
         "c": "c",
+        "shear_modulus": r"\hat\mu",
+        "density": r"\hat\rho",
+        "remanence": r"\hat B_r",
         "temperature": "T",
         "reference_temperature": "T_0",
         "theta": r"\theta",

@@ -8,6 +8,7 @@ from typing import Any
 import sympy as sp
 
 from remanent.models.drives.base import Drive
+from remanent.models.physical_sizes import PHYSICAL_SIZES
 
 #: SymPy is not typed.
 Expression = Any
@@ -35,7 +36,7 @@ BODY_TEMPERATURE = sp.Symbol("body_temperature", positive=True)
 
 #: Numeric fields that only take positive values.  What is negative elsewhere is real.
 _POSITIVE_PARAMETERS = frozenset(
-    {"c", "temperature", "reference_temperature", "edges_1", "edges_2"}
+    {"c", "temperature", "reference_temperature", "edges_1", "edges_2", *PHYSICAL_SIZES}
 )
 
 

@@ -24,6 +24,7 @@ from remanent.models.materials.base import Material
 from remanent.models.materials.named import NeoHookean
 from remanent.models.pairs import is_several_numbers, split_by_direction
 from remanent.models.parts import EquationStructure, Part, part_parameters
+from remanent.models.physical_sizes import PHYSICAL_SIZES, PhysicalSizes
 from remanent.models.plausibility import warn_of_implausible_temperatures
 from remanent.models.scaling import Scales
 from remanent.models.temperature_shift import TemperatureShift
@@ -69,6 +70,11 @@ class Actuator(metaclass=ExplainedConstruction):
     edges
         Edges of the block over L, a pair (L1/L, L2/L), called ``edges_1`` and ``edges_2``,
         for two coordinates; None for equal edges, L1 = L2 = L.
+    physical_sizes
+        Shear modulus, density and remanence over those that the actuator was built with; its
+        numbers are called ``shear_modulus``, ``density`` and ``remanence``.  None where they
+        are not varied.  `over`, `parameters` and `parameter_ranges` of verbs take these names
+        of any actuator.
 
     Examples
     --------
@@ -87,6 +93,7 @@ class Actuator(metaclass=ExplainedConstruction):
     heat: Heat | None = None
     magnet: Magnet = field(default_factory=Magnet)
     edges: Sequence[float] | None = None
+    physical_sizes: PhysicalSizes | None = None
     #: The physical sizes behind an actuator made by :meth:`from_si`.
     scales: Scales | None = field(default=None, compare=False, repr=False)
 
@@ -122,6 +129,8 @@ class Actuator(metaclass=ExplainedConstruction):
             _checks.require_instance(
                 "scales", self.scales, Scales, "actuator.scales of one that from_si made"
             )
+        if self.physical_sizes is not None:
+            _checks.require_instance("physical_sizes", self.physical_sizes, PhysicalSizes, "None")
         self.warn_if_implausible(self.parameters())
         _require_valid_shifts(self)
 
@@ -200,12 +209,16 @@ class Actuator(metaclass=ExplainedConstruction):
             for prefix, part in self.parts().items()
             for name, value in part.parameters().items()
         }
-        return single | nested
+        sizes = {} if self.physical_sizes is None else self.physical_sizes.parameters()
+        return single | sizes | nested
 
     def equation_structure(self) -> EquationStructure:
         """What identifies the equations of motion: classes and choices, no numbers."""
         kind = type(self)
-        shape = ("coordinates", self.coordinate_count, "edges", self.edges is not None)
+        shape = (
+            *("coordinates", self.coordinate_count, "edges", self.edges is not None),
+            *("physical_sizes", self.physical_sizes is not None),
+        )
         name = f"{kind.__module__}:{kind.__qualname__}"
         return (
             name,
@@ -224,11 +237,12 @@ class Actuator(metaclass=ExplainedConstruction):
 
     def _own_number_rules(self) -> dict[str, Rule]:
         """Rules of the numbers that are no part of the model."""
-        return {
+        own = {
             k: self.rules[name]
             for name, values in self._own_numbers_by_field().items()
             for k in values
         }
+        return own if self.physical_sizes is None else {**own, **PhysicalSizes.rules}
 
     def where_invalid(self, values: Mapping[str, ArrayLike]) -> BoolArray:
         """Where a batch of values of numeric fields breaks a rule.
@@ -297,7 +311,11 @@ class Actuator(metaclass=ExplainedConstruction):
 
     def with_parameter(self, name: str, value: float) -> Self:
         """A copy with one numeric field, given by its dotted name, changed."""
-        _checks.require_known_names([name], self.parameters(), "the actuator and its parts")
+        known = [*self.parameters(), *PHYSICAL_SIZES]
+        _checks.require_known_names([name], known, "the actuator and its parts")
+        if name in PHYSICAL_SIZES:
+            sizes = self.physical_sizes or PhysicalSizes()
+            return self.replace(physical_sizes=sizes.replace(**{name: value}))
         for field_name, values in self._own_numbers_by_field().items():
             if name in values:
                 numbers = tuple({**values, name: value}.values())
@@ -419,6 +437,33 @@ class Actuator(metaclass=ExplainedConstruction):
     def time(self, time: Quantity) -> float | FloatArray:
         """Dimensionless tau of a time, ``"1 s"``."""
         return self._require_scales().dimensionless_time(time)
+
+    # Back to SI ---------------------------------------------------------------------------
+
+    def in_unit(self, values: ArrayLike, unit: str) -> float | FloatArray:
+        """Dimensionless numbers in a unit: the way back from :meth:`time`, :meth:`load` ...
+
+        Parameters
+        ----------
+        values
+            Times for ``"ms"``, angular frequencies for ``"Hz"`` and ``"rad/s"``, magnetic loads
+            for ``"mT"``, stresses for ``"kPa"``, viscosities for ``"Pa s"``.
+        unit
+            A unit that pint knows.
+
+        Examples
+        --------
+        >>> film = Actuator.from_si(
+        ...     shear_modulus="100 kPa",
+        ...     density="2000 kg/m^3",
+        ...     half_length="5 mm",
+        ...     half_thickness="0.5 mm",
+        ...     remanence="143 mT",
+        ... )
+        >>> round(film.in_unit(0.1, "Pa s"), 3), round(film.in_unit(film.load("140 mT"), "mT"), 9)
+        (7.071, 140.0)
+        """
+        return self._require_scales().in_unit(values, unit)
 
     def _require_scales(self) -> Scales:
         if self.scales is None:

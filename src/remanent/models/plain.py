@@ -12,6 +12,7 @@ import numpy as np
 import remanent
 from remanent import _checks
 from remanent._errors import InputError
+from remanent.models.physical_sizes import PhysicalSizes
 from remanent.models.scaling import Scales
 
 __all__ = ["from_plain_data", "to_plain_data"]
@@ -19,7 +20,9 @@ __all__ = ["from_plain_data", "to_plain_data"]
 #: The entry of a table that says which class the value has.
 KIND_KEY: Final = "kind"
 #: Classes within values that have no public name.
-_NESTED_CLASSES: Final[Mapping[str, type]] = MappingProxyType({"Scales": Scales})
+_NESTED_CLASSES: Final[Mapping[str, type]] = MappingProxyType(
+    {"Scales": Scales, "PhysicalSizes": PhysicalSizes}
+)
 #: Longest part of a refused value that a message shows.
 _MAX_SHOWN_LENGTH: Final = 80
 

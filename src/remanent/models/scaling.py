@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Final, Self
 
-from remanent import _units
+import numpy as np
+
+from remanent import _checks, _units
 from remanent._errors import InputError
-from remanent._typing import FloatArray
+from remanent._typing import ArrayLike, FloatArray
 from remanent._units import Quantity
 from remanent.models.pairs import is_several_numbers, split_by_direction
 
@@ -153,6 +156,50 @@ class Scales:
 
     # From dimensionless to SI ---------------------------------------------------------
 
+    def in_unit(self, values: ArrayLike, unit: str) -> float | FloatArray:
+        """Dimensionless numbers as what their unit measures: time, frequency, load ...
+
+        Parameters
+        ----------
+        values : float or array_like
+            Times for ``"ms"``, angular frequencies for ``"Hz"`` and ``"rad/s"``, magnetic loads
+            for ``"mT"``, stresses and energy densities for ``"kPa"``, viscosities for
+            ``"Pa s"``.
+        unit : str
+            A unit that pint knows.
+        """
+        numbers = _checks.as_float_array(
+            "values",
+            values,
+            what="dimensionless numbers",
+            why="They are multiplied by a unit.",
+            fix="Pass a number or an array of them.",
+        )
+        found = numbers * self._size_over_unit(_units.with_unit("unit", np.array(1.0), unit), unit)
+        return float(found) if found.ndim == 0 else np.asarray(found)
+
+    def _size_over_unit(self, one: Quantity, unit: str) -> float:
+        """The dimensionless one of whatever has this unit, in this unit."""
+        sizes: dict[str, Callable[[], float]] = {
+            "s": lambda: self.time_unit,
+            "T": lambda: self.flux_density_unit,
+            "Pa": lambda: self.shear_modulus,
+            "Pa s": lambda: self.shear_modulus * self.time_unit,
+        }
+        for base, size in sizes.items():
+            bases = _magnitude_or_none(one, base)
+            if bases is not None:
+                return size() / bases
+        with suppress(InputError):
+            return 1.0 / (self.time_unit * float(_units.radians_per_second("unit", one)))
+        raise InputError(
+            "unit",
+            must="be one of a time, a frequency, a flux density, a stress or a viscosity",
+            got=repr(unit),
+            why="Dimensionless numbers stand for these.",
+            fix='Pass for example "ms", "Hz", "mT", "kPa" or "Pa s".',
+        )
+
     def si_factors(self) -> dict[str, float]:
         """SI units in one dimensionless unit, by the names that results carry.
 
@@ -167,3 +214,11 @@ class Scales:
             "stress_pa": self.shear_modulus,
         }
         return factors if self.remanence is None else factors | {"load_T": self.flux_density_unit}
+
+
+def _magnitude_or_none(quantity: Quantity, unit: str) -> float | None:
+    """The number of `unit` in a quantity; None where that has another dimension."""
+    try:
+        return float(_units.magnitude_in_unit("unit", quantity, unit))
+    except InputError:
+        return None

@@ -54,7 +54,6 @@ def attributes(
     tolerance: float | None,
     *,
     over: Iterable[str] = (),
-    scaled: bool = True,
     **settings: Any,
 ) -> dict[str, Any]:
     """Describe how a Dataset was made.
@@ -68,9 +67,6 @@ def attributes(
     over : iterable of str
         Names of the fields that were given many values: their value in `system` or `drive`
         is not the one that was used.
-    scaled : bool
-        Whether the numbers turn to SI by what the table says of their names, see
-        :func:`remanent.results.si.to_si`: the scales of the system are then kept.
     **settings : float, int, str, sequence of float or None
         What else decides the numbers (``duration``, ``every``, ``method``).  None is left out;
         tables are kept flat, as attributes of netCDF have one dimension.
@@ -112,7 +108,7 @@ def attributes(
     if tolerance is not None:
         attrs["tolerance"] = float(tolerance)
     scales = getattr(system, "scales", None)
-    if scaled and scales is not None:
+    if scales is not None:
         factors = {name: float(factor) for name, factor in scales.si_factors().items()}
         attrs["scales"] = json.dumps(factors, sort_keys=True)
     return attrs
@@ -151,10 +147,10 @@ def read_system(dataset: xr.Dataset) -> System:
     Returns
     -------
     System
-        As it was given to the verb.  Fields named in the attribute ``over`` have the value
-        that `dataset` was reduced to (``dataset.sel(temperature=350)``); where it still has
-        several, or dropped them, they keep the value from before, which was not used: see
-        :func:`varying_field_names`.
+        As it was given to the verb, or as a fit found it.  Fields named in the attribute
+        ``over`` have the value that `dataset` was reduced to
+        (``dataset.sel(temperature=350)``); where it still has several, or dropped them, they
+        keep the value from before, which was not used: see :func:`varying_field_names`.
 
     Raises
     ------
@@ -165,8 +161,13 @@ def read_system(dataset: xr.Dataset) -> System:
     --------
     >>> import remanent as rm
     >>> many = rm.equilibria(rm.Actuator(), 0.16, over={"temperature": [293.0, 350.0]})
-    >>> read_system(many.isel(temperature=1)).temperature
+    >>> rm.read_system(many.isel(temperature=1)).temperature
     350.0
+
+    See Also
+    --------
+    remanent.read_drive : the drive.
+    remanent.fit : parameters from measurements.
     """
     system: System = _read_model(dataset, SYSTEM_ATTRIBUTE)
     return system
@@ -183,7 +184,8 @@ def read_drive(dataset: xr.Dataset) -> Drive:
     Returns
     -------
     Drive
-        As it was given to the verb, with the values that `dataset` was reduced to.
+        As it was given to the verb, or as a fit found it, with the values that `dataset` was
+        reduced to.
 
     Raises
     ------

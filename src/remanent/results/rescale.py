@@ -19,6 +19,7 @@ from remanent.models.parts import Part
 from remanent.models.system import System
 from remanent.results import provenance
 from remanent.results.checks import require_dataset
+from remanent.results.named_quantities import attribute_quantity, quantities_of
 from remanent.results.schema import DESCRIPTIONS, QuantityKind, describe
 
 #: Powers of the ratio of temperatures by which each kind of quantity grows.
@@ -43,6 +44,8 @@ _RELAXATION_FIELD_POWERS: Mapping[str, float] = MappingProxyType(
 )
 #: Tables of constants of materials, which are in units of the modulus or have none.
 _UNSCALED_MATERIAL_FIELDS = frozenset({"moduli", "exponents", "constants"})
+#: Temperatures of kind, of which only that of the body and its surroundings changes.
+_TEMPERATURE_NAMES = frozenset({"temperature", "temperature_error"})
 #: Errors of states, which hold stretches beside rates: grown with the rates, never shrunk.
 _STATE_ERROR_NAMES = frozenset({"error", "local_error", "residual", "tolerance"})
 #: Fields that say what the units are: those of the reference temperature.
@@ -110,17 +113,26 @@ def rescale(
     """
     require_dataset("dataset", dataset)
     target = require_real("temperature", temperature, _TEMPERATURE_RULE)
+    if "scales_applied" in dataset.attrs:
+        raise InputError(
+            "dataset",
+            must="be dimensionless",
+            got="a Dataset in SI",
+            why="Its numbers scale by other powers there.",
+            fix="Rescale it before rm.to_si.",
+        )
     source = _require_actuator(provenance.read_system(dataset) if system is None else system)
     if system is None:
         _require_selected_values(dataset, source)
     _require_entropic(dataset, source)
+    _require_unscaled_ranges(dataset)
     ratio = target / _single_temperature(dataset, source)
     scaled = dataset.copy()
     for name in dataset.variables:
-        variable = _rescaled_variable(str(name), dataset[name], ratio, target)
+        variable = _rescaled_variable(dataset, str(name), ratio, target)
         put = scaled.assign_coords if name in dataset.coords else scaled.assign
         scaled = put({name: variable})
-    scaled.attrs = _rescaled_attributes(dataset.attrs, ratio)
+    scaled.attrs = _rescaled_attributes(dataset, ratio)
     scaled.attrs.update(
         provenance.model_attributes("system", _rescaled_model(source, ratio, target))
     )
@@ -145,6 +157,20 @@ def _require_selected_values(dataset: xr.Dataset, source: Actuator) -> None:
             got=f"one without {', '.join(lost)}",
             why="The attributes give the value before `over` changed it.",
             fix="Select without drop=True, or pass system=... with the right value.",
+        )
+
+
+def _require_unscaled_ranges(dataset: xr.Dataset) -> None:
+    """Refuse statistics over ranges that would change with the temperature, unsaid."""
+    uncertain = str(dataset.attrs.get("uncertain", "")).split()
+    changed = [name for name in uncertain if _temperature_power(name) != 0.0]
+    if changed:
+        raise InputError(
+            "dataset",
+            must="be over uncertain fields that do not scale with temperature",
+            got=f"statistics over {', '.join(changed)}",
+            why="Their ranges would change with the temperature.",
+            fix="Call rm.uncertainty at the other temperature.",
         )
 
 
@@ -203,12 +229,14 @@ def _single_temperature(dataset: xr.Dataset, system: Actuator) -> float:
 
 def _temperature_power(name: str) -> float:
     """Of the ratio, by which a quantity grows."""
-    last = name.rpartition(".")[2]
+    if name in _TEMPERATURE_NAMES:
+        return 1.0
+    last = name.removesuffix("_error").rpartition(".")[2]
     if last in _RELAXATION_FIELD_POWERS:
         return _RELAXATION_FIELD_POWERS[last]
     try:
         return _TEMPERATURE_POWERS_BY_KIND.get(describe(name).kind, 0.0)
-    except InputError:
+    except InputError:  # a label of the caller's own
         return 0.0
 
 
@@ -221,20 +249,25 @@ def _scale_factor(name: str, ratio: float) -> float:
 
 
 def _rescaled_variable(
-    name: str, array: xr.DataArray, ratio: float, temperature: float
+    dataset: xr.Dataset, name: str, ratio: float, temperature: float
 ) -> xr.Variable:
-    variable = array.variable.copy(deep=True)
+    variable = dataset[name].variable.copy(deep=True)
     if name == "temperature":
         return variable.copy(data=np.full(variable.shape, temperature))
-    if "state" in array.dims and name != "state":
-        states = map(str, array["state"].values)
-        factors = xr.Variable(("state",), [_scale_factor(state, ratio) for state in states])
-        scaled = (variable * factors).transpose(*variable.dims)
-        return xr.Variable(scaled.dims, scaled.values, variable.attrs)
-    factor = _scale_factor(name, ratio)
-    if factor == 1.0:
+    if variable.dtype.kind not in "fc":
         return variable
-    return xr.Variable(variable.dims, variable.values * factor, variable.attrs)
+    factor = xr.Variable((), 1.0)
+    for power in quantities_of(dataset, name):
+        factors = [_scale_factor(str(one), ratio) ** power.power for one in np.ravel(power.names)]
+        factor = factor * (
+            xr.Variable((), factors[0])
+            if power.dimension is None
+            else xr.Variable(power.dimension, factors)
+        )
+    if (factor.values == 1.0).all():
+        return variable
+    scaled = (variable * factor).transpose(*variable.dims)
+    return xr.Variable(scaled.dims, scaled.values, variable.attrs)
 
 
 def _rescaled_model(value: _Model, ratio: float, temperature: float) -> _Model:
@@ -269,7 +302,7 @@ def _model_field_temperature_power(name: str) -> float:
     """Of a field of the actuator or the drive, which must be known."""
     if name in _UNSCALED_MATERIAL_FIELDS:
         return 0.0
-    parts = ("dissipation", "material", "magnet")
+    parts = ("dissipation", "material", "magnet", "heat")
     for candidate in (name, f"{name}_1", *(f"{part}.{name}" for part in parts)):
         if candidate in DESCRIPTIONS:
             return _temperature_power(candidate)
@@ -282,17 +315,15 @@ def _model_field_temperature_power(name: str) -> float:
     )
 
 
-def _rescaled_attributes(attrs: Mapping[Any, Any], ratio: float) -> dict[Any, Any]:
+def _rescaled_attributes(dataset: xr.Dataset, ratio: float) -> dict[Any, Any]:
     """Settings that are quantities, such as a duration, and the tolerance."""
-    names = {*str(attrs.get("settings", "")).split(), "tolerance"}
-    scaled = dict(attrs)
-    for name in names & set(attrs):
-        value = attrs[name]
-        if isinstance(value, int | float) and not isinstance(value, bool):
-            factor = _scale_factor(name, ratio)
-            scaled[name] = value if factor == 1.0 else value * factor
-    if "parameter_range" in scaled:
-        factor = _scale_factor(str(attrs.get("parameter", "omega")), ratio)
-        values = np.ravel(scaled["parameter_range"])
-        scaled["parameter_range"] = tuple(float(value) * factor for value in values)
+    scaled = dict(dataset.attrs)
+    for name in map(str, dataset.attrs):
+        names = ["tolerance"] if name == "tolerance" else attribute_quantity(dataset, name)
+        factors = np.array([_scale_factor(one, ratio) for one in names])
+        if not names or (factors == 1.0).all():
+            continue
+        numbers = np.asarray(scaled[name], dtype=float)
+        rows = numbers.reshape(len(names), -1) * factors[:, None]
+        scaled[name] = tuple(rows.ravel().tolist()) if numbers.ndim else float(rows[0, 0])
     return scaled

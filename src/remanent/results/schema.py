@@ -49,7 +49,11 @@ class QuantityKind(Enum):
     COUPLING = "thermoelastic coupling"
     VISCOSITY = "viscosity"
     ENERGY_DENSITY = "energy density"
+    ENTROPY_DENSITY = "entropy density"
     TEMPERATURE = "temperature"
+    SHEAR_MODULUS = "shear modulus"
+    DENSITY = "density"
+    REMANENCE = "remanence"
 
 
 @dataclass(frozen=True)
@@ -128,7 +132,8 @@ def describe(name: str) -> Description:
     * ``initial.<state>``, the initial value of a state variable;
     * ``special_<name>``, ``fold_<name>``, ``snap_<name>``, a row at a special point of a
       branch, at a fold of equilibria, at the dynamic threshold of a snap;
-    * ``dissipation.0.eta`` and the like, the row without the number;
+    * ``dissipation.0.eta`` and the like, the row without the number, and ``loads.0``, an entry
+      of the row;
     * ``<name>_error``, the estimated error of a row, in the same unit;
     * any other dotted name, a dimensionless field of the user's own part.
 
@@ -220,6 +225,13 @@ def _describe_prefixed(name: str) -> Description | None:
 
 
 def _describe_numbered(name: str) -> Description | None:
+    entry = re.fullmatch(r"(\w+)\.(\d+)", name)
+    if entry is not None and entry[1] in DESCRIPTIONS:
+        row = DESCRIPTIONS[entry[1]]
+        return replace(
+            row, name=name, long_name=f"{row.long_name} ({entry[2]})",
+            symbol=f"{row.symbol}_{{{entry[2]}}}",
+        )  # fmt: skip
     match = re.fullmatch(r"(\w+)\.(\d+)\.(\w+)", name)
     if match is None or f"{match[1]}.{match[3]}" not in DESCRIPTIONS:
         return None
@@ -231,15 +243,16 @@ def _describe_numbered(name: str) -> Description | None:
 
 def _describe_error(name: str) -> Description | None:
     base = name.removesuffix("_error")
-    if base == name or base not in DESCRIPTIONS:
+    if base == name:
         return None
-    row = DESCRIPTIONS[base]
+    row = DESCRIPTIONS.get(base) or _describe_prefixed(base)
+    if row is None:
+        return None
     return replace(
         row,
         name=name,
         long_name=f"estimated error: {row.long_name}",
         symbol=rf"\delta({row.symbol})",
-        kind=QuantityKind.NONE if row.kind is QuantityKind.ROOT_LOAD else row.kind,
     )
 
 

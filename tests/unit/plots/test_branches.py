@@ -41,8 +41,11 @@ def drawn_length(lines: list[Line2D], size: FloatArray) -> float:
 def test_a_branch_that_is_run_twice_is_drawn_once() -> None:
     """What goes there and back over one curve keeps its dashes."""
     once = doubled_branch()
-    dataset = xr.concat([once, once.isel(point=slice(None, None, -1))], "point", data_vars="minimal",
-                        coords="minimal", compat="override", join="override")  # fmt: skip
+    back = once.isel(point=slice(None, None, -1))
+    dataset = xr.concat(
+        [once, back], "point", data_vars="minimal", coords="minimal", compat="override",
+        join="override",
+    )  # fmt: skip
     points = np.stack([dataset.omega.values, dataset.amplitude.values], axis=1)
     size = np.ptp(points, axis=0)
     whole = np.hypot(*(np.diff(points, axis=0) / size).T).sum()

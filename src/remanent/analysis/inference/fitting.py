@@ -68,6 +68,8 @@ class LeastSquaresFit:
         s^2: 1, or chi_square over the degrees of freedom.
     degrees_of_freedom : int
         Data less parameters.
+    has_converged : bool
+        Whether the search came to its end within the evaluations that it has.
     """
 
     estimate: FloatArray
@@ -76,6 +78,7 @@ class LeastSquaresFit:
     chi_square: float
     residual_variance: float
     degrees_of_freedom: int
+    has_converged: bool = True
 
     @property
     def standard_errors(self) -> FloatArray:
@@ -139,7 +142,7 @@ def fit_least_squares(
             why="As many parameters fit them whatever they are.",
             fix="Measure more, or fit fewer.",
         )
-    x, residual = _minimise_residuals(model, data, guess, box)
+    x, residual, converged = _minimise_residuals(model, data, guess, box)
     slope = difference_jacobian(model, x, box) / data.standard_deviations[:, None]
     curvature = slope.T @ slope * np.outer(box.scales, box.scales)
     if not np.linalg.cond(curvature) < _MAX_CONDITION_NUMBER:
@@ -154,7 +157,9 @@ def fit_least_squares(
     variance = 1.0 if data.has_absolute_deviations else chi_square / degrees
     inverse = np.linalg.inv(curvature) * np.outer(box.scales, box.scales)
     predicted = data.measured_values + residual * data.standard_deviations
-    return LeastSquaresFit(x, variance * inverse, predicted, chi_square, variance, degrees)
+    return LeastSquaresFit(
+        x, variance * inverse, predicted, chi_square, variance, degrees, converged
+    )
 
 
 def difference_jacobian(
@@ -163,7 +168,7 @@ def difference_jacobian(
     box: ParameterBox,
     step: float = _RELATIVE_DIFFERENCE_STEP,
 ) -> FloatArray:
-    """Derivatives of predictions by differences, central but at the bounds.
+    """Derivatives of predictions by differences, central but at the bounds of what is known.
 
     Parameters
     ----------
@@ -178,13 +183,17 @@ def difference_jacobian(
     Returns
     -------
     array (datum, parameter)
+        NaN by parameters that the model can be computed to neither side of.
     """
     steps = step * np.diag(np.maximum(np.abs(x), box.scales))
     ends = np.concatenate([x + steps, x - steps]).clip(box.lower_bounds, box.upper_bounds)
     values = model(ends)
+    lost = ~np.isfinite(values).all(axis=1)
+    if lost.any():  # beyond what the model can compute: to one side only
+        ends[lost], values[lost] = x, model(x[None])[0]
     count = x.size
     width = np.diag(ends[:count] - ends[count:])
-    return np.asarray((values[:count] - values[count:]).T / width)
+    return np.asarray((values[:count] - values[count:]).T / np.where(width == 0.0, np.nan, width))
 
 
 def profile_likelihood_interval(
@@ -230,7 +239,9 @@ def profile_likelihood_interval(
             return model(np.insert(x, k, value, axis=1))
 
         if free.any():
-            rest, residual = _minimise_residuals(held, data, rest, box.subset(free))
+            if not np.isfinite(held(rest[None])).all():
+                return np.nan
+            rest, residual, _ = _minimise_residuals(held, data, rest, box.subset(free))
         else:
             residual = (held(np.empty((1, 0)))[0] - data.measured_values) / data.standard_deviations
         return float(residual @ residual) - best.chi_square - threshold
@@ -243,10 +254,13 @@ def profile_likelihood_interval(
             1.0, _MAX_PROFILE_DISTANCE_IN_HALF_WIDTHS, _PROFILE_TRIALS_PER_SIDE
         ):
             outer = float(np.clip(best.estimate[k] + side * width * half, *sorted((inner, bound))))
-            if excess(outer) > 0.0:
+            beyond = excess(outer)
+            if beyond > 0.0:
                 end = brentq(
                     excess, inner, outer, xtol=_PROFILE_END_TOLERANCE_IN_HALF_WIDTHS * half
                 )
+                break
+            if np.isnan(beyond):  # the model is not known so far out
                 break
             inner = outer
         ends.append(end)
@@ -255,14 +269,23 @@ def profile_likelihood_interval(
 
 def _minimise_residuals(
     model: PredictionFunction, data: Observations, guess: FloatArray, box: ParameterBox
-) -> tuple[FloatArray, FloatArray]:
-    """Best parameters, and residuals over deviations."""
+) -> tuple[FloatArray, FloatArray, bool]:
+    """Best parameters, residuals over deviations, and whether the search came to its end."""
 
     def residual(x: FloatArray) -> FloatArray:
         return np.asarray((model(x[None])[0] - data.measured_values) / data.standard_deviations)
 
     def slope(x: FloatArray) -> FloatArray:
-        return np.asarray(difference_jacobian(model, x, box) / data.standard_deviations[:, None])
+        slopes = difference_jacobian(model, x, box)
+        if not np.isfinite(slopes).all():
+            raise InputError(
+                "parameters",
+                must="lead to values whose motion can be computed, a little to either side too",
+                got=x.tolist(),
+                why="The search came to the end of what the model can compute.",
+                fix="Use earlier data, a larger tolerance, narrower ranges or a better guess.",
+            )
+        return np.asarray(slopes / data.standard_deviations[:, None])
 
     if not np.isfinite(residual(guess)).all():
         raise InputError(
@@ -272,9 +295,11 @@ def _minimise_residuals(
             why="Its error bound is not met up to the last of them.",
             fix="Use earlier data, a larger tolerance, or a better guess.",
         )
-    solution = least_squares(
-        residual, guess, jac=slope, bounds=(box.lower_bounds, box.upper_bounds), x_scale=box.scales,
-        xtol=_LEAST_SQUARES_PARAMETER_TOLERANCE, ftol=_LEAST_SQUARES_COST_TOLERANCE,
-        gtol=None, max_nfev=_MAX_LEAST_SQUARES_EVALUATIONS,
-    )  # fmt: skip
-    return np.asarray(solution.x), np.asarray(solution.fun)
+    with np.errstate(all="ignore"):  # SciPy takes back steps at whose end nothing is known
+        solution = least_squares(
+            residual, guess, jac=slope, x_scale=box.scales,
+            bounds=(box.lower_bounds, box.upper_bounds),
+            xtol=_LEAST_SQUARES_PARAMETER_TOLERANCE, ftol=_LEAST_SQUARES_COST_TOLERANCE,
+            gtol=None, max_nfev=_MAX_LEAST_SQUARES_EVALUATIONS,
+        )  # fmt: skip
+    return np.asarray(solution.x), np.asarray(solution.fun), bool(solution.status > 0)

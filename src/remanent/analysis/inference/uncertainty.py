@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
-from scipy.stats import qmc, sobol_indices
+from scipy.stats import norm, qmc, sobol_indices
+from scipy.stats import t as student
 
 from remanent._typing import FloatArray
 
@@ -15,6 +16,11 @@ from remanent._typing import FloatArray
 PointwiseFunction = Callable[[FloatArray], FloatArray]
 #: Independently scrambled parts of a sample, whose scatter is the error of what they give.
 SCRAMBLED_REPLICATE_COUNT = 8
+#: Standard errors of means over the parts: within them lies the truth as often as within one
+#: standard deviation of a normal variable, with Student's t for so few parts.
+_STANDARD_ERROR_FACTOR = float(
+    student.ppf(norm.cdf(1.0), SCRAMBLED_REPLICATE_COUNT - 1) / np.sqrt(SCRAMBLED_REPLICATE_COUNT)
+)
 
 
 class Distribution(Protocol):
@@ -22,6 +28,43 @@ class Distribution(Protocol):
 
     def ppf(self, q: FloatArray, /) -> FloatArray:
         """The values below which shares `q` lie."""
+
+
+@dataclass(frozen=True)
+class UncertainArguments:
+    """Arguments of a function as random variables.
+
+    Attributes
+    ----------
+    distributions : sequence of Distribution
+        Of arguments that are independent of all others.
+    mean, covariance : array (argument,) and array (argument, argument)
+        Of further arguments, which are normal together.
+    """
+
+    distributions: Sequence[Distribution]
+    mean: FloatArray = field(default_factory=lambda: np.empty(0))
+    covariance: FloatArray = field(default_factory=lambda: np.empty((0, 0)))
+
+    @property
+    def count(self) -> int:
+        """Number of arguments, the independent ones first."""
+        return len(self.distributions) + self.mean.size
+
+    def points(self, shares: FloatArray) -> FloatArray:
+        """Points (point, argument) from points of the unit cube."""
+        # Scrambled points can fall on 0, where quantiles are infinite.
+        inside = np.clip(shares, 0.5**54, 1.0 - 0.5**53)
+        independent = [d.ppf(q) for d, q in zip(self.distributions, inside.T, strict=False)]
+        joint = self.mean + norm.ppf(inside[:, len(independent) :]) @ self._root().T
+        return np.column_stack([*independent, joint])
+
+    def _root(self) -> FloatArray:
+        """A matrix whose product with its transpose is the covariance."""
+        scales = np.sqrt(np.diag(self.covariance))
+        scales = np.where(scales > 0.0, scales, 1.0)
+        values, vectors = np.linalg.eigh(self.covariance / np.outer(scales, scales))
+        return np.asarray(scales[:, None] * vectors * np.sqrt(np.maximum(values, 0.0)))
 
 
 @dataclass(frozen=True)
@@ -57,23 +100,22 @@ class SobolIndices:
 
 def propagate_distributions(
     function: PointwiseFunction,
-    distributions: Sequence[Distribution],
+    arguments: UncertainArguments,
     quantiles: FloatArray,
     samples: int,
     rng: np.random.Generator,
 ) -> PropagatedStatistics:
-    """Propagate independent distributions through a function.
+    """Propagate uncertain arguments through a function.
 
     Sobol' points in :data:`SCRAMBLED_REPLICATE_COUNT` parts, each scrambled by itself (Owen 1998).
-    Results are means over the parts, and their errors the standard errors of these means.  NaN
-    where some part knows no value.
+    Quantiles are means over the parts, averages and deviations those of the whole sample; the
+    scatter of the parts gives their standard errors.  NaN where some part knows no value.
 
     Parameters
     ----------
     function : callable
         Of points (point, argument), values (point, number).
-    distributions : sequence
-        One for each argument.
+    arguments : UncertainArguments
     quantiles : array (quantile,)
         Probabilities.
     samples : int
@@ -82,7 +124,7 @@ def propagate_distributions(
         Scrambles the points.
     """
     blocks = [
-        _draw_sobol_points(distributions, samples // SCRAMBLED_REPLICATE_COUNT, rng)
+        _draw_sobol_points(arguments, samples // SCRAMBLED_REPLICATE_COUNT, rng)
         for _ in range(SCRAMBLED_REPLICATE_COUNT)
     ]
     values = function(np.concatenate(blocks))
@@ -93,11 +135,12 @@ def propagate_distributions(
     unknown = ~finite.reshape(parts.shape).any(axis=1).all(axis=0)
 
     def with_error(
-        statistic: Callable[[FloatArray], FloatArray],
+        statistic: Callable[[FloatArray], FloatArray], *, of_all: bool = False
     ) -> tuple[FloatArray, FloatArray]:
         by_part = np.stack([statistic(np.where(unknown, 0.0, part)) for part in parts])
-        error = by_part.std(axis=0, ddof=1) / np.sqrt(SCRAMBLED_REPLICATE_COUNT)
-        return np.where(unknown, np.nan, by_part.mean(axis=0)), np.where(unknown, np.nan, error)
+        error = by_part.std(axis=0, ddof=1) * _STANDARD_ERROR_FACTOR
+        best = statistic(np.where(unknown, 0.0, values)) if of_all else by_part.mean(axis=0)
+        return np.where(unknown, np.nan, best), np.where(unknown, np.nan, error)
 
     def sample_quantiles(x: FloatArray) -> FloatArray:
         # Hazen's positions: where evenly spread points are, in the middle of their shares.
@@ -105,15 +148,17 @@ def propagate_distributions(
 
     return PropagatedStatistics(
         *with_error(sample_quantiles),
-        *with_error(lambda x: np.nanmean(x, axis=0)),
-        *with_error(lambda x: np.nanstd(x, axis=0, ddof=1)),
+        *with_error(lambda x: np.nanmean(x, axis=0), of_all=True),
+        # Without a degree of freedom less: the mean of Sobol' points moves far less than that
+        # of independent ones, for which it makes up.
+        *with_error(lambda x: np.nanstd(x, axis=0), of_all=True),
         finite.mean(axis=0),
     )
 
 
 def estimate_sobol_indices(
     function: PointwiseFunction,
-    distributions: Sequence[Distribution],
+    arguments: UncertainArguments,
     samples: int,
     rng: np.random.Generator,
 ) -> SobolIndices:
@@ -129,19 +174,16 @@ def estimate_sobol_indices(
     ----------
     function : callable
         Of points (point, argument), values (point, number).
-    distributions : sequence
-        One for each argument.
+    arguments : UncertainArguments
     samples : int
         A power of two.
     rng : numpy.random.Generator
         Scrambles the points.
     """
-    count, size = len(distributions), samples // SCRAMBLED_REPLICATE_COUNT
-    sequence = [
-        qmc.Sobol(2 * count, rng=rng).random(size) for _ in range(SCRAMBLED_REPLICATE_COUNT)
-    ]
+    count, size = arguments.count, samples // SCRAMBLED_REPLICATE_COUNT
+    sequence = [_scrambled_shares(2 * count, size, rng) for _ in range(SCRAMBLED_REPLICATE_COUNT)]
     rows = [_saltelli_points(part[:, :count], part[:, count:]) for part in sequence]
-    values = function(_map_from_unit_cube(distributions, np.concatenate(rows)))
+    values = function(arguments.points(np.concatenate(rows)))
     values = values.reshape(SCRAMBLED_REPLICATE_COUNT, count + 2, size, -1).transpose(1, 0, 3, 2)
     usable = np.isfinite(values).all(axis=(0, 1, 3)) & (np.ptp(values, axis=(0, 1, 3)) > 0.0)
     by_part = np.full((2, SCRAMBLED_REPLICATE_COUNT, count, len(usable)), np.nan)
@@ -156,7 +198,7 @@ def estimate_sobol_indices(
             for k, order in enumerate((shares.first_order, shares.total_order)):
                 by_part[k, part][:, usable] = np.reshape(order, (-1, count))[:-1].T
     first, total = by_part.mean(axis=1)
-    error = by_part.std(axis=1, ddof=1) / np.sqrt(SCRAMBLED_REPLICATE_COUNT)
+    error = by_part.std(axis=1, ddof=1) * _STANDARD_ERROR_FACTOR
     return SobolIndices(first, error[0], total, error[1])
 
 
@@ -167,14 +209,18 @@ def _saltelli_points(a: FloatArray, b: FloatArray) -> FloatArray:
 
 
 def _draw_sobol_points(
-    distributions: Sequence[Distribution], count: int, rng: np.random.Generator
+    arguments: UncertainArguments, count: int, rng: np.random.Generator
 ) -> FloatArray:
-    return _map_from_unit_cube(distributions, qmc.Sobol(len(distributions), rng=rng).random(count))
+    return arguments.points(_scrambled_shares(arguments.count, count, rng))
 
 
-def _map_from_unit_cube(distributions: Sequence[Distribution], shares: FloatArray) -> FloatArray:
-    """Points of the distributions, array (point, argument), from points of the unit cube."""
-    # Scrambled points can fall on 0, where quantiles are infinite.
-    inside = np.clip(shares, 0.5**54, 1.0 - 0.5**53)
-    columns = [d.ppf(q) for d, q in zip(distributions, inside.T, strict=True)]
-    return np.column_stack(columns)
+def _scrambled_shares(dimensions: int, count: int, rng: np.random.Generator) -> FloatArray:
+    """Scrambled Sobol' points of the unit cube, array (point, dimension).
+
+    The digits beyond those in which `count` points are evenly spread are drawn anew for each
+    point, as in Owen's scrambling (1995).  SciPy's is linear in the digits: means of nearly
+    linear functions are then exact in most parts and far off in a few, and their scatter says
+    little.
+    """
+    cells = np.floor(qmc.Sobol(dimensions, rng=rng).random(count) * count)
+    return np.asarray((cells + rng.random(cells.shape)) / count)

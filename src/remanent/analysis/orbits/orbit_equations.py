@@ -60,7 +60,7 @@ def build_orbit_equations(map_: Map, iterate: int) -> CurveEquations:
 
 
 def build_bifurcation_equations(
-    map_: Map, iterate: int, kind: str, scale: FloatArray
+    map_: Map, iterate: int, kind: str, scale: FloatArray, *, by_determinant: bool = False
 ) -> CurveEquations:
     """Folds or period doublings as curves: unknowns (state, two parameters).
 
@@ -78,6 +78,10 @@ def build_bifurcation_equations(
         ``fold`` or ``period doubling``.
     scale : array (state + 2,)
         Units of the unknowns.
+    by_determinant : bool
+        Let the determinant vanish in place of the singular value.  It is smooth also where two
+        singular values meet, so that Newton's method finds its way from farther off, but less
+        accurate where multipliers are large.
 
     Returns
     -------
@@ -94,6 +98,9 @@ def build_bifurcation_equations(
         image = map_(places[:, :d], places[:, d:], iterate)
         jacobians = image.jacobian.reshape(count, -1, d, d)
         test, slope, entry_weight = smallest_singular_values(jacobians, sign, scale)
+        if by_determinant:
+            determinants = np.linalg.det(jacobians + sign * np.eye(d))
+            test, slope = determinants[:, 0], central_differences(determinants, scale)
         here = slice(None, None, jacobians.shape[1])
         jacobian = jacobians[:, 0]
         orbit = np.concatenate([jacobian - np.eye(d), image.parameter_jacobian[here]], axis=2)

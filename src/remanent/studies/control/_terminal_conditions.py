@@ -110,7 +110,9 @@ class TerminalConditions:
         columns = np.column_stack(
             [ens.parameter_values[name] for name in ens.vector_field.parameter_names]
         )
-        bodies = [replace(self.target_rest, parameters=row).rest_nearby() for row in columns]
+        # The physical sizes are parameters of the variants only.
+        rest = replace(self.target_rest, vector_field=ens.vector_field)
+        bodies = [replace(rest, parameters=row).rest_nearby() for row in columns]
         states = [body.state for body in bodies if body is not None]
         if len(states) < len(bodies):
             raise InputError(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 
@@ -11,7 +11,9 @@ from remanent._errors import InputError
 from remanent._field import Field
 from remanent._typing import ArrayLike, BoolArray, FloatArray
 from remanent.codegen.field import vector_field_for
+from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.physical_sizes import PHYSICAL_SIZES, PhysicalSizes
 from remanent.models.system import System
 from remanent.studies.ensemble.checks import require_drive, require_system
 from remanent.studies.ensemble.ensemble import (
@@ -56,7 +58,7 @@ def lay_out_ensemble(
     system : System
     drive : Drive
     over : mapping of name to array_like or DataArray, optional
-        Numeric fields with their values.
+        Numeric fields with their values; the physical sizes of an actuator are among them.
     initial : array_like (state,), optional
         State to start from; rest by default.
     reserved : frozenset of str
@@ -83,10 +85,12 @@ def lay_out_ensemble(
     require_system(system_argument, system)
     require_drive(drive)
     require_over(over)
+    system = with_physical_sizes(system, over or ())
     _require_load_rate_where_needed(system, drive, over)
     field = vector_field_for(system, drive)
     defaults = {**system.parameters(), **drive.parameters(), **(extra or {})}
     names = [*defaults, *(f"initial.{variable}" for variable in field.state_names)]
+    names += [name for name in numeric_fields(system) if name not in names]
     fields = read_over(over, names, system, reserved)
     sizes, count = fields.sizes, fields.count
     require_memory("over", count * BYTES_PER_TRAJECTORY, f"{count} trajectories")
@@ -106,6 +110,22 @@ def lay_out_ensemble(
     return Ensemble(
         system, drive, field, sizes, fields.arrays, values, states, invalid, fields.labels
     )
+
+
+def with_physical_sizes(system: System, names: Iterable[str]) -> System:
+    """The system with its physical sizes as numeric fields, where `names` has one of them.
+
+    Equations of motion hold them only where they are varied.
+    """
+    if not isinstance(system, Actuator) or set(names).isdisjoint(PHYSICAL_SIZES):
+        return system
+    return system.replace(physical_sizes=system.physical_sizes or PhysicalSizes())
+
+
+def numeric_fields(system: System) -> dict[str, float]:
+    """Values of all numeric fields of a system; physical sizes are 1 where they are left out."""
+    sizes = dict.fromkeys(PHYSICAL_SIZES, 1.0) if isinstance(system, Actuator) else {}
+    return {**sizes, **system.parameters()}
 
 
 def _require_load_rate_where_needed(

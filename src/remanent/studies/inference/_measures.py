@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import xarray as xr
@@ -12,9 +12,15 @@ import xarray as xr
 from remanent._checks import finite_rule, require_field_names, require_real
 from remanent._errors import InputError
 from remanent._typing import FloatArray
+from remanent.models.drives.base import Drive
+from remanent.models.system import System
 from remanent.results import provenance
 from remanent.results.build import Labelled
+from remanent.results.named_quantities import UNKNOWN_QUANTITY
+from remanent.studies.ensemble.layout import numeric_fields
 from remanent.studies.inference.measure import SAMPLE_DIMENSION, Measure, OfArgument
+
+_Model = TypeVar("_Model", System, Drive)
 
 
 def as_parameter_values(
@@ -53,6 +59,18 @@ def as_measure(
     return measure
 
 
+def with_parameters(model: _Model, values: Mapping[str, float]) -> _Model:
+    """A system or a drive with those of the values that are its numeric fields."""
+    if isinstance(model, Drive):
+        own = {name: value for name, value in values.items() if name in model.parameters()}
+        return model.replace(**own)
+    known = numeric_fields(model)
+    for name, value in values.items():
+        if name in known:
+            model = model.with_parameter(name, value)
+    return model
+
+
 def evaluate_measures(
     measures: Sequence[Measure], names: Sequence[str], candidates: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
@@ -74,6 +92,15 @@ def evaluate_measures(
     flat = [[np.reshape(part.values, (len(candidates), -1)) for part in pair] for pair in pairs]
     values, errors = (np.concatenate(parts, axis=1) for parts in zip(*flat, strict=True))
     return values, errors
+
+
+def values_of_measures(
+    measures: Sequence[Measure], names: Sequence[str], candidates: FloatArray
+) -> FloatArray:
+    """Values alone of several measures, as in :func:`evaluate_measures`."""
+    columns = dict(zip(names, candidates.T, strict=True))
+    values = [measure.values_at(columns).values for measure in measures]
+    return np.concatenate([np.reshape(v, (len(candidates), -1)) for v in values], axis=1)
 
 
 @dataclass(frozen=True)
@@ -107,10 +134,20 @@ class MeasureLayout:
         return (*first, *self.dims), np.reshape(numbers, (*leading, *self.shape))
 
 
-def measure_provenance(measure: Measure, /, **settings: Any) -> dict[str, Any]:
-    """What says how a result about a measure was made.
+def measure_provenance(
+    measures: Sequence[Measure], /, values: Mapping[str, float] | None = None, **settings: Any
+) -> dict[str, Any]:
+    """What says how a result about measures was made, with their parameters at `values`.
 
-    Its numbers mix the units of the measure and of the parameters: they do not turn to SI by
-    their names.
+    The attribute ``measured`` has the name of the variable of each, by which its numbers are
+    turned to other units, and ``?`` where a function makes the measure.
     """
-    return provenance.attributes(measure.actuator, measure.drive, None, scaled=False, **settings)
+    first = measures[0]
+    names = [measure.variable_name or UNKNOWN_QUANTITY for measure in measures]
+    found = values or {}
+    system = with_parameters(first.system, found)
+    drive = None if first.drive is None else with_parameters(first.drive, found)
+    attributes = provenance.attributes(
+        system, drive, None, measure="; ".join(map(repr, measures)), **settings
+    )
+    return attributes | {"measured": " ".join(names)}

@@ -17,8 +17,10 @@ from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.durations import trajectory_durations
+from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.layout import lay_out_ensemble
 from remanent.studies.ensemble.observables import blank_beyond_horizon, evaluate_observable
-from remanent.studies.ensemble.physical_scales import PhysicalScales, lay_out_physical_scales
+from remanent.studies.ensemble.problem import initial_value_problem
 
 #: Variables of a table that say how good it is, and are not compared.
 _UNCOMPARED_VARIABLES = frozenset({"crossings", "balance", "status", "horizon", "error"})
@@ -120,23 +122,15 @@ class ResponseWindow:
     run_periods: int | None
     discarded_time: float
 
-    def integrate_extremes(self, scaled: PhysicalScales, tolerance: float) -> Outcome:
+    def integrate_extremes(self, ens: Ensemble, tolerance: float) -> Outcome:
         """The extremes of every trajectory within the window."""
-        ens = scaled.ensemble_in_own_units
-        if self.run_periods is not None:
-            problem = scaled.build_problem_lasting(
-                trajectory_durations(ens, None, self.run_periods)
-                / scaled.time_factor_to_trajectory_unit
-            )
-        else:
-            problem = scaled.build_problem_lasting(
-                trajectory_durations(ens, self.run_duration, None)
-            )
+        duration = self.run_duration if self.run_periods is None else None
+        durations = trajectory_durations(ens, duration, self.run_periods)
         request = Request(
             wants_extremes=True,
-            extremes_begin=self.discarded_time * scaled.time_factor_to_trajectory_unit,
+            extremes_begin=np.full(ens.trajectory_count, self.discarded_time),
         )
-        return integrate(problem, request, tolerance=tolerance)
+        return integrate(initial_value_problem(ens, durations), request, tolerance=tolerance)
 
 
 @dataclass(frozen=True)
@@ -185,32 +179,26 @@ class MeasurementPredictor:
         )
 
     def _predict_history(self, over: Mapping[str, xr.DataArray]) -> dict[str, FloatArray]:
-        scaled = lay_out_physical_scales(self.system, self.drive, over, self.initial, tells=False)
-        times = self.measurements.coordinate_values
-        end = max(float(times[-1]), np.finfo(float).tiny)
-        problem = scaled.build_problem_lasting(
-            np.full(scaled.ensemble_in_own_units.trajectory_count, end)
-        )
-        own_times = times * scaled.time_factor_to_trajectory_unit[:, None]
-        outcome = integrate(problem, Request(times=own_times), tolerance=self.motion_tolerance)
+        ens = lay_out_ensemble(self.system, self.drive, over, self.initial, tells=False)
+        measured = self.measurements.coordinate_values
+        end = max(float(measured[-1]), np.finfo(float).tiny)
+        problem = initial_value_problem(ens, np.full(ens.trajectory_count, end))
+        times = np.broadcast_to(measured, (ens.trajectory_count, measured.size))
+        outcome = integrate(problem, Request(times=times), tolerance=self.motion_tolerance)
         assert outcome.states is not None
-        states = blank_beyond_horizon(outcome.states, own_times, outcome)
+        states = blank_beyond_horizon(outcome.states, times, outcome)
         return {
-            name: _variable_history(problem, name, own_times, states)
-            / scaled.variable_factor_to_trajectory_unit(name)[:, None]
+            name: _variable_history(problem, name, times, states)
             for name in self.measurements.compared_variables
         }
 
     def _predict_response(self, over: Mapping[str, xr.DataArray]) -> dict[str, FloatArray]:
         omega = xr.DataArray(self.measurements.coordinate_values, dims="reading")
-        scaled = lay_out_physical_scales(
+        ens = lay_out_ensemble(
             self.system, self.drive, {**over, "omega": omega}, self.initial, tells=False
         )
-        outcome = self.response_window.integrate_extremes(scaled, self.motion_tolerance)
-        low, high = (
-            scaled.ensemble_in_own_units.reshape_to_dims(v)
-            for v in (outcome.minimum, outcome.maximum)
-        )
+        outcome = self.response_window.integrate_extremes(ens, self.motion_tolerance)
+        low, high = (ens.reshape_to_dims(v) for v in (outcome.minimum, outcome.maximum))
         return {"maximum": high, "minimum": low, "amplitude": 0.5 * (high - low)}
 
 

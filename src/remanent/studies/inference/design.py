@@ -11,6 +11,7 @@ from scipy.optimize import least_squares
 
 from remanent._checks import as_float_array, positive_rule, require_real, shortened_repr
 from remanent._errors import InputError
+from remanent._status import Status
 from remanent._typing import FloatArray
 from remanent.analysis.inference.fitting import ParameterBox, difference_jacobian
 from remanent.results import build
@@ -20,6 +21,7 @@ from remanent.studies.inference._measures import (
     as_parameter_values,
     evaluate_measures,
     measure_provenance,
+    values_of_measures,
 )
 from remanent.studies.inference.measure import Measure
 
@@ -28,6 +30,13 @@ _RELATIVE_STEP_RULE = positive_rule(
 )
 #: Distances are relative to the target, or to this where the target is smaller.
 _SMALLEST_TARGET_SCALE = 1e-3
+#: Relative distance from the target up to which it counts as reached, whatever the error.
+_REACHED_TOLERANCE = 1e-6
+#: Why a design is incomplete.
+_MISSED_REASON = (
+    "The target is missed by {}: it may be out of reach of these fields, within their ranges or "
+    "from this guess."
+)
 #: Evaluations of the measures in the search, at most, beside those of differences.
 _MAX_SEARCH_EVALUATIONS = 60
 #: Singular values of the slopes over the largest, below which fields can be exchanged.
@@ -63,7 +72,11 @@ def design(
     xarray.Dataset
         Along ``field``: ``solution``, with ``solution_error``, what the errors of the measures
         and what is left of the distance make of it (NaN where fields can be exchanged for one
-        another); along ``measure``: ``target``, ``reached`` and ``reached_error``.
+        another); along ``measure``: ``target``, ``reached`` and ``reached_error``.  Errors
+        are NaN where a measure states none of its own.  ``status`` is ``incomplete``, with the
+        attribute ``reason``, where a target is missed by more than the measure's error: the
+        solution then comes as near as it can.  The attributes ``system`` and ``drive`` are
+        those of the solution: :func:`remanent.read_system` gives them back.
 
     Raises
     ------
@@ -73,7 +86,8 @@ def design(
     Notes
     -----
     Least squares of the relative distances (SciPy's trust-region reflective method); the
-    differences of a step are one ensemble.
+    differences of a step are one ensemble, and a step to where a measure is not known is taken
+    back.
 
     Examples
     --------
@@ -103,6 +117,7 @@ def design(
     reached, errors = (
         part[0] for part in evaluate_measures(measures, problem.parameter_names, solution[None])
     )
+    missed = problem.missed_measures(reached, errors)
     variables: dict[str, Labelled] = {
         "solution": (("field",), solution),
         "solution_error": (
@@ -112,14 +127,18 @@ def design(
         "target": (("measure",), problem.targets),
         "reached": (("measure",), reached),
         "reached_error": (("measure",), errors),
+        "status": ((), np.array(Status.INCOMPLETE if missed else Status.OK)),
     }
     coords: dict[str, Labelled] = {
         "field": (("field",), np.array(problem.parameter_names)),
         "measure": (("measure",), np.array([repr(measure) for measure in measures])),
     }
-    return build.dataset(
-        variables, coords, measure_provenance(measures[0], over=problem.parameter_names)
+    attributes = measure_provenance(
+        measures, dict(zip(guess, solution.tolist(), strict=True)), step=step
     )
+    if missed:
+        attributes["reason"] = _MISSED_REASON.format(", ".join(missed))
+    return build.dataset(variables, coords, attributes)
 
 
 @dataclass(frozen=True)
@@ -151,13 +170,38 @@ class _InverseDesignProblem:
 
     def relative_distances(self, candidates: FloatArray) -> FloatArray:
         """Relative distances from the targets, array (candidate, measure)."""
-        values, _ = evaluate_measures(self.measures, self.parameter_names, candidates)
+        values = values_of_measures(self.measures, self.parameter_names, candidates)
+        if values.shape[1] != len(self.measures):
+            raise InputError(
+                "measures",
+                must="each be one number",
+                got=f"{values.shape[1]} numbers of {len(self.measures)} measures",
+                why="Each has one target.",
+                fix="Reduce them by their `of`.",
+            )
         return np.asarray((values - self.targets) / self.target_scales)
+
+    def tried_distances(self, candidates: FloatArray) -> FloatArray:
+        """Relative distances, NaN for candidates at which a measure has no number."""
+        try:
+            return self.relative_distances(candidates)
+        except InputError:
+            if len(candidates) == 1:
+                return np.full((1, len(self.measures)), np.nan)
+            return np.concatenate([self.tried_distances(row[None]) for row in candidates])
+
+    def missed_measures(self, reached: FloatArray, errors: FloatArray) -> list[str]:
+        """Measures that are farther from their targets than their errors explain."""
+        allowed = np.nan_to_num(errors) + _REACHED_TOLERANCE * self.target_scales
+        missed = ~(np.abs(reached - self.targets) <= allowed)
+        return [
+            repr(one) for one, is_missed in zip(self.measures, missed, strict=True) if is_missed
+        ]
 
     def distance_derivatives(self, x: FloatArray) -> FloatArray:
         """Derivatives of the distances at one point, array (measure, field)."""
         slopes = difference_jacobian(
-            self.relative_distances, x, self.parameter_box, self.relative_step
+            self.tried_distances, x, self.parameter_box, self.relative_step
         )
         # A field that a measure cannot be followed along is left where it is.
         return np.where(np.isfinite(slopes), slopes, 0.0)
@@ -165,7 +209,7 @@ class _InverseDesignProblem:
     def solve(self, guess: FloatArray) -> FloatArray:
         """The point nearest to all targets, array (field,)."""
         begin = self.relative_distances(guess[None])
-        if not np.isfinite(begin).all() or begin.shape[1] != len(self.measures):
+        if not np.isfinite(begin).all():
             raise InputError(
                 "parameters",
                 must="start where each measure is one known number",
@@ -175,7 +219,7 @@ class _InverseDesignProblem:
             )
 
         def residual(x: FloatArray) -> FloatArray:
-            return np.asarray(self.relative_distances(x[None])[0])
+            return np.asarray(self.tried_distances(x[None])[0])
 
         with np.errstate(all="ignore"):  # of a measure that stops changing
             optimum = least_squares(

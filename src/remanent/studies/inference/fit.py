@@ -9,10 +9,12 @@ import xarray as xr
 
 from remanent._checks import Rule, not_negative_rule, require_flag, require_real
 from remanent._errors import InputError
+from remanent._status import Status
 from remanent._typing import ArrayLike, FloatArray
 from remanent.analysis.inference import fitting
 from remanent.analysis.inference.fitting import LeastSquaresFit, Observations, ParameterBox
 from remanent.models.drives.base import Drive
+from remanent.models.physical_sizes import PHYSICAL_SIZE_RULE, PHYSICAL_SIZES
 from remanent.models.system import System
 from remanent.results import build, provenance
 from remanent.results.build import Labelled
@@ -23,12 +25,8 @@ from remanent.studies.ensemble.durations import (
     require_count,
     require_duration,
 )
-from remanent.studies.ensemble.physical_scales import (
-    PHYSICAL_SIZE_RULE,
-    PHYSICAL_SIZES,
-    lay_out_physical_scales,
-)
-from remanent.studies.inference._measures import as_parameter_values
+from remanent.studies.ensemble.layout import lay_out_ensemble, numeric_fields
+from remanent.studies.inference._measures import as_parameter_values, with_parameters
 from remanent.studies.inference._predictions import (
     MeasurementPredictor,
     Measurements,
@@ -46,6 +44,8 @@ _DISCARD_RULE = not_negative_rule("It is the time before the window.", "Pass 0 t
 _SMALLEST_PARAMETER_SCALE = 0.1
 #: Distance from an end that a rule excludes, over the parameter's scale.
 _RELATIVE_DISTANCE_FROM_OPEN_END = 1e-6
+#: Why a fit is incomplete.
+_NO_END_REASON = "The least squares came to no end within the evaluations that they have."
 #: A number that breaks every rule with an upper end.
 _VALUE_BEYOND_UPPER_BOUNDS = 1e6
 
@@ -104,11 +104,16 @@ def fit(
     -------
     xarray.Dataset
         Along ``parameter``: ``estimate``, its standard error ``estimate_error``, its
-        ``interval`` by Student's t and, where asked, ``profile_interval``;
-        ``correlation``; ``chi_square`` over the given deviations, ``degrees`` of freedom,
-        ``noise``, the deviation of the data over the given one (or over 1); along
-        ``observation`` what was ``observed`` and ``predicted``, of which ``quantity`` and
-        when or at which ω.
+        ``interval`` by Student's t and, where asked, ``profile_interval``; the ``guess`` it
+        started from; ``covariance`` and ``correlation``; ``chi_square`` over the given
+        deviations, ``degrees`` of freedom, ``noise``, the deviation of the data over the given
+        one (or over 1); along ``observation`` what was ``observed`` and ``predicted``, of which
+        ``quantity`` and when or at which ω.  ``status`` is ``incomplete``, with the attribute
+        ``reason``, where the search came to no end.
+
+        The attributes ``system`` and ``drive`` are those that fit: :func:`remanent.read_system`
+        and :func:`remanent.read_drive` give them back, and ``rm.uncertainty(..., fit=found)``
+        takes the estimates with their covariance.
 
     Raises
     ------
@@ -122,7 +127,8 @@ def fit(
     records, or starts, call it for each.
 
     Minimises the sum of [(predicted − observed)/deviation]² (SciPy's trust-region reflective
-    method); all differences of a step are one ensemble.  Covariance s²(JᵀWJ)⁻¹.  The minimum
+    method); all differences of a step are one ensemble, and a step beyond what the model can
+    compute is taken back.  Covariance s²(JᵀWJ)⁻¹.  The minimum
     is the one near the guess: of a ring-down, a guess within half a cycle over the record.
 
     Examples
@@ -134,6 +140,8 @@ def fit(
     >>> guess = rm.Actuator(dissipation=rm.Rayleigh(0.1))
     >>> found = rm.fit(guess, rm.Constant(0.3), noisy, ["dissipation.0.eta"])
     >>> bool(abs(found.estimate[0] - 0.2) < 3 * found.estimate_error[0])
+    True
+    >>> rm.read_system(found).dissipation[0].eta == float(found.estimate[0])
     True
 
     See Also
@@ -165,23 +173,29 @@ def fit(
         _parameter_box(system, drive, guess, parameter_ranges),
     )
     best = fitting.fit_least_squares(model, observed, np.array(list(guess.values())), box)
-    variables = _fit_variables(best, observed, confidence)
+    variables = {
+        "guess": (("parameter",), np.array(list(guess.values()))),
+        **_fit_variables(best, observed, confidence),
+    }
     if profile:
         ends = [
             fitting.profile_likelihood_interval(model, observed, best, box, k, confidence)
             for k in range(len(guess))
         ]
         variables["profile_interval"] = (("parameter", "bound"), np.array(ends))
+    found = dict(zip(guess, best.estimate.tolist(), strict=True))
     attributes = provenance.attributes(
-        system,
-        drive,
+        with_parameters(system, found),
+        with_parameters(drive, found),
         tolerance,
-        over=guess,
         confidence=confidence,
         duration=duration,
         periods=periods,
-        scaled=False,
+        discard=discard,
     )
+    attributes["deviations"] = "given" if observed.has_absolute_deviations else "equal"
+    if not best.has_converged:
+        attributes["reason"] = _NO_END_REASON
     return build.dataset(variables, _fit_coordinates(guess, measurements), attributes)
 
 
@@ -213,6 +227,7 @@ def _fit_variables(
             ("parameter", "bound"),
             best.estimate[:, None] + half_width[:, None] * [-1.0, 1.0],
         ),
+        "covariance": (("parameter", "other_parameter"), best.covariance),
         "correlation": (
             ("parameter", "other_parameter"),
             _correlation(best),
@@ -220,6 +235,7 @@ def _fit_variables(
         "chi_square": ((), np.array(best.chi_square)),
         "degrees": ((), np.array(best.degrees_of_freedom)),
         "noise": ((), np.sqrt(best.chi_square / best.degrees_of_freedom)),
+        "status": ((), np.array(Status.OK if best.has_converged else Status.INCOMPLETE)),
         "observed": (("observation",), observed.measured_values),
         "predicted": (("observation",), best.predicted_values),
     }
@@ -241,17 +257,12 @@ def _parameter_guesses(
     parameters: Sequence[str] | Mapping[str, float],
     initial: ArrayLike | None,
 ) -> dict[str, float]:
-    ens = lay_out_physical_scales(system, drive, None, initial).ensemble_in_own_units
+    ens = lay_out_ensemble(system, drive, None, initial)
     start = {
         f"initial.{n}": float(v)
         for n, v in zip(ens.vector_field.state_names, ens.initial_states[0], strict=True)
     }
-    nominal = {
-        **system.parameters(),
-        **drive.parameters(),
-        **start,
-        **dict.fromkeys(PHYSICAL_SIZES, 1.0),
-    }
+    nominal = {**numeric_fields(system), **drive.parameters(), **start}
     return as_parameter_values(parameters, nominal)
 
 
@@ -266,9 +277,9 @@ def _parameter_box(
         "parameter_ranges", parameter_ranges, guess, "`parameters`", "The search stays inside."
     )
     rules = {
+        **dict.fromkeys(PHYSICAL_SIZES, PHYSICAL_SIZE_RULE),
         **system.parameter_rules(),
         **drive.parameter_rules(),
-        **dict.fromkeys(PHYSICAL_SIZES, PHYSICAL_SIZE_RULE),
     }
     values = np.array(list(guess.values()))
     scale = np.maximum(np.abs(values), _SMALLEST_PARAMETER_SCALE)

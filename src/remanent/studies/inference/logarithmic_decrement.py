@@ -80,6 +80,14 @@ def logarithmic_decrement(
     """
     smallest = require_real("smallest", smallest, _SMALLEST_SWING_RULE)
     require_dataset("history", history)
+    if "scales_applied" in history.attrs:
+        raise InputError(
+            "history",
+            must="be dimensionless",
+            got="a Dataset in SI",
+            why="Its times would give frequencies in another unit.",
+            fix="Call rm.to_si on the result instead.",
+        )
     axis = _time_dimension(history, variable)
     values, time = xr.broadcast(history[variable], history["time"])
     motion_dims = [d for d in values.dims if d != axis]
@@ -99,7 +107,8 @@ def logarithmic_decrement(
     coords: dict[str, Labelled] = {
         str(d): ((str(d),), history[d].values) for d in motion_dims if d in history.coords
     }
-    attributes = {k: v for k, v in history.attrs.items() if k in provenance.ORIGIN_ATTRIBUTE_NAMES}
+    kept = {*provenance.ORIGIN_ATTRIBUTE_NAMES, "scales"}
+    attributes = {k: v for k, v in history.attrs.items() if k in kept}
     return build.dataset(variables, coords, attributes)
 
 

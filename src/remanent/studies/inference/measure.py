@@ -11,12 +11,13 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from remanent._checks import shortened_repr
 from remanent._errors import InputError
-from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.models.drives.waves import Constant
-from remanent.studies.ensemble.layout import lay_out_ensemble
-from remanent.studies.ensemble.physical_scales import PHYSICAL_SIZES
+from remanent.models.system import System
+from remanent.studies.ensemble.layout import lay_out_ensemble, numeric_fields
+from remanent.studies.inference._measure_errors import propagated_error, stated_error
 
 #: The dimension along which sets of parameters are laid out.
 SAMPLE_DIMENSION = "sample"
@@ -34,13 +35,15 @@ class Measure:
     Parameters
     ----------
     verb : callable
-        Any verb of this package, or a function of an actuator (and more) that returns a
-        Dataset, an array or a number.
+        Any verb of this package, or a function of a system (and more) that returns a Dataset,
+        an array or a number.  Of a number no error is known; a Dataset may hold ``value`` and
+        ``value_error``.
     *arguments, **options
-        Of the verb.  The first actuator and the first drive among them have the fields.
+        Of the verb.  The first system and the first drive among them have the fields.
     of : str or callable, optional
         The name of a variable of the verb's result, or a function of that Dataset, which must
-        keep its dimension ``sample``.
+        keep its dimension ``sample``.  The errors of the variables are carried through the
+        function: they are moved by their errors, and the largest change is its error.
 
     Examples
     --------
@@ -79,6 +82,7 @@ class Measure:
                 why="The fields that vary are chosen here.",
                 fix="Ask for one grid point at a time.",
             )
+        _require_signature(verb, arguments, options)
         for name, value in {
             "verb": verb, "arguments": arguments, "of": of, "options": MappingProxyType(options),
         }.items():  # fmt: skip
@@ -89,18 +93,24 @@ class Measure:
         return f"Measure({getattr(self.verb, '__name__', 'function')}{of})"
 
     @property
-    def actuator(self) -> Actuator:
-        """The first actuator among the arguments."""
-        actuator = next((a for a in self._all_arguments() if isinstance(a, Actuator)), None)
-        if actuator is None:
+    def variable_name(self) -> str | None:
+        """The variable that it is; None for a function of the result."""
+        return self.of if isinstance(self.of, str) else None
+
+    @property
+    def system(self) -> System:
+        """The first system among the arguments."""
+        system = next((a for a in self._all_arguments() if _is_system(a)), None)
+        if system is None:
             raise InputError(
                 "measure",
-                must="have an actuator among its arguments",
+                must="have a system, such as an actuator, among its arguments",
                 got=repr(self),
                 why="Its fields are what varies.",
                 fix="Pass it after the verb.",
             )
-        return actuator
+        found: System = system
+        return found
 
     @property
     def drive(self) -> Drive | None:
@@ -109,20 +119,16 @@ class Measure:
 
     def nominal_values(self) -> dict[str, float]:
         """Values that the parameters have where they do not vary, by name."""
-        drive = self.drive
-        ens = lay_out_ensemble(
-            self.actuator, drive or Constant(0.0), None, self.options.get("initial")
-        )
-        fields = {
-            name: float(v[0]) for name, v in ens.parameter_values.items() if drive or name != "m"
-        }
-        if not self._verb_takes_over:
+        system, drive = self.system, self.drive
+        fields = {**numeric_fields(system), **({} if drive is None else drive.parameters())}
+        if not self._verb_takes_over or (drive is None and system.load_names != ("load",)):
             return fields
+        ens = lay_out_ensemble(system, drive or Constant(0.0), None, self.options.get("initial"))
         start = {
             f"initial.{n}": float(v)
             for n, v in zip(ens.vector_field.state_names, ens.initial_states[0], strict=True)
         }
-        return {**fields, **start, **dict.fromkeys(PHYSICAL_SIZES, 1.0)}
+        return {**fields, **start}
 
     def require_parameters(self, argument: str, names: Sequence[str]) -> None:
         """Raise, about the verb's own argument, unless all names are parameters."""
@@ -143,27 +149,63 @@ class Measure:
         -------
         value, error : xarray.DataArray
             Along ``sample`` first, then the measure's own dimensions.  The error is that
-            which the verb states, 0 where it states none.
+            which the verb states, or what its stated errors make of the function `of`; NaN
+            where it states none.
         """
+        result = self._results_at(values)
+        value = self._value_of(result)
+        error = (
+            propagated_error(self.of, result, value)
+            if callable(self.of)
+            else stated_error(result, str(value.name))
+        )
+        if error is None:
+            error = xr.full_like(value, np.nan, dtype=np.float64)
+        value = value.transpose(SAMPLE_DIMENSION, ...)
+        return value, error.broadcast_like(value).transpose(*value.dims)
+
+    def values_at(self, values: Mapping[str, Any]) -> xr.DataArray:
+        """The measure alone at sets of parameters, see :meth:`at`."""
+        return self._value_of(self._results_at(values)).transpose(SAMPLE_DIMENSION, ...)
+
+    def _results_at(self, values: Mapping[str, Any]) -> xr.Dataset:
+        """Results of the verb along ``sample``."""
         columns = {name: np.asarray(v, dtype=np.float64) for name, v in values.items()}
         if self._verb_takes_over:
             over = {name: xr.DataArray(v, dims=SAMPLE_DIMENSION) for name, v in columns.items()}
-            return self._read_measure_and_error(
-                self.verb(*self.arguments, **self.options, over=over)
-            )
+            result: xr.Dataset = self.verb(*self.arguments, **self.options, over=over)
+            return result
         count = len(next(iter(columns.values())))
         rows = [{name: float(v[k]) for name, v in columns.items()} for k in range(count)]
         results = [_as_dataset(self._call_verb(row)) for row in rows]
-        return self._read_measure_and_error(xr.concat(results, dim=SAMPLE_DIMENSION, join="outer"))
+        return xr.concat(results, dim=SAMPLE_DIMENSION, join="outer")
 
     @property
     def _verb_takes_over(self) -> bool:
         """Whether the verb computes many sets of parameters in one call."""
         return "over" in inspect.signature(self.verb).parameters
 
-    def _read_measure_and_error(self, result: xr.Dataset) -> tuple[xr.DataArray, xr.DataArray]:
-        """The measure and its error in a result of the verb."""
-        value = self.of(result) if callable(self.of) else self._measured_variable(result)
+    def _value_of(self, result: xr.Dataset) -> xr.DataArray:
+        """The measure in a result of the verb."""
+        of = self._function_of if callable(self.of) else self._measured_variable
+        return self._require_samples(of(result))
+
+    def _function_of(self, result: xr.Dataset) -> Any:
+        """What the function `of` makes of a result."""
+        assert callable(self.of)
+        try:
+            return self.of(result)
+        except (IndexError, KeyError, ValueError, TypeError, AttributeError) as error:
+            raise InputError(
+                "of",
+                must="be a function of the verb's result, also where that holds nothing",
+                got=f"{type(error).__name__}: {error}",
+                why="It was called with the result for the values that are asked for.",
+                fix="Pass one that gives NaN there, or stay with values that have a result.",
+            ) from error
+
+    def _require_samples(self, value: Any) -> xr.DataArray:
+        """What `of` made of a result, if it has a number for each sample."""
         if not isinstance(value, xr.DataArray) or SAMPLE_DIMENSION not in value.dims:
             raise InputError(
                 "of",
@@ -172,11 +214,7 @@ class Measure:
                 why="The verb was asked for many values at once.",
                 fix="Reduce other dimensions only.",
             )
-        name = f"{self.of}_error" if isinstance(self.of, str) else ""
-        error = result.get(name, result.get("error", xr.zeros_like(value)))
-        error = error if set(error.dims) <= set(value.dims) else xr.zeros_like(value)
-        value = value.transpose(SAMPLE_DIMENSION, ...)
-        return value, error.broadcast_like(value).transpose(*value.dims)
+        return value
 
     def _measured_variable(self, result: xr.Dataset) -> xr.DataArray:
         """The variable that `of` names; ``value`` where it names none."""
@@ -196,29 +234,55 @@ class Measure:
 
     def _call_verb(self, values: Mapping[str, float]) -> Any:
         """The verb for one set of parameters, put into its actuator and its drive."""
-        actuator, drive = self.actuator, self.drive
-        changed_actuator, changed_drive = actuator, drive
+        system, drive = self.system, self.drive
+        known = self.nominal_values()
+        changed_system, changed_drive = system, drive
         for name, value in values.items():
-            if name in actuator.parameters():
-                changed_actuator = changed_actuator.with_parameter(name, value)
-            elif changed_drive is not None and name in changed_drive.parameters():
+            if drive is not None and changed_drive is not None and name in drive.parameters():
                 changed_drive = changed_drive.replace(**{name: value})
+            elif name in known:
+                changed_system = changed_system.with_parameter(name, value)
             else:
-                raise _unknown_name_error("values", name, self.nominal_values())
+                raise _unknown_name_error("values", name, known)
 
         def changed(argument: Any) -> Any:
-            if argument is actuator:
-                return changed_actuator
+            if argument is system:
+                return changed_system
             return changed_drive if argument is drive else argument
 
         options = {name: changed(value) for name, value in self.options.items()}
         return self.verb(*map(changed, self.arguments), **options)
 
 
+def _is_system(argument: object) -> bool:
+    return isinstance(argument, System) and not isinstance(argument, type)
+
+
+def _require_signature(
+    verb: Callable[..., Any], arguments: Any, options: Mapping[str, Any]
+) -> None:
+    """Refuse arguments that the verb does not have, and a call without those that it needs."""
+    try:
+        signature = inspect.signature(verb)
+    except ValueError:  # of some functions written in C
+        return
+    try:
+        signature.bind(*arguments, **options)
+    except TypeError as error:
+        name = getattr(verb, "__name__", "the function")
+        raise InputError(
+            "measure",
+            must=f"have arguments that {name} takes",
+            got=shortened_repr({"arguments": arguments, **options}),
+            why=f"Python says: {error}.",
+            fix=f"Its arguments are {', '.join(signature.parameters)}.",
+        ) from error
+
+
 def _unknown_name_error(argument: str, name: str, nominal: Mapping[str, float]) -> InputError:
     return InputError(
         argument,
-        must="name numeric fields of the actuator or the drive",
+        must="name numeric fields of the system or the drive",
         got=repr(name),
         why="Nothing else can vary.",
         fix=f"Its fields are: {', '.join(nominal)}.",

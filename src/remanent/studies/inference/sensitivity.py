@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from remanent._checks import positive_rule, require_real
+from remanent._checks import Rule, require_real
+from remanent._status import Status
 from remanent._typing import FloatArray
 from remanent.analysis.inference.differences import richardson_derivative, richardson_offsets
 from remanent.results import build
@@ -22,8 +23,23 @@ from remanent.studies.inference._measures import (
 )
 from remanent.studies.inference.measure import Measure, OfArgument
 
-_LARGEST_RELATIVE_STEP_RULE = positive_rule(
-    "It is the largest relative change of a field.", "Pass for example 0.02."
+_LARGEST_RELATIVE_STEP_RULE = Rule(
+    "lie between 0 and 1",
+    lambda x: np.asarray((x > 0) & (x < 1)),
+    "It is the largest relative change of a field, which must not change its sign.",
+    "Pass for example 0.02.",
+)
+#: Change of a field, over its size, by which the error of a measure becomes another.
+_ERROR_SCALE = 0.7
+#: Why a derivative is not known.
+_UNKNOWN_DERIVATIVE_REASON = (
+    "Where the status is incomplete, the measure is not known at some of the changed values of "
+    "the field: they break a rule, or the verb has no value there."
+)
+#: Why an error is not known.
+_UNKNOWN_ERROR_REASON = (
+    "The measure states no error of its own, so that the errors are not known; derivatives are "
+    "extrapolated as if its numbers were exact."
 )
 #: Differences of each field, each half as wide as the last.
 _EXTRAPOLATION_LEVELS = 6
@@ -57,7 +73,9 @@ def sensitivity(
     xarray.Dataset
         Along ``field``, and the dimensions of the measure: ``value``, ``value_error``;
         ``derivative`` with ``derivative_error``; ``elasticity``, the relative change of the
-        measure over that of the field, with ``elasticity_error``.
+        measure over that of the field, with ``elasticity_error``; ``status``, ``incomplete``
+        where a derivative is not known.  Errors are NaN where the measure states none of its
+        own; the attribute ``reason`` says so.
 
     Raises
     ------
@@ -67,9 +85,10 @@ def sensitivity(
     Notes
     -----
     All runs are one ensemble.  Richardson's extrapolation of central differences; the error
-    is the disagreement within its table and what the errors of the verb make of it.  Where a
+    is the disagreement within its table, with what the scatter of the values makes of it, and
+    the slope that the errors of the verb can have.  Where a
     measure jumps or has a corner within the step, the error is as large as the derivative.  A
-    field whose change breaks its rule (a viscosity of 0) has NaN.
+    field whose change breaks its rule (a viscosity of 0) has NaN and the status ``incomplete``.
 
     Examples
     --------
@@ -96,6 +115,11 @@ def sensitivity(
     )
     slope, slope_error = differences.derivatives(flat, noise)
     value, value_error = flat[0], noise[0]
+    lost = ~np.isfinite(slope)
+    reasons = [
+        *([_UNKNOWN_DERIVATIVE_REASON] if lost.any() else []),
+        *([_UNKNOWN_ERROR_REASON] if (np.isnan(noise) & np.isfinite(flat)).any() else []),
+    ]
     with np.errstate(all="ignore"):
         ratio = differences.centre[:, None] / value
         relative_error = slope_error + np.abs(slope) * value_error / np.abs(value)
@@ -106,11 +130,13 @@ def sensitivity(
         "derivative_error": layout.label_numbers(slope_error, "field"),
         "elasticity": layout.label_numbers(slope * ratio, "field"),
         "elasticity_error": layout.label_numbers(np.abs(ratio) * relative_error, "field"),
+        "status": layout.label_numbers(np.where(lost, Status.INCOMPLETE, Status.OK), "field"),
     }
     coords: dict[str, Labelled] = {"field": (("field",), np.array(list(centre))), **layout.coords}
-    return build.dataset(
-        variables, coords, measure_provenance(measure, measure=repr(measure), step=step)
-    )
+    attributes = measure_provenance([measure], step=step)
+    if reasons:
+        attributes["reason"] = " ".join(reasons)
+    return build.dataset(variables, coords, attributes)
 
 
 @dataclass(frozen=True)
@@ -141,21 +167,31 @@ class _DifferenceStencil:
         points[np.arange(1, changes.size + 1), changed] += changes
         return cls(centre, widths, points)
 
+    @property
+    def parameter_scales(self) -> FloatArray:
+        """Sizes of the parameters, over which errors of a measure become others."""
+        size = np.where(self.centre == 0.0, 1.0, np.abs(self.centre))
+        return np.asarray(_ERROR_SCALE * size)
+
     def derivatives(self, values: FloatArray, noise: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Derivatives and their errors, arrays (parameter, number).
 
         Parameters
         ----------
         values, noise : array (point, number)
-            The measure and its errors.
+            The measure and its errors; where one is not known, derivatives have none either.
         """
+        counted = np.nan_to_num(noise)
         rows = [
             slice(1 + 2 * _EXTRAPOLATION_LEVELS * k, 1 + 2 * _EXTRAPOLATION_LEVELS * (k + 1))
             for k in range(len(self.largest_parameter_steps))
         ]
         tables = [
-            richardson_derivative(values[block], noise[block], width)
-            for block, width in zip(rows, self.largest_parameter_steps, strict=True)
+            richardson_derivative(values[block], counted[block], width, scale)
+            for block, width, scale in zip(
+                rows, self.largest_parameter_steps, self.parameter_scales, strict=True
+            )
         ]
         slopes, errors = (np.array(part) for part in zip(*tables, strict=True))
-        return slopes, errors
+        unknown = np.array([np.isnan(noise[block]).any(axis=0) for block in rows])
+        return slopes, np.where(unknown, np.nan, errors)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,7 @@ from remanent.analysis.inference.uncertainty import (
     Distribution,
     PropagatedStatistics,
     SobolIndices,
+    UncertainArguments,
     estimate_sobol_indices,
     propagate_distributions,
 )
@@ -25,6 +26,7 @@ from remanent.results import build
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import RngArgument, as_seed, require_interval
 from remanent.studies.ensemble.durations import require_count
+from remanent.studies.inference._fitted_parameters import FittedParameters
 from remanent.studies.inference._measures import MeasureLayout, as_measure, measure_provenance
 from remanent.studies.inference.measure import Measure, OfArgument
 
@@ -35,7 +37,8 @@ _SCALAR_STATISTIC_NAMES = ("average", "average_error", "deviation", "deviation_e
 def uncertainty(
     measure: Measure | Callable[..., Any],
     *arguments: Any,
-    parameter_ranges: Mapping[str, Any],
+    parameter_ranges: Mapping[str, Any] | None = None,
+    fit: xr.Dataset | None = None,
     of: OfArgument | None = None,
     samples: int = 1024,
     quantiles: Sequence[float] = (0.05, 0.5, 0.95),
@@ -49,9 +52,13 @@ def uncertainty(
     ----------
     measure : Measure or callable
         A :class:`remanent.Measure`, or a verb, followed by its arguments and options.
-    parameter_ranges : mapping of str to (float, float) or distribution
+    parameter_ranges : mapping of str to (float, float) or distribution, optional
         What is not known: fields by name, each with ``(low, high)`` between which all values
         are alike, or a frozen distribution of ``scipy.stats``.  They are independent.
+    fit : xarray.Dataset, optional
+        What :func:`remanent.fit` found: its parameters are normal with its estimates and
+        covariance.  Other fields are those of the measure: pass ``rm.read_system(found)`` for
+        all that was fitted.
     of : str or callable, optional
         The variable of the verb's result, or a function of that result: one number, or a
         history or response.
@@ -69,7 +76,8 @@ def uncertainty(
     -------
     xarray.Dataset
         The measure (under its own name, ``value`` for a function) along ``quantile`` and its
-        own dimensions, ``average``, ``deviation``, each with the standard error of sampling;
+        own dimensions, ``average``, ``deviation``, each with its standard error, of sampling
+        and of the measure where that has an error (the attribute ``errors`` says which);
         ``known``, the share of points at which the measure is known: the others are left out.
         Along ``field``, where asked: ``first_index``, the share of the variance that a field
         accounts for alone, and ``total_index``, with all it does together with others, each
@@ -83,8 +91,8 @@ def uncertainty(
     Notes
     -----
     Sobol' points in eight parts, each scrambled by itself, whose scatter gives the errors
-    (Owen 1998); indices by Saltelli's estimators (2010) in each of them.  The errors are those
-    of sampling; that of the verb's own numbers is far smaller at default tolerances.
+    (Owen 1998), with Student's t for eight; indices by Saltelli's estimators (2010) in each of
+    them, which are for independent fields.
 
     Examples
     --------
@@ -105,15 +113,31 @@ def uncertainty(
     remanent.fit : fields from measurements, with their errors.
     """
     measure = as_measure(measure, arguments, of, **options)
-    names = _require_parameter_names(parameter_ranges)
-    measure.require_parameters("parameter_ranges", names)
-    distributions = [_as_distribution(name, parameter_ranges[name]) for name in names]
     sobol = require_flag("sobol", sobol)
+    ranges = _require_parameter_ranges(parameter_ranges, fit)
+    measure.require_parameters("parameter_ranges", list(ranges))
+    fitted = FittedParameters.from_fit(fit, reserved=list(ranges))
+    measure.require_parameters("fit", fitted.names)
+    if sobol and len(fitted.names) > 1:
+        raise InputError(
+            "sobol",
+            must="be False for several fitted parameters",
+            got=True,
+            why="They depend on each other, so that the variance has no shares of each.",
+            fix="Leave it out, or pass independent parameter_ranges.",
+        )
+    names = [*ranges, *fitted.names]
+    uncertain = UncertainArguments(
+        [_as_distribution(name, given) for name, given in ranges.items()],
+        fitted.estimate,
+        fitted.covariance,
+    )
     shares = _require_quantiles(quantiles)
     samples = _require_sample_count(samples, shares)
     generator = np.random.default_rng(as_seed(rng))
     function = _MeasureEvaluation(measure, names)
-    statistics = propagate_distributions(function, distributions, shares, samples, generator)
+    statistics = propagate_distributions(function, uncertain, shares, samples, generator)
+    statistics = function.with_measure_errors(statistics)
     layout = function.layout
     name = measure.of if isinstance(measure.of, str) else "value"
     variables: dict[str, Labelled] = {
@@ -124,13 +148,17 @@ def uncertainty(
     coords: dict[str, Labelled] = {"quantile": (("quantile",), shares)}
     if sobol:
         variables |= _sobol_variables(
-            estimate_sobol_indices(function, distributions, samples, generator), layout
+            function.with_index_errors(
+                estimate_sobol_indices(function, uncertain, samples, generator), statistics
+            ),
+            layout,
         )
         coords["field"] = (("field",), np.array(names))
     return build.dataset(
         variables,
         {**coords, **layout.coords},
-        measure_provenance(measure, over=names, measure=repr(measure), samples=samples),
+        measure_provenance([measure], samples=samples)
+        | {"uncertain": " ".join(names), "errors": function.describe_errors()},
     )
 
 
@@ -138,18 +166,60 @@ def uncertainty(
 class _MeasureEvaluation:
     """The measure as a function of points (point, parameter), one row of numbers for each.
 
-    It learns one thing from its first call: the layout of the measure, which is known from
-    a result alone.
+    It learns from its first call what is known from a result alone: the layout of the
+    measure, and how large its errors are.
     """
 
     measure: Measure
     parameter_names: Sequence[str]
     _layout: MeasureLayout | None = None
+    _errors: FloatArray | None = None
 
     def __call__(self, points: FloatArray) -> FloatArray:
-        values, _ = self.measure.at(dict(zip(self.parameter_names, points.T, strict=True)))
-        self._layout = MeasureLayout.from_values(values)
+        columns = dict(zip(self.parameter_names, points.T, strict=True))
+        if self._layout is None:
+            values, errors = self.measure.at(columns)
+            self._layout = MeasureLayout.from_values(values)
+            self._errors = errors.values.reshape(len(points), -1)
+        else:
+            values = self.measure.values_at(columns)
         return values.values.reshape(len(points), -1).astype(np.float64)
+
+    def with_measure_errors(self, statistics: PropagatedStatistics) -> PropagatedStatistics:
+        """Statistics with the errors of the measure itself beside those of sampling."""
+        known = self._known_errors()
+        deviation = np.sqrt((known**2).mean(axis=0))
+        return replace(
+            statistics,
+            quantiles_error=np.hypot(statistics.quantiles_error, known.max(axis=0)),
+            average_error=np.hypot(statistics.average_error, known.mean(axis=0)),
+            deviation_error=np.hypot(statistics.deviation_error, deviation),
+        )
+
+    def with_index_errors(
+        self, indices: SobolIndices, statistics: PropagatedStatistics
+    ) -> SobolIndices:
+        """Indices with what the errors of the measure make of shares of its variance."""
+        root_mean_square = np.sqrt((self._known_errors() ** 2).mean(axis=0))
+        with np.errstate(all="ignore"):
+            share = 2.0 * np.nan_to_num(root_mean_square / statistics.deviation, posinf=1.0)
+        return replace(
+            indices,
+            first_order_error=np.hypot(indices.first_order_error, share),
+            total_effect_error=np.hypot(indices.total_effect_error, share),
+        )
+
+    def describe_errors(self) -> str:
+        """What the errors count, in words."""
+        assert self._errors is not None
+        if np.isfinite(self._errors).any():
+            return "of sampling and of the measure"
+        return "of sampling alone: the measure states no error of its own"
+
+    def _known_errors(self) -> FloatArray:
+        """Errors of the measure (point, number), 0 where there are none."""
+        assert self._errors is not None
+        return np.where(np.isfinite(self._errors), self._errors, 0.0)
 
     @property
     def layout(self) -> MeasureLayout:
@@ -176,16 +246,20 @@ def _sobol_variables(sobol: SobolIndices, layout: MeasureLayout) -> dict[str, La
     return {name: layout.label_numbers(array, "field") for name, array in values.items()}
 
 
-def _require_parameter_names(parameter_ranges: object) -> list[str]:
-    if not isinstance(parameter_ranges, Mapping) or not parameter_ranges:
+def _require_parameter_ranges(
+    parameter_ranges: object, fit: xr.Dataset | None
+) -> Mapping[str, Any]:
+    if parameter_ranges is None and fit is not None:
+        return {}
+    if not isinstance(parameter_ranges, Mapping) or not (parameter_ranges or fit is not None):
         raise InputError(
             "parameter_ranges",
             must="name at least one field",
             got=repr(parameter_ranges)[:80],
             why="Something must be uncertain.",
-            fix="Pass for example {'temperature': (280, 300)}.",
+            fix="Pass for example {'temperature': (280, 300)}, or fit=rm.fit(...).",
         )
-    return list(parameter_ranges)
+    return parameter_ranges
 
 
 def _require_sample_count(samples: int, shares: FloatArray) -> int:

@@ -203,11 +203,15 @@ def _locate_in_all_members(
     fixed = np.tile(np.eye(size)[-1], (members.size, 1))  # the number of the member
     for share in np.linspace(0.0, 1.0, _HOMOTOPY_STEP_COUNT + 1) if fields else [0.0]:
         numbered = _MemberNumberMap(map_, begin + share * (end - begin))
-        equations = build_bifurcation_equations(numbered, target.orbit_period, target.kind, scale)
-        points, reached = correct_points(
-            equations, guess, fixed, scale=scale, tolerance=target.tolerance
-        )
-        guess = np.where(reached[:, None], points.unknown, guess)
+        for by_determinant in (True, False):
+            equations = build_bifurcation_equations(
+                numbered, target.orbit_period, target.kind, scale, by_determinant=by_determinant
+            )
+            points, reached = correct_points(
+                equations, guess, fixed, scale=scale, tolerance=target.tolerance
+            )
+            reached &= _is_possible(single, target.parameter, points.unknown)
+            guess = np.where(reached[:, None], points.unknown, guess)
     defect = points.residual[:, None] + points.extra_arrays["equation_error"]
     square = points.extra_arrays["derivative"][:, :, :-1] * scale[:-1]
     with np.errstate(all="ignore"):
@@ -219,6 +223,14 @@ def _locate_in_all_members(
     located.parameter_error[members] = error[:, -1]
     located.state_error[members] = error[:, :-1].max(axis=1)
     return located
+
+
+def _is_possible(ens: Ensemble, parameter: str, unknowns: FloatArray) -> BoolArray:
+    """Whether the system and its drive allow the parameter, and the body the state."""
+    values = {parameter: unknowns[:, -2]}
+    is_forbidden = ens.system.where_invalid(values) | ens.drive.where_invalid(values)
+    positive = [variable.positive for variable in ens.vector_field.variables]
+    return np.asarray(~is_forbidden & (unknowns[:, : len(positive)][:, positive] > 0.0).all(axis=1))
 
 
 @dataclass(frozen=True)

@@ -57,3 +57,19 @@ def test_targets_that_cannot_be_reached_are_refused() -> None:
         rm.design(measure, [1.0, 2.0], "c")
     with pytest.raises(rm.InputError, match="around"):
         rm.design(measure, 1.0, "c", parameter_ranges={"c": (2.0, 3.0)})
+
+
+def test_a_target_out_of_reach_has_a_status() -> None:
+    """No prestress gives this block a natural frequency of 5; a lost equilibrium is no crash."""
+    natural = rm.Measure(
+        rm.equilibria, rm.Actuator(), 0.16,
+        of=lambda found: found.natural_frequency.isel(equilibrium=0, drop=True),
+    )  # fmt: skip
+    missed = rm.design(natural, 5.0, "prestress", parameter_ranges={"prestress": (-5.0, 5.0)})
+    assert int(missed.status) == rm.Status.INCOMPLETE
+    assert "missed" in missed.attrs["reason"]
+    reached = rm.design(natural, 2.4, "prestress")
+    assert int(reached.status) == rm.Status.OK
+    body = rm.read_system(reached)
+    assert isinstance(body, rm.Actuator)
+    assert float(rm.equilibria(body, 0.16).natural_frequency[0]) == pytest.approx(2.4, abs=1e-6)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -115,3 +116,44 @@ def test_bad_data_are_refused() -> None:
         rm.fit(GUESS, STEP, record(0.0), ["viscosity"])
     with pytest.raises(rm.InputError, match="guess"):
         rm.fit(GUESS, STEP, record(0.0), ["m"], parameter_ranges={"m": (0.4, 0.5)})
+
+
+def test_a_fit_gives_its_system_and_its_drive_back() -> None:
+    """The motion of what it gives back is the fitted one; the guess stays beside it."""
+    found = rm.fit(GUESS, STEP, record(0.01), ["dissipation.0.eta", "m", "shear_modulus"])
+    body, drive = rm.read_system(found), rm.read_drive(found)
+    run = rm.simulate(body, drive, times=found.time.values)
+    np.testing.assert_allclose(run.thickness_stretch, found.predicted, atol=1e-8)
+    assert found.guess.values.tolist() == [0.1, STEP.m, 1.0]
+    assert int(found.status) == rm.Status.OK
+
+
+def test_a_fit_hands_its_covariance_on() -> None:
+    """Of a prediction: J C J', its derivatives J by the parameters, to first order."""
+    names = ["dissipation.0.eta", "m"]
+    found = rm.fit(GUESS, STEP, record(0.01), names)
+    body, drive = rm.read_system(found), rm.read_drive(found)
+    asked: dict[str, Any] = {"times": [2.0, 6.0], "of": "thickness_stretch"}
+    spread = rm.uncertainty(rm.simulate, body, drive, fit=found, **asked)
+    slopes = rm.sensitivity(rm.simulate, body, drive, parameters=names, **asked).derivative.values
+    expected = np.sqrt(np.einsum("it,ij,jt->t", slopes, found.covariance.values, slopes))
+    np.testing.assert_allclose(spread.deviation, expected, rtol=0.02)
+    with pytest.raises(rm.InputError, match="depend on each other"):
+        rm.uncertainty(rm.simulate, body, drive, fit=found, sobol=True, **asked)
+    with pytest.raises(rm.InputError, match="again"):
+        rm.uncertainty(
+            rm.simulate, body, drive, fit=found, parameter_ranges={"m": (0.1, 0.2)}, **asked
+        )
+    with pytest.raises(rm.InputError, match=r"a result of rm\.fit"):
+        rm.uncertainty(rm.simulate, body, drive, fit=spread, **asked)
+
+
+@pytest.mark.parametrize("load", [0.1, 0.5, 1.5])
+def test_steps_beyond_the_range_of_the_model_are_taken_back(load: float) -> None:
+    """A Gent solid whose limiting extension is tried below what the motion reaches."""
+    body = rm.Actuator(material=rm.Gent(3.0), dissipation=rm.Rayleigh(0.1))
+    run = rm.simulate(body, rm.Constant(0.9), times=np.linspace(0.0, 10.0, 40))
+    data = run[["thickness_stretch"]]
+    guess = body.replace(material=rm.Gent(5.0))
+    found = rm.fit(guess, rm.Constant(load), data, ["material.jm", "m"])
+    np.testing.assert_allclose(found.estimate, [3.0, 0.9], rtol=1e-6)

@@ -97,6 +97,11 @@ def test_a_rule_that_differences_would_break_gives_nan() -> None:
         parameters="dissipation.0.eta", duration=5.0,
     )  # fmt: skip
     assert np.isnan(ds.derivative).all()
+    assert (ds.status == rm.Status.INCOMPLETE).all()
+    assert "break a rule" in ds.attrs["reason"]
+    for step in (0.0, 1.0, 25.0):
+        with pytest.raises(rm.InputError, match="between 0 and 1"):
+            rm.sensitivity(rm.backbone, rm.Actuator(), [1.1], parameters="c", step=step)
 
 
 def test_what_cannot_be_measured_is_refused() -> None:

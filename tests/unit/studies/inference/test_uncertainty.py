@@ -83,3 +83,14 @@ def test_bad_ranges_are_refused() -> None:
         rm.uncertainty(NATURAL, parameter_ranges={"c": (0.5, 1.0)}, quantiles=(0.9, 0.1))
     with pytest.raises(rm.InputError, match="alone"):
         rm.uncertainty(NATURAL, rm.Actuator(), parameter_ranges={"c": (0.5, 1.0)})
+
+
+def test_the_deviation_is_that_of_the_distribution() -> None:
+    """omega_n = sqrt(6 T/293), T between 250 and 350: no degree of freedom is taken off."""
+    warm, exact = {"temperature": (250.0, 350.0)}, 0.11952923
+    far = []
+    for seed in range(4):
+        ds = rm.uncertainty(NATURAL, parameter_ranges=warm, samples=256, rng=seed)
+        far.append((float(ds.deviation) - exact) / float(ds.deviation_error))
+    assert abs(np.mean(far)) < 1.5
+    assert np.max(np.abs(far)) < 6.0
