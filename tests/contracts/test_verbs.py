@@ -330,6 +330,7 @@ def test_pictures_of_branches_are_drawn_at_the_values_of_the_result(name: str) -
     branch = rm.continue_orbit(body, DRIVE, "omega", (1.24, 1.26), initial=orbit(name).initial)
     curve = points(rm.plot.response(response))
     peak = pairs(response.resonance, response.resonance_amplitude)
+    peak = peak[np.isfinite(peak).all(axis=1)]  # there is none where the range ends at the largest
     missing = {*map(tuple, pairs(OMEGA, response.amplitude)), *map(tuple, peak)}
     assert missing <= set(map(tuple, curve))
     along = pairs(branch.omega, branch.amplitude)

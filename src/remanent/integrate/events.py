@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Self
 
 import numpy as np
@@ -17,13 +17,14 @@ from remanent.integrate.crossings import (
     merge_within_error,
     with_distances,
 )
-from remanent.integrate.ensemble import dense
+from remanent.integrate.ensemble import dense, short_runs
 from remanent.integrate.ensemble.ensemble import ProgressCallback, integrate
 from remanent.integrate.ensemble.problem import (
     Outcome,
     Problem,
     Request,
     StepWindow,
+    merge_outcomes,
 )
 from remanent.integrate.methods.runge_kutta import default_method
 from remanent.integrate.variations import observable_derivatives
@@ -77,6 +78,11 @@ def find_crossings(
     --------
     remanent.integrate.ensemble.ensemble.integrate : States at given times, and extremes.
     """
+    short = short_runs.where_short(problem)
+    if short.any():
+        return _crossings_of_parts(
+            problem, short, name, value, tolerance=tolerance, workers=workers, progress=progress
+        )
     finder = _CrossingFinder.for_observable(problem, name, value, tolerance)
     request = Request(inspect_window=finder.find_in_window)
     outcome = integrate(problem, request, tolerance=tolerance, workers=workers, progress=progress)
@@ -84,6 +90,28 @@ def find_crossings(
     ends = np.minimum(outcome.horizon, problem.duration)
     joined = Crossings.concatenated(parts, problem.initial_states.shape[1])
     return merge_within_error(joined.sorted_up_to(ends), tolerance), outcome
+
+
+def _crossings_of_parts(
+    problem: Problem, short: BoolArray, name: str, value: float, **options: Any
+) -> tuple[Crossings, Outcome]:
+    """The same where some runs end early in the first period of their load."""
+    parts = (np.flatnonzero(short), np.flatnonzero(~short))
+    problems = (
+        short_runs.as_one_piece(short_runs.subset(problem, parts[0])),
+        short_runs.subset(problem, parts[1]),
+    )
+    found = [
+        (part, *find_crossings(p, name, value, **options))
+        for part, p in zip(parts, problems, strict=True)
+        if part.size
+    ]
+    listed = [
+        replace(crossings, trajectory=part[crossings.trajectory]) for part, crossings, _ in found
+    ]
+    outcome = merge_outcomes(short.size, [(part, outcome) for part, _, outcome in found])
+    joined = Crossings.concatenated(listed, problem.initial_states.shape[1])
+    return joined.sorted_up_to(np.minimum(outcome.horizon, problem.duration)), outcome
 
 
 @dataclass(frozen=True)
@@ -116,7 +144,8 @@ class _CrossingFinder:
     def find_in_window(self, window: StepWindow) -> Crossings:
         """The crossings in a window, and its ends."""
         nodes = window.states.shape[1]
-        length = window.segment.fine_step_length[:, None]
+        # Of the shortest runs that there are the steps have no length.
+        length = np.maximum(window.segment.fine_step_length, np.finfo(float).tiny)[:, None]
         at_nodes = self.observe(
             np.moveaxis(window.states, 2, 0),
             window.parameters[:, :, None],

@@ -120,7 +120,7 @@ _POINT_PREFIX_MEANINGS: Final[Mapping[str, str]] = MappingProxyType(
 
 #: Variables whose values are numbered meanings, with the meanings in order of code from 0.
 FLAG_MEANINGS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
-    {"status": tuple(code.meaning for code in sorted(Status))}
+    dict.fromkeys(("status", "resonance_status"), tuple(code.meaning for code in sorted(Status)))
 )
 
 

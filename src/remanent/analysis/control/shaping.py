@@ -44,12 +44,16 @@ class StepSequence:
         Largest condition that is left.
     total_duration_error : float
         Of the sum of the durations, for conditions known to the tolerance.
+    residual, residual_error : float
+        Distance of the state from rest at the end, and its error; NaN until it is worked out.
     """
 
     loads: FloatArray
     durations: FloatArray
     largest_terminal_residual: float = np.inf
     total_duration_error: float = np.inf
+    residual: float = np.nan
+    residual_error: float = np.nan
 
 
 def controllable_poles(a: FloatArray, b: FloatArray) -> ComplexArray:

@@ -1,40 +1,61 @@
-"""Where a function that may jump is largest: repeated subdivision, many cases at once."""
+"""Where a function that may jump is largest: repeated subdivision, many cases at once.
+
+Values have errors.  A point is *surely smaller* than the largest one if it is smaller by more
+than both errors; the maximum lies between the nearest surely smaller points on either side.
+Where the function is smooth these errors hide its top, whose width is the root of the error
+over the curvature, long before a bracket is as narrow as is asked for: the top is then
+computed again with smaller errors.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from remanent._typing import FloatArray, IntArray
+from remanent._typing import BoolArray, FloatArray, IntArray
 
-#: ``function(case, x)`` with arrays (point,) gives the values (point,); NaN where unknown.
-CaseFunction = Callable[[IntArray, FloatArray], FloatArray]
+#: ``function(case, x, tolerance)`` with arrays (point,) gives values and their errors, arrays
+#: (point,), for a tolerance; NaN where unknown.
+CaseFunction = Callable[[IntArray, FloatArray, float], tuple[FloatArray, FloatArray]]
+#: Factor between the tolerances with which the top of a maximum is computed.
+_TOLERANCE_STEP = 0.1
+#: Smallest tolerance: below it, rounding is all that is left of an error.
+_FINEST_TOLERANCE = 1e-12
 
 
 @dataclass(frozen=True)
 class BracketedMaxima:
-    """The largest value found for each case, and between which points it lies.
+    """The largest value found for each case, and where the maximum may lie.
 
     Attributes
     ----------
     position, value : array (case,)
-    bracket_lower, bracket_upper : array (case,)
-        Neighbours of `position` among all points tried: the last bracket.
+        NaN where no value is known.
+    position_error, value_error : array (case,)
+    is_inside : array (case,) of bool
+        Whether points on both sides are surely smaller: there is a maximum between the ends of
+        the table.
+    is_at_end : array (case,) of bool
+        Whether the largest value is that of the first or of the last point.
     """
 
     position: FloatArray
     value: FloatArray
-    bracket_lower: FloatArray
-    bracket_upper: FloatArray
+    position_error: FloatArray
+    value_error: FloatArray
+    is_inside: BoolArray
+    is_at_end: BoolArray
 
 
 def refine_maxima(
     x: FloatArray,
     values: FloatArray,
+    errors: FloatArray,
     function: CaseFunction,
     *,
+    tolerance: float,
     width: float,
     candidates: int = 3,
     division: int = 8,
@@ -42,18 +63,20 @@ def refine_maxima(
     """Refine the largest of tabulated values.
 
     The intervals on both sides of the `candidates` largest local maxima are divided,
-    then again around the largest, until the bracket is narrower than `width`.  No
-    smoothness is assumed: a maximum narrower than the table's spacing, away from the
-    candidates, is not found.
+    then again around the largest, until it lies between surely smaller points that are no
+    farther apart than `width`, or than rounding lets tell.  No smoothness is assumed: a maximum
+    narrower than the table's spacing, away from the candidates, is not found.
 
     Parameters
     ----------
     x : array (point,)
         Increasing.
-    values : array (case, point)
+    values, errors : array (case, point)
         NaN is never the largest.
     function : callable
-        Of arrays (point,) of cases and places: further values.
+        Of arrays (point,) of cases and places, and a tolerance: further values and errors.
+    tolerance : float
+        With which `values` were computed.
     width : float
         Of the last bracket.
     candidates : int
@@ -61,29 +84,54 @@ def refine_maxima(
     division : int
         Parts that an interval is divided into.
     """
-    tables = [_CaseTable(x, row).restricted_to_peaks(candidates) for row in values]
+    tables = [
+        _CaseTable(x, v, e, tolerance).restricted_to_peaks(candidates)
+        for v, e in zip(values, errors, strict=True)
+    ]
     while True:
-        points = [t.refinement_points(width, candidates, division) for t in tables]
-        case = np.repeat(np.arange(len(tables)), [p.size for p in points])
-        if not case.size:
+        steps = [t.next_step(width, candidates, division) for t in tables]
+        levels = sorted({level for level, points in steps if points.size}, reverse=True)
+        if not levels:
             break
-        new = function(case, np.concatenate(points))
-        tables = [
-            t.with_points(p, new[case == k]) if p.size else t
-            for k, (t, p) in enumerate(zip(tables, points, strict=True))
-        ]
+        for level in levels:
+            chosen = [k for k, (own, p) in enumerate(steps) if own == level and p.size]
+            points = [steps[k][1] for k in chosen]
+            case = np.repeat(np.array(chosen), [p.size for p in points])
+            new = function(case, np.concatenate(points), level)
+            for k, p in zip(chosen, points, strict=True):
+                own_values, own_errors = (column[case == k] for column in new)
+                tables[k] = tables[k].with_points(p, own_values, own_errors, level)
         candidates = max(1, candidates - 1)
+    found = np.array([t.best_peak() for t in tables])
+    position, value, position_error, value_error, has_two_sides = found.T
+    with np.errstate(invalid="ignore"):
+        is_at_end = np.asarray((position <= x[0]) | (position >= x[-1]))
+    is_inside = (has_two_sides > 0.0) & ~is_at_end
     return BracketedMaxima(
-        *(np.array(column) for column in zip(*(t.best_peak() for t in tables), strict=True))
+        position, value, position_error, value_error, np.asarray(is_inside), is_at_end
     )
 
 
 @dataclass(frozen=True)
 class _CaseTable:
-    """Values of one case at increasing places, arrays (point,)."""
+    """Values and errors of one case at increasing places, arrays (point,).
+
+    Attributes
+    ----------
+    tolerance : float
+        With which they were computed.
+    outer : (float, float)
+        Surely smaller places that were known before, or infinite.
+    finest : float
+        Smallest tolerance that is worth a try: with the next one a value was unknown.
+    """
 
     positions: FloatArray
     values: FloatArray
+    errors: FloatArray
+    tolerance: float
+    outer: tuple[float, float] = (-np.inf, np.inf)
+    finest: float = _FINEST_TOLERANCE
 
     def peak_indices(self) -> IntArray:
         """Local maxima, ends included, largest first; beside NaN, what is finite is one."""
@@ -94,44 +142,120 @@ class _CaseTable:
         return index[np.argsort(-self.values[index], kind="stable")]
 
     def restricted_to_peaks(self, count: int) -> _CaseTable:
-        """The largest peaks and their neighbours: no other point is looked at again."""
-        neighbours = (self.peak_indices()[:count, None] + np.array([-1, 0, 1])).clip(
-            0, self.positions.size - 1
+        """The largest peaks, with what is around each down to the nearest surely smaller point."""
+        peaks = self.peak_indices()[:count]
+        kept = [(peaks[:, None] + np.array([-1, 0, 1])).ravel()]
+        kept += [np.arange(*self.bracket_indices(int(k))) for k in peaks[:1]]
+        kept += [np.array(self.bracket_indices(int(k))) for k in peaks[:1]]
+        subset = np.unique(np.concatenate([np.empty(0, np.int64), *kept]))
+        subset = subset[(subset >= 0) & (subset < self.positions.size)]
+        return replace(
+            self,
+            positions=self.positions[subset],
+            values=self.values[subset],
+            errors=self.errors[subset],
         )
-        subset = np.unique(neighbours)
-        return _CaseTable(self.positions[subset], self.values[subset])
 
-    def bracket_of_point(self, k: int) -> tuple[float, float]:
-        """The neighbours of point k."""
-        return float(self.positions[max(k - 1, 0)]), float(
-            self.positions[min(k + 1, self.positions.size - 1)]
+    def bracket_indices(self, k: int) -> tuple[int, int]:
+        """Numbers of the nearest points on both sides that are surely smaller than point k.
+
+        -1 or the number of points where there is none.
+        """
+        with np.errstate(invalid="ignore"):
+            smaller = self.values + self.errors < self.values[k] - self.errors[k]
+        below, above = np.flatnonzero(smaller[:k]), np.flatnonzero(smaller[k + 1 :])
+        return (
+            int(below[-1]) if below.size else -1,
+            k + 1 + int(above[0]) if above.size else self.positions.size,
         )
 
-    def refinement_points(self, width: float, candidates: int, division: int) -> FloatArray:
-        """New points around the largest peaks, or none if the best is narrow enough."""
+    def bracket(self, k: int) -> tuple[float, float]:
+        """The places of these points, or those known before, or infinity."""
+        low, high = self.bracket_indices(k)
+        return (
+            float(self.positions[low]) if low >= 0 else self.outer[0],
+            float(self.positions[high]) if high < self.positions.size else self.outer[1],
+        )
+
+    def next_step(self, width: float, candidates: int, division: int) -> tuple[float, FloatArray]:
+        """New points around the largest peaks, and the tolerance for them; none at the end."""
         peaks = self.peak_indices()
+        nothing = self.tolerance, np.empty(0)
         if not peaks.size or self.positions.size < 2:
-            return np.empty(0)
-        lower, upper = self.bracket_of_point(int(peaks[0]))
-        if upper - lower <= width:
-            return np.empty(0)
-        new = [_division_points(self.positions, int(k), division) for k in peaks[:candidates]]
-        points = np.setdiff1d(np.concatenate(new), self.positions)
-        return points if points.size else np.empty(0)
+            return nothing
+        best = int(peaks[0])
+        low, high = self.bracket(best)
+        if high - low <= width:
+            return nothing
+        first, last = self.bracket_indices(best)
+        if (first, last) == (best - 1, best + 1) or not np.isfinite(high - low):
+            neighbours = self.positions[max(best - 1, 0) : best + 2]
+            if np.ptp(neighbours) <= width:
+                return nothing
+            new = [_division_points(self.positions, int(k), division) for k in peaks[:candidates]]
+            points = np.setdiff1d(np.concatenate(new), self.positions)
+            return self.tolerance, points
+        return self._points_with_smaller_errors(low, high, width, division)
 
-    def with_points(self, x: FloatArray, values: FloatArray) -> _CaseTable:
-        """A table with further points, in order."""
+    def _points_with_smaller_errors(
+        self, low: float, high: float, width: float, division: int
+    ) -> tuple[float, FloatArray]:
+        """The top of the peak once more, which errors hide; none where rounding does."""
+        level = self.tolerance
+        # The width of the top is as the root of the error.
+        needed = self.tolerance * (width / (high - low)) ** 2
+        while level > max(needed, self.finest):
+            level *= _TOLERANCE_STEP
+        level = max(level, self.finest)
+        if level >= self.tolerance:
+            return self.tolerance, np.empty(0)
+        return level, np.unique(np.linspace(low, high, 2 * division + 1))
+
+    def with_points(
+        self, x: FloatArray, values: FloatArray, errors: FloatArray, tolerance: float
+    ) -> _CaseTable:
+        """A table with further points, in order; or of these alone if their errors are smaller."""
+        if tolerance < self.tolerance:
+            if not np.isfinite(values).all():
+                return replace(self, finest=tolerance / _TOLERANCE_STEP)
+            outer = (float(x[0]), float(x[-1]))
+            return _CaseTable(x, values, errors, tolerance, outer, self.finest)
         places = np.concatenate([self.positions, x])
         order = np.argsort(places, kind="stable")
-        return _CaseTable(places[order], np.concatenate([self.values, values])[order])
+        return replace(
+            self,
+            positions=places[order],
+            values=np.concatenate([self.values, values])[order],
+            errors=np.concatenate([self.errors, errors])[order],
+        )
 
-    def best_peak(self) -> tuple[float, float, float, float]:
-        """Place and value of the largest peak, and its bracket; NaN without one."""
+    def best_peak(self) -> tuple[float, float, float, float, bool]:
+        """Place and value of the largest peak, their errors, and whether it has two sides."""
         peaks = self.peak_indices()
         if not peaks.size:
-            return (np.nan,) * 4
+            return np.nan, np.nan, np.nan, np.nan, False
         k = int(peaks[0])
-        return float(self.positions[k]), float(self.values[k]), *self.bracket_of_point(k)
+        low, high = self.bracket(k)
+        position = float(self.positions[k])
+        return (
+            position,
+            float(self.values[k]),
+            max(position - low, high - position),
+            float(self.errors[k]) + self._hidden_rise(k),
+            bool(np.isfinite(high - low)),
+        )
+
+    def _hidden_rise(self, k: int) -> float:
+        """How much the maximum may rise above its largest point, between the points beside it.
+
+        A smooth function rises by less than it falls to the second point on either side, and one
+        that jumps by less than it falls to the second on the side where it does not.
+        """
+        falls = []
+        for side in (self.values[:k][::-1][:2], self.values[k + 1 :][:2]):
+            if side.size and np.isfinite(side).all():
+                falls.append(float(self.values[k] - side.min()))
+        return min(falls, default=np.inf)
 
 
 def _division_points(x: FloatArray, k: int, division: int) -> FloatArray:

@@ -30,7 +30,7 @@ def find_force_zeros(force: ForceFunction, cases: int, grid: FloatArray) -> Floa
         How many cases there are.
     grid : array (point,) or (case, point)
         Increasing positions.  Two zeros between neighbours are not seen, nor any beside a
-        place where the force is NaN.
+        place where the force is NaN.  A pole is no zero.
 
     Returns
     -------
@@ -48,7 +48,10 @@ def find_force_zeros(force: ForceFunction, cases: int, grid: FloatArray) -> Floa
         ends = grid[case, k], grid[case, k + 1]
         with np.errstate(all="ignore"):  # forces may have poles
             solved = find_roots(lambda x, i: force(i, x), ends, args=(case,))
-        roots = np.asarray(solved.x)
+        # A force falls towards a zero and grows towards a pole.
+        at_ends = np.minimum(np.abs(values[case, k]), np.abs(values[case, k + 1]))
+        is_zero = np.abs(solved.f_x) <= at_ends
+        case, roots = case[is_zero], np.asarray(solved.x)[is_zero]
     exact = grid[exact_case, exact_k]
     return _sort_into_rows(
         np.concatenate([case, exact_case]), np.concatenate([roots, exact]), cases

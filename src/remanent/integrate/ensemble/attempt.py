@@ -6,6 +6,7 @@ import numpy as np
 
 from remanent._typing import FloatArray, IntArray
 from remanent.integrate.ensemble.counts import counts_of_double_steps, cycle_counts
+from remanent.integrate.ensemble.problem import EXTREME_NAMES
 from remanent.integrate.ensemble.run import Attempt, Chunk, Run
 from remanent.integrate.ensemble.sampler import Sampler
 from remanent.integrate.ensemble.segments import Segment, cut_into_segments
@@ -59,6 +60,8 @@ def _initial_memory(run: Run, indices: IntArray) -> LaneMemory:
         "horizon": np.inf,
         "maximum": -np.inf,
         "minimum": np.inf,
+        "maximum_time": np.nan,
+        "minimum_time": np.nan,
     }
     return LaneMemory.with_values(
         run.kernel_pair.layout, run.kernel_pair.lane_count, vectors, scalars
@@ -84,7 +87,7 @@ def _collect_attempt(memory: LaneMemory, sampler: Sampler) -> Attempt:
     last = np.where(
         within[:, None], memory.state_vectors("fine"), memory.state_vectors("at_horizon")
     )
-    names = ("horizon", "error_to_horizon", "largest_error", "maximum", "minimum")
+    names = ("horizon", "error_to_horizon", "largest_error", *EXTREME_NAMES)
     return Attempt(
         np.asarray(within),
         **{name: memory.column(name).copy() for name in names},

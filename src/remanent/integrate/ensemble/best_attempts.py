@@ -12,7 +12,7 @@ from remanent._status import Status
 from remanent._typing import FloatArray, IntArray
 from remanent.integrate.ensemble.counts import NOMINAL_CYCLE_TIME, cycle_counts, fine_step_counts
 from remanent.integrate.ensemble.pool import PendingTrajectories
-from remanent.integrate.ensemble.problem import Outcome, Problem, Request
+from remanent.integrate.ensemble.problem import EXTREME_NAMES, Outcome, Problem, Request
 from remanent.integrate.ensemble.refinement import (
     AttemptHistory,
     AttemptSummary,
@@ -113,8 +113,9 @@ class BestAttempts:
         error = np.where(met, attempt.largest_error, attempt.error_to_horizon)
         outcome.error[target] = np.maximum(error, floor)[source]
         # Extremes of a part of the run are not those of the run.
-        outcome.maximum[target] = np.where(met, attempt.maximum, np.nan)[source]
-        outcome.minimum[target] = np.where(met, attempt.minimum, np.nan)[source]
+        for name in EXTREME_NAMES:
+            extreme = np.where(met, getattr(attempt, name), np.nan)
+            getattr(outcome, name)[target] = extreme[source]
         if outcome.states is not None and attempt.states is not None:
             reached = attempt.states.shape[1]  # of the longest in its chunk
             outcome.states[target, :reached] = attempt.states[source]
@@ -169,7 +170,12 @@ def _empty_outcome(problem: Problem, request: Request) -> Outcome:
     elif request.times is not None:
         states = np.full((count, request.times.shape[1], dimension), np.nan)
     status = np.where(problem.invalid, Status.INVALID, Status.NOT_COMPUTED).astype(np.int8)
-    maximum, minimum, error, horizon = (np.full(count, np.nan) for _ in range(4))
+    extremes: dict[str, Any] = {name: np.full(count, np.nan) for name in EXTREME_NAMES}
     return Outcome(
-        states, maximum, minimum, error, horizon, status, np.zeros(count, dtype=np.int64)
+        states,
+        **extremes,
+        error=np.full(count, np.nan),
+        horizon=np.full(count, np.nan),
+        status=status,
+        resolution=np.zeros(count, dtype=np.int64),
     )

@@ -10,13 +10,21 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from remanent._status import Status
+from remanent.integrate.ensemble import short_runs
 from remanent.integrate.ensemble.best_attempts import BestAttempts
 from remanent.integrate.ensemble.pool import KernelPool, PendingTrajectories
-from remanent.integrate.ensemble.problem import Outcome, Problem, Request
+from remanent.integrate.ensemble.problem import (
+    EXTREME_NAMES,
+    Outcome,
+    Problem,
+    Request,
+    merge_outcomes,
+)
 from remanent.integrate.ensemble.refinement import RefinementPolicy
 from remanent.integrate.ensemble.resolution import (
     MAX_RESOLUTION,
@@ -75,6 +83,23 @@ def integrate(
     remanent.integrate.events.find_crossings : Where an observable passes through a value.
     remanent.integrate.maps.period_map.PeriodMap : The map over whole drive periods.
     """
+    short = short_runs.where_short(problem, request)
+    if short.any():
+        common: dict[str, Any] = {"method": method, "max_resolution": max_resolution}
+        common |= {"tolerance": tolerance, "workers": workers, "sizes": sizes}
+        parts = (np.flatnonzero(short), np.flatnonzero(~short))
+        problems = (
+            short_runs.as_one_piece(short_runs.subset(problem, parts[0])),
+            short_runs.subset(problem, parts[1]),
+        )
+        return merge_outcomes(
+            short.size,
+            (
+                (part, integrate(p, short_runs.subset_of_request(request, part), **common))
+                for part, p in zip(parts, problems, strict=True)
+                if part.size
+            ),
+        )
     tolerance = min(tolerance, LOOSEST_TOLERANCE_USED)
     method = method or choose_method(request, tolerance)
     policy = RefinementPolicy(tolerance, method.order, max_resolution)
@@ -143,8 +168,8 @@ def integrate_without_error_bound(
             outcome.status[indices] = np.where(finite, Status.OK, Status.DIVERGED)
             outcome.horizon[indices] = problem.duration[indices]
             outcome.resolution[indices] = chunk.resolution
-            outcome.maximum[indices] = attempt.maximum
-            outcome.minimum[indices] = attempt.minimum
+            for name in EXTREME_NAMES:
+                getattr(outcome, name)[indices] = getattr(attempt, name)
             if outcome.states is not None and attempt.states is not None:
                 outcome.states[indices, : attempt.states.shape[1]] = attempt.states
     return outcome

@@ -19,6 +19,8 @@ from remanent.integrate.ensemble.segments import Segment
 #: of safety of four; a function that needs all of them at their worst at once can do without that
 #: factor.  Measured by ``benchmarks.errors``.
 ERROR_SHARE_IN_FUNCTIONS = 0.25
+#: Extremes of the watched observable, and when they occur.
+EXTREME_NAMES = ("maximum", "minimum", "maximum_time", "minimum_time")
 #: Times that exceed the horizon by less than this, relative to it, are at it.
 _RELATIVE_HORIZON_ROUNDING = 1e-12
 
@@ -115,6 +117,8 @@ class Outcome:
         At the times asked; NaN beyond the horizon.
     maximum, minimum : array (trajectory,)
         Of the watched observable; NaN unless followed to the end.
+    maximum_time, minimum_time : array (trajectory,)
+        When they occur, tau; of equal ones the first.
     error : array (trajectory,)
         Estimated largest error up to the horizon: of the extremes if these are wanted,
         else of the states.
@@ -131,6 +135,8 @@ class Outcome:
     states: FloatArray | None
     maximum: FloatArray
     minimum: FloatArray
+    maximum_time: FloatArray
+    minimum_time: FloatArray
     error: FloatArray
     horizon: FloatArray
     status: NDArray[np.int8]
@@ -147,7 +153,7 @@ def latest_trusted_time(horizon: FloatArray) -> FloatArray:
     return horizon * (1.0 + _RELATIVE_HORIZON_ROUNDING)
 
 
-def merge_outcomes(count: int, parts: Iterable[tuple[slice, Outcome]]) -> Outcome:
+def merge_outcomes(count: int, parts: Iterable[tuple[slice | IntArray, Outcome]]) -> Outcome:
     """The outcome of `count` trajectories from those of their parts.
 
     Each part is put in its place and forgotten, so that memory is needed for all parts once and
@@ -159,10 +165,10 @@ def merge_outcomes(count: int, parts: Iterable[tuple[slice, Outcome]]) -> Outcom
     ----------
     count : int
         Of trajectories.
-    parts : iterable of (slice, Outcome)
+    parts : iterable of (slice or array of int, Outcome)
         Which trajectories, and their outcome.
     """
-    numbers = ("maximum", "minimum", "error", "horizon")
+    numbers = (*EXTREME_NAMES, "error", "horizon")
     columns: dict[str, Any] = {name: np.empty(count) for name in numbers}
     columns |= {"status": np.empty(count, np.int8), "resolution": np.empty(count, np.int64)}
     findings: list[Any] = []

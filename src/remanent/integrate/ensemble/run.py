@@ -84,6 +84,8 @@ class Attempt:
         Largest value of the controlled error.
     maximum, minimum : array (trajectory,)
         Extremes of the watched observable, up to the horizon.
+    maximum_time, minimum_time : array (trajectory,)
+        When they occur, tau.
     last_state : array (trajectory, state)
         State at the end, or at the horizon.
     states : array (trajectory, sample, state), optional
@@ -98,6 +100,8 @@ class Attempt:
     largest_error: FloatArray
     maximum: FloatArray
     minimum: FloatArray
+    maximum_time: FloatArray
+    minimum_time: FloatArray
     last_state: FloatArray
     states: FloatArray | None
     inspection_results: list[Any]

@@ -317,7 +317,7 @@ class ExtremeTracker:
         turned = (
             (first_rate * second_rate <= 0.0) & (run.extremes_begin <= time) & (time <= run.run_end)
         )
-        self._update_extremes_with_value(where & turned, horner(polynomial, s))
+        self._update_extremes_with_value(where & turned, horner(polynomial, s), time)
         at_an_end = where & (
             (t0 <= run.extremes_begin) | (run.run_end < centre + run.fine_step_length)
         )
@@ -336,12 +336,18 @@ class ExtremeTracker:
         high = smaller((run.run_end - centre) / run.fine_step_length, self.writer.constant(1.0))
         for s in (low, high):
             bound = (s > -1.0) & (s < 1.0) | (t0 <= run.extremes_begin) & (s <= -1.0)
-            self._update_extremes_with_value(where & bound, horner(polynomial, s))
+            time = centre + s * run.fine_step_length
+            self._update_extremes_with_value(where & bound, horner(polynomial, s), time)
 
-    def _update_extremes_with_value(self, where: Mask, value: Lanes) -> None:
-        maximum, minimum = self.trajectory_cells.maximum, self.trajectory_cells.minimum
-        maximum.set_where(where, larger(value, maximum.get()))
-        minimum.set_where(where, smaller(value, minimum.get()))
+    def _update_extremes_with_value(self, where: Mask, value: Lanes, time: Lanes) -> None:
+        cells = self.trajectory_cells
+        higher, lower = where & (value > cells.maximum.get()), where & (value < cells.minimum.get())
+        for which, extreme, when in (
+            (higher, cells.maximum, cells.maximum_time),
+            (lower, cells.minimum, cells.minimum_time),
+        ):
+            extreme.set_where(which, value)
+            when.set_where(which, time)
 
 
 def _turning_point(

@@ -153,6 +153,8 @@ class TrajectoryCells:
     largest_error: Cell
     maximum: Cell
     minimum: Cell
+    maximum_time: Cell
+    minimum_time: Cell
     watched_rate_sign: Cell
 
     @classmethod
@@ -176,6 +178,8 @@ class TrajectoryCells:
             largest_error=cell("largest_error"),
             maximum=cell("maximum"),
             minimum=cell("minimum"),
+            maximum_time=cell("maximum_time"),
+            minimum_time=cell("minimum_time"),
             watched_rate_sign=cell("watched_rate_sign"),
         )
 

@@ -30,6 +30,8 @@ CHANGING_SCALAR_NAMES = (
     "largest_error",  # its largest value so far
     "maximum",  # extremes of the watched observable up to the horizon
     "minimum",
+    "maximum_time",  # when they occur, tau
+    "minimum_time",
     "watched_rate_sign",  # of the observable's rate at the end of the call; NaN before the first
 )
 #: Scalars that a kernel keeps for every trajectory, beside states and parameters.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -11,13 +12,21 @@ from typing import Any, ClassVar, Self, TypeAlias
 import numpy as np
 
 from remanent import _checks
-from remanent._errors import InputError
+from remanent._errors import InputError, InputWarning
 from remanent._timeline import Timeline
 from remanent._typing import ArrayLike, FloatArray
 from remanent.models.drives.base import Drive, as_times, empty_waveforms
 
 #: What a table may be given as; it is kept as a tuple of floats.
 Numbers: TypeAlias = Sequence[float] | FloatArray
+
+
+#: Share of the last time of a table by which a run may be longer: rounding in a sum of steps.
+_RELATIVE_END_ROUNDING = 1e-9
+#: A spline that leaves the range of its samples by more than this many times it swings.
+_LARGEST_OVERSHOOT = 1.0
+#: Places between two samples at which a spline is looked at.
+_PLACES_BETWEEN_SAMPLES = np.array([0.25, 0.5, 0.75])
 
 
 @dataclass(frozen=True)
@@ -117,8 +126,18 @@ class PiecewiseDrive(Drive):
         )
 
     def _require_covered(self, name: str, times: FloatArray) -> FloatArray:
-        """`times` themselves, if the table defines the load up to the last of them."""
-        if not self.holds_last_load and np.any(times > self.times[-1]):
+        """`times` themselves, if the table defines the load at all of them."""
+        if np.any(times < 0.0):
+            raise InputError(
+                name,
+                must="not lie before 0",
+                got=float(np.min(times)),
+                why="The table begins at 0, as motion does.",
+                fix="Pass times from 0 on.",
+            )
+        # Times that were summed up may end a little before their last multiple.
+        last = self.times[-1] * (1.0 + _RELATIVE_END_ROUNDING)
+        if not self.holds_last_load and np.any(times > last):
             raise InputError(
                 name,
                 must=f"not go beyond the last entry of `times`, {self.times[-1]}",
@@ -179,7 +198,8 @@ class Sampled(PiecewiseDrive):
     """A sampled signal, interpolated by the cubic spline with not-a-knot ends.
 
     Runs that go on beyond the last sample are refused.  The load has kinks of third
-    order at the samples only.
+    order at the samples only.  A spline swings where samples jump between times that are much
+    closer than others: if it leaves their range by more than that range, there is a warning.
 
     Examples
     --------
@@ -195,8 +215,34 @@ class Sampled(PiecewiseDrive):
         """An instance with usual numbers, on which contract tests try every public part."""
         return cls(np.linspace(0.0, 10.0, 9), np.sin(np.arange(9.0)))
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._warn_if_it_swings()
+
+    def _warn_if_it_swings(self) -> None:
+        """Warn where the spline goes far beyond the samples."""
+        times, loads = np.asarray(self.times), np.asarray(self.loads)
+        with np.errstate(all="ignore"):
+            try:
+                coefficients = self.piece_coefficients()[:, :-1]
+            except ValueError:
+                return  # no spline in floating point: refused when it is used
+            s = _PLACES_BETWEEN_SAMPLES[:, None] * np.diff(times)
+            a0, a1, a2, a3 = coefficients
+            between = a0 + s * (a1 + s * (a2 + s * a3))
+            span = float(np.ptp(loads))
+            beyond = max(float(loads.min() - between.min()), float(between.max() - loads.max()))
+        if span > 0.0 and beyond > _LARGEST_OVERSHOOT * span:
+            warnings.warn(
+                f"The spline through `loads` goes {beyond:.3g} beyond them, between samples that "
+                "jump within a time that is much shorter than others. Use Ramp or Steps for "
+                "jumps, or sample evenly.",
+                InputWarning,
+                stacklevel=4,
+            )
+
     def piece_coefficients(self) -> FloatArray:
-        """Coefficients of the spline; the last piece, never reached, is constant."""
+        """Coefficients of the spline; the last piece, for rounding at the end, is constant."""
         spline = import_module("scipy.interpolate").CubicSpline(self.times, self.loads)
         last = np.array([[self.loads[-1]], [0.0], [0.0], [0.0]])
         return np.hstack([spline.c[::-1], last])

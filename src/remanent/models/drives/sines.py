@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import partial
 from types import MappingProxyType
 from typing import Any, ClassVar, Self
@@ -22,6 +23,8 @@ from remanent.models.drives.waves import LOAD_RULE, OMEGA_RULE, PHASE_RULE
 
 #: Name of the angle omega tau at the end of the run, a parameter of the piece.
 _FINAL_ANGLE_PARAMETER = "piece.turns"
+#: Multiples that are fractions of whole numbers up to this have a common divisor.
+_LARGEST_DENOMINATOR = 1000
 
 
 @dataclass(frozen=True)
@@ -30,9 +33,9 @@ class Sines(Drive):
 
     Equation: m(tau) = mean + sum_k loads[k] sin(multiples[k] omega tau + phases[k]).
 
-    Where all multiples are whole numbers the load has a period; for other ratios, such as
-    1 and the square root of 2, it has none.  Loads and phases may be varied one by one:
-    ``loads.0``, ``phases.1`` ...
+    Where all multiples are fractions of whole numbers, such as 2 or 1.5, the load has a period;
+    for other ratios, such as 1 and the square root of 2, it has none.  Loads and phases may be
+    varied one by one: ``loads.0``, ``phases.1`` ...
 
     Parameters
     ----------
@@ -106,12 +109,32 @@ class Sines(Drive):
         assert isinstance(self.multiples, tuple)  # since it was checked
         return self.multiples
 
-    def _common_divisor(self) -> int | None:
-        """The largest integer of which all multiples are multiples."""
+    def _common_divisor(self, counted: Sequence[bool] | None = None) -> Fraction | None:
+        """The largest number of which multiples are whole multiples, if they are rational.
+
+        Parameters
+        ----------
+        counted : sequence of bool, optional
+            Which of the multiples; all by default.
+        """
         multiples = self._checked_multiples()
-        if any(k != round(k) for k in multiples):
+        ratios = [Fraction(k).limit_denominator(_LARGEST_DENOMINATOR) for k in multiples]
+        if any(float(ratio) != k for ratio, k in zip(ratios, multiples, strict=True)):
             return None
-        return math.gcd(*map(round, multiples))
+        if counted is not None and any(counted):
+            ratios = [
+                ratio for ratio, is_counted in zip(ratios, counted, strict=True) if is_counted
+            ]
+        return Fraction(
+            math.gcd(*(ratio.numerator for ratio in ratios)),
+            math.lcm(*(ratio.denominator for ratio in ratios)),
+        )
+
+    def _acting_terms(self, values: Mapping[str, FloatArray]) -> list[bool]:
+        """Which terms have a load, of the drive itself or anywhere in a batch of `values`."""
+        own = self.parameters()
+        names = [f"loads.{i}" for i in range(len(self._checked_multiples()))]
+        return [own[name] != 0.0 or bool(np.any(values.get(name, 0.0))) for name in names]
 
     @property
     def waveform_names(self) -> tuple[str, ...]:
@@ -161,19 +184,23 @@ class Sines(Drive):
         return total
 
     def periods(self, values: Mapping[str, FloatArray]) -> FloatArray | None:
-        """2 pi/(g omega), with g the greatest common divisor of the multiples, or None."""
-        base = self._common_divisor()
-        return (
-            None
-            if base is None
-            else np.asarray(2.0 * np.pi / base / self.given_or_own_values(values, "omega"))
-        )
+        """2 pi/(g omega), with g the greatest common divisor of the multiples, or None.
+
+        Terms without a load do not count.
+        """
+        if self._common_divisor() is None:
+            return None
+        base = self._common_divisor(self._acting_terms(values))
+        assert base is not None
+        omega = self.given_or_own_values(values, "omega")
+        return np.asarray(2.0 * np.pi / (float(base) * omega))
 
     def timeline(self, values: Mapping[str, FloatArray], duration: FloatArray) -> Timeline:
         """One period, repeated, or one piece as long as the trajectory."""
-        period, base = self.periods(values), self._common_divisor()
+        period = self.periods(values)
+        base = self._common_divisor(self._acting_terms(values))
         if period is not None and base is not None:
-            turns = tuple(round(k) // base for k in self._checked_multiples())
+            turns = tuple(float(Fraction(k) / base) for k in self._checked_multiples())
             return periodic_timeline(period, duration, partial(_sines_and_cosines, turns))
         lengths = np.array(duration, dtype=np.float64, ndmin=1)[np.newaxis]
         angle = lengths * self.given_or_own_values(values, "omega")
@@ -185,7 +212,7 @@ class Sines(Drive):
         )
 
 
-def _sines_and_cosines(turns: tuple[int, ...], phase: FloatArray) -> FloatArray:
+def _sines_and_cosines(turns: tuple[float, ...], phase: FloatArray) -> FloatArray:
     """Sine and cosine of each term at a phase of the period."""
     angles = [2.0 * np.pi * np.mod(k * np.asarray(phase, dtype=np.float64), 1.0) for k in turns]
     return np.stack([f(angle) for angle in angles for f in (np.sin, np.cos)])

@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from remanent._errors import InputError
-from remanent._typing import FloatArray
+from remanent._typing import ComplexArray, FloatArray
 from remanent.analysis.control import shaping
 from remanent.analysis.control.shaping import StepSequence
 from remanent.models.actuator import Actuator
 from remanent.studies.control._terminal_conditions import TerminalConditions
-from remanent.studies.ensemble.checks import require_actuator
+from remanent.studies.ensemble.checks import FINEST_TOLERANCE, require_actuator
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.statics._static_state import StaticState
 
@@ -27,6 +27,10 @@ _MAX_DISTANCE_TO_COUNT_AS_REST = 1e-9
 _ACCEPTED_RESIDUAL_OVER_TOLERANCE = 100.0
 #: Tolerance of the motion over that of the command.
 _MOTION_TOLERANCE_OVER_COMMAND_TOLERANCE = 0.1
+#: Tolerance of the motion that tells the error of another, over that one's.
+_FINER_SHARE = 0.01
+#: Factor of the difference of the two.
+_SAFETY = 1.5
 #: Changes of load and distances from rest below this do not set the scale of the loads.
 _SMALLEST_LOAD_SCALE = 1e-3
 #: Real part of a pole over the largest modulus, above which an equilibrium is unstable.
@@ -46,10 +50,12 @@ def find_shaped_steps(
     if single.is_invalid[0]:
         raise _unreachable_error(target, "a field is invalid")
     problem = _ShapingProblem.from_ensemble(single, target, robust_to, tolerance)
+    if problem.is_there_at_rest:
+        return problem.stay()
     for stages in _STAGE_COUNTS_TO_TRY:
         sequence, load = problem.solve_in_stages(stages)
         if sequence.largest_terminal_residual <= problem.accepted_residual:
-            return sequence, load
+            return problem.with_residual(sequence), load
     raise _unreachable_error(
         target, f"the best command misses rest by {sequence.largest_terminal_residual:.1e}"
     )
@@ -92,6 +98,40 @@ class _ShapingProblem:
     def accepted_residual(self) -> float:
         """The largest residual that a command may have."""
         return _ACCEPTED_RESIDUAL_OVER_TOLERANCE * max(self.state_tolerance, self.motion_tolerance)
+
+    @property
+    def is_there_at_rest(self) -> bool:
+        """Whether nothing has to move: the start is at rest at the target."""
+        distance = abs(self.target_thickness - self.start_thickness)
+        return distance <= self.state_tolerance and not self.start_displacement_from_rest.any()
+
+    def stay(self) -> tuple[StepSequence, float]:
+        """No step before the last load, under which the start stays as it is."""
+        (rest,) = self._intermediate_rest_states(np.ones(1))
+        self._require_stable(rest)
+        distance = float(np.abs(self.unloaded_body.state - rest.state)[rest.moving_indices].max())
+        rounding = float(np.finfo(float).eps * np.abs(rest.state).max())
+        nothing = np.empty(0)
+        return StepSequence(nothing, nothing, distance, 0.0, distance, rounding), rest.magnetic_load
+
+    def with_residual(self, sequence: StepSequence) -> StepSequence:
+        """A command to the target with what it leaves, and the error of that.
+
+        The motion is followed with a smaller tolerance too: the difference is the error, but for
+        what the smaller bound leaves.
+        """
+        (rest,) = self._intermediate_rest_states(np.ones(1))
+        initial = self.start_rest.state + self.start_displacement_from_rest
+        finer_tolerance = max(_FINER_SHARE * self.motion_tolerance, FINEST_TOLERANCE)
+        (residual, bound), (finer, finer_bound) = (
+            TerminalConditions(self.actuator, rest, initial, (), tolerance).nominal_residual(
+                sequence.loads, sequence.durations
+            )
+            for tolerance in (self.motion_tolerance, finer_tolerance)
+        )
+        error = _SAFETY * abs(residual - finer) + finer_bound
+        error = min(error, bound) if np.isfinite(error) else bound
+        return replace(sequence, residual=residual, residual_error=error)
 
     @classmethod
     def from_ensemble(
@@ -170,6 +210,13 @@ class _ShapingProblem:
             conditions, guess, scale=scale, tolerance=self.state_tolerance
         )
 
+    def _require_stable(self, rest: StaticState) -> ComplexArray:
+        """The poles of small motions about a state of rest, if none of them grows."""
+        poles = shaping.controllable_poles(*rest.rate_derivatives())
+        if (poles.real > _UNSTABLE_POLE_RELATIVE_REAL_PART * np.abs(poles).max()).any():
+            raise _unreachable_error(self.target_thickness, "the equilibrium there is unstable")
+        return poles
+
     def _guess_steps_by_linear_motion(self, rest: StaticState) -> StepSequence:
         """The steps for a small move, by the linear motion about the target.
 
@@ -177,9 +224,7 @@ class _ShapingProblem:
         the roots of two poles would coincide, and give one step for both: the spacing is then
         another.
         """
-        poles = shaping.controllable_poles(*rest.rate_derivatives())
-        if (poles.real > _UNSTABLE_POLE_RELATIVE_REAL_PART * np.abs(poles).max()).any():
-            raise _unreachable_error(self.target_thickness, "the equilibrium there is unstable")
+        poles = self._require_stable(rest)
         moving = bool(self.start_displacement_from_rest.any())
         spacing = shaping.default_impulse_spacing(poles) * (
             _MOVING_START_STEP_SPACING_IN_HALF_PERIODS if moving else 1.0

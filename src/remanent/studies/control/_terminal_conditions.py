@@ -29,6 +29,28 @@ _RELATIVE_PARAMETER_HALF_STEP = 1e-3
 
 
 @dataclass(frozen=True)
+class _StepEnd:
+    """What a step of constant load comes to.
+
+    Attributes
+    ----------
+    state : array (variant, state)
+    fundamental : array (variant, state, state)
+        Derivative by the state before the step.
+    by_load, rate : array (variant, state)
+        Derivatives by the load and by the time, in the units of each variant.
+    error : array (variant,)
+        Of the state, for an exact one before.
+    """
+
+    state: FloatArray
+    fundamental: FloatArray
+    by_load: FloatArray
+    rate: FloatArray
+    error: FloatArray
+
+
+@dataclass(frozen=True)
 class TerminalConditions:
     """Conditions that the state after a sequence of steps is one of rest.
 
@@ -75,6 +97,26 @@ class TerminalConditions:
             self._nominal_and_parameter_differences(by_load[:, moving]),
             self._nominal_and_parameter_differences(by_duration[:, moving]),
         )
+
+    def nominal_residual(self, loads: FloatArray, durations: FloatArray) -> tuple[float, float]:
+        """Largest distance of the actuator itself from rest after the steps, and its error.
+
+        The error of each step is carried through the later ones by their fundamental matrices.
+
+        Parameters
+        ----------
+        loads, durations : array (step,)
+        """
+        state = self.parameter_variants.ensemble_in_own_units.initial_states
+        error = np.zeros(state.shape[1])
+        for load, duration in zip(loads, durations, strict=True):
+            step = self._integrate_load_step(state, load, duration)
+            state = step.state
+            error = np.abs(step.fundamental[0]) @ error + step.error[0]
+        moving = self.target_rest.moving_indices
+        rounding = np.finfo(float).eps * np.abs(state[0]).max()
+        distance = np.abs(state[0] - self._variant_rest_states[0])[moving].max()
+        return float(distance), float(error[moving].max() + rounding)
 
     def _nominal_and_parameter_differences(self, values: FloatArray) -> FloatArray:
         """Values of the nominal actuator, then central differences by each parameter.
@@ -148,29 +190,19 @@ class TerminalConditions:
         by_load = np.zeros((ens.trajectory_count, d, loads.size))
         by_duration = np.zeros_like(by_load)
         for k, (load, duration) in enumerate(zip(loads, durations, strict=True)):
-            state, fundamental, by_own_load, rate = self._integrate_load_step(state, load, duration)
-            by_load, by_duration = fundamental @ by_load, fundamental @ by_duration
+            step = self._integrate_load_step(state, load, duration)
+            state = step.state
+            by_load, by_duration = step.fundamental @ by_load, step.fundamental @ by_duration
             by_load[:, :, k] = (
-                by_own_load * self.parameter_variants.load_factor_to_trajectory_unit[:, None]
+                step.by_load * self.parameter_variants.load_factor_to_trajectory_unit[:, None]
             )
             by_duration[:, :, k] = (
-                rate * self.parameter_variants.time_factor_to_trajectory_unit[:, None]
+                step.rate * self.parameter_variants.time_factor_to_trajectory_unit[:, None]
             )
         return state, by_load, by_duration
 
-    def _integrate_load_step(
-        self, state: FloatArray, load: float, duration: float
-    ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """One step from `state` (variant, state).
-
-        Returns
-        -------
-        state : array (variant, state)
-        fundamental : array (variant, state, state)
-            Derivative by the state before the step.
-        by_load, rate : array (variant, state)
-            Derivatives by the load and by the time, in the units of each variant.
-        """
+    def _integrate_load_step(self, state: FloatArray, load: float, duration: float) -> _StepEnd:
+        """One step from `state` (variant, state)."""
         ens, d = self.parameter_variants.ensemble_in_own_units, len(self.target_rest.state)
         problem = self.parameter_variants.build_problem_lasting(
             np.full(ens.trajectory_count, duration)
@@ -189,4 +221,10 @@ class TerminalConditions:
         ends = outcome.states[:, 0]
         state, columns = ends[:, :d], ends[:, d:].reshape(ens.trajectory_count, d + 1, d)
         rates = ens.vector_field.rates([0.0, *state.T, *problem.parameters.T], functions=np)
-        return state, np.moveaxis(columns[:, :d], 1, 2), columns[:, d], np.column_stack(rates)
+        return _StepEnd(
+            state,
+            np.moveaxis(columns[:, :d], 1, 2),
+            columns[:, d],
+            np.column_stack(rates),
+            outcome.error,
+        )

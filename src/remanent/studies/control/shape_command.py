@@ -135,7 +135,8 @@ def shape_commands(
     xarray.Dataset
         Along the dimensions of `over` and ``step``: ``step_time`` and ``step_load``;
         ``switch_time``, that of the last step, with ``switch_time_error``; ``residual``, the
-        largest distance of the state from rest then; ``status``.  NaN where there is no
+        largest distance of the state from rest then, with ``residual_error``; ``status``.  Loads
+        and times are those of the command itself, to the last digit.  NaN where there is no
         command, with the status ``invalid`` or ``diverged``.
 
     Raises
@@ -198,8 +199,8 @@ class _StepCommand:
     ----------
     times, loads : array (step,)
         Empty where there is no command.
-    distance_from_rest : float
-        Largest distance of the state from rest at the last step.
+    distance_from_rest, distance_error : float
+        Largest distance of the state from rest at the last step, and its error.
     last_step_time_error : float
         Of the time of the last step.
     """
@@ -207,6 +208,7 @@ class _StepCommand:
     times: FloatArray
     loads: FloatArray
     distance_from_rest: float = np.nan
+    distance_error: float = np.nan
     last_step_time_error: float = np.nan
 
 
@@ -223,7 +225,8 @@ def _find_command(
     return _StepCommand(
         np.concatenate([[0.0], np.cumsum(sequence.durations)]),
         np.append(sequence.loads, last),
-        sequence.largest_terminal_residual,
+        sequence.residual,
+        sequence.residual_error,
         sequence.total_duration_error,
     )
 
@@ -244,5 +247,6 @@ def _command_variables(
         "switch_time": np.fmax.reduce(times, axis=1),
         "switch_time_error": np.array([command.last_step_time_error for command in commands]),
         "residual": np.array([command.distance_from_rest for command in commands]),
+        "residual_error": np.array([command.distance_error for command in commands]),
         "status": np.where(ens.is_invalid, Status.INVALID, codes),
     }

@@ -2,29 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from remanent._checks import positive_rule, require_real
 from remanent._errors import InputError
-from remanent._typing import ArrayLike, FloatArray
+from remanent._field import Role
+from remanent._status import Status
+from remanent._typing import ArrayLike, BoolArray, FloatArray
 from remanent.analysis.control import shaping
 from remanent.codegen.field import vector_field_for
+from remanent.integrate.ensemble.ensemble import integrate
+from remanent.integrate.ensemble.problem import Request
 from remanent.models.drives.base import Drive
 from remanent.models.drives.piecewise import Steps
 from remanent.models.drives.waves import Constant
 from remanent.models.system import System
-from remanent.studies.control._step_metrics import (
-    StepMotion,
-    Transient,
-    final_rest_and_residual_vibration,
-)
+from remanent.studies.control._final_rest import FinalRests, find_final_rests
+from remanent.studies.control._step_metrics import StepMotion, Transient, residual_vibration
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
+from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.layout import OverArgument
 from remanent.studies.ensemble.physical_scales import PhysicalScales, lay_out_physical_scales
+from remanent.studies.statics._static_ensemble import StaticEnsemble
 from remanent.studies.statics._static_state import StaticState
 
 _SETTLING_BAND_RULE = positive_rule(
@@ -33,8 +39,11 @@ _SETTLING_BAND_RULE = positive_rule(
 _DURATION_RULE = positive_rule("A run takes a positive time.", "Pass a time in units of tau.")
 #: Half periods after the last step that are followed by default.
 _HALF_PERIODS_AFTER_LAST_STEP = 20.0
-#: Samples in each half period.
-_SAMPLES_PER_HALF_PERIOD = 24
+#: Words for numbers that are missing.
+_UNCHANGED_REASON = "the motion ends where it starts, so that there is no change to measure"
+_NOT_RISEN_REASON = "the run ends before 90 % of the change is reached: pass a longer duration"
+_NOT_SETTLED_REASON = "the run ends before the motion has settled: pass a longer duration"
+_NEVER_SETTLES_REASON = "nothing takes energy out of the motion, which never settles"
 
 
 def step_response(
@@ -75,17 +84,21 @@ def step_response(
         Along the dimensions of `over`, times in the actuator's unit of time:
 
         ``final``
-            The thickness stretch x∞ of rest under the last load.
+            The thickness stretch x∞ of the state of rest that the motion tends to under the
+            last load, or vibrates about where nothing takes its energy.
         ``residual_energy``, ``residual_amplitude``
             The energy above that rest right after the last step, per reference volume over
             μ, and the amplitude of the vibration of thickness stretch that it makes.
         ``rise_time``
             From 10 to 90 % of the change x∞ − x(0).
         ``settling_time``
-            The last instant outside the band, NaN if the motion ends outside.
+            The last instant outside the band; NaN if the motion has not settled in the run.
         ``farthest``, ``overshoot``
             The farthest thickness stretch in the direction of the change, and
             (farthest − x∞)/change, at least 0; NaN without a change.
+        ``reason``
+            In words why numbers are missing; the status is ``incomplete`` where the run is too
+            short for them, or no state of rest is known that the motion tends to.
         ``error``, ``horizon``, ``status``
             Of the motion.
 
@@ -94,13 +107,17 @@ def step_response(
     Raises
     ------
     InputError
-        A bad argument, or a last load without a state of rest near the start.
+        A bad argument, or a run that ends with the command.
 
     Notes
     -----
     residual amplitude = √(2 E_r/k), with k = dm/dx along the states of rest: for a small
-    vibration its amplitude, for any other the static deflection of the same energy.  Passages
-    of levels are bracketed between 24 samples per half period and refined on the dense output.
+    vibration its amplitude, for any other the static deflection of the same energy.  Between
+    turning points, which are roots of the rate, the response is monotonic: they decide which
+    levels it passes, and when is then located on the dense output.  For the final rest all
+    equilibria under the last load are found, and the motion is followed until its energy lies
+    below the barriers about one of them.  A body with a heat balance is followed until its
+    temperature has settled.
 
     Examples
     --------
@@ -121,34 +138,32 @@ def step_response(
     _require_step_drive(drive)
     scaled = lay_out_physical_scales(system, drive, over, initial)
     ens = scaled.ensemble_in_own_units
-    rests = _final_rest_states(scaled)
-    half_period = _longest_half_periods(rests)
-    last_step = _last_step_times(scaled)
-    if duration is None:
-        duration = float(
-            np.nanmax(
-                (last_step + _HALF_PERIODS_AFTER_LAST_STEP * half_period)
-                / scaled.time_factor_to_trajectory_unit
-            )
-        )
-    duration = require_real("duration", duration, _DURATION_RULE)
+    after_last, error = _states_after_last_step(scaled, tolerance)
+    under_last_load = _ensemble_under_last_load(scaled)
+    rests = find_final_rests(under_last_load, after_last, error, tolerance)
+    duration = _run_length(scaled, duration, rests)
     motion = StepMotion.from_problem(
         scaled.build_problem_lasting(np.full(ens.trajectory_count, duration)), tolerance
     )
-    after_last = motion.states_at(last_step[:, None])[:, 0]
-    values = final_rest_and_residual_vibration(rests, after_last, motion.outcome.error)
-    start = motion(np.zeros((ens.trajectory_count, 1)))[0][:, 0]
-    spacing = float(np.nanmin(half_period)) / _SAMPLES_PER_HALF_PERIOD
+    values = residual_vibration(rests.bodies, after_last, error)
+    values["final_error"] = rests.thickness_error
     values |= Transient(
-        motion, start, values["final"], band, spacing, scaled.time_factor_to_trajectory_unit
+        motion,
+        values["final"],
+        values["final_error"],
+        _stays_in_band(under_last_load, motion, values["final"], band),
+        band,
+        scaled.time_factor_to_trajectory_unit,
     ).compute_metrics()
     variables: dict[str, PerTrajectoryArray] = {
         name: np.where(ens.is_invalid, np.nan, column) for name, column in values.items()
     }
+    status, reasons = _status_and_reasons(ens, motion, rests, values)
+    variables["reason"] = reasons
     return to_dataset(
         ens,
         variables,
-        outcome=motion.outcome,
+        outcome=replace(motion.outcome, status=status),
         tolerance=tolerance,
         duration=duration,
         band=band,
@@ -166,42 +181,101 @@ def _require_step_drive(drive: object) -> None:
         )
 
 
-def _last_step_times(scaled: PhysicalScales) -> FloatArray:
-    """Time of the last step of each trajectory, in its own unit."""
-    drive = scaled.ensemble_in_own_units.drive
-    return scaled.time_factor_to_trajectory_unit * (
-        float(drive.times[-1]) if isinstance(drive, Steps) else 0.0
-    )
+def _last_step_time(drive: Drive) -> float:
+    """Time of the last step in the actuator's unit."""
+    return float(drive.times[-1]) if isinstance(drive, Steps) else 0.0
 
 
-def _final_rest_states(scaled: PhysicalScales) -> list[StaticState | None]:
-    """Every trajectory's state of rest under the last load."""
+def _run_length(scaled: PhysicalScales, duration: float | None, rests: FinalRests) -> float:
+    """The `duration` itself, or ten natural periods after the last step."""
+    last_step = _last_step_time(scaled.ensemble_in_own_units.drive)
+    if duration is None:
+        half_periods = _longest_half_periods(rests.bodies) / scaled.time_factor_to_trajectory_unit
+        longest = np.max(half_periods, initial=0.0, where=np.isfinite(half_periods))
+        return last_step + _HALF_PERIODS_AFTER_LAST_STEP * float(longest or 1.0)
+    duration = require_real("duration", duration, _DURATION_RULE)
+    if duration <= last_step:
+        raise InputError(
+            "duration",
+            must=f"be longer than the command, whose last step is at {last_step}",
+            got=duration,
+            why="What follows the last step is measured.",
+            fix="Pass a longer one, or leave it out for ten natural periods after that step.",
+        )
+    return duration
+
+
+def _ensemble_under_last_load(scaled: PhysicalScales) -> Ensemble:
+    """The same trajectories under the load that stays."""
     ens = scaled.ensemble_in_own_units
-    drive = ens.drive
     loads = (
-        scaled.load_factor_to_trajectory_unit * float(drive.loads[-1])
-        if isinstance(drive, Steps)
+        scaled.load_factor_to_trajectory_unit * float(ens.drive.loads[-1])
+        if isinstance(ens.drive, Steps)
         else ens.parameter_values["m"]
     )
-    field = vector_field_for(ens.system, Constant(0.0))
-    rests: list[StaticState | None] = []
-    for k in np.arange(ens.trajectory_count):
-        values = {name: v[k] for name, v in ens.parameter_values.items()} | {"m": loads[k]}
-        row = np.array([float(values[name]) for name in field.parameter_names])
-        rests.append(
-            None
-            if ens.is_invalid[k]
-            else StaticState(field, row, ens.initial_states[k]).rest_nearby()
-        )
-    if all(body is None for body in rests):
-        raise InputError(
-            "drive",
-            must="end under a load with a state of rest near the start",
-            got=loads.tolist(),
-            why="What is left of a vibration is counted from there.",
-            fix="Pass a smaller last load.",
-        )
-    return rests
+    return replace(
+        ens,
+        drive=Constant(0.0),
+        vector_field=vector_field_for(ens.system, Constant(0.0)),
+        parameter_values={**ens.parameter_values, "m": loads},
+    )
+
+
+def _states_after_last_step(
+    scaled: PhysicalScales, tolerance: float
+) -> tuple[FloatArray, FloatArray]:
+    """States (trajectory, state) right after the last step, and errors (trajectory,)."""
+    ens = scaled.ensemble_in_own_units
+    last_step = _last_step_time(ens.drive)
+    if last_step == 0.0:
+        return ens.initial_states, np.zeros(ens.trajectory_count)
+    problem = scaled.build_problem_lasting(np.full(ens.trajectory_count, last_step))
+    outcome = integrate(problem, Request(times=problem.duration[:, None]), tolerance=tolerance)
+    assert outcome.states is not None
+    return outcome.states[:, 0], outcome.error
+
+
+def _stays_in_band(ens: Ensemble, motion: StepMotion, final: FloatArray, band: float) -> BoolArray:
+    """Whether motions that end their run within the band stay there.
+
+    Its energy does not take a motion of one coordinate to an edge of the band that lies higher.
+    Of others the end of the run alone is known.
+    """
+    static, end = StaticEnsemble(ens), motion.end_states
+    stays = np.asarray(np.isfinite(end).all(axis=1))
+    if len(ens.vector_field.indices_of_roles(Role.COORDINATE, Role.TEMPERATURE)) > 1:
+        return stays
+    start = motion.node_thickness[:, 0]
+    case = np.arange(ens.trajectory_count)
+    with np.errstate(all="ignore"):
+        edges = [final + side * band * (final - start) for side in (-1.0, 1.0)]
+        barrier = np.fmin(*(static.potential(case, edge**-0.5) for edge in edges))
+    inputs = [np.zeros(case.size), *end.T]
+    inputs += [ens.parameter_values[name] for name in ens.vector_field.parameter_names]
+    with np.errstate(all="ignore"):
+        (energy,) = ens.vector_field.observables["energy"](inputs, functions=np)
+    return np.asarray(stays & ~(energy >= barrier))
+
+
+def _status_and_reasons(
+    ens: Ensemble, motion: StepMotion, rests: FinalRests, values: Mapping[str, FloatArray]
+) -> tuple[NDArray[np.int8], NDArray[Any]]:
+    """Status of every trajectory, and in words why numbers are missing."""
+    count = ens.trajectory_count
+    status, reasons = motion.outcome.status.copy(), list(rests.reasons)
+    loses = np.broadcast_to(ens.system.where_dissipative(ens.parameter_values), count)
+    for k in np.flatnonzero(status == Status.OK):
+        if not reasons[k]:
+            reasons[k] = (
+                _UNCHANGED_REASON if np.isnan(values["overshoot"][k])
+                else _NOT_RISEN_REASON if np.isnan(values["rise_time"][k])
+                else "" if np.isfinite(values["settling_time"][k])
+                else _NOT_SETTLED_REASON if loses[k]
+                else _NEVER_SETTLES_REASON
+            )  # fmt: skip
+        if reasons[k] and reasons[k] not in (_UNCHANGED_REASON, _NEVER_SETTLES_REASON):
+            status[k] = Status.INCOMPLETE
+    return status, np.array(reasons, dtype="<U100")
 
 
 def _longest_half_periods(rests: Sequence[StaticState | None]) -> FloatArray:

@@ -51,9 +51,9 @@ def logarithmic_decrement(
     -------
     xarray.Dataset
         For every motion: ``decrement`` δ, the fall of the logarithm of the amplitude per cycle;
-        ``frequency``; ``damping_ratio`` ζ = δ/√(4π² + δ²); each with its standard error about
-        a straight line, which is all there is to say where the decay is exponential.  NaN
-        with fewer than three swings.
+        ``frequency``; ``damping_ratio`` ζ = δ/√(4π² + δ²); each with its standard error, by the
+        noise of the record or, where it has none, about a straight line, which is all there is
+        to say where the decay is exponential.  NaN with fewer than three swings.
 
     Raises
     ------
@@ -63,8 +63,10 @@ def logarithmic_decrement(
     Notes
     -----
     A swing is the distance of successive turning points of a cubic spline through the record;
-    the logarithms of swings fall by δ/2 each.  Where oscillations are large or the damping is
-    not viscous they do not fall on a line: fit the model instead.
+    the logarithms of swings fall by δ/2 each.  A record with noise is smoothed first, by a
+    spline with eight knots in each cycle, and the heights of its turning points are fitted by
+    c + (−1)ᵏ a exp(−kδ/2) with the errors that the noise gives them.  Where oscillations are
+    large or the damping is not viscous they do not fall on a line: fit the model instead.
 
     Examples
     --------

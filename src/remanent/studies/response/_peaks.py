@@ -1,18 +1,19 @@
-"""Peaks of branches of forced response, and the evidence of which resonance each is."""
+"""The evidence of which resonance each peak of forced response is."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 from remanent._errors import InputError
 from remanent._typing import ComplexArray, FloatArray, IntArray
 from remanent.analysis.response.harmonics import (
     find_resonant_harmonic,
     fourier_amplitudes,
+    phase_lag_behind_load,
     resonance_kind_and_order,
 )
 from remanent.analysis.statics.equilibria import find_force_zeros, force_slope
@@ -27,9 +28,9 @@ from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.layout import lay_out_ensemble
 from remanent.studies.ensemble.observables import blank_beyond_horizon, evaluate_observable
 from remanent.studies.ensemble.problem import initial_value_problem
-from remanent.studies.orbits._branch_tables import BranchTablesOfSystem, ColumnTable
-from remanent.studies.orbits._tracing import TracingOptions
+from remanent.studies.orbits._branch_tables import ColumnTable
 from remanent.studies.response._free_oscillations import free_oscillations
+from remanent.studies.response._peak_search import Peak
 from remanent.studies.statics._static_ensemble import StaticEnsemble
 from remanent.studies.statics._static_state import StaticState
 
@@ -37,88 +38,26 @@ from remanent.studies.statics._static_state import StaticState
 HARMONIC_COUNT = 12
 #: Samples of the orbit, and of the load, in one period.
 _FOURIER_SAMPLES_PER_PERIOD = 256
-#: Error of the samples.
-_SAMPLE_TOLERANCE = 1e-7
+#: Harmonics of the load that are looked at.
+_LOAD_HARMONIC_COUNT = 64
+#: Errors of the samples: the next is taken where one cannot be met.
+_SAMPLE_TOLERANCES = (1e-10, 1e-7)
 #: Free oscillations that are compared.
 _FREE_OSCILLATION_COUNT = 80
 #: Smallest turning point they start from, relative to rest.
 _SMALLEST_RELATIVE_TURNING_POINT = 1.001
 #: Largest turning point they start from.
 _LARGEST_RELATIVE_TURNING_POINT = 6.0
-#: Error of the free oscillations.
-_FREE_OSCILLATION_TOLERANCE = 1e-6
-
-
-@dataclass(frozen=True)
-class Peak:
-    """A peak of a branch: where it is, and the orbit there.
-
-    Attributes
-    ----------
-    omega, omega_error : float
-        Frequency of the drive, and the distance between the neighbouring points.
-    amplitude : float
-    state : array (state,)
-        At phase 0.
-    orbit_period : int
-        Of the orbit, in drive periods.
-    stability : str
-    is_unbounded : bool
-        Whether the branch ends here, still rising.
-    is_from_period_doubling : bool
-        Whether the branch springs from one of another period.
-    """
-
-    omega: float
-    omega_error: float
-    amplitude: float
-    state: FloatArray
-    orbit_period: int
-    stability: str
-    is_unbounded: bool
-    is_from_period_doubling: bool
-
-
-def find_peaks(branches: BranchTablesOfSystem, options: TracingOptions) -> list[Peak]:
-    """Local maxima of the amplitude along every branch, and ends that run off."""
-    low, high = options.parameter_range
-    period = options.orbit_period
-    peaks = []
-    for number, points in enumerate(branches.point_tables):
-        size, omega = points["amplitude"], points["parameter"]
-        special = branches.special_point_table
-        springs = bool((special["orbit_period"][special["branch"] == number] < period).any())
-        for k in _local_maximum_indices(size):
-            inner = 0 < k < len(size) - 1
-            if not inner and not low < omega[k] < high:
-                continue  # the end of the range of frequencies
-            peaks.append(
-                Peak(
-                    omega=float(omega[k]),
-                    omega_error=float(np.ptp(omega[max(k - 1, 0) : k + 2])),
-                    amplitude=float(size[k]),
-                    state=points["initial"][k],
-                    orbit_period=period,
-                    stability=str(points["stability"][k]),
-                    is_unbounded=not inner,
-                    is_from_period_doubling=springs,
-                )
-            )
-    return peaks
-
-
-def _local_maximum_indices(values: FloatArray) -> IntArray:
-    """Where an array is larger than its neighbours, ends included."""
-    padded = np.concatenate([[-np.inf], values, [-np.inf]])
-    return np.flatnonzero((padded[1:-1] > padded[:-2]) & (padded[1:-1] >= padded[2:]))
+#: Error of the free oscillations in the table, and of those at the peaks' amplitudes.
+_FREE_OSCILLATION_TOLERANCES = (1e-6, 1e-10)
 
 
 def empty_peak_table() -> ColumnTable:
     """The columns of :func:`describe_peaks` without any peak."""
-    numbers = ("omega", "omega_error", "amplitude", "phase_lag", "share", "free_frequency",
-               "detuning")  # fmt: skip
+    numbers = ("omega", "amplitude", "phase_lag", "share", "free_frequency", "detuning")
     return {
-        **dict.fromkeys(numbers, np.empty(0)),
+        **dict.fromkeys((*numbers, *(f"{name}_error" for name in numbers)), np.empty(0)),
+        "harmonics_error": np.empty(0),
         **dict.fromkeys(("order_p", "order_q", "orbit_period"), np.empty(0, dtype=np.int64)),
         "unbounded": np.empty(0, dtype=bool),
         "resonance_kind": np.empty(0, dtype="<U16"),
@@ -140,35 +79,57 @@ def describe_peaks(member: Ensemble, varied: Iterable[str], peaks: Sequence[Peak
     """
     if not peaks:
         return empty_peak_table()
-    system, drive = _actuator_and_drive_of_member(member, varied)
-    omega = np.array([peak.omega for peak in peaks])
-    amplitude = np.array([peak.amplitude for peak in peaks])
-    period = np.array([peak.orbit_period for peak in peaks], dtype=np.int64)
-    on_orbits = member.with_initial_states(
-        np.array([peak.state for peak in peaks]), {"omega": omega}
+    system, drive = actuator_and_drive_of_member(member, varied)
+    omega, omega_error, amplitude, amplitude_error, state_error = (
+        np.array([getattr(peak, name) for peak in peaks])
+        for name in ("omega", "omega_error", "amplitude", "amplitude_error", "state_error")
     )
-    harmonics = _orbit_harmonics(on_orbits, period)
-    mean, first = _load_mean_and_first_harmonic(drive)
-    free = _free_frequency(system, mean, amplitude)
+    period = np.array([peak.orbit_period for peak in peaks], dtype=np.int64)
+    states = np.array([peak.state for peak in peaks])
+    harmonics, sample_error = _orbit_harmonics(member, states, omega, period)
+    harmonics_error = sample_error + 2.0 * state_error + _change_nearby(member, peaks, harmonics)
+    mean, load = _load_harmonics(drive)
+    free, free_error = _free_frequency(system, mean, amplitude, amplitude_error)
+    on_orbits = member.with_initial_states(states, {"omega": omega})
     base = 2.0 * np.pi / (require_drive_periods(on_orbits) * period)
     evidence = find_resonant_harmonic(harmonics, base, free)
+    resonant = harmonics[np.arange(len(peaks)), evidence.harmonic_number]
+    lags = [
+        phase_lag_behind_load(float(np.angle(resonant[k])), int(number), int(period[k]), load)
+        for k, number in enumerate(np.maximum(evidence.harmonic_number, 1))
+    ]
     names = [
         resonance_kind_and_order(
-            evidence, k, peak.orbit_period, doubled=peak.is_from_period_doubling
+            evidence,
+            k,
+            peak.orbit_period,
+            doubled=peak.is_from_period_doubling,
+            in_load=lags[k].in_load,
         )
         for k, peak in enumerate(peaks)
     ]
-    angle = np.angle(harmonics[np.arange(len(peaks)), evidence.harmonic_number])
+    has_harmonic = evidence.harmonic_number > 0
+    oscillation = np.sqrt((np.abs(harmonics[:, 1:]) ** 2).sum(axis=1))
+    with np.errstate(all="ignore"):
+        relative = harmonics_error / np.abs(resonant)
+        lag_error = np.where(relative < 1.0, np.arcsin(np.minimum(relative, 1.0)), np.pi)
+        share_error = 2.0 * np.sqrt(evidence.power_share) * harmonics_error / oscillation
+        detuning_error = (1.0 + evidence.relative_detuning) * (
+            omega_error / omega + free_error / free
+        )
     columns: dict[str, Any] = {
         "omega": omega,
-        "omega_error": [peak.omega_error for peak in peaks],
+        "omega_error": omega_error,
         "amplitude": amplitude,
-        "phase_lag": np.mod(
-            evidence.harmonic_number / period * np.angle(first) - angle, 2.0 * np.pi
-        ),
+        "amplitude_error": amplitude_error,
+        "phase_lag": np.where(has_harmonic, [lag.angle for lag in lags], np.nan),
+        "phase_lag_error": np.where(has_harmonic, lag_error, np.nan),
         "share": evidence.power_share,
+        "share_error": share_error + 2.0 * (harmonics_error / oscillation) ** 2,
         "free_frequency": free,
+        "free_frequency_error": free_error,
         "detuning": evidence.relative_detuning,
+        "detuning_error": detuning_error,
         "order_p": [p for _, p, _ in names],
         "order_q": [q for _, _, q in names],
         "orbit_period": period,
@@ -176,14 +137,13 @@ def describe_peaks(member: Ensemble, varied: Iterable[str], peaks: Sequence[Peak
         "resonance_kind": [name for name, _, _ in names],
         "stability": [peak.stability for peak in peaks],
         "harmonics": harmonics,
+        "harmonics_error": harmonics_error,
     }
     kinds = empty_peak_table()
     return {name: np.asarray(column, dtype=kinds[name].dtype) for name, column in columns.items()}
 
 
-def _actuator_and_drive_of_member(
-    member: Ensemble, varied: Iterable[str]
-) -> tuple[Actuator, Drive]:
+def actuator_and_drive_of_member(member: Ensemble, varied: Iterable[str]) -> tuple[Actuator, Drive]:
     """System and drive with the values of a member of an ensemble."""
     system, drive = require_actuator("system", member.system), member.drive
     for name in varied:
@@ -194,61 +154,119 @@ def _actuator_and_drive_of_member(
     return system, drive
 
 
-def _orbit_harmonics(on_orbits: Ensemble, period: IntArray) -> ComplexArray:
-    """Harmonics of the thickness stretch along each orbit, array (peak, harmonic).
+def _orbit_harmonics(
+    member: Ensemble, states: FloatArray, omega: FloatArray, period: IntArray
+) -> tuple[ComplexArray, FloatArray]:
+    """Harmonics of the thickness stretch along orbits (peak, harmonic), and errors (peak,).
 
     Parameters
     ----------
-    on_orbits : Ensemble
-        Starts on the orbits.
+    member : Ensemble
+        Of one trajectory.
+    states : array (peak, state)
+        On the orbits, at phase 0.
+    omega : array (peak,)
     period : array (peak,) of int
         Of each orbit, in drive periods.
     """
+    on_orbits = member.with_initial_states(states, {"omega": omega})
     lengths = period * require_drive_periods(on_orbits)
     times = np.arange(_FOURIER_SAMPLES_PER_PERIOD) / _FOURIER_SAMPLES_PER_PERIOD * lengths[:, None]
     problem = initial_value_problem(on_orbits, times[:, -1])
-    outcome = integrate(problem, Request(times=times), tolerance=_SAMPLE_TOLERANCE)
-    assert outcome.states is not None
-    states = blank_beyond_horizon(outcome.states, times, outcome)
-    return fourier_amplitudes(
-        evaluate_observable(problem, "thickness_stretch", times, states), HARMONIC_COUNT
-    )
+    for tolerance in _SAMPLE_TOLERANCES:
+        outcome = integrate(problem, Request(times=times), tolerance=tolerance)
+        assert outcome.states is not None
+        states = blank_beyond_horizon(outcome.states, times, outcome)
+        if np.isfinite(states).all():
+            break
+    samples = evaluate_observable(problem, "thickness_stretch", times, states)
+    # An error e of the stretch makes one of 2 e/lambda^3 of the thickness stretch, and of no more
+    # than twice that of a harmonic, which is twice a mean.
+    slope = 2.0 * np.max(np.abs(samples), axis=1) ** 1.5
+    return fourier_amplitudes(samples, HARMONIC_COUNT), 2.0 * slope * outcome.error
 
 
-def _load_mean_and_first_harmonic(drive: Drive) -> tuple[float, complex]:
-    """Mean of the load, and its first harmonic."""
+def _change_nearby(member: Ensemble, peaks: Sequence[Peak], harmonics: ComplexArray) -> FloatArray:
+    """How much harmonics change within the error of the place of each peak, array (peak,)."""
+    change = np.zeros(len(peaks))
+    rows = [k for k, peak in enumerate(peaks) if len(peak.nearby_omega) > 1]
+    if not rows:
+        return change
+    near = [peaks[k] for k in rows]
+    counts = [len(peak.nearby_omega) for peak in near]
+    states = np.concatenate([peak.nearby_states for peak in near])
+    omega = np.concatenate([peak.nearby_omega for peak in near])
+    period = np.repeat([peak.orbit_period for peak in near], counts)
+    around, _ = _orbit_harmonics(member, states, omega, period)
+    for k, peak, block in zip(rows, near, np.split(around, np.cumsum(counts)[:-1]), strict=True):
+        distance = np.abs(peak.nearby_omega - peak.omega).max()
+        most = float(np.abs(block - harmonics[k]).max())
+        share = min(1.0, peak.omega_error / distance) if distance > 0.0 else 1.0
+        change[k] = most * share
+    return change
+
+
+def _load_harmonics(drive: Drive) -> tuple[float, ComplexArray]:
+    """Mean of the load, and its harmonics."""
     assert drive.period is not None
     values = drive(
         np.arange(_FOURIER_SAMPLES_PER_PERIOD) / _FOURIER_SAMPLES_PER_PERIOD * drive.period
     )
-    amplitudes = fourier_amplitudes(np.asarray(values)[None], 1)[0]
-    return float(amplitudes[0].real), complex(amplitudes[1])
+    amplitudes = fourier_amplitudes(np.asarray(values)[None], _LOAD_HARMONIC_COUNT)[0]
+    return float(amplitudes[0].real), amplitudes
 
 
-def _free_frequency(system: Actuator, mean: float, amplitude: FloatArray) -> FloatArray:
-    """Frequency of the free oscillation of each amplitude, under the mean load.
+def _free_frequency(
+    system: Actuator, mean: float, amplitude: FloatArray, amplitude_error: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Frequency of the free oscillation of each amplitude under the mean load, and its error.
 
-    Branches that relax make all of them faster, by as much as they do small oscillations.
+    Branches that relax make all of them faster, by as much as they do small oscillations.  A
+    table of oscillations tells from where each starts; its frequency is then computed.
     """
     rest = _stable_stretch(system, mean)
+    elastic = system.replace(dissipation=(), heat=None)
+
+    def oscillations(starts: FloatArray, tolerance: float) -> tuple[FloatArray, ...]:
+        order = np.argsort(starts, kind="stable")
+        _, first, back = np.unique(starts[order], return_index=True, return_inverse=True)
+        ens = lay_out_ensemble(elastic, Constant(mean), {"initial.stretch": starts[order][first]})
+        free = free_oscillations(ens, tolerance)
+        columns = (free.amplitude, free.frequency, free.frequency_error, free.outcome.error)
+        place = np.empty(starts.size, dtype=np.int64)
+        place[order] = back
+        return tuple(np.asarray(column)[place] for column in columns)
+
     starts = rest * np.geomspace(
         _SMALLEST_RELATIVE_TURNING_POINT,
         _LARGEST_RELATIVE_TURNING_POINT / rest,
         _FREE_OSCILLATION_COUNT,
     )
-    elastic = system.replace(dissipation=(), heat=None)
-    free = free_oscillations(
-        lay_out_ensemble(elastic, Constant(mean), {"initial.stretch": starts}),
-        _FREE_OSCILLATION_TOLERANCE,
+    sizes, frequencies, *_ = oscillations(starts, _FREE_OSCILLATION_TOLERANCES[0])
+    known = np.isfinite(sizes) & np.isfinite(frequencies)
+    # Amplitudes grow with the turning point as far as oscillations stay about this rest.
+    known &= np.concatenate([[True], np.diff(np.maximum.accumulate(np.nan_to_num(sizes))) > 0.0])
+    sizes, frequencies, starts = sizes[known], frequencies[known], starts[known]
+    wanted = np.clip(amplitude, sizes[0], sizes[-1])
+    start_at, frequency_at = CubicSpline(sizes, starts), CubicSpline(sizes, frequencies)
+    found, frequency, error, found_error = oscillations(
+        np.asarray(start_at(wanted)), _FREE_OSCILLATION_TOLERANCES[1]
     )
-    is_finite = np.isfinite(free.amplitude) & np.isfinite(free.frequency)
-    stiffening = _small_oscillation_frequency(system, mean) / _small_oscillation_frequency(
-        elastic, mean
+    slope = np.asarray(frequency_at.derivative()(wanted))
+    missed = amplitude - found
+    error = error + np.abs(slope) * (amplitude_error + found_error + 0.1 * np.abs(missed))
+    # Smaller than any in the table: the frequency is even in the amplitude.
+    small = amplitude < sizes[0]
+    error = np.where(small, error + np.abs(slope * sizes[0]), error)
+    frequency = frequency + np.where(small, 0.0, slope * missed)
+    stiffening = _small_oscillation_frequency(system, mean, rest) / _small_oscillation_frequency(
+        elastic, mean, rest
     )
-    frequency = np.interp(
-        amplitude, free.amplitude[is_finite], free.frequency[is_finite], right=np.nan
+    inside = amplitude <= sizes[-1]
+    return (
+        np.where(inside, stiffening * frequency, np.nan),
+        np.where(inside, stiffening * error, np.nan),
     )
-    return np.asarray(stiffening * frequency)
 
 
 def _stable_stretch(system: Actuator, mean: float) -> float:
@@ -269,12 +287,18 @@ def _stable_stretch(system: Actuator, mean: float) -> float:
     return float(stable[0])
 
 
-def _small_oscillation_frequency(system: Actuator, mean: float) -> float:
+def natural_frequency_under_mean_load(member: Ensemble, varied: Iterable[str]) -> float:
+    """Of small oscillations about the rest under the mean load."""
+    system, drive = actuator_and_drive_of_member(member, varied)
+    mean, _ = _load_harmonics(drive)
+    return _small_oscillation_frequency(system, mean, _stable_stretch(system, mean))
+
+
+def _small_oscillation_frequency(system: Actuator, mean: float, stretch: float) -> float:
     """Modulus of the eigenvalue of small oscillations about rest; NaN where there are none."""
-    ens = lay_out_ensemble(system, Constant(mean))
+    static = StaticEnsemble(lay_out_ensemble(system, Constant(mean)))
+    ens = static.ensemble
     row = np.array([ens.parameter_values[name][0] for name in ens.vector_field.parameter_names])
-    rest = StaticState(ens.vector_field, row, ens.initial_states[0]).rest_nearby()
-    if rest is None:
-        return np.nan
-    values = np.linalg.eigvals(rest.rate_derivatives()[0])
+    state = static.states_at(np.zeros(1, dtype=np.int64), np.array([stretch]))[0]
+    values = np.linalg.eigvals(StaticState(ens.vector_field, row, state).rate_derivatives()[0])
     return max((abs(complex(s)) for s in values if s.imag > 0.0), default=np.nan)

@@ -21,6 +21,10 @@ from remanent.studies.response._free_oscillations import (
     require_free_oscillations,
 )
 
+#: Words for a frequency that is missing.
+_STILL_REASON = "it starts at an equilibrium, where nothing moves"
+_NO_TURN_REASON = "no other turning point was found in the time that was looked at"
+
 
 def backbone(
     actuator: Actuator,
@@ -49,10 +53,10 @@ def backbone(
     -------
     xarray.Dataset
         Against ``initial.stretch``: ``frequency`` with ``frequency_error``, ``energy``,
-        ``maximum``, ``minimum`` and ``amplitude`` of the thickness stretch; ``error``,
-        ``horizon``, ``status``.  At an equilibrium there is no oscillation: NaN, and
-        ``singular``; where no other turning point was found, ``incomplete``; ``reason``
-        says so.
+        ``maximum``, ``minimum`` and ``amplitude`` of the thickness stretch with
+        ``amplitude_error``; ``error``, ``horizon``, ``status``.  At an equilibrium there is no
+        oscillation: NaN, and ``singular``; where no other turning point was found,
+        ``incomplete``; ``reason`` says so.  The energy is a closed form of the start.
 
     Raises
     ------
@@ -97,16 +101,12 @@ def backbone(
     )
     free = free_oscillations(ens, tolerance)
     start = np.zeros((ens.trajectory_count, 1))
-    at_rest = free.frequency_is_missing & (free.acceleration == 0.0)
+    missing = free.frequency_is_missing & (free.outcome.status == Status.OK)
+    still = missing & ((free.acceleration == 0.0) | (free.amplitude <= free.outcome.error))
+    reasons = np.where(missing, np.where(still, _STILL_REASON, _NO_TURN_REASON), "")
     status = np.where(
-        free.frequency_is_missing & (free.outcome.status == Status.OK),
-        np.where(at_rest, Status.SINGULAR, Status.INCOMPLETE),
-        free.outcome.status,
-    )
-    reason = np.where(
-        at_rest, "it starts at an equilibrium, about which nothing oscillates",
-        np.where(status == Status.INCOMPLETE, "no other turning point was found in time", ""),
-    )  # fmt: skip
+        missing, np.where(still, Status.SINGULAR, Status.INCOMPLETE), free.outcome.status
+    ).astype(np.int8)
     return to_dataset(
         ens,
         {
@@ -118,8 +118,9 @@ def backbone(
             "maximum": free.outcome.maximum,
             "minimum": free.outcome.minimum,
             "amplitude": free.amplitude,
-            "reason": reason,
+            "amplitude_error": np.where(np.isnan(free.amplitude), np.nan, free.outcome.error),
+            "reason": reasons,
         },
-        outcome=replace(free.outcome, status=status.astype(np.int8)),
+        outcome=replace(free.outcome, status=status),
         tolerance=tolerance,
     )

@@ -4,16 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from remanent._checks import not_negative_rule, positive_rule, require_increasing, require_real
 from remanent._errors import InputError
+from remanent._status import Status
 from remanent._typing import ArrayLike, FloatArray, IntArray
 from remanent.analysis.response.subdivision import BracketedMaxima, refine_maxima
 from remanent.integrate.ensemble.ensemble import integrate
-from remanent.integrate.ensemble.problem import Outcome, Request, merge_outcomes
+from remanent.integrate.ensemble.problem import (
+    EXTREME_NAMES,
+    Outcome,
+    Request,
+    merge_outcomes,
+)
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.results.build import Labelled
@@ -38,6 +46,10 @@ from remanent.studies.ensemble.quantities import without_unit
 _RESONANCE_WIDTH_RULE = positive_rule(
     "It is the width of the last bracket.", "Pass for example 1e-6."
 )
+#: Words for a resonance that is missing.
+_AT_END_REASON = "the amplitude is largest at an end of the range of omega: no peak inside"
+_FLAT_REASON = "the amplitude does not rise above its error to a peak inside the range of omega"
+_NO_REASON = "no amplitude is known"
 _DISCARD_RULE = not_negative_rule("It is the time before the window.", "Pass 0 to start at once.")
 
 
@@ -78,7 +90,9 @@ def frequency_response(
     tolerance : float
         Of the error of the extremes.
     resonance_width : float
-        Width of the last bracket of ``resonance``.
+        Width of the last bracket of ``resonance``.  The error of the amplitudes hides the top of
+        a smooth peak: about it they are computed with a smaller tolerance, where that is needed
+        and possible.
     progress : bool or callable, optional
         True draws a bar; a callable is called with the share of the runs that are finished.
 
@@ -87,9 +101,12 @@ def frequency_response(
     xarray.Dataset
         ``amplitude`` = (maximum − minimum)/2, ``maximum`` and ``minimum`` of the
         thickness stretch λ₃ over the window, between steps as well as at them, with
-        ``amplitude_error``; ``resonance``, the ω of the largest amplitude between the
-        first and last `omega`, found by repeated subdivision, its
-        ``resonance_amplitude`` and ``resonance_error``, the width of the last bracket;
+        ``amplitude_error``; ``maximum_time`` and ``minimum_time``, when they occur, of extremes
+        that are equal but for their error any, so that times have no error of their own;
+        ``resonance``, the ω of the largest amplitude between the
+        first and last `omega`, found by repeated subdivision, and its
+        ``resonance_amplitude``, with errors.  Where there is no peak inside they are NaN,
+        ``resonance_status`` is ``incomplete``, and ``reason`` says why.
         ``error``, ``horizon``, ``status``.  A point whose error bound could not be
         met to the end is NaN.
 
@@ -106,7 +123,9 @@ def frequency_response(
     Notes
     -----
     The response from rest is not smooth in ω: it jumps where the initial state crosses
-    the stable manifold of a saddle orbit, so the maximum is found by subdivision.
+    the stable manifold of a saddle orbit, so the maximum is found by subdivision.  Its error
+    is the distance to the nearest frequencies whose amplitudes are surely smaller, by more than
+    both errors.
 
     Examples
     --------
@@ -126,15 +145,18 @@ def frequency_response(
     grid = _require_frequencies(system, require_drive(drive), omega, over)
     ens = lay_out_ensemble(system, drive, {**(over or {}), "omega": grid}, initial)
 
-    def respond(runs: Ensemble, report: ProgressFunction | None = None) -> Outcome:
+    def respond(
+        runs: Ensemble, tolerance: float, report: ProgressFunction | None = None
+    ) -> Outcome:
         return thickness_extremes_over_window(runs, duration, periods, discard, tolerance, report)
 
-    outcome = respond(ens, as_progress(progress))
+    outcome = respond(ens, tolerance, as_progress(progress))
     amplitude = _amplitude(outcome)
-    peak = _find_resonance(ens, grid, ens.reshape_to_dims(amplitude), respond, resonance_width)
+    peak = _find_resonance(ens, grid, amplitude, outcome.error, respond, tolerance, resonance_width)
+    columns = {"amplitude": amplitude} | {name: getattr(outcome, name) for name in EXTREME_NAMES}
     return to_dataset(
         ens,
-        {"amplitude": amplitude, "maximum": outcome.maximum, "minimum": outcome.minimum},
+        columns,
         shared=_resonance_variables(ens, peak),
         outcome=outcome,
         error="amplitude_error",
@@ -214,21 +236,29 @@ def _find_resonance(
     ens: Ensemble,
     grid: FloatArray,
     amplitude: FloatArray,
-    respond: Callable[[Ensemble], Outcome],
+    error: FloatArray,
+    respond: Callable[[Ensemble, float], Outcome],
+    tolerance: float,
     width: float,
 ) -> BracketedMaxima:
     """The largest amplitude for every combination of the other fields."""
     axis = ens.dims.index("omega")
-    rows = np.moveaxis(amplitude, axis, -1).reshape(-1, grid.size)
+    values, errors = (
+        np.moveaxis(ens.reshape_to_dims(column), axis, -1).reshape(-1, grid.size)
+        for column in (amplitude, error)
+    )
     first = [1 if dim == "omega" else size for dim, size in ens.dimension_sizes.items()]
     index = np.ravel_multi_index(
         tuple(np.indices(first)), tuple(ens.dimension_sizes.values())
     ).ravel()
 
-    def measure(case: IntArray, omega: FloatArray) -> FloatArray:
-        return _amplitude(respond(_ensemble_at_frequencies(ens, index[case], omega)))
+    def measure(
+        case: IntArray, omega: FloatArray, tolerance: float
+    ) -> tuple[FloatArray, FloatArray]:
+        outcome = respond(_ensemble_at_frequencies(ens, index[case], omega), tolerance)
+        return _amplitude(outcome), outcome.error
 
-    return refine_maxima(grid, rows, measure, width=width)
+    return refine_maxima(grid, values, errors, measure, tolerance=tolerance, width=width)
 
 
 def _ensemble_at_frequencies(ens: Ensemble, indices: IntArray, omega: FloatArray) -> Ensemble:
@@ -252,7 +282,16 @@ def _resonance_variables(ens: Ensemble, peak: BracketedMaxima) -> dict[str, Labe
     shape = tuple(ens.dimension_sizes[d] for d in dims)
     values = {
         "resonance": peak.position,
+        "resonance_error": peak.position_error,
         "resonance_amplitude": peak.value,
-        "resonance_error": peak.bracket_upper - peak.bracket_lower,
+        "resonance_amplitude_error": peak.value_error,
     }
-    return {name: (dims, array.reshape(shape)) for name, array in values.items()}
+    variables: dict[str, NDArray[Any]] = {
+        name: np.where(peak.is_inside, column, np.nan) for name, column in values.items()
+    }
+    is_known = np.isfinite(peak.value)
+    codes = np.where(is_known, Status.INCOMPLETE, Status.INVALID)
+    variables["resonance_status"] = np.where(peak.is_inside, Status.OK, codes)
+    words = np.where(is_known, np.where(peak.is_at_end, _AT_END_REASON, _FLAT_REASON), _NO_REASON)
+    variables["reason"] = np.where(peak.is_inside, "", words)
+    return {name: (dims, array.reshape(shape)) for name, array in variables.items()}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from remanent._checks import shortened_repr
 from remanent._errors import InputError
 from remanent._status import Status
 from remanent._typing import ArrayLike
+from remanent.analysis.orbits.curves import Curve
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.results.build import Labelled
@@ -21,21 +23,19 @@ from remanent.studies.ensemble.durations import require_count
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble
 from remanent.studies.ensemble.progress import ProgressArgument, as_progress
-from remanent.studies.orbits._branch_ends import CurveEnds, member_status
+from remanent.studies.orbits._branch_ends import CurveEnds, ends_of_curves, member_status
 from remanent.studies.orbits._branch_tables import ColumnTable
 from remanent.studies.orbits._checks import require_orbit_period
-from remanent.studies.orbits._forced_response import (
-    require_frequency_range,
-    trace_all_forced_response_branches,
-)
+from remanent.studies.orbits._forced_response import require_frequency_range
 from remanent.studies.orbits._members import map_members_in_threads, stack_tables
 from remanent.studies.orbits._orbit_tables import ORBIT_DIMENSIONS
-from remanent.studies.orbits._tracing import TracingOptions
+from remanent.studies.orbits._tracing import TracingOptions, trace_all_branches
+from remanent.studies.response._peak_search import Peak, PeakSearch
 from remanent.studies.response._peaks import (
     HARMONIC_COUNT,
     describe_peaks,
     empty_peak_table,
-    find_peaks,
+    natural_frequency_under_mean_load,
 )
 
 #: Points of a branch, in each direction from where it was found.
@@ -141,20 +141,20 @@ def resonances(
         options.require_valid(ens)
 
     def find(member: Ensemble) -> tuple[ColumnTable, CurveEnds]:
-        branches = [
-            trace_all_forced_response_branches(member, options, slices) for options in plans
-        ]
-        peaks = [
-            peak
-            for table, options in zip(branches, plans, strict=True)
-            for peak in find_peaks(table, options)
-        ]
+        middle = np.array([0.5 * sum(limits)])
+        centred = replace(member, parameter_values={**member.parameter_values, "omega": middle})
+        natural = natural_frequency_under_mean_load(centred, ens.coords)
+        peaks: list[Peak] = []
+        curves: list[Curve] = []
+        for options in plans:
+            tracing = options.tracing_of_member(centred)
+            search = PeakSearch(centred, tracing, natural)
+            for branch in trace_all_branches(tracing, slices):
+                peaks += search.peaks_of(branch)
+                curves.append(branch.curve)
         peaks.sort(key=lambda peak: peak.omega)
-        ends = CurveEnds(
-            np.concatenate([table.ends.reasons for table in branches]),
-            np.concatenate([table.ends.bounds for table in branches]),
-        )
-        return describe_peaks(member, ens.coords, peaks), ends
+        unknowns = [*member.vector_field.state_names, "omega"]
+        return describe_peaks(centred, ens.coords, peaks), ends_of_curves(curves, unknowns)
 
     outcomes = map_members_in_threads(ens, find, as_progress(progress))
     columns = stack_tables([None if o is None else o[0] for o in outcomes], empty_peak_table())

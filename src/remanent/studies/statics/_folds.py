@@ -2,12 +2,24 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+from numpy.typing import NDArray
 
 from remanent._typing import FloatArray, IntArray
 from remanent.analysis.statics.equilibria import balancing_parameter, find_force_zeros, force_slope
 from remanent.results.build import Labelled
 from remanent.studies.statics._static_ensemble import StaticEnsemble
+from remanent.studies.statics._static_errors import (
+    balancing_parameter_error,
+    largest,
+    least,
+    thickness_error,
+)
+
+#: Half the relative change of a stretch over which a derivative is a difference.
+_RELATIVE_HALF_STEP = 1e-5
 
 
 def folds_along_first_varied_parameter(static: StaticEnsemble) -> dict[str, Labelled]:
@@ -22,11 +34,20 @@ def folds_along_first_varied_parameter(static: StaticEnsemble) -> dict[str, Labe
     ):
         return {}
     shape, axis = tuple(ens.dimension_sizes.values()), ens.dims.index(name)
-    cases = np.take(np.arange(ens.trajectory_count).reshape(shape), 0, axis).ravel()
-    valid = ~ens.is_invalid.reshape(shape).any(axis=axis).ravel()
-    ends = np.take(ens.parameter_values[name].reshape(shape), [0, -1], axis)
-    low, high = np.moveaxis(ends, axis, 0).reshape(2, -1)
-    stretch, value = fold_points(static, name, cases[valid], (low[valid], high[valid]))
+
+    def in_rows(column: NDArray[Any]) -> NDArray[Any]:
+        """One row for each combination of the other fields."""
+        return np.moveaxis(column.reshape(shape), axis, -1).reshape(-1, shape[axis])
+
+    is_valid = ~in_rows(ens.is_invalid)
+    values = in_rows(ens.parameter_values[name])
+    low = np.where(is_valid, values, np.inf).min(axis=1)
+    high = np.where(is_valid, values, -np.inf).max(axis=1)
+    first_valid = np.argmax(is_valid, axis=1)[:, None]
+    numbers = in_rows(np.arange(ens.trajectory_count))
+    cases = np.take_along_axis(numbers, first_valid, axis=1)[:, 0]
+    valid = low < high
+    found = fold_points(static, name, cases[valid], (low[valid], high[valid]))
     other_sizes = [size for k, size in ens.dimension_sizes.items() if k != name]
 
     def shaped(values: FloatArray) -> FloatArray:
@@ -36,17 +57,15 @@ def folds_along_first_varied_parameter(static: StaticEnsemble) -> dict[str, Labe
 
     dims = (*(k for k in ens.dims if k != name), "fold")
     return {
-        f"fold_{name}": (dims, shaped(value)),
-        "fold_stretch": (dims, shaped(stretch)),
-        "fold_thickness_stretch": (dims, shaped(static.thickness(cases[:1], stretch))),
-        "fold": (("fold",), np.arange(stretch.shape[1])),
+        **{f"fold_{k}": (dims, shaped(v)) for k, v in found.items()},
+        "fold": (("fold",), np.arange(found["stretch"].shape[1])),
     }
 
 
 def fold_points(
     static: StaticEnsemble, name: str, cases: IntArray, bounds: tuple[FloatArray, FloatArray]
-) -> tuple[FloatArray, FloatArray]:
-    """Stretches and parameters (case, fold) at which two equilibria meet."""
+) -> dict[str, FloatArray]:
+    """Parameters and stretches at which two equilibria meet, and errors, arrays (case, fold)."""
     force = static.first_acceleration_function(name)
 
     def stiffness(row: IntArray, x: FloatArray) -> FloatArray:
@@ -55,7 +74,37 @@ def fold_points(
         return np.where(np.isnan(value), np.nan, steepness)
 
     stretches = find_force_zeros(stiffness, cases.size, stretch_grid_of_cases(static, cases))
-    return stretches, balancing_parameters(static, name, cases, bounds, stretches)
+    values = balancing_parameters(static, name, cases, bounds, stretches)
+    row = np.repeat(np.arange(cases.size), stretches.shape[1]).reshape(stretches.shape)
+    case, step = cases[row], _RELATIVE_HALF_STEP * stretches
+    with np.errstate(all="ignore"):
+        curvature = (stiffness(row, stretches + step) - stiffness(row, stretches - step)) / (
+            2.0 * step
+        )
+        by_stretch = static.first_acceleration_with_rounding(
+            case, stretches, changed={name: values}
+        )
+        by_value = static.first_acceleration_with_rounding(
+            case, stretches, along=name, changed={name: values}
+        )
+        value_error = balancing_parameter_error(static, name, case, stretches, values)
+        # The slope of the force is off by its own rounding and by the error of the parameter.
+        ends = (
+            static.first_acceleration_with_rounding(case, stretches, changed={name: end})
+            for end in (values - value_error, values + value_error)
+        )
+        low, high = (np.asarray(end.slope.value) for end in ends)
+        slope_left = largest(by_stretch.slope) + 0.5 * np.abs(high - low)
+        error = slope_left / np.abs(curvature)
+        value_error = value_error + slope_left / least(by_value.slope) * error
+    return {
+        name: values,
+        f"{name}_error": value_error,
+        "stretch": stretches,
+        "stretch_error": error,
+        "thickness_stretch": static.thickness(case, stretches),
+        "thickness_stretch_error": thickness_error(static, case, stretches, error),
+    }
 
 
 def balancing_parameters(

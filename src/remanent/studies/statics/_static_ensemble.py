@@ -12,10 +12,14 @@ import numpy as np
 from remanent._field import Program, Role, StateVariable
 from remanent._roots import find_roots
 from remanent._typing import BoolArray, FloatArray, IntArray
+from remanent.analysis.statics.rounding import RoundedDual, RoundedDualFunctions
 from remanent.studies.ensemble.ensemble import Ensemble
 
 #: Stretches at which the force is computed, to find where it changes its sign.
 DEFAULT_STRETCH_GRID = np.geomspace(0.05, 20.0, 4001)
+#: Distance from the limits of a material, as a share of the way to them, within which rounding
+#: decides the sign of the force, which grows without bound there: nothing is sought so near.
+_LIMIT_MARGIN = 1e-12
 
 #: Values of parameters that stand in place of the ensemble's own, by name.
 ParameterOverrides = Mapping[str, FloatArray]
@@ -48,6 +52,7 @@ class StaticEnsemble:
         )
         bottom = self._last_reachable_stretch(np.maximum(rest - outside[1], 0), 1, outside[1] == 0)
         share = 0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, DEFAULT_STRETCH_GRID.size))
+        share = _LIMIT_MARGIN + (1.0 - 2.0 * _LIMIT_MARGIN) * share
         return np.asarray(bottom[:, None] * (top / bottom)[:, None] ** share)
 
     def _last_reachable_stretch(
@@ -111,6 +116,15 @@ class StaticEnsemble:
         (energy,) = self.evaluate_program(program, case, *stretches, changed=changed)
         return np.asarray(energy)
 
+    def states_at(self, case: IntArray, *stretches: FloatArray) -> FloatArray:
+        """The whole states at rest at stretches, arrays (point,): array (point, state)."""
+        values = {name: column[case] for name, column in self.ensemble.parameter_values.items()}
+        columns = [
+            np.broadcast_to(self._static_value(v, stretches, values), case.shape)
+            for v in self.ensemble.vector_field.variables
+        ]
+        return np.stack(columns, axis=-1)
+
     def evaluate_program(
         self,
         program: Program,
@@ -129,6 +143,78 @@ class StaticEnsemble:
             outputs = program([0.0, *state, *columns], functions=np)
         return [np.broadcast_to(value, np.shape(stretches[0])) for value in outputs]
 
+    def evaluate_with_rounding(
+        self,
+        program: Program,
+        case: IntArray,
+        *stretches: FloatArray,
+        along: str = "",
+        changed: ParameterOverrides | None = None,
+    ) -> list[RoundedDual]:
+        """Outputs with bounds of their rounding, and their derivatives.
+
+        Parameters
+        ----------
+        program : Program
+            Of the field.
+        case : array (point,) of int
+        *stretches : array (point,)
+        along : str
+            The parameter by which is derived; by default the first stretch.
+        changed : mapping of name to array (point,), optional
+            Values that stand in place of the ensemble's own.
+        """
+        values = {name: column[case] for name, column in self.ensemble.parameter_values.items()}
+        values |= changed or {}
+        moved = (stretches[0] + 1j, *stretches[1:]) if not along else stretches
+        state = []
+        for variable in self.ensemble.vector_field.variables:
+            place = self._static_value(variable, moved, values)
+            state.append(RoundedDual.variable(np.real(place), np.imag(place)))
+        columns = [
+            RoundedDual.variable(values[name], float(name == along))
+            for name in self.ensemble.vector_field.parameter_names
+        ]
+        phase = RoundedDual.constant(0.0)
+        with np.errstate(all="ignore"):
+            return program(
+                [phase, *state, *columns],
+                functions=RoundedDualFunctions,
+                constant=RoundedDual.constant,
+            )
+
+    def first_acceleration_with_rounding(
+        self,
+        case: IntArray,
+        *stretches: FloatArray,
+        along: str = "",
+        changed: ParameterOverrides | None = None,
+    ) -> RoundedDual:
+        """The first acceleration, :meth:`evaluate_with_rounding`."""
+        field = self.ensemble.vector_field
+        rates = self.evaluate_with_rounding(
+            field.rates, case, *stretches, along=along, changed=changed
+        )
+        return rates[field.indices_of_roles(Role.RATE)[0]]
+
+    def potential_with_rounding(
+        self,
+        case: IntArray,
+        *stretches: FloatArray,
+        along: str = "",
+        changed: ParameterOverrides | None = None,
+    ) -> RoundedDual:
+        """The energy, :meth:`evaluate_with_rounding`."""
+        program = self.ensemble.vector_field.observables["energy"]
+        return self.evaluate_with_rounding(program, case, *stretches, along=along, changed=changed)[
+            0
+        ]
+
+    def thickness_with_rounding(self, case: IntArray, *stretches: FloatArray) -> RoundedDual:
+        """The thickness stretch, :meth:`evaluate_with_rounding`."""
+        program = self.ensemble.vector_field.observables["thickness_stretch"]
+        return self.evaluate_with_rounding(program, case, *stretches)[0]
+
     def _static_value(
         self, variable: StateVariable, stretches: Sequence[Any], values: Mapping[str, FloatArray]
     ) -> Any:
@@ -139,7 +225,7 @@ class StaticEnsemble:
             moves = varied is not None and field.state_variable(varied).role is Role.RATE
             return np.full(np.shape(stretches[0]), 0.0 if moves else 1.0)
         if variable.role is Role.RATE:
-            return 0.0 * stretches[0]
+            return np.zeros(np.shape(stretches[0]))
         coordinate = variable.name if variable.role is Role.COORDINATE else variable.belongs_to
         if coordinate is None:
             return variable.value_at_rest(values)

@@ -86,7 +86,7 @@ class StaticState:
             jac=self._jacobian,
             tol=_ROOT_TOLERANCE,
         )
-        if not np.abs(solution.fun).max() < _MAX_RELATIVE_UNBALANCE * (1.0 + abs(solution.x[-1])):
+        if not self._is_at_rest(solution.fun, solution.x[:-1], float(solution.x[-1])):
             return None
         return self.with_load(float(solution.x[-1]))._with_free_values(solution.x[:-1])
 
@@ -100,11 +100,18 @@ class StaticState:
             return self._jacobian(np.append(u, self.magnetic_load))[:-1, :-1]
 
         solution = root(unbalance, self.state[self.free_indices], jac=jacobian, tol=_ROOT_TOLERANCE)
-        if not np.abs(solution.fun).max() < _MAX_RELATIVE_UNBALANCE * (
-            1.0 + abs(self.magnetic_load)
-        ):
+        if not self._is_at_rest(solution.fun, solution.x, self.magnetic_load):
             return None
         return self._with_free_values(solution.x)
+
+    def _is_at_rest(self, unbalance: FloatArray, free: FloatArray, load: float) -> bool:
+        """Whether a root finder found a balance, and a body that can be: stretches are positive."""
+        has_meaning = [
+            value > 0.0 or not self.vector_field.variables[k].positive
+            for k, value in zip(self.free_indices, free, strict=True)
+        ]
+        balanced = np.abs(unbalance).max() < _MAX_RELATIVE_UNBALANCE * (1.0 + abs(load))
+        return bool(balanced) and all(has_meaning)
 
     def thickness_stiffness(self) -> float:
         """Force on the thickness stretch, over its change, from rest to rest."""
@@ -154,10 +161,11 @@ class StaticState:
         values = self.parameters.astype(np.complex128)
         values[self.vector_field.parameter_names.index("m")] = load
         inputs = [0.0, *state, *values]
-        rates = self.vector_field.rates(inputs, functions=np)
-        (x,) = self.vector_field.observables[self.vector_field.observable_name](
-            inputs, functions=np
-        )
+        with np.errstate(all="ignore"):  # a root finder may try what has no meaning
+            rates = self.vector_field.rates(inputs, functions=np)
+            (x,) = self.vector_field.observables[self.vector_field.observable_name](
+                inputs, functions=np
+            )
         return np.array([*(rates[k] for k in self.balanced_indices), x - thickness])
 
     def _jacobian(self, u: FloatArray) -> FloatArray:

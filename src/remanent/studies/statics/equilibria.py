@@ -24,6 +24,13 @@ from remanent.studies.ensemble.two_coordinates import ensemble_with_two_coordina
 from remanent.studies.statics._biaxial import biaxial_equilibria
 from remanent.studies.statics._folds import folds_along_first_varied_parameter
 from remanent.studies.statics._static_ensemble import StaticEnsemble
+from remanent.studies.statics._static_errors import (
+    largest,
+    least,
+    squared_frequency_error,
+    stretch_error,
+    thickness_error,
+)
 
 #: Thickness stretches at which the potential is tabulated, around equilibria and rest.
 _POTENTIAL_POINT_COUNT = 401
@@ -50,16 +57,18 @@ def equilibria(
     -------
     xarray.Dataset
         Along ``equilibrium``, in order of the in-plane stretch, NaN where there are
-        fewer: ``equilibrium_stretch`` (thickness stretch), ``stretch``,
-        ``equilibrium_potential``, ``natural_frequency`` (radians per unit of tau, NaN
-        where unstable) and ``stability`` (``stable``, ``unstable`` or empty), within
-        equal stretches; ``transverse_stiffness``, ω_a² of λ₁ − λ₂, negative where the
-        stretches do not stay equal.
+        fewer, each with its error (``stretch_error`` ...), a bound of what rounding does:
+        ``equilibrium_stretch`` (thickness stretch), ``stretch``, ``equilibrium_potential``,
+        ``natural_frequency`` (radians per unit of tau, NaN where unstable) and ``stability``
+        (``stable``, ``unstable`` or empty), within equal stretches; ``transverse_stiffness``,
+        ω_a² of λ₁ − λ₂, negative where the stretches do not stay equal.
         ``potential`` against ``thickness_stretch`` is the potential energy per
         reference volume over mu, ``level`` that of rest, whose motion runs between
         ``turning_lower`` and ``turning_upper``.  With `over`, along ``fold``, the values
         of its first field at which two equilibria meet, ``fold_m`` for example, and the
-        ``fold_stretch`` and ``fold_thickness_stretch`` there.  With two coordinates:
+        ``fold_stretch`` and ``fold_thickness_stretch`` there, with errors.  ``potential`` and
+        ``level`` are closed forms at exact stretches, with no error but rounding.  Where a
+        value of `over` is invalid everything is NaN.  With two coordinates:
         ``stretch_1``, ``stretch_2``, ordered by the first, and ``natural_frequency`` along
         ``mode`` too; no folds and no table of the potential.
 
@@ -76,7 +85,8 @@ def equilibria(
     Notes
     -----
     Sign changes of the force on 4001 stretches from 0.05 to 20, or between the limits of the
-    material where these are nearer, refined to round-off;
+    material where these are nearer, refined to round-off; the error is the force that rounding
+    may leave there, over its slope;
     the natural frequency is √(−∂λ''/∂λ) at rest, by a complex step.  Without dissipation
     ω_a² of a neo-Hookean solid is 3[θ(1 + λ⁻⁶) − mλ⁻⁴].  At a fold the parameter
     that balances the force, as a function of the stretch, has an extremum: a sign change of
@@ -124,27 +134,49 @@ def _equilibrium_properties(static: StaticEnsemble, stretch: FloatArray) -> dict
     case = np.repeat(np.arange(len(stretch)), stretch.shape[1]).reshape(stretch.shape)
     # A force that falls with the stretch brings it back.
     stiffness = -force_slope(static.first_acceleration, case, stretch)
+    force = static.first_acceleration_with_rounding(case, stretch)
+    error = stretch_error(static, case, stretch, force)
+    transverse, transverse_error = _transverse_stiffness(static.ensemble, case, stretch, error)
     with np.errstate(invalid="ignore"):
         frequency = np.sqrt(np.where(stiffness > 0, stiffness, np.nan))
+        squared_error = squared_frequency_error(static, case, stretch, error, force)
     return {
         "equilibrium_stretch": static.thickness(case, stretch),
+        "equilibrium_stretch_error": thickness_error(static, case, stretch, error),
         "stretch": stretch,
+        "stretch_error": error,
         "equilibrium_potential": static.potential(case, stretch),
+        "equilibrium_potential_error": static.potential_with_rounding(case, stretch).value.bound,
         "natural_frequency": frequency,
+        "natural_frequency_error": _square_root_error(frequency, squared_error),
         "stability": np.where(stiffness > 0, "stable", np.where(stiffness <= 0, "unstable", "")),
-        "transverse_stiffness": _transverse_stiffness(static.ensemble, case, stretch),
+        "transverse_stiffness": transverse,
+        "transverse_stiffness_error": transverse_error,
     }
 
 
-def _transverse_stiffness(ens: Ensemble, case: IntArray, stretch: FloatArray) -> FloatArray:
-    """omega_a^2 of a small difference of the in-plane stretches at rest."""
+def _square_root_error(root: FloatArray, squared_error: FloatArray) -> FloatArray:
+    """Error of a square root: half that of the square over the root, at most its own root."""
+    with np.errstate(all="ignore"):
+        error = np.minimum(squared_error / root, np.sqrt(squared_error))
+    return np.asarray(error + np.finfo(float).eps * root)
+
+
+def _transverse_stiffness(
+    ens: Ensemble, case: IntArray, stretch: FloatArray, error: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """omega_a^2 of a small difference of the in-plane stretches at rest, and its error."""
     biaxial, pairs = ensemble_with_two_coordinates(ens)
     field = transverse_field(biaxial.vector_field, pairs)
     static = StaticEnsemble(replace(biaxial, vector_field=field))
-    rates = static.evaluate_program(field.rates, case, stretch)
     (rate,) = field.names_of_roles(Role.RATE)
     (difference,) = field.names_belonging_to(rate)
-    return np.asarray(-rates[field.state_names.index(difference)])
+    number = static.evaluate_with_rounding(field.rates, case, stretch)[
+        field.state_names.index(difference)
+    ]
+    return -np.asarray(number.value.value), np.asarray(
+        number.value.bound + largest(number.slope) * error
+    )
 
 
 def _potential_variables(static: StaticEnsemble, equilibria: FloatArray) -> dict[str, Labelled]:
@@ -163,19 +195,27 @@ def _potential_variables(static: StaticEnsemble, equilibria: FloatArray) -> dict
     potential = static.potential(case, np.tile(grid**-0.5, ens.trajectory_count))
     level = static.potential(np.arange(ens.trajectory_count), np.ones(ens.trajectory_count))
     with np.errstate(all="ignore"):  # of loads near the largest number
-        lower, upper = np.sort(_turning_points(static, level), axis=0)
-    rows = potential.reshape(ens.trajectory_count, grid.size)
-    return {
-        "thickness_stretch": (("thickness_stretch",), grid),
-        "potential": ((*ens.dims, "thickness_stretch"), ens.reshape_to_dims(rows)),
-        "level": (ens.dims, ens.reshape_to_dims(level)),
-        "turning_lower": (ens.dims, ens.reshape_to_dims(lower)),
-        "turning_upper": (ens.dims, ens.reshape_to_dims(upper)),
+        turning, error = _turning_points(static, level)
+    order = np.argsort(turning, axis=0)
+    turning, error = (np.take_along_axis(a, order, axis=0) for a in (turning, error))
+    rows = {
+        "level": level,
+        "turning_lower": turning[0],
+        "turning_lower_error": error[0],
+        "turning_upper": turning[1],
+        "turning_upper_error": error[1],
+        "potential": potential.reshape(ens.trajectory_count, grid.size),
     }
+    variables: dict[str, Labelled] = {"thickness_stretch": (("thickness_stretch",), grid)}
+    for name, values in rows.items():
+        is_invalid = ens.is_invalid.reshape(-1, *[1] * (values.ndim - 1))
+        dims = (*ens.dims, "thickness_stretch") if name == "potential" else ens.dims
+        variables[name] = (dims, ens.reshape_to_dims(np.where(is_invalid, np.nan, values)))
+    return variables
 
 
-def _turning_points(static: StaticEnsemble, level: FloatArray) -> FloatArray:
-    """Thickness stretches (2, trajectory) between which the motion from rest runs.
+def _turning_points(static: StaticEnsemble, level: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Thickness stretches (2, trajectory) between which the motion from rest runs, and errors.
 
     One of them is rest.  The other is the nearest stretch, in the direction in which the force
     pushes, at which the potential is again what it is at rest, `level`.
@@ -193,4 +233,11 @@ def _turning_points(static: StaticEnsemble, level: FloatArray) -> FloatArray:
     nearest = distance.min(axis=1, initial=np.inf)
     shift = np.where(np.isfinite(nearest), nearest, np.nan) * direction
     opposite_end = np.where(direction == 0.0, 1.0, 1.0 + shift)
-    return np.stack([static.thickness(case, rest), static.thickness(case, opposite_end)])
+    potential = static.potential_with_rounding(case, opposite_end)
+    left = np.abs(potential.value.value - level) + potential.value.bound
+    left += static.potential_with_rounding(case, rest).value.bound
+    error = np.where(direction == 0.0, 0.0, left / least(potential.slope))
+    return (
+        np.stack([static.thickness(case, rest), static.thickness(case, opposite_end)]),
+        np.stack([0.0 * rest, thickness_error(static, case, opposite_end, error)]),
+    )

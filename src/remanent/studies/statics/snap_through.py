@@ -24,6 +24,12 @@ from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble
 from remanent.studies.statics._folds import fold_points, stretch_grid_of_cases
 from remanent.studies.statics._static_ensemble import StaticEnsemble
+from remanent.studies.statics._static_errors import (
+    balancing_parameter_error,
+    largest,
+    least,
+    thickness_error,
+)
 
 #: Points between start and saddle at which the energy is compared.
 _ENERGY_SAMPLE_COUNT_TO_SADDLE = 256
@@ -73,7 +79,8 @@ def snap_through(
         ``snap_<parameter>``, the value at which the motion from `initial` just reaches an
         unstable equilibrium (which may be the start itself), ``snap_stretch`` and
         ``snap_thickness_stretch`` there, and ``snap_direction``: 1 if beyond it a larger value
-        takes the motion to larger in-plane stretches, -1 if to smaller.
+        takes the motion to larger in-plane stretches, -1 if to smaller.  Each number has its
+        error, ``snap_stretch_error`` for example: a bound of what rounding does to it.
 
     Raises
     ------
@@ -111,8 +118,8 @@ def snap_through(
     _require_not_varied(parameter, ens)
     static, cases = StaticEnsemble(ens), np.flatnonzero(~ens.is_invalid)
     ends = np.full(cases.size, low), np.full(cases.size, high)
-    folds = _find_folds(static, parameter, cases, ends)
-    snaps = _find_snap_thresholds(static, parameter, cases, ends)
+    folds = fold_points(static, parameter, cases, ends)
+    snaps = _SnapSearch(static, parameter, cases, ends).thresholds()
     variables: dict[str, PerTrajectoryArray] = {
         f"{dim}_{name}": ((dim,), _rows_for_all_cases(values, cases, ens.trajectory_count))
         for dim, columns in (("fold", folds), ("snap", snaps))
@@ -155,31 +162,6 @@ def _require_not_varied(parameter: str, ens: Ensemble) -> None:
             why="It is the field that the thresholds are values of.",
             fix="Leave it out of `over`.",
         )
-
-
-def _find_folds(
-    static: StaticEnsemble, parameter: str, cases: IntArray, ends: tuple[FloatArray, FloatArray]
-) -> dict[str, FloatArray]:
-    """Where a stable and an unstable equilibrium meet, arrays (case, fold)."""
-    stretch, value = fold_points(static, parameter, cases, ends)
-    return {
-        parameter: value,
-        "stretch": stretch,
-        "thickness_stretch": static.thickness(cases[:1], stretch),
-    }
-
-
-def _find_snap_thresholds(
-    static: StaticEnsemble, parameter: str, cases: IntArray, ends: tuple[FloatArray, FloatArray]
-) -> dict[str, FloatArray]:
-    """Where the motion from the start just reaches a saddle, arrays (case, snap)."""
-    stretch, value, direction = _SnapSearch(static, parameter, cases, ends).thresholds()
-    return {
-        parameter: value,
-        "stretch": stretch,
-        "thickness_stretch": static.thickness(cases[:1], stretch),
-        "direction": direction,
-    }
 
 
 def _rows_for_all_cases(values: FloatArray, cases: IntArray, count: int) -> FloatArray:
@@ -229,8 +211,8 @@ class _SnapSearch:
             case, self.start_stretch[row] + 0.0 * x, changed=changed
         )
 
-    def thresholds(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Stretch, parameter and direction of every threshold, arrays (case, threshold)."""
+    def thresholds(self) -> dict[str, FloatArray]:
+        """Parameter, stretch and direction of every threshold, and errors, (case, threshold)."""
         grid, count = stretch_grid_of_cases(self.static, self.valid_cases), self.valid_cases.size
         # Equilibria whose energy is that of the start, and the start, which has it anyway.
         level = find_force_zeros(
@@ -244,14 +226,50 @@ class _SnapSearch:
         value = self.balancing_parameter(row, x)
         x = np.where(self._is_reached_saddle(row, x, value), x, np.nan)
         value = np.where(np.isnan(x), np.nan, value)
-        columns = [
-            a.reshape(level.shape)
-            for a in (x, value, self._stretch_direction_beyond_threshold(row, x, value))
-        ]
-        order = np.argsort(columns[1], axis=1)  # NaN last
+        error, value_error = self._threshold_errors(row, x, value)
+        case = self.valid_cases[row]
+        columns = {
+            self.parameter_name: value,
+            f"{self.parameter_name}_error": value_error,
+            "stretch": x,
+            "stretch_error": error,
+            "thickness_stretch": self.static.thickness(case, x),
+            "thickness_stretch_error": thickness_error(self.static, case, x, error),
+            "direction": self._stretch_direction_beyond_threshold(row, x, value),
+        }
+        order = np.argsort(value.reshape(level.shape), axis=1)  # NaN last
         width = int(np.isfinite(value).reshape(level.shape).sum(axis=1).max(initial=0))
-        first, second, third = (np.take_along_axis(a, order, axis=1)[:, :width] for a in columns)
-        return first, second, third
+        return {
+            name: np.take_along_axis(column.reshape(level.shape), order, axis=1)[:, :width]
+            for name, column in columns.items()
+        }
+
+    def _threshold_errors(
+        self, row: IntArray, x: FloatArray, value: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Errors of stretch and parameter of thresholds.
+
+        Along the curve of equilibria the level V(x) - V(start) changes by the parameter alone,
+        as the force vanishes, and the parameter by -(df/dx)/(df/dp).
+        """
+        name, case, start = self.parameter_name, self.valid_cases[row], self.start_stretch[row]
+        changed = {name: value}
+        of_force = [
+            self.static.first_acceleration_with_rounding(case, x, along=along, changed=changed)
+            for along in ("", name)
+        ]
+        of_level = [
+            self.static.potential_with_rounding(case, place + 0.0 * x, along=name, changed=changed)
+            for place in (x, start)
+        ]
+        rise = of_level[0] - of_level[1]
+        with np.errstate(all="ignore"):
+            own = balancing_parameter_error(self.static, name, case, x, value)
+            slope = largest(of_force[0].slope) / least(of_force[1].slope)
+            steepness = least(rise.slope) * least(of_force[0].slope) / largest(of_force[1].slope)
+            left = largest(rise.value) + largest(rise.slope) * own
+            error = np.where(x == start, 0.0, left / steepness)
+            return error, own + slope * error
 
     def _stretch_direction_beyond_threshold(
         self, row: IntArray, x: FloatArray, value: FloatArray

@@ -72,17 +72,21 @@ def test_passages_of_a_damped_sine() -> None:
         e = np.exp(-t / 5.0)
         return 1.0 - e * np.cos(t), e * (np.sin(t) + np.cos(t) / 5.0)
 
-    times = np.linspace(0.0, 30.0, 301)[None]
+    turns = np.pi * np.arange(1, 10) - np.arctan(0.2)
+    times = np.concatenate([[0.0], turns, [30.0]])[None]
     share = answer(times)[0]
-    last = settling.last_index_outside_band(share, 0.95, 1.05)
-    first = settling.first_index_at_or_above(share, 0.5) - 1
-    levels = np.array([[0.5, 1.05 if share[0, last[0]] > 1.0 else 0.95]])
-    found = settling.locate_level_crossings(answer, times, np.stack([first, last], axis=1), levels)
+    last = settling.last_node_outside(share, np.array([[0.95]]), np.array([[1.05]]))
+    first = settling.way_to_level(share, np.array([[0.5]]))
+    levels = np.array([[0.5, 1.05 if share[0, last[0, 0]] > 1.0 else 0.95]])
+    before = np.concatenate([first, last], axis=1)
+    start, end = (np.take_along_axis(times, before + k, axis=1) for k in (0, 1))
+    rising = np.sign(np.diff(share[0]))[before]
+    found = settling.locate_level_crossings(answer, start, end, levels, rising)
     np.testing.assert_allclose(answer(found.time)[0], levels, atol=1e-13)
     dense = np.linspace(0.0, 30.0, 3_000_001)
     away = np.flatnonzero(np.abs(answer(dense)[0] - 1.0) > 0.05)[-1]
     assert found.time[0, 1] == pytest.approx(dense[away], abs=2e-5)
-    assert settling.first_index_at_or_above(share, 3.0)[0] == -1
+    assert settling.way_to_level(share, np.array([[3.0]]))[0, 0] == -1
 
 
 def test_the_error_of_a_sequence_is_what_errors_of_its_conditions_make_of_it() -> None:

@@ -14,16 +14,16 @@ def test_largest_of_a_function_that_jumps(width: float) -> None:
     """exp(-|x - a|) for x below a, 0 above: the maximum sits at the jump."""
     jump = np.array([0.3217, 0.7071])
 
-    def measure(case: IntArray, x: FloatArray) -> FloatArray:
-        return np.where(x < jump[case], np.exp(x - jump[case]), 0.0)
+    def measure(case: IntArray, x: FloatArray, _: float) -> tuple[FloatArray, FloatArray]:
+        return np.where(x < jump[case], np.exp(x - jump[case]), 0.0), np.zeros(x.shape)
 
     x = np.linspace(0.0, 1.0, 11)
-    table = np.stack([measure(np.full(11, k), x) for k in range(2)])
-    found = refine_maxima(x, table, measure, width=width)
-    assert (found.bracket_upper - found.bracket_lower <= width).all()
-    assert (found.bracket_lower <= jump).all()
-    assert (jump <= found.bracket_upper).all()
-    np.testing.assert_allclose(found.position, jump, rtol=0, atol=width)
+    table = np.stack([measure(np.full(11, k), x, 1e-9)[0] for k in range(2)])
+    found = refine_maxima(x, table, 0.0 * table, measure, tolerance=1e-9, width=width)
+    assert (found.position_error <= width).all()
+    assert found.is_inside.all()
+    assert (np.abs(found.position - jump) <= found.position_error).all()
+    assert (np.abs(found.value - 1.0) <= found.value_error).all()
 
 
 def test_largest_is_never_below_the_table() -> None:
@@ -31,9 +31,50 @@ def test_largest_is_never_below_the_table() -> None:
     x = np.linspace(0.0, 1.0, 5)
     table = np.array([[0.1, np.nan, 0.9, np.nan, 0.2], [np.nan] * 5])
 
-    def unknown(case: IntArray, at: FloatArray) -> FloatArray:
-        return np.full(np.broadcast(case, at).shape, np.nan)
+    def unknown(case: IntArray, at: FloatArray, _: float) -> tuple[FloatArray, FloatArray]:
+        return (np.full(np.broadcast(case, at).shape, np.nan),) * 2
 
-    found = refine_maxima(x, table, unknown, width=1e-3)
+    found = refine_maxima(x, table, 0.0 * table, unknown, tolerance=1e-9, width=1e-3)
     assert (found.position[0], found.value[0]) == (0.5, 0.9)
+    assert found.position_error[0] == 0.5
     assert np.isnan(found.value[1])
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-6, 1e-9])
+@pytest.mark.parametrize("width", [1e-3, 1e-6, 1e-9])
+def test_errors_cover_a_smooth_top_that_noise_hides(tolerance: float, width: float) -> None:
+    """A parabola with errors of the tolerance, of any sign: its top is within its error.
+
+    No bracket is narrower than the errors let tell, and smaller errors are asked for where they
+    help.
+    """
+    tops = np.linspace(0.31, 0.69, 24)
+    asked: list[float] = []
+
+    def measure(case: IntArray, x: FloatArray, level: float) -> tuple[FloatArray, FloatArray]:
+        asked.append(level)
+        noise = level * np.sin(1e9 * x + 1e3 * case)
+        return 1.0 - 5.0 * (x - tops[case]) ** 2 + noise, np.full(x.shape, level)
+
+    x = np.linspace(0.0, 1.0, 21)
+    rows = [measure(np.full(21, k), x, tolerance) for k in range(24)]
+    values, errors = (np.stack(columns) for columns in zip(*rows, strict=True))
+    found = refine_maxima(x, values, errors, measure, tolerance=tolerance, width=width)
+    assert (np.abs(found.position - tops) <= found.position_error).all()
+    assert (np.abs(found.value - 1.0) <= found.value_error).all()
+    assert (found.position_error <= 30.0 * max(width, np.sqrt(min(asked) / 5.0))).all()
+
+
+def test_no_maximum_inside() -> None:
+    """A function that grows to an end of the table, a constant, and a single point have none."""
+    x = np.linspace(0.0, 1.0, 9)
+
+    def measure(case: IntArray, at: FloatArray, level: float) -> tuple[FloatArray, FloatArray]:
+        return np.where(case == 0, at, 0.25), np.full(at.shape, level)
+
+    table = np.stack([x, np.full(9, 0.25)])
+    found = refine_maxima(x, table, 1e-9 + 0.0 * table, measure, tolerance=1e-9, width=1e-6)
+    assert not found.is_inside.any()
+    assert found.is_at_end[0]
+    alone = refine_maxima(x[:1], table[:, :1], table[:, :1], measure, tolerance=1e-9, width=1e-6)
+    assert not alone.is_inside.any()

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import remanent as rm
 from remanent._errors import InputError
 from remanent.models.drives.piecewise import Ramp, Sampled, Steps
 
@@ -83,3 +84,47 @@ def test_one_sample_is_too_few() -> None:
     """One sample defines no interpolation."""
     with pytest.raises(InputError, match="`times` must have at least 2 entries; got 1"):
         Sampled([0.0], [1.0])
+
+
+def test_a_spline_that_swings_beyond_its_samples_warns() -> None:
+    """Law: a jump within a short time makes a spline of evenly spaced others swing."""
+    with pytest.warns(rm.InputWarning, match="beyond them"):
+        Sampled([0, 1, 2, 3 - 1e-8, 3 + 1e-8, 4, 5, 6], [0, 0, 0, 0, 0.3, 0.3, 0.3, 0.3])
+
+
+@pytest.mark.parametrize("kind", [Steps, Ramp, Sampled])
+def test_tables_begin_at_zero(kind: type[Steps]) -> None:
+    """Law: a table says nothing of times before its first."""
+    with pytest.raises(rm.InputError, match="before 0"):
+        kind([0.0, 1.0, 2.0, 3.0], [0.0, 1.0, 0.0, 1.0])(-1.0)
+
+
+def test_a_record_with_summed_times_runs_to_its_end() -> None:
+    """Law: a run may be as long as the multiple that the times were summed up to."""
+    times = np.cumsum(np.append(0.0, np.full(111, 0.1)))
+    assert times[-1] < 111 * 0.1
+    drive = Sampled(times, np.sin(times))
+    run = rm.simulate(rm.Actuator(), drive, duration=111 * 0.1)
+    assert int(run.status) == rm.Status.OK
+    assert np.isfinite(run.thickness_stretch).all()
+
+
+@pytest.mark.parametrize(
+    ("loads", "multiples", "period"),
+    [
+        ([0.1, 0.1], [0.5, 1.5], 2.0 * np.pi),
+        ([0.1, 0.0], [2, 3], 0.5 * np.pi),
+        ([0.1, 0.1], [1, 1 / 3], 3.0 * np.pi),
+    ],
+)
+def test_sums_of_sines_repeat_after_their_period(
+    loads: list[float], multiples: list[float], period: float
+) -> None:
+    """Law: m(tau + T) = m(tau), for the smallest T."""
+    drive = rm.Sines(loads, multiples, 2.0)
+    assert drive.period is not None
+    assert drive.period == pytest.approx(period)
+    times = np.linspace(0.0, 9.0, 19)
+    np.testing.assert_allclose(drive(times + drive.period), drive(times), atol=1e-14)
+    run = rm.simulate(rm.Actuator(), drive, times=times)
+    np.testing.assert_allclose(run["load"], drive(times), atol=1e-14)

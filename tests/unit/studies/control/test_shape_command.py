@@ -110,3 +110,17 @@ def test_what_cannot_be_held_is_refused() -> None:
         rm.shape_command(rm.Actuator(), 1.2, robust_to="stiffness")
     with pytest.raises(rm.InputError, match=r"rm\.Steps"):
         rm.step_response(rm.Actuator(), rm.Sine(0.1, 1.0))
+
+
+def test_a_body_that_is_at_rest_at_the_target_stays() -> None:
+    """Law: the command to stay is the load that holds the body, from the start."""
+    assert rm.shape_command(rm.Actuator(), 1.0) == rm.Steps([0.0], [0.0])
+    pulled = rm.Actuator(prestress=0.3)
+    held = float(rm.equilibria(pulled, 0.2).equilibrium_stretch[0])
+    start = (held**-0.5, 0.0)
+    command = rm.shape_command(pulled, held, initial=start)
+    assert command.loads == pytest.approx((0.2,), abs=1e-12)
+    ds = rm.step_response(pulled, command, initial=start)
+    assert float(ds.residual_amplitude) < 1e-9
+    assert np.isnan(float(ds.rise_time))
+    assert "no change" in str(ds.reason.values)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 import remanent as rm
 
@@ -20,3 +21,19 @@ def test_decrement_of_small_oscillations() -> None:
     omega = np.sqrt(6.0 * theta * (1.0 - zeta**2))
     np.testing.assert_allclose(found.damping_ratio, zeta, rtol=1e-4)
     np.testing.assert_allclose(found.frequency, omega.transpose(*found.dims), rtol=1e-4)
+
+
+@pytest.mark.parametrize("noise", [1e-4, 1e-3, 0.03])
+def test_noise_of_dense_records_is_smoothed(noise: float) -> None:
+    """Law: the decrement of u'' + eta u'/2 + 6 u = 0 is found within three standard errors."""
+    time = np.linspace(0.0, 20.0, 2000)
+    body = rm.Actuator(dissipation=rm.Rayleigh(0.1))
+    run = rm.simulate(body, rm.Constant(0.0), times=time, initial=(1.001, 0.0))
+    size = 0.5 * np.ptp(run.thickness_stretch.values)
+    errors = size * noise * np.random.default_rng(1).standard_normal(time.size)
+    found = rm.logarithmic_decrement(run.assign(thickness_stretch=run.thickness_stretch + errors))
+    zeta = 0.1 / np.sqrt(24.0)
+    exact = 2.0 * np.pi * zeta / np.sqrt(1.0 - zeta**2)
+    # The motion is that of no small oscillation: it differs by the amplitude, 2e-3, squared.
+    assert abs(float(found.decrement) - exact) < 3.0 * float(found.decrement_error) + 1e-4
+    assert float(found.decrement_error) < noise

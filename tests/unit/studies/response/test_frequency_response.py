@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import remanent as rm
+from remanent._typing import FloatArray
 
 DRIVE = rm.SineSquared(0.4, 1.0)
 
@@ -58,3 +60,58 @@ def test_where_the_bound_is_not_met_there_is_no_amplitude() -> None:
     )
     assert ds.status.values.tolist() == [1, 1, 2, 2]
     assert np.isfinite(ds.amplitude.values).tolist() == [True, True, False, False]
+
+
+@pytest.mark.parametrize(
+    ("b", "omega"),
+    [(0.0, np.linspace(0.5, 2.0, 7)), (0.4, np.array([1.0])), (0.4, np.linspace(1.3, 1.5, 5))],
+)
+def test_without_a_peak_inside_there_is_no_resonance(b: float, omega: FloatArray) -> None:
+    """Law: a largest amplitude at an end of the range, or of equals, is no resonance."""
+    ds = rm.frequency_response(rm.Actuator(), rm.SineSquared(b, 1.0), omega)
+    assert np.isnan([float(ds[f"resonance{s}"]) for s in ("", "_error", "_amplitude")]).all()
+    assert int(ds.resonance_status) == rm.Status.INCOMPLETE
+    assert str(ds.reason.values)
+
+
+def test_extremes_are_told_with_their_times() -> None:
+    """Law: the motion at the time of an extreme is the extreme."""
+    body, drive = rm.Actuator(dissipation=rm.Rayleigh(0.1)), rm.SineSquared(0.4, 1.0)
+    ds = rm.frequency_response(body, drive, [1.0], discard=20.0).isel(omega=0)
+    times = np.sort([float(ds.maximum_time), float(ds.minimum_time)])
+    assert (times >= 20.0).all()
+    x = rm.simulate(body, drive, times=np.append(0.0, times)).thickness_stretch.values[1:]
+    assert sorted(x) == pytest.approx([float(ds.minimum), float(ds.maximum)], abs=1e-8)
+
+
+def test_runs_that_end_early_in_a_slow_period() -> None:
+    """Law: m = (b omega tau)^2 for omega -> 0, and the motion follows it: 2.6667e-8 at 1e-5.
+
+    The amplitude falls with the square of the frequency.
+    """
+    omega = np.array([1e-12, 1e-7, 1e-6, 1e-5, 1e-3, 1.0])
+    ds = rm.frequency_response(rm.Actuator(), rm.SineSquared(0.4, 1.0), omega)
+    assert (ds.status == rm.Status.OK).all()
+    np.testing.assert_allclose(ds.amplitude[1:4], 266.667 * omega[1:4] ** 2, rtol=1e-3)
+    slow = rm.simulate(
+        rm.Actuator(), rm.SineSquared(0.4, 1e-5, phase=1.0), times=[0.0, 50.0, 100.0]
+    )
+
+    def rates(t: float, y: FloatArray) -> list[float]:
+        x, v = y
+        force = x**8 - x**2 + (0.4 * np.sin(1e-5 * t + 1.0)) ** 2 * x**4
+        return [v, (6.0 * v * v - 3.0 * force) / (x**7 + 2.0 * x)]
+
+    way = solve_ivp(
+        rates, (0.0, 100.0), [1.0, 0.0], "DOP853", [50.0, 100.0], rtol=1e-11, atol=1e-11
+    )
+    np.testing.assert_allclose(slow.stretch[1:], way.y[0], atol=1e-7)
+    times = rm.crossings(
+        rm.Actuator(), rm.SineSquared(0.4, 1.0, phase=1.0), "thickness_stretch", 1.02,
+        duration=20.0, over={"omega": [1e-9, 1e-5, 1.0]},
+    ).crossing_time  # fmt: skip
+    constant = rm.crossings(
+        rm.Actuator(), rm.Constant((0.4 * np.sin(1.0)) ** 2), "thickness_stretch", 1.02,
+        duration=20.0,
+    ).crossing_time  # fmt: skip
+    np.testing.assert_allclose(times[0], constant, atol=1e-6)

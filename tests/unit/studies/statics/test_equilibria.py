@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+import pytest
 
 import remanent as rm
 
@@ -18,3 +19,46 @@ def test_folds_are_found_for_each_of_the_other_fields() -> None:
     single = rm.equilibria(rm.Actuator(prestress=2.2), over={"m": loads})
     np.testing.assert_array_equal(ds.fold_m.values[2, 0], single.fold_m.values)
     assert np.isnan(ds.fold_m.values[0]).all()
+
+
+def test_the_limit_of_a_material_is_no_equilibrium() -> None:
+    """Law: a force that grows without bound changes its sign at a pole, and rests nowhere."""
+    body = rm.Actuator(
+        temperature=281.5342198667933,
+        reference_temperature=297.8721755173643,
+        prestress=0.8104286717494649,
+        material=rm.Gent(12.558486526447425),
+    )
+    ds = rm.equilibria(body, -1.7759650189179725)
+    assert ds.stretch.values == pytest.approx([1.45363326])
+    limits = np.random.default_rng(0).uniform(2.0, 40.0, 40)
+    for jm in limits.tolist():
+        found = rm.equilibria(rm.Actuator(material=rm.Gent(jm)), 0.3)
+        assert found.sizes["equilibrium"] == 1
+        assert float(found.stretch_error[0]) < 1e-13
+
+
+def test_an_invalid_point_has_no_numbers_but_folds_of_the_others() -> None:
+    """Law: invalid values leave NaN in every variable, and do not hide folds beside them."""
+    loads = np.append(np.linspace(1.0, 4.0, 7), np.nan)
+    curve = rm.equilibria(rm.Actuator(prestress=2.2), over={"m": loads})
+    assert curve.status.values.tolist() == [1] * 7 + [4]
+    point = curve.isel(m=-1)
+    numbers = [v for v in point.data_vars if v != "status" and "m" in curve[v].dims]
+    assert all(np.isnan(point[v]).all() for v in numbers if point[v].dtype.kind == "f")
+    whole = rm.equilibria(rm.Actuator(prestress=2.2), over={"m": loads[:-1]})
+    assert whole.sizes["fold"] == 2
+    np.testing.assert_array_equal(curve.fold_m, whole.fold_m)
+    assert (curve.fold_m_error < 1e-13).all()
+
+
+def test_errors_of_two_coordinates_are_those_of_one_where_they_are_equal() -> None:
+    """Law: equal dead loads rest at equal stretches, within both errors."""
+    one = rm.equilibria(rm.Actuator(prestress=0.3), 0.2)
+    two = rm.equilibria(rm.Actuator(prestress=(0.3, 0.3)), 0.2)
+    off = abs(float(two.stretch_1[0]) - float(one.stretch[0]))
+    assert off <= float(two.stretch_1_error[0]) + float(one.stretch_error[0])
+    assert float(two.stretch_1_error[0]) < 1e-10
+    modes = two.natural_frequency.values[0]
+    near = np.abs(modes - float(one.natural_frequency[0]))
+    assert near.min() <= two.natural_frequency_error.values[0][near.argmin()] + 1e-14

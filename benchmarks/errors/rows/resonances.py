@@ -1,0 +1,203 @@
+"""Peaks of branches of forced response, against Newton's method on heyoka's orbits."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+import remanent as rm
+from benchmarks.errors.row import Judged, Row
+
+#: Decades of the tolerance of the residual.
+TOLERANCES = (-11.0, -6.0)
+#: Relative error of a step of the reference.
+PRECISION = 1e-19
+#: Steps of Newton's method onto an orbit, and the size of the last.
+NEWTON_STEPS = 12
+CONVERGED = 1e-15
+#: Steps of the secant method for the top of a peak, and the change that ends it.
+SECANT_STEPS = 30
+ENOUGH = 1e-14
+#: Samples of an orbit for its harmonics.
+SAMPLES = 256
+LONG = np.longdouble
+
+
+@dataclass(frozen=True)
+class Orbit:
+    """An orbit under the square of a sine.
+
+    Attributes
+    ----------
+    state : array (2,)
+    amplitude, slope : float
+        Of the thickness stretch, and its derivative by omega along the branch.
+    samples : array (sample,)
+        Of the thickness stretch over one period.
+    """
+
+    state: Any
+    amplitude: float
+    slope: float
+    samples: Any
+
+
+@cache
+def _engine() -> tuple[Any, list[Any]]:
+    """The block with derivatives by its state and by omega, and its turning points."""
+    import heyoka as hy
+
+    x, v = hy.make_vars("x", "v")
+    c, theta, prestress, eta, b, omega = (hy.par[k] for k in range(6))
+    sine = b * hy.sin(omega * hy.time)
+    x2 = x * x
+    x4, x7 = x2 * x2, x2 * x2 * x2 * x
+    force = theta * (x4 * x4 - x2) - prestress * x7 + sine * sine * x4 + eta * v * x7
+    rate = (6.0 * c * v * v - 3.0 * force) / (x7 + 2.0 * c * x)
+    system = hy.var_ode_sys([(x, v), (v, rate)], [x, v, omega], order=1)
+    found: list[Any] = []
+
+    def turned(engine: Any, time: Any, _: int) -> None:
+        engine.update_d_output(time)
+        found.append(engine.d_output[:5].copy())
+
+    turn = hy.nt_event(hy.make_vars("v"), turned, fp_type=LONG)
+    start = np.array([1, 0, 1, 0, 0, 0, 1, 0], dtype=LONG)
+    engine = hy.taylor_adaptive(
+        system, start[:2], fp_type=LONG, tol=LONG(PRECISION), nt_events=[turn]
+    )
+    return engine, found
+
+
+def _flow(values: dict[str, float], omega: Any, state: Any) -> tuple[Any, list[Any], Any]:
+    """The state after a period with its derivatives, turning points, and samples."""
+    engine, found = _engine()
+    found.clear()
+    engine.time = LONG(0)
+    engine.state[:] = [state[0], state[1], 1, 0, 0, 0, 1, 0]
+    theta = LONG(values["temperature"]) / 293
+    engine.pars[:] = [
+        values["c"], theta, values["prestress"], values["eta"], values["b"], LONG(omega),
+    ]  # fmt: skip
+    period = np.arctan(LONG(1)) * 4 / LONG(omega)
+    outcome = engine.propagate_until(period, c_output=True)
+    dense = outcome[4]
+    samples = np.array([dense(period * k / SAMPLES)[0] ** -2 for k in range(SAMPLES)])
+    return engine.state.copy(), list(found), samples
+
+
+def _orbit(values: dict[str, float], omega: Any, state: Any) -> Orbit | None:
+    """The orbit near a state, by Newton's method."""
+    x = np.asarray(state, dtype=LONG)
+    period = np.arctan(LONG(1)) * 4 / LONG(omega)
+    for _ in range(NEWTON_STEPS):
+        end, turns, samples = _flow(values, omega, x)
+        jacobian = np.array([[end[2], end[3]], [end[5], end[6]]])
+        matrix = np.eye(2, dtype=LONG) - jacobian
+        determinant = matrix[0, 0] * matrix[1, 1] - matrix[0, 1] * matrix[1, 0]
+        inverse = np.array([[matrix[1, 1], -matrix[0, 1]], [-matrix[1, 0], matrix[0, 0]]])
+        step = inverse @ (end[:2] - x) / determinant
+        x = x + step
+        if not x[0] > 0 or not np.isfinite(float(x[0])):
+            return None
+        if np.abs(step).max() < CONVERGED:
+            break
+    else:
+        return None
+    # The period shortens as omega grows: d(end)/d(omega) is not at a fixed time.
+    x_, v_ = end[0], end[1]
+    theta = LONG(values["temperature"]) / 293
+    force = theta * (x_**8 - x_**2) - LONG(values["prestress"]) * x_**7
+    force += LONG(values["eta"]) * v_ * x_**7  # the load vanishes at phase 0
+    rate = (6 * LONG(values["c"]) * v_ * v_ - 3 * force) / (x_**7 + 2 * LONG(values["c"]) * x_)
+    by_omega = np.array([end[4], end[7]]) - np.array([v_, rate]) * period / LONG(omega)
+    moved = inverse @ by_omega / determinant
+    thickness = np.array([t[0] ** -2 for t in turns])
+    slopes = np.array([
+        -2 * t[0] ** -3 * (t[2] * moved[0] + t[3] * moved[1] + t[4]) for t in turns
+    ])  # fmt: skip
+    if not turns:
+        return None
+    high, low = np.argmax(thickness), np.argmin(thickness)
+    amplitude = (thickness[high] - thickness[low]) / 2
+    return Orbit(x, float(amplitude), float((slopes[high] - slopes[low]) / 2), samples)
+
+
+def _top(values: dict[str, float], omega: float, state: Any) -> tuple[float, Orbit] | None:
+    """The frequency of a peak, where the amplitude is level along the branch, and the orbit."""
+    first = _orbit(values, omega, state)
+    if first is None:
+        return None
+    before, after = LONG(omega), LONG(omega) + LONG(1e-7)
+    second = _orbit(values, after, first.state)
+    for _ in range(SECANT_STEPS):
+        if second is None or second.slope == first.slope:
+            return None
+        step = -second.slope * (after - before) / (second.slope - first.slope)
+        before, first, after = after, second, after + step
+        second = _orbit(values, after, first.state)
+        if abs(step) < ENOUGH and second is not None:
+            return float(after), second
+    return None
+
+
+def _peaks(rng: np.random.Generator) -> Iterator[tuple[str, Judged]]:
+    """Numbers of the peaks of one random actuator, with their names."""
+    values = {
+        "c": 10.0 ** rng.uniform(-1.0, 0.0),
+        "temperature": 293.0 * rng.uniform(0.8, 1.3),
+        "prestress": rng.uniform(-0.3, 0.5),
+        "eta": 10.0 ** rng.uniform(-1.3, -0.3),
+        "b": rng.uniform(0.05, 0.4),
+    }
+    tolerance = 10.0 ** rng.uniform(*TOLERANCES)
+    body = rm.Actuator(
+        c=values["c"], temperature=values["temperature"], prestress=values["prestress"],
+        dissipation=rm.Rayleigh(values["eta"]),
+    )  # fmt: skip
+    natural = float(rm.equilibria(body, 0.5 * values["b"] ** 2).natural_frequency[0])
+    drive, limits = rm.SineSquared(values["b"], 1.0), (0.2 * natural, 0.7 * natural)
+    ds = rm.resonances(body, drive, limits, slices=3, tolerance=tolerance)
+    for k in range(ds.sizes["peak"]):
+        one = ds.isel(peak=k)
+        near = rm.periodic_orbits(body, drive.replace(omega=float(one.omega)))
+        for i in range(near.sizes["orbit"]):
+            orbit = near.isel(orbit=i)
+            if abs(float(orbit.amplitude) - float(one.amplitude)) > 1e-4 * float(one.amplitude):
+                continue
+            top = _top(values, float(one.omega), orbit.initial.values)
+            if top is None:
+                continue
+            omega, exact = top
+            case = f"{values}, peak {k}"
+            numbers = {"omega": omega, "amplitude": exact.amplitude}
+            harmonics = np.fft.rfft(exact.samples.astype(float)) / SAMPLES
+            number = int(one.order_p)
+            if number:
+                # sin^2 = (1 - cos)/2: the load's first harmonic points the other way
+                lag = number * np.pi - np.angle(harmonics[number])
+                found = float(one.phase_lag)
+                numbers["phase_lag"] = found + float(np.angle(np.exp(1j * (lag - found))))
+            for name, number_ in numbers.items():
+                true = abs(float(one[name]) - number_)
+                error = float(one[f"{name}_error"])
+                yield name, Judged(case, tolerance, True, error, true, abs(number_))
+            break
+
+
+def _of(name: str) -> Callable[[np.random.Generator], Iterator[Judged]]:
+    return lambda rng: (judged for what, judged in _peaks(rng) if what == name)
+
+
+ROWS = tuple(
+    Row(f"{words} of resonances", f"resonances: {name}_error", _of(name))
+    for name, words in (
+        ("omega", "frequencies"),
+        ("amplitude", "amplitudes"),
+        ("phase_lag", "phase lags"),
+    )
+)
