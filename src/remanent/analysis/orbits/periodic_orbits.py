@@ -17,12 +17,10 @@ _MAX_NEWTON_STEP_COMPONENT = 0.25
 _RESIDUAL_FLOOR_OVER_ERROR = 4.0
 #: Share of its width by which a point may lie outside the box, for rounding.
 _BOX_SLACK_SHARE_OF_WIDTH = 1e-9
-#: Orbits nearer to each other than this are one, whatever their errors.
-_MIN_ORBIT_DISTANCE = 1e-7
-#: Orbits nearer to each other than this many times their errors are one, too.
-_MIN_ORBIT_DISTANCE_OVER_ERROR = 10.0
-#: Smallest singular value of 1 - J that an error of a point is divided by.
-_MIN_SINGULAR_VALUE_OF_ONE_MINUS_JACOBIAN = 1e-12
+#: Points nearer to each other than this, relative to their size, are one, whatever their errors.
+_MIN_DISTANCE = 1e-10
+#: Points nearer to each other than this many times their errors are one, too.
+_MIN_DISTANCE_OVER_ERROR = 2.0
 #: Digits of the states by which orbits are put in order.
 _STATE_DIGITS_FOR_SORTING = 6
 
@@ -46,6 +44,13 @@ class PeriodicOrbits:
     jacobian: FloatArray
     residual: FloatArray
     image_error: FloatArray
+
+    @property
+    def index(self) -> IntArray:
+        """Sign of det(1 - J), array (orbit,): the index of a fixed point of the iterate."""
+        return np.asarray(
+            np.sign(np.linalg.det(np.eye(self.state.shape[1]) - self.jacobian)), dtype=np.int64
+        )
 
     def subset(self, indices: IntArray | BoolArray) -> PeriodicOrbits:
         """Some of the orbits, in the order of the indices."""
@@ -84,7 +89,7 @@ def newton_fixed_points(
     """
     x, p = guesses.copy(), parameters
     if not len(x):
-        return _concatenate_orbits([], map_.dimension)
+        return concatenate_orbits([], map_.dimension)
     centre, width = box.mean(axis=1), box[:, 1] - box[:, 0]
     parts: list[PeriodicOrbits] = []
     for _ in range(_MAX_NEWTON_STEPS):
@@ -103,7 +108,7 @@ def newton_fixed_points(
         if not going_on.any():
             break
         x, p = (x + move)[going_on], p[going_on]
-    return _concatenate_orbits(parts, map_.dimension)
+    return concatenate_orbits(parts, map_.dimension)
 
 
 def _is_inside_box(x: FloatArray, box: FloatArray) -> BoolArray:
@@ -144,7 +149,8 @@ def fixed_point_newton_step(
     return np.asarray(move), np.where(np.isfinite(residual), residual, np.inf)
 
 
-def _concatenate_orbits(parts: list[PeriodicOrbits], dimension: int) -> PeriodicOrbits:
+def concatenate_orbits(parts: list[PeriodicOrbits], dimension: int) -> PeriodicOrbits:
+    """Some sets of orbits as one."""
     if not parts:
         empty = np.empty((0, dimension))
         return PeriodicOrbits(empty, np.empty((0, dimension, dimension)), np.empty(0), np.empty(0))
@@ -155,9 +161,16 @@ def _concatenate_orbits(parts: list[PeriodicOrbits], dimension: int) -> Periodic
 
 
 def distinct_orbits_of_least_period(
-    map_: Map, orbits: PeriodicOrbits, parameter: FloatArray, *, iterate: int
+    map_: Map,
+    orbits: PeriodicOrbits,
+    parameter: FloatArray,
+    *,
+    iterate: int,
+    errors: FloatArray | None = None,
 ) -> PeriodicOrbits:
     """Each orbit once, those only whose least period is `iterate`.
+
+    Of two points of an orbit the one with the smaller first variable is kept.
 
     Parameters
     ----------
@@ -169,23 +182,28 @@ def distinct_orbits_of_least_period(
         At which all of them were found.
     iterate : int
         Of the map.
+    errors : array (orbit,), optional
+        Of the points; by default from their residuals.
     """
     if not orbits.residual.size:
         return orbits
+    error = position_errors(orbits) if errors is None else errors
     order = np.lexsort(np.round(orbits.state, _STATE_DIGITS_FOR_SORTING).T[::-1])
-    orbits = orbits.subset(order)
-    points = [orbits.state]
+    orbits, error = orbits.subset(order), error[order]
+    index = orbits.index
+    path, reach = [orbits.state], [error]
     for _ in range(iterate - 1):
-        points.append(map_(points[-1], np.tile(parameter, (len(order), 1)), 1).state)
-    path = np.stack(points)  # (iterate, orbit, state)
-    slack = _MIN_ORBIT_DISTANCE + _MIN_ORBIT_DISTANCE_OVER_ERROR * _position_errors(orbits)
+        image = map_(path[-1], np.tile(parameter, (len(order), 1)), 1)
+        path.append(image.state)
+        step = np.abs(image.jacobian).sum(axis=2).max(axis=1)
+        reach.append(np.maximum(step, 1.0) * reach[-1] + image.error)
     divisors = [j for j in range(1, iterate) if iterate % j == 0]
     kept: list[int] = []
     for k in range(len(order)):
-        if any(_is_near(path[0, k], path[j, k], slack[k]) for j in divisors):
+        if any(are_one(path[0][k], path[j][k], error[k] + reach[j][k]) for j in divisors):
             continue
         if not any(
-            _is_near(path[j, k], orbits.state[i], slack[k] + slack[i])
+            index[i] == index[k] and are_one(path[j][k], orbits.state[i], reach[j][k] + error[i])
             for i in kept
             for j in range(iterate)
         ):
@@ -193,22 +211,36 @@ def distinct_orbits_of_least_period(
     return orbits.subset(np.array(kept, dtype=np.int64))
 
 
-def _position_errors(orbits: PeriodicOrbits) -> FloatArray:
-    """How far from the orbit a point with its residual may be, array (orbit,).
+def distinct_fixed_points(orbits: PeriodicOrbits, errors: FloatArray) -> IntArray:
+    """Indices of different points: each fixed point of the iterate once.
 
-    The residual over the smallest singular value of 1 - J.  Near a fold that value vanishes,
-    but there the distance is the root of the residual.
+    Parameters
+    ----------
+    orbits : PeriodicOrbits
+    errors : array (orbit,)
+        Of the points.
     """
+    kept: list[int] = []
+    index = orbits.index
+    for k in np.argsort(errors, kind="stable"):
+        if not any(
+            index[i] == index[k]
+            and are_one(orbits.state[i], orbits.state[k], errors[i] + errors[k])
+            for i in kept
+        ):
+            kept.append(int(k))
+    return np.array(sorted(kept), dtype=np.int64)
+
+
+def position_errors(orbits: PeriodicOrbits) -> FloatArray:
+    """How far from the orbit a point with its residual may be, array (orbit,), to first order."""
     matrix = np.eye(orbits.state.shape[1]) - orbits.jacobian
     smallest = np.linalg.svd(matrix, compute_uv=False)[:, -1]
     defect = orbits.residual + orbits.image_error
-    return np.asarray(
-        np.minimum(
-            defect / np.maximum(smallest, _MIN_SINGULAR_VALUE_OF_ONE_MINUS_JACOBIAN),
-            np.sqrt(defect),
-        )
-    )
+    return np.asarray(defect / np.maximum(smallest, np.finfo(float).tiny))
 
 
-def _is_near(a: FloatArray, b: FloatArray, slack: float) -> bool:
+def are_one(a: FloatArray, b: FloatArray, error: float) -> bool:
+    """Whether two points may be the same, with the sum of their errors."""
+    slack = _MIN_DISTANCE * (1.0 + np.abs(a).max()) + _MIN_DISTANCE_OVER_ERROR * error
     return bool(np.abs(a - b).max() <= slack)

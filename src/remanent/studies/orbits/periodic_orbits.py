@@ -36,7 +36,7 @@ from remanent.studies.orbits._period_map import (
     period_tolerance_for_residual,
     refine_on_period_map,
 )
-from remanent.studies.orbits._search import OrbitSearch, find_all_orbits, is_reversible
+from remanent.studies.orbits._search import OrbitSearch, is_reversible, search_orbits
 
 #: Dimensions of columns beyond that of the orbits.
 _EXTRA_DIMENSIONS_OF_COLUMN = MappingProxyType(
@@ -69,8 +69,9 @@ def periodic_orbits(
         subharmonic orbits.
     state_box : mapping of name to (lower, upper), optional
         Range of each state variable at phase 0 in which orbits are looked for, such as
-        ``{"stretch": (0.3, 4.0)}``; by default stretches from 0.3 to 4, rates from −8 to 8,
-        temperatures up to 5 K from that of the surroundings.
+        ``{"stretch": (0.3, 4.0)}``: orbits with a point inside are listed.  By default all
+        orbits are, where motion of one stretch is damped; elsewhere those with stretches from
+        0.3 to 4, rates from −8 to 8, temperatures up to 5 K from that of the surroundings.
     over : mapping of name to values, optional
         Values of numeric fields; they become dimensions of the result.
     tolerance : float
@@ -91,8 +92,9 @@ def periodic_orbits(
         its image; ``error``, that of the point: its step in Newton's method, the error of the
         map and rounding, each through (1 - J)^-1, where J has the multipliers, with the terms
         of second order; NaN where they leave it open whether there is an orbit.  ``orbits``,
-        how many there are; ``status``: ``max-steps`` where an error is above the tolerance.
-        NaN where there are fewer orbits than elsewhere.
+        how many there are; ``status``: ``incomplete`` where some may be missing, and the
+        ``reason``; else ``max-steps`` where an error is above the tolerance.  NaN where there
+        are fewer orbits than elsewhere.
 
     Raises
     ------
@@ -107,11 +109,18 @@ def periodic_orbits(
 
     Notes
     -----
-    Newton's method on the period map starts from a grid over the box.  Where the motion
-    is reversible in time (no dissipation, a load even in time), orbits at rest at phase 0
-    and half their period later are bracketed along the line of zero rate first: none of
-    them is missed but by twos between neighbouring points of that line.  Elsewhere an
-    orbit whose basin under Newton's method holds no point of the grid is missed.
+    With one stretch, the box is divided into cells.  Where Taylor's formula shows that
+    P^n(z) − z, or the change of the energy, does not vanish on a cell, P being the period
+    map, it holds no orbit; where it shows that Newton's method contracts, it holds one at most.
+    Other cells are divided.  Second derivatives between points are taken to be as large as the
+    differences of the Jacobians.  Each orbit is confirmed by Newton and Kantorovich's theorem,
+    or, without dissipation and with a load even in time, as a symmetric one: at rest at phase 0
+    and half its period later.  With dissipation, the indices of all fixed points of P^n add up
+    to one.
+
+    With more state variables Newton's method starts from a grid of guesses and from motions that
+    have settled; an orbit that it reaches from none of them is missed, which only the sum of
+    the indices can show.
 
     Examples
     --------
@@ -131,34 +140,39 @@ def periodic_orbits(
         map_ = StroboscopicMap(member, (), period_tolerance_for_residual(_SEARCH_RESIDUAL))
         box = require_state_box("state_box", state_box, member)
         search = OrbitSearch(
-            map_, box, orbit_period, _SEARCH_RESIDUAL, is_reversible(system, drive)
+            map_, box, orbit_period, _SEARCH_RESIDUAL, is_reversible(system, drive),
+            box_is_free=state_box is None,
+        )  # fmt: skip
+        (outcome,) = search_orbits(search, np.empty((1, 0)))
+        found = outcome.orbits.state
+        orbits = refine_on_period_map(
+            map_, found, np.empty((len(found), 0)), orbit_period, tolerance
         )
-        (found,) = find_all_orbits(search, np.empty((1, 0)))
-        rows = np.empty((len(found.state), 0))
-        orbits = refine_on_period_map(map_, found.state, rows, orbit_period, tolerance)
-        return describe_orbits(member, orbits, orbit_period, {})
+        columns = describe_orbits(member, orbits, orbit_period, {})
+        return columns | {"reason": np.array(outcome.reason)}
 
     tables = map_members_in_threads(ens, find, as_progress(progress))
+    reasons = np.array(["" if t is None else str(t["reason"]) for t in tables])
     columns = stack_tables(tables, empty_orbit_columns(len(ens.vector_field.state_names)))
     variables: dict[str, PerTrajectoryArray] = {
         name: (("orbit", *_EXTRA_DIMENSIONS_OF_COLUMN.get(name, ())), column)
         for name, column in columns.items()
     }
+    variables["reason"] = reasons
     variables["orbits"] = np.array([0 if t is None else len(t["residual"]) for t in tables])
     coords: dict[str, Labelled] = {
         "orbit": (("orbit",), np.arange(columns["residual"].shape[1])),
         "state": (("state",), np.array(ens.vector_field.state_names)),
         "multiplier": (("multiplier",), np.arange(len(ens.vector_field.state_names))),
     }
-    status = np.array(
-        [
-            Status.INVALID if table is None
-            else Status.OK if (table["error"] <= tolerance).all()
-            else Status.MAX_STEPS
-            for table in tables
-        ]
-    )  # fmt: skip
+    status = [
+        Status.INVALID if table is None
+        else Status.INCOMPLETE if reason
+        else Status.OK if (table["error"] <= tolerance).all()
+        else Status.MAX_STEPS
+        for table, reason in zip(tables, reasons, strict=True)
+    ]  # fmt: skip
     return to_dataset(
-        ens, variables, coords=coords, tolerance=tolerance, status=status,
+        ens, variables, coords=coords, tolerance=tolerance, status=np.array(status),
         orbit_period=orbit_period,
     )  # fmt: skip

@@ -1,0 +1,266 @@
+"""Every periodic orbit of a system with one stretch: by cells in the plane of states at phase 0.
+
+The zeros of P^n(z) - z are wanted, where P is the period map and n the period of the orbits.  With
+them vanishes the change of the energy at phase 0, which tells more of damped and slow motion: the
+image of a cell may be wound up many times, but its energy is not.  The search is complete as far as
+second derivatives at neighbouring points tell those in between, see
+:mod:`remanent.analysis.orbits.cells`.  With dissipation there is a second, independent test: the
+map shrinks a disk into itself, so that the indices of all fixed points of P^n add up to one.
+
+Without dissipation, P^n(z) - z may almost vanish along whole curves, at resonances too weak for
+the precision of numbers.  The orbits on them that are symmetric under reversal of time are zeros of
+a function of one variable, and found by that.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+
+from remanent._typing import BoolArray, FloatArray, IntArray
+from remanent.analysis.orbits.cell_samples import Sample
+from remanent.analysis.orbits.cells import CellSearchOutcome, zeros_by_cells
+from remanent.analysis.orbits.periodic_orbits import (
+    distinct_fixed_points,
+    distinct_orbits_of_least_period,
+)
+from remanent.integrate.ensemble.resolution import MAX_RESOLUTION
+from remanent.studies.orbits._flat_curves import with_orbits_on_flat_curves
+from remanent.studies.orbits._orbit_search import (
+    ConfirmedPoints,
+    OrbitSearch,
+    OrbitSearchOutcome,
+    confirmed_fixed_points,
+    is_inside_box,
+)
+from remanent.studies.orbits._period_map import StroboscopicMap
+from remanent.studies.orbits._search_region import (
+    EnergyAtSection,
+    EnergyLevels,
+    SearchRegion,
+    region_of_orbits,
+)
+
+#: Errors of a period that maps are made for: a cell takes the largest that serves it.
+_PERIOD_TOLERANCES = (1e-3, 1e-5, 1e-7, 1e-9, 1e-11)
+#: Most double steps per unit of time in a first, second ... attempt: a large motion is excluded
+#: with few digits.
+_MOST_STEPS_PER_TIME = (32.0, 256.0, 1024.0, np.inf)
+#: Shares of the displacement that are accuracy enough, for the first cells and for parts of them.
+_ERROR_SHARES_OF_DISPLACEMENT = (0.05, 1e-3)
+#: Double steps per unit of time to begin with.
+_FIRST_STEPS_PER_TIME = 4.0
+#: Fewest and most double steps per period to begin with.
+_FIRST_RESOLUTION_LIMITS = (8, 2048)
+#: Size of the first cells along the logarithm of the stretch and along its rate, at most.
+_FIRST_CELL_SIZES = (0.09, 0.7)
+#: How many first cells there are along each of them, at least and at most.
+_FIRST_CELL_COUNT_LIMITS = ((20, 12), (72, 96))
+#: How many times finer the first cells are in a second search, if the indices contradict the first.
+_SECOND_SEARCH_REFINEMENT = 2
+#: How long energies are followed, at least, to bound where orbits of damped motion are.
+_SETTLING_TIME = 15.0
+#: But no more than so many times the period of the orbits.
+_MAX_SETTLING_MULTIPLE = 16
+#: Points along each side of a first cell at which its energy is compared with the bound.
+_ENERGY_POINTS_ON_SIDE = 5
+#: Double steps of the integrator in one search, all together.
+_MAX_EFFORT = 1.5e7
+#: Where |P^n(z) - z| is smaller than this on a curve, of undamped motion, only symmetric orbits are
+#: looked for on it: a resonance so weak has the two that its first harmonic gives.
+_FLATNESS = 1e-4
+#: The same where there is no symmetry to tell orbits.
+_LEAST_FLATNESS = 1e-8
+
+
+@dataclass(frozen=True)
+class _Displacement:
+    """P^n(z) - z and the change of the energy, with their derivatives.
+
+    Attributes
+    ----------
+    search : OrbitSearch
+    row : array (parameter,)
+        Of the map.
+    energy : EnergyAtSection
+    maps : dict of (float, int) to StroboscopicMap
+        Of each tolerance and finest resolution, as they are needed.
+    """
+
+    search: OrbitSearch
+    row: FloatArray
+    energy: EnergyAtSection
+    maps: dict[tuple[float, int], StroboscopicMap] = field(default_factory=dict)
+
+    def map_of_tolerance(self, tolerance: float, finest: int = MAX_RESOLUTION) -> StroboscopicMap:
+        """The map with the largest error of a period that serves a tolerance."""
+        n = self.search.orbit_period
+        chosen = next((t for t in _PERIOD_TOLERANCES if t * n <= tolerance), _PERIOD_TOLERANCES[-1])
+        if (chosen, finest) not in self.maps:
+            self.maps[chosen, finest] = replace(
+                self.search.map, period_tolerance=chosen, finest_resolution=finest
+            )
+        return self.maps[chosen, finest]
+
+    def __call__(self, points: FloatArray, tolerance: float, effort: IntArray | None) -> Sample:
+        """See :class:`remanent.analysis.orbits.cells.SampledFunction`."""
+        low, high = _FIRST_RESOLUTION_LIMITS
+        period = self.period
+        error_share = _ERROR_SHARES_OF_DISPLACEMENT[0 if effort is None else 1]
+        if effort is None:
+            first = np.clip(_FIRST_STEPS_PER_TIME * period, low, high)
+            effort = np.full(len(points), int(first))
+        sample = Sample.unknown(len(points), 3, 2)
+        pending = np.arange(len(points))
+        for steps in _MOST_STEPS_PER_TIME:
+            finest = int(np.clip(steps * period, low, MAX_RESOLUTION))
+            part = self._sample(points[pending], tolerance, finest, effort[pending])
+            sample.update(pending, part)
+            effort = sample.effort
+            with np.errstate(all="ignore"):
+                size = np.abs(part.value[:, :2]).max(axis=1)
+                share = error_share * np.minimum(size, 1.0)
+                enough = part.error <= np.maximum(tolerance, share)
+            pending = pending[~enough]
+            if not pending.size or finest == MAX_RESOLUTION:
+                break
+        return sample
+
+    def _sample(
+        self, points: FloatArray, tolerance: float, finest: int, effort: IntArray
+    ) -> Sample:
+        rows = np.tile(self.row, (len(points), 1))
+        image, effort = self.map_of_tolerance(tolerance, finest).run_at_resolution(
+            np.minimum(effort, finest), points, rows, self.search.orbit_period
+        )
+        with np.errstate(all="ignore"):
+            gain = self.energy(image.state) - self.energy(points)
+            slope = np.einsum("pi,pij->pj", self.energy.gradient(image.state), image.jacobian)
+            slope = slope - self.energy.gradient(points)
+        return Sample(
+            np.column_stack([image.state - points, gain]),
+            np.concatenate([image.jacobian - np.eye(2), slope[:, None, :]], axis=1),
+            image.error,
+            effort,
+        )
+
+    @property
+    def settling_periods(self) -> int:
+        """A multiple of the orbit's period in which the phase of the load averages out."""
+        n = self.search.orbit_period
+        return n * int(np.ceil(min(_SETTLING_TIME / (n * self.period), _MAX_SETTLING_MULTIPLE)))
+
+    @cached_property
+    def period(self) -> float:
+        """Of the load."""
+        return self.search.drive_period(self.row)
+
+
+def search_plane(search: OrbitSearch, row: FloatArray) -> OrbitSearchOutcome:
+    """The orbits of a system with one stretch, for one row of the map's parameters."""
+    energy = EnergyAtSection(search.map, row)
+    displacement = _Displacement(search, row, energy)
+    region = None
+    if search.is_dissipative(row):
+        region = region_of_orbits(
+            displacement.map_of_tolerance(np.inf), energy, displacement.settling_periods
+        )
+    box = (region.box if region is not None and search.box_is_free else search.state_box).copy()
+    box[0] = np.clip(box[0], *EnergyLevels.of(energy).possible_stretches)
+    for refinement in (1, _SECOND_SEARCH_REFINEMENT):
+        cells = _search_cells(displacement, box, region, refinement)
+        points = _fixed_points(search, cells, row, box)
+        total = int(points.orbits.index.sum())
+        is_whole = region is not None and search.box_is_free
+        if not is_whole or total == 1:
+            break
+    reason = _reason(points, cells, total if is_whole else 1)
+    if search.is_dissipative(row) and region is None:
+        reason = reason or "no bound of the energy of its orbits was found"
+    orbits = distinct_orbits_of_least_period(
+        search.map, points.orbits, row, iterate=search.orbit_period, errors=points.error
+    )
+    if len(cells.flat):
+        orbits, flat_reason = with_orbits_on_flat_curves(
+            search, orbits, cells.flat, row, box, energy
+        )
+        reason = reason or flat_reason
+    return OrbitSearchOutcome(orbits, reason)
+
+
+def _search_cells(
+    displacement: _Displacement, box: FloatArray, region: SearchRegion | None, refinement: int
+) -> CellSearchOutcome:
+    (low, high), (slowest, fastest) = box
+    wanted = np.array([np.log(high / low), fastest - slowest]) / _FIRST_CELL_SIZES
+    even = 2 * np.ceil(0.5 * np.clip(wanted, *_FIRST_CELL_COUNT_LIMITS)).astype(np.int64)
+    counts = [int(refinement * n) for n in even]
+    edges = [
+        np.geomspace(low, high, counts[0] + 1),
+        np.linspace(slowest, fastest, counts[1] + 1),
+    ]
+    # Where time may be reversed, so may be the rates of all fixed points.
+    is_mirrored = displacement.search.is_reversible and bool(box[1, 0] == -box[1, 1])
+    if is_mirrored:
+        edges[1] = edges[1][counts[1] // 2 :]
+    excluded = None
+    if region is not None:
+        excluded = _is_beyond_energy(displacement.energy, edges, region.energy)
+    found = zeros_by_cells(
+        displacement, edges, is_excluded=excluded,
+        max_effort=_MAX_EFFORT / displacement.search.orbit_period,
+        flatness=_FLATNESS if displacement.search.is_reversible else _LEAST_FLATNESS,
+    )  # fmt: skip
+    if not is_mirrored:
+        return found
+    mirror = np.array([1.0, -1.0])
+    return replace(
+        found,
+        starts=np.concatenate([found.starts, found.starts * mirror]),
+        flat=np.concatenate([found.flat, found.flat * mirror]),
+    )
+
+
+def _is_beyond_energy(energy: EnergyAtSection, edges: list[FloatArray], bound: float) -> BoolArray:
+    """First cells all of whose states have a larger energy, array (*first cells)."""
+    part = np.linspace(0.0, 1.0, _ENERGY_POINTS_ON_SIDE)
+    places = [(e[:-1, None] + part * np.diff(e)[:, None]).ravel() for e in edges]
+    x, v = np.meshgrid(*places, indexing="ij")
+    with np.errstate(all="ignore"):
+        values = energy(np.column_stack([x.ravel(), v.ravel()]))
+    k = _ENERGY_POINTS_ON_SIDE
+    blocks = values.reshape(len(edges[0]) - 1, k, len(edges[1]) - 1, k)
+    return np.asarray(np.nanmin(blocks, axis=(1, 3)) > bound)
+
+
+def _fixed_points(
+    search: OrbitSearch, cells: CellSearchOutcome, row: FloatArray, box: FloatArray
+) -> ConfirmedPoints:
+    """Each fixed point of the iterate in the box once."""
+    width = box[:, 1] - box[:, 0]
+    wide = np.column_stack([box[:, 0] - 0.5 * width, box[:, 1] + 0.5 * width])
+    wide[0, 0] = 0.5 * box[0, 0]
+    found = confirmed_fixed_points(search, cells.starts, row, wide)
+    inside = np.flatnonzero(is_inside_box(found.orbits.state, box))
+    chosen = inside[distinct_fixed_points(found.orbits.subset(inside), found.error[inside])]
+    return ConfirmedPoints(found.orbits.subset(chosen), found.error[chosen], found.unconfirmed)
+
+
+def _reason(points: ConfirmedPoints, cells: CellSearchOutcome, index_sum: int) -> str:
+    """Why orbits may be missing; empty where none is."""
+    if len(cells.unresolved):
+        return (
+            f"in {len(cells.unresolved)} parts of the box the map is too steep to tell "
+            "whether there are orbits"
+        )
+    if len(points.unconfirmed):
+        x, v = points.unconfirmed[0]
+        return (
+            f"the point ({x:.6g}, {v:.6g}) may or may not be on an orbit: "
+            "it is too near a bifurcation"
+        )
+    if index_sum != 1:
+        return f"the indices of the fixed points that were found add up to {index_sum}, not to 1"
+    return ""

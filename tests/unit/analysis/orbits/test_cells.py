@@ -1,0 +1,73 @@
+"""Zeros of functions that are known in closed form are all found, by cells."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from remanent._typing import FloatArray, IntArray
+from remanent.analysis.orbits.cell_samples import Sample
+from remanent.analysis.orbits.cells import CellSearchOutcome, zeros_by_cells
+
+#: A function of x and y as a complex one of z = x + i y, and its derivative.
+Holomorphic = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
+
+
+def zeros(of: Holomorphic, *, flatness: float = 1e-8) -> CellSearchOutcome:
+    def sample(points: FloatArray, _: float, __: IntArray | None) -> Sample:
+        value, slope = of(points[:, 0] + 1j * points[:, 1])
+        derivative = np.stack([slope, 1j * slope], axis=1)
+        return Sample(
+            np.column_stack([value.real, value.imag]),
+            np.stack([derivative.real, derivative.imag], axis=1),
+            np.full(len(points), 1e-15),
+            np.ones(len(points), dtype=np.int64),
+        )
+
+    edges = [np.linspace(-2.0, 2.0, 11), np.linspace(-2.1, 2.0, 10)]
+    return zeros_by_cells(sample, edges, flatness=flatness, max_effort=30_000)
+
+
+@pytest.mark.parametrize("degree", [1, 2, 3, 7])
+def test_roots_of_unity_are_all_found(degree: int) -> None:
+    """z^n = 1 has n roots on the unit circle, and each is near a start of Newton's method."""
+    found = zeros(lambda z: (z**degree - 1.0, degree * z ** (degree - 1)))
+    starts = found.starts[:, 0] + 1j * found.starts[:, 1]
+    roots = np.exp(2j * np.pi * np.arange(degree) / degree)
+    assert not len(found.unresolved)
+    assert np.abs(starts - roots[:, None]).min(axis=1).max() < 0.05
+
+
+@pytest.mark.parametrize("apart", [1e-1, 1e-3, 1e-5])
+def test_a_pair_of_zeros_is_found_however_near(apart: float) -> None:
+    """z^2 = (apart/2)^2: two zeros, and a derivative that vanishes between them."""
+    found = zeros(lambda z: (z**2 - apart**2 / 4.0, 2.0 * z), flatness=1e-16)
+    starts = found.starts[:, 0]
+    assert not len(found.unresolved)
+    assert starts.min() < 0.0 < starts.max()
+
+
+def test_a_function_without_zeros_has_none() -> None:
+    """The exponential function vanishes nowhere."""
+    found = zeros(lambda z: (np.exp(z), np.exp(z)))
+    assert not len(found.starts) + len(found.unresolved) + len(found.flat)
+
+
+def test_a_circle_of_zeros_is_flat() -> None:
+    """(r^2 - 1) times a point's direction vanishes along the unit circle."""
+
+    def sample(points: FloatArray, _: float, __: IntArray | None) -> Sample:
+        square = np.einsum("pi,pi->p", points, points)
+        derivative = (square - 1.0)[:, None, None] * np.eye(2) + 2.0 * np.einsum(
+            "pi,pj->pij", points, points
+        )
+        ones = np.ones(len(points))
+        return Sample((square - 1.0)[:, None] * points, derivative, 1e-15 * ones, ones.astype(int))
+
+    edges = [np.linspace(-2.0, 2.0, 12), np.linspace(-2.0, 2.0, 12)]
+    found = zeros_by_cells(sample, edges, flatness=1e-8, max_effort=30_000)
+    assert np.abs(np.linalg.norm(found.flat, axis=1) - 1.0).max() < 1e-6
+    assert len(found.flat) > 20
+    assert np.linalg.norm(found.starts, axis=1).max() < 0.05
