@@ -99,6 +99,8 @@ SOUND: Mapping[str, Callable[[], dict[str, Any]]] = {
         "system": DAMPED, "drive": DRIVE, "over": {"b": [0.3], "temperature": [293.0]},
         "periods": 100,
     },
+    "read_drive": lambda: {"dataset": decaying()},
+    "read_system": lambda: {"dataset": decaying()},
     "rescale": lambda: {"dataset": rm.simulate(BODY, DRIVE, duration=1.0), "temperature": 300.0},
     "resonances": lambda: {
         "system": DAMPED, "drive": DRIVE, "omega_range": (1.2, 1.4), "slices": 1,

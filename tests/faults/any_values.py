@@ -286,6 +286,10 @@ def others() -> list[Subject]:
         Subject("rm.Measure", rm.Measure, lambda: {"verb": rm.equilibria, "of": "natural_frequency",
                                                    "actuator": rm.Actuator(), "m": 0.16}),
         Subject("rm.equations", rm.equations, lambda: {"system": rm.Actuator()}),
+        Subject("rm.rates", rm.rates, lambda: {"system": rm.Actuator(),
+                                               "drive": rm.SineSquared(0.4, 1.25)}),
+        Subject("rm.period_map", rm.period_map, lambda: {"system": rm.Actuator(),
+                                                         "drive": rm.SineSquared(0.4, 1.25)}),
         Subject("rm.save", rm.save, lambda: {"dataset": motion(), "path": folder / "it.nc"}),
         Subject("rm.load", rm.load, lambda: {"path": saved(folder)}),
         *methods, *replaced, *loads,
@@ -326,12 +330,19 @@ def result_of(verb: str) -> xr.Dataset:
     return result
 
 
+@cache
+def equilibria_over_loads() -> xr.Dataset:
+    """Equilibria against the load, with the two folds of a bistable block."""
+    return rm.equilibria(rm.Actuator(prestress=2.2), over={"m": np.linspace(1.0, 4.0, 13)})
+
+
 #: Arguments of a sound picture of each kind.
 DRAWN: Mapping[str, Callable[[], dict[str, Any]]] = {
     "bars": lambda: {"dataset": result_of("sensitivity")},
     "basins": lambda: {"dataset": synthetic.basins_of_two()},
     "branch": lambda: {"dataset": result_of("continue_orbit")},
     "curve": lambda: {"dataset": motion(), "variable": "stretch", "x": "time"},
+    "equilibria": lambda: {"dataset": equilibria_over_loads()},
     "fit": lambda: {"dataset": result_of("fit")},
     "history": lambda: {"dataset": motion()},
     "landscape": lambda: {"dataset": synthetic.potential()},

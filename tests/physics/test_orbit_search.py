@@ -46,9 +46,14 @@ def test_both_orbits_of_a_pair_below_its_fold(below: float) -> None:
 
 
 def test_points_of_a_torus_that_nearly_close_are_no_orbits() -> None:
-    """On the line of symmetry just two orbits have period 7; their traces are 2 within 1e-10."""
+    """On the line of symmetry just two orbits have period 7; their traces are 2 within 1e-10.
+
+    So near to a parabolic orbit the errors are not known, which the status says.
+    """
     ds = rm.periodic_orbits(HOT, rm.SineSquared(0.4, 1.25), orbit_period=7)
-    assert int(ds.status) == rm.Status.OK
+    assert int(ds.status) == rm.Status.MAX_STEPS
+    assert np.isnan(ds.error).all()
+    assert set(ds.stability.values) == {"undecided"}
     assert points(ds)[:, 0] == pytest.approx([0.43204, 3.62774], abs=1e-4)
 
 

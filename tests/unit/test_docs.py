@@ -170,8 +170,20 @@ def test_the_article_is_named() -> None:
 
 #: Words in backticks that are neither public names, nor arguments, nor variables of results.
 LABELS = {"stable", "unstable", "elliptic", "saddle", "undecided", "unbounded"}
-LABELS |= {"periodic", "chaotic", "escaped", "invalid", "horizon"}
-OUTSIDE = {"sqrt", "exp", "log", "sin", "cos", "pi", "pint", "xarray", "from_si"}
+LABELS |= {"periodic", "chaotic", "escaped", "invalid", "horizon", "incomplete"}
+OUTSIDE = {
+    "sqrt",
+    "exp",
+    "log",
+    "sin",
+    "cos",
+    "pi",
+    "pint",
+    "xarray",
+    "from_si",
+    "in_unit",
+    "mixed",
+}
 
 
 def test_words_in_backticks_are_names() -> None:

@@ -144,8 +144,7 @@ class _CrossingFinder:
     def find_in_window(self, window: StepWindow) -> Crossings:
         """The crossings in a window, and its ends."""
         nodes = window.states.shape[1]
-        # Of the shortest runs that there are the steps have no length.
-        length = np.maximum(window.segment.fine_step_length, np.finfo(float).tiny)[:, None]
+        length = _positive(window.segment.fine_step_length)[:, None]
         at_nodes = self.observe(
             np.moveaxis(window.states, 2, 0),
             window.parameters[:, :, None],
@@ -308,7 +307,8 @@ class _WindowSteps:
             states=window.states[i, j], parameters=list(parameters),
             phase=window.phase[j], span=span, time=part * window.segment.fine_step_length[i],
         )  # fmt: skip
-        phase_rate = window.segment.phase_change_per_fine_step / window.segment.fine_step_length[i]
+        length = _positive(window.segment.fine_step_length[i])
+        phase_rate = window.segment.phase_change_per_fine_step / length
         observed = finder.observe(list(states.T), parameters, window.phase[j] + span, phase_rate)
         return observed, states
 
@@ -401,3 +401,8 @@ def _depends_on_drive(program: Program, field: Field) -> BoolArray | bool:
         if driven.intersection(operands):
             driven.add(base + k)
     return bool(driven.intersection(program.output_slots))
+
+
+def _positive(lengths: FloatArray) -> FloatArray:
+    """Lengths of steps, of which the shortest runs that there are have none."""
+    return np.maximum(lengths, np.finfo(float).tiny)

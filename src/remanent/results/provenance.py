@@ -15,6 +15,7 @@ from remanent._errors import InputError
 from remanent.models.drives.base import Drive
 from remanent.models.plain import from_plain_data, to_plain_data
 from remanent.models.system import System
+from remanent.results.checks import require_dataset
 
 __all__ = [
     "DRIVE_ATTRIBUTE",
@@ -169,7 +170,7 @@ def read_system(dataset: xr.Dataset) -> System:
     remanent.read_drive : the drive.
     remanent.fit : parameters from measurements.
     """
-    system: System = _read_model(dataset, SYSTEM_ATTRIBUTE)
+    system: System = _read_model(require_dataset("dataset", dataset), SYSTEM_ATTRIBUTE)
     return system
 
 
@@ -192,7 +193,7 @@ def read_drive(dataset: xr.Dataset) -> Drive:
     InputError
         The attribute is missing, as after arithmetic, or names a class that is not public.
     """
-    drive: Drive = _read_model(dataset, DRIVE_ATTRIBUTE)
+    drive: Drive = _read_model(require_dataset("dataset", dataset), DRIVE_ATTRIBUTE)
     return drive
 
 

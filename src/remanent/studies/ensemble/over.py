@@ -27,8 +27,9 @@ OverArgument = Mapping[str, ArrayLike | xr.DataArray]
 RESERVED_DIMENSIONS: Final = frozenset(
     {"time", "cycle", "period", "crossing", "equilibrium", "thickness_stretch", "fold", "snap"}
 )
-#: Rows of the table of variables that mean no more than the number of a case.
-_FREE_DIMENSIONS: Final = frozenset({"case", "point"})
+#: Rows of the table of variables that no result has as a variable of its own: the number of a case,
+#: and fields of drives, which are refused where the drive has them.
+_FREE_DIMENSIONS: Final = frozenset({"case", "point", "start", "stop"})
 #: Kinds of NumPy data that labels may have: numbers, text, truth values, dates.
 _LABEL_DTYPE_KINDS: Final = frozenset("iufUbM")
 

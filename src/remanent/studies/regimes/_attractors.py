@@ -164,7 +164,10 @@ def attractor_table(
         "attractor_regime": ((ATTRACTOR_DIMENSION,), regime),
         "attractor_period": ((ATTRACTOR_DIMENSION,), period),
         "attractor_state": ((ATTRACTOR_DIMENSION, "state"), state),
-        "attractor_state_error": ((ATTRACTOR_DIMENSION,), state_error),
+        "attractor_state_error": (
+            (ATTRACTOR_DIMENSION, "state"),
+            np.broadcast_to(state_error[..., None], state.shape),
+        ),
         "fraction": ((ATTRACTOR_DIMENSION,), fraction),
         "fraction_error": (
             (ATTRACTOR_DIMENSION,),

@@ -98,6 +98,7 @@ def equilibria(
 
     Examples
     --------
+    >>> import numpy as np
     >>> import remanent as rm
     >>> rm.equilibria(rm.Actuator(), 0.16).equilibrium_stretch.values.round(4).tolist()
     [1.0563]
