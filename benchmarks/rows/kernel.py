@@ -130,7 +130,7 @@ def _seconds_per_pass(method: Method, options: KernelOptions, repeats: int) -> f
             Request(wants_extremes=options.follows_extremes),
             KernelPair(start, timed),  # type: ignore[arg-type]
             _ERROR_CEILING,
-            CycleTables(problem.timeline.waveforms_at_phase),
+            CycleTables(problem.load_schedule.waveforms_at_phase),
         )
         attempt_chunk(run, Chunk(_RESOLUTION, np.arange(problem.duration.size)))
         seconds.append(timed.seconds / timed.passes)

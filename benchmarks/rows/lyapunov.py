@@ -132,7 +132,7 @@ def _ours(
     over = {name: xr.DataArray(starts[name], dims="case") for name in ("omega", "b")}
     problem = initial_value_problem(lay_out_ensemble(hot, drive, over), np.ones(_STARTS))
     flow = PeriodMap(
-        problem.field, problem.timeline.waveforms_at_phase, directions=1, error_control="state"
+        problem.field, problem.load_schedule.waveforms_at_phase, directions=1, error_control="state"
     )
     states, length = np.column_stack([starts["x"], starts["v"]]), np.pi / starts["omega"]
 

@@ -33,14 +33,14 @@ every = pytest.mark.parametrize("drive", DRIVES.values(), ids=DRIVES.keys())
 periodic = pytest.mark.parametrize("drive", PERIODIC.values(), ids=PERIODIC.keys())
 
 
-def through_timeline(
+def through_load_schedule(
     drive: Drive, values: dict[str, FloatArray], duration: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Times and loads, (sample, trajectory), as the numeric column meets them.
 
     In pieces without length both are NaN: no trajectory is ever there.
     """
-    line = drive.timeline(values, duration)
+    line = drive.load_schedule(values, duration)
     times, loads = [], []
     starts = np.cumsum(line.piece_lengths, axis=0) - line.piece_lengths
     for piece, (start, length) in enumerate(zip(starts, line.piece_lengths, strict=True)):
@@ -54,9 +54,9 @@ def through_timeline(
 
 
 @every
-def test_load_along_the_timeline_is_the_load_in_time(drive: Drive) -> None:
-    """The pieces and phases of a timeline carry the load that the drive has at that time."""
-    times, loads = through_timeline(drive, {}, np.array([DURATION]))
+def test_load_along_the_load_schedule_is_the_load_in_time(drive: Drive) -> None:
+    """The pieces and phases of a load schedule carry the load that the drive has at that time."""
+    times, loads = through_load_schedule(drive, {}, np.array([DURATION]))
     np.testing.assert_allclose(loads, drive(times), rtol=0.0, atol=1e-13)
 
 
@@ -66,7 +66,7 @@ def test_each_of_a_batch_of_parameters_gives_its_own_load(drive: Drive) -> None:
     factors = np.array([1.0, 1.1, 1.3])
     values = {name: value * factors for name, value in drive.parameters().items()}
     duration = np.array([DURATION, 3.0, 0.5])
-    times, loads = through_timeline(drive, values, duration)
+    times, loads = through_load_schedule(drive, values, duration)
     for i in range(3):
         single = drive.replace(**{name: array[i] for name, array in values.items()})
         met = np.isfinite(times[:, i])
@@ -79,7 +79,7 @@ def test_pieces_cover_the_run_exactly(drive: Drive) -> None:
     """Pieces have no negative length and add up to the run; those of a periodic drive are
     periods."""
     duration = np.array([DURATION, 3.0, 0.5])
-    line = drive.timeline({}, duration)
+    line = drive.load_schedule({}, duration)
     assert line.periodic == (drive.period is not None)
     assert line.piece_lengths.shape[1:] == (3,)
     assert np.all(line.piece_lengths >= 0.0)
@@ -95,7 +95,7 @@ def test_pieces_cover_the_run_exactly(drive: Drive) -> None:
 @every
 def test_waveforms_keep_the_shape_of_the_phase(drive: Drive) -> None:
     """Waveforms of an array of phases are arrays of its shape, one for each waveform."""
-    line = drive.timeline({}, np.array([DURATION]))
+    line = drive.load_schedule({}, np.array([DURATION]))
     for shape in ((), (5,), (2, 3)):
         assert line.waveforms_at_phase(np.zeros(shape)).shape == (len(drive.waveform_names), *shape)
 
@@ -105,7 +105,7 @@ def test_field_reports_the_load(drive: Drive) -> None:
     """The observable `load` of a compiled field is the load of the drive."""
     actuator = Actuator()
     field = vector_field_for(actuator, drive)
-    line = drive.timeline({}, np.array([DURATION]))
+    line = drive.load_schedule({}, np.array([DURATION]))
     hidden = {name: rows[0, 0] for name, rows in line.piece_parameters.items()}
     values = {**actuator.parameters(), **drive.parameters(), **hidden}
     assert list(values) == list(field.parameter_names)

@@ -72,7 +72,7 @@ def mean_trace(name: str) -> float:
     field = vector_field_for(body, DRIVE)
     own = {n: np.full(256, v) for n, v in (body.parameters() | DRIVE.parameters()).items()}
     p = np.column_stack([own[n] for n in field.parameter_names])
-    u = DRIVE.timeline(own, np.full(256, PERIOD)).waveforms_at_phase(phase)
+    u = DRIVE.load_schedule(own, np.full(256, PERIOD)).waveforms_at_phase(phase)
     path = rm.simulate(
         body, DRIVE, times=phase * PERIOD, initial=orbit(name).initial, tolerance=1e-11
     )

@@ -90,7 +90,7 @@ def actuator(par: FloatArray, tolerance: float, count: int) -> TangentMap:
     ens = lay_out_ensemble(Actuator(dissipation=Rayleigh(0.1)), SineSquared(0.4, 1.0), over)
     asked, length = initial_value_problem(ens, np.ones(ens.trajectory_count)), ens.drive_periods()
     assert length is not None
-    flow = PeriodMap(asked.field, asked.timeline.waveforms_at_phase, directions=count)
+    flow = PeriodMap(asked.field, asked.load_schedule.waveforms_at_phase, directions=count)
     return BlockAdvancer(flow, asked.parameters, length, tolerance)
 
 

@@ -138,7 +138,7 @@ class _CrossingFinder:
         """A finder for one observable."""
         program = observable_derivatives(problem.field, name, problem.field.state_names)
         driven = bool(_depends_on_drive(program, problem.field))
-        waveform = problem.timeline.waveforms_at_phase
+        waveform = problem.load_schedule.waveforms_at_phase
         return cls(problem.field, waveform, program, driven, value, tolerance)
 
     def find_in_window(self, window: StepWindow) -> Crossings:

@@ -58,7 +58,7 @@ DRAWINGS: Final[Mapping[str, Drawing]] = MappingProxyType(
         "figure_5": _figure_5_or_6_drawing(0),
         "figure_6": _figure_5_or_6_drawing(1),
         "orbits": Drawing(
-            lambda data: dynamics_figures.draw_resonance_orbits(
+            lambda data: dynamics_figures.draw_response_branches(
                 data["branches"], data["frequency_response"], data["resonance_orbits"]
             ),
             ("branches", "frequency_response", "resonance_orbits"),

@@ -16,7 +16,7 @@ from remanent.plots import branch_marks, footer, style
 from remanent.plots import branches as branch_plot
 from remanent.report.figures import keep_only_outer_labels, make_panel_grid
 
-__all__ = ["draw_chaos_map", "draw_jump_at_resonance", "draw_resonance_orbits"]
+__all__ = ["draw_chaos_map", "draw_jump_at_resonance", "draw_response_branches"]
 
 #: Colour of the motion from rest.
 _FROM_REST_COLOUR = style.OKABE_ITO_COLOURS["orange"]
@@ -28,7 +28,9 @@ _JUMP_SIDE_SIZES = (3.4, 1.6)
 _JUMP_COLOUR = style.OKABE_ITO_COLOURS["vermillion"]
 
 
-def draw_resonance_orbits(branches: xr.Dataset, response: xr.Dataset, orbits: xr.Dataset) -> Figure:
+def draw_response_branches(
+    branches: xr.Dataset, response: xr.Dataset, orbits: xr.Dataset
+) -> Figure:
     """Draw the periodic orbits behind each resonance.
 
     Parameters

@@ -10,7 +10,7 @@ import numpy as np
 import sympy as sp
 
 from remanent._field import Field, Role, StateVariable
-from remanent._timeline import Timeline
+from remanent._load_schedule import LoadSchedule
 from remanent._typing import ArrayLike, FloatArray
 from remanent.codegen.lower import DependenceLevel, lower_to_program
 from remanent.integrate.ensemble.ensemble import integrate
@@ -82,10 +82,10 @@ def problem(
     columns = [np.broadcast_to(np.asarray(v, dtype=float), end.shape) for v in values.values()]
     lengths = end[None] if period is None else np.full((1, end.size), period)
     waveform = still if period is None else turning
-    timeline = Timeline(lengths, period is not None, {}, waveform)
+    load_schedule = LoadSchedule(lengths, period is not None, {}, waveform)
     matrix = np.column_stack(columns) if columns else np.zeros((end.size, 0))
     return Problem(
-        oscillator.field(), timeline, matrix, start, end, np.zeros(end.size, dtype=np.bool_)
+        oscillator.field(), load_schedule, matrix, start, end, np.zeros(end.size, dtype=np.bool_)
     )
 
 

@@ -30,7 +30,7 @@ KINDS: dict[str, tuple[Callable[..., Figure], Make, int]] = {
         14,
     ),
     "orbits": (
-        dynamics_figures.draw_resonance_orbits,
+        dynamics_figures.draw_response_branches,
         lambda: [
             synthetic.diagram(),
             synthetic.frequency_response(7, 10.0),

@@ -34,7 +34,7 @@ class Callback(Drive):
     def load(self, p: Any, u: Any, phase: Any, fn: Any) -> Any:
         return 0
 
-    def timeline(self, values: Any, duration: Any) -> Any:
+    def load_schedule(self, values: Any, duration: Any) -> Any:
         raise NotImplementedError
 
 

@@ -75,7 +75,7 @@ class PropagatedStatistics:
     ----------
     quantiles, quantiles_error : array (quantile, number)
     average, average_error, deviation, deviation_error : array (number,)
-    known : array (number,)
+    known_share : array (number,)
         Share of the points where the value is known; the rest is left out.
     """
 
@@ -85,7 +85,7 @@ class PropagatedStatistics:
     average_error: FloatArray
     deviation: FloatArray
     deviation_error: FloatArray
-    known: FloatArray
+    known_share: FloatArray
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ _END_ROUNDING_FACTOR = 1.0 - 2.0**-50
 def attempt_chunk(run: Run, chunk: Chunk) -> Attempt:
     """Integrate the trajectories of a chunk once, whatever their errors are."""
     problem, kernels, indices = run.problem, run.kernel_pair, chunk.indices
-    steps = counts_of_double_steps(problem.timeline, chunk.resolution, indices[:1])[:, 0]
+    steps = counts_of_double_steps(problem.load_schedule, chunk.resolution, indices[:1])[:, 0]
     cycles = int(cycle_counts(problem, indices).max())
     memory = _initial_memory(run, indices)
     sampler = Sampler.before_first_segment(run, indices, cycles)
@@ -27,7 +27,7 @@ def attempt_chunk(run: Run, chunk: Chunk) -> Attempt:
         kernels.run_kernel, indices.size, recorded=run.records_every_step
     )
     for segment in cut_into_segments(
-        problem.timeline, indices, steps, cycles, run.request.strobe_cycles, most_steps
+        problem.load_schedule, indices, steps, cycles, run.request.strobe_cycles, most_steps
     ):
         _write_segment_to_memory(memory, run, segment)
         kernel = kernels.run_kernel if segment.has_past_rates else kernels.start_kernel

@@ -60,10 +60,10 @@ class BestAttempts:
 
     def trajectory_scales(self, indices: IntArray) -> TrajectoryScales:
         """What of some trajectories does not depend on how they are resolved."""
-        timeline = self.problem.timeline
-        lengths = timeline.piece_lengths[0, indices]
+        load_schedule = self.problem.load_schedule
+        lengths = load_schedule.piece_lengths[0, indices]
         slowness = np.ones(indices.size)
-        if timeline.periodic:
+        if load_schedule.periodic:
             slowness = (lengths / NOMINAL_CYCLE_TIME).clip(1.0, _MAX_DRIVE_SLOWNESS)
         return TrajectoryScales(
             self.problem.duration[indices], lengths.clip(max=NOMINAL_CYCLE_TIME), slowness
@@ -122,9 +122,14 @@ class BestAttempts:
 
     def _round_off_error(self, chunk: Chunk, horizon: FloatArray) -> FloatArray:
         """Least error that rounding makes: it walks at random, by a last place in each step."""
-        timeline, initial = self.problem.timeline, self.problem.initial_states[chunk.indices]
+        load_schedule, initial = (
+            self.problem.load_schedule,
+            self.problem.initial_states[chunk.indices],
+        )
         cycle = (
-            timeline.piece_lengths[0, chunk.indices] if timeline.periodic else NOMINAL_CYCLE_TIME
+            load_schedule.piece_lengths[0, chunk.indices]
+            if load_schedule.periodic
+            else NOMINAL_CYCLE_TIME
         )
         steps = 2 * chunk.resolution * horizon / cycle
         scale = np.maximum(1.0, np.abs(initial).max(axis=1))
@@ -132,16 +137,18 @@ class BestAttempts:
 
     def without_unaffordable(self, pending: PendingTrajectories) -> PendingTrajectories:
         """Leave out what would take too many steps; that is its status."""
-        timeline = self.problem.timeline
+        load_schedule = self.problem.load_schedule
         possible = np.zeros(pending.indices.size, dtype=np.bool_)
         for level in np.unique(pending.resolution):
             members = pending.resolution == level
             indices = pending.indices[members]
             steps = fine_step_counts(self.problem, int(level), indices)
             # A cycle too long to be resolved at all, even if the run ends early in it.
-            too_long = (timeline.piece_lengths[:, indices] > _LONGEST_RESOLVABLE_CYCLE).any(axis=0)
+            too_long = (load_schedule.piece_lengths[:, indices] > _LONGEST_RESOLVABLE_CYCLE).any(
+                axis=0
+            )
             possible[members] = (steps <= MAX_FINE_STEPS_PER_TRAJECTORY) & ~(
-                timeline.periodic & too_long
+                load_schedule.periodic & too_long
             )
         self.outcome.status[pending.indices[~possible]] = Status.MAX_STEPS
         return PendingTrajectories(pending.indices[possible], pending.resolution[possible])

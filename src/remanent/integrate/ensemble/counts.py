@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from remanent._timeline import Timeline
+from remanent._load_schedule import LoadSchedule
 from remanent._typing import FloatArray, IntArray
 from remanent.integrate.ensemble.problem import Problem
 
@@ -21,11 +21,11 @@ _CYCLE_COUNT_SLACK = 1e-12
 
 
 def counts_of_double_steps(
-    timeline: Timeline, resolution: int, indices: IntArray | slice = slice(None)
+    load_schedule: LoadSchedule, resolution: int, indices: IntArray | slice = slice(None)
 ) -> IntArray:
     """Double steps in every piece, array (piece, trajectory), at a resolution."""
-    lengths = timeline.piece_lengths[:, indices]
-    if timeline.periodic:
+    lengths = load_schedule.piece_lengths[:, indices]
+    if load_schedule.periodic:
         return np.full(lengths.shape, resolution, dtype=np.int64)
     with np.errstate(over="ignore"):
         count = np.ceil(lengths * (resolution / NOMINAL_CYCLE_TIME) - _STEP_COUNT_SLACK)
@@ -35,10 +35,10 @@ def counts_of_double_steps(
 def cycle_counts(problem: Problem, indices: IntArray | slice = slice(None)) -> IntArray:
     """How many cycles each of some trajectories takes, array (trajectory,)."""
     duration = problem.duration[indices]
-    if not problem.timeline.periodic:
+    if not problem.load_schedule.periodic:
         return np.ones(duration.shape, dtype=np.int64)
     with np.errstate(over="ignore"):
-        ratio = duration / problem.timeline.piece_lengths[0, indices]
+        ratio = duration / problem.load_schedule.piece_lengths[0, indices]
     return np.asarray(
         np.ceil(ratio * (1 - _CYCLE_COUNT_SLACK)).clip(1, _MAX_CYCLE_COUNT), dtype=np.int64
     )
@@ -48,5 +48,5 @@ def fine_step_counts(
     problem: Problem, resolution: int, indices: IntArray | slice = slice(None)
 ) -> FloatArray:
     """Fine steps of each trajectory, array (trajectory,)."""
-    steps = counts_of_double_steps(problem.timeline, resolution, indices).sum(axis=0)
+    steps = counts_of_double_steps(problem.load_schedule, resolution, indices).sum(axis=0)
     return np.asarray(2.0 * steps * cycle_counts(problem, indices))

@@ -87,7 +87,7 @@ class KernelPool:
         self.work_sizes = sizes
         self._executor = StoppableThreads(workers)
         self.thread_count = self._executor.thread_count
-        self._cycle_tables = CycleTables(problem.timeline.waveforms_at_phase)
+        self._cycle_tables = CycleTables(problem.load_schedule.waveforms_at_phase)
 
     def __enter__(self) -> Self:
         return self
@@ -135,7 +135,7 @@ def divide_into_chunks(
     for level in np.unique(pending.resolution):
         resolution = int(level)
         members = pending.indices[pending.resolution == level]
-        steps = counts_of_double_steps(problem.timeline, resolution, members)
+        steps = counts_of_double_steps(problem.load_schedule, resolution, members)
         order = np.lexsort((members, cycles[pending.resolution == level], *steps[::-1]))
         members, steps = members[order], steps[:, order]
         cuts = np.flatnonzero((steps[:, 1:] != steps[:, :-1]).any(axis=0)) + 1

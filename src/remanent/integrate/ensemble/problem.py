@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from remanent._field import Field
-from remanent._timeline import Timeline
+from remanent._load_schedule import LoadSchedule
 from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.integrate.ensemble.segments import Segment
 
@@ -33,7 +33,7 @@ class Problem:
     ----------
     field : Field
         Of the equations of motion.
-    timeline : Timeline
+    load_schedule : LoadSchedule
         How the load runs.
     parameters : array (trajectory, parameter)
         In the order of ``field.parameter_names``.
@@ -46,7 +46,7 @@ class Problem:
     """
 
     field: Field
-    timeline: Timeline
+    load_schedule: LoadSchedule
     parameters: FloatArray
     initial_states: FloatArray
     duration: FloatArray

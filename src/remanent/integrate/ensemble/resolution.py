@@ -143,7 +143,7 @@ def estimate_resolutions_from_beginnings(
 def _beginnings_of_long_runs(problem: Problem, indices: IntArray) -> Problem:
     """The beginnings of long runs; nothing of others."""
     cycles = np.zeros(problem.duration.shape, dtype=np.int64)
-    if problem.timeline.periodic:
+    if problem.load_schedule.periodic:
         cycles[indices] = cycle_counts(problem, indices)
     beginning = np.where(cycles >= _MIN_LONG_RUN_CYCLES, cycles // _RUN_TO_BEGINNING_RATIO, 0)
-    return replace(problem, duration=beginning * problem.timeline.piece_lengths[0])
+    return replace(problem, duration=beginning * problem.load_schedule.piece_lengths[0])

@@ -186,7 +186,7 @@ class Sampler:
             self.states[row, places.time_columns[block]] = dense.partial_step(
                 self.run.problem.field,
                 default_method(),
-                self.run.problem.timeline.waveforms_at_phase,
+                self.run.problem.load_schedule.waveforms_at_phase,
                 states=states[row, step],
                 parameters=list(parameters[:, row]),
                 phase=segment.phase_after(step),

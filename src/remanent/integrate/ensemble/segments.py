@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from remanent._timeline import Timeline
+from remanent._load_schedule import LoadSchedule
 from remanent._typing import FloatArray, IntArray
 from remanent.integrate.kernel.layout import PAST_RATE_COUNT
 
@@ -130,7 +130,7 @@ class Segment:
 
 
 def cut_into_segments(
-    timeline: Timeline,
+    load_schedule: LoadSchedule,
     indices: IntArray,
     double_steps: IntArray,
     cycles: int,
@@ -144,7 +144,7 @@ def cut_into_segments(
 
     Parameters
     ----------
-    timeline : Timeline
+    load_schedule : LoadSchedule
         Of all trajectories.
     indices : array (trajectory,)
         Those that run.
@@ -158,12 +158,12 @@ def cut_into_segments(
         Of one trajectory in a segment.
     """
     start = np.zeros(indices.size)
-    for k, lengths in enumerate(timeline.piece_lengths[:, indices]):
-        parameters = {name: v[k, indices] for name, v in timeline.piece_parameters.items()}
-        total = cycles if timeline.periodic else 1
+    for k, lengths in enumerate(load_schedule.piece_lengths[:, indices]):
+        parameters = {name: v[k, indices] for name, v in load_schedule.piece_parameters.items()}
+        total = cycles if load_schedule.periodic else 1
         resolution = int(double_steps[k])
         for first, count, part, has_past in _cut_piece(
-            total, resolution, strobe, most_steps, single=not timeline.periodic
+            total, resolution, strobe, most_steps, single=not load_schedule.periodic
         ):
             yield Segment(
                 lengths,
@@ -174,7 +174,7 @@ def cut_into_segments(
                 part,
                 has_past,
                 parameters,
-                timeline.periodic,
+                load_schedule.periodic,
             )
         start = start + lengths
 

@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from remanent._field import Field, Program
-from remanent._timeline import Timeline
+from remanent._load_schedule import LoadSchedule
 from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.integrate.ensemble.problem import Problem, Request
 
@@ -34,14 +34,14 @@ def where_short(problem: Problem, request: Request | None = None) -> BoolArray:
     None where whole periods are counted, or where steps are looked at: who does that must know
     the field.
     """
-    timeline = problem.timeline
+    load_schedule = problem.load_schedule
     looks_closer = request is not None and (
         request.strobe_cycles > 0 or request.inspect_window is not None
     )
-    if not timeline.periodic or looks_closer:
+    if not load_schedule.periodic or looks_closer:
         return np.zeros(problem.duration.shape, dtype=np.bool_)
     with np.errstate(all="ignore"):
-        share = problem.duration / timeline.piece_lengths[0]
+        share = problem.duration / load_schedule.piece_lengths[0]
     short = ~problem.invalid & (share <= _LARGEST_SHARE_OF_PERIOD)
     if short.any():
         short[short] = _polynomials(problem, share[short])[1]
@@ -50,13 +50,13 @@ def where_short(problem: Problem, request: Request | None = None) -> BoolArray:
 
 def subset(problem: Problem, indices: IntArray) -> Problem:
     """Some of the trajectories of a problem."""
-    timeline = problem.timeline
+    load_schedule = problem.load_schedule
     return replace(
         problem,
-        timeline=replace(
-            timeline,
-            piece_lengths=timeline.piece_lengths[:, indices],
-            piece_parameters={k: v[:, indices] for k, v in timeline.piece_parameters.items()},
+        load_schedule=replace(
+            load_schedule,
+            piece_lengths=load_schedule.piece_lengths[:, indices],
+            piece_parameters={k: v[:, indices] for k, v in load_schedule.piece_parameters.items()},
         ),
         parameters=problem.parameters[indices],
         initial_states=problem.initial_states[indices],
@@ -77,19 +77,19 @@ def subset_of_request(request: Request, indices: IntArray) -> Request:
 
 def as_one_piece(problem: Problem) -> Problem:
     """A problem whose runs are all short, with the load as polynomials of the time."""
-    share = problem.duration / problem.timeline.piece_lengths[0]
+    share = problem.duration / problem.load_schedule.piece_lengths[0]
     coefficients, _ = _polynomials(problem, share)
     field = _field_with_polynomial_waveforms(problem.field)
     names = field.parameter_names[len(problem.field.parameter_names) :]
     columns = np.concatenate([share[None], coefficients.reshape(-1, share.size)])
-    timeline = Timeline(
+    load_schedule = LoadSchedule(
         problem.duration[None].copy(),
         periodic=False,
         piece_parameters={n: column[None] for n, column in zip(names, columns, strict=True)},
         waveforms_at_phase=_no_waveforms,
     )
     parameters = np.hstack([problem.parameters, columns.T])
-    return replace(problem, field=field, timeline=timeline, parameters=parameters)
+    return replace(problem, field=field, load_schedule=load_schedule, parameters=parameters)
 
 
 def _no_waveforms(phase: FloatArray) -> FloatArray:
@@ -105,7 +105,7 @@ def _polynomials(problem: Problem, share: FloatArray) -> tuple[FloatArray, BoolA
     share : array (run,)
         Of the period that each run takes.
     """
-    waveform = problem.timeline.waveforms_at_phase
+    waveform = problem.load_schedule.waveforms_at_phase
     # Chebyshev's points of the first kind on [0, 1], and points between them.
     nodes = 0.5 - 0.5 * np.cos(np.pi * (np.arange(_DEGREE + 1) + 0.5) / (_DEGREE + 1))
     between = 0.5 * (nodes[1:] + nodes[:-1])

@@ -11,7 +11,7 @@ import numpy as np
 
 from remanent._checks import as_float_array
 from remanent._errors import InputError, shortened_repr
-from remanent._timeline import Timeline
+from remanent._load_schedule import LoadSchedule
 from remanent._typing import ArrayLike, FloatArray
 from remanent.models.parts import Part
 
@@ -26,7 +26,7 @@ class Drive(Part, ABC):
     The load is written twice: as a plain function of time, :meth:`__call__`, and as
     the law that enters the equations of motion, :meth:`load`, in terms of numeric
     fields, of waveforms all trajectories share, and of the phase in the current piece
-    of the :meth:`timeline`.  A contract test holds the two together.
+    of the :meth:`load_schedule`.  A contract test holds the two together.
     """
 
     #: The field to which the period is inversely proportional, where there is a period.
@@ -46,7 +46,7 @@ class Drive(Part, ABC):
 
     @property
     def piece_parameter_names(self) -> tuple[str, ...]:
-        """Names of further parameters whose values come with each piece of the timeline."""
+        """Names of further parameters whose values come with each piece of the load schedule."""
         return ()
 
     @abstractmethod
@@ -107,7 +107,7 @@ class Drive(Part, ABC):
         return None
 
     @abstractmethod
-    def timeline(self, values: Mapping[str, FloatArray], duration: FloatArray) -> Timeline:
+    def load_schedule(self, values: Mapping[str, FloatArray], duration: FloatArray) -> LoadSchedule:
         """How the load runs in time, for a batch of trajectories.
 
         Parameters
@@ -154,12 +154,12 @@ def as_times(tau: ArrayLike) -> FloatArray:
     return times
 
 
-def periodic_timeline(
+def periodic_load_schedule(
     period: FloatArray, duration: FloatArray, waveform: Callable[[FloatArray], FloatArray]
-) -> Timeline:
-    """The timeline of a load that repeats itself: one piece, the period."""
+) -> LoadSchedule:
+    """The load schedule of a load that repeats itself: one piece, the period."""
     lengths = np.broadcast_to(period, np.shape(np.atleast_1d(duration)))[np.newaxis].copy()
-    return Timeline(lengths, periodic=True, piece_parameters={}, waveforms_at_phase=waveform)
+    return LoadSchedule(lengths, periodic=True, piece_parameters={}, waveforms_at_phase=waveform)
 
 
 def empty_waveforms(phase: FloatArray) -> FloatArray:

@@ -11,7 +11,7 @@ import numpy as np
 
 from remanent import _checks
 from remanent._checks import Rule
-from remanent._timeline import Timeline
+from remanent._load_schedule import LoadSchedule
 from remanent._typing import ArrayLike, FloatArray
 from remanent.models.drives.base import Drive, as_times, empty_waveforms
 from remanent.models.drives.waves import LOAD_RULE, PHASE_RULE
@@ -84,7 +84,7 @@ class Chirp(Drive):
         angle = p["piece.0"] + phase * (p["piece.1"] + phase * p["piece.2"])
         return p["mean"] + p["m"] * fn.sin(angle)
 
-    def timeline(self, values: Mapping[str, FloatArray], duration: FloatArray) -> Timeline:
+    def load_schedule(self, values: Mapping[str, FloatArray], duration: FloatArray) -> LoadSchedule:
         """Two pieces, the sweep and what follows it; the second only if it is reached."""
         start, stop, sweep, phase = (
             self.given_or_own_values(values, name)
@@ -101,7 +101,7 @@ class Chirp(Drive):
             "piece.2": (curvature * swept**2, zero),
         }
         pieces = 2 if np.any(held > 0) else 1
-        return Timeline(
+        return LoadSchedule(
             np.stack([swept, held + zero][:pieces]),
             periodic=False,
             piece_parameters={name: np.stack(pair[:pieces]) for name, pair in rows.items()},

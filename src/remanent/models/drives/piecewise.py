@@ -13,7 +13,7 @@ import numpy as np
 
 from remanent import _checks
 from remanent._errors import InputError, InputWarning
-from remanent._timeline import Timeline
+from remanent._load_schedule import LoadSchedule
 from remanent._typing import ArrayLike, FloatArray
 from remanent.models.drives.base import Drive, as_times, empty_waveforms
 
@@ -104,7 +104,7 @@ class PiecewiseDrive(Drive):
         a0, a1, a2, a3 = (p[name] for name in self.piece_parameter_names)
         return a0 + phase * (a1 + phase * (a2 + phase * a3))
 
-    def timeline(self, values: Mapping[str, FloatArray], duration: FloatArray) -> Timeline:
+    def load_schedule(self, values: Mapping[str, FloatArray], duration: FloatArray) -> LoadSchedule:
         """One piece from each time to the next; the last ends with the trajectory."""
         ends = self._require_covered(
             "duration", np.atleast_1d(np.asarray(duration, dtype=np.float64))
@@ -121,7 +121,7 @@ class PiecewiseDrive(Drive):
                 zip(self.piece_parameter_names, self.piece_coefficients(), strict=True)
             )
         }
-        return Timeline(
+        return LoadSchedule(
             lengths, periodic=False, piece_parameters=scaled, waveforms_at_phase=empty_waveforms
         )
 

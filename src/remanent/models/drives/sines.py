@@ -15,9 +15,9 @@ import numpy as np
 from remanent import _checks
 from remanent._checks import Rule
 from remanent._errors import InputError
-from remanent._timeline import Timeline
+from remanent._load_schedule import LoadSchedule
 from remanent._typing import ArrayLike, FloatArray
-from remanent.models.drives.base import Drive, as_times, empty_waveforms, periodic_timeline
+from remanent.models.drives.base import Drive, as_times, empty_waveforms, periodic_load_schedule
 from remanent.models.drives.piecewise import Numbers
 from remanent.models.drives.waves import LOAD_RULE, OMEGA_RULE, PHASE_RULE
 
@@ -195,16 +195,16 @@ class Sines(Drive):
         omega = self.given_or_own_values(values, "omega")
         return np.asarray(2.0 * np.pi / (float(base) * omega))
 
-    def timeline(self, values: Mapping[str, FloatArray], duration: FloatArray) -> Timeline:
+    def load_schedule(self, values: Mapping[str, FloatArray], duration: FloatArray) -> LoadSchedule:
         """One period, repeated, or one piece as long as the trajectory."""
         period = self.periods(values)
         base = self._common_divisor(self._acting_terms(values))
         if period is not None and base is not None:
             turns = tuple(float(Fraction(k) / base) for k in self._checked_multiples())
-            return periodic_timeline(period, duration, partial(_sines_and_cosines, turns))
+            return periodic_load_schedule(period, duration, partial(_sines_and_cosines, turns))
         lengths = np.array(duration, dtype=np.float64, ndmin=1)[np.newaxis]
         angle = lengths * self.given_or_own_values(values, "omega")
-        return Timeline(
+        return LoadSchedule(
             lengths,
             periodic=False,
             piece_parameters={_FINAL_ANGLE_PARAMETER: angle},

@@ -11,9 +11,9 @@ import numpy as np
 
 from remanent import _checks
 from remanent._checks import Rule
-from remanent._timeline import Timeline
+from remanent._load_schedule import LoadSchedule
 from remanent._typing import ArrayLike, FloatArray
-from remanent.models.drives.base import Drive, as_times, empty_waveforms, periodic_timeline
+from remanent.models.drives.base import Drive, as_times, empty_waveforms, periodic_load_schedule
 
 #: The rule of a magnetic load.
 LOAD_RULE = _checks.finite_rule("It is a magnetic load, B_r B/(mu mu0).")
@@ -63,10 +63,10 @@ class Constant(Drive):
         """Nothing changes."""
         return 0
 
-    def timeline(self, values: Mapping[str, FloatArray], duration: FloatArray) -> Timeline:
+    def load_schedule(self, values: Mapping[str, FloatArray], duration: FloatArray) -> LoadSchedule:
         """One piece that lasts as long as the trajectory."""
         lengths = np.array(duration, dtype=np.float64, ndmin=1)[np.newaxis]
-        return Timeline(
+        return LoadSchedule(
             lengths, periodic=False, piece_parameters={}, waveforms_at_phase=empty_waveforms
         )
 
@@ -132,9 +132,9 @@ class SineSquared(Drive):
         """pi/omega."""
         return np.asarray(np.pi / self.given_or_own_values(values, "omega"))
 
-    def timeline(self, values: Mapping[str, FloatArray], duration: FloatArray) -> Timeline:
+    def load_schedule(self, values: Mapping[str, FloatArray], duration: FloatArray) -> LoadSchedule:
         """One piece, the period of the load, repeated."""
-        return periodic_timeline(self.periods(values), duration, _half_turn_waveforms)
+        return periodic_load_schedule(self.periods(values), duration, _half_turn_waveforms)
 
 
 @dataclass(frozen=True)
@@ -193,9 +193,9 @@ class Sine(Drive):
         """2 pi/omega."""
         return np.asarray(2.0 * np.pi / self.given_or_own_values(values, "omega"))
 
-    def timeline(self, values: Mapping[str, FloatArray], duration: FloatArray) -> Timeline:
+    def load_schedule(self, values: Mapping[str, FloatArray], duration: FloatArray) -> LoadSchedule:
         """One piece, the period of the load, repeated."""
-        return periodic_timeline(self.periods(values), duration, _full_turn_waveforms)
+        return periodic_load_schedule(self.periods(values), duration, _full_turn_waveforms)
 
 
 def _half_turn_waveforms(phase: FloatArray) -> FloatArray:

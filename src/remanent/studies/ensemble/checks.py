@@ -37,7 +37,7 @@ RngArgument: TypeAlias = int | np.random.Generator | None
 #: The seed of all random choices where none is given.
 _DEFAULT_SEED = 0
 #: Seeds that are drawn from a generator are smaller than this.
-_SEED_LIMIT = 2**31
+_DRAWN_SEED_LIMIT = 2**31
 
 
 def require_tolerance(value: object, of: str = "the absolute global error") -> float:
@@ -239,7 +239,7 @@ def as_seed(rng: RngArgument) -> int:
     if rng is None:
         return _DEFAULT_SEED
     if isinstance(rng, np.random.Generator):
-        return int(deepcopy(rng).integers(_SEED_LIMIT))
+        return int(deepcopy(rng).integers(_DRAWN_SEED_LIMIT))
     if not is_integer(rng) or rng < 0:
         raise InputError(
             "rng",

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from remanent._field import Program
-from remanent._timeline import Timeline
+from remanent._load_schedule import LoadSchedule
 from remanent._typing import FloatArray
 from remanent.integrate.ensemble.problem import ERROR_SHARE_IN_FUNCTIONS, Outcome, Problem
 from remanent.integrate.variations import observable_derivatives
@@ -64,18 +64,18 @@ def _evaluate_program(
     problem: Problem, program: Program, times: FloatArray, states: FloatArray
 ) -> list[Any]:
     """Outputs of a program of the field at some times, each (trajectory, time) or a number."""
-    phase, piece = phase_and_piece_index(problem.timeline, times)
+    phase, piece = phase_and_piece_index(problem.load_schedule, times)
     row = np.arange(times.shape[0])[:, None]
     columns = []
     for k, parameter in enumerate(problem.field.parameter_names):
-        by_piece = problem.timeline.piece_parameters.get(parameter)
+        by_piece = problem.load_schedule.piece_parameters.get(parameter)
         column = problem.parameters[:, k][:, None] if by_piece is None else by_piece[piece, row]
         columns.append(column)
     inputs = [
         phase,
         *np.moveaxis(states, 2, 0),
         *columns,
-        *problem.timeline.waveforms_at_phase(phase),
+        *problem.load_schedule.waveforms_at_phase(phase),
     ]
     with np.errstate(all="ignore"):
         return list(program(inputs, functions=np))
@@ -90,15 +90,17 @@ def blank_beyond_horizon(states: FloatArray, times: FloatArray, outcome: Outcome
     return states
 
 
-def phase_and_piece_index(timeline: Timeline, times: FloatArray) -> tuple[FloatArray, np.ndarray]:
+def phase_and_piece_index(
+    load_schedule: LoadSchedule, times: FloatArray
+) -> tuple[FloatArray, np.ndarray]:
     """Phase in the period or piece, and number of the piece, at each time.
 
     A time at a boundary belongs to the piece that begins there; the end of the run
     belongs to the last piece.
     """
-    if timeline.periodic:
+    if load_schedule.periodic:
         with np.errstate(all="ignore"):  # more periods than numbers: no phase, and no states
-            turns = times / timeline.piece_lengths[0][:, None]
+            turns = times / load_schedule.piece_lengths[0][:, None]
             nearest_turns = np.rint(turns)
             turns = np.where(
                 np.abs(turns - nearest_turns) < 1e-12 * np.maximum(nearest_turns, 1.0),
@@ -106,12 +108,12 @@ def phase_and_piece_index(timeline: Timeline, times: FloatArray) -> tuple[FloatA
                 turns,
             )
             return turns - np.floor(turns), np.zeros(times.shape, dtype=np.int64)
-    ends = np.cumsum(timeline.piece_lengths, axis=0)
+    ends = np.cumsum(load_schedule.piece_lengths, axis=0)
     piece = np.zeros(times.shape, dtype=np.int64)
     for end in ends[:-1]:
         piece += times >= end[:, None] * (1 - 1e-15)
     row = np.arange(times.shape[0])[:, None]
-    length = timeline.piece_lengths[piece, row]
+    length = load_schedule.piece_lengths[piece, row]
     start = ends[piece, row] - length
     with np.errstate(all="ignore"):
         phase = np.where(length > 0, (times - start) / length, 0.0)

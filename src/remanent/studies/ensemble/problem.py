@@ -8,7 +8,7 @@ import numpy as np
 
 from remanent._checks import shortened_repr
 from remanent._errors import InputError
-from remanent._timeline import Timeline
+from remanent._load_schedule import LoadSchedule
 from remanent._typing import FloatArray
 from remanent.integrate.ensemble.problem import Problem
 from remanent.models.drives.base import Drive
@@ -27,28 +27,31 @@ def initial_value_problem(ens: Ensemble, duration: FloatArray) -> Problem:
         name: np.where(ens.is_invalid, defaults[name], column)
         for name, column in ens.parameter_values.items()
     }
-    timeline = _timeline(ens.drive, values, durations)
+    load_schedule = _load_schedule(ens.drive, values, durations)
     lengths = np.broadcast_to(
-        timeline.piece_lengths, (len(timeline.piece_lengths), ens.trajectory_count)
+        load_schedule.piece_lengths, (len(load_schedule.piece_lengths), ens.trajectory_count)
     )
-    timeline = Timeline(
-        lengths, timeline.periodic, timeline.piece_parameters, timeline.waveforms_at_phase
+    load_schedule = LoadSchedule(
+        lengths,
+        load_schedule.periodic,
+        load_schedule.piece_parameters,
+        load_schedule.waveforms_at_phase,
     )
-    # Parameters that the timeline gives piece by piece have no value of their own.
+    # Parameters that the load schedule gives piece by piece have no value of their own.
     columns = [
         values.get(name, np.zeros(ens.trajectory_count))
         for name in ens.vector_field.parameter_names
     ]
     parameters = np.column_stack(columns) if columns else np.zeros((ens.trajectory_count, 0))
     return Problem(
-        ens.vector_field, timeline, parameters, ens.initial_states, durations, ens.is_invalid
+        ens.vector_field, load_schedule, parameters, ens.initial_states, durations, ens.is_invalid
     )
 
 
-def _timeline(drive: Drive, values: Mapping[str, FloatArray], end: FloatArray) -> Timeline:
+def _load_schedule(drive: Drive, values: Mapping[str, FloatArray], end: FloatArray) -> LoadSchedule:
     try:
         with np.errstate(all="ignore"):
-            return drive.timeline(values, end)
+            return drive.load_schedule(values, end)
     except InputError:
         raise
     except ValueError as error:  # from the interpolation of samples

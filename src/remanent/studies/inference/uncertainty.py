@@ -31,7 +31,13 @@ from remanent.studies.inference._measures import MeasureLayout, as_measure, meas
 from remanent.studies.inference.measure import Measure, OfArgument
 
 #: Statistics without a dimension of their own.
-_SCALAR_STATISTIC_NAMES = ("average", "average_error", "deviation", "deviation_error", "known")
+_SCALAR_STATISTIC_NAMES = (
+    "average",
+    "average_error",
+    "deviation",
+    "deviation_error",
+    "known_share",
+)
 
 
 def uncertainty(
@@ -78,7 +84,7 @@ def uncertainty(
         The measure (under its own name, ``value`` for a function) along ``quantile`` and its
         own dimensions, ``average``, ``deviation``, each with its standard error, of sampling
         and of the measure where that has an error (the attribute ``errors`` says which);
-        ``known``, the share of points at which the measure is known: the others are left out.
+        ``known_share``, the share of points at which the measure is known: the others are left out.
         Along ``field``, where asked: ``first_index``, the share of the variance that a field
         accounts for alone, and ``total_index``, with all it does together with others, each
         with its standard error.

@@ -9,7 +9,7 @@ import numpy as np
 
 from remanent._checks import as_float_array
 from remanent._errors import InputError
-from remanent._timeline import Timeline
+from remanent._load_schedule import LoadSchedule
 from remanent._typing import ArrayLike, FloatArray, IntArray
 from remanent.codegen.reference import evaluate_rates
 from remanent.integrate.ensemble.problem import Problem
@@ -65,21 +65,25 @@ class Rates:
         if not len(states):
             return y
         problem = self._problem_until(float(times.max()))
-        piece, phase = _places(problem.timeline, times)
+        piece, phase = _places(problem.load_schedule, times)
         parameters = np.tile(problem.parameters, (len(states), 1))
-        for name, values in problem.timeline.piece_parameters.items():
+        for name, values in problem.load_schedule.piece_parameters.items():
             column = problem.field.parameter_names.index(name)
             parameters[:, column] = np.broadcast_to(values, (len(values), 1))[piece, 0]
         with np.errstate(all="ignore"):
             rates_of_states = evaluate_rates(
-                problem.field, phase, states, parameters, problem.timeline.waveforms_at_phase(phase)
+                problem.field,
+                phase,
+                states,
+                parameters,
+                problem.load_schedule.waveforms_at_phase(phase),
             )
         return rates_of_states.reshape(y.shape)
 
     def _problem_until(self, time: float) -> Problem:
         """The pieces of the load up to a time at least."""
         first = self._first_problem
-        if first.timeline.periodic or time <= 1.0:
+        if first.load_schedule.periodic or time <= 1.0:
             return first
         return initial_value_problem(self._ensemble, np.array([time]))
 
@@ -164,10 +168,10 @@ def rates(system: System, drive: Drive) -> Rates:
     return Rates(ens.vector_field.state_names, ens)
 
 
-def _places(timeline: Timeline, times: FloatArray) -> tuple[IntArray, FloatArray]:
+def _places(load_schedule: LoadSchedule, times: FloatArray) -> tuple[IntArray, FloatArray]:
     """The piece that holds each time, and the phase or the fraction of the piece there."""
-    lengths = timeline.piece_lengths[:, 0]
-    if timeline.periodic:
+    lengths = load_schedule.piece_lengths[:, 0]
+    if load_schedule.periodic:
         return np.zeros(times.size, dtype=np.int64), np.mod(times / lengths[0], 1.0)
     ends = np.cumsum(lengths)
     piece = np.minimum(np.searchsorted(ends, times, side="right"), len(lengths) - 1)

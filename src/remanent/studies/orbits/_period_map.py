@@ -292,7 +292,7 @@ class StroboscopicMap:
         )
         return PeriodMap(
             self._problem.field,
-            self._problem.timeline.waveforms_at_phase,
+            self._problem.load_schedule.waveforms_at_phase,
             directions=len(self._problem.field.state_names),
             parameters=(*self._differentiated_parameter_names, *last),
             phase=self.section_phase,

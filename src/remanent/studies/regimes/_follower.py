@@ -111,7 +111,7 @@ class EnsembleFollower:
     @cached_property
     def period_map_maker(self) -> Callable[..., PeriodMap]:
         """``period_map(directions, error_control)``: the map, made once for each pair of these."""
-        field, waveform = self.problem.field, self.problem.timeline.waveforms_at_phase
+        field, waveform = self.problem.field, self.problem.load_schedule.waveforms_at_phase
 
         @lru_cache
         def period_map(directions: int, error_control: ErrorControl = "all") -> PeriodMap:

@@ -65,7 +65,7 @@ class ParameterSweep:
     @cached_property
     def period_map(self) -> PeriodMap:
         """The map over one drive period."""
-        return PeriodMap(self.problem.field, self.problem.timeline.waveforms_at_phase)
+        return PeriodMap(self.problem.field, self.problem.load_schedule.waveforms_at_phase)
 
     @cached_property
     def period_lengths(self) -> FloatArray:

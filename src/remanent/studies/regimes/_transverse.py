@@ -97,7 +97,7 @@ class TransverseFlow:
         arrays = initial_value_problem(two, np.ones(ens.trajectory_count))
         field, waveform = (
             transverse_field(two.vector_field, pairs),
-            arrays.timeline.waveforms_at_phase,
+            arrays.load_schedule.waveforms_at_phase,
         )
         lengths = np.where(ens.is_invalid, 1.0, require_drive_periods(ens))
         return cls(

@@ -71,7 +71,7 @@ def test_what_is_not_known_is_counted_and_left_out() -> None:
 
     box = UncertainArguments([uniform(0.0, 1.0)])
     found = propagate_distributions(function, box, QUANTILES, 512, np.random.default_rng(0))
-    np.testing.assert_allclose(found.known, [0.5, 1.0, 0.0, 1.0], atol=0.01)
+    np.testing.assert_allclose(found.known_share, [0.5, 1.0, 0.0, 1.0], atol=0.01)
     assert found.quantiles[1, 0] == pytest.approx(0.25, abs=0.01)
     assert np.isnan(found.quantiles[:, 2]).all()
     shares = estimate_sobol_indices(function, box, 64, np.random.default_rng(0))

@@ -9,8 +9,8 @@ import pytest
 import sympy as sp
 from tests.unit.integrate.handmade import SINE, Oscillator, Q, V, problem
 
+from remanent._load_schedule import LoadSchedule
 from remanent._status import Status
-from remanent._timeline import Timeline
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Outcome, Problem, Request
 from remanent.integrate.ensemble.resolution import round_up_resolution
@@ -36,14 +36,18 @@ def crowd(count: int) -> Problem:
     start = np.column_stack([rng.uniform(-3.0, 3.0, count), rng.uniform(-1.0, 1.0, count)])
     period, load = rng.uniform(1.0, 9.0, count), rng.uniform(0.0, 2.0, count)
     everybody = problem(DRIVEN, start, rng.uniform(5.0, 60.0, count), period=1.0, a=load)
-    return replace(everybody, timeline=replace(everybody.timeline, piece_lengths=period[None]))
+    return replace(
+        everybody, load_schedule=replace(everybody.load_schedule, piece_lengths=period[None])
+    )
 
 
 def subset(whole: Problem, which: np.ndarray) -> Problem:
-    timeline = replace(whole.timeline, piece_lengths=whole.timeline.piece_lengths[:, which])
+    load_schedule = replace(
+        whole.load_schedule, piece_lengths=whole.load_schedule.piece_lengths[:, which]
+    )
     return Problem(
         whole.field,
-        timeline,
+        load_schedule,
         whole.parameters[which],
         whole.initial_states[which],
         whole.duration[which],
@@ -89,7 +93,9 @@ def assert_same_states(
         times = request.times[rows]
     else:
         times = (
-            request.strobe_cycles * problem.timeline.piece_lengths[0][:, None] * np.arange(count)
+            request.strobe_cycles
+            * problem.load_schedule.piece_lengths[0][:, None]
+            * np.arange(count)
         )
     end = np.minimum(outcome.horizon, problem.duration)
     inside = times <= end[:, None]
@@ -205,7 +211,7 @@ def test_times_at_the_ends_of_cycles_are_all_reached() -> None:
     count = 8
     turns = np.arange(1, 400)
     everybody = crowd(count)
-    period = everybody.timeline.piece_lengths[0]
+    period = everybody.load_schedule.piece_lengths[0]
     everybody = replace(
         everybody, duration=400 * period, initial_states=0.1 * everybody.initial_states
     )
@@ -294,7 +300,10 @@ def test_a_piece_may_be_empty() -> None:
     start = np.array([[1.0, 0.0], [1.0, 0.0]])
     whole = problem(DRIVEN, start, 10.0)
     lengths = np.array([[10.0, 4.0], [0.0, 6.0]])
-    cut = replace(whole, timeline=Timeline(lengths, False, {}, whole.timeline.waveforms_at_phase))
+    cut = replace(
+        whole,
+        load_schedule=LoadSchedule(lengths, False, {}, whole.load_schedule.waveforms_at_phase),
+    )
     times = np.tile(np.linspace(0.0, 10.0, 21), (2, 1))
     states = integrate(cut, Request(times=times), tolerance=1e-10).states
     assert states is not None

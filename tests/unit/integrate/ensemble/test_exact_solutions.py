@@ -116,7 +116,7 @@ def test_error_falls_with_the_order_of_the_method(method: Method) -> None:
         Request(times=TIMES[None]),
         kernels,
         1.0,
-        CycleTables(asked.timeline.waveforms_at_phase),
+        CycleTables(asked.load_schedule.waveforms_at_phase),
     )
     levels = np.array([16, 20, 24, 28, 32])
     errors = []

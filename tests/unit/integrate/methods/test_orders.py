@@ -29,7 +29,7 @@ def attempted(asked: Problem, request: Request, method: Method, level: int) -> A
         compiled_kernel(asked.field, default_method(), options),
         compiled_kernel(asked.field, method, options),
     )
-    run = Run(asked, request, kernels, 1.0, CycleTables(asked.timeline.waveforms_at_phase))
+    run = Run(asked, request, kernels, 1.0, CycleTables(asked.load_schedule.waveforms_at_phase))
     return attempt_chunk(run, Chunk(level, np.arange(asked.duration.size)))
 
 

@@ -107,7 +107,7 @@ def test_states_between_steps_have_the_order_of_a_step() -> None:
             "phase": np.full(3, 0.1),
         }
         span = part * h / (math.pi / DRIVE.omega)
-        waveform = DRIVE.timeline({}, np.ones(1)).waveforms_at_phase
+        waveform = DRIVE.load_schedule({}, np.ones(1)).waveforms_at_phase
 
         def advanced(
             parts: int, a: Any = arguments, s: Any = span, h: float = h, wave: Any = waveform
@@ -132,7 +132,7 @@ def test_a_state_at_the_end_of_a_step_is_kept_exactly() -> None:
     found = dense.partial_step(
         field,
         default_method(),
-        DRIVE.timeline({}, np.ones(1)).waveforms_at_phase,
+        DRIVE.load_schedule({}, np.ones(1)).waveforms_at_phase,
         states=states,
         parameters=[np.full(2, values[name]) for name in field.parameter_names],
         phase=zero,

@@ -22,7 +22,7 @@ def test_steps_hold_from_their_time_on() -> None:
 
 def test_steps_are_cut_at_the_end_of_the_run() -> None:
     """Pieces end with the run; those after its end have no length."""
-    line = Steps([0.0, 1.0, 3.0], [0.1, 0.2, 0.3]).timeline({}, np.array([2.5, 0.5]))
+    line = Steps([0.0, 1.0, 3.0], [0.1, 0.2, 0.3]).load_schedule({}, np.array([2.5, 0.5]))
     assert line.piece_lengths.tolist() == [[1.0, 0.5], [1.5, 0.0]]
     assert line.piece_parameters["piece.0"][:, 0].tolist() == [0.1, 0.2]
 
@@ -53,8 +53,8 @@ def test_samples_do_not_reach_beyond_the_last() -> None:
     with pytest.raises(InputError, match="`tau` must not go beyond the last entry"):
         drive(2.1)
     with pytest.raises(InputError, match="`duration` must not go beyond the last entry"):
-        drive.timeline({}, np.array([2.1]))
-    assert drive.timeline({}, np.array([2.0])).piece_lengths.tolist() == [[1.0], [1.0]]
+        drive.load_schedule({}, np.array([2.1]))
+    assert drive.load_schedule({}, np.array([2.0])).piece_lengths.tolist() == [[1.0], [1.0]]
 
 
 TABLE = [

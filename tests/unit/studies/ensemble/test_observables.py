@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 import remanent as rm
-from remanent._timeline import Timeline
+from remanent._load_schedule import LoadSchedule
 from remanent.studies.ensemble.observables import phase_and_piece_index
 
 
@@ -15,8 +15,8 @@ def still(phase: np.ndarray) -> np.ndarray:
 
 def test_boundaries_belong_to_the_piece_that_begins() -> None:
     """And the end of the run to the last piece."""
-    timeline = Timeline(np.array([[2.0], [3.0]]), False, {}, still)
-    phase, piece = phase_and_piece_index(timeline, np.array([[0.0, 1.0, 2.0, 3.5, 5.0]]))
+    load_schedule = LoadSchedule(np.array([[2.0], [3.0]]), False, {}, still)
+    phase, piece = phase_and_piece_index(load_schedule, np.array([[0.0, 1.0, 2.0, 3.5, 5.0]]))
     assert piece.tolist() == [[0, 0, 1, 1, 1]]
     np.testing.assert_allclose(phase, [[0.0, 0.5, 0.0, 0.5, 1.0]], rtol=0, atol=1e-15)
 
@@ -24,8 +24,8 @@ def test_boundaries_belong_to_the_piece_that_begins() -> None:
 def test_whole_periods_have_phase_zero() -> None:
     """However many of them have passed."""
     period = np.pi / 1.25
-    timeline = Timeline(np.array([[period]]), True, {}, still)
-    phase, _ = phase_and_piece_index(timeline, np.arange(20_000.0)[None] * period)
+    load_schedule = LoadSchedule(np.array([[period]]), True, {}, still)
+    phase, _ = phase_and_piece_index(load_schedule, np.arange(20_000.0)[None] * period)
     assert (phase == 0.0).all()
 
 

@@ -65,7 +65,7 @@ def test_physical_sizes_may_be_uncertain() -> None:
         )
         for name in ("shear_modulus", "remanence")
     ]  # fmt: skip
-    assert all(float(ds.known) == 1.0 for ds in left)
+    assert all(float(ds.known_share) == 1.0 for ds in left)
     assert (left[0].residual_amplitude > 5.0 * left[1].residual_amplitude).all()
 
 

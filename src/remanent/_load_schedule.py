@@ -9,7 +9,7 @@ from remanent._typing import FloatArray
 
 
 @dataclass(frozen=True)
-class Timeline:
+class LoadSchedule:
     """Consecutive pieces of time on each of which the load is smooth.
 
     Attributes
