@@ -103,8 +103,9 @@ def crossings(
     the motion comes to rest on the value.  An energy that jumps past the value with a step of
     the load does not pass through it.
 
-    With an error d of the variable, rate r and second derivative a there, the error of the
-    time is t with d = |r| t − |a| t²/2, or (1 + √2) √(2 d/|a|) where the motion may turn first.
+    With an error d of the variable, and r and a the sizes of its first and second derivative
+    there, the error of the time is t with d = r t − a t²/2, or (1 + √2) √(2 d/a) where the
+    motion may turn first.
 
     Examples
     --------

@@ -101,8 +101,8 @@ def lyapunov(
     periods (W = Q R); the exponent of direction j is the mean of ln R[j, j] over time.
     Source: G. Benettin et al., Meccanica 15 (1980) 9.  With few periods, ``exponent_error``
     is infinite: there are no batches to compare.  On a periodic orbit of n drive periods the
-    exponents are ln |ρ| over its length, ρ its Floquet multipliers; orbit and multipliers are
-    computed with steps of two lengths, whose difference is the error.
+    exponents are the logarithms of the sizes of its Floquet multipliers over its length; orbit
+    and multipliers are computed with steps of two lengths, whose difference is the error.
 
     Examples
     --------
