@@ -248,7 +248,6 @@ def summary(compared: list[Compared]) -> dict[str, Any]:
         "not orbits": sum(one.not_orbits for one in compared),
         "undecided": sum(one.undecided for one in compared),
         "incomplete": sum(one.incomplete for one in compared),
-        "median seconds": float(np.median([one.seconds for one in compared])) if compared else 0.0,
     }
 
 

@@ -220,6 +220,6 @@ def test_a_missing_peer_says_how_to_install_it(monkeypatch: pytest.MonkeyPatch) 
 def test_results_name_no_path(path: Path) -> None:
     """Results are kept with their processor, and tell nothing about where they were made."""
     text = path.read_text("utf-8")
-    if path.stem != "coverage":  # which measures no time
+    if path.stem not in ("coverage", "orbit_search"):  # which measure no speed
         assert json.loads(text)["environment"]["processor"]
     assert not re.search(r"/(?:home|root|tmp|usr|work)\b", text)

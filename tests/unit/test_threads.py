@@ -47,19 +47,21 @@ def test_a_pool_left_by_an_exception_stops_its_threads() -> None:
 
 def test_pools_of_pools_stop_too() -> None:
     """A thread's own pool is stopped with it; one that has nothing to do with it is not."""
-    started = threading.Event()
+    started, told = threading.Event(), threading.Event()
     result: list[Future[None]] = []
 
     def work_in_a_pool_of_its_own() -> None:
         with StoppableThreads(1) as inner:
             future = inner.submit(work_until_stopped, started)
             result.append(future)
+            told.set()
             future.result()
 
     def work_that_is_interrupted() -> None:
         with StoppableThreads(1) as outer:
             outer.submit(work_in_a_pool_of_its_own)
             assert started.wait(PATIENCE)
+            assert told.wait(PATIENCE)
             raise KeyboardInterrupt
 
     with StoppableThreads(1) as other:
