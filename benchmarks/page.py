@@ -107,6 +107,8 @@ def _page(results: Results) -> Iterator[str]:
             yield from _details(row, data)
             yield from _pictures(row, data)
     yield from ("## The error estimate", "", "```{include} results/coverage.md\n```", "")
+    yield from ("## Every other error", "", "```{include} results/errors.md\n```", "")
+    yield from ("## The search for orbits", "", "```{include} results/orbit_search.md\n```", "")
     yield from ("## Machine and versions", "", tables.environment(results.values()).markdown())
 
 

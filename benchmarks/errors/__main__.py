@@ -34,10 +34,11 @@ def main(names: tuple[str, ...], count: int, seed: int, redraw: bool, out: Path)
         click.echo(json.dumps(found["total"]))
     saved = [results / f"{row.slug}.json" for row in rows]
     measured = [json.loads(path.read_text()) for path in saved if path.exists()]
+    missing = [row.name for row, path in zip(rows, saved, strict=True) if not path.exists()]
     pages = out / "docs" / "results"
     pages.mkdir(parents=True, exist_ok=True)
     draw(measured, pages / "errors.svg")
-    write_page(measured, pages / "errors.md")
+    write_page(measured, missing, pages / "errors.md")
 
 
 if __name__ == "__main__":

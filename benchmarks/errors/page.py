@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Mapping, Sequence
 from importlib.metadata import version
 from pathlib import Path
@@ -16,6 +17,10 @@ from remanent.plots import style
 
 #: Panels beside each other.
 COLUMNS = 4
+#: Characters of a line of a title.
+TITLE_WIDTH = 28
+#: Cases that are asked of each row.
+ASKED_CASES = 1000
 #: Range of the axes.
 ENDS = np.array([1e-16, 1e0])
 #: Heading of a table.
@@ -45,7 +50,7 @@ def draw(measured: Sequence[Mapping[str, Any]], path: Path) -> Figure:
             ax.plot(ENDS, LARGEST_USEFUL_RATIO * ENDS, color=style.INK_COLOUR, lw=0.7,
                     ls=style.LINE_STYLES[1])  # fmt: skip
             ax.set(xscale="log", yscale="log", xlim=ENDS, ylim=ENDS)
-            ax.set_title(row["name"], fontsize=6.5)
+            ax.set_title(textwrap.fill(row["name"], TITLE_WIDTH), fontsize=6.5)
         for ax in axes[len(measured) :]:
             ax.set_axis_off()
         figure.supxlabel("true error", fontsize=8.0)
@@ -54,8 +59,17 @@ def draw(measured: Sequence[Mapping[str, Any]], path: Path) -> Figure:
     return figure
 
 
-def write_page(measured: Sequence[Mapping[str, Any]], path: Path) -> None:
-    """Tables in MyST, to be included in a page of the documentation."""
+def write_page(measured: Sequence[Mapping[str, Any]], missing: Sequence[str], path: Path) -> None:
+    """Tables in MyST, to be included in a page of the documentation.
+
+    Parameters
+    ----------
+    measured : sequence of mapping
+        Reports of rows.
+    missing : sequence of str
+        Names of rows that were not measured.
+    path : Path
+    """
     bounds = [row for row in measured if row["promise"] == Promise.BOUND.value]
     standard = [row for row in measured if row["promise"] == Promise.STANDARD.value]
     parts = [
@@ -74,6 +88,10 @@ def write_page(measured: Sequence[Mapping[str, Any]], path: Path) -> None:
             + _HEADING
             + "".join(map(_line, standard))
         )
+    if any(row["total"]["cases"] < ASKED_CASES for row in measured):
+        parts.append(f"Rows with fewer than {ASKED_CASES} cases are of a shorter run.\n")
+    if missing:
+        parts.append(f"Not measured yet: {', '.join(missing)}.\n")
     path.write_text("\n".join(parts))
 
 

@@ -88,7 +88,7 @@ def _attractor_states(rng: np.random.Generator) -> Iterator[Judged]:
             continue
         off = float(np.abs(one.attractor_state.values - orbit.state).max())
         yield Judged(
-            batch.described(k), batch.tolerance, True, float(one.attractor_state_error), off
+            batch.described(k), batch.tolerance, True, float(one.attractor_state_error.max()), off
         )
 
 
