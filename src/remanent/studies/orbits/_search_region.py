@@ -39,8 +39,6 @@ _HIGHEST_LEVEL = 4.0**7
 _LEVELS_OF_FALL = 3
 #: Points on each level.
 _POINTS_ON_LEVEL = 16
-#: Error to which the map is known there, relative to states larger than 1.
-_LEVEL_TOLERANCE = 1e-3
 
 
 @dataclass(frozen=True)
