@@ -34,9 +34,9 @@ periodic = pytest.mark.parametrize("drive", PERIODIC.values(), ids=PERIODIC.keys
 
 
 def through_load_schedule(
-    drive: Drive, values: dict[str, FloatArray], duration: FloatArray
+    drive: Drive, values: dict[str, FloatArray], duration: FloatArray, *, law: str = "load"
 ) -> tuple[FloatArray, FloatArray]:
-    """Times and loads, (sample, trajectory), as the numeric column meets them.
+    """Times and loads, or their rates, (sample, trajectory), as the numeric column meets them.
 
     In pieces without length both are NaN: no trajectory is ever there.
     """
@@ -49,7 +49,7 @@ def through_load_schedule(
         for s in np.linspace(0.0, 0.999, 23):
             u = dict(zip(drive.waveform_names, line.waveforms_at_phase(np.asarray(s)), strict=True))
             times.append(np.where(length > 0.0, start + s * length, np.nan))
-            loads.append(np.where(length > 0.0, drive.load(p, u, s, np), np.nan))
+            loads.append(np.where(length > 0.0, getattr(drive, law)(p, u, s, np), np.nan))
     return np.array(times), np.array(loads)
 
 
@@ -58,6 +58,16 @@ def test_load_along_the_load_schedule_is_the_load_in_time(drive: Drive) -> None:
     """The pieces and phases of a load schedule carry the load that the drive has at that time."""
     times, loads = through_load_schedule(drive, {}, np.array([DURATION]))
     np.testing.assert_allclose(loads, drive(times), rtol=0.0, atol=1e-13)
+
+
+@pytest.mark.parametrize("name", [name for name, one in DRIVES.items() if one.has_load_rate])
+def test_the_rate_of_a_load_is_its_slope_in_time(name: str) -> None:
+    """dm/dtau, in closed form in the equations of motion, against a central difference."""
+    drive, half = DRIVES[name], 1e-5
+    times, rates = through_load_schedule(drive, {}, np.array([DURATION]), law="load_rate")
+    within = np.arange(len(times)) % 23 > 0  # at the ends of pieces a load may bend
+    slope = (drive(times + half) - drive(times - half)) / (2.0 * half)
+    np.testing.assert_allclose(rates[within], slope[within], rtol=1e-7, atol=1e-8)
 
 
 @every

@@ -9,7 +9,7 @@ from typing import Any, Self
 import numpy as np
 
 from remanent._field import Field, Program
-from remanent._roots import find_roots
+from remanent._roots import Roots, find_roots
 from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.integrate.crossings import (
     NO_CROSSING,
@@ -164,7 +164,12 @@ class _CrossingFinder:
         parts: list[Crossings] = []
         if passed.any():
             steps = _WindowSteps(self, window, curvature, *np.nonzero(passed))
-            parts.append(steps.locate_passages(np.zeros(steps.count), np.ones(steps.count)))
+            begins_on_value = before[steps.trajectory_rows, steps.step_numbers] == 0.0
+            parts.append(
+                steps.locate_passages(
+                    steps.places_before_passages(begins_on_value), np.ones(steps.count)
+                )
+            )
         if turns.any():
             turning = _WindowSteps(self, window, curvature, *np.nonzero(turns))
             parts += turning.locate_turns(side)
@@ -345,11 +350,9 @@ class _WindowSteps:
         self, low: FloatArray, high: FloatArray, beyond: FloatArray | float = 0.0
     ) -> Crossings:
         """The passage in each of the steps, between two fractions of it."""
-        # The root at the beginning of a step that starts on the value is none.
-        start = np.nextafter(low, 1.0, where=low == 0.0, out=low.copy())
         root = find_roots(
             lambda s, k: self.evaluate_at(s, k)[0].level,
-            (start, high),
+            (low, high),
             args=(self.consecutive_numbers,),
             tolerances=_ROOT_TOLERANCES,
         )
@@ -359,6 +362,26 @@ class _WindowSteps:
         direction = np.sign(observed.rate).astype(np.int64)
         return self.crossings_at(part, observed, states, direction, beyond)
 
+    def places_before_passages(self, begins_on_value: BoolArray) -> FloatArray:
+        """Fractions of the steps after which a passage is looked for, array (n,).
+
+        The root at the beginning of a step that begins on the value is none.  What comes back to
+        it within the step has turned before.
+        """
+        places = np.zeros(self.count)
+        if begins_on_value.any():
+            turn = self.subset(begins_on_value).find_turns()
+            places[begins_on_value] = np.where(turn.success, turn.x, 1.0)
+        return places
+
+    def find_turns(self) -> Roots:
+        """Fractions of the steps at which the rate of the observable changes its sign."""
+        return find_roots(
+            lambda s, k: self.evaluate_at(s, k)[0].rate,
+            (np.zeros(self.count), np.ones(self.count)),
+            args=(self.consecutive_numbers,),
+        )
+
     def locate_turns(self, side: FloatArray) -> list[Crossings]:
         """Two passages, or a touch, in steps in which the observable turns towards the value.
 
@@ -367,11 +390,7 @@ class _WindowSteps:
         side : array (trajectory, step)
             Sign of the observable less the value at the beginning of each step.
         """
-        turn = find_roots(
-            lambda s, k: self.evaluate_at(s, k)[0].rate,
-            (np.zeros(self.count), np.ones(self.count)),
-            args=(self.consecutive_numbers,),
-        )
+        turn = self.find_turns()
         observed, states = self.evaluate_at(turn.x, self.consecutive_numbers)
         level = observed.level
         touches = turn.success & (np.abs(level) <= self.finder.tolerance)

@@ -60,6 +60,15 @@ def test_a_start_on_the_value_is_no_crossing() -> None:
     assert found.direction.tolist() == [-1, 1]
 
 
+@pytest.mark.parametrize("speed", [1e-6, 1e-3, 1e-2, 0.3])
+def test_what_starts_on_the_value_comes_back_to_it(speed: float) -> None:
+    """q'' = -1 from 0 upwards: back at twice the speed, however short a part of a step that is."""
+    asked = problem(Oscillator(0.0 * Q - 1.0, {}), [(0.0, speed), (0.0, -speed)], 1.0)
+    found, _ = find_crossings(asked, "position", 0.0, tolerance=1e-10)
+    assert (found.trajectory.tolist(), found.direction.tolist()) == ([0], [-1])
+    np.testing.assert_allclose(found.time, [2.0 * speed], rtol=1e-9)
+
+
 def test_crossings_at_ends_of_steps_are_found_once() -> None:
     """q'' = 0 passes whole numbers exactly at ends of steps of a load with period 1."""
     asked = problem(Oscillator(0.0 * Q, {}), (-3.0, 1.0), 8.0, period=1.0)
@@ -73,6 +82,19 @@ def test_no_crossing_beyond_the_end() -> None:
     found, _ = find_crossings(problem(HARMONIC, [(1.0, 0.0)] * 3, [1.5, 1.6, 5.0], period=0.7),
                          "position", 0.0, tolerance=1e-10)  # fmt: skip
     assert found.trajectory.tolist() == [1, 2, 2]
+
+
+def test_runs_that_end_early_in_a_period_of_the_load_have_their_crossings_too() -> None:
+    """cos tau under a load of period 20, which is followed in periods where it is long enough."""
+    asked = problem(HARMONIC, [(1.0, 0.0)] * 3, [5.0, 1.6, 1.5], period=20.0)
+    found, outcome = find_crossings(asked, "position", 0.0, tolerance=1e-10)
+    order = np.lexsort((found.time, found.trajectory))
+    assert found.trajectory[order].tolist() == [0, 0, 1]
+    assert found.direction[order].tolist() == [-1, 1, -1]
+    np.testing.assert_allclose(
+        found.time[order], np.array([0.5, 1.5, 0.5]) * np.pi, rtol=0.0, atol=1e-10
+    )
+    assert outcome.horizon.tolist() == [5.0, 1.6, 1.5]
 
 
 def test_an_observable_may_depend_on_the_load_itself() -> None:

@@ -69,33 +69,32 @@ class SpecialPoint:
     state_error: float
 
 
-# Test functions: points (point,) and the units of the unknowns in, values (point,) out.
+# Test functions: points (point,) in, values (point,) out.
 
 
-def _fold_test(points: CurvePoints, _scale: FloatArray) -> FloatArray:
+def _fold_test(points: CurvePoints) -> FloatArray:
     """The part of the tangent along the parameter: at a fold the branch turns back."""
     return points.tangent[:, -1]
 
 
-def _period_doubling_test(points: CurvePoints, _scale: FloatArray) -> FloatArray:
+def _period_doubling_test(points: CurvePoints) -> FloatArray:
     """det(J + 1), the product of all multipliers plus one: zero where one of them is -1."""
     jacobian = points.extra_arrays["jacobian"]
     return np.asarray(np.linalg.det(jacobian + np.eye(jacobian.shape[1])))
 
 
-def _branch_point_test(points: CurvePoints, scale: FloatArray) -> FloatArray:
+def _branch_point_test(points: CurvePoints) -> FloatArray:
     """Determinant of the equations' derivatives, bordered by the tangent.
 
     Along a branch the derivatives have one null vector, the tangent, and the border makes the
-    matrix regular.  Where another branch crosses they have two, and it is singular.
+    matrix regular.  Where another branch crosses they have two, and it is singular.  Units of the
+    unknowns, in which the tangent is and the derivatives are not, change neither sign nor zeros.
     """
-    bordered = np.concatenate(
-        [points.extra_arrays["derivative"] * scale, points.tangent[:, None]], axis=1
-    )
+    bordered = np.concatenate([points.extra_arrays["derivative"], points.tangent[:, None]], axis=1)
     return np.asarray(np.linalg.det(bordered))
 
 
-def _neimark_sacker_test(points: CurvePoints, _scale: FloatArray) -> FloatArray:
+def _neimark_sacker_test(points: CurvePoints) -> FloatArray:
     """Product over all pairs of multipliers of (their product less one).
 
     A complex pair on the unit circle has product 1.  So have two real ones that are inverse
@@ -106,7 +105,7 @@ def _neimark_sacker_test(points: CurvePoints, _scale: FloatArray) -> FloatArray:
     return np.asarray(np.prod(pairs, axis=0).real if pairs else np.ones(len(points)))
 
 
-TestFunction = Callable[[CurvePoints, FloatArray], FloatArray]
+TestFunction = Callable[[CurvePoints], FloatArray]
 #: The test function of each kind; a further kind of bifurcation is a line here.
 TEST_FUNCTION_OF_KIND: Mapping[str, TestFunction] = MappingProxyType(
     {
@@ -180,9 +179,9 @@ def find_special_points(
             continue
 
         def value(places: FloatArray, test: TestFunction = test) -> FloatArray:
-            return np.asarray(test(branch.points_at(places), scale), dtype=np.float64)
+            return np.asarray(test(branch.points_at(places)), dtype=np.float64)
 
-        values = test(points, scale)
+        values = test(points)
         if kind in ("fold", "branch point"):
             values = _with_signs_of_neighbours(values, touching_ends)
         with np.errstate(invalid="ignore"):

@@ -24,10 +24,6 @@ from remanent.analysis.orbits.curves import Curve, CurveEquations, CurvePoints, 
 _MAX_CORRECTION_IN_STEPS = 0.25
 #: Cosine of the turn of the tangent from point to point, at least.
 _MIN_TURN_COSINE = 0.97
-#: Distance of neighbouring points relative to the step, at least.
-_MIN_GAP_IN_STEPS = 0.5
-#: Distance of neighbouring points relative to the step, at most.
-_MAX_GAP_IN_STEPS = 2.0
 #: The step grows if all corrections of a block are shorter than this share of it.
 _MAX_CORRECTION_IN_STEPS_FOR_GROWTH = 0.02
 #: Factor by which the step grows.
@@ -244,8 +240,8 @@ def _inspect_blocks(
     """How many points of every arm's block are what was predicted.
 
     Newton's method can land on another branch, or on this one far away.  A point counts only if
-    it converged near its guess, its tangent is nearly that of the point before, and the
-    distance from that point is about a step.  After the first that fails nothing counts.
+    it converged near its guess and its tangent is nearly that of the point before.  After the first
+    that fails nothing counts.
     """
     shape = (len(arms), settings.points_per_block)
     correction = np.linalg.norm((points.unknown - guess) / settings.scale, axis=1).reshape(shape)
@@ -254,12 +250,10 @@ def _inspect_blocks(
     unknown, tangent = (a.reshape(*shape, -1) for a in (points.unknown, points.tangent))
     chain = np.concatenate([heads, unknown], axis=1) / settings.scale
     before = np.concatenate([head_tangents, tangent[:, :-1]], axis=1)
-    gap = np.linalg.norm(np.diff(chain, axis=1), axis=2)
     turn_cosine = np.einsum("kij,kij->ki", before, tangent)
     step = np.array([arm.step_length for arm in arms])[:, None]
     is_close = correction < _MAX_CORRECTION_IN_STEPS * step
-    even = (gap > _MIN_GAP_IN_STEPS * step) & (gap < _MAX_GAP_IN_STEPS * step)
-    good = reached.reshape(shape) & is_close & (turn_cosine > _MIN_TURN_COSINE) & even
+    good = reached.reshape(shape) & is_close & (turn_cosine > _MIN_TURN_COSINE)
     kept = np.cumprod(good, axis=1).sum(axis=1)
     inside = ((unknown >= settings.lower_bounds) & (unknown <= settings.upper_bounds)).all(axis=2)
     within = np.cumprod(inside, axis=1).sum(axis=1)

@@ -19,9 +19,6 @@ from remanent.analysis.orbits.curves import CurveEquations, CurvePoints
 
 #: Lengths tried along the second null vector, in scaled unknowns.
 _TRIAL_LENGTHS = (0.01, 0.003, 0.03, 0.001)
-#: A point that Newton's method leaves nearer than this share of the length to the crossing, along
-#: the second vector, is on the branch that is known.
-_MIN_DEPARTURE_IN_TRIAL_LENGTHS = 0.3
 #: A point farther than this many lengths from the crossing is on a third branch.
 _MAX_DISTANCE_IN_TRIAL_LENGTHS = 3.0
 
@@ -60,8 +57,8 @@ def find_point_on_crossing_branch(
             equations, guess[None], crossing_direction[None], scale=scale, tolerance=tolerance
         )
         displacement = (points.unknown[0] - crossing) / scale
-        departed = displacement @ crossing_direction > _MIN_DEPARTURE_IN_TRIAL_LENGTHS * length
+        # It lies in the plane across the vector at this length: not on the branch that is known.
         is_close = np.linalg.norm(displacement) < _MAX_DISTANCE_IN_TRIAL_LENGTHS * length
-        if reached[0] and departed and is_close:
+        if reached[0] and is_close:
             return points
     return None

@@ -136,8 +136,8 @@ def replace_tails_by_limit_orbits(
     for q in np.unique(settled.period[stable]).tolist():
         settling = np.flatnonzero(stable & (settled.period == q))
         point = settled.state[settling]
-        for k in range(q):
+        ends[settling, -1] = point
+        for k in range(1, q):
+            point = iterate(settling, point, 1)[0]
             ends[settling, -1 - k] = point
-            if k < q - 1:
-                point = iterate(settling, point, 1)[0]
     return ends

@@ -49,6 +49,19 @@ def test_a_line_is_the_textbook_regression() -> None:
     np.testing.assert_allclose(ends, found.estimate[1] + [-half, half], atol=2e-3 * half)
 
 
+def test_a_slope_that_one_parameter_does_not_have_is_an_error() -> None:
+    """The model is known on one line alone: no step can be made across it."""
+    data = Observations(T, np.ones(T.size), has_absolute_deviations=False)
+
+    def model(x: FloatArray) -> FloatArray:
+        predictions = line(x)
+        predictions[x[:, 1] != 0.5, -1] = np.nan
+        return predictions
+
+    with pytest.raises(InputError, match="to either side"):
+        fit_least_squares(model, data, np.full(2, 0.5), FREE)
+
+
 def test_intervals_cover_as_often_as_they_say() -> None:
     """Of 400 noisy records, 95 % intervals hold the truth within binomial bounds."""
     inside = np.zeros(2, dtype=int)

@@ -52,6 +52,14 @@ def test_quantiles_of_a_normal_distribution() -> None:
     assert 0.90 < (np.array(far) < 2.36 / 1.08).mean() < 0.98
 
 
+def test_the_faces_of_the_unit_cube_are_points_too() -> None:
+    """Shares of 0 and 1, whose quantiles would be infinite, lie eight deviations out."""
+    joint = UncertainArguments([norm(1.0, 2.0)], np.array([-3.0]), np.array([[4.0]]))
+    ends = joint.points(np.array([[0.0, 0.0], [1.0, 1.0]]))
+    deviations = (ends - [1.0, -3.0]) / 2.0
+    np.testing.assert_allclose(deviations, [[-8.3, -8.3], [8.2, 8.2]], atol=0.1)
+
+
 def test_scrambled_points_beat_random_ones() -> None:
     """The mean of a smooth function of three arguments, against 512 random points."""
     box = UncertainArguments([uniform(0.0, 1.0)] * 3)

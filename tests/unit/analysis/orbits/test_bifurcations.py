@@ -12,6 +12,7 @@ from remanent._typing import FloatArray
 from remanent.analysis.orbits.bifurcations import find_special_points
 from remanent.analysis.orbits.continuation import ContinuationSettings, continue_curves
 from remanent.analysis.orbits.correction import correct_points
+from remanent.analysis.orbits.extended_systems import locate_special_points
 from remanent.analysis.orbits.maps import MapImage
 from remanent.analysis.orbits.orbit_equations import (
     build_bifurcation_equations,
@@ -120,6 +121,51 @@ def test_doublings_lie_on_their_parabola() -> None:
 
 
 @dataclass(frozen=True)
+class Henon:
+    """(x, y) -> (1 - a x^2 + y, x/2): the multiplier -1 has the eigenvector (1, -1/2)."""
+
+    dimension: int = 2
+
+    def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> MapImage:
+        assert iterate == 1
+        (x, y), a = states.T, parameters[:, 0]
+        jacobian = np.zeros((len(x), 2, 2))
+        jacobian[:, 0, 0], jacobian[:, 0, 1], jacobian[:, 1, 0] = -2.0 * a * x, 1.0, 0.5
+        by_a = np.stack([-(x**2), 0.0 * x], axis=1)[:, :, None]
+        image = np.stack([1.0 - a * x**2 + y, 0.5 * x], axis=1)
+        return MapImage(image, jacobian, by_a, np.full(len(x), EPS))
+
+
+def test_the_doubled_orbit_leaves_along_the_eigenvector_of_minus_one() -> None:
+    """Henon's map doubles at a = 3 (1 - b)^2/4, x = (1 - b)/(2 a) = 2/(3 (1 - b)), b = 1/2."""
+    scale = np.array([1.0, 2.0, 3.0])
+    (found,) = locate_special_points(
+        build_orbit_equations(Henon(), 1), ["period doubling"], np.array([[1.3, 0.7, 0.2]]),
+        np.array([1.0]), scale,
+    )  # fmt: skip
+    assert found is not None
+    assert (np.abs(found.unknown - [4.0 / 3.0, 2.0 / 3.0, 3.0 / 16.0]) <= found.error).all()
+    along = found.null_vector * scale  # in the unknowns themselves
+    np.testing.assert_allclose(along / along[0], [1.0, -0.5, 0.0], atol=1e-9)
+    assert np.linalg.norm(found.null_vector) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("scale", [[1.0, 1.0], [0.1, 10.0], [5.0, 0.3]])
+def test_crossings_of_branches_are_found_in_any_units(scale: list[float]) -> None:
+    """0 and 1 - 1/r cross at r = 1: from 20 guesses, within the error."""
+    rng = np.random.default_rng(0)
+    guesses = [0.0, 1.0] + 0.03 * rng.uniform(-1.0, 1.0, (20, 2))
+    found = locate_special_points(
+        build_orbit_equations(Logistic(), 1), ["branch point"] * 20, guesses, np.ones(20),
+        np.array(scale),
+    )  # fmt: skip
+    for point in found:
+        assert point is not None
+        assert (np.abs(point.unknown - [0.0, 1.0]) <= point.error + EPS).all()
+        assert point.error.max() < 1e-8
+
+
+@dataclass(frozen=True)
 class Blurred(Logistic):
     """The logistic map, whose image is not known well beyond x = 1/2."""
 
@@ -147,6 +193,9 @@ def test_fixed_points_are_those_in_the_box_that_are_known(
         map_, guesses, np.full((17, 1), 3.2), iterate=1, tolerance=1e-12, box=np.array([box])
     )
     assert np.unique(np.round(found.state[:, 0], 9)).tolist() == pytest.approx(expected, abs=1e-8)
+    assert (found.image_error == EPS).all()
+    image = 3.2 * found.state * (1.0 - found.state)
+    np.testing.assert_allclose(found.residual, np.abs(image - found.state)[:, 0], atol=EPS)
 
 
 def test_no_step_is_made_where_the_equations_are_singular() -> None:

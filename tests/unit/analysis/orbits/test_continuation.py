@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from remanent._typing import FloatArray
+from remanent._typing import BoolArray, FloatArray
 from remanent.analysis.orbits.bifurcations import SpecialPoint, find_special_points
 from remanent.analysis.orbits.continuation import ContinuationSettings, continue_curves
-from remanent.analysis.orbits.correction import unit_tangents
+from remanent.analysis.orbits.correction import correct_points, unit_tangents
 from remanent.analysis.orbits.curves import (
     Curve,
     CurveEquations,
@@ -21,8 +21,10 @@ from remanent.analysis.orbits.curves import (
 from remanent.analysis.orbits.maps import Map, MapImage
 from remanent.analysis.orbits.orbit_equations import build_orbit_equations
 from remanent.analysis.orbits.periodic_orbits import (
+    PeriodicOrbits,
     distinct_orbits_of_least_period,
     newton_fixed_points,
+    position_errors,
 )
 from remanent.analysis.orbits.stability import Stability, floquet_multipliers, orbit_stability
 
@@ -84,10 +86,24 @@ def test_a_curve_goes_round_folds_to_its_bounds() -> None:
     x, p = curve.points.unknown.T
     np.testing.assert_allclose(x**3 - x, p, atol=1e-11)
     assert curve.end_reasons == ("bounds", "bounds")
+    assert not curve.is_closed
     assert (np.diff(x) > 0).all() or (np.diff(x) < 0).all()
     assert {-1.0, 1.0} == set(np.sign(p[[0, -1]]))
     turns = np.flatnonzero(np.diff(np.sign(curve.points.tangent[:, -1])))
     np.testing.assert_allclose(np.sort(p[turns]), [-2 / 27**0.5, 2 / 27**0.5], atol=2e-3)
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-6, 1e-9])
+def test_points_are_a_tenth_of_the_tolerance_from_a_curve(tolerance: float) -> None:
+    """x^2 + p^2 = 1, known to rounding: corrections go on beyond the tolerance that is asked."""
+    angle = np.linspace(0.0, 6.0, 40)
+    along = np.stack([-np.sin(angle), np.cos(angle)], axis=1)
+    guess = 1.3 * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    points, reached = correct_points(
+        plane("circle"), guess, along, scale=np.ones(2), tolerance=tolerance
+    )
+    assert reached.all()
+    assert points.residual.max() <= 0.1 * tolerance
 
 
 def test_steps_follow_the_curvature() -> None:
@@ -137,6 +153,42 @@ def test_a_curve_ends_after_as_many_points_as_were_asked_for(number: int) -> Non
     )
     assert curve.end_reasons == ("points", "points")
     assert 2 * number - 1 <= len(curve.points) <= 2 * (number + 8)
+
+
+def test_a_curve_that_ceases_ends_lost() -> None:
+    """x = p where it is known, p < 1/2: followed up to there, and the end says so."""
+
+    def equations(z: FloatArray) -> EquationValues:
+        x, p = z.T
+        value = np.where(p < 0.5, x - p, np.nan)[:, None]
+        derivative = np.tile([1.0, -1.0], (len(z), 1, 1))
+        return EquationValues(value, derivative, np.full(len(z), EPS), {"d": derivative})
+
+    curve = traced(equations, [0.0, 0.0], [[-1, 1], [-1, 1]])
+    assert sorted(curve.end_reasons) == ["bounds", "lost"]
+    assert 0.5 - 1e-6 < curve.points.unknown[:, 1].max() < 0.5
+
+
+@pytest.mark.parametrize("end", np.linspace(0.021, 0.901, 23))
+def test_a_curve_ends_with_the_first_point_beyond_where_it_is_told_to(end: float) -> None:
+    """x = p up to a point on it, within a block of points or between two blocks."""
+    derivative = np.array([[1.0, -1.0]])
+
+    def equations(z: FloatArray) -> EquationValues:
+        slopes = np.tile(derivative, (len(z), 1, 1))
+        return EquationValues(z @ derivative.T, slopes, np.full(len(z), EPS), {"d": slopes})
+
+    def passes(points: CurvePoints) -> BoolArray:
+        beyond = points.unknown[:, 1] > end
+        return np.asarray(beyond[1:] & ~beyond[:-1])
+
+    scale = np.ones(2)
+    settings = ContinuationSettings(-scale, scale, scale, tolerance=1e-12, ends_between=passes)
+    (curve,) = continue_curves(
+        equations, start(equations, np.zeros((1, 2)), scale), settings, both_ways=False
+    )
+    assert curve.end_reasons == ("start", "branching")
+    assert curve.points.unknown[-2, 1] <= end < curve.points.unknown[-1, 1]
 
 
 def test_places_between_points_lie_on_the_curve_to_fourth_order() -> None:
@@ -208,6 +260,19 @@ def test_the_logistic_map_doubles_its_period_at_3() -> None:
     assert abs(found[0].point.unknown[0, 1] - 3.0) <= found[0].parameter_error < 1e-9
 
 
+def test_short_steps_hide_no_special_point() -> None:
+    """The same doubling on a branch whose points are 1e-4 apart."""
+    equations = build_orbit_equations(Logistic(), 1)
+    curve = traced(
+        equations, [1.0 - 1.0 / 2.999, 2.999], [[0.1, 1.0], [2.998, 3.002]],
+        first_step_length=1e-4, max_step_length=1e-4,
+    )  # fmt: skip
+    (found,) = find_special_points(
+        equations, curve.points, scale=np.ones(2), tolerance=1e-12, conservative=False
+    )
+    assert found.point.unknown[0] == pytest.approx([2.0 / 3.0, 3.0], abs=1e-10)
+
+
 @dataclass(frozen=True)
 class Grazing:
     """x -> (p^2 - 1 - w^2) x: the multiplier of 0 passes -1 at p = -w and comes back at w."""
@@ -236,6 +301,30 @@ def test_doublings_narrower_than_a_step_are_found(width: float) -> None:
     assert all(abs(abs(p) - width) <= s.parameter_error for p, s in zip(places, found, strict=True))
 
 
+@dataclass(frozen=True)
+class Noisy:
+    """x -> (p^2 - 1) x with noise of a given size in the slope: the multiplier of 0 touches -1."""
+
+    noise: float
+    dimension: int = 1
+
+    def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> MapImage:
+        x, p = states[:, 0], parameters[:, 0]
+        slope = p**2 - 1.0 + self.noise * np.sin(1e9 * p)
+        return MapImage(
+            (slope * x)[:, None],
+            slope[:, None, None],
+            (2.0 * p * x)[:, None, None],
+            np.full(len(x), self.noise),
+        )
+
+
+@pytest.mark.parametrize("noise", [1e-14, 1e-12, 1e-9])
+def test_noise_about_a_touch_is_no_doubling(noise: float) -> None:
+    """Beyond -1 by no more than its error, the multiplier may not have passed."""
+    assert not specials(Noisy(noise), [0.0, 0.2037], [[-1.0, 1.0], [-0.5, 0.5]])
+
+
 @pytest.mark.parametrize("width", [0.0, -1e-4])
 def test_a_multiplier_that_does_not_pass_is_no_doubling(width: float) -> None:
     """It reaches -1, or turns before it."""
@@ -254,6 +343,36 @@ def test_the_delayed_logistic_map_has_a_torus_at_2() -> None:
     found = specials(Delayed(), [1 / 3, 1 / 3, 1.5], [[0.1, 1.0], [0.1, 1.0], [1.2, 2.5]])
     assert [special.kind for special in found] == ["Neimark-Sacker"]
     assert found[0].point.unknown[0, 2] == pytest.approx(2.0, abs=1e-10)
+
+
+@dataclass(frozen=True)
+class AreaPreserving:
+    """Henon's map (x, y) -> (y, -x + 2 y (p + y)), whose multipliers have product 1."""
+
+    dimension: int = 2
+
+    def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> MapImage:
+        (x, y), p = states.T, parameters[:, 0]
+        jacobian = np.tile(np.eye(2), (len(x), 1, 1))
+        by_p = np.zeros((len(x), 2, 1))
+        for _ in range(iterate):
+            step = np.zeros_like(jacobian)
+            step[:, 0, 1], step[:, 1, 0], step[:, 1, 1] = 1.0, -1.0, 2.0 * (p + 2.0 * y)
+            own = np.zeros_like(by_p)
+            own[:, 1, 0] = 2.0 * y
+            jacobian, by_p = step @ jacobian, step @ by_p + own
+            x, y = y, -x + 2.0 * y * (p + y)
+        return MapImage(np.stack([x, y], axis=1), jacobian, by_p, np.full(len(x), 4.0 * EPS))
+
+
+def test_a_conservative_map_has_no_neimark_sacker_points() -> None:
+    """The multipliers of 0 stay on the unit circle: that their product rounds to 1 says nothing."""
+    equations = build_orbit_equations(AreaPreserving(), 3)
+    curve = traced(equations, [0.0, 0.0, 0.2], [[-2, 2], [-2, 2], [-0.4, 0.4]])
+    special = find_special_points(
+        equations, curve.points, scale=np.ones(3), tolerance=1e-12, conservative=True
+    )
+    assert special == []
 
 
 def logistic_orbits(r: float, period: int) -> FloatArray:
@@ -279,6 +398,17 @@ def test_orbits_of_the_logistic_map() -> None:
     (x,) = logistic_orbits(3.2, 2)
     roots = [(4.2 + s * np.sqrt(4.2 * 0.2)) / 6.4 for s in (-1, 1)]
     assert min(abs(x - root) for root in roots) < 1e-12
+
+
+def test_the_error_of_a_fixed_point_covers_its_distance() -> None:
+    """x -> A x + b: the residual over the least singular value of 1 - A, however large A is."""
+    rng = np.random.default_rng(5)
+    matrix = rng.normal(size=(400, 2, 2))
+    off = 1e-3 * rng.normal(size=(400, 2))  # from the fixed point 0
+    residual = np.abs(((np.eye(2) - matrix) @ off[..., None])[..., 0]).max(axis=1)
+    errors = position_errors(PeriodicOrbits(off, matrix, residual, np.zeros(400)))
+    # The residual is a largest component, of which the length is at most sqrt 2 times as large.
+    assert (np.linalg.norm(off, axis=1) <= 2.0**0.5 * errors * (1.0 + 1e-9)).all()
 
 
 def test_multipliers_and_their_error() -> None:

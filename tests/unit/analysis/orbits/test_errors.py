@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 import pytest
 
 from remanent._typing import FloatArray
+from remanent.analysis.orbits.curve_errors import errors_at_fixed_unknown
+from remanent.analysis.orbits.curves import CurvePoints
 from remanent.analysis.orbits.errors import OrbitErrors, orbit_errors
 from remanent.analysis.orbits.maps import MapImage
 from remanent.analysis.orbits.refinement import refine_orbits
@@ -122,6 +124,19 @@ def test_near_a_fold_an_error_covers_or_there_is_none() -> None:
     assert not nothing.is_confirmed.any()
 
 
+def test_near_a_fold_the_error_of_the_map_counts_as_the_residual_does() -> None:
+    """Law: Coverage.  Images too large by d: x² = p + d there, and x² = p in truth, if p > 0."""
+    error, share = 1e-4, np.concatenate([np.linspace(0.05, 0.95, 19), np.linspace(1.05, 3.0, 19)])
+    root = np.sqrt(error / share)[:, None]
+    parameters = root**2 - error
+    found = orbit_errors(replace(FOLD, error=error), root, parameters, 1)
+    true = root - np.sqrt(np.maximum(parameters, 0.0))
+    told = found.is_confirmed
+    assert told[share < 0.5].all()
+    assert not told[share > 1.0].any()
+    assert (true[told] <= found.state_error[told] * (1.0 + 1e-9)).all()
+
+
 @pytest.mark.parametrize("period", [1, 3, 7])
 def test_points_of_a_torus_that_closes_are_no_orbits(period: int) -> None:
     """A twist map turns the radius where r² = k/n by whole turns: every point there closes."""
@@ -156,6 +171,14 @@ def test_refinement_takes_the_coarsest_map_that_is_enough() -> None:
     assert none.error.shape == (0,)
 
 
+def test_refinement_goes_on_until_the_error_is_that_of_rounding() -> None:
+    """x -> x + p - x², fixed at √p: Newton's steps from a few thousandths away are several."""
+    p = np.linspace(0.5, 2.0, 20)[:, None]
+    found = refine_orbits(lambda _: FOLD, 0, np.sqrt(p) + 5e-3, p, 1, 1e-14)
+    assert (np.abs(found.state - np.sqrt(p)) <= found.state_error).all()
+    assert found.error.max() < 1e-14
+
+
 @pytest.mark.parametrize("dimension", [2, 3, 4])
 @pytest.mark.parametrize("gap", [0.0, 1e-10, 1e-6, 1e-3, 1.0])
 def test_no_eigenvalue_moves_further_than_its_error(dimension: int, gap: float) -> None:
@@ -177,6 +200,19 @@ def test_no_eigenvalue_moves_further_than_its_error(dimension: int, gap: float) 
     assert (distance <= errors + rounding).all()
 
 
+@pytest.mark.parametrize("dimension", [2, 3, 4])
+def test_rounding_alone_moves_eigenvalues_by_less_than_their_error(dimension: int) -> None:
+    """Law: Coverage.  Whole numbers as eigenvalues, in bases of whole numbers: exact matrices."""
+    rng = np.random.default_rng(dimension)
+    shape = (COUNT, dimension, dimension)
+    lower, upper = (np.tril(rng.integers(-3, 4, shape), -1) + np.eye(dimension) for _ in range(2))
+    base = lower @ upper.swapaxes(1, 2)
+    exact = rng.permuted(np.tile(np.arange(1.0, 9.0), (COUNT, 1)), axis=1)[:, :dimension]
+    inverse = np.rint(np.linalg.inv(base))  # of whole numbers, since the determinant is 1
+    found, errors = floquet_multipliers((base * exact[:, None, :]) @ inverse, np.zeros(COUNT))
+    assert (np.abs(found - -np.sort(-exact, axis=1)) <= errors).all()
+
+
 def test_errors_of_eigenvalues_are_not_needlessly_large() -> None:
     """Of a symmetric matrix no eigenvalue moves further than the norm of the change."""
     rng = np.random.default_rng(4)
@@ -184,6 +220,33 @@ def test_errors_of_eigenvalues_are_not_needlessly_large() -> None:
     matrix = matrix + matrix.swapaxes(1, 2)
     _, errors = floquet_multipliers(matrix, np.full(matrix.shape, 1e-8))
     assert (errors <= 4.0 * 2e-8).all()
+
+
+def test_multipliers_off_the_unit_circle_are_not_elliptic() -> None:
+    """Complex ones of a map that preserves area are on it: more than 1e-6 off, they are wrong."""
+    for off, kind in ((0.9e-6, Stability.ELLIPTIC), (1.1e-6, Stability.UNDECIDED)):
+        values: Any = (1.0 + off) * np.exp([[0.3j, -0.3j]])
+        errors = np.full((1, 2), 1e-9)
+        assert orbit_stability(values, errors, conservative=True)[0] == kind
+
+
+@pytest.mark.parametrize("count", [2, 3, 20])
+def test_near_a_fold_errors_at_a_fixed_parameter_cover(count: int) -> None:
+    """Law: Coverage.  x² = p, known to d: at fixed p, x may be √(p - d) as well."""
+    for share in (0.05, 0.3, 0.6, 0.9):
+        x = 1e-3 * np.linspace(1.0, 1.05, count)
+        error = share * x[0] ** 2
+        derivative = np.stack([2.0 * x, -np.ones(count)], axis=1)[:, None, :]
+        tangent = np.stack([np.ones(count), 2.0 * x], axis=1)
+        tangent /= np.linalg.norm(tangent, axis=1)[:, None]
+        extra = {"derivative": derivative, "value": np.zeros((count, 1))}
+        points = CurvePoints(
+            np.stack([x, x**2], axis=1), tangent, np.zeros(count), np.full(count, error), extra
+        )
+        found = errors_at_fixed_unknown(points, np.full((count, 1), error), np.ones(2), 1)
+        # The curve is taken for a parabola about its tangent: true up to some x², relative.
+        assert (x - np.sqrt(x**2 - error) <= found[:, 0] * (1.0 + 20.0 * x**2)).all()
+        assert not found[:, 1].any()
 
 
 def test_stability_follows_the_errors() -> None:

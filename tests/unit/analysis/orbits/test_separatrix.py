@@ -54,6 +54,26 @@ def test_what_does_not_come_near_is_not_decided() -> None:
     assert passed(np.array([0.5])) == [0]
 
 
+@pytest.mark.parametrize(("least", "side"), [(0.59, 1), (0.61, 0)])
+def test_near_is_within_six_tenths_of_the_first_distance(least: float, side: int) -> None:
+    """Motion along the unstable direction of diag(2, 1/2), that turns back at a distance."""
+    path = np.array([[1.0, 0.0], [least, 0.0], [0.9, 0.0]])
+    found = find_first_saddle_passages(
+        path[None], np.zeros((1, 2)), np.diag([2.0, 0.5])[None], np.array([1e-9])
+    )
+    assert found.side_relative_to_start.tolist() == [side]
+
+
+def test_the_least_distance_is_that_of_the_whole_passage() -> None:
+    """In along the stable direction and out along the unstable one of diag(2, 1/2)."""
+    path = np.array([[0.01, 1.0], [0.02, 0.5], [0.04, 0.25], [0.08, 0.125], [0.16, 0.0625]])
+    found = find_first_saddle_passages(
+        path[None], np.zeros((1, 2)), np.diag([2.0, 0.5])[None], np.array([1e-9])
+    )
+    assert found.departure_iterate.tolist() == [4]
+    assert found.least_distance_before_departure[0] == pytest.approx(np.hypot(0.08, 0.125))
+
+
 def test_what_stays_is_not_decided() -> None:
     """Exactly on the manifold the run ends at the top."""
     at = np.stack(

@@ -2,9 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from tests.unit.analysis.regimes.iterated import Iterated, Step, henon, logistic, rolled, standard
+from tests.unit.analysis.regimes.iterated import (
+    Iterated,
+    Step,
+    henon,
+    logistic,
+    rolled,
+    run,
+    standard,
+)
 
 from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.analysis.regimes.agreement import (
@@ -13,7 +23,11 @@ from remanent.analysis.regimes.agreement import (
     chaotic_rule,
     regime_of_run,
 )
-from remanent.analysis.regimes.collection import INDICATOR_FUNCTIONS, states_as_observables
+from remanent.analysis.regimes.collection import (
+    INDICATOR_FUNCTIONS,
+    collect_evidence,
+    states_as_observables,
+)
 from remanent.analysis.regimes.decision import decide_regimes
 from remanent.analysis.regimes.evidence import EvidenceTable
 from remanent.analysis.regimes.labels import Regime, RegimeLabels
@@ -272,6 +286,30 @@ def test_the_finest_tolerance_is_kept_for_what_is_disputed() -> None:
     found, _ = decide_regimes(RegimeProblem(follow, 2, damped=np.ones(2, dtype=np.bool_)))
     assert found.regime.tolist() == [Regime.PERIODIC, Regime.CHAOTIC]
     assert asked == {0: [1], 1: [0, 1], 2: [0, 1]}
+
+
+@pytest.mark.parametrize("damped", [True, False])
+def test_the_first_two_fifths_of_a_damped_run_leave_no_trace(damped: bool) -> None:
+    """What comes before is a transient, of which nothing enters the evidence; without damping all.
+
+    The logistic map at r = 3.7, and the same run with another beginning.
+    """
+    whole = run(logistic, np.array([0.3]), np.array([3.7]), 500, every=True)
+    assert whole.visited_states is not None
+    states, factors = whole.visited_states.copy(), whole.triangular_factors.copy()
+    states[:, :199] = 0.5
+    factors[:, : int(0.39 * factors.shape[1])] *= 3.0
+    other = replace(whole, visited_states=states, triangular_factors=factors)
+    before, after = (collect_evidence(one, damped=np.array([damped])) for one in (whole, other))
+    same = {
+        name
+        for name, column in before.column_of_name.items()
+        if np.array_equal(column, after[name], equal_nan=True)
+    }
+    if damped:
+        assert same == set(before.column_of_name)
+    else:
+        assert not same & {"exponent", "log_growth", "digits", "banded_digits", "zero_one"}
 
 
 def test_labels_do_not_depend_on_company() -> None:

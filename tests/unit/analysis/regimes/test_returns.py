@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from tests.unit.analysis.regimes.iterated import Iterated, logistic
 
-from remanent._typing import FloatArray
+from remanent._typing import FloatArray, IntArray
+from remanent.analysis.orbits.stability import floquet_multipliers
 from remanent.analysis.regimes.attractors import assign_attractors, replace_tails_by_limit_orbits
 from remanent.analysis.regimes.labels import Regime
 from remanent.analysis.regimes.limit_orbits import (
@@ -14,7 +15,8 @@ from remanent.analysis.regimes.limit_orbits import (
     find_approached_orbit_periods,
     find_limit_orbits,
 )
-from remanent.analysis.regimes.orbit_exponents import orbit_exponents
+from remanent.analysis.regimes.long_runs import propagate_tangents
+from remanent.analysis.regimes.orbit_exponents import find_settled_orbit_periods, orbit_exponents
 from remanent.analysis.regimes.returns import find_best_returns
 
 GOLDEN = (np.sqrt(5.0) - 1.0) / 2.0
@@ -28,6 +30,35 @@ def test_period_of_the_best_return() -> None:
     assert found.period[0] == 7
     assert found.return_defect[0] < 1e-12
     assert found.return_defect[1] > 1e-3
+
+
+def test_each_settled_motion_has_the_period_of_its_own_orbit() -> None:
+    """The logistic map at 2.8, 3.2, 3.5 and 3.835, and chaos at 4, all together."""
+    maps = Iterated(logistic, np.array([[2.8], [3.2], [3.5], [3.835], [4.0]]))
+    path = propagate_tangents(maps, np.full((5, 1), 0.3), 1200, directions=1, every=True)
+    assert path.visited_states is not None
+    period = find_settled_orbit_periods(
+        path.visited_states[:, -300:], np.arange(5), maps.iterate, np.ones(5, dtype=np.bool_)
+    )
+    assert period.tolist() == [1, 2, 4, 3, 0]
+
+
+@pytest.mark.parametrize("known", [True, False])
+def test_a_multiplier_that_is_all_rounding_has_no_exponent_with_an_error(known: bool) -> None:
+    """diag(1/2, tiny): rounding of the largest entry is a twelfth of it, or an eighth."""
+    _, rounding = floquet_multipliers(np.diag([0.5, 1e-15])[None], np.zeros(1))
+    tiny = rounding[0, 1] * (12.0 if known else 8.0)
+    jacobian = np.diag([0.5, tiny])
+
+    def iterate(_: IntArray, states: FloatArray, periods: int) -> tuple[FloatArray, FloatArray]:
+        power = np.linalg.matrix_power(jacobian, periods)
+        return states @ power.T, np.tile(power, (len(states), 1, 1))
+
+    found = orbit_exponents(
+        iterate, lambda *_: (iterate, iterate), np.array([0]), np.zeros((1, 2)), np.array([1]), 1.0
+    )
+    np.testing.assert_allclose(found.exponents[0], np.log([0.5, tiny]))
+    assert np.isfinite(found.exponents_error[0]).tolist() == [True, known]
 
 
 def test_the_limit_ahead_is_the_fixed_point() -> None:

@@ -40,6 +40,25 @@ def test_largest_is_never_below_the_table() -> None:
     assert np.isnan(found.value[1])
 
 
+def test_the_highest_of_three_peaks_is_found_where_the_table_hides_it() -> None:
+    """Of five peaks the one that the table shows third is the highest; one less each time."""
+    middle = np.array([0.10, 0.30, 0.525, 0.70, 0.90])
+    height = np.array([1.00, 0.99, 1.10, 0.50, 0.40])
+    asked: list[FloatArray] = []
+
+    def measure(_case: IntArray, x: FloatArray, _: float) -> tuple[FloatArray, FloatArray]:
+        asked.append(x)
+        return (height * np.exp(-((40.0 * (x[:, None] - middle)) ** 2) / 5.0)).max(1), 0.0 * x
+
+    x = np.linspace(0.0, 1.0, 21)
+    table = measure(np.zeros(21, dtype=np.int64), x, 1e-9)[0][None]
+    asked.clear()
+    found = refine_maxima(x, table, 0.0 * table, measure, tolerance=1e-9, width=1e-4)
+    assert abs(found.position[0] - 0.525) <= found.position_error[0] <= 1e-4
+    peaks = [np.unique(np.abs(x[:, None] - middle).argmin(axis=1)).size for x in asked]
+    assert peaks == [3, 2, *[1] * (len(peaks) - 2)]
+
+
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-6, 1e-9])
 @pytest.mark.parametrize("width", [1e-3, 1e-6, 1e-9])
 def test_errors_cover_a_smooth_top_that_noise_hides(tolerance: float, width: float) -> None:

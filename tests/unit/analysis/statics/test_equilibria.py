@@ -44,13 +44,13 @@ def test_slope_by_a_complex_step_is_exact() -> None:
 
 
 def test_the_balancing_load_is_that_of_the_formula() -> None:
-    """x**3 - p x vanishes at x for p = x**2; outside the bounds there is no such p."""
+    """x**3 - p x vanishes at x for p = x**2; beyond the bounds, and at 0, there is no such p."""
 
     def force(case: IntArray, x: FloatArray, p: FloatArray) -> FloatArray:
         return x**3 - p * x + 0.0 * case
 
-    x = np.array([0.5, 1.0, 1.9, 2.1])
+    x = np.array([0.5, 1.0, 1.9, 2.1, 0.0])
     bounds = np.zeros(1), np.full(1, 4.0)
-    found = balancing_parameter(force, bounds, np.zeros(4, dtype=np.int64), x)
+    found = balancing_parameter(force, bounds, np.zeros(5, dtype=np.int64), x)
     np.testing.assert_allclose(found[:3], x[:3] ** 2, rtol=1e-12)
-    assert np.isnan(found[3])
+    assert np.isnan(found[3:]).all()

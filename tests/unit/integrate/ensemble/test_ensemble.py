@@ -11,7 +11,9 @@ from tests.unit.integrate.handmade import SINE, Oscillator, Q, V, problem
 
 from remanent._load_schedule import LoadSchedule
 from remanent._status import Status
+from remanent.integrate.ensemble.best_attempts import BestAttempts
 from remanent.integrate.ensemble.ensemble import integrate
+from remanent.integrate.ensemble.pool import PendingTrajectories
 from remanent.integrate.ensemble.problem import Outcome, Problem, Request
 from remanent.integrate.ensemble.resolution import round_up_resolution
 from remanent.integrate.ensemble.work_sizes import WorkSizes
@@ -293,6 +295,15 @@ def test_absurdly_long_runs_are_not_begun() -> None:
     asked = problem(DRIVEN, [(1.0, 0.0)] * 2, [1e300, 10.0])
     outcome = integrate(asked, Request(), tolerance=1e-6)
     assert outcome.status.tolist() == [Status.MAX_STEPS, Status.OK]
+
+
+@pytest.mark.parametrize(("period", "affordable"), [(1.6e5, True), (1.7e5, False)])
+def test_a_cycle_is_refused_where_no_steps_resolve_it(period: float, affordable: bool) -> None:
+    """16 times 2^14 double steps, of which four are needed in 2.5, last for 163840."""
+    asked = problem(Oscillator(-Q, {}), (1.0, 0.0), 1.0, period=period)
+    best = BestAttempts.before_first_attempt(asked, Request())
+    pending = best.without_unaffordable(PendingTrajectories(np.array([0]), np.array([8])))
+    assert (pending.indices.size == 1) == affordable
 
 
 def test_a_piece_may_be_empty() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from fractions import Fraction
 from typing import Any
 
 import mpmath
@@ -20,6 +21,7 @@ from remanent.integrate.ensemble.problem import Request
 from remanent.integrate.ensemble.run import Chunk, Run
 from remanent.integrate.kernel.compile import KernelPair, compiled_kernel
 from remanent.integrate.kernel.options import KernelOptions, Method
+from remanent.integrate.kernel.outline import MAX_INLINED_INSTRUCTIONS
 from remanent.integrate.kernel.tables import CycleTables
 from remanent.integrate.methods.adams import adams_method
 from remanent.integrate.methods.runge_kutta import default_method
@@ -97,6 +99,51 @@ def test_the_requested_tolerance_is_met(name: str, tolerance: float) -> None:
     assert outcome.states is not None
     assert outcome.status[0] == Status.OK
     assert np.abs(outcome.states[0] - exact).max() <= outcome.error[0] <= tolerance
+
+
+def test_equations_that_are_too_long_to_be_copied_are_solved_as_well() -> None:
+    """q'' = -k q, times the mean of forty sums of squares of a sine and a cosine."""
+    one = sum(sp.sin(j * Q) ** 2 + sp.cos(j * Q) ** 2 for j in range(1, 41)) / 40
+    asked = problem(Oscillator(-K * Q * one, {"k": 4.0}), (0.3, -0.2), 5.0)
+    assert len(asked.field.rates.instructions) > MAX_INLINED_INSTRUCTIONS
+    outcome = sampled(asked, TIMES[:11], 1e-9)
+    assert outcome.states is not None
+    exact = 0.3 * np.cos(2.0 * TIMES[:11]) - 0.1 * np.sin(2.0 * TIMES[:11])
+    np.testing.assert_allclose(outcome.states[0, :, 0], exact, rtol=0.0, atol=1e-9)
+
+
+def test_steps_are_no_shorter_than_the_tolerance_needs() -> None:
+    """A method of order 8 takes 1e6^(1/8) = 5.6 times as many steps for a millionth of the error.
+
+    Law: Order of the methods.
+    """
+    asked = problem(DUFFING, (1.3, 0.0), 5.0)
+    loose, tight = (sampled(asked, TIMES[:11], t).resolution[0] for t in (1e-5, 1e-11))
+    assert 4.0 < tight / loose < 9.0
+
+
+def test_rounding_puts_no_time_beyond_the_horizon() -> None:
+    """A run up to 0.3, asked at 3 times 0.1, which is 0.30000000000000004."""
+    asked, times = problem(Oscillator(-Q, {}), (1.0, 0.0), 0.3), 0.1 * np.arange(4.0)
+    outcome = sampled(asked, times, 1e-9)
+    assert outcome.states is not None
+    np.testing.assert_allclose(outcome.states[0, :, 0], np.cos(times), atol=1e-9)
+    assert not outcome.is_beyond_horizon(times[None]).any()
+    assert outcome.is_beyond_horizon(np.array([[0.3 + 1e-9]])).all()
+
+
+def test_where_steps_make_no_error_rounding_does() -> None:
+    """q'' = -1, of which the method makes no error: no bound below the last place, all cover."""
+    rng = np.random.default_rng(0)
+    starts, times = rng.uniform(-1.0, 1.0, (64, 2)), np.linspace(0.0, 3.0, 7)
+    outcome = sampled(problem(Oscillator(0.0 * Q - 1.0, {}), starts, 3.0), times, 1e-4)
+    assert outcome.states is not None
+    exact = [
+        [(float(q + v * t - t * t / 2), float(v - t)) for t in map(Fraction, times)]
+        for q, v in ((Fraction(q), Fraction(v)) for q, v in starts)
+    ]
+    assert (np.abs(outcome.states - exact).max(axis=(1, 2)) <= outcome.error).all()
+    assert (outcome.error >= np.finfo(float).eps).all()
 
 
 @pytest.mark.parametrize("method", [default_method(), adams_method(8)])

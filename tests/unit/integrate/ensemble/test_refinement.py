@@ -92,6 +92,11 @@ TABLE = [
     Row("refine: stalls count in a row only", Status.HORIZON, True, stalls=1, stalls_after=0),
     Row("give up: it escapes twice at the same time", Status.ESCAPED, False, size=1e7, **STUCK),
     Row("refine: a first escape may be of long steps", Status.HORIZON, True, size=1e7),
+    Row("refine: an error that becomes no number later", Status.HORIZON, True, largest_error=NAN),
+    Row(
+        "refine: steps that are too long at once are not singular",
+        Status.HORIZON, True, horizon=0.0, **NEW,
+    ),
     Row(
         "refine what is singular at once, but say so",
         Status.SINGULAR, True, horizon=0.0, largest_error=NAN, size=NAN, **NEW,

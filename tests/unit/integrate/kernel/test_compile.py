@@ -14,6 +14,8 @@ from tests.unit.integrate.handmade import Oscillator, Q, V, problem
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Request
 from remanent.integrate.kernel import compile as module
+from remanent.integrate.kernel.options import KernelOptions
+from remanent.integrate.methods.runge_kutta import default_method
 
 TIMES = np.linspace(0.0, 20.0, 41)[None]
 
@@ -55,6 +57,18 @@ def test_a_stored_kernel_gives_the_bits_of_a_fresh_one(
     assert entries(cache)
     monkeypatch.setattr(module, "_compile_source", forbid)
     np.testing.assert_array_equal(computed(), fresh)
+
+
+def test_machine_code_writes_into_no_record_that_is_too_short() -> None:
+    """A cycle of four double steps, every fine step of which is kept: eight states."""
+    field = problem(Oscillator(-Q, {}), (1.0, 0.0), 1.0).field
+    kernel = module.compiled_kernel(field, default_method(), KernelOptions())
+    layout, lane_count = kernel.layout, kernel.lane_count
+    lanes = np.zeros((1, layout.slot_count, lane_count))
+    tables = np.zeros((8, 1, 3)), np.zeros((4, 1, 3))
+    record = np.zeros((7, 1, layout.state_count, lane_count))
+    with pytest.raises(ValueError, match="8 are needed"):
+        kernel(lanes, tables, record, cycles=1, every=1)
 
 
 @pytest.mark.parametrize("damage", ["flipped", "truncated", "empty"])

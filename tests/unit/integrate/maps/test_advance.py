@@ -14,6 +14,7 @@ from remanent._typing import FloatArray
 from remanent.analysis.regimes.long_runs import LongRun, propagate_tangents
 from remanent.analysis.regimes.lyapunov import LyapunovExponents, lyapunov_exponents
 from remanent.codegen.lower import DependenceLevel, lower_to_program
+from remanent.integrate.kernel.compile import Kernel
 from remanent.integrate.maps.advance import BlockAdvancer
 from remanent.integrate.maps.period_map import ErrorControl, PeriodMap, PeriodMapImage
 
@@ -181,3 +182,36 @@ def test_error_control_changes_nothing_but_the_error(directions: int) -> None:
     alone = image(0, "all").largest_period_error
     np.testing.assert_allclose(image(directions, "state").largest_period_error, alone, rtol=1e-3)
     assert (everything.largest_period_error >= alone).all()
+
+
+def test_errors_of_tangents_are_absolute_up_to_one_and_relative_beyond() -> None:
+    """q'' = -q at rest, whose only error is that of its tangent: as large as that, up to 1."""
+    flow = PeriodMap(Oscillator(-Q, {}).field(), turning, directions=1)
+    sizes = np.array([1e-6, 1e-3, 1.0, 1e3, 1e6])
+    image = flow(
+        np.zeros((5, 2)), np.zeros((5, 0)), np.full(5, 3.0), tolerance=np.inf, resolution=4,
+        tangent=sizes[:, None, None] * np.array([[[1.0, 0.0]]]),
+    )  # fmt: skip
+    error = image.largest_period_error
+    assert error[2] > 0.0
+    np.testing.assert_allclose(error[:2] / error[2], sizes[:2], rtol=1e-3)
+    # Beyond, over the larger of cos and sin, at least 0.7.
+    assert ((error[3:] / error[2] >= 0.999) & (error[3:] / error[2] <= 1.42)).all()
+
+
+def test_calls_of_the_machine_code_change_no_bit(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Determinism: ten periods in one call of the kernel, and in calls of three, then one."""
+    flow = PeriodMap(Oscillator(COSINE - 0.1 * V - Q**3, {}).field(), turning, directions=1)
+
+    def image() -> PeriodMapImage:
+        return flow(
+            np.array([[0.3, 0.1]]), np.zeros((1, 0)), np.array([5.0]), tolerance=np.inf, cycles=10,
+            resolution=16, visited=True,
+        )  # fmt: skip
+
+    whole = image()
+    monkeypatch.setattr(Kernel, "_cycles_per_call", lambda *_: 3)
+    parts = image()
+    np.testing.assert_array_equal(parts.state, whole.state)
+    np.testing.assert_array_equal(parts.tangents, whole.tangents)
+    np.testing.assert_array_equal(parts.visited_states, whole.visited_states)
