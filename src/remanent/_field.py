@@ -14,7 +14,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from enum import StrEnum
 from functools import cached_property
-from operator import add, mul, sub, truediv
+from operator import add, mul, neg, sub, truediv
 from types import MappingProxyType
 from typing import Any
 
@@ -91,18 +91,23 @@ class Program:
         """
         if len(values) != len(self.input_names):
             raise ValueError(f"expected {len(self.input_names)} values, got {len(values)}")
+        operators: dict[str, Callable[..., Any]]
+        operators = {**BINARY_OPERATOR_OF_OPERATION, "div": divide, "neg": neg}
+        operators |= {name: getattr(functions, name) for name in self._function_names}
         slots = [*values, *map(constant, self.constants)]
-        for operation, *operands in self.instructions:
-            arguments = [slots[k] for k in operands]
-            if operation == "div":
-                slots.append(divide(*arguments))
-            elif operation in BINARY_OPERATOR_OF_OPERATION:
-                slots.append(BINARY_OPERATOR_OF_OPERATION[operation](*arguments))
-            elif operation == "neg":
-                slots.append(-arguments[0])
+        for instruction in self.instructions:
+            if len(instruction) == 3:
+                operation, first, second = instruction
+                slots.append(operators[operation](slots[first], slots[second]))
             else:
-                slots.append(getattr(functions, operation)(arguments[0]))
+                operation, first = instruction
+                slots.append(operators[operation](slots[first]))
         return [slots[k] for k in self.output_slots]
+
+    @cached_property
+    def _function_names(self) -> frozenset[str]:
+        """Names of the functions that it calls."""
+        return frozenset(step[0] for step in self.instructions) & UNARY_OPERATIONS - {"neg"}
 
 
 class Role(StrEnum):
@@ -255,6 +260,10 @@ class Field:
             or len(self.observable_and_rates.output_slots) != 4
         ):
             raise ValueError("wrong number of outputs")
+
+    def __hash__(self) -> int:
+        """Of the fingerprint, so that what follows from a field can be remembered."""
+        return hash(self.fingerprint)
 
     @cached_property
     def fingerprint(self) -> str:

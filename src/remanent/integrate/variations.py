@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from types import MappingProxyType
 from typing import Any
 
@@ -17,6 +18,8 @@ from remanent._instructions import InstructionBuilder, SignedValue
 #: Stands among `parameters` of :func:`field_with_tangents` for the logarithm of the length of
 #: a cycle.
 LOG_PERIOD_PARAMETER_NAME = "log_period"
+#: Widened fields that are remembered, so that verbs that are called again need not write them.
+_REMEMBERED_FIELDS = 64
 
 
 def field_with_tangents(field: Field, *, directions: int, parameters: Sequence[str] = ()) -> Field:
@@ -41,6 +44,11 @@ def field_with_tangents(field: Field, *, directions: int, parameters: Sequence[s
     Field
         State ``(*y, *w[0], *w[1], ...)``: first the directions, then the parameters.
     """
+    return _field_with_tangents(field, directions, tuple(parameters))
+
+
+@lru_cache(maxsize=_REMEMBERED_FIELDS)
+def _field_with_tangents(field: Field, directions: int, parameters: tuple[str, ...]) -> Field:
     columns = directions + len(parameters)
     added = tuple(
         StateVariable(f"tangent.{k}.{name}", Role.VARIATION, belongs_to=name)
@@ -89,6 +97,12 @@ def transverse_field(field: Field, pairs: Mapping[str, str]) -> Field:
     Field
         State: the variables but the second ones, then ``"transverse.NAME"`` for each pair.
     """
+    return _transverse_field(field, tuple(pairs.items()))
+
+
+@lru_cache(maxsize=_REMEMBERED_FIELDS)
+def _transverse_field(field: Field, pairs_in_order: tuple[tuple[str, str], ...]) -> Field:
+    pairs = dict(pairs_in_order)
     kept_variables = tuple(v for v in field.variables if v.name not in pairs.values())
     added = tuple(
         StateVariable(f"transverse.{name}", Role.VARIATION, belongs_to=name) for name in pairs

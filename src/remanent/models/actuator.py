@@ -256,11 +256,14 @@ class Actuator(metaclass=ExplainedConstruction):
         broken = _checks.where_rule_broken(self._own_number_rules(), values)
         for prefix, part in self.parts().items():
             broken = broken | part.where_invalid(part_parameters(prefix, values))
+        shifts = self._temperature_shifts()
+        if not shifts:
+            return np.asarray(broken)
         p = {**self.parameters(), **values}
         temperature, reference = (
             np.asarray(p[name]) for name in ("temperature", "reference_temperature")
         )
-        for prefix, shift in self._temperature_shifts().items():
+        for prefix, shift in shifts.items():
             holds = shift.where_valid(temperature, reference, part_parameters(prefix, p))
             broken = broken | ~np.asarray(holds)
         return np.asarray(broken)

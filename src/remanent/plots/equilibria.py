@@ -11,7 +11,6 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
-from scipy.optimize import linear_sum_assignment
 
 from remanent._errors import InputError
 from remanent._typing import FloatArray
@@ -247,6 +246,8 @@ def _step(before: _Row, now: _Row, folds: FloatArray, height: float) -> _Step:
     ends = np.stack(np.broadcast_arrays(before.stretches[old][:, None], now.stretches[new]), axis=2)
     low, high = ends.min(axis=2)[..., None], ends.max(axis=2)[..., None]
     alike &= ~((low < folds[:, 0]) & (folds[:, 0] < high)).any(axis=2)
+    from scipy.optimize import linear_sum_assignment  # takes a while
+
     pairs = zip(*linear_sum_assignment(np.where(alike, cost, _FORBIDDEN_COST)), strict=True)
     is_sure = all_used and len(old) == len(new)
     longest = np.inf if is_sure else _MAX_STEP_BESIDE_FOLD * height

@@ -7,7 +7,6 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import KDTree
 
 from remanent._typing import FloatArray
 
@@ -89,6 +88,8 @@ def _lies_on(points: FloatArray, curve: FloatArray) -> NDArray[np.bool_]:
     count = min(int(along[-1] / _ON_CURVE_DISTANCE) + 2, _MAX_POINT_COUNT)
     places = np.linspace(0.0, along[-1], count)
     dense = np.stack([np.interp(places, along, column) for column in curve.T], axis=1)
+    from scipy.spatial import KDTree  # takes a while
+
     distance, _ = KDTree(np.concatenate([dense, curve])).query(points[found])
     found[found] = distance <= _ON_CURVE_DISTANCE
     return found

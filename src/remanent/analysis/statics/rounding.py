@@ -13,6 +13,8 @@ from remanent._typing import FloatArray
 _UNIT_ROUNDOFF = 0.5 * float(np.finfo(float).eps)
 #: Roundings in a function of the mathematical library.
 _FUNCTION_ROUNDINGS = 2.0
+#: The bound of numbers that are exact.
+_EXACT = 0.0
 
 
 @dataclass(frozen=True)
@@ -26,36 +28,57 @@ class Rounded:
     Attributes
     ----------
     value, bound : array (point,)
+        Bounds of exact numbers are one and the same 0, with which nothing is computed.
     """
 
     value: Any
-    bound: Any = 0.0
+    bound: Any = _EXACT
 
     @classmethod
     def constant(cls, number: float) -> Rounded:
         """A constant of a program: exact if it is a whole number."""
-        return cls(number, 0.0 if number == round(number) else _UNIT_ROUNDOFF * abs(number))
+        is_exact = number == round(number)
+        return cls(number, _EXACT if is_exact else _UNIT_ROUNDOFF * abs(number))
 
     def _with_rounding(self, value: Any, bound: Any, roundings: float = 1.0) -> Rounded:
-        return Rounded(value, bound + roundings * _UNIT_ROUNDOFF * np.abs(value))
+        return Rounded(value, _sum(bound, roundings * _UNIT_ROUNDOFF * abs(value)))
 
     def __add__(self, other: Rounded) -> Rounded:
-        return self._with_rounding(self.value + other.value, self.bound + other.bound)
+        if self is ZERO:
+            return other
+        if other is ZERO:
+            return self
+        return self._with_rounding(self.value + other.value, _sum(self.bound, other.bound))
 
     def __sub__(self, other: Rounded) -> Rounded:
-        return self._with_rounding(self.value - other.value, self.bound + other.bound)
+        if self is ZERO:
+            return -other
+        if other is ZERO:
+            return self
+        return self._with_rounding(self.value - other.value, _sum(self.bound, other.bound))
 
     def __neg__(self) -> Rounded:
-        return Rounded(-self.value, self.bound)
+        return self if self is ZERO else Rounded(-self.value, self.bound)
 
     def __mul__(self, other: Rounded) -> Rounded:
-        bound = np.abs(self.value) * other.bound + self.bound * (np.abs(other.value) + other.bound)
+        if self is ZERO or other is ZERO:
+            return ZERO
+        size = abs(other.value) if other.bound is _EXACT else abs(other.value) + other.bound
+        bound = _EXACT if self.bound is _EXACT else self.bound * size
+        if other.bound is not _EXACT:
+            bound = _sum(bound, abs(self.value) * other.bound)
         return self._with_rounding(self.value * other.value, bound)
 
     def __truediv__(self, other: Rounded) -> Rounded:
+        if self is ZERO:
+            return ZERO
         value = self.value / other.value
-        least = np.maximum(np.abs(other.value) - other.bound, 0.0)
-        return self._with_rounding(value, (self.bound + np.abs(value) * other.bound) / least)
+        if other.bound is not _EXACT:
+            bound = _sum(self.bound, abs(value) * other.bound)
+            least = np.maximum(abs(other.value) - other.bound, 0.0)
+            return self._with_rounding(value, bound / least)
+        bound = _EXACT if self.bound is _EXACT else self.bound / abs(other.value)
+        return self._with_rounding(value, bound)
 
     def sqrt(self) -> Rounded:
         """Square root."""
@@ -69,7 +92,7 @@ class Rounded:
 
     def log(self) -> Rounded:
         """Natural logarithm."""
-        bound = _over(self.bound, np.abs(self.value) - self.bound)
+        bound = _over(self.bound, abs(self.value) - self.bound)
         return self._with_rounding(np.log(self.value), bound, _FUNCTION_ROUNDINGS)
 
     def sin(self) -> Rounded:
@@ -85,6 +108,10 @@ class Rounded:
         return self._with_rounding(np.arctan(self.value), self.bound, _FUNCTION_ROUNDINGS)
 
 
+#: The slope of what does not change, with which nothing is computed.
+ZERO = Rounded(0.0)
+
+
 @dataclass(frozen=True)
 class RoundedDual:
     """A number and its derivative along one direction, both with bounds of their rounding.
@@ -95,7 +122,7 @@ class RoundedDual:
     """
 
     value: Rounded
-    slope: Rounded = Rounded(0.0)
+    slope: Rounded = ZERO
 
     @classmethod
     def constant(cls, number: float) -> RoundedDual:
@@ -105,7 +132,7 @@ class RoundedDual:
     @classmethod
     def variable(cls, value: FloatArray, slope: float | FloatArray) -> RoundedDual:
         """An exact number that changes as fast as `slope` says."""
-        return cls(Rounded(value), Rounded(slope))
+        return cls(Rounded(value), ZERO if np.ndim(slope) == 0 and slope == 0 else Rounded(slope))
 
     def __add__(self, other: RoundedDual) -> RoundedDual:
         return RoundedDual(self.value + other.value, self.slope + other.slope)
@@ -161,7 +188,14 @@ class RoundedDualFunctions:
         return RoundedDual(x.value.atan(), x.slope / (Rounded(1.0) + x.value * x.value))
 
 
+def _sum(first: Any, second: Any) -> Any:
+    """A sum of bounds."""
+    return second if first is _EXACT else first if second is _EXACT else first + second
+
+
 def _over(numerator: Any, denominator: Any) -> Any:
     """A quotient of bounds that is 0 where nothing is to be divided."""
+    if numerator is _EXACT:
+        return _EXACT
     with np.errstate(all="ignore"):
         return np.where(np.asarray(numerator) == 0.0, 0.0, numerator / np.maximum(denominator, 0.0))

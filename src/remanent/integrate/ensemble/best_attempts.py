@@ -58,6 +58,13 @@ class BestAttempts:
         count = problem.duration.size
         return cls(problem, _empty_outcome(problem, request), np.zeros(count, dtype=np.int64))
 
+    @classmethod
+    def of_known_run(cls, problem: Problem, request: Request, outcome: Outcome) -> Self:
+        """Those of a run that is known but for its samples."""
+        empty = cls.before_first_attempt(problem, request)
+        known = replace(outcome, states=empty.outcome.states, inspection_results=())
+        return replace(empty, outcome=known)
+
     def trajectory_scales(self, indices: IntArray) -> TrajectoryScales:
         """What of some trajectories does not depend on how they are resolved."""
         load_schedule = self.problem.load_schedule

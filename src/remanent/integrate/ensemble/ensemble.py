@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from remanent._status import Status
+from remanent._typing import FloatArray
 from remanent.integrate.ensemble import short_runs
 from remanent.integrate.ensemble.best_attempts import BestAttempts
 from remanent.integrate.ensemble.pool import KernelPool, PendingTrajectories
@@ -127,6 +128,42 @@ def integrate(
                 pool.run_attempts(problem, request, best.computed_trajectories())
             )
     return best.outcome
+
+
+def states_of_known_run(
+    problem: Problem, times: FloatArray, outcome: Outcome, *, tolerance: float
+) -> FloatArray:
+    """States of a run at further times, at the resolutions that it was found to need.
+
+    They are those that :func:`integrate` gives, without the search for the resolutions.
+
+    Parameters
+    ----------
+    problem : Problem
+        What was integrated.
+    times : array (trajectory, time)
+        Ascending in every row.
+    outcome : Outcome
+        Of the problem, where no extremes were wanted.
+    tolerance : float
+        With which it was integrated.
+
+    Returns
+    -------
+    array (trajectory, time, state)
+    """
+    request = Request(times=times)
+    if short_runs.where_short(problem, request).any():
+        states = integrate(problem, request, tolerance=tolerance).states
+    else:
+        tolerance = min(tolerance, LOOSEST_TOLERANCE_USED)
+        best = BestAttempts.of_known_run(problem, request, outcome)
+        method = choose_method(request, tolerance)
+        with KernelPool(problem, method, KernelOptions(), tolerance) as pool:
+            attempts = pool.run_attempts(problem, request, best.computed_trajectories())
+            states = best.outcome_with_samples(attempts).states
+    assert states is not None
+    return states
 
 
 def integrate_without_error_bound(

@@ -13,7 +13,7 @@ from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Request
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.problem import initial_value_problem
-from remanent.studies.statics._rest_states import RestStates, rest_states_of_cases
+from remanent.studies.statics._rest_states import RestStates, rest_states_of_cases, thickness_errors
 from remanent.studies.statics._static_ensemble import StaticEnsemble
 from remanent.studies.statics._static_state import StaticState
 
@@ -96,11 +96,10 @@ def find_final_rests(
         pending, span = pending[~lost], _SPAN_GROWTH * span
     error = np.full(count, np.nan)
     bodies: list[StaticState | None] = [None] * count
-    for k, number in found.items():
-        choice = known[k]
-        assert choice is not None
-        body = choice.body(number)
-        bodies[k], error[k] = body, choice.thickness_error(number)
+    chosen = [(rests, found[k]) for k, rests in enumerate(known) if rests and k in found]
+    for (rests, number), off in zip(chosen, thickness_errors(chosen), strict=True):
+        k, body = rests.case_index, rests.body(number)
+        bodies[k], error[k] = body, off
         if not dissipates[k]:
             error[k] += _undamped_heat_error(ens, k) * body.thickness()
         elif _is_adiabatic(ens)[k]:

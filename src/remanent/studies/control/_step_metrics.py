@@ -12,7 +12,7 @@ from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.analysis.control import settling
 from remanent.integrate import events
 from remanent.integrate.crossings import Crossings
-from remanent.integrate.ensemble.ensemble import integrate
+from remanent.integrate.ensemble.ensemble import integrate, states_of_known_run
 from remanent.integrate.ensemble.problem import Outcome, Problem, Request
 from remanent.studies.ensemble.checks import FINEST_TOLERANCE
 from remanent.studies.ensemble.observables import evaluate_observable
@@ -59,9 +59,7 @@ class StepMotion:
 
     def states_at(self, times: FloatArray) -> FloatArray:
         """States (trajectory, time, state) at ascending times (trajectory, time)."""
-        outcome = integrate(self.problem, Request(times=times), tolerance=self.tolerance)
-        assert outcome.states is not None
-        return outcome.states
+        return states_of_known_run(self.problem, times, self.outcome, tolerance=self.tolerance)
 
     def __call__(self, times: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Thickness stretch and its rate at times (trajectory, time) in any order."""
@@ -122,10 +120,9 @@ class StepMotion:
         """
         order = np.argsort(times, axis=1)
         ascending = np.take_along_axis(times, order, axis=1)
-        tolerance = max(_FINER_SHARE * self.tolerance, FINEST_TOLERANCE)
-        outcome = integrate(self.problem, Request(times=ascending), tolerance=tolerance)
-        assert outcome.states is not None
-        finer = self.thickness(ascending, outcome.states)
+        tolerance, outcome = self._finer_run
+        states = states_of_known_run(self.problem, ascending, outcome, tolerance=tolerance)
+        finer = self.thickness(ascending, states)
         finer = np.take_along_axis(finer, np.argsort(order, axis=1), axis=1)
         difference = (
             _SAFETY * np.abs(finer - thickness)
@@ -133,6 +130,12 @@ class StepMotion:
         )
         bound = (self._stretch_sensitivity * self.outcome.error)[:, None]
         return np.where(np.isfinite(difference), np.minimum(difference, bound), bound)
+
+    @cached_property
+    def _finer_run(self) -> tuple[float, Outcome]:
+        """A smaller tolerance, and the outcome of the motion with it."""
+        tolerance = max(_FINER_SHARE * self.tolerance, FINEST_TOLERANCE)
+        return tolerance, integrate(self.problem, Request(), tolerance=tolerance)
 
     @cached_property
     def _stretch_sensitivity(self) -> FloatArray:
@@ -166,15 +169,12 @@ def residual_vibration(
     table = np.full((len(bodies), len(names)), np.nan)
     for k, body in enumerate(bodies):
         if body is not None and np.isfinite(states[k]).all():
-            energy = body.excess_energy_of(states[k])
-            changes = [
-                max(
-                    abs(body.excess_energy_of(states[k] + side * error[k] * direction) - energy)
-                    for side in (-1.0, 1.0)
-                )
-                for direction in np.eye(states.shape[1])[body.moving_indices]
-            ]
-            energy_error = sum(changes) + np.finfo(float).eps * abs(energy)
+            directions = np.eye(states.shape[1])[body.moving_indices]
+            moved = states[k] + _SIDES[:, None, None] * error[k] * directions
+            energies = body.excess_energies_of(moved)
+            energy = energies[0, 0]
+            energy_error = np.abs(energies - energy).max(axis=0).sum()
+            energy_error += np.finfo(float).eps * abs(energy)
             stiffness = body.thickness_stiffness()
             ends = np.maximum(energy + energy_error * _SIDES, 0.0)
             amplitude, least, most = np.sqrt(2.0 * ends / stiffness)

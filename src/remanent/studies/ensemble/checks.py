@@ -61,6 +61,9 @@ def require_tolerance(value: object, of: str = "the absolute global error") -> f
 
 def require_system(name: str, system: object) -> System:
     """Whatever has the members of a system; its equations are found by its kind."""
+    # Asked first whether it is an actuator: a protocol looks at every member.
+    if isinstance(system, Actuator):
+        return system
     if isinstance(system, type) or not isinstance(system, System):
         raise InputError(
             name,
@@ -87,7 +90,8 @@ def require_actuator(name: str, system: object) -> Actuator:
 
 def require_drive(drive: object) -> Drive:
     """A drive, for what is asked of it before the trajectories are laid out."""
-    if isinstance(drive, System) and not isinstance(drive, type):
+    # Asked last whether it is a system: a protocol looks at every member, which takes a while.
+    if not isinstance(drive, Drive | type) and isinstance(drive, System):
         raise InputError(
             "drive",
             must="be a Drive",

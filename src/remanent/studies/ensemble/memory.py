@@ -9,6 +9,8 @@ from remanent._machine import available_memory_bytes
 BYTES_PER_TRAJECTORY = 1024.0
 #: Bytes of one sample of a trajectory: its state, its observables, and their copies.
 BYTES_PER_SAMPLE = 80.0
+#: Bytes of a request that is granted without a look at the machine, which takes a while.
+_SMALL_REQUEST_BYTES = 2.0**20
 #: Share of the memory that this process may use which one request may take.
 _ALLOWED_MEMORY_SHARE = 0.5
 
@@ -28,8 +30,10 @@ def require_memory(name: str, needed: float, what: str) -> None:
     Raises
     ------
     InputError
-        If it is more than half of the memory that this process may use.
+        If it is more than half of the memory that this process may use; a MiB is always granted.
     """
+    if needed <= _SMALL_REQUEST_BYTES:
+        return
     limit = _ALLOWED_MEMORY_SHARE * available_memory_bytes()
     if needed > limit:
         raise InputError(

@@ -9,7 +9,8 @@ import numpy as np
 from remanent._errors import InputError
 from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.integrate import events
-from remanent.integrate.ensemble.problem import Outcome, Problem
+from remanent.integrate.ensemble.ensemble import integrate
+from remanent.integrate.ensemble.problem import Outcome, Problem, Request
 from remanent.models.actuator import Actuator
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.observables import evaluate_observable
@@ -17,10 +18,10 @@ from remanent.studies.ensemble.problem import initial_value_problem
 
 #: Time within which half a period is looked for first.
 _FIRST_SEARCH_DURATION_IN_TAU = 2.5
+#: Instants of that time at which the direction of the motion is looked at.
+_SEARCH_INSTANTS = 64
 #: Factor by which the time grows where none was found.
 _DURATION_GROWTH_FACTOR = 4.0
-#: Factor by which a run is longer than half a period.
-_TURN_MARGIN = 1.02
 #: Rounding of a frequency, relative to it.
 _ROUNDING = 8.0 * float(np.finfo(float).eps)
 #: How often it is looked for.
@@ -85,19 +86,10 @@ def free_oscillations(ens: Ensemble, tolerance: float) -> FreeOscillations:
     tolerance : float
         Of the state at the other turning point.
     """
-    half = np.full(ens.trajectory_count, np.nan)
-    duration = _FIRST_SEARCH_DURATION_IN_TAU
-    for _ in range(_MAX_ATTEMPTS):
-        missing = np.isnan(half) & ~ens.is_invalid
-        if not missing.any():
-            break
-        turn = _first_turns(ens, np.full(ens.trajectory_count, duration), tolerance)
-        half = np.where(missing, turn.time, half)
-        duration *= _DURATION_GROWTH_FACTOR
-    # Once more, no further than to the turn: the error of a longer run is that of its end.
-    until = np.where(np.isfinite(half), _TURN_MARGIN * half, 1.0)
-    turn = _first_turns(ens, until, tolerance)
-    half = np.where(np.isfinite(half), turn.time, np.nan)
+    until = _times_after_first_turns(ens, tolerance)
+    # No further than to the turn: the error of a longer run is that of its end.
+    turn = _first_turns(ens, np.where(np.isfinite(until), until, 1.0), tolerance)
+    half = np.where(np.isfinite(until), turn.time, np.nan)
     # The stretch is extreme where it turns: at the start and there.
     ends = np.stack([ens.initial_states, turn.states], axis=1)
     name = turn.problem.field.observable_name
@@ -107,6 +99,28 @@ def free_oscillations(ens: Ensemble, tolerance: float) -> FreeOscillations:
         frequency = np.pi / half
         frequency_error = frequency * turn.time_error / half + _ROUNDING * frequency
     return FreeOscillations(turn.problem, outcome, frequency, frequency_error)
+
+
+def _times_after_first_turns(ens: Ensemble, tolerance: float) -> FloatArray:
+    """Times soon after first turns, looked for in longer and longer runs, array (trajectory,)."""
+    after = np.full(ens.trajectory_count, np.nan)
+    duration = _FIRST_SEARCH_DURATION_IN_TAU
+    for _ in range(_MAX_ATTEMPTS):
+        missing = np.isnan(after) & ~ens.is_invalid
+        if not missing.any():
+            break
+        problem = initial_value_problem(ens, np.full(ens.trajectory_count, duration))
+        times = duration * np.arange(1, _SEARCH_INSTANTS + 1) / _SEARCH_INSTANTS
+        instants = np.tile(times, (ens.trajectory_count, 1))
+        outcome = integrate(problem, Request(times=instants), tolerance=tolerance)
+        assert outcome.states is not None
+        start = _rate_slope_at_zero(problem, np.arange(len(after)), ens.initial_states)
+        with np.errstate(invalid="ignore"):
+            returns = outcome.states[:, :, 1] * start[:, None] < 0.0
+        first = np.where(returns.any(axis=1), times[returns.argmax(axis=1)], np.nan)
+        after = np.where(missing, first, after)
+        duration *= _DURATION_GROWTH_FACTOR
+    return after
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -109,23 +109,35 @@ class RestStates:
         state = self.static.states_at(case, *self.stretches[number][:, None])[0]
         return StaticState(ens.vector_field, np.array(row, dtype=np.float64), state)
 
-    def thickness_error(self, number: int) -> float:
-        """Error of the thickness stretch of one of them."""
-        case = np.full(1, self.case_index)
-        place = self.stretches[number]
-        columns = place[:, None]
-        error = (
-            stretch_error(self.static, case, *columns)
-            if place.size == 1
-            else biaxial_stretch_error(self.static, case, *columns)[0]
-        )
-        pieces = [
-            self.static.thickness_with_rounding(case, *np.roll(place, -k)[:, None])
-            for k in range(place.size)
-        ]
-        slopes = [abs(float(np.ravel(piece.slope.value)[0])) for piece in pieces]
-        rounding = float(np.max(pieces[0].value.bound))
-        return rounding + float(np.dot(slopes, error))
+
+def thickness_errors(chosen: Sequence[tuple[RestStates, int]]) -> FloatArray:
+    """Errors of the thickness stretches of states of rest, each by its number, array (state,)."""
+    errors = np.full(len(chosen), np.nan)
+    ensembles = {id(rests.static): rests.static for rests, _ in chosen}
+    for key, static in ensembles.items():
+        rows = [k for k, (rests, _) in enumerate(chosen) if id(rests.static) == key]
+        case = np.array([chosen[k][0].case_index for k in rows])
+        stretches = np.array([chosen[k][0].stretches[chosen[k][1]] for k in rows])
+        errors[rows] = _thickness_errors_of_ensemble(static, case, stretches)
+    return errors
+
+
+def _thickness_errors_of_ensemble(
+    static: StaticEnsemble, case: IntArray, stretches: FloatArray
+) -> FloatArray:
+    """The same of stretches (state, coordinate) of one ensemble."""
+    count = stretches.shape[1]
+    error = (
+        stretch_error(static, case, *stretches.T)[:, None]
+        if count == 1
+        else biaxial_stretch_error(static, case, *stretches.T)
+    )
+    pieces = [
+        static.thickness_with_rounding(case, *np.roll(stretches, -k, axis=1).T)
+        for k in range(count)
+    ]
+    slopes = np.stack([np.abs(piece.slope.value) for piece in pieces], axis=-1)
+    return np.asarray(pieces[0].value.bound + (slopes * error).sum(axis=-1))
 
 
 def rest_states_of_cases(static: StaticEnsemble, cases: IntArray) -> Iterator[RestStates]:

@@ -170,7 +170,8 @@ class StaticEnsemble:
         state = []
         for variable in self.ensemble.vector_field.variables:
             place = self._static_value(variable, moved, values)
-            state.append(RoundedDual.variable(np.real(place), np.imag(place)))
+            slope = np.imag(place) if np.iscomplexobj(place) else 0.0
+            state.append(RoundedDual.variable(np.real(place), slope))
         columns = [
             RoundedDual.variable(values[name], float(name == along))
             for name in self.ensemble.vector_field.parameter_names

@@ -125,21 +125,22 @@ class StaticState:
         column = 1 + len(self.state) + self.vector_field.parameter_names.index("m")
         return np.column_stack(moved), self._rate_derivative_by_input(column)[self.moving_indices]
 
-    def excess_energy_of(self, state: FloatArray) -> float:
-        """Energy of another state above that of this one.
+    def excess_energies_of(self, states: FloatArray) -> FloatArray:
+        """Energies of other states (..., state) above that of this one.
 
         The gradient is integrated along the straight line between them, which loses no
         digits where they are close.  Its component along the line is a complex step.
         """
-        way = np.where(np.isin(np.arange(len(state)), self.moving_indices), state - self.state, 0.0)
+        moves = np.isin(np.arange(self.state.size), self.moving_indices)
+        way = np.moveaxis(np.where(moves, states - self.state, 0.0), -1, 0)[..., None]
         fraction = 0.5 * (1.0 + _GAUSS_NODES) + 1j * _COMPLEX_STEP
         inputs = [
             0.0 * fraction,
-            *(self.state[:, None] + way[:, None] * fraction),
+            *(rest + part * fraction for rest, part in zip(self.state, way, strict=True)),
             *self.parameters,
         ]
         (energy,) = self.vector_field.observables["energy"](inputs, functions=np)
-        return float(0.5 * _GAUSS_WEIGHTS @ (np.imag(energy) / _COMPLEX_STEP))
+        return np.asarray(0.5 * (np.imag(energy) / _COMPLEX_STEP) @ _GAUSS_WEIGHTS)
 
     def thickness(self) -> float:
         """The thickness stretch."""

@@ -234,10 +234,11 @@ def _turning_points(static: StaticEnsemble, level: FloatArray) -> tuple[FloatArr
     nearest = distance.min(axis=1, initial=np.inf)
     shift = np.where(np.isfinite(nearest), nearest, np.nan) * direction
     opposite_end = np.where(direction == 0.0, 1.0, 1.0 + shift)
-    potential = static.potential_with_rounding(case, opposite_end)
-    left = np.abs(potential.value.value - level) + potential.value.bound
-    left += static.potential_with_rounding(case, rest).value.bound
-    error = np.where(direction == 0.0, 0.0, left / least(potential.slope))
+    potential = static.potential_with_rounding(
+        np.stack([case, case]), np.stack([opposite_end, rest])
+    )
+    left = np.abs(potential.value.value[0] - level) + np.sum(potential.value.bound, axis=0)
+    error = np.where(direction == 0.0, 0.0, left / least(potential.slope)[0])
     return (
         np.stack([static.thickness(case, rest), static.thickness(case, opposite_end)]),
         np.stack([0.0 * rest, thickness_error(static, case, opposite_end, error)]),
