@@ -92,7 +92,7 @@ VERBS: dict[str, tuple[Callable[[rm.Actuator], xr.Dataset], str]] = {
     "cycle_losses": (lambda a: rm.cycle_losses(a, drive(a), periods=2), LOSSY),
     "frequency_response": (
         lambda a: rm.frequency_response(
-            a, drive(a), frequencies(a, 200, 250, 300, 350), duration=tau(a, "20 ms"),
+            a, drive(a), frequencies(a, 300, 350, 400, 450, 500), duration=tau(a, "20 ms"),
             discard=tau(a, "2 ms"), resonance_width=float(a.frequency("0.01 Hz")),
         ), LOSSY,
     ),

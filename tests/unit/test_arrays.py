@@ -108,15 +108,54 @@ def test_units_are_converted_where_the_actuator_has_sizes() -> None:
     ds = rm.simulate(FILM, DRIVE, duration=1.0, over=over)
     np.testing.assert_allclose(ds.omega, FILM.frequency(hertz), rtol=1e-14)
     np.testing.assert_allclose(ds.b**2, FILM.load(["100 mT", "140 mT"]), rtol=1e-14)
+    for length in (5.0 * LOOSE_MS, np.timedelta64(5, "ms"), datetime.timedelta(milliseconds=5)):
+        ds = LOOSE.simulate(FILM, DRIVE, duration=length)
+        assert ds.attrs["duration"] == float(ds.time[-1]) == FILM.time("5 ms")
     for call in (
         lambda: rm.simulate(rm.Actuator(), DRIVE, times=instants),
         lambda: rm.simulate(rm.Actuator(), DRIVE, times=ticks),
-        lambda: rm.simulate(FILM, DRIVE, duration=LOOSE_MS),
+        lambda: LOOSE.simulate(rm.Actuator(), DRIVE, duration=LOOSE_MS),
+        lambda: LOOSE.simulate(FILM, DRIVE, duration=hertz[0]),
         lambda: LOOSE.Sampled(instants, [0.0, 0.1, 0.2]),
         lambda: rm.simulate(FILM, DRIVE, times=hertz),
     ):
         with pytest.raises(InputError, match=r"from_si|dimension of s"):
             call()
+
+
+def test_lengths_of_runs_and_ranges_have_units_wherever_they_are_asked_for() -> None:
+    """Each number with a unit gives the result of the number that stands for it."""
+    body, step = FILM.replace(dissipation=rm.Rayleigh(0.1)), rm.Constant(0.1)
+    band = pint.Quantity(np.array([270.0, 290.0]), "Hz")
+
+    def times(length: Any, start: Any) -> list[xr.Dataset]:
+        return [
+            rm.crossings(body, DRIVE, "stretch", 1.0, duration=length),
+            rm.energy_balance(body, DRIVE, duration=length),
+            rm.frequency_response(body, DRIVE, [1.0, 1.2], duration=length, discard=start),
+            rm.step_response(body, step, duration=length),
+        ]
+
+    plain = times(FILM.time("9 ms"), FILM.time("2 ms"))
+    for ds, same in zip(times(9.0 * LOOSE_MS, 2.0 * LOOSE_MS), plain, strict=True):
+        xr.testing.assert_identical(ds, same)
+    ds = rm.continue_orbit(body, DRIVE, "omega", band)
+    xr.testing.assert_identical(ds, rm.continue_orbit(body, DRIVE, "omega", FILM.frequency(band)))
+
+
+def test_sizes_with_units_are_over_those_the_actuator_was_built_with() -> None:
+    """Shear modulus, density and remanence in `over`: the labels are ratios."""
+    over = {
+        "shear_modulus": pint.Quantity(np.array([90.0, 110.0]), "kPa"),
+        "density": pint.Quantity(np.array([1.9, 2.1]), "g/cm^3"),
+        "remanence": pint.Quantity(np.array([130.0, 143.0]), "mT"),
+    }
+    ds = rm.simulate(FILM, DRIVE, duration=1.0, over=over)
+    np.testing.assert_allclose(ds.shear_modulus, [0.9, 1.1], rtol=1e-14)
+    np.testing.assert_allclose(ds.density, [0.95, 1.05], rtol=1e-14)
+    np.testing.assert_allclose(ds.remanence, [130.0 / 143.0, 1.0], rtol=1e-14)
+    with pytest.raises(InputError, match="from_si"):
+        rm.simulate(rm.Actuator(), DRIVE, duration=1.0, over=over)
 
 
 CALLS: dict[str, tuple[Callable[[], Any], str]] = {

@@ -14,7 +14,8 @@ from matplotlib.patches import Patch
 
 from remanent._errors import InputError
 from remanent._typing import FloatArray
-from remanent.plots import colours, footer, style
+from remanent.plots import colours, style
+from remanent.plots.footer import add_legend_and_footer
 from remanent.plots.labels import field_label
 from remanent.results.schema import describe
 
@@ -38,6 +39,7 @@ def bars(
     *,
     ax: Axes | None = None,
     legend: bool = True,
+    footer: bool = True,
     **bar: Any,
 ) -> list[BarContainer]:
     """Draw a bar for each field, with its error.
@@ -50,9 +52,11 @@ def bars(
     variables : str or sequence of str
         What to draw; several lie side by side.
     ax : matplotlib.axes.Axes, optional
-        Axes to draw in; a new figure, with its footer, if None.
+        Axes to draw in; a new figure if None.
     legend : bool
         Whether to name the colours above the axes.
+    footer : bool
+        Whether a new figure says below what made it; files say so in their metadata.
     **bar : Any
         Passed to matplotlib's ``barh``.
 
@@ -98,7 +102,7 @@ def bars(
         style.label_axes(axes, f"{row.long_name}, ${row.symbol}$" if len(names) == 1 else "", "")
         entries = [Patch(facecolor=a.patches[0].get_facecolor(), label=str(a.get_label()))
                    for a in artists] if len(rows) > 1 and positions.size else []  # fmt: skip
-        footer.add_legend_and_footer(axes, ax, dataset, entries, legend=legend)
+        add_legend_and_footer(axes, ax, dataset, entries, legend=legend, footer=footer)
     return artists
 
 

@@ -16,7 +16,8 @@ from matplotlib.patheffects import withStroke
 
 from remanent._errors import InputError
 from remanent._typing import BoolArray, FloatArray
-from remanent.plots import colours, footer, hatching, maps, style
+from remanent.plots import colours, hatching, maps, style
+from remanent.plots.footer import add_legend_and_footer
 
 __all__ = ["basins"]
 
@@ -27,7 +28,12 @@ _WHITE_RIM: Final = withStroke(linewidth=1.6, foreground="white")
 
 
 def basins(
-    dataset: xr.Dataset, *, ax: Axes | None = None, legend: bool = True, **mesh: Any
+    dataset: xr.Dataset,
+    *,
+    ax: Axes | None = None,
+    legend: bool = True,
+    footer: bool = True,
+    **mesh: Any,
 ) -> QuadMesh:
     """Draw basins of attraction or, without dissipation, islands.
 
@@ -40,9 +46,11 @@ def basins(
         Without, cells are shaded as by :func:`remanent.plots.map`: tori by their rotation
         number, chaos by its exponent.
     ax : matplotlib.axes.Axes, optional
-        Axes to draw in; a new figure, with its footer, if None.
+        Axes to draw in; a new figure if None.
     legend : bool
         Whether to name attractors, or to draw colour bars.
+    footer : bool
+        Whether a new figure says below what made it; files say so in their metadata.
     **mesh : Any
         Passed to matplotlib's ``pcolormesh``.
 
@@ -53,7 +61,9 @@ def basins(
     across, down = _grid_variables(dataset)
     upright = dataset.transpose(down, across, ...)
     if "basin" not in dataset:
-        return maps.draw_map(upright, "regime", ax=ax, legend=legend, spread_tori=True, **mesh)
+        return maps.draw_map(
+            upright, "regime", ax=ax, legend=legend, footer=footer, spread_tori=True, **mesh
+        )
     with style.context_of(ax):
         axes = style.given_or_new_axes(ax, width=style.SINGLE_COLUMN_WIDTH_INCHES, height=3.1)
         x, y = dataset[across], dataset[down]
@@ -64,7 +74,7 @@ def basins(
         _mark_attractors(axes, dataset, across, down)
         style.label_axes(axes, style.axis_label(x), style.axis_label(y))
         entries = [*_legend_entries(dataset), *lost]
-        footer.add_legend_and_footer(axes, ax, dataset, entries, legend=legend)
+        add_legend_and_footer(axes, ax, dataset, entries, legend=legend, footer=footer)
     return artist
 
 

@@ -17,8 +17,9 @@ from matplotlib.lines import Line2D
 
 from remanent._errors import InputError
 from remanent._typing import FloatArray
-from remanent.plots import ensemble, footer, keys, missing, style
+from remanent.plots import ensemble, keys, missing, style
 from remanent.plots.branch_marks import mark_ends, mark_special_points
+from remanent.plots.footer import add_legend_and_footer
 from remanent.plots.retraced import new_stretches, turning_points
 
 __all__ = ["branch", "multipliers", "stability_legend_entries"]
@@ -50,6 +51,7 @@ def branch(
     parameter: str | None = None,
     ax: Axes | None = None,
     legend: bool = True,
+    footer: bool = True,
     **line: Any,
 ) -> list[Line2D]:
     """Draw branches of periodic orbits against the parameter that was followed.
@@ -65,9 +67,11 @@ def branch(
     parameter : str, optional
         Against what; by default the parameter that was followed.
     ax : matplotlib.axes.Axes, optional
-        Axes to draw in; a new figure, with its footer, if None.
+        Axes to draw in; a new figure if None.
     legend : bool
         Whether to name lines and marks above the axes.
+    footer : bool
+        Whether a new figure says below what made it; files say so in their metadata.
     **line : Any
         Passed to matplotlib's ``plot``.
 
@@ -94,7 +98,7 @@ def branch(
         if variable == "amplitude":
             axes.set_ylim(bottom=0.0)
         entries = [*_drawn_stabilities(dataset, artists, size), *marked]
-        _finish(axes, ax, dataset, members, entries, x, variable, legend)
+        _finish(axes, ax, dataset, members, entries, x, variable, legend, footer)
     return artists
 
 
@@ -104,6 +108,7 @@ def multipliers(
     parameter: str | None = None,
     ax: Axes | None = None,
     legend: bool = True,
+    footer: bool = True,
     **line: Any,
 ) -> list[Line2D]:
     """Draw the moduli of Floquet multipliers against the parameter that was followed.
@@ -119,9 +124,11 @@ def multipliers(
     parameter : str, optional
         Against what; by default the parameter that was followed.
     ax : matplotlib.axes.Axes, optional
-        Axes to draw in; a new figure, with its footer, if None.
+        Axes to draw in; a new figure if None.
     legend : bool
         Whether to name lines and marks above the axes.
+    footer : bool
+        Whether a new figure says below what made it; files say so in their metadata.
     **line : Any
         Passed to matplotlib's ``plot``.
 
@@ -151,7 +158,7 @@ def multipliers(
             axes, style.axis_label(dataset[x]), f"modulus of multipliers, $|{symbol}|$"
         )
         entries = [*_drawn_stabilities(dataset, artists, size), *marked]
-        _finish(axes, ax, dataset, members, entries, x, "multipliers", legend)
+        _finish(axes, ax, dataset, members, entries, x, "multipliers", legend, footer)
     return artists
 
 
@@ -171,6 +178,7 @@ def _finish(
     x: str,
     variable: str,
     legend: bool,
+    footer: bool,
 ) -> None:
     """Margins, so that no mark lies on the frame; legend, colour bar and footer."""
     axes.margins(x=_MARGIN_BESIDE_BRANCHES)
@@ -178,7 +186,7 @@ def _finish(
     if legend:
         keys.add_colour_bar(axes, members)
     named = [*keys.line_legend_entries(members, variable), *entries]
-    footer.add_legend_and_footer(axes, given, dataset, named, legend=legend, hide=(x,))
+    add_legend_and_footer(axes, given, dataset, named, legend=legend, footer=footer, hide=(x,))
 
 
 def _with_special_multipliers_at_one(data: xr.Dataset) -> xr.Dataset:

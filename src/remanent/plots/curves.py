@@ -12,8 +12,9 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from remanent.plots import ensemble, footer, keys, missing, style
+from remanent.plots import ensemble, keys, missing, style
 from remanent.plots.equilibria import equilibria
+from remanent.plots.footer import add_legend_and_footer
 
 __all__ = ["curve"]
 
@@ -32,6 +33,7 @@ def curve(
     *,
     ax: Axes | None = None,
     legend: bool = True,
+    footer: bool = True,
     log: bool = False,
     **line: Any,
 ) -> list[Line2D]:
@@ -48,9 +50,11 @@ def curve(
     variable, x : str
         What to draw, and against what.
     ax : matplotlib.axes.Axes, optional
-        Axes to draw in; a new figure, with its footer, if None.
+        Axes to draw in; a new figure if None.
     legend : bool
         Whether to name the lines above the axes.
+    footer : bool
+        Whether a new figure says below what made it; files say so in their metadata.
     log : bool
         Whether the vertical axis is logarithmic.
     **line : Any
@@ -62,7 +66,7 @@ def curve(
         One per member.
     """
     if variable in dataset and "equilibrium" in dataset[variable].dims and x != "equilibrium":
-        lines = equilibria(dataset, variable, x, ax=ax, legend=legend, **line)
+        lines = equilibria(dataset, variable, x, ax=ax, legend=legend, footer=footer, **line)
         if log and lines and lines[0].axes is not None:
             lines[0].axes.set_yscale("log")
         return lines
@@ -87,7 +91,7 @@ def curve(
             *_quantile_entries(members, variable),
         ]
         entries = [*names, *gaps]
-        footer.add_legend_and_footer(axes, ax, dataset, entries, legend=legend)
+        add_legend_and_footer(axes, ax, dataset, entries, legend=legend, footer=footer)
     return artists
 
 

@@ -11,7 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from remanent._typing import FloatArray
-from remanent.plots import ensemble, footer, keys, missing, style
+from remanent.plots import ensemble, keys, missing, style
+from remanent.plots.footer import add_legend_and_footer
 
 __all__ = ["equilibrium_legend_entries", "landscape"]
 
@@ -36,7 +37,12 @@ _MIN_WELL_DEPTH: Final = 1e-12
 
 
 def landscape(
-    dataset: xr.Dataset, *, ax: Axes | None = None, legend: bool = True, **line: Any
+    dataset: xr.Dataset,
+    *,
+    ax: Axes | None = None,
+    legend: bool = True,
+    footer: bool = True,
+    **line: Any,
 ) -> list[Line2D]:
     """Draw the potential energy with its equilibria and the energy of a motion.
 
@@ -53,9 +59,11 @@ def landscape(
         ``level``, the energy of a motion, between ``turning_lower`` and
         ``turning_upper``.
     ax : matplotlib.axes.Axes, optional
-        Axes to draw in; a new figure, with its footer, if None.
+        Axes to draw in; a new figure if None.
     legend : bool
         Whether to name the lines above the axes.
+    footer : bool
+        Whether a new figure says below what made it; files say so in their metadata.
     **line : Any
         Passed to matplotlib's ``plot``.
 
@@ -88,7 +96,7 @@ def landscape(
             keys.add_colour_bar(axes, members)
         names = keys.line_legend_entries(members, "potential")
         entries = [*names, *equilibrium_legend_entries(dataset)]
-        footer.add_legend_and_footer(axes, ax, dataset, entries, legend=legend)
+        add_legend_and_footer(axes, ax, dataset, entries, legend=legend, footer=footer)
     return artists
 
 

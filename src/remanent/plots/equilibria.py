@@ -14,7 +14,8 @@ from matplotlib.lines import Line2D
 
 from remanent._errors import InputError
 from remanent._typing import FloatArray
-from remanent.plots import ensemble, footer, keys, missing, style
+from remanent.plots import ensemble, keys, missing, style
+from remanent.plots.footer import add_legend_and_footer
 
 __all__ = ["equilibria"]
 
@@ -55,6 +56,7 @@ def equilibria(
     *,
     ax: Axes | None = None,
     legend: bool = True,
+    footer: bool = True,
     **line: Any,
 ) -> list[Line2D]:
     """Draw equilibria against a parameter, each branch by itself.
@@ -71,9 +73,11 @@ def equilibria(
     parameter : str, optional
         Against what; by default the first field of ``over``.
     ax : matplotlib.axes.Axes, optional
-        Axes to draw in; a new figure, with its footer, if None.
+        Axes to draw in; a new figure if None.
     legend : bool
         Whether to name lines and marks above the axes.
+    footer : bool
+        Whether a new figure says below what made it; files say so in their metadata.
     **line : Any
         Passed to matplotlib's ``plot``.
 
@@ -108,7 +112,7 @@ def equilibria(
                  for name, look in _LINE_STYLES.items()
                  if any(artist.get_gid() == name for artist in artists)]  # fmt: skip
         entries = [*keys.line_legend_entries(members, variable), *kinds, *circles[:1], *gaps]
-        footer.add_legend_and_footer(axes, ax, dataset, entries, legend=legend)
+        add_legend_and_footer(axes, ax, dataset, entries, legend=legend, footer=footer)
     return artists
 
 

@@ -10,7 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from remanent._errors import InputError
-from remanent.plots import footer, style
+from remanent.plots import style
+from remanent.plots.footer import add_legend_and_footer
 from remanent.results.schema import describe
 
 __all__ = ["fit"]
@@ -22,6 +23,7 @@ def fit(
     *,
     ax: Axes | None = None,
     legend: bool = True,
+    footer: bool = True,
     residuals: bool = False,
     **line: Any,
 ) -> list[Line2D]:
@@ -34,9 +36,11 @@ def fit(
     quantity : str, optional
         Which of the measured variables; the first by default.
     ax : matplotlib.axes.Axes, optional
-        Axes to draw in; a new figure, with its footer, if None.
+        Axes to draw in; a new figure if None.
     legend : bool
         Whether to name points and curve above the axes.
+    footer : bool
+        Whether a new figure says below what made it; files say so in their metadata.
     residuals : bool
         Draw observed − predicted instead.
     **line : Any
@@ -72,11 +76,12 @@ def fit(
             data["predicted"] - level,
             color=style.OKABE_ITO_COLOURS["vermillion"],
             label="fitted",
+            zorder=points[0].get_zorder() - 0.1,  # so that no point is covered
         )
         words = f"residual of ${row.symbol}$" if residuals else f"{row.long_name}, ${row.symbol}$"
         style.label_axes(axes, style.axis_label(data[x]), words)
         entries = [*points, *curve, *_lost_entries(data)]
-        footer.add_legend_and_footer(axes, ax, dataset, entries, legend=legend)
+        add_legend_and_footer(axes, ax, dataset, entries, legend=legend, footer=footer)
     return [*points, *curve]
 
 

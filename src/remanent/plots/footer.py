@@ -15,7 +15,13 @@ from matplotlib.figure import Figure
 from remanent._errors import InputError
 from remanent.plots import missing
 from remanent.plots.legends import row_count
-from remanent.plots.style import FAINT_COLOUR, add_legend_above, format_number, value_label
+from remanent.plots.style import (
+    FAINT_COLOUR,
+    HouseFigure,
+    add_legend_above,
+    format_number,
+    value_label,
+)
 from remanent.results import provenance
 from remanent.results.schema import describe
 from remanent.results.si import to_si
@@ -75,9 +81,12 @@ def add_legend_and_footer(
     entries: Sequence[Artist] = (),
     *,
     legend: bool = True,
+    footer: bool = True,
     hide: Iterable[str] = (),
 ) -> None:
     """Add the legend and, to a figure of our own, the footer: the end of every plot.
+
+    Files of a figure of our own hold the footer in their metadata, whether it is drawn or not.
 
     Parameters
     ----------
@@ -91,6 +100,8 @@ def add_legend_and_footer(
         What the legend names; a line alone needs no name.
     legend : bool
         Whether there is a legend.
+    footer : bool
+        Whether the footer is drawn.
     hide : iterable of str
         Fields that the footer leaves out, see :func:`add_footer`.
     """
@@ -102,7 +113,10 @@ def add_legend_and_footer(
         # A long legend makes the figure higher instead of the axes smaller.
         more = max(row_count(axes) - _USUAL_LEGEND_ROW_COUNT, 0) * _LEGEND_ROW_HEIGHT_INCHES
         figure.set_figheight(figure.get_figheight() + more)
-        add_footer(figure, dataset, hide=hide)
+        if isinstance(figure, HouseFigure):
+            figure.description = footer_text(dataset, hide=hide)
+        if footer:
+            add_footer(figure, dataset, hide=hide)
 
 
 def add_footer(figure: Figure, dataset: xr.Dataset, *, hide: Iterable[str] = ()) -> None:

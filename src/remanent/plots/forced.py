@@ -11,7 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from remanent._typing import FloatArray
-from remanent.plots import ensemble, footer, keys, missing, style
+from remanent.plots import ensemble, keys, missing, style
+from remanent.plots.footer import add_legend_and_footer
 
 __all__ = ["resonance_legend_entries", "response"]
 
@@ -27,6 +28,7 @@ def response(
     *,
     ax: Axes | None = None,
     legend: bool = True,
+    footer: bool = True,
     resonances: bool = True,
     **line: Any,
 ) -> list[Line2D]:
@@ -44,9 +46,11 @@ def response(
     variable : str
         What to draw: ``amplitude``, ``maximum`` or ``minimum``.
     ax : matplotlib.axes.Axes, optional
-        Axes to draw in; a new figure, with its footer, if None.
+        Axes to draw in; a new figure if None.
     legend : bool
         Whether to name the lines above the axes.
+    footer : bool
+        Whether a new figure says below what made it; files say so in their metadata.
     resonances : bool
         Whether to mark resonances.
     **line : Any
@@ -78,7 +82,7 @@ def response(
             keys.add_colour_bar(axes, members)
         marks = resonance_legend_entries(dataset[extra], members, variable) if marked else []
         entries = [*keys.line_legend_entries(members, variable), *marks, *gaps]
-        footer.add_legend_and_footer(axes, ax, dataset, entries, legend=legend)
+        add_legend_and_footer(axes, ax, dataset, entries, legend=legend, footer=footer)
     return artists
 
 

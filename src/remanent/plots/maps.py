@@ -16,7 +16,8 @@ from matplotlib.patches import Patch
 from remanent._errors import InputError
 from remanent._status import Status
 from remanent._typing import BoolArray, FloatArray
-from remanent.plots import colours, footer, hatching, missing, regimes, style
+from remanent.plots import colours, hatching, missing, regimes, style
+from remanent.plots.footer import add_legend_and_footer
 
 __all__ = ["map"]
 
@@ -32,6 +33,7 @@ def map(
     *,
     ax: Axes | None = None,
     legend: bool = True,
+    footer: bool = True,
     **mesh: Any,
 ) -> QuadMesh:
     """Draw a chart over two parameters.
@@ -46,9 +48,11 @@ def map(
         chaotic and by the rotation number where quasi-periodic; other texts get a colour each;
         numbers get a colour bar.
     ax : matplotlib.axes.Axes, optional
-        Axes to draw in; a new figure, with its footer, if None.
+        Axes to draw in; a new figure if None.
     legend : bool
         Whether to draw colour bars and name colours.
+    footer : bool
+        Whether a new figure says below what made it; files say so in their metadata.
     **mesh : Any
         Passed to matplotlib's ``pcolormesh``.
 
@@ -56,7 +60,9 @@ def map(
     -------
     matplotlib.collections.QuadMesh
     """
-    return draw_map(dataset, variable, ax=ax, legend=legend, spread_tori=False, **mesh)
+    return draw_map(
+        dataset, variable, ax=ax, legend=legend, footer=footer, spread_tori=False, **mesh
+    )
 
 
 def draw_map(
@@ -65,6 +71,7 @@ def draw_map(
     *,
     ax: Axes | None,
     legend: bool,
+    footer: bool,
     spread_tori: bool,
     **mesh: Any,
 ) -> QuadMesh:
@@ -103,7 +110,7 @@ def draw_map(
         if legend:
             for source, text, ticks in bars:
                 _add_colour_bar(axes, source, text, ticks)
-        footer.add_legend_and_footer(axes, ax, dataset, entries, legend=legend)
+        add_legend_and_footer(axes, ax, dataset, entries, legend=legend, footer=footer)
     return artist
 
 

@@ -11,7 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PathCollection
 from matplotlib.lines import Line2D
 
-from remanent.plots import ensemble, footer, keys, missing, style
+from remanent.plots import ensemble, keys, missing, style
+from remanent.plots.footer import add_legend_and_footer
 
 __all__ = ["history", "phase", "section"]
 
@@ -42,6 +43,7 @@ def history(
     *,
     ax: Axes | None = None,
     legend: bool = True,
+    footer: bool = True,
     **line: Any,
 ) -> list[Line2D]:
     """Draw a variable against time.
@@ -55,9 +57,11 @@ def history(
     variable : str
         What to draw.
     ax : matplotlib.axes.Axes, optional
-        Axes to draw in; a new figure, with its footer, if None.
+        Axes to draw in; a new figure if None.
     legend : bool
         Whether to name the lines above the axes.
+    footer : bool
+        Whether a new figure says below what made it; files say so in their metadata.
     **line : Any
         Passed to matplotlib's ``plot``.
 
@@ -80,6 +84,7 @@ def history(
             members,
             [*keys.line_legend_entries(members, variable), *ends],
             legend,
+            footer,
         )
     return artists
 
@@ -91,6 +96,7 @@ def phase(
     *,
     ax: Axes | None = None,
     legend: bool = True,
+    footer: bool = True,
     start: bool = True,
     **line: Any,
 ) -> list[Line2D]:
@@ -103,9 +109,11 @@ def phase(
     x, y : str
         The variables of the plane.
     ax : matplotlib.axes.Axes, optional
-        Axes to draw in; a new figure, with its footer, if None.
+        Axes to draw in; a new figure if None.
     legend : bool
         Whether to name members above the axes.
+    footer : bool
+        Whether a new figure says below what made it; files say so in their metadata.
     start : bool
         Whether to mark where each orbit starts.
     **line : Any
@@ -127,7 +135,13 @@ def phase(
                           mew=0.7, zorder=5)  # fmt: skip
         ends = missing.mark_ends(axes, members, x, y)
         _add_keys(
-            axes, ax, dataset, members, [*keys.line_legend_entries(members, x, y), *ends], legend
+            axes,
+            ax,
+            dataset,
+            members,
+            [*keys.line_legend_entries(members, x, y), *ends],
+            legend,
+            footer,
         )
     return artists
 
@@ -139,6 +153,7 @@ def section(
     *,
     ax: Axes | None = None,
     legend: bool = True,
+    footer: bool = True,
     **points: Any,
 ) -> list[PathCollection]:
     """Draw a stroboscopic (Poincaré) section.
@@ -150,9 +165,11 @@ def section(
     x, y : str
         The variables of the plane; `x` may be the parameter of a ``bifurcation_diagram``.
     ax : matplotlib.axes.Axes, optional
-        Axes to draw in; a new figure, with its footer, if None.
+        Axes to draw in; a new figure if None.
     legend : bool
         Whether to name members above the axes.
+    footer : bool
+        Whether a new figure says below what made it; files say so in their metadata.
     **points : Any
         Passed to matplotlib's ``scatter``.
 
@@ -170,7 +187,7 @@ def section(
         else:
             lost = missing.cut_cloud_entries(members, x, y)
         entries = [*keys.point_legend_entries(members, x, y), *lost]
-        _add_keys(axes, ax, dataset, members, entries, legend)
+        _add_keys(axes, ax, dataset, members, entries, legend, footer)
     return artists
 
 
@@ -181,11 +198,12 @@ def _add_keys(
     members: list[ensemble.Member],
     entries: list[Line2D],
     legend: bool,
+    footer: bool,
 ) -> None:
     """Add colour bar, legend and footer."""
     if legend:
         keys.add_colour_bar(axes, members)
-    footer.add_legend_and_footer(axes, given, dataset, entries, legend=legend)
+    add_legend_and_footer(axes, given, dataset, entries, legend=legend, footer=footer)
 
 
 def _draw_members(

@@ -67,6 +67,10 @@ _PIXEL_RESOLUTION_DPI: Final = 300
 _LAYER_RESOLUTION_DPI: Final = 600
 #: Formats in which lines and letters stay vectors.
 _VECTOR_FORMATS: Final = frozenset({"pdf", "svg", "svgz", "ps", "eps"})
+#: Where the metadata of a format say what the picture shows.
+_DESCRIPTION_KEYS: Final[Mapping[str, str]] = MappingProxyType(
+    {"png": "Description", "svg": "Description", "pdf": "Subject"}
+)
 #: Matplotlib's settings that count when a picture is saved: TrueType fonts, paths in SVG, and
 #: nothing random.
 _SAVING_SETTINGS: Final[Mapping[str, Any]] = MappingProxyType(
@@ -124,12 +128,24 @@ _MATPLOTLIB_SETTINGS: Final[Mapping[str, Any]] = MappingProxyType(
 
 
 class HouseFigure(Figure):
-    """A figure that carries the house style to any call that saves it."""
+    """A figure that carries the house style to any call that saves it.
+
+    Attributes
+    ----------
+    description : str
+        What made it, for the metadata of its files.
+    """
+
+    description: str = ""
 
     def savefig(self, fname: Any, **options: Any) -> None:
         """Save with TrueType fonts and fine pixels, unless `options` say otherwise."""
         kind = options.get("format") or Path(str(fname)).suffix.lstrip(".")
-        layers = str(kind).lower() in _VECTOR_FORMATS
+        kind = str(kind).lower()
+        layers = kind in _VECTOR_FORMATS
+        key = _DESCRIPTION_KEYS.get(kind)
+        if key and self.description:
+            options["metadata"] = {key: self.description} | (options.get("metadata") or {})
         with mpl.rc_context(dict(_SAVING_SETTINGS)):  # type: ignore[arg-type]  # checked when set
             super().savefig(
                 fname,

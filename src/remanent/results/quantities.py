@@ -12,7 +12,7 @@ from remanent import _units
 from remanent._errors import InputError, shortened_repr
 from remanent._typing import FloatArray
 from remanent._units import Quantity
-from remanent.models.scaling import Scales
+from remanent.models.scaling import VACUUM_PERMEABILITY, Scales
 from remanent.results.schema import QuantityKind
 
 __all__ = ["dimensionless_numbers", "require_scales"]
@@ -29,6 +29,12 @@ _SI_UNITS_AND_SIZES: Final[Mapping[QuantityKind, tuple[str, Callable[[Scales], f
             QuantityKind.STRESS: ("Pa", lambda s: 1.0 / s.shear_modulus),
             QuantityKind.ENERGY_DENSITY: ("J/m^3", lambda s: 1.0 / s.shear_modulus),
             QuantityKind.VISCOSITY: ("Pa s", lambda s: 1.0 / (s.shear_modulus * s.time_unit)),
+            QuantityKind.SHEAR_MODULUS: ("Pa", lambda s: 1.0 / s.shear_modulus),
+            QuantityKind.DENSITY: ("kg/m^3", lambda s: 1.0 / s.density),
+            QuantityKind.REMANENCE: (
+                "T",
+                lambda s: s.flux_density_unit / (s.shear_modulus * VACUUM_PERMEABILITY),
+            ),
         }
     )
 )

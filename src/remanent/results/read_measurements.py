@@ -17,7 +17,7 @@ from remanent._checks import as_float_array, require_mapping, shortened_repr
 from remanent._errors import InputError, warn_of_input
 from remanent._typing import FloatArray
 from remanent.models.system import System
-from remanent.results import build
+from remanent.results import build, provenance
 from remanent.results.build import Labelled
 from remanent.results.headings import (
     ABSCISSA_NAMES,
@@ -68,7 +68,8 @@ def read_measurements(
     -------
     xarray.Dataset
         Dimensionless, along ``time`` or ``omega``, sorted; rows with NaN, or where an array is
-        masked, are left out.
+        masked, are left out.  The attributes say which actuator, so that
+        :func:`remanent.to_si` turns them back.
 
     Raises
     ------
@@ -114,7 +115,9 @@ def read_measurements(
     coordinate = {along: labelled.pop(along)}
     if left_aside:
         warn_of_input(_left_aside_message(left_aside))
-    about = {"left_aside": ", ".join(h.text for h in left_aside)} if left_aside else {}
+    about = {} if actuator is None else provenance.attributes(actuator, None, None)
+    if left_aside:
+        about["left_aside"] = ", ".join(heading.text for heading in left_aside)
     return build.dataset(labelled, coordinate, about)
 
 

@@ -14,6 +14,7 @@ from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 from tests.unit.plots import synthetic
 
+import remanent as rm
 from remanent import plots
 from remanent.plots import style
 
@@ -95,3 +96,30 @@ def test_a_section_of_some_hundred_points_is_no_bitmap() -> None:
     figure = axes.get_figure(root=True)
     assert figure is not None
     assert b"/Subtype /Image" not in pdf_text(saved(figure, "pdf"))
+
+
+def test_files_say_what_made_them_whether_the_picture_does_or_not() -> None:
+    """Without a footer no line stands below the axes; the metadata have its text anyway."""
+    dataset = synthetic.constant(6.0, 61).isel(prestress=0)
+    for shown in (True, False):
+        axes = plots.history(dataset, footer=shown)[0].axes
+        assert axes is not None
+        figure = axes.get_figure(root=True)
+        assert figure is not None
+        below = [text.get_text() for text in figure.texts]
+        assert any("tolerance" in text for text in below) == shown
+        assert b"remanent 0" in saved(figure, "png")
+        assert "remanent 0" in saved(figure, "svg").decode()
+        assert b"/Subject" in pdf_text(saved(figure, "pdf"))
+
+
+def test_no_measured_point_is_covered_by_the_curve() -> None:
+    """Points lie above what was fitted to them, in whatever style."""
+    table = {"time": np.linspace(0.0, 5.0, 21)}
+    body = rm.Actuator(dissipation=rm.Rayleigh(0.1))
+    run = rm.simulate(body, rm.Constant(0.1), times=table["time"])
+    table["thickness_stretch"] = run.thickness_stretch.values
+    points, curve = plots.fit(
+        rm.fit(body, rm.Constant(0.1), table, {"dissipation.0.eta": 0.12}), footer=False
+    )
+    assert points.get_zorder() > curve.get_zorder()

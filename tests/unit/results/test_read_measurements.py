@@ -172,6 +172,21 @@ def test_containers_and_units_are_understood(case: str) -> None:
         np.testing.assert_allclose(ds[name], values, rtol=1e-12, err_msg=name)
 
 
+def test_measurements_turn_back_to_si() -> None:
+    """There and back: milliseconds, millimetres and their errors are those of the table."""
+    table = {
+        "time [ms]": [0.0, 1.0, 2.0], "thickness [mm]": [1.0, 1.02, 1.01],
+        "thickness_error [mm]": [0.01, 0.02, 0.01],
+    }  # fmt: skip
+    ds = rm.read_measurements(table, PHYSICAL)
+    assert rm.read_system(ds) == PHYSICAL
+    back = rm.to_si(ds, lengths=True)
+    names = ("time", "thickness_stretch", "thickness_stretch_error")
+    for name, column in zip(names, table.values(), strict=True):
+        np.testing.assert_allclose(back[name], column, rtol=1e-14)
+    assert [back[name].units for name in names] == ["ms", "mm", "mm"]
+
+
 def test_a_masked_outlier_does_not_move_a_fit() -> None:
     """The fit is that of the values that are not masked."""
     true = rm.Actuator(dissipation=rm.Rayleigh(0.3))

@@ -30,6 +30,7 @@ from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.layout import OverArgument
 from remanent.studies.ensemble.physical_scales import PhysicalScales, lay_out_physical_scales
+from remanent.studies.ensemble.quantities import without_unit
 from remanent.studies.statics._static_ensemble import StaticEnsemble
 from remanent.studies.statics._static_state import StaticState
 
@@ -141,6 +142,7 @@ def step_response(
     after_last, error = _states_after_last_step(scaled, tolerance)
     under_last_load = _ensemble_under_last_load(scaled)
     rests = find_final_rests(under_last_load, after_last, error, tolerance)
+    duration = without_unit("duration", duration, "time", system)
     duration = _run_length(scaled, duration, rests)
     motion = StepMotion.from_problem(
         scaled.build_problem_lasting(np.full(ens.trajectory_count, duration)), tolerance

@@ -25,6 +25,7 @@ from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.quantities import without_unit
 
 #: Below this, round-off in double precision is all that is left.
 FINEST_TOLERANCE = 1e-13
@@ -196,7 +197,9 @@ def require_parameter_range(
         If it is not two increasing numbers that the field may take.
     """
     what = f"the lowest and the highest value of {parameter}"
-    ends = require_interval(name, value, what=what, why=why)
+    ends = require_interval(
+        name, without_unit(name, value, parameter, ens.system), what=what, why=why
+    )
     for end in ends:
         broken = ens.system.where_invalid({parameter: end}) | ens.drive.where_invalid(
             {parameter: end}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,9 @@ from remanent._load_schedule import LoadSchedule
 from remanent._typing import FloatArray
 from remanent.integrate.ensemble.problem import ERROR_SHARE_IN_FUNCTIONS, Outcome, Problem
 from remanent.integrate.variations import observable_derivatives
+
+#: Numbers of one variable that a program works on at once: as many as stay near a processor.
+_NUMBERS_AT_ONCE = 2**13
 
 
 def evaluate_observable(
@@ -25,8 +29,11 @@ def evaluate_observable(
     times : array (trajectory, time)
     states : array (trajectory, time, state)
     """
-    (value,) = _evaluate_program(problem, problem.field.observables[name], times, states)
-    return np.asarray(np.broadcast_to(value, times.shape))
+    values = np.empty(times.shape, dtype=states.dtype)
+    program = problem.field.observables[name]
+    for rows, (value,) in _evaluated_blocks(problem, program, times, states):
+        values[rows] = value
+    return values
 
 
 def largest_observable_error(
@@ -53,32 +60,40 @@ def largest_observable_error(
         NaN where no state is known.
     """
     program = observable_derivatives(problem.field, name, problem.field.state_names)
-    _, *slopes = _evaluate_program(problem, program, times, states)
-    total = np.broadcast_to(sum(np.abs(slope) for slope in slopes), times.shape)
-    known = np.asarray(np.isfinite(states).all(axis=2))
-    largest = np.where(known, total, 0.0).max(axis=1, initial=0.0)
-    return np.where(known.any(axis=1), largest * ERROR_SHARE_IN_FUNCTIONS * error, np.nan)
+    largest = np.full(len(times), np.nan)
+    for rows, (_, *slopes) in _evaluated_blocks(problem, program, times, states):
+        known = np.asarray(np.isfinite(states[rows]).all(axis=2))
+        total = np.where(known, sum(np.abs(slope) for slope in slopes), 0.0)
+        largest[rows] = np.where(known.any(axis=1), total.max(axis=1, initial=0.0), np.nan)
+    return largest * ERROR_SHARE_IN_FUNCTIONS * error
 
 
-def _evaluate_program(
+def _evaluated_blocks(
     problem: Problem, program: Program, times: FloatArray, states: FloatArray
-) -> list[Any]:
-    """Outputs of a program of the field at some times, each (trajectory, time) or a number."""
+) -> Iterator[tuple[slice, list[Any]]]:
+    """Outputs of a program of the field, each (row, time) or a number, some trajectories at once.
+
+    The numbers of a block stay near the processor, however large the histories are.
+    """
     phase, piece = phase_and_piece_index(problem.load_schedule, times)
-    row = np.arange(times.shape[0])[:, None]
-    columns = []
-    for k, parameter in enumerate(problem.field.parameter_names):
-        by_piece = problem.load_schedule.piece_parameters.get(parameter)
-        column = problem.parameters[:, k][:, None] if by_piece is None else by_piece[piece, row]
-        columns.append(column)
-    inputs = [
-        phase,
-        *np.moveaxis(states, 2, 0),
-        *columns,
-        *problem.load_schedule.waveforms_at_phase(phase),
-    ]
-    with np.errstate(all="ignore"):
-        return list(program(inputs, functions=np))
+    rows_at_once = max(_NUMBERS_AT_ONCE // max(times.shape[1], 1), 1)
+    for first in range(0, len(times), rows_at_once):
+        rows = slice(first, first + rows_at_once)
+        numbers = np.arange(len(times))[rows, None]
+        columns = []
+        for k, parameter in enumerate(problem.field.parameter_names):
+            by_piece = problem.load_schedule.piece_parameters.get(parameter)
+            own = problem.parameters[rows, k][:, None]
+            columns.append(own if by_piece is None else by_piece[piece[rows], numbers])
+        inputs = [
+            phase[rows],
+            *np.moveaxis(states[rows], 2, 0),
+            *columns,
+            *problem.load_schedule.waveforms_at_phase(phase[rows]),
+        ]
+        with np.errstate(all="ignore"):
+            outputs = list(program(inputs, functions=np))
+        yield rows, outputs
 
 
 def blank_beyond_horizon(states: FloatArray, times: FloatArray, outcome: Outcome) -> FloatArray:

@@ -34,4 +34,5 @@ def without_unit(argument: str, value: object, name: str, system: object) -> Any
     kind = describe(name).kind if is_described(name) else QuantityKind.NONE
     scales = getattr(system, "scales", None)
     known = scales if isinstance(scales, Scales) else None
-    return dimensionless_numbers(argument, value, kind, known)
+    numbers = dimensionless_numbers(argument, value, kind, known)
+    return numbers if numbers.ndim else float(numbers)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -10,7 +11,7 @@ import xarray as xr
 from scipy.optimize import least_squares
 
 from remanent._checks import as_float_array, positive_rule, require_real, shortened_repr
-from remanent._errors import InputError
+from remanent._errors import InputError, InputWarning
 from remanent._status import Status
 from remanent._typing import FloatArray
 from remanent.analysis.inference.fitting import ParameterBox, difference_jacobian
@@ -182,9 +183,14 @@ class _InverseDesignProblem:
         return np.asarray((values - self.targets) / self.target_scales)
 
     def tried_distances(self, candidates: FloatArray) -> FloatArray:
-        """Relative distances, NaN for candidates at which a measure has no number."""
+        """Relative distances, NaN for candidates at which a measure has no number.
+
+        What is odd about a candidate is nobody's input: warnings are kept for the solution.
+        """
         try:
-            return self.relative_distances(candidates)
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", InputWarning)
+                return self.relative_distances(candidates)
         except InputError:
             if len(candidates) == 1:
                 return np.full((1, len(self.measures)), np.nan)

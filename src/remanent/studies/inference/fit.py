@@ -26,6 +26,7 @@ from remanent.studies.ensemble.durations import (
     require_duration,
 )
 from remanent.studies.ensemble.layout import lay_out_ensemble, numeric_fields
+from remanent.studies.ensemble.quantities import without_unit
 from remanent.studies.inference._measures import as_parameter_values, with_parameters
 from remanent.studies.inference._predictions import (
     MeasurementPredictor,
@@ -152,7 +153,10 @@ def fit(
     """
     require_tolerance(tolerance, "the error of the computed motion")
     confidence = require_real("confidence", confidence, _CONFIDENCE_RULE)
-    discard = require_real("discard", discard, _DISCARD_RULE)
+    duration = without_unit("duration", duration, "time", system)
+    discard = require_real(
+        "discard", without_unit("discard", discard, "time", system), _DISCARD_RULE
+    )
     profile = require_flag("profile", profile)
     _require_run_length(duration, periods)
     guess = _parameter_guesses(system, drive, parameters, initial)

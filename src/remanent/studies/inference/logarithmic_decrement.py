@@ -21,6 +21,10 @@ _SMALLEST_SWING_RULE = Rule(
     "Smaller swings, lost in noise, are left out.",
     "Pass 0.05 for a noisy record, 0 for a computed one.",
 )
+#: Why a motion has no decrement.
+_FEW_SWINGS_REASON = (
+    "fewer than three swings stand out: pass a longer or finer record, or a smaller `smallest`"
+)
 #: Variables of the result.
 _RESULT_VARIABLE_NAMES = (
     "decrement",
@@ -53,7 +57,8 @@ def logarithmic_decrement(
         For every motion: ``decrement`` δ, the fall of the logarithm of the amplitude per cycle;
         ``frequency``; ``damping_ratio`` ζ = δ/√(4π² + δ²); each with its standard error, by the
         noise of the record or, where it has none, about a straight line, which is all there is
-        to say where the decay is exponential.  NaN with fewer than three swings.
+        to say where the decay is exponential.  NaN with fewer than three swings, as ``reason``
+        says.
 
     Raises
     ------
@@ -102,9 +107,13 @@ def logarithmic_decrement(
     ]
     shape = tuple(values.sizes[d] for d in motion_dims)
     dims = tuple(map(str, motion_dims))
+    columns = np.transpose(rows)
+    reasons = np.where(np.isnan(columns[0]), _FEW_SWINGS_REASON, "")
     variables: dict[str, Labelled] = {
         name: (dims, np.reshape(column, shape))
-        for name, column in zip(_RESULT_VARIABLE_NAMES, np.transpose(rows), strict=True)
+        for name, column in zip(
+            (*_RESULT_VARIABLE_NAMES, "reason"), (*columns, reasons), strict=True
+        )
     }
     coords: dict[str, Labelled] = {
         str(d): ((str(d),), history[d].values) for d in motion_dims if d in history.coords

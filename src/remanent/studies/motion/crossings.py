@@ -22,6 +22,7 @@ from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble
 from remanent.studies.ensemble.memory import require_memory
 from remanent.studies.ensemble.problem import initial_value_problem
 from remanent.studies.ensemble.progress import ProgressArgument, as_progress
+from remanent.studies.ensemble.quantities import without_unit
 
 _PASSED_VALUE_RULE = finite_rule("It is the value that is passed.")
 #: Energies whose passages are found too.
@@ -123,6 +124,7 @@ def crossings(
     """
     require_exactly_one_argument(duration=duration, periods=periods)
     require_tolerance(tolerance, "the global error of the state")
+    duration = without_unit("duration", duration, "time", system)
     value = require_real("value", value, _PASSED_VALUE_RULE)
     require_choice("direction", direction, list(_SIGNS_OF_DIRECTION))
     report = as_progress(progress)

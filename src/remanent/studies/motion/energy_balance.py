@@ -25,6 +25,7 @@ from remanent.studies.ensemble.observables import (
 )
 from remanent.studies.ensemble.problem import initial_value_problem
 from remanent.studies.ensemble.progress import ProgressArgument, as_progress
+from remanent.studies.ensemble.quantities import without_unit
 from remanent.studies.ensemble.time_grid import time_grid
 
 #: What is integrated along a motion, and the name of the integral.
@@ -130,6 +131,7 @@ def energy_balance(
     require_tolerance(tolerance, "the global error of the state and of the integrals")
     report = as_progress(progress)
     ens = lay_out_ensemble(system, drive, over, initial)
+    duration = without_unit("duration", duration, "time", system)
     grid = time_grid(ens, duration, periods, times)
     warms = bool(ens.vector_field.indices_of_roles(Role.TEMPERATURE))
     integrals = _INTEGRAL_OF_OBSERVABLE | (_HEAT_INTEGRAL_OF_OBSERVABLE if warms else {})

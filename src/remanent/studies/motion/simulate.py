@@ -14,9 +14,14 @@ from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
 from remanent.studies.ensemble.durations import require_exactly_one_argument
 from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble
-from remanent.studies.ensemble.observables import blank_beyond_horizon, evaluate_observable
+from remanent.studies.ensemble.observables import (
+    blank_beyond_horizon,
+    evaluate_observable,
+    largest_observable_error,
+)
 from remanent.studies.ensemble.problem import initial_value_problem
 from remanent.studies.ensemble.progress import ProgressArgument, as_progress
+from remanent.studies.ensemble.quantities import without_unit
 from remanent.studies.ensemble.time_grid import time_grid
 
 
@@ -66,9 +71,12 @@ def simulate(
         The state (``stretch``, ``stretch_rate``, or those of two coordinates, internal
         variables, ``body_temperature``), ``thickness_stretch``,
         ``thickness_stretch_rate``, ``energy`` and the magnetic ``load`` against ``time``
-        (dimensionless), NaN beyond the trusted horizon; ``error`` (estimated, absolute),
-        ``horizon`` and ``status`` per trajectory.  Where lengths differ between
-        trajectories the dimension is ``cycle`` and ``time`` has a value for each.
+        (dimensionless), NaN beyond the trusted horizon.  Per trajectory ``error`` (estimated,
+        absolute, of each state variable), ``thickness_stretch_error``,
+        ``thickness_stretch_rate_error`` and ``energy_error``, what it makes of these, each the
+        largest over the times; ``horizon`` and ``status``.  The load is exact but for rounding.
+        Where lengths differ between trajectories the dimension is ``cycle`` and ``time`` has a
+        value for each.
 
     Raises
     ------
@@ -97,6 +105,7 @@ def simulate(
     require_tolerance(tolerance, "the global error of the state")
     report = as_progress(progress)
     ens = lay_out_ensemble(system, drive, over, initial)
+    duration = without_unit("duration", duration, "time", system)
     grid = time_grid(ens, duration, periods, times)
     problem = initial_value_problem(ens, grid.durations)
     request = Request(times=grid.times)
@@ -112,6 +121,10 @@ def simulate(
         # The load does not depend on the state: without this it would go on past the horizon.
         values = np.where(np.isnan(states[:, :, 0]), np.nan, values)
         variables[name] = ((grid.time_dimension,), values)
+        if name != "load":
+            variables[f"{name}_error"] = largest_observable_error(
+                problem, name, grid.times, states, outcome.error
+            )
     return to_dataset(
         ens,
         variables,

@@ -47,6 +47,10 @@ MIN_COARSE_RESOLUTION = 4
 ERROR_PER_DIFFERENCE = KernelOptions().error_safety_factor / (
     2.0 ** default_method().order_assumed_by_error_estimate - 1.0
 )
+#: Why a run of its full length has no exponent.
+_STRONG_CONTRACTION_REASON = (
+    "no exponent: differences shrink within one period to less than numbers can hold"
+)
 #: Arrays by name.
 NamedArrays = Mapping[str, np.ndarray]
 #: ``work(indices)``: arrays (trajectory, ...) of a chunk of trajectories.
@@ -352,6 +356,16 @@ def is_damped(ens: Ensemble) -> BoolArray:
     """Where the motion loses energy, array (trajectory,)."""
     dissipative = ens.system.where_dissipative(ens.parameter_values)
     return np.asarray(np.broadcast_to(dissipative, (ens.trajectory_count,)))
+
+
+def missing_exponent_reasons(exponent: FloatArray, status: IntArray) -> np.ndarray:
+    """Why exponents (trajectory, ...) of finished runs are missing, empty text where they are not.
+
+    Nothing else than a contraction to 0 within a period leaves such a run without one.
+    """
+    unknown = np.isnan(exponent).reshape(len(exponent), -1).any(axis=1)
+    finished = np.isin(status, (Status.OK, Status.INCOMPLETE))
+    return np.where(unknown & finished, _STRONG_CONTRACTION_REASON, "")
 
 
 def status_of_run(path: LongRun) -> IntArray:

@@ -25,6 +25,7 @@ from remanent.studies.ensemble.progress import ProgressFunction
 from remanent.studies.regimes._follower import (
     EnsembleFollower,
     is_damped,
+    missing_exponent_reasons,
     require_memory_for_runs,
     status_of_run,
 )
@@ -81,7 +82,11 @@ def regime_dataset(
     values = classifier.compute_in_chunks(classifier, LABEL_TEMPLATES, report)
     return to_dataset(
         ens,
-        {"drive_period": period_lengths, **values},
+        {
+            "drive_period": period_lengths,
+            **values,
+            "reason": missing_exponent_reasons(values["exponent"], values["status"]),
+        },
         tolerance=tolerance,
         periods=periods,
         rng=seed,

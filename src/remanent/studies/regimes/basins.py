@@ -31,6 +31,7 @@ from remanent.studies.regimes._attractors import (
     attractor_table,
     basin_numbers,
 )
+from remanent.studies.regimes._follower import missing_exponent_reasons
 from remanent.studies.regimes._regime_classifier import (
     BYTES_PER_LABEL,
     RegimeClassifier,
@@ -143,7 +144,11 @@ def basins(
     work = EndClassifier(classifier, min(TAIL_PERIODS, periods))
     values = classifier.compute_in_chunks(work, work.result_templates, as_progress(progress))
     tail, tail_error, code = (values.pop(name) for name in ("tail", "tail_error", "code"))
-    variables: dict[str, PerTrajectoryArray] = {"drive_period": period_lengths, **values}
+    variables: dict[str, PerTrajectoryArray] = {
+        "drive_period": period_lengths,
+        **values,
+        "reason": missing_exponent_reasons(values["exponent"], values["status"]),
+    }
     shared: dict[str, Labelled] = {}
     coords: dict[str, Labelled] = {}
     if classifier.is_damped.any():

@@ -80,10 +80,10 @@ def classify(
             the defect of the best return.  These describe the run and are compared with
             thresholds; they estimate no number beyond the run, and like ``margin`` they have no
             error.  What they leave open makes the regime ``undecided``.
-        ``drive_period``, ``horizon``, ``local_error``, ``status``
+        ``drive_period``, ``horizon``, ``local_error``, ``status``, ``reason``
             Of the run: the load's period, exact but for rounding; how long the motion itself is
             known to 0.01 and the largest error of one period, themselves estimates of errors;
-            and what became of it.
+            what became of it; and why there is no exponent where there is none.
 
     Raises
     ------

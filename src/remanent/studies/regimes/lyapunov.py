@@ -20,7 +20,11 @@ from remanent.studies.ensemble.layout import RESERVED_DIMENSIONS, OverArgument, 
 from remanent.studies.ensemble.memory import require_memory
 from remanent.studies.ensemble.progress import ProgressArgument, as_progress
 from remanent.studies.regimes._exponent_estimator import MAX_HISTORY_POINTS, ExponentEstimator
-from remanent.studies.regimes._follower import EnsembleFollower, require_memory_for_runs
+from remanent.studies.regimes._follower import (
+    EnsembleFollower,
+    missing_exponent_reasons,
+    require_memory_for_runs,
+)
 
 #: Variables with a value for each exponent.
 _EXPONENT_VARIABLE_NAMES = ("exponent", "exponent_error")
@@ -84,11 +88,12 @@ def lyapunov(
         ``exponent_history``
             The mean up to each value of ``period``: it shows how the mean settles and has no
             error of its own.
-        ``drive_period``, ``horizon``, ``local_error``, ``status``
+        ``drive_period``, ``horizon``, ``local_error``, ``status``, ``reason``
             The load's period, exact but for rounding; how long the motion itself is known to
             0.01, and the largest error of one period, which are themselves estimates of errors;
             and what became of the run: ``incomplete`` where differences shrink within one
-            period to less than any number can tell, so that the exponent is NaN.
+            period to less than any number can tell, so that the exponent is NaN, as
+            ``reason`` says.
 
     Raises
     ------
@@ -134,7 +139,10 @@ def lyapunov(
         estimator, estimator.result_templates, as_progress(progress)
     )
     number: tuple[str, ...] = ("exponent_number",) if count > 1 else ()
-    variables: dict[str, PerTrajectoryArray] = {"drive_period": period_lengths}
+    variables: dict[str, PerTrajectoryArray] = {
+        "drive_period": period_lengths,
+        "reason": missing_exponent_reasons(values["exponent"], values["status"]),
+    }
     for name in _EXPONENT_VARIABLE_NAMES:
         variables[name] = (number, _drop_single_exponent_axis(values.pop(name)))
     history = _drop_single_exponent_axis(values.pop("exponent_history"))

@@ -107,14 +107,13 @@ def backbone(
     status = np.where(
         missing, np.where(still, Status.SINGULAR, Status.INCOMPLETE), free.outcome.status
     ).astype(np.int8)
+    energy = evaluate_observable(free.problem, "energy", start, ens.initial_states[:, None])[:, 0]
     return to_dataset(
         ens,
         {
             "frequency": free.frequency,
             "frequency_error": free.frequency_error,
-            "energy": evaluate_observable(
-                free.problem, "energy", start, ens.initial_states[:, None]
-            )[:, 0],
+            "energy": np.where(ens.is_invalid, np.nan, energy),
             "maximum": free.outcome.maximum,
             "minimum": free.outcome.minimum,
             "amplitude": free.amplitude,

@@ -139,7 +139,10 @@ def frequency_response(
         duration = DEFAULT_RESPONSE_DURATION_IN_TAU
     require_exactly_one_argument(duration=duration, periods=periods)
     require_tolerance(tolerance, "the error of the extremes")
-    discard = require_real("discard", discard, _DISCARD_RULE)
+    duration = without_unit("duration", duration, "time", system)
+    discard = require_real(
+        "discard", without_unit("discard", discard, "time", system), _DISCARD_RULE
+    )
     resonance_width = require_real("resonance_width", resonance_width, _RESONANCE_WIDTH_RULE)
     require_over(over)
     grid = _require_frequencies(system, require_drive(drive), omega, over)

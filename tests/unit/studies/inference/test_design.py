@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -73,3 +75,15 @@ def test_a_target_out_of_reach_has_a_status() -> None:
     body = rm.read_system(reached)
     assert isinstance(body, rm.Actuator)
     assert float(rm.equilibria(body, 0.16).natural_frequency[0]) == pytest.approx(2.4, abs=1e-6)
+
+
+def test_only_the_solution_is_warned_of() -> None:
+    """A search that tries cold blocks says so where it ends in one, and not of every step."""
+    natural = rm.Measure(rm.equilibria, rm.Actuator(), 0.16, of="turning_upper")
+    for target, is_cold in ((1.2, False), (1.5, True)):  # reached at 176 K and 80 K
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always", rm.InputWarning)
+            rm.design(natural, target, "temperature")
+        told = {str(warning.message) for warning in caught}
+        assert len(told) == int(is_cold)
+        assert all("80.3657 K" in message for message in told)

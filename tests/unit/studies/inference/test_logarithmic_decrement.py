@@ -23,6 +23,16 @@ def test_decrement_of_small_oscillations() -> None:
     np.testing.assert_allclose(found.frequency, omega.transpose(*found.dims), rtol=1e-4)
 
 
+def test_a_record_without_swings_says_why_it_has_no_decrement() -> None:
+    """Every number that is missing has its reason, and those beside it have none."""
+    time = np.linspace(0.0, 20.0, 400)
+    over = {"dissipation.0.eta": [0.1, 9.0]}
+    run = rm.simulate(TRUE, rm.Constant(0.0), times=time, initial=(1.001, 0.0), over=over)
+    found = rm.logarithmic_decrement(run)
+    assert np.isnan(found.decrement).values.tolist() == [False, True]
+    assert [bool(reason) for reason in found.reason.values] == [False, True]
+
+
 @pytest.mark.parametrize("noise", [1e-4, 1e-3, 0.03])
 def test_noise_of_dense_records_is_smoothed(noise: float) -> None:
     """Law: the decrement of u'' + eta u'/2 + 6 u = 0 is found within three standard errors."""

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from tests.physics.block import Block
 
 import remanent as rm
@@ -50,3 +51,39 @@ def test_bounds_hold_at_loose_tolerances(tolerance: float) -> None:
     states = np.stack([ds[name].values for name in names], axis=1)
     true = np.abs(states - block.run(times)[:, :6]).max()
     assert true <= float(ds.error) <= tolerance
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_what_is_computed_from_the_state_has_an_error_of_its_own(seed: int) -> None:
+    """Thickness, its rate and energy [Thermal, eq. 16], written out once more for DOP853.
+
+    A thin block has λ₃ = λ⁻², whose slope is the larger the smaller λ is: the error of the state
+    does not cover it.  Law: Coverage.
+    """
+    draw = np.random.default_rng(seed)
+    c, theta, eta = 10.0 ** draw.uniform(-1, 0), draw.uniform(0.8, 1.2), draw.uniform(0.0, 0.3)
+    b, omega = draw.uniform(0.4, 1.0), draw.uniform(0.8, 2.0)
+
+    def load(tau: np.ndarray | float) -> np.ndarray:
+        return np.asarray((b * np.sin(omega * tau)) ** 2)
+
+    def rates(tau: float, y: np.ndarray) -> list[float]:
+        x, v = y
+        force = theta * (x - x**-5) + load(tau) * x**-3 + eta * v
+        return [v, (6.0 * c * v**2 * x**-7 - 3.0 * force) / (1.0 + 2.0 * c * x**-6)]
+
+    times = np.linspace(0.0, 12.0, 40)
+    body = rm.Actuator(c=c, temperature=293.0 * theta, dissipation=rm.Rayleigh(eta))
+    for tolerance in (1e-4, 1e-7):
+        ds = rm.simulate(body, rm.SineSquared(b, omega), times=times, tolerance=tolerance)
+        x, v = solve_ivp(rates, (0, 12), [1, 0], "DOP853", times, rtol=1e-12, atol=1e-13).y
+        inertia = 1.0 + 2.0 * c * x**-6
+        true = {
+            "thickness_stretch": x**-2,
+            "thickness_stretch_rate": -2.0 * v * x**-3,
+            "energy": inertia * v**2 / 3.0 + theta * (2.0 * x**2 + x**-4 - 3.0) / 2.0
+            - load(times) * x**-2,
+        }  # fmt: skip
+        for name, exact in true.items():
+            off = np.abs(ds[name].values - exact).max()
+            assert off <= float(ds[f"{name}_error"]) < 1e3 * tolerance, name

@@ -47,11 +47,16 @@ def test_strong_contraction_is_no_minus_infinity() -> None:
 
 def test_a_contraction_beyond_all_numbers_is_incomplete() -> None:
     """e^-1570 within a period: nothing is left of a difference, and the status says so."""
-    ds = rm.lyapunov(
-        rm.Actuator(dissipation=rm.Rayleigh(2.0)), rm.SineSquared(0.05, 0.002), periods=40
-    )
+    body, drive = rm.Actuator(dissipation=rm.Rayleigh(2.0)), rm.SineSquared(0.05, 0.002)
+    ds = rm.lyapunov(body, drive, periods=40)
     assert int(ds.status) == rm.Status.INCOMPLETE
-    assert np.isnan(ds.exponent)
+    label = rm.classify(body, drive, periods=100)
+    assert str(label.regime.values) == "periodic"
+    for found in (ds, label):
+        assert np.isnan(found.exponent)
+        assert "shrink within one period" in str(found.reason.values)
+    known = rm.lyapunov(body, drive, periods=20, over={"omega": [0.002, 1.0]})
+    assert [bool(reason) for reason in known.reason.values] == [True, False]
 
 
 def test_exponents_about_rest_for_random_bodies() -> None:
