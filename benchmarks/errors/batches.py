@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, SupportsIndex
 
 import numpy as np
 import xarray as xr
@@ -41,15 +41,15 @@ class Batch:
     def count(self) -> int:
         return int(self.over["c"].size)
 
-    def values(self, k: int) -> dict[str, float]:
+    def values(self, k: SupportsIndex) -> dict[str, float]:
         """The fields of one case."""
-        return {name: float(column[k]) for name, column in self.over.items()}
+        return {name: float(column[int(k)]) for name, column in self.over.items()}
 
-    def reference(self, k: int) -> PeriodMap:
+    def reference(self, k: SupportsIndex) -> PeriodMap:
         """The period map of one case by heyoka."""
         return PeriodMap(self.drive, self.values(k))
 
-    def described(self, k: int) -> str:
+    def described(self, k: SupportsIndex) -> str:
         """Text that makes the case again."""
         return ", ".join(f"{name}={value!r}" for name, value in self.values(k).items())
 
@@ -60,15 +60,15 @@ def random_batch(
     *,
     damped: bool | None = None,
     eta: tuple[float, float] = (-2.0, 0.0),
-    largest_b: float = 1.0,
+    b: tuple[float, float] = (0.1, 1.0),
 ) -> Batch:
-    """Random cases; `eta` is the range of decades of the viscosity."""
+    """Random cases; `eta` is the range of decades of the viscosity, `b` that of the load."""
     damped = bool(rng.uniform() < 0.5) if damped is None else damped
     columns: dict[str, Any] = {
         "c": 10.0 ** rng.uniform(-1.0, 0.0, count),
         "temperature": 293.0 * rng.uniform(0.8, 1.3, count),
         "prestress": rng.uniform(-0.5, 1.0, count),
-        "b": rng.uniform(0.1, largest_b, count),
+        "b": rng.uniform(*b, count),
         "omega": rng.uniform(0.5, 2.5, count),
     }
     if damped:

@@ -6,49 +6,52 @@ left of chance is small beside the errors judged.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cache
 from typing import Any
 
 import numpy as np
 
 from benchmarks.errors.period_map import PeriodMap
-from remanent._typing import FloatArray
+from remanent._typing import BoolArray, FloatArray
 
 #: Periods of the run that tells regular from chaotic motion.
 _REGULAR_PERIODS = 600
 #: Regular tangents grow at most in proportion to time, times e to this.
 _MAX_REGULAR_EXCESS = 3.0
-#: Periods of the run over which the growth of chaotic motion is averaged.
-_CHAOTIC_PERIODS = 10_000
+#: Periods of the run over which growth is averaged.
+_LONG_PERIODS = 4000
 #: Share of a run that passes before anything is averaged.
 _TRANSIENT = 0.2
-#: Periods of the run that gives a rotation number.
-_ROTATION_PERIODS = 4000
+#: Relative error of a step where states are wanted, and where only means of growth are.
+_PRECISE, _ENOUGH_FOR_MEANS = 1e-15, 1e-11
+#: Stretch, rate and tangent that a run begins with.
+_START = (1.0, 0.0, 0.6, 0.8)
 
 
-def long_run_exponent(reference: PeriodMap) -> float | None:
-    """Largest exponent per tau of the motion from rest; None where it escapes.
+def long_run_exponents(references: Sequence[PeriodMap]) -> FloatArray:
+    """Largest exponents per tau of motions from rest; NaN where they escape.
 
     Exactly 0 for undamped motion whose tangents grow no faster than in proportion to time.
     """
-    damped = reference.values.get("dissipation.0.eta", 0.0) > 0.0
-    if not damped:
-        growth = np.cumsum(_run(reference, _REGULAR_PERIODS)[1])
-        if not np.isfinite(growth[-1]):
-            return None
-        if growth[-1] <= np.log(_REGULAR_PERIODS) + _MAX_REGULAR_EXCESS:
-            return 0.0
-    growth = _run(reference, _CHAOTIC_PERIODS)[1]
-    mean = growth[int(_TRANSIENT * growth.size) :].mean() / float(reference.period)
-    return float(mean) if np.isfinite(mean) else None
+    damped = np.array([r.values.get("dissipation.0.eta", 0.0) > 0.0 for r in references])
+    exponents = np.zeros(len(references))
+    growth = _runs(references, _REGULAR_PERIODS, _ENOUGH_FOR_MEANS)[1].sum(axis=1)
+    is_open = ~(growth <= np.log(_REGULAR_PERIODS) + _MAX_REGULAR_EXCESS) | damped
+    longer = [references[int(k)] for k in np.flatnonzero(is_open)]
+    after = int(_TRANSIENT * _LONG_PERIODS)
+    settled = _runs(longer, _LONG_PERIODS, _ENOUGH_FOR_MEANS)[1][:, after:]
+    exponents[is_open] = settled.mean(axis=1) / [float(r.period) for r in longer]
+    return exponents
 
 
-def rotation_number(reference: PeriodMap) -> float:
-    """Turns per period, clockwise and modulo 1, of the motion from rest about its mean.
+def rotation_numbers(references: Sequence[PeriodMap]) -> FloatArray:
+    """Turns per period, clockwise and modulo 1, of motions from rest about their means."""
+    return np.array([_rotation_number(p) for p in _runs(references, _LONG_PERIODS, _PRECISE)[0]])
 
-    A mean of the angles between points with a smooth weight that vanishes at both ends.
-    """
-    points = _run(reference, _ROTATION_PERIODS)[0]
+
+def _rotation_number(points: FloatArray) -> float:
+    """A mean of the angles between points with a smooth weight that vanishes at both ends."""
     s = np.arange(1, len(points) + 1) / (len(points) + 1)
     weight = np.exp(-1.0 / (s * (1.0 - s)))
     seen = points - (weight[:, None] * points).sum(axis=0) / weight.sum()
@@ -62,30 +65,75 @@ def rotation_number(reference: PeriodMap) -> float:
     return float(((weight * step).sum() / weight.sum() + middle) % 1.0)
 
 
-def _run(reference: PeriodMap, periods: int) -> tuple[FloatArray, FloatArray]:
-    """States after each period, (period, 2), and logarithms of a tangent's growth in each."""
-    engine, v = _engine(), reference.values
-    theta = v["temperature"] / v.get("reference_temperature", 293.0)
-    engine.pars[:] = [
-        v["c"], theta, v.get("prestress", 0.0), v.get("dissipation.0.eta", 0.0), v["omega"], v["b"]
-    ]  # fmt: skip
-    engine.state[:] = [1.0, 0.0, 0.6, 0.8]
-    length = float(reference.period)
-    states, growth = np.full((periods, 2), np.nan), np.full(periods, np.nan)
-    for n in range(periods):
-        engine.time = 0.0
-        outcome = engine.propagate_until(length)
-        if "time_limit" not in str(outcome[0]):
-            break
-        size = np.hypot(*engine.state[2:])
-        states[n], growth[n] = engine.state[:2], np.log(size)
-        engine.state[2:] /= size
+def _runs(
+    references: Sequence[PeriodMap], periods: int, precision: float
+) -> tuple[FloatArray, FloatArray]:
+    """States after each period, (case, period, 2), and logarithms of a tangent's growth in each.
+
+    NaN from where a motion escapes.
+    """
+    states, growth = np.empty((0, periods, 2)), np.empty((0, periods))
+    lanes = int(_engine(precision).batch_size)
+    for first in range(0, len(references), lanes):
+        some = references[first : first + lanes]
+        found = _run_of_lanes([*some, *[some[-1]] * (lanes - len(some))], periods, precision)
+        states = np.concatenate([states, found[0][: len(some)]])
+        growth = np.concatenate([growth, found[1][: len(some)]])
     return states, growth
 
 
+def _run_of_lanes(
+    references: Sequence[PeriodMap], periods: int, precision: float
+) -> tuple[FloatArray, FloatArray]:
+    engine = _engine(precision)
+    for lane, reference in enumerate(references):
+        engine.pars[:, lane] = _parameters(reference)
+    engine.state[:] = np.array(_START)[:, None]
+    lengths = [float(reference.period) for reference in references]
+    states = np.full((len(references), periods, 2), np.nan)
+    growth = np.full((len(references), periods), np.nan)
+    alive = np.ones(len(references), dtype=bool)
+    for n in range(periods):
+        alive &= _advance(engine, lengths)
+        size = np.hypot(*engine.state[2:])
+        states[alive, n], growth[alive, n] = engine.state[:2, alive].T, np.log(size[alive])
+        engine.state[2:] /= size
+        if not alive.any():
+            break
+    return states, growth
+
+
+def _advance(engine: Any, lengths: Sequence[float]) -> BoolArray:
+    """Follow all lanes for a period; those that escape rest from there on, and are told."""
+    before, escaped = engine.state.copy(), np.zeros(len(lengths), dtype=bool)
+    while True:
+        engine.set_time(0.0)
+        engine.propagate_until(lengths)
+        lost = np.array(["time_limit" not in str(one[0]) for one in engine.propagate_res])
+        if not lost.any():
+            return ~escaped
+        # One lane that fails stops all: the others begin once more.
+        blown = lost & ~np.isfinite(engine.state).all(axis=0)
+        escaped |= blown if blown.any() else lost
+        engine.state[:] = before
+        engine.state[:, escaped] = np.array(_START)[:, None]
+        engine.pars[5, escaped] = 0.0
+
+
+def _parameters(reference: PeriodMap) -> list[float]:
+    v = reference.values
+    theta = v["temperature"] / v.get("reference_temperature", 293.0)
+    return [
+        v["c"], theta, v.get("prestress", 0.0), v.get("dissipation.0.eta", 0.0), v["omega"], v["b"]
+    ]  # fmt: skip
+
+
 @cache
-def _engine() -> Any:
-    """The motion and one tangent, whose equation is the derivative of the motion's."""
+def _engine(precision: float) -> Any:
+    """The motion and one tangent, whose equation is the derivative of the motion's.
+
+    Several motions at once, as many as fit into the registers of the processor.
+    """
     import heyoka as hy
 
     x, v, dx, dv = hy.make_vars("x", "v", "dx", "dv")
@@ -98,4 +146,5 @@ def _engine() -> Any:
     rate = (6.0 * c * v * v - 3.0 * force) / (x7 + 2.0 * c * x)
     change = hy.diff(rate, x) * dx + hy.diff(rate, v) * dv
     system = [(x, v), (v, rate), (dx, dv), (dv, change)]
-    return hy.taylor_adaptive(system, [1.0, 0.0, 1.0, 0.0], tol=1e-15)
+    start = np.tile(np.array(_START)[:, None], hy.recommended_simd_size())
+    return hy.taylor_adaptive_batch(system, start, tol=precision)

@@ -168,7 +168,7 @@ def with_distances(
     return Crossings.concatenated([found, ends], found.states.shape[1])
 
 
-def merge_within_error(found: Crossings, tolerance: float) -> Crossings:
+def merge_within_error(found: Crossings, state_error: FloatArray) -> Crossings:
     """Crossings between which the observable leaves the value by more than its error.
 
     Between others the motion is as near to the value as its own error, and passes it as that
@@ -179,7 +179,7 @@ def merge_within_error(found: Crossings, tolerance: float) -> Crossings:
     ----------
     found : Crossings
         Sorted, with the ends of windows among them.
-    tolerance : float
+    state_error : array (trajectory,)
         Of the states.
 
     Returns
@@ -192,7 +192,7 @@ def merge_within_error(found: Crossings, tolerance: float) -> Crossings:
     if not crossings.trajectory.size:
         return crossings
     before, after = _largest_distances_beside(found, is_crossing)
-    error = crossings.sensitivity * tolerance
+    error = crossings.sensitivity * state_error[crossings.trajectory]
     leaves_before, leaves_after = ~(before <= error), ~(after <= error)
     row = crossings.trajectory
     joins = np.concatenate([[False], (row[1:] == row[:-1]) & ~leaves_before[1:]])

@@ -41,6 +41,7 @@ def find_crossings(
     value: float,
     *,
     tolerance: float,
+    least_excursion: FloatArray | None = None,
     workers: int | None = None,
     progress: ProgressCallback | None = None,
 ) -> tuple[Crossings, Outcome]:
@@ -63,6 +64,9 @@ def find_crossings(
         That it passes.
     tolerance : float
         Of the error of the states, absolute.
+    least_excursion : array (trajectory,), optional
+        Errors of the states within which passages count as one, where these are smaller than
+        `tolerance`: what is known of a motion may be better than what was asked.
     workers : int, optional
         Threads; the number of processors by default.
     progress : callable, optional
@@ -81,19 +85,29 @@ def find_crossings(
     short = short_runs.where_short(problem)
     if short.any():
         return _crossings_of_parts(
-            problem, short, name, value, tolerance=tolerance, workers=workers, progress=progress
-        )
+            problem, short, name, value, tolerance=tolerance, least_excursion=least_excursion,
+            workers=workers, progress=progress,
+        )  # fmt: skip
     finder = _CrossingFinder.for_observable(problem, name, value, tolerance)
     request = Request(inspect_window=finder.find_in_window)
     outcome = integrate(problem, request, tolerance=tolerance, workers=workers, progress=progress)
     parts = [part for part in outcome.inspection_results if part is not None]
     ends = np.minimum(outcome.horizon, problem.duration)
     joined = Crossings.concatenated(parts, problem.initial_states.shape[1])
-    return merge_within_error(joined.sorted_up_to(ends), tolerance), outcome
+    error = np.full(short.size, tolerance)
+    if least_excursion is not None:
+        error = np.fmin(error, least_excursion)
+    return merge_within_error(joined.sorted_up_to(ends), error), outcome
 
 
 def _crossings_of_parts(
-    problem: Problem, short: BoolArray, name: str, value: float, **options: Any
+    problem: Problem,
+    short: BoolArray,
+    name: str,
+    value: float,
+    *,
+    least_excursion: FloatArray | None,
+    **options: Any,
 ) -> tuple[Crossings, Outcome]:
     """The same where some runs end early in the first period of their load."""
     parts = (np.flatnonzero(short), np.flatnonzero(~short))
@@ -101,8 +115,12 @@ def _crossings_of_parts(
         short_runs.as_one_piece(short_runs.subset(problem, parts[0])),
         short_runs.subset(problem, parts[1]),
     )
+
+    def part_of(chosen: IntArray) -> FloatArray | None:
+        return None if least_excursion is None else least_excursion[chosen]
+
     found = [
-        (part, *find_crossings(p, name, value, **options))
+        (part, *find_crossings(p, name, value, least_excursion=part_of(part), **options))
         for part, p in zip(parts, problems, strict=True)
         if part.size
     ]

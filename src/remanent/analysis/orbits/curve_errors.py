@@ -87,11 +87,14 @@ def _inverses(matrices: FloatArray) -> FloatArray:
 
 
 def jacobian_errors(
-    equations: CurveEquations, points: CurvePoints, state_error: FloatArray
+    equations: CurveEquations,
+    points: CurvePoints,
+    computed_error: FloatArray,
+    state_error: FloatArray,
 ) -> FloatArray:
     """Errors of the entries of Jacobians, as those of the orbits, array (point, state, state).
 
-    The error of the map, and the second derivatives times the error of the state.  Second
+    The error of what was computed, and the second derivatives times the error of the state.  Second
     derivatives vary smoothly along a curve, so that they are taken at some of its points.
 
     Parameters
@@ -100,14 +103,15 @@ def jacobian_errors(
         Of the orbits.
     points : CurvePoints
         In order along a curve.
+    computed_error : array (point, state, state)
+        Of the entries as those at the points.
     state_error : array (point, state)
     """
     jacobian = points.extra_arrays["jacobian"]
     count, d = state_error.shape
     largest = np.abs(jacobian).max(axis=(1, 2), keepdims=True)
-    from_map = (points.residual_error[:, None, None] + _ROUNDING) * np.maximum(largest, 1.0)
     if not count:
-        return np.asarray(from_map)
+        return computed_error
     sampled = np.unique(
         np.append(np.arange(0, count, _POINTS_BETWEEN_SECOND_DERIVATIVES), count - 1)
     )
@@ -127,4 +131,4 @@ def jacobian_errors(
     slope = _SECOND_DERIVATIVE_MARGIN * np.fmax(slopes[before], slopes[after])
     slope = slope * np.maximum(largest, 1.0)[:, None]
     with np.errstate(invalid="ignore"):
-        return np.asarray(from_map + np.einsum("pkij,pk->pij", slope, state_error))
+        return np.asarray(computed_error + np.einsum("pkij,pk->pij", slope, state_error))

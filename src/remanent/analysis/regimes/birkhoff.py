@@ -17,6 +17,10 @@ from remanent._typing import FloatArray
 MAX_CONVERGENCE_DIGITS = 16.0
 #: An orbit encircles a centre if no gap between the directions to its points is wider, turns.
 _MAX_ANGLE_GAP_IN_TURNS = 0.5
+#: Windows of two thirds whose averages tell the error of a rotation number.
+_WINDOWS_FOR_ERROR = 9
+#: That error over the largest difference of these averages from that of all.  Measured.
+_ERROR_OVER_WINDOW_DIFFERENCE = 3.0
 
 
 def weighted_birkhoff_average(values: FloatArray) -> FloatArray:
@@ -85,11 +89,14 @@ class RotationNumbers:
     turns_per_iterate : array (orbit,)
         Turns per iterate, clockwise, in [0, 1); NaN where the orbit does not encircle
         its centre.
+    error : array (orbit,)
+        Of the number: what the orbit is too short for.
     converged_digits : array (orbit,)
         Decimal digits on which the first and the last two thirds of the orbit agree.
     """
 
     turns_per_iterate: FloatArray
+    error: FloatArray
     converged_digits: FloatArray
 
 
@@ -101,6 +108,13 @@ def rotation_numbers(points: FloatArray, centre: FloatArray | None = None) -> Ro
     laid where no angle falls: in the widest gap between the angles found.  The average,
     modulo 1, then does not depend on where.  Clockwise is the sense in which a point
     (x, x') turns.
+
+    An orbit that swings to and fro beside the centre turns by whole turns only.  So does,
+    within its error, one that is too short to show its turning: neither has a number.
+
+    The first and the last two thirds may agree by chance, where a slow angle turns by a whole
+    turn from one to the other.  Several windows between them do not, and their differences from
+    the average over all tell its error.
 
     Parameters
     ----------
@@ -130,11 +144,27 @@ def rotation_numbers(points: FloatArray, centre: FloatArray | None = None) -> Ro
     first, last = _first_and_last_averages(step)
     with np.errstate(divide="ignore"):
         digits = np.minimum(-np.log10(np.abs(first - last)), MAX_CONVERGENCE_DIGITS)
-    encircles = (_widest_gap_on_circle(turn % 1.0)[1] <= _MAX_ANGLE_GAP_IN_TURNS) & np.isfinite(
-        first + last
+    average = weighted_birkhoff_average(step)
+    error = _ERROR_OVER_WINDOW_DIFFERENCE * _largest_window_difference(step, average)
+    number = average % 1.0
+    with np.errstate(invalid="ignore"):
+        turns_round = np.minimum(number, 1.0 - number) > error
+        encircles = _widest_gap_on_circle(turn % 1.0)[1] <= _MAX_ANGLE_GAP_IN_TURNS
+    encircles = encircles & np.isfinite(first + last)
+    return RotationNumbers(
+        np.where(encircles & turns_round, number, np.nan),
+        np.where(encircles & turns_round, error, np.nan),
+        np.where(encircles, digits, 0.0),
     )
-    number = weighted_birkhoff_average(step) % 1.0
-    return RotationNumbers(np.where(encircles, number, np.nan), np.where(encircles, digits, 0.0))
+
+
+def _largest_window_difference(values: FloatArray, average: FloatArray) -> FloatArray:
+    """Largest distance of averages over windows of two thirds from that over all values."""
+    samples = values.shape[-1]
+    length = -(-2 * samples // 3)
+    starts = np.linspace(0, samples - length, _WINDOWS_FOR_ERROR).round().astype(int)
+    averages = [weighted_birkhoff_average(values[..., k : k + length]) for k in starts]
+    return np.asarray(np.abs(np.array(averages) - average).max(axis=0))
 
 
 def _widest_gap_on_circle(turns: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -154,12 +154,14 @@ def _return_and_rotation_columns(points: FloatArray) -> dict[str, FloatArray | I
         "late_defect": best.late_return_defect,
         "extent": best.extent,
         "rotation_number": np.full(len(points), np.nan),
+        "rotation_error": np.full(len(points), np.nan),
         "rotation_digits": np.zeros(len(points)),
     }
     if points.shape[2] > 1:
         rotation = rotation_numbers(points[:, :, :2])
         columns |= {
             "rotation_number": rotation.turns_per_iterate,
+            "rotation_error": rotation.error,
             "rotation_digits": rotation.converged_digits,
         }
     return columns

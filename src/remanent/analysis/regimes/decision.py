@@ -28,8 +28,6 @@ from remanent.analysis.regimes.transients import LOOSEST_TOLERANCE_INDEX, chaos_
 
 #: An orbit that returns worse than this, relative to its extent, is not settling yet.
 _MAX_SETTLING_RETURN_DEFECT = 0.5
-#: Error of a rotation number over the difference of those of two parts of the run.  Measured.
-_ERROR_PER_DIFFERENCE_OF_PARTS = 4.0
 #: An orbit that returns better than this, relative to its extent, has settled.
 _MAX_SETTLED_RETURN_DEFECT = 1e-10
 
@@ -65,7 +63,7 @@ class PartialLabelling:
         evidence = self.evidence
         error = np.hypot(evidence.swing_error, self.exponent_spread_between_tolerances)
         rotation_error = (
-            _ERROR_PER_DIFFERENCE_OF_PARTS * 10.0**-evidence.rotation_digits
+            evidence.rotation_error
             + self.rotation_spread_between_tolerances
             + self.run.largest_period_error
         )

@@ -31,8 +31,9 @@ class EvidenceTable:
         The same over the two halves of that.
     late_log_growth
         Its mean over the last quarter less that over the second.
-    rotation_number, rotation_digits
-        Turns per period about the middle of the orbit, and how many of their digits agree.
+    rotation_number, rotation_error, rotation_digits
+        Turns per period about the middle of the orbit, their error by the length of the run, and
+        how many of their digits agree.
     period : array (orbit,) of int
         After how many periods the orbit comes back best.
     defect, late_defect
@@ -52,6 +53,7 @@ class EvidenceTable:
     log_growth_of_halves: FloatArray
     late_log_growth: FloatArray
     rotation_number: FloatArray
+    rotation_error: FloatArray
     rotation_digits: FloatArray
     period: IntArray
     defect: FloatArray

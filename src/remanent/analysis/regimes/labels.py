@@ -43,8 +43,8 @@ class RegimeLabels:
         Standard error of the exponent and its spread over the tolerances, added in squares, and
         what the length of the run adds.
     rotation_number_error : array (orbit,)
-        Of the difference of the rotation numbers of the first and the last two thirds of the
-        run, the spread over the tolerances, and the error that a period adds.
+        Of the differences of the rotation numbers of windows of two thirds of the run from that
+        of all, the spread over the tolerances, and the error that a period adds.
     """
 
     regime: IntArray

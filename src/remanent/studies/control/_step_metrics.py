@@ -20,6 +20,9 @@ from remanent.studies.statics._static_state import StaticState
 
 #: Shares of the change between which the rise is timed.
 _RISE_SHARES = (0.1, 0.9)
+#: Rates of the thickness stretch per tau below which turns are left out, over the half-width of
+#: the settling band: what swings more slowly takes no motion from one edge to the other.
+_LEAST_TURN_OVER_BAND = 0.05
 #: Levels are tried at their nominal place and moved by the error to both sides.
 _SIDES = np.array([0.0, -1.0, 1.0])
 #: Tolerance of the motion that tells the error of another, over that one's.
@@ -50,11 +53,28 @@ class StepMotion:
     turns: Crossings
 
     @classmethod
-    def from_problem(cls, problem: Problem, tolerance: float) -> StepMotion:
-        """Integrate the motion once for its turning points."""
+    def from_problem(
+        cls, problem: Problem, tolerance: float, final_thickness: FloatArray, band: float
+    ) -> StepMotion:
+        """Integrate the motion once for its turning points.
+
+        Parameters
+        ----------
+        problem : Problem
+        tolerance : float
+        final_thickness : array (trajectory,)
+            Thickness stretch at the final rest, NaN where there is none.
+        band : float
+            Share of the change within which the motion counts as settled.
+        """
+        start = problem.initial_states[:, None]
+        change = final_thickness - evaluate_observable(
+            problem, "thickness_stretch", np.zeros((len(start), 1)), start
+        )[:, 0]  # fmt: skip
         turns, outcome = events.find_crossings(
-            problem, "thickness_stretch_rate", 0.0, tolerance=tolerance
-        )
+            problem, "thickness_stretch_rate", 0.0, tolerance=tolerance,
+            least_excursion=_LEAST_TURN_OVER_BAND * band * np.abs(change),
+        )  # fmt: skip
         return cls(problem, tolerance, outcome, turns)
 
     def states_at(self, times: FloatArray) -> FloatArray:

@@ -144,11 +144,14 @@ def step_response(
     rests = find_final_rests(under_last_load, after_last, error, tolerance)
     duration = without_unit("duration", duration, "time", system)
     duration = _run_length(scaled, duration, rests)
-    motion = StepMotion.from_problem(
-        scaled.build_problem_lasting(np.full(ens.trajectory_count, duration)), tolerance
-    )
     values = residual_vibration(rests.bodies, after_last, error)
     values["final_error"] = rests.thickness_error
+    motion = StepMotion.from_problem(
+        scaled.build_problem_lasting(np.full(ens.trajectory_count, duration)),
+        tolerance,
+        values["final"],
+        band,
+    )
     values |= Transient(
         motion,
         values["final"],

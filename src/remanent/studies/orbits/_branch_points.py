@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from remanent._typing import FloatArray
 from remanent.analysis.orbits.curve_errors import errors_at_fixed_unknown, jacobian_errors
 from remanent.analysis.orbits.curves import CurvePoints
+from remanent.analysis.orbits.period_chain import PeriodChain
 from remanent.analysis.orbits.stability import Stability, floquet_multipliers, orbit_stability
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Outcome, Problem, Request
@@ -48,46 +49,26 @@ def observed_names(tracing: Tracing) -> tuple[str, ...]:
     return tuple(n for n in field.observable_and_rate_names if n not in field.state_names)
 
 
-def errors_along_branch(tracing: Tracing, branch: Branch) -> FloatArray:
-    """Errors of the states of a branch at the parameter as it is, array (point, state + 1).
-
-    Where the branch meets another, the equations of the orbit are singular; what is known there
-    is the error of the special point.
-    """
-    points = branch.curve.points
-    value_error = np.tile(points.residual_error[:, None], points.unknown.shape[1] - 1)
-    error = errors_at_fixed_unknown(points, value_error, tracing.scale, -1)
-    for special in branch.special_points:
-        same = (points.unknown == special.point.unknown[0]).all(axis=1)
-        error[same, :-1] = special.state_error
-    return error
-
-
-def describe_branch_points(
-    tracing: Tracing,
-    parameter: str,
-    points: CurvePoints,
-    unknown_error: FloatArray,
-) -> dict[str, NDArray[Any]]:
-    """Columns along points of a branch, each an array (point, ...).
+def describe_branch(tracing: Tracing, parameter: str, branch: Branch) -> dict[str, NDArray[Any]]:
+    """Columns along the points of a branch, each an array (point, ...).
 
     Parameters
     ----------
     tracing : Tracing
     parameter : str
         That varies along the branch.
-    points : CurvePoints
-        In order along it.
-    unknown_error : array (point, state + 1)
-        Errors of state and parameter.
+    branch : Branch
     """
-    ens = tracing.map.ensemble
-    state, jacobian = points.unknown[:, :-1], points.extra_arrays["jacobian"]
+    ens, points = tracing.map.ensemble, branch.curve.points
+    state = points.unknown[:, :-1]
+    chain = PeriodChain.along(tracing.map, state, points.unknown[:, -1:], tracing.orbit_period)
+    unknown_error = _errors_along_branch(tracing, branch, chain)
     state_error = unknown_error[:, :-1]
-    entry_error = jacobian_errors(tracing.curve_equations, points, state_error)
-    values, errors = floquet_multipliers(jacobian, entry_error)
+    entry_error = jacobian_errors(
+        tracing.curve_equations, points, chain.jacobian_error, state_error
+    )
+    values, errors = floquet_multipliers(points.extra_arrays["jacobian"], entry_error)
     kinds = orbit_stability(values, errors, conservative=ens.system.conservative)
-    extremes = _observe_orbits(tracing, parameter, points, unknown_error)
     return {
         "parameter": points.unknown[:, -1],
         "initial": state,
@@ -96,14 +77,31 @@ def describe_branch_points(
         "stability": np.array([Stability(k).meaning for k in kinds], dtype=_STABILITY_DTYPE),
         "residual": points.residual,
         "error": state_error.max(axis=1),
-        **extremes,
+        **observe_orbits(tracing, parameter, points, unknown_error),
     }
+
+
+def _errors_along_branch(tracing: Tracing, branch: Branch, chain: PeriodChain) -> FloatArray:
+    """Errors of the states of a branch at the parameter as it is, array (point, state + 1).
+
+    Where the branch meets another, the equations of the orbit are singular; what is known there
+    is the error of the special point.
+    """
+    points = branch.curve.points
+    closing = {**points.extra_arrays, "value": chain.end - chain.start}
+    error = errors_at_fixed_unknown(
+        replace(points, extra_arrays=closing), chain.end_error, tracing.scale, -1
+    )
+    for special in branch.special_points:
+        same = (points.unknown == special.point.unknown[0]).all(axis=1)
+        error[same, :-1] = special.state_error
+    return error
 
 
 def empty_point_columns(
     state_variables: int, orbit_period: int, observed: tuple[str, ...]
 ) -> dict[str, NDArray[Any]]:
-    """The columns of :func:`describe_branch_points` without any point."""
+    """The columns of :func:`describe_branch` without any point."""
     rows = np.empty((0, state_variables))
     return {
         "parameter": np.empty(0),
@@ -126,10 +124,21 @@ class _Extremes:
     states: FloatArray | None
 
 
-def _observe_orbits(
+def observe_orbits(
     tracing: Tracing, parameter: str, points: CurvePoints, unknown_error: FloatArray
 ) -> dict[str, NDArray[Any]]:
-    """Extremes of the observable over each orbit, and its values after whole drive periods."""
+    """Extremes of the observable over each orbit, and its values after whole drive periods.
+
+    Parameters
+    ----------
+    tracing : Tracing
+    parameter : str
+        That varies along the branch.
+    points : CurvePoints
+        In order along it.
+    unknown_error : array (point, state + 1)
+        Errors of state and parameter.
+    """
     period, ens = tracing.orbit_period, tracing.map.ensemble
     count, size = unknown_error.shape
     steps = _DIFFERENCE_STEP * tracing.scale

@@ -25,9 +25,9 @@ from remanent.studies.orbits._branch_ends import (
 from remanent.studies.orbits._branch_points import (
     MULTIPLIER_COLUMNS,
     POINT_COLUMNS,
-    describe_branch_points,
+    describe_branch,
     empty_point_columns,
-    errors_along_branch,
+    observe_orbits,
 )
 from remanent.studies.orbits._members import stack_tables
 from remanent.studies.orbits._tracing import Branch, Tracing, TracingOptions
@@ -74,12 +74,7 @@ def describe_branches(
         That varies along them.
     """
     names = tracing.map.ensemble.vector_field.state_names
-    points = [
-        describe_branch_points(
-            tracing, parameter, one.curve.points, errors_along_branch(tracing, one)
-        )
-        for one in branches
-    ]
+    points = [describe_branch(tracing, parameter, one) for one in branches]
     rows = [
         _describe_special_point(tracing, parameter, special, number, joins)
         for number, branch in enumerate(branches)
@@ -98,13 +93,13 @@ def _describe_special_point(
 ) -> dict[str, Any]:
     errors = np.full((1, tracing.scale.size), special.state_error)
     errors[0, -1] = special.parameter_error
-    orbit = describe_branch_points(tracing, parameter, special.point, errors)
+    orbit = observe_orbits(tracing, parameter, special.point, errors)
     return {
         "kind": special.kind,
         "branch": branch,
         "orbit_period": tracing.orbit_period // 2 if joins else tracing.orbit_period,
         "parameter": special.point.unknown[0, -1],
-        "state": orbit["initial"][0],
+        "state": special.point.unknown[0, :-1],
         "error": special.parameter_error,
         "state_error": special.state_error,
         "amplitude": orbit["amplitude"][0],

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from remanent._status import Status
-from remanent._typing import IntArray
+from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.analysis.regimes.long_runs import LongRun
 from remanent.analysis.regimes.lyapunov import LyapunovExponents, lyapunov_exponents
 from remanent.analysis.regimes.orbit_exponents import (
@@ -90,7 +90,7 @@ class ExponentEstimator:
         trajectory is followed again with steps that suit the tangent too.
         """
         if self.exponent_count > 1:
-            return _with_total_error(self._estimate_exponents(indices, "all"))
+            return with_total_error(self._estimate_exponents(indices, "all"))
         estimate = self._estimate_exponents(indices, "state")
         limit = np.maximum(
             self.period_tolerance, _CHANCE_LIMIT_STANDARD_ERRORS * estimate["scatter"]
@@ -100,7 +100,7 @@ class ExponentEstimator:
             better = self._estimate_exponents(indices[repeated], "all")
             for name, values in estimate.items():
                 values[repeated] = better[name]
-        return _with_total_error(estimate)
+        return with_total_error(estimate)
 
     def _estimate_exponents(
         self, indices: IntArray, error_control: ErrorControl
@@ -144,11 +144,7 @@ class ExponentEstimator:
     ) -> OrbitExponents:
         """The periodic orbits that motions end on, where their exponents do not deny it."""
         assert path.visited_states is not None
-        with np.errstate(invalid="ignore"):
-            chaotic = average.mean[:, 0] > (
-                _MAX_REGULAR_EXPONENT_OVER_ERROR * average.error[:, 0]
-                + average.finite_time_error[:, 0]
-            )
+        chaotic = _is_chaotic(average.mean, average.error, average.finite_time_error)
         known = path.error_bound_met & ~path.escaped & ~chaotic
         candidates = np.flatnonzero(known & np.isfinite(path.visited_states).all(axis=(1, 2)))
         period = np.zeros(indices.size, dtype=np.int64)
@@ -161,13 +157,29 @@ class ExponentEstimator:
         return self.follower.settled_orbits(indices, path.last_state, period, self.period_tolerance)
 
 
-def _with_total_error(estimate: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """The estimate with its errors, of chance, of the run's length and of steps, added up.
+def _is_chaotic(mean: FloatArray, error: FloatArray, finite_time: FloatArray) -> BoolArray:
+    """Where the largest of the means (orbit, direction) is no chance and no linear growth."""
+    with np.errstate(invalid="ignore"):
+        limit = _MAX_REGULAR_EXPONENT_OVER_ERROR * error[:, 0] + finite_time[:, 0]
+        return np.asarray(mean[:, 0] > limit)
+
+
+def with_total_error(estimate: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """The estimate with its errors, of chance, of the run's length and of steps.
+
+    Regular motion converges as the run gets longer, and the three add up to a bound.  Chaos
+    parts two runs until nothing but chance is common to them: their difference is one more
+    sign of chance, so that it is added in squares to the standard error, and nothing of the mean
+    is growth in proportion to time.
 
     Where the motion ends on a periodic orbit, what the orbit says is taken if it is known
     better than the average.
     """
-    error = estimate.pop("scatter") + estimate.pop("finite_time") + estimate.pop("difference")
+    chance, finite_time, difference = (
+        estimate.pop(name) for name in ("scatter", "finite_time", "difference")
+    )
+    chaotic = _is_chaotic(estimate["exponent"], chance, finite_time)[:, None]
+    error = np.where(chaotic, np.hypot(chance, difference), chance + finite_time + difference)
     of_orbit, of_orbit_error = estimate.pop("of_orbit"), estimate.pop("of_orbit_error")
     lost = ~np.isfinite(estimate["exponent"])
     with np.errstate(invalid="ignore"):

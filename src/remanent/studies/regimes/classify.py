@@ -67,9 +67,9 @@ def classify(
             The factor by which the weakest evidence clears its threshold.
         ``rotation_number``, ``rotation_number_error``, ``rotation_digits``
             Turns per drive period about the middle of the section, in [0, 1), NaN where the
-            section does not surround it; its error, from the difference of the first and the
-            last two thirds of the run, that of two tolerances, and the error that one period
-            adds; how many digits the two parts of the run have in common.
+            section is not seen to surround it; its error, from the differences of windows of two
+            thirds of the run, that of two tolerances, and the error that one period adds; how
+            many digits the first and the last two thirds of the run have in common.
         ``exponent``, ``exponent_error``
             The largest Lyapunov exponent per unit of τ.  Of periodic motion that of the orbit,
             from its multipliers; else the mean with its standard error, as for

@@ -79,10 +79,13 @@ def lyapunov(
         ``exponent``, ``exponent_error``
             Per unit of τ, with a dimension ``exponent_number`` if `count` is above 1.  Where
             the motion is seen to end on a stable periodic orbit, from the multipliers of that
-            orbit, with an estimate of their error; elsewhere the mean over the run with its
-            standard error: that by batch means, or of the swings that the ends of the run cut
-            off if that is larger, plus what of the mean may be growth in proportion to time,
-            plus the difference from a run with steps twice as long.
+            orbit, with an estimate of their error; elsewhere the mean over the run.  Of regular
+            motion, on a torus or still settling, its error is a bound: how far the growth
+            swings about its trend, plus what of the mean may be growth in proportion to time,
+            plus the difference from a run with steps twice as long; all three fall with the
+            length of the run.  Of chaotic motion, where the mean exceeds that, it is a standard
+            error, within which the true exponent lies 68 % of the time: by the swings of the
+            growth and, in squares, the difference of the two runs.
         ``settled_period``
             Period of the orbit in drive periods, 0 where none is known.
         ``exponent_history``

@@ -110,3 +110,32 @@ def test_a_slow_rotation_that_steps_back_is_counted_whole() -> None:
     points = np.stack([np.cos(folded), np.sin(folded)], axis=1)
     found = rotation_numbers(points[None], centre=np.zeros((1, 2)))
     assert found.turns_per_iterate[0] == pytest.approx(0.005 * GOLDEN, abs=1e-7)
+
+
+def test_errors_of_rotation_numbers_cover_them() -> None:
+    """Law: orbits of rotations, seen along ovals, turn by the angle of the rotation.
+
+    Slow angles among them make averages over two parts of an orbit agree by chance; but each
+    turns at least once in the run: slower ones no run can tell from none.
+    """
+    rng = np.random.default_rng(8)
+    for _ in range(60):
+        count = int(rng.integers(100, 400))
+        rho = rng.uniform(0.0, 1.0, 20)
+        slowest = np.abs((np.outer(np.arange(1, 13), rho) + 0.5) % 1.0 - 0.5).min(axis=0)
+        rho = np.where(slowest * count > 1.0, rho, GOLDEN)
+        phase = 2.0 * np.pi * (np.arange(count) * -rho[:, None] + rng.uniform(size=(20, 1)))
+        size = 1.0 + rng.uniform(0.0, 0.5, (20, 1)) * np.cos(phase * rng.integers(1, 4))
+        points = np.stack([size * np.cos(phase), size * np.sin(phase)], axis=-1)
+        found = rotation_numbers(points, np.zeros((20, 2)))
+        off = np.abs((found.turns_per_iterate - rho + 0.5) % 1.0 - 0.5)
+        assert (off <= found.error + 1e-14).all()
+
+
+def test_an_orbit_beside_the_centre_has_no_rotation_number() -> None:
+    """Law: what swings to and fro turns by nothing, also where it is seen from three sides."""
+    phase = 2.0 * np.pi * np.arange(300) * 0.0123
+    direction = 0.6 * np.pi * np.cos(phase)
+    size = 1.0 + 0.1 * np.sin(phase)
+    crescent = np.stack([size * np.cos(direction), size * np.sin(direction)], axis=-1)[None]
+    assert np.isnan(rotation_numbers(crescent, np.zeros((1, 2))).turns_per_iterate).all()

@@ -169,7 +169,8 @@ def evidence(**values: float) -> EvidenceTable:
         "exponent": 0.0, "exponent_error": 0.01, "swing_error": 0.01, "finite_time_error": 0.0,
         "log_growth": 20.0, "log_growth_of_halves": 10.0, "late_log_growth": 0.5,
         "digits": 2.0, "banded_digits": 2.0, "relative_band_scatter": 1.0,
-        "zero_one": 0.9, "sali": 1.0, "rotation_number": 0.3, "rotation_digits": 2.0,
+        "zero_one": 0.9, "sali": 1.0, "rotation_number": 0.3, "rotation_error": 0.01,
+        "rotation_digits": 2.0,
         "period": 1, "defect": 0.5, "late_defect": 0.5, "extent": 1.0,
     }  # fmt: skip
     row |= values

@@ -201,3 +201,19 @@ def test_an_adiabatic_body_rests_at_the_temperature_that_it_has_come_to() -> Non
     assert abs(float(ds.final) - float(end)) <= float(ds.final_error) + 1e-9
     isothermal = rm.step_response(body.replace(heat=None), rm.Constant(0.3), duration=60.0)
     assert abs(float(ds.final) - float(isothermal.final)) > 1e-6
+
+
+def test_turns_below_the_tolerance_are_not_lost() -> None:
+    """Law: settling is judged by the change, however small that is beside the tolerance.
+
+    A change of 0.0017 swings about its end with rates that soon fall below a tolerance of 4e-4.
+    """
+    body = rm.Actuator(
+        c=0.4214616, temperature=267.206951, prestress=-0.26, dissipation=rm.Rayleigh(1.3038)
+    )
+    loose, fine = (
+        rm.step_response(body, rm.Constant(-0.265), duration=60.0, tolerance=t)
+        for t in (3.7e-4, 1e-10)
+    )
+    for name in ("rise_time", "settling_time", "overshoot"):
+        assert abs(float(loose[name] - fine[name])) <= float(loose[f"{name}_error"]), name

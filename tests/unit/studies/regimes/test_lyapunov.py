@@ -7,6 +7,7 @@ import pytest
 import xarray as xr
 
 import remanent as rm
+from remanent.studies.regimes._exponent_estimator import with_total_error
 
 DRIVE = rm.SineSquared(0.4, 1.25)
 DAMPED = rm.Actuator(dissipation=rm.Rayleigh(0.2))
@@ -66,3 +67,34 @@ def test_bad_arguments_say_what_to_do() -> None:
         rm.lyapunov(DAMPED, DRIVE, periods=0)
     with pytest.raises(rm.InputError, match="at most 2"):
         rm.lyapunov(DAMPED, DRIVE, periods=10, count=3)
+
+
+def test_the_error_of_a_mean_on_a_torus_is_a_bound() -> None:
+    """Law: exponents of undamped tori are 0, within the error every time, not 68 % of them."""
+    rng = np.random.default_rng(4)
+    over = {
+        "c": xr.DataArray(10.0 ** rng.uniform(-1.0, 0.0, 40), dims="case"),
+        "b": xr.DataArray(rng.uniform(0.1, 0.6, 40), dims="case"),
+    }
+    ds = rm.lyapunov(rm.Actuator(), DRIVE, periods=200, over=over, tolerance=1e-6)
+    assert bool((np.abs(ds.exponent) <= ds.exponent_error).all())
+    assert float((ds.exponent_error / np.abs(ds.exponent)).median()) < 100.0
+
+
+def test_errors_of_chaos_add_in_squares() -> None:
+    """Law: independent chances add in squares, and chaos has no growth in proportion to time.
+
+    What is not seen to be chaos keeps the sum of all three, as a bound.
+    """
+    unknown = {"of_orbit": np.full((2, 1), np.nan), "of_orbit_error": np.full((2, 1), np.nan)}
+    found = with_total_error(
+        {
+            "exponent": np.array([[0.5], [0.01]]),
+            "scatter": np.full((2, 1), 0.03),
+            "difference": np.full((2, 1), 0.04),
+            "finite_time": np.full((2, 1), 0.01),
+            "status": np.full(2, int(rm.Status.OK)),
+            **unknown,
+        }
+    )
+    np.testing.assert_allclose(found["exponent_error"][:, 0], [0.05, 0.08])
