@@ -20,8 +20,8 @@ from remanent.analysis.orbits.bifurcations import SpecialPoint, find_special_poi
 from remanent.analysis.orbits.continuation import ContinuationSettings, continue_curves
 from remanent.analysis.orbits.correction import unit_tangents
 from remanent.analysis.orbits.curves import CurvePoints
+from remanent.analysis.orbits.extended_systems import locate_special_points
 from remanent.analysis.orbits.orbit_equations import build_orbit_equations
-from remanent.analysis.orbits.switching import find_point_on_crossing_branch
 
 HERE = Path(__file__).parent / "auto" / "reference"
 KINDS = {"LP": "fold", "PD": "period doubling", "TR": "Neimark-Sacker", "BP": "branch point"}
@@ -218,8 +218,16 @@ def test_doublings_lead_to_the_next_branch() -> None:
         scale = np.array([1.0, 1.0, 0.05])
         equations = build_orbit_equations(map_, period)
         crossing = np.array([mark["x"], mark["v"], mark["F"]])
-        start = find_point_on_crossing_branch(equations, crossing, scale=scale, tolerance=1e-11)
-        assert start is not None
+        (located,) = locate_special_points(
+            build_orbit_equations(map_, period // 2), ["period doubling"], crossing[None],
+            np.array([0.01]), scale,
+        )  # fmt: skip
+        assert located is not None
+        values = equations(located.unknown[None])
+        start = CurvePoints(
+            located.unknown[None], located.null_vector[None], np.abs(values.value).max(axis=1),
+            values.value_error, values.extra_arrays,
+        )  # fmt: skip
         low, high = min(branches[period]["F"]) - 1e-4, max(branches[period]["F"]) + 1e-4
         settings = ContinuationSettings(
             np.array([-9.0, -9.0, low]),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -194,3 +195,26 @@ def test_an_isola_is_one_branch_whatever_the_phase() -> None:
     for one in exact:
         k = int(np.abs(folds - one).argmin())
         assert abs(folds[k] - one) <= error[k] + 1e-12 < 1e-9
+
+
+def test_a_curve_of_doublings_goes_on_where_motions_part_fast(cascade: list[xr.Dataset]) -> None:
+    """Independent engine, where the Jacobian is in the thousands and varies over 1e-4.
+
+    The curve goes on to the ends of the range, and its points are right to their errors.
+    """
+    branch = cascade[0].isel(special=last_doubling(cascade[0]))
+    curve = rm.continue_bifurcation(
+        BODY, replace(DRIVE, m=float(branch.special_m)), "period doubling", ("m", "omega"),
+        [(0.05, 0.4), (0.37, 0.8)],
+        initial=(float(branch.special_stretch), float(branch.special_stretch_rate)),
+    )  # fmt: skip
+    assert int(curve.status) == rm.Status.OK
+    ends = curve.isel(point=[0, -1])
+    assert float(ends.omega.min()) == pytest.approx(0.37, abs=1e-3)
+    one = ends.isel(point=int(ends.omega.values.argmin()))
+    x, v, omega, m = (float(one[n]) for n in ("stretch", "stretch_rate", "omega", "m"))
+    exact = special_point(at(MAP, "omega", omega), "period doubling", "m", [x, v, m], 1)
+    assert exact is not None
+    off = np.abs(exact - [x, v, m])
+    assert off[2] <= float(one.m_error) < 1e-4
+    assert off[:2].max() <= float(one.error)

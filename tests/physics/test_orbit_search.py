@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from benchmarks.orbit_search import Case, compare
 
 import remanent as rm
+from remanent.analysis.orbits.cell_samples import Sample
+from remanent.studies.ensemble.layout import lay_out_ensemble
+from remanent.studies.orbits import _planar_search
+from remanent.studies.orbits._orbit_search import ConfirmedPoints
+from remanent.studies.orbits._period_map import StroboscopicMap
+from remanent.studies.orbits._planar_indices import FirstGrid, winding_around_grid
 
 HOT = rm.Actuator(temperature=350)
 
@@ -85,3 +93,63 @@ def test_orbits_are_those_of_brute_force(seed: int) -> None:
 def test_orbits_are_those_of_brute_force_widely(seed: int) -> None:
     """The same for more actuators, damped and undamped."""
     test_orbits_are_those_of_brute_force(seed)
+
+
+@pytest.mark.parametrize("dropped", [0, 1, 2])
+def test_an_orbit_that_is_dropped_is_noticed(dropped: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Indices of all fixed points add up to how often z - P(z) winds around zero on the edge."""
+    find = _planar_search._fixed_points
+
+    def find_all_but_one(*arguments: Any) -> ConfirmedPoints:
+        found = find(*arguments)
+        kept = np.delete(np.arange(len(found.error)), dropped)
+        return ConfirmedPoints(found.orbits.subset(kept), found.error[kept], found.unconfirmed)
+
+    monkeypatch.setattr(_planar_search, "_fixed_points", find_all_but_one)
+    ds = rm.periodic_orbits(HOT, rm.SineSquared(0.4, 1.25))
+    assert ds.orbits == 2
+    assert int(ds.status) == rm.Status.INCOMPLETE
+    assert "add up to" in str(ds.reason.values)
+
+
+def test_displacements_of_a_damped_block_wind_once_around_a_large_box() -> None:
+    """Its map takes a large disk into itself, as that of any linearly damped block does."""
+    body = rm.Actuator(prestress=0.3, dissipation=rm.Rayleigh(0.5))
+    ens = lay_out_ensemble(body, rm.SineSquared(0.4, 0.925), None, reserved=frozenset())
+    map_ = StroboscopicMap(ens, (), 1e-4)
+    grid = FirstGrid([np.geomspace(0.3, 4.0, 13), np.linspace(-8.0, 8.0, 13)], False)
+
+    def displacement(points: Any, _: float, __: Any) -> Sample:
+        image = map_.run(points, np.empty((len(points), 0)), 1)
+        return Sample(
+            image.state - points, image.jacobian - np.eye(2), image.error,
+            np.ones(len(points), dtype=np.int64),
+        )  # fmt: skip
+
+    unknown = Sample.unknown(144, 2, 2)
+    assert winding_around_grid(displacement, grid, unknown, max_effort=2_000) == 1
+
+
+@pytest.mark.parametrize(
+    ("state_box", "count"),
+    [({"stretch": (0.3, 4.0)}, 1), ({"stretch": (0.02, 50.0), "stretch_rate": (-99, 99)}, 1)],
+)
+def test_a_box_that_holds_the_only_orbit_has_it(state_box: dict[str, Any], count: int) -> None:
+    """The orbit of damped motion is found in a box that cuts or holds the region of all orbits."""
+    body = rm.Actuator(temperature=340, dissipation=rm.Rayleigh(0.122))
+    ds = rm.periodic_orbits(body, rm.SineSquared(0.623, 0.925), state_box=state_box)
+    assert (int(ds.status), int(ds.orbits)) == (rm.Status.OK, count)
+
+
+def test_a_steep_fixed_point_is_not_passed_over() -> None:
+    """The orbit of period 1 repels fast: P^5 bends strongly between points near it.
+
+    All fixed points of P^5 in the box have indices that add up to 1, so it has to be found.
+    """
+    body = rm.Actuator(
+        c=0.10222824122972375, temperature=267.7472364672859, prestress=0.11886779775589051
+    )
+    drive = rm.SineSquared(1.4917559981256368, 2.8213266336140093)
+    assert rm.periodic_orbits(body, drive).orbits == 1
+    ds = rm.periodic_orbits(body, drive, orbit_period=5)
+    assert (int(ds.status), int(ds.orbits)) == (rm.Status.OK, 0)

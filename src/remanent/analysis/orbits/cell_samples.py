@@ -58,6 +58,15 @@ class Sample:
         self.value[indices], self.derivative[indices] = part.value, part.derivative
         self.error[indices], self.effort[indices] = part.error, part.effort
 
+    def followed_by(self, other: Sample) -> Sample:
+        """The function at these points and at others."""
+        return Sample(
+            np.concatenate([self.value, other.value]),
+            np.concatenate([self.derivative, other.derivative]),
+            np.concatenate([self.error, other.error]),
+            np.concatenate([self.effort, other.effort]),
+        )
+
     def subset(self, indices: IntArray | BoolArray) -> Sample:
         """The function at some of the points."""
         return Sample(

@@ -16,15 +16,17 @@ excluded nor solved however small they are; such cells are set aside as flat.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from remanent._typing import BoolArray, FloatArray
 from remanent.analysis.orbits.cell_samples import (
     ERROR_LIMITS,
     MAX_DERIVATIVE_CHANGE,
     Cells,
+    Sample,
     SampledFunction,
     is_known,
 )
@@ -42,6 +44,10 @@ _MIN_SHARE_OF_BOX = 2.0**-26
 _MAX_DIVISIONS_OF_UNKNOWN = 8
 #: Rounds between two trials for flatness.
 _ROUNDS_BETWEEN_FLATNESS_TRIALS = 2
+#: First cells that were divided so many times are small enough to tell their second derivatives.
+_MAX_DIVISIONS_OF_COARSE = 4
+#: Cells no further apart than this share of their size touch.
+_TOUCHING_SLACK = 1e-6
 #: What stands for a second derivative that is not known.
 _UNKNOWN = 1e200
 
@@ -59,11 +65,17 @@ class CellSearchOutcome:
         Points where the function vanishes within `flatness`, along a curve.
     unresolved : array (cell, coordinate)
         Centres of cells of which nothing is known.
+    first_sample : Sample
+        The function at the centres of all first cells, unknown at those that were excluded.
+    effort : float
+        Of all evaluations of the function together.
     """
 
     starts: FloatArray
     flat: FloatArray
     unresolved: FloatArray
+    first_sample: Sample
+    effort: float
 
 
 def zeros_by_cells(
@@ -89,7 +101,7 @@ def zeros_by_cells(
         Of all evaluations of the function together; cells that are left then are unresolved.
     """
     width = np.array([e[-1] - e[0] for e in edges])
-    cells = _first_cells(function, edges, is_excluded)
+    cells, first_sample = _first_cells(function, edges, is_excluded)
     effort, d = cells.sample.total_effort, len(edges)
     starts, flat, unresolved = [], [], []
     for turn in range(1, 10_000):
@@ -105,7 +117,7 @@ def zeros_by_cells(
         if d > 1 and turn % _ROUNDS_BETWEEN_FLATNESS_TRIALS == 0:
             share = (cells.half_width / width).max(axis=1, initial=0.0)
             tried = np.flatnonzero(may_be_flat(cells, share))
-            landed, is_flat, spent = landings(function, cells.subset(tried), flatness)
+            landed, is_flat, spent = landings(function, cells.subset(tried), flatness, width)
             effort += spent
             flat.append(landed[is_flat])
             cells = cells.subset(~np.isin(np.arange(len(cells.centre)), tried[is_flat]))
@@ -115,18 +127,23 @@ def zeros_by_cells(
             unresolved.append(cells.centre)
             break
         cells = _divided(function, cells, width)
+        if turn <= _MAX_DIVISIONS_OF_COARSE:
+            cells = _with_curvature_of_neighbours(cells, edges)
         effort += cells.sample.total_effort
     none = np.empty((0, d))
     return CellSearchOutcome(
         np.concatenate([none, *starts]), np.concatenate([none, *flat]),
-        np.concatenate([none, *unresolved]),
+        np.concatenate([none, *unresolved]), first_sample, effort,
     )  # fmt: skip
 
 
 def _first_cells(
     function: SampledFunction, edges: list[FloatArray], is_excluded: BoolArray | None
-) -> Cells:
-    """Cells between edges; curvatures from the differences of all neighbours."""
+) -> tuple[Cells, Sample]:
+    """Cells between edges, and what is known at all centres.
+
+    Curvatures are the largest differences from neighbours.
+    """
     shape = tuple(len(e) - 1 for e in edges)
     middle = [0.5 * (e[1:] + e[:-1]) for e in edges]
     half = [0.5 * np.diff(e) for e in edges]
@@ -135,10 +152,10 @@ def _first_cells(
     kept = np.ones(len(centre), np.bool_) if is_excluded is None else ~is_excluded.ravel()
     sample = function(centre[kept], _tolerance(half_width[kept]), None)
     m, d = sample.value.shape[1], len(edges)
-    derivative = np.full((len(centre), m, d), np.nan)
-    derivative[kept] = sample.derivative
+    everywhere = Sample.unknown(len(centre), m, d)
+    everywhere.update(np.flatnonzero(kept), sample)
     curvature = np.zeros((*shape, m, d, d))
-    on_grid = derivative.reshape(*shape, m, d)
+    on_grid = everywhere.derivative.reshape(*shape, m, d)
     for k in range(d):
         with np.errstate(all="ignore"):
             slope = np.moveaxis(np.abs(np.diff(on_grid, axis=k)), k, 0)
@@ -151,7 +168,8 @@ def _first_cells(
         curvature[..., k, :] = np.maximum(curvature[..., k, :], larger)
         curvature[..., :, k] = np.maximum(curvature[..., :, k], larger)
     none = np.zeros(len(sample.error), dtype=np.int64)
-    return Cells(centre[kept], half_width[kept], sample, curvature.reshape(-1, m, d, d)[kept], none)
+    curvature = curvature.reshape(-1, m, d, d)[kept]
+    return Cells(centre[kept], half_width[kept], sample, curvature, none), everywhere
 
 
 def _tolerance(half_width: FloatArray) -> float:
@@ -191,6 +209,34 @@ def _judge(cells: Cells) -> tuple[BoolArray, BoolArray, FloatArray]:
     excluded &= known
     excluded |= contracts & ~near
     return excluded, contracts & ~excluded, cells.centre + step
+
+
+def _with_curvature_of_neighbours(cells: Cells, edges: list[FloatArray]) -> Cells:
+    """Cells with the largest second derivatives of those that they touch.
+
+    Two points of a cell may miss what happens beyond them.
+    """
+    lower, upper = (
+        np.column_stack(
+            [
+                np.interp(cells.centre[:, k] + sign * cells.half_width[:, k], e, np.arange(len(e)))
+                for k, e in enumerate(edges)
+            ]
+        )
+        for sign in (-1.0, 1.0)
+    )
+    middle, half = 0.5 * (lower + upper), 0.5 * (upper - lower)
+    reach = 2.0 * half.max(axis=0) * (1.0 + _TOUCHING_SLACK)
+    tree = cKDTree(middle / reach)
+    a, b = tree.query_pairs(1.0, p=np.inf, output_type="ndarray").T
+    apart = np.abs(middle[a] - middle[b])
+    touching = (apart <= (half[a] + half[b]) * (1.0 + _TOUCHING_SLACK)).all(axis=1)
+    a, b = a[touching], b[touching]
+    curvature = cells.curvature.copy()
+    known = np.where(cells.curvature < _UNKNOWN, cells.curvature, 0.0)
+    np.maximum.at(curvature, a, known[b])
+    np.maximum.at(curvature, b, known[a])
+    return replace(cells, curvature=curvature)
 
 
 def _inverses(matrices: FloatArray) -> FloatArray:

@@ -34,6 +34,9 @@ _STEP_SHRINK_FACTOR_IF_FEW_KEPT = 0.5
 _STEP_SHRINK_FACTOR_IF_NONE_KEPT = 0.25
 #: A step shorter than this share of the first ends the curve.
 _MIN_STEP_SHARE_OF_FIRST = 1e-7
+#: So does one shorter than this many times the error of the equations at its end: what is beyond
+#: cannot be told from that error.
+_MIN_STEP_OVER_ERROR = 10.0
 #: Fewest points of a curve that may be back at its start.
 _MIN_CLOSED_CURVE_POINTS = 10
 #: Distance from the start, in steps, within which a curve may be back at it.
@@ -333,7 +336,11 @@ def _extend_arm(
     if not arm.end_reason and arm.point_count >= settings.max_points:
         arm.end_reason = "points"
     arm.step_length = _next_step_length(arm.step_length, kept, block, settings)
-    if not arm.end_reason and arm.step_length < _MIN_STEP_SHARE_OF_FIRST * arm.first_step_length:
+    least = max(
+        _MIN_STEP_SHARE_OF_FIRST * arm.first_step_length,
+        _MIN_STEP_OVER_ERROR * float(arm.point_blocks[-1].residual_error[-1]),
+    )
+    if not arm.end_reason and arm.step_length < least:
         arm.end_reason = "lost"
 
 

@@ -18,6 +18,9 @@ _MAX_VALUE_OF_FLAT_CELL = 0.02
 _FLAT_SHARE_OF_BOX = 2.0**-6
 #: Larger ones, up to this share, if they are known to hold one curve at most.
 _STRAIGHT_FLAT_SHARE_OF_BOX = 2.0**-5
+#: Within such a part of the box the function rises along a flat curve to so many times its flatness
+#: at most.
+_MAX_RISE_OF_FLATNESS = 10.0
 #: Newton steps that lead to a flat curve.
 _LANDING_STEPS = 4
 
@@ -43,12 +46,13 @@ def may_be_flat(cells: Cells, share: FloatArray) -> BoolArray:
 
 
 def landings(
-    function: SampledFunction, cells: Cells, flatness: float
+    function: SampledFunction, cells: Cells, flatness: float, box_width: FloatArray
 ) -> tuple[FloatArray, BoolArray, float]:
     """Where Newton's method without its flattest direction lands, and whether it is flat there.
 
     It starts at both sides of the centre along that direction, so that a single multiple zero
-    is not taken for a curve of zeros.  The last value is the effort.
+    is not taken for a curve of zeros; nor is one of which the derivative tells that the function
+    does not stay small around it.  The last value is the effort.
     """
     count, d = cells.centre.shape
     if not count:
@@ -67,7 +71,9 @@ def landings(
         pending, sample = pending[good], sample.subset(good)
         effort[pending] = sample.effort
         near = np.abs(sample.value[:, :d]).max(axis=1) <= flatness
-        is_near[pending[near]] = True
+        around = _FLAT_SHARE_OF_BOX * box_width * sample.derivative[:, :d]
+        stays = np.linalg.svd(around, compute_uv=False)[:, -1] <= _MAX_RISE_OF_FLATNESS * flatness
+        is_near[pending[near & stays]] = True
         pending, sample = pending[~near], sample.subset(~near)
         if not pending.size:
             break

@@ -12,8 +12,11 @@ from remanent._typing import FloatArray
 from remanent.analysis.orbits.curves import CurveEquations, EquationValues
 from remanent.analysis.orbits.maps import Map
 
-#: Half the distance over which a test function is differenced, in scaled unknowns.
+#: Half the distance over which a test function is differenced, in scaled unknowns, at most.
 _SCALED_DIFFERENCE_HALF_STEP = 1e-6
+#: Where entries of J are larger than this that distance is shorter in proportion: J varies over
+#: distances that shrink as it grows.
+_LARGE_JACOBIAN_ENTRY = 10.0
 #: What vanishes at each kind is det(J + sign 1).
 IDENTITY_SIGN_OF_KIND: Final[Mapping[str, float]] = MappingProxyType(
     {"fold": -1.0, "period doubling": 1.0}
@@ -94,19 +97,23 @@ def build_bifurcation_equations(
     def equations(unknown: FloatArray) -> EquationValues:
         count, size = unknown.shape
         d = size - 2
-        places = places_around(unknown, scale)
-        image = map_(places[:, :d], places[:, d:], iterate)
-        jacobians = image.jacobian.reshape(count, -1, d, d)
-        test, slope, entry_weight = smallest_singular_values(jacobians, sign, scale)
+        image = map_(unknown[:, :d], unknown[:, d:], iterate)
+        jacobian = image.jacobian
+        half_step = _difference_half_steps(jacobian)
+        places = places_around(unknown, scale, half_step).reshape(count, -1, size)[:, 1:]
+        places = places.reshape(-1, size)
+        around = map_(places[:, :d], places[:, d:], iterate)
+        jacobians = np.concatenate(
+            [jacobian[:, None], around.jacobian.reshape(count, -1, d, d)], axis=1
+        )
+        test, slope, entry_weight = smallest_singular_values(jacobians, sign, scale, half_step)
         if by_determinant:
             determinants = np.linalg.det(jacobians + sign * np.eye(d))
-            test, slope = determinants[:, 0], central_differences(determinants, scale)
-        here = slice(None, None, jacobians.shape[1])
-        jacobian = jacobians[:, 0]
-        orbit = np.concatenate([jacobian - np.eye(d), image.parameter_jacobian[here]], axis=2)
-        value = np.column_stack([image.state[here] - unknown[:, :d], test])
+            test, slope = determinants[:, 0], central_differences(determinants, scale, half_step)
+        orbit = np.concatenate([jacobian - np.eye(d), image.parameter_jacobian], axis=2)
+        value = np.column_stack([image.state - unknown[:, :d], test])
         derivative = np.concatenate([orbit, slope[:, None, :]], axis=1)
-        error = image.error[here]
+        error = image.error
         test_error = entry_weight * error * np.abs(jacobian).max(axis=(1, 2))
         errors = np.column_stack([np.tile(error[:, None], d), test_error])
         extra = {
@@ -118,7 +125,16 @@ def build_bifurcation_equations(
     return equations
 
 
-def places_around(unknown: FloatArray, scale: FloatArray) -> FloatArray:
+def _difference_half_steps(jacobian: FloatArray) -> FloatArray:
+    """Half the distance over which each point's test function is differenced, array (point,)."""
+    largest = np.abs(jacobian).max(axis=(1, 2))
+    shorter = np.maximum(np.where(np.isfinite(largest), largest, 0.0) / _LARGE_JACOBIAN_ENTRY, 1.0)
+    return np.asarray(_SCALED_DIFFERENCE_HALF_STEP / shorter)
+
+
+def places_around(
+    unknown: FloatArray, scale: FloatArray, half_step: FloatArray | None = None
+) -> FloatArray:
     """Each point, then a step forwards in each unknown, then one backwards.
 
     Parameters
@@ -126,6 +142,8 @@ def places_around(unknown: FloatArray, scale: FloatArray) -> FloatArray:
     unknown : array (point, unknown)
     scale : array (unknown,)
         Units of the unknowns.
+    half_step : array (point,), optional
+        Length of the steps in scaled unknowns.
 
     Returns
     -------
@@ -133,29 +151,35 @@ def places_around(unknown: FloatArray, scale: FloatArray) -> FloatArray:
     """
     size = scale.size
     steps = np.concatenate([np.zeros((1, size)), np.diag(scale), -np.diag(scale)])
-    places = unknown[:, None, :] + _SCALED_DIFFERENCE_HALF_STEP * steps
+    lengths = _SCALED_DIFFERENCE_HALF_STEP if half_step is None else half_step[:, None, None]
+    places = unknown[:, None, :] + lengths * steps
     return np.asarray(places.reshape(-1, size))
 
 
-def central_differences(values: FloatArray, scale: FloatArray) -> FloatArray:
+def central_differences(
+    values: FloatArray, scale: FloatArray, half_step: FloatArray | None = None
+) -> FloatArray:
     """Derivatives by each unknown of what was evaluated at :func:`places_around` points.
 
     Parameters
     ----------
     values : array (point, 2 unknown + 1, ...)
     scale : array (unknown,)
+    half_step : array (point,), optional
+        That they were evaluated with.
 
     Returns
     -------
     array (point, unknown, ...)
     """
     size = scale.size
-    width = (2.0 * _SCALED_DIFFERENCE_HALF_STEP * scale).reshape(-1, *[1] * (values.ndim - 2))
+    lengths = np.full(len(values), _SCALED_DIFFERENCE_HALF_STEP) if half_step is None else half_step
+    width = (2.0 * lengths[:, None] * scale).reshape(-1, size, *[1] * (values.ndim - 2))
     return np.asarray((values[:, 1 : 1 + size] - values[:, 1 + size :]) / width)
 
 
 def smallest_singular_values(
-    jacobians: FloatArray, sign: float, scale: FloatArray
+    jacobians: FloatArray, sign: float, scale: FloatArray, half_step: FloatArray | None = None
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Smallest singular values of J + sign 1, with the signs of the determinants.
 
@@ -165,6 +189,8 @@ def smallest_singular_values(
         At :func:`places_around` points.
     sign : float
     scale : array (unknown,)
+    half_step : array (point,), optional
+        That they were evaluated with.
 
     Returns
     -------
@@ -180,6 +206,6 @@ def smallest_singular_values(
     with np.errstate(invalid="ignore"):
         side = np.where(np.linalg.det(matrix) < 0.0, -1.0, 1.0)
     u, v = left[:, :, -1] * side[:, None], right[:, -1, :]
-    slope = np.einsum("pi,pkij,pj->pk", u, central_differences(jacobians, scale), v)
+    slope = np.einsum("pi,pkij,pj->pk", u, central_differences(jacobians, scale, half_step), v)
     weight = np.abs(u).sum(axis=1) * np.abs(v).sum(axis=1)
     return np.where(finite, side * values[:, -1], np.nan), slope, weight

@@ -87,12 +87,16 @@ def stack_ends(ends: Sequence[CurveEnds | None], count: int) -> CurveEnds:
 
 
 def member_status(
-    ens: Ensemble, ends: Sequence[CurveEnds | None], missing: Status, free_bounds: Collection[str]
+    ens: Ensemble,
+    ends: Sequence[CurveEnds | None],
+    missing: Status,
+    free_bounds: Collection[str],
+    search_reasons: Sequence[str] | None = None,
 ) -> tuple[IntArray, NDArray[Any]]:
     """Status of each member, and what stopped it early: arrays (member,) of int and of str.
 
     A curve is incomplete that ended before the range of its parameter did, at no bound that
-    was asked for.
+    was asked for; curves are where the search for orbits to start from was.
 
     Parameters
     ----------
@@ -103,10 +107,16 @@ def member_status(
         What it means that nothing was found.
     free_bounds : collection of str
         State variables whose bounds are those by default.
+    search_reasons : sequence of str, optional
+        Why the search for orbits to start from was incomplete, for each member; "" where it
+        was not.
     """
     status, reasons = [], []
-    for known, invalid in zip(ends, ens.is_invalid, strict=True):
-        words = [] if known is None else _what_stopped(known, free_bounds)
+    searches = search_reasons or [""] * len(ends)
+    for known, invalid, search in zip(ends, ens.is_invalid, searches, strict=True):
+        words = (
+            [] if known is None else [*filter(None, [search]), *_what_stopped(known, free_bounds)]
+        )
         reasons.append("; ".join(words))
         status.append(
             Status.INVALID if invalid

@@ -54,15 +54,18 @@ class BranchTablesOfSystem:
     special_point_table : Table
         Columns along the special points of all branches; ``branch`` is the number of theirs.
     ends : CurveEnds
+    missing : str
+        Why branches may be missing; empty where none is.
     """
 
     point_tables: list[ColumnTable]
     special_point_table: ColumnTable
     ends: CurveEnds
+    missing: str
 
 
 def describe_branches(
-    tracing: Tracing, branches: list[Branch], parameter: str
+    tracing: Tracing, branches: list[Branch], parameter: str, missing: str = ""
 ) -> BranchTablesOfSystem:
     """All that is told of the branches of one system.
 
@@ -72,6 +75,8 @@ def describe_branches(
     branches : list of Branch
     parameter : str
         That varies along them.
+    missing : str
+        Why branches may be missing; empty where none is.
     """
     names = tracing.map.ensemble.vector_field.state_names
     points = [describe_branch(tracing, parameter, one) for one in branches]
@@ -85,7 +90,7 @@ def describe_branches(
         for name, least in _empty_special_point_table(len(names)).items()
     }
     ends = ends_of_curves([branch.curve for branch in branches], [*names, parameter])
-    return BranchTablesOfSystem(points, special, ends)
+    return BranchTablesOfSystem(points, special, ends, missing)
 
 
 def _describe_special_point(
@@ -174,6 +179,7 @@ def label_branches(
     status, variables["reason"] = member_status(
         ens, [None if table is None else table.ends for table in tables], Status.DIVERGED,
         set(field.state_names) - set(options.state_box or {}),
+        ["" if table is None else table.missing for table in tables],
     )  # fmt: skip
     return to_dataset(
         ens, variables, coords=coords, status=status, tolerance=options.tolerance,

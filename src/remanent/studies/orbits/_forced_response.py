@@ -48,4 +48,5 @@ def trace_all_forced_response_branches(
     middle = np.array([0.5 * sum(options.parameter_range)])
     centred = replace(member, parameter_values={**member.parameter_values, "omega": middle})
     tracing = options.tracing_of_member(centred)
-    return describe_branches(tracing, trace_all_branches(tracing, slices), options.parameter)
+    branches, missing = trace_all_branches(tracing, slices)
+    return describe_branches(tracing, branches, options.parameter, missing)

@@ -2,7 +2,7 @@
 
 A grid of guesses cannot show that no orbit is missing.  With dissipation the map takes a large
 ball into itself, so that the indices of all fixed points of an iterate add up to one: where those
-that were found do not, the search says so.
+that were found do not, the search says so.  Elsewhere it says that nothing shows it complete.
 """
 
 from __future__ import annotations
@@ -49,6 +49,10 @@ _SPARSE_GUESS_COUNTS = MappingProxyType({2: (14, 9), 4: (5, 3, 5, 3)})
 _FOLLOWED_GUESS_COUNT = 32
 #: For so many periods of the orbit.
 _FOLLOWED_PERIODS = 12
+#: What is said where nothing tells whether the list is complete.
+_NO_CERTIFICATE = (
+    "orbits were looked for from a grid of guesses, and nothing shows that none is missing"
+)
 
 
 def search_from_grid(search: OrbitSearch, row: FloatArray) -> OrbitSearchOutcome:
@@ -81,13 +85,19 @@ def search_from_grid(search: OrbitSearch, row: FloatArray) -> OrbitSearchOutcome
     orbits = distinct_orbits_of_least_period(
         search.map, points, row, iterate=search.orbit_period, errors=found.error[chosen]
     )
-    total = int(points.index.sum())
-    if search.box_is_free and search.is_dissipative(row) and total != 1:
-        return OrbitSearchOutcome(
-            orbits,
-            f"the indices of the fixed points that were found add up to {total}, not to 1",
-        )
-    return OrbitSearchOutcome(orbits)
+    return OrbitSearchOutcome(orbits, _reason(search, row, int(points.index.sum())))
+
+
+def _reason(search: OrbitSearch, row: FloatArray, index_sum: int) -> str:
+    """Why orbits may be missing; empty where the sum of the indices shows none."""
+    if not (search.box_is_free and search.is_dissipative(row)):
+        why = "only a part of the states was asked for"
+        if search.box_is_free:
+            why = "nothing damps the motion"
+        return f"{_NO_CERTIFICATE}, as {why}"
+    if index_sum == 1:
+        return ""
+    return f"the indices of the fixed points that were found add up to {index_sum}, not to 1"
 
 
 def _settled(

@@ -4,8 +4,11 @@ The zeros of P^n(z) - z are wanted, where P is the period map and n the period o
 them vanishes the change of the energy at phase 0, which tells more of damped and slow motion: the
 image of a cell may be wound up many times, but its energy is not.  The search is complete as far as
 second derivatives at neighbouring points tell those in between, see
-:mod:`remanent.analysis.orbits.cells`.  With dissipation there is a second, independent test: the
-map shrinks a disk into itself, so that the indices of all fixed points of P^n add up to one.
+:mod:`remanent.analysis.orbits.cells`.
+
+There is a second, independent test: the indices of the fixed points of P^n in a region add up to
+the number of times that P^n(z) - z winds around zero along its edge.  With dissipation the map
+shrinks a disk into itself, along whose edge that is one.
 
 Without dissipation, P^n(z) - z may almost vanish along whole curves, at resonances too weak for
 the precision of numbers.  The orbits on them that are symmetric under reversal of time are zeros of
@@ -36,6 +39,11 @@ from remanent.studies.orbits._orbit_search import (
     is_inside_box,
 )
 from remanent.studies.orbits._period_map import StroboscopicMap
+from remanent.studies.orbits._planar_indices import (
+    FirstGrid,
+    indices_in_box,
+    winding_around_grid,
+)
 from remanent.studies.orbits._search_region import (
     EnergyAtSection,
     EnergyLevels,
@@ -67,7 +75,9 @@ _MAX_SETTLING_MULTIPLE = 16
 #: Points along each side of a first cell at which its energy is compared with the bound.
 _ENERGY_POINTS_ON_SIDE = 5
 #: Double steps of the integrator in one search, all together.
-_MAX_EFFORT = 1.5e7
+_MAX_EFFORT = 1.8e7
+#: Share of it that the displacement along the edge of the grid may take.
+_WINDING_EFFORT_SHARE = 0.1
 #: Where |P^n(z) - z| is smaller than this on a curve, of undamped motion, only symmetric orbits are
 #: looked for on it: a resonance so weak has the two that its first harmonic gives.
 _FLATNESS = 1e-4
@@ -167,16 +177,18 @@ def search_plane(search: OrbitSearch, row: FloatArray) -> OrbitSearchOutcome:
         region = region_of_orbits(
             displacement.map_of_tolerance(np.inf), energy, displacement.settling_periods
         )
-    box = (region.box if region is not None and search.box_is_free else search.state_box).copy()
-    box[0] = np.clip(box[0], *EnergyLevels.of(energy).possible_stretches)
+    box, is_whole = _searched_box(search, region, EnergyLevels.of(energy).possible_stretches)
     for refinement in (1, _SECOND_SEARCH_REFINEMENT):
-        cells = _search_cells(displacement, box, region, refinement)
+        grid = _first_grid(search, box, refinement)
+        cells = _search_cells(displacement, grid, region)
         points = _fixed_points(search, cells, row, box)
-        total = int(points.orbits.index.sum())
-        is_whole = region is not None and search.box_is_free
-        if not is_whole or total == 1:
+        if is_whole:
+            contradiction = _contradiction(int(points.orbits.index.sum()), 1)
+        else:
+            contradiction = _contradiction_in_grid(displacement, grid, cells, points)
+        if not contradiction:
             break
-    reason = _reason(points, cells, total if is_whole else 1)
+    reason = _reason(points, cells) or contradiction
     if search.is_dissipative(row) and region is None:
         reason = reason or "no bound of the energy of its orbits was found"
     orbits = distinct_orbits_of_least_period(
@@ -190,30 +202,49 @@ def search_plane(search: OrbitSearch, row: FloatArray) -> OrbitSearchOutcome:
     return OrbitSearchOutcome(orbits, reason)
 
 
-def _search_cells(
-    displacement: _Displacement, box: FloatArray, region: SearchRegion | None, refinement: int
-) -> CellSearchOutcome:
+def _searched_box(
+    search: OrbitSearch, region: SearchRegion | None, stretches: tuple[float, float]
+) -> tuple[FloatArray, bool]:
+    """The box to be searched, array (2, 2), and whether it holds all fixed points."""
+    box = search.state_box.copy()
+    box[0] = np.clip(box[0], *stretches)
+    if region is None:
+        return box, False
+    whole = region.box.copy()
+    whole[0] = np.clip(whole[0], *stretches)
+    if search.box_is_free:
+        return whole, True
+    common = np.column_stack([
+        np.maximum(box[:, 0], whole[:, 0]), np.minimum(box[:, 1], whole[:, 1])
+    ])  # fmt: skip
+    if (common[:, 0] >= common[:, 1]).any():
+        return box, False
+    return common, bool((common == whole).all())
+
+
+def _first_grid(search: OrbitSearch, box: FloatArray, refinement: int) -> FirstGrid:
     (low, high), (slowest, fastest) = box
     wanted = np.array([np.log(high / low), fastest - slowest]) / _FIRST_CELL_SIZES
     even = 2 * np.ceil(0.5 * np.clip(wanted, *_FIRST_CELL_COUNT_LIMITS)).astype(np.int64)
     counts = [int(refinement * n) for n in even]
-    edges = [
-        np.geomspace(low, high, counts[0] + 1),
-        np.linspace(slowest, fastest, counts[1] + 1),
-    ]
-    # Where time may be reversed, so may be the rates of all fixed points.
-    is_mirrored = displacement.search.is_reversible and bool(box[1, 0] == -box[1, 1])
-    if is_mirrored:
-        edges[1] = edges[1][counts[1] // 2 :]
+    stretches = np.geomspace(low, high, counts[0] + 1)
+    rates = np.linspace(slowest, fastest, counts[1] + 1)
+    is_mirrored = search.is_reversible and bool(slowest == -fastest)
+    return FirstGrid([stretches, rates[counts[1] // 2 :] if is_mirrored else rates], is_mirrored)
+
+
+def _search_cells(
+    displacement: _Displacement, grid: FirstGrid, region: SearchRegion | None
+) -> CellSearchOutcome:
     excluded = None
     if region is not None:
-        excluded = _is_beyond_energy(displacement.energy, edges, region.energy)
+        excluded = _is_beyond_energy(displacement.energy, grid.edges, region.energy)
     found = zeros_by_cells(
-        displacement, edges, is_excluded=excluded,
+        displacement, grid.edges, is_excluded=excluded,
         max_effort=_MAX_EFFORT / displacement.search.orbit_period,
         flatness=_FLATNESS if displacement.search.is_reversible else _LEAST_FLATNESS,
     )  # fmt: skip
-    if not is_mirrored:
+    if not grid.is_mirrored:
         return found
     mirror = np.array([1.0, -1.0])
     return replace(
@@ -248,7 +279,34 @@ def _fixed_points(
     return ConfirmedPoints(found.orbits.subset(chosen), found.error[chosen], found.unconfirmed)
 
 
-def _reason(points: ConfirmedPoints, cells: CellSearchOutcome, index_sum: int) -> str:
+def _contradiction_in_grid(
+    displacement: _Displacement, grid: FirstGrid, cells: CellSearchOutcome, points: ConfirmedPoints
+) -> str:
+    """What the displacement along the edge of a grid says against the points that were found.
+
+    On curves of points that nearly come back the indices are not known, nor where nothing is.
+    """
+    if len(cells.flat) or len(cells.unresolved) or len(points.unconfirmed):
+        return ""
+    expected = winding_around_grid(
+        displacement, grid, cells.first_sample, _WINDING_EFFORT_SHARE * cells.effort
+    )
+    if expected is None:
+        return ""
+    found = indices_in_box(points.orbits.state, points.orbits.index, grid.inner_box)
+    return _contradiction(found, expected)
+
+
+def _contradiction(index_sum: int, expected: int) -> str:
+    """What the sum of the indices says against the points that were found."""
+    if index_sum == expected:
+        return ""
+    return (
+        f"the indices of the fixed points that were found add up to {index_sum}, not to {expected}"
+    )
+
+
+def _reason(points: ConfirmedPoints, cells: CellSearchOutcome) -> str:
     """Why orbits may be missing; empty where none is."""
     if len(cells.unresolved):
         return (
@@ -261,6 +319,4 @@ def _reason(points: ConfirmedPoints, cells: CellSearchOutcome, index_sum: int) -
             f"the point ({x:.6g}, {v:.6g}) may or may not be on an orbit: "
             "it is too near a bifurcation"
         )
-    if index_sum != 1:
-        return f"the indices of the fixed points that were found add up to {index_sum}, not to 1"
     return ""

@@ -17,6 +17,7 @@ from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.initial import default_initial_values
 from remanent.studies.orbits._grid_search import search_from_grid
 from remanent.studies.orbits._orbit_search import OrbitSearch, OrbitSearchOutcome
+from remanent.studies.orbits._period_map import StroboscopicMap
 from remanent.studies.orbits._planar_search import search_plane
 from remanent.studies.orbits._search_region import has_energy
 
@@ -29,6 +30,11 @@ def is_reversible(system: System, drive: Drive) -> bool:
     times = np.linspace(0.0, 0.5, 33) * period
     ahead, back = drive(times), drive(period - times)
     return bool(np.allclose(ahead, back, rtol=0.0, atol=1e-13 * (1.0 + np.abs(ahead).max())))
+
+
+def is_planar(map_: StroboscopicMap) -> bool:
+    """Whether the orbits of a map are searched by cells in the plane of one stretch."""
+    return map_.dimension == 2 and has_energy(map_)
 
 
 def search_orbits(search: OrbitSearch, parameters: FloatArray) -> list[OrbitSearchOutcome]:
@@ -44,14 +50,8 @@ def search_orbits(search: OrbitSearch, parameters: FloatArray) -> list[OrbitSear
     list of OrbitSearchOutcome
         One for each case.
     """
-    planar = search.map.dimension == 2 and has_energy(search.map)
-    one = search_plane if planar else search_from_grid
+    one = search_plane if is_planar(search.map) else search_from_grid
     return [one(search, row) for row in parameters]
-
-
-def find_all_orbits(search: OrbitSearch, parameters: FloatArray) -> list[PeriodicOrbits]:
-    """The orbits of :func:`search_orbits`, without what is known to be missing."""
-    return [outcome.orbits for outcome in search_orbits(search, parameters)]
 
 
 def nearest_to_rest(orbits: PeriodicOrbits, ens: Ensemble) -> PeriodicOrbits:
@@ -67,7 +67,7 @@ def nearest_to_rest(orbits: PeriodicOrbits, ens: Ensemble) -> PeriodicOrbits:
 __all__ = [
     "OrbitSearch",
     "OrbitSearchOutcome",
-    "find_all_orbits",
+    "is_planar",
     "is_reversible",
     "nearest_to_rest",
     "search_orbits",

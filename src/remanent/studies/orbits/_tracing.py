@@ -27,7 +27,12 @@ from remanent.studies.orbits._checks import (
 )
 from remanent.studies.orbits._curve_ends import clip_to_bounds, curve_contains, replace_last_point
 from remanent.studies.orbits._period_map import StroboscopicMap, period_tolerance_for_residual
-from remanent.studies.orbits._search import OrbitSearch, find_all_orbits, is_reversible
+from remanent.studies.orbits._search import (
+    OrbitSearch,
+    is_planar,
+    is_reversible,
+    search_orbits,
+)
 
 #: First step along a branch, in scaled unknowns.
 FIRST_CONTINUATION_STEP = 0.005
@@ -85,6 +90,8 @@ class Tracing:
         Of the residual.
     max_points : int
         In each direction from the start.
+    has_default_box : bool
+        Whether nobody asked for the box.
     """
 
     map: StroboscopicMap
@@ -93,6 +100,7 @@ class Tracing:
     orbit_period: int
     residual_tolerance: float
     max_points: int
+    has_default_box: bool = False
 
     @property
     def curve_equations(self) -> CurveEquations:
@@ -152,9 +160,11 @@ class Tracing:
         """How orbits to start from are looked for."""
         ens = self.map.ensemble
         reversible = is_reversible(ens.system, ens.drive)
+        # Branches end at the box: in the plane, orbits outside of it are not looked for.
         return OrbitSearch(
-            self.map, self.state_box, self.orbit_period, self.residual_tolerance, reversible, dense
-        )
+            self.map, self.state_box, self.orbit_period, self.residual_tolerance, reversible, dense,
+            box_is_free=self.has_default_box and not is_planar(self.map),
+        )  # fmt: skip
 
     def states_at_all_phases(self, states: FloatArray, values: FloatArray) -> list[FloatArray]:
         """Points of orbits after 0, 1, ... drive periods, each an array (orbit, state)."""
@@ -230,6 +240,7 @@ class TracingOptions:
             orbit_period=self.orbit_period,
             residual_tolerance=self.tolerance,
             max_points=self.max_points,
+            has_default_box=self.state_box is None,
         )
 
 
@@ -386,15 +397,19 @@ def lies_on_branches(
     )
 
 
-def trace_all_branches(tracing: Tracing, slices: int) -> list[Branch]:
-    """All branches that pass through one of several evenly spaced values of the parameter."""
+def trace_all_branches(tracing: Tracing, slices: int) -> tuple[list[Branch], str]:
+    """All branches that pass through one of several evenly spaced values of the parameter.
+
+    The second value says why some may be missing; it is empty where the search for orbits found
+    all of them at each value.
+    """
     low, high = tracing.parameter_range
     values = low + (high - low) * (np.arange(slices) + 0.5) / slices
-    orbits_at = find_all_orbits(tracing.orbit_search(dense=False), values[:, None])
+    outcomes = search_orbits(tracing.orbit_search(dense=False), values[:, None])
     branches: list[Branch] = []
     # From the middle outwards: most branches pass there, and are followed together.
     for k in np.argsort(np.abs(values - values.mean()), kind="stable"):
-        orbits = orbits_at[k]
+        orbits = outcomes[k].orbits
         here = np.full(len(orbits.state), values[k])
         phases = np.stack(tracing.states_at_all_phases(orbits.state, here), axis=1)
         new = [
@@ -404,4 +419,18 @@ def trace_all_branches(tracing: Tracing, slices: int) -> list[Branch]:
         ]
         subset = orbits.subset(np.array(new, dtype=np.int64))
         branches += trace_through_orbits(tracing, subset, here[: len(new)])
-    return branches
+    return branches, _why_branches_may_be_missing(
+        tracing.map.parameter_names[0], values, [outcome.reason for outcome in outcomes]
+    )
+
+
+def _why_branches_may_be_missing(parameter: str, values: FloatArray, reasons: list[str]) -> str:
+    """What stopped the search for orbits at some values of the parameter; "" if nothing did."""
+    stopped = [k for k, reason in enumerate(reasons) if reason]
+    if not stopped:
+        return ""
+    first = stopped[0]
+    return (
+        f"branches may be missing: at {len(stopped)} of {len(values)} values of {parameter}, "
+        f"such as {values[first]:.4g}, the search for orbits was not complete: {reasons[first]}"
+    )

@@ -53,6 +53,11 @@ from remanent.studies.orbits._orbit_tables import ORBIT_DIMENSIONS
 from remanent.studies.orbits._period_map import StroboscopicMap, period_tolerance_for_residual
 from remanent.studies.orbits._tracing import FIRST_CONTINUATION_STEP, LONGEST_CONTINUATION_STEP
 
+#: Largest resolution of the map, double steps per period, at least.
+_FINEST_RESOLUTION = 1024
+#: The same per unit of time of the drive's period.
+_FINEST_RESOLUTION_PER_TIME = 32.0
+
 
 def continue_bifurcation(
     system: System,
@@ -266,6 +271,12 @@ class _ParameterPlane:
             tolerance=self.tolerance, max_points=self.max_points,
         )  # fmt: skip
 
+    @property
+    def _finest_resolution(self) -> int:
+        """Largest resolution of the map: where motions part fast, finer steps only add rounding."""
+        longest = float(require_drive_periods(self.ensemble).max())
+        return max(_FINEST_RESOLUTION, int(_FINEST_RESOLUTION_PER_TIME * longest))
+
     def columns(self, curve: Curve) -> dict[str, NDArray[Any]]:
         """Columns along a curve, with the errors of its points.
 
@@ -291,8 +302,9 @@ class _ParameterPlane:
         # The determinant of the Jacobian has to be right, so the map is more precise than
         # for a branch.
         map_ = StroboscopicMap(
-            self.ensemble, self.parameters, period_tolerance_for_residual(self.tolerance, 0.01)
-        )
+            self.ensemble, self.parameters, period_tolerance_for_residual(self.tolerance, 0.01),
+            finest_resolution=self._finest_resolution,
+        )  # fmt: skip
         equations = build_bifurcation_equations(map_, self.orbit_period, kind, settings.scale)
         values = [float(self.ensemble.parameter_values[name][0]) for name in self.parameters]
         guess = np.concatenate([state, values])[None]

@@ -29,7 +29,7 @@ from remanent.studies.orbits._branch_tables import (
 from remanent.studies.orbits._checks import require_not_in_over
 from remanent.studies.orbits._members import map_members_in_threads
 from remanent.studies.orbits._orbit_tables import ORBIT_DIMENSIONS
-from remanent.studies.orbits._search import find_all_orbits, nearest_to_rest
+from remanent.studies.orbits._search import nearest_to_rest, search_orbits
 from remanent.studies.orbits._tracing import Tracing, TracingOptions, trace_through_orbits
 
 _INITIAL_STATE_REMEDY = "Take one from periodic_orbits, at phase 0."
@@ -98,7 +98,8 @@ def continue_orbit(
         its last point (``bounds``, ``closed``, ``period doubling``, ``max_points``,
         ``lost``), and ``end_bound``, what reached its bound.  ``status`` is ``incomplete``
         where an end is ``max_points``, ``lost`` or a bound of the state that was not asked
-        for, with the ``reason``; ``diverged`` where `over` has other combinations and there
+        for, or where the search for the orbit nearest to rest was, with the ``reason``;
+        ``diverged`` where `over` has other combinations and there
         is no orbit to start from.
 
     Raises
@@ -147,10 +148,9 @@ def continue_orbit(
             options.tracing_of_member(member),
             float(member.parameter_values[parameter][0]),
         )
-        branches = trace_through_orbits(
-            tracing, _start_orbit(tracing, guess, value), np.array([value])
-        )
-        return describe_branches(tracing, branches, parameter)
+        start, missing = _start_orbit(tracing, guess, value)
+        branches = trace_through_orbits(tracing, start, np.array([value]))
+        return describe_branches(tracing, branches, parameter, missing)
 
     tables = map_members_in_threads(ens, trace, as_progress(progress))
     return label_branches(ens, tables, options, single=True, parameter=parameter)
@@ -168,10 +168,19 @@ def _require_start_inside(value: float, limits: tuple[float, float]) -> None:
         )
 
 
-def _start_orbit(tracing: Tracing, guess: FloatArray | None, value: float) -> PeriodicOrbits:
-    """The orbit to start from, at the parameter's own value."""
+def _start_orbit(
+    tracing: Tracing, guess: FloatArray | None, value: float
+) -> tuple[PeriodicOrbits, str]:
+    """The orbit to start from, at the parameter's own value, and why it may be the wrong one."""
+    missing = ""
     if guess is None:
-        (orbits,) = find_all_orbits(tracing.orbit_search(), np.array([[value]]))
+        (outcome,) = search_orbits(tracing.orbit_search(), np.array([[value]]))
+        orbits = outcome.orbits
+        if outcome.reason:
+            missing = (
+                "the curve starts from the orbit nearest to rest of those that were found, and "
+                f"the search for them was not complete: {outcome.reason}; pass initial"
+            )
         why = "None was found at the parameter's own value."
     else:
         orbits = newton_fixed_points(
@@ -187,4 +196,6 @@ def _start_orbit(tracing: Tracing, guess: FloatArray | None, value: float) -> Pe
             why=why,
             fix="Widen `state_box`, or take a state from periodic_orbits.",
         )
-    return nearest_to_rest(orbits, tracing.map.ensemble) if guess is None else orbits
+    if guess is None:
+        orbits = nearest_to_rest(orbits, tracing.map.ensemble)
+    return orbits, missing

@@ -46,7 +46,12 @@ from remanent.studies.orbits._checks import (
 from remanent.studies.orbits._members import map_members_in_threads
 from remanent.studies.orbits._orbit_tables import ORBIT_DIMENSIONS
 from remanent.studies.orbits._period_map import StroboscopicMap, period_tolerance_for_residual
-from remanent.studies.orbits._search import OrbitSearch, find_all_orbits, is_reversible
+from remanent.studies.orbits._search import (
+    OrbitSearch,
+    is_planar,
+    is_reversible,
+    search_orbits,
+)
 
 #: Values inside a bracket that are tried at once: one for each lane of a kernel.
 _VALUES_TRIED_AT_ONCE = 16
@@ -121,7 +126,8 @@ def manifold_crossing(
         ``stretch_rate`` and ``multipliers`` of the saddle there, with ``error``, the largest of
         its state, and ``multipliers_error``; ``residual``, which is itself a measure of error.
         Where `over` has other combinations and this one has no saddle or no single crossing,
-        NaN, ``status`` ``incomplete``, and ``reason``, what was missing.
+        NaN, ``status`` ``incomplete``, and ``reason``, what was missing; so too, with numbers,
+        where the saddle is the nearest one of an incomplete search.
 
     Raises
     ------
@@ -197,6 +203,8 @@ class _ManifoldCrossing:
     saddle_multipliers_error : array (multiplier,)
     saddle_residual : float
         Of the saddle.
+    missing : str
+        Why another saddle may be nearer; empty where none is.
     """
 
     parameter_value: float
@@ -206,6 +214,7 @@ class _ManifoldCrossing:
     saddle_multipliers: ComplexArray
     saddle_multipliers_error: FloatArray
     saddle_residual: float
+    missing: str
 
 
 @dataclass(frozen=True)
@@ -235,7 +244,7 @@ class _MotionsPastSaddle:
         self, limits: tuple[float, float], guess: FloatArray | None, width: float
     ) -> _ManifoldCrossing:
         """Divide a range until the crossing lies in a bracket of some width."""
-        state = self._nearest_saddle(limits[0]) if guess is None else guess
+        state, missing = self._nearest_saddle(limits[0]) if guess is None else (guess, "")
         values = np.linspace(*limits, _VALUES_TRIED_AT_ONCE + 2)
         length = min(_FIRST_RUN_PERIODS, self.max_periods)
         while True:
@@ -272,6 +281,7 @@ class _MotionsPastSaddle:
             saddle_multipliers_error=multipliers_error.max(axis=0)
             + np.abs(multipliers[1] - multipliers[0]),
             saddle_residual=float(at_ends.residual[0]),
+            missing=missing,
         )
 
     def _section_states(self, values: FloatArray, length: int) -> tuple[FloatArray, FloatArray]:
@@ -290,20 +300,23 @@ class _MotionsPastSaddle:
         states = blank_beyond_horizon(states, number * periods[:, None], outcome)
         return states, np.nan_to_num(outcome.error, nan=self.state_tolerance)
 
-    def _nearest_saddle(self, value: float) -> FloatArray:
-        """The saddle nearest to the motion at a value, array (state,)."""
+    def _nearest_saddle(self, value: float) -> tuple[FloatArray, str]:
+        """The saddle nearest to the motion at a value, and why it may be the wrong one."""
         there = replace(
             self.ensemble,
             parameter_values={**self.ensemble.parameter_values, self.parameter: np.array([value])},
         )
+        map_ = StroboscopicMap(there, (), period_tolerance_for_residual(_SADDLE_SEARCH_RESIDUAL))
         search = OrbitSearch(
-            StroboscopicMap(there, (), period_tolerance_for_residual(_SADDLE_SEARCH_RESIDUAL)),
+            map_,
             require_state_box("state_box", None, there),
             self.orbit_period,
             _SADDLE_SEARCH_RESIDUAL,
             is_reversible(there.system, there.drive),
+            box_is_free=not is_planar(map_),
         )
-        (orbits,) = find_all_orbits(search, np.empty((1, 0)))
+        (outcome,) = search_orbits(search, np.empty((1, 0)))
+        orbits = outcome.orbits
         kinds = orbit_stability(
             *floquet_multipliers(orbits.jacobian, orbits.image_error),
             conservative=there.system.conservative,
@@ -321,7 +334,13 @@ class _MotionsPastSaddle:
             np.array([value]), min(_FIRST_RUN_PERIODS, self.max_periods)
         )
         distance = np.linalg.norm(states[0][:, None] - saddles, axis=2)
-        return np.asarray(saddles[np.nanmin(distance, axis=0).argmin()])
+        missing = ""
+        if outcome.reason:
+            missing = (
+                "the saddle is the nearest one of those that were found, and the search for them "
+                f"was not complete: {outcome.reason}; pass saddle"
+            )
+        return np.asarray(saddles[np.nanmin(distance, axis=0).argmin()]), missing
 
     def _pass_saddle(
         self, values: FloatArray, state: FloatArray, length: int
@@ -386,11 +405,14 @@ def _crossings_dataset(
     """Crossings of all members as a Dataset; where there is none, NaN and the reason."""
     d = len(ens.vector_field.state_names)
     unknown = np.full(d, np.nan)
-    nothing = _ManifoldCrossing(np.nan, np.nan, unknown, np.nan, unknown + 0j, unknown, np.nan)
+    nothing = _ManifoldCrossing(np.nan, np.nan, unknown, np.nan, unknown + 0j, unknown, np.nan, "")
     rows = [each if isinstance(each, _ManifoldCrossing) else nothing for each in crossings]
     saddles = np.array([row.saddle_state for row in rows])
     missing = np.where(ens.is_invalid, Status.INVALID, Status.INCOMPLETE)
-    found = [isinstance(each, _ManifoldCrossing) for each in crossings]
+    reasons = [
+        each if isinstance(each, str) else row.missing
+        for each, row in zip(crossings, rows, strict=True)
+    ]
     dataset = to_dataset(
         ens,
         {
@@ -402,12 +424,12 @@ def _crossings_dataset(
                 ("multiplier",),
                 np.array([row.saddle_multipliers_error for row in rows]),
             ),
-            "reason": np.array([each if isinstance(each, str) else "" for each in crossings]),
+            "reason": np.array(reasons),
             "residual": np.array([row.saddle_residual for row in rows]),
             **{name: saddles[:, k] for k, name in enumerate(ens.vector_field.state_names)},
         },
         coords={"multiplier": (("multiplier",), np.arange(d))},
-        status=np.where(found, Status.OK, missing),
+        status=np.where(ens.is_invalid | (np.array(reasons) != ""), missing, Status.OK),
         **settings,
     )
     # The drive's or the system's own value of the parameter has no part in the result.

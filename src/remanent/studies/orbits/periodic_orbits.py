@@ -115,12 +115,14 @@ def periodic_orbits(
     Other cells are divided.  Second derivatives between points are taken to be as large as the
     differences of the Jacobians.  Each orbit is confirmed by Newton and Kantorovich's theorem,
     or, without dissipation and with a load even in time, as a symmetric one: at rest at phase 0
-    and half its period later.  With dissipation, the indices of all fixed points of P^n add up
-    to one.
+    and half its period later.  The indices of all fixed points of P^n, the signs of
+    det(1 − DP^n), have to add up to the number of times that P^n(z) − z winds around zero along
+    the edge of the box, which with dissipation and all orbits in it is one.
 
     With more state variables Newton's method starts from a grid of guesses and from motions that
     have settled; an orbit that it reaches from none of them is missed, which only the sum of
-    the indices can show.
+    the indices can show, with dissipation and without a `state_box`: else the search is always
+    ``incomplete``.
 
     Examples
     --------

@@ -72,8 +72,9 @@ def response_diagram(
         Along ``branch`` and ``point``, ``special``, ``branch`` and ``end``: the variables of
         :func:`remanent.continue_orbit`, with ``special_branch``, the branch of each special
         point.  Padded with NaN where there are fewer.  ``status`` is ``incomplete`` where an
-        end is ``max_points``, ``lost`` or a bound of the state that was not asked for, with
-        the ``reason``: undamped branches run off to infinite amplitude.
+        end is ``max_points``, ``lost`` or a bound of the state that was not asked for, or where
+        the search for orbits was at one of the frequencies, with the ``reason``: undamped
+        branches run off to infinite amplitude.
 
     Raises
     ------

@@ -95,8 +95,8 @@ def resonances(
         square; ``free_frequency`` of the free oscillation as large as the orbit, under the
         mean load, without dissipation and at the surroundings' temperature; ``detuning`` of
         the harmonic from it.  Padded where other combinations of `over` have more peaks;
-        ``status`` is ``incomplete`` where a branch was not followed to its end, for the
-        ``reason`` that is given.
+        ``status`` is ``incomplete`` where a branch was not followed to its end or some may be
+        missing, for the ``reason`` that is given.
 
     Raises
     ------
@@ -140,21 +140,25 @@ def resonances(
     for options in plans:
         options.require_valid(ens)
 
-    def find(member: Ensemble) -> tuple[ColumnTable, CurveEnds]:
+    def find(member: Ensemble) -> tuple[ColumnTable, CurveEnds, str]:
         middle = np.array([0.5 * sum(limits)])
         centred = replace(member, parameter_values={**member.parameter_values, "omega": middle})
         natural = natural_frequency_under_mean_load(centred, ens.coords)
         peaks: list[Peak] = []
         curves: list[Curve] = []
+        missing: list[str] = []
         for options in plans:
             tracing = options.tracing_of_member(centred)
             search = PeakSearch(centred, tracing, natural)
-            for branch in trace_all_branches(tracing, slices):
+            branches, reason = trace_all_branches(tracing, slices)
+            missing += [reason] if reason else []
+            for branch in branches:
                 peaks += search.peaks_of(branch)
                 curves.append(branch.curve)
         peaks.sort(key=lambda peak: peak.omega)
         unknowns = [*member.vector_field.state_names, "omega"]
-        return describe_peaks(centred, ens.coords, peaks), ends_of_curves(curves, unknowns)
+        columns = describe_peaks(centred, ens.coords, peaks)
+        return columns, ends_of_curves(curves, unknowns), "; ".join(missing)
 
     outcomes = map_members_in_threads(ens, find, as_progress(progress))
     columns = stack_tables([None if o is None else o[0] for o in outcomes], empty_peak_table())
@@ -168,7 +172,8 @@ def resonances(
         "harmonic": (("harmonic",), np.arange(HARMONIC_COUNT + 1)),
     }
     # Peaks say themselves where a branch runs off to the bounds of the state.
-    status, variables["reason"] = member_status(ens, ends, Status.DIVERGED, ())
+    missing = ["" if outcome is None else outcome[2] for outcome in outcomes]
+    status, variables["reason"] = member_status(ens, ends, Status.DIVERGED, (), missing)
     dataset = to_dataset(
         ens, variables, coords=coords, status=status,
         tolerance=tolerance, parameter_range=limits, slices=slices,

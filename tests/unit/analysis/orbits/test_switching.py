@@ -9,9 +9,31 @@ import pytest
 from tests.unit.analysis.orbits.test_continuation import Logistic
 
 from remanent._typing import FloatArray
-from remanent.analysis.orbits.maps import MapImage
+from remanent.analysis.orbits.correction import correct_points
+from remanent.analysis.orbits.extended_systems import locate_special_points
+from remanent.analysis.orbits.maps import Map, MapImage
 from remanent.analysis.orbits.orbit_equations import build_orbit_equations
-from remanent.analysis.orbits.switching import find_point_on_crossing_branch
+
+#: Length of the step from the crossing onto the other branch, in scaled unknowns.
+STEP = 0.01
+
+
+def beside(
+    map_: Map, kind: str, crossing: FloatArray, period: int, scale: FloatArray
+) -> FloatArray | None:
+    """A point of the branch that crosses at a special point, along its null vector."""
+    (located,) = locate_special_points(
+        build_orbit_equations(map_, 1), [kind], crossing[None], np.array([0.05]), scale
+    )
+    if located is None:
+        return None
+    direction = located.null_vector[None]
+    points, reached = correct_points(
+        build_orbit_equations(map_, period), located.unknown + STEP * direction * scale, direction,
+        scale=scale, tolerance=1e-13,
+    )  # fmt: skip
+    assert reached.all()
+    return np.asarray(points.unknown[0])
 
 
 @dataclass(frozen=True)
@@ -33,11 +55,9 @@ class Pitchfork:
 
 def test_the_pair_beside_a_symmetric_orbit_is_found() -> None:
     """x^2 = p beside x = 0."""
-    point = find_point_on_crossing_branch(
-        build_orbit_equations(Pitchfork(), 1), np.zeros(2), scale=np.ones(2), tolerance=1e-13
-    )
+    point = beside(Pitchfork(), "branch point", np.zeros(2), 1, np.ones(2))
     assert point is not None
-    x, p = point.unknown[0]
+    x, p = point
     assert abs(x) > 1e-3
     assert x**2 == pytest.approx(p, rel=1e-9)
 
@@ -70,37 +90,25 @@ class Turned:
 def test_the_first_branch_is_left_however_it_runs(angle: float, stretch: float) -> None:
     """Its tangent holds the parameter, the other's does not."""
     map_ = Turned(angle)
-    point = find_point_on_crossing_branch(
-        build_orbit_equations(map_, 1), np.zeros(3), scale=np.array([1.0, 1.0, stretch]),
-        tolerance=1e-13,
-    )  # fmt: skip
+    point = beside(map_, "branch point", np.zeros(3), 1, np.array([1.0, 1.0, stretch]))
     assert point is not None
-    u, w = point.unknown[0, :2] @ map_.axes
-    p = point.unknown[0, 2]
-    assert abs(u) == pytest.approx(0.01, rel=0.1)
+    u, w = point[:2] @ map_.axes
+    p = point[2]
+    assert abs(u) == pytest.approx(STEP, rel=0.1)
     assert u**2 == pytest.approx(p, rel=1e-6)
     assert w == pytest.approx(0.6 * p, rel=1e-6)
 
 
 def test_the_doubled_orbit_of_the_logistic_map_is_found() -> None:
     """Of period 2 beyond r = 3: x = (r + 1 ± √((r − 3)(r + 1)))/(2r)."""
-    point = find_point_on_crossing_branch(
-        build_orbit_equations(Logistic(), 2), np.array([2.0 / 3.0, 3.0]), scale=np.ones(2),
-        tolerance=1e-13,
-    )  # fmt: skip
+    point = beside(Logistic(), "period doubling", np.array([0.66, 3.01]), 2, np.ones(2))
     assert point is not None
-    x, r = point.unknown[0]
+    x, r = point
     roots = [(r + 1.0 + s * np.sqrt((r - 3.0) * (r + 1.0))) / (2.0 * r) for s in (-1.0, 1.0)]
     assert min(abs(x - root) for root in roots) < 1e-8
     assert abs(x - (1.0 - 1.0 / r)) > 1e-3  # not the orbit of period 1
 
 
 def test_where_no_branch_crosses_none_is_found() -> None:
-    """At an ordinary point the second vector leads away from every solution."""
-    point = find_point_on_crossing_branch(
-        build_orbit_equations(Logistic(), 1),
-        np.array([0.6, 2.5]),
-        scale=np.ones(2),
-        tolerance=1e-13,
-    )
-    assert point is None
+    """No special point is near an ordinary one."""
+    assert beside(Logistic(), "branch point", np.array([0.6, 2.5]), 1, np.ones(2)) is None
