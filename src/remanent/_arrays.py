@@ -15,6 +15,7 @@ from typing import Any, Final
 import numpy as np
 
 from remanent._errors import InputError, shortened_repr
+from remanent._machine import available_memory_bytes
 from remanent._typing import FloatArray
 
 __all__ = [
@@ -30,6 +31,8 @@ __all__ = [
 _REAL_DTYPE_KINDS: Final = frozenset("iuf")
 #: Kinds of NumPy data that are lengths of time, or dates.
 _TIME_DTYPE_KINDS: Final = frozenset("mM")
+#: Arrays with more entries are copied only where the copy takes less than half of the memory.
+_LARGE_ENTRY_COUNT: Final = 10**7
 #: How the least number of entries is said in a message.
 _NUMBER_WORDS: Final[Mapping[int, str]] = {1: "one", 2: "two"}
 #: How the number of dimensions is said in a message.
@@ -81,10 +84,16 @@ def as_float_array(
     """
     content = without_wrapping(value)
     fix = remedy_for_kind(content) or fix
-    array = _plain_array(content, gaps)
+    try:
+        array = _plain_array(content, gaps)
+    except MemoryError:
+        raise _too_large_error(name, value) from None
+    if array.size > _LARGE_ENTRY_COUNT and 16.0 * array.size > available_memory_bytes():
+        raise _too_large_error(name, value)
     sound = array.dtype.kind in _REAL_DTYPE_KINDS and array.size >= least
     if sound and (ndim is None or array.ndim == ndim):
-        floats = np.array(array, dtype=np.float64)
+        with np.errstate(over="ignore"):  # of longer floats
+            floats = np.array(array, dtype=np.float64)
         if not finite or np.isfinite(floats).all():
             return floats
     shape = _SHAPE_WORDS.get(ndim, f"{ndim}-dimensional: ")
@@ -95,6 +104,16 @@ def as_float_array(
         got=shortened_repr(value),
         why=why,
         fix=fix,
+    )
+
+
+def _too_large_error(name: str, value: object) -> InputError:
+    return InputError(
+        name,
+        must="fit into memory twice",
+        got=f"numbers of shape {getattr(value, 'shape', 'unknown')}",
+        why="They are copied, as the caller may change them; nothing was copied yet.",
+        fix="Pass fewer of them at a time.",
     )
 
 
@@ -134,14 +153,15 @@ def _plain_array(content: Any, gaps: bool) -> np.ndarray[Any, Any]:
         return refused
     if np.ma.is_masked(content):
         return content.astype(np.float64).filled(np.nan) if gaps and _is_real(content) else refused
-    if hasattr(content, "to_numpy") and hasattr(content, "isna"):  # numbers of pandas, NA as NaN
-        has_gap = bool(np.any(content.isna()))
-        kind = getattr(content.dtype, "kind", "O") if has_gap else "O"
-        if kind in _REAL_DTYPE_KINDS:
-            return np.asarray(content.to_numpy(dtype=np.float64, na_value=np.nan))
     try:
+        if hasattr(content, "to_numpy") and hasattr(content, "isna"):  # of pandas, NA as NaN
+            has_gap = bool(np.any(content.isna()))
+            if has_gap and getattr(content.dtype, "kind", "O") in _REAL_DTYPE_KINDS:
+                return np.asarray(content.to_numpy(dtype=np.float64, na_value=np.nan))
         return np.asarray(content)
-    except (TypeError, ValueError, OverflowError, AttributeError):  # rows of different lengths ...
+    except MemoryError:
+        raise
+    except Exception:  # rows of different lengths, a class of its own ways
         return refused
 
 

@@ -157,16 +157,17 @@ def require_choice(name: str, value: object, choices: Sequence[str]) -> str:
 
 def _closest_choice(value: object, choices: Sequence[str]) -> str:
     """The choice that was most likely meant, or else the first."""
-    return next(iter(get_close_matches(str(value), choices, n=1)), choices[0])
+    text = value if isinstance(value, str) else ""
+    return next(iter(get_close_matches(text, choices, n=1)), choices[0])
 
 
 def require_known_names(names: Iterable[str], known: Iterable[str], owner: str) -> None:
     """Raise if one of `names` is not among the `known` fields of `owner`."""
     fields = list(known)
     for name in names:
-        if name not in fields:
+        if not isinstance(name, str) or name not in fields:
             raise InputError(
-                str(name),
+                name if isinstance(name, str) else "name",
                 must=f"be a field of {owner}",
                 got=shortened_repr(name),
                 why="Unknown fields are refused so that a misspelling does not go unnoticed.",

@@ -56,8 +56,8 @@ def shortened_repr(values: object) -> str:
     """`values` as they are written, on one line of at most 80 characters."""
     try:
         text = repr(values)
-    except ValueError:  # an integer of more digits than Python writes
-        text = f"a {type(values).__name__} that is too long to be written"
+    except Exception:  # an integer of more digits than Python writes, or a class of its own ways
+        text = f"a {type(values).__name__} that cannot be written"
     return _shortened(text, 80)
 
 
@@ -76,7 +76,7 @@ def _shortened(text: str, length: int) -> str:
 def _text(value: object) -> str:
     try:
         return str(value)
-    except ValueError:
+    except Exception:
         return shortened_repr(value)
 
 

@@ -18,6 +18,8 @@ from operator import add, mul, neg, sub, truediv
 from types import MappingProxyType
 from typing import Any
 
+import numpy as np
+
 #: Binary operations, with the Python operator each stands for.
 BINARY_OPERATOR_OF_OPERATION: Mapping[str, Callable[[Any, Any], Any]] = MappingProxyType(
     {
@@ -95,13 +97,15 @@ class Program:
         operators = {**BINARY_OPERATOR_OF_OPERATION, "div": divide, "neg": neg}
         operators |= {name: getattr(functions, name) for name in self._function_names}
         slots = [*values, *map(constant, self.constants)]
-        for instruction in self.instructions:
-            if len(instruction) == 3:
-                operation, first, second = instruction
-                slots.append(operators[operation](slots[first], slots[second]))
-            else:
-                operation, first = instruction
-                slots.append(operators[operation](slots[first]))
+        # Where the equations lose their meaning, numbers are infinite or NaN, which callers see.
+        with np.errstate(all="ignore"):
+            for instruction in self.instructions:
+                if len(instruction) == 3:
+                    operation, first, second = instruction
+                    slots.append(operators[operation](slots[first], slots[second]))
+                else:
+                    operation, first = instruction
+                    slots.append(operators[operation](slots[first]))
         return [slots[k] for k in self.output_slots]
 
     @cached_property

@@ -1,21 +1,26 @@
-"""Values of every type, calls of every public name with them, and what may come of a call.
+"""Calls of every public name with values of every type, and what may come of a call.
 
 Calls are made from signatures and from sound arguments, so that a new name takes part by itself.
+
+    python -m tests.faults.any_values --seeds 11 12 --calls 2000
+
+makes many of them, and prints each that goes wrong and how many ended how.
 """
 
 from __future__ import annotations
 
-import datetime
-import inspect
+import argparse
+import json
+import logging
 import random
-import re
 import signal
+import sys
+import time
 import warnings
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, fields
-from decimal import Decimal
-from fractions import Fraction
-from functools import cache, partial
+from collections import Counter, defaultdict
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 from tempfile import mkdtemp
 from types import FrameType
@@ -23,125 +28,56 @@ from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
-import pandas as pd
-import pint
 import xarray as xr
-from tests.contracts.public import examples
-from tests.contracts.sound_calls import SOUND
-from tests.unit.plots import synthetic
+from tests.faults.near_values import kind_of_argument, values_by_kind
+from tests.faults.subjects import MATPLOTLIB_WORDS, Subject, subjects
+from tests.faults.value import Value
+from tests.faults.value_pool import (
+    KEYS,
+    OwnError,
+    before_one,
+    in_array,
+    in_list,
+    in_mapping,
+    pool,
+)
 
 import remanent as rm
-from remanent.models.drives.base import Drive
-from remanent.models.parts import Part
 
-NAN, INF = float("nan"), float("inf")
-#: Nothing may take longer, in seconds; a sound call of the slowest verb takes a tenth of it.
+#: Nothing may take longer, in seconds of processor time; a sound call of the slowest verb takes a
+#: tenth of it.
 CAP_SECONDS = 30
-#: Arguments that are results.
-TAKES_RESULTS = frozenset({"dataset", "branch", "history", "data"})
+#: Nor so many times as long on the clock, on a machine that does other things too.
+WAIT_FACTOR = 10
 #: Share of calls that are given a name which no argument has.
 UNKNOWN_NAME_SHARE = 0.02
-
-
-def values() -> dict[str, Callable[[], Any]]:
-    """A maker of each value, by a word for it: makers, as some values are used up."""
-    numbers = [None, True, False, 0, 1, -1, 2, 5, 2**70, 10**400, 0.5, -0.5, 1.25, 300.0, 5e-324,
-               1e308, NAN, INF, -INF, 1j, Decimal("0.5"), Fraction(1, 3), np.float32(0.5),
-               np.int8(1), np.bool_(True), np.datetime64("2020-01-01"), np.timedelta64(5, "ms"),
-               rm.Status.OK]  # fmt: skip
-    texts = ["", " ", "1", "text", "stretch", "omega", "b", "temperature", "100 kPa", "50 Hz",
-             "5 ms", "1 T**9**9**9", "[" * 5000, "exp(I1/3)", "no such file.csv", "no.nc", "\0",
-             b"bytes", Path("nowhere.mat"), Path()]  # fmt: skip
-    sequences: list[Any] = [
-        [], [1], [1.0, 2.0], [2.0, 1.0], [1.0, 1.0], (1.0, 0.0), (0.9, 1.1), (1, 2, 3), [NAN, 1.0],
-        [[1.0, 2.0], [3.0, 4.0]], [1.0, [2.0]], ["a", "b"], ["1", "2"], [None], [1j], [True],
-        [(1.2, 1.3), (0.35, 0.45)], [0.0, 1.0, 2.0, 3.0], {1, 2}, frozenset(), range(3),
-        [datetime.timedelta(1)], [object()],
-    ]  # fmt: skip
-    mappings: list[Any] = [
-        {}, {"a": 1.0}, {1: 2}, {"temperature": [290.0, 300.0]}, {"temperature": (290.0, 300.0)},
-        {"b": 0.3}, {"stretch": (0.9, 1.1)}, {"stretch": [1.0, 1.1], "stretch_rate": [0.0]},
-        {"time": [0.0, 1.0], "thickness_stretch": [1.0, 1.1]}, {"temperature": None},
-        {"omega": 1j}, {"c": "text"}, {"kind": "Gent"}, {"time": "s"},
-    ]  # fmt: skip
-    arrays: list[Any] = [
-        np.empty(0), np.array(1.25), np.array([0.5, 1.0]), np.ones((2, 2)), np.array([1j, 2.0]),
-        np.array([True, False]), np.array([1.0, None], dtype=object), np.array(["x", "y"]),
-        np.array([0, 1], dtype="timedelta64[ms]"), np.array(["2020", "2021"], "datetime64[D]"),
-        np.ma.masked_array([1.0, 2.0, 9.0], [False, False, True]), np.array([1e400, 1.0]),
-        np.zeros(2, dtype=[("x", float)]), np.array([1.0, 2.0], dtype=np.float16), np.array([b"a"]),
-    ]  # fmt: skip
-    labelled: list[Any] = [
-        xr.DataArray(1.25), xr.DataArray([290.0, 300.0], dims="case"),
-        xr.DataArray([0.3, 0.4], dims="time"), xr.DataArray([1.0, 2.0], dims="status"),
-        xr.DataArray([0.3, 0.4], dims="case", coords={"case": ["x", "y"]}),
-        xr.DataArray(["x", "y"], dims="case"), xr.Dataset(), xr.Dataset({"x": ("t", [1.0, 2.0])}),
-        pd.Series([1.0, 2.0]), pd.DataFrame({"time": [0.0, 1.0], "stretch": [1.0, 1.1]}),
-        pd.Series(pd.to_timedelta([0, 1], "ms")), pd.Timestamp("2020-01-01"), pd.NaT,
-        pint.Quantity(5.0, "ms"), pint.Quantity(np.array([1.0, 2.0]), "Hz"),
-    ]  # fmt: skip
-    things: list[Any] = [
-        object(), int, rm.Gent, rm.Actuator, rm.SineSquared, abs, str.upper, steady, rm, Ellipsis,
-        NotImplemented, slice(1, 2), ValueError("x"), np.random.default_rng(1), rm.simulate,
-    ]  # fmt: skip
-    models: list[Any] = [
-        *examples(Part).values(), rm.Actuator(), rm.Actuator(prestress=(0.0, 0.1)), film(),
-        rm.Actuator(heat=rm.Heat(), dissipation=rm.Zener(0.5, 0.7)), rm.Constant(0.1),
-        rm.SineSquared(0.4, 1.25), rm.Sines([0.1, 0.1], [1.0, 2**0.5], 1.0),
-    ]  # fmt: skip
-    fixed = [*numbers, *texts, *sequences, *mappings, *arrays, *labelled, *things, *models]
-    makers: dict[str, Callable[[], Any]] = {
-        f"{k}: {word(v)}": partial(same, v) for k, v in enumerate(fixed)
-    }
-    results: dict[str, Callable[[], Any]] = {
-        f"result of {verb}": partial(result_of, verb) for verb in SOUND
-    }
-    used: dict[str, Callable[[], Any]] = {
-        "iterator": lambda: iter([1.0, 2.0]), "axes": lambda: plt.figure().subplots(),
-    }  # fmt: skip
-    return {**makers, **results, **used}
-
-
-def same(value: Any) -> Any:
-    """The value itself."""
-    return value
-
-
-def steady(*_: Any, **__: Any) -> float:
-    """A function of anything."""
-    return 1.0
-
-
-def word(value: Any) -> str:
-    """A value in a few letters, without its address."""
-    return re.sub(r"(0x|at )[0-9a-fA-Fx]+", "", " ".join(repr(value)[:60].split()))
-
-
-@cache
-def film() -> rm.Actuator:
-    """An actuator with sizes."""
-    return rm.Actuator.from_si(
-        shear_modulus="100 kPa", density="2000 kg/m^3", half_length="5 mm",
-        half_thickness="0.5 mm", remanence="143 mT",
-    )  # fmt: skip
+#: Share of values that are of the kind that an argument takes.
+NEAR_SHARE = 0.6
+#: Verbs whose answers take seconds, and the share for them.
+SLOW = frozenset(
+    f"rm.{name}"
+    for name in (
+        "basins", "classify", "continue_bifurcation", "continue_orbit", "fit", "lyapunov",
+        "manifold_crossing", "periodic_orbits", "regime_chart", "resonances", "response_diagram",
+        "switch_branch", "symmetry_check", "uncertainty", "locate_bifurcation", "shape_command",
+        "shape_commands", "design", "bifurcation_diagram",
+    )
+)  # fmt: skip
+NEAR_SHARE_OF_SLOW = 0.15
+#: Share of the others that are put into a container; of mappings among these.
+WRAPPED_SHARE, MAPPING_SHARE = 0.3, 0.6
+#: Longest message, in letters.
+MAX_MESSAGE_LETTERS = 2500
+#: Where results are saved.
+FOLDER = Path(mkdtemp())
 
 
 @dataclass(frozen=True)
-class Subject:
-    """Something public that is called, with sound arguments to spoil."""
+class Ending:
+    """What became of a call: a word for it, and what is wrong with it if anything is."""
 
-    name: str
-    call: Callable[..., Any]
-    sound: Callable[[], Mapping[str, Any]]
-
-    def argument_names(self) -> list[str]:
-        """Names of the arguments that may be passed by name."""
-        kinds = inspect.Parameter
-        return [
-            p.name
-            for p in inspect.signature(self.call).parameters.values()
-            if p.kind not in {kinds.VAR_POSITIONAL, kinds.VAR_KEYWORD, kinds.POSITIONAL_ONLY}
-        ]
+    kind: str
+    wrong: str = ""
 
 
 @dataclass(frozen=True)
@@ -149,51 +85,149 @@ class Attempt:
     """One call."""
 
     subject: Subject
-    spoilt: Mapping[str, str]
+    spoilt: Mapping[str, Value]
 
     def __str__(self) -> str:
-        return f"{self.subject.name}({', '.join(f'{k}={v}' for k, v in self.spoilt.items())})"
+        given = ", ".join(f"{name}={value.word}" for name, value in self.spoilt.items())
+        return f"{self.subject.name}({given})"
 
-    def outcome(self) -> str:
-        """What is wrong with what became of it; nothing where all is well."""
-        pool = values()
+    def ending(self) -> Ending:
+        """What becomes of it."""
         arguments = dict(self.subject.sound())
-        arguments |= {k: pool[v]() for k, v in self.spoilt.items()}
-        with warnings.catch_warnings():
+        arguments |= {name: value.make() for name, value in self.spoilt.items()}
+        before = shown(arguments)
+        with warnings.catch_warnings(), listening() as heard:
             warnings.simplefilter("error")
             warnings.simplefilter("ignore", rm.InputWarning)
             try:
                 with alarm(CAP_SECONDS):
                     result = self.subject.call(**arguments)
-                    if isinstance(result, xr.Dataset):
-                        return untold(result)
+                    wrong = wrong_answer(result, self.spoilt)
+                    ending = Ending("answer", wrong)
             except rm.InputError as error:
-                return "" if len(str(error)) < 2500 else f"a message of {len(str(error))} letters"
+                ending = Ending("InputError", wrong_message(str(error)))
+            except OwnError:
+                ending = Ending("error of the caller's own")
             except Exception as error:
-                return f"{type(error).__name__}: {error}"
+                ending = Ending("failure", f"{type(error).__name__}: {str(error)[:300]}")
             finally:
                 plt.close("all")
-        return ""
+        if not ending.wrong and heard:
+            return Ending("failure", f"logged: {heard[0][:300]}")
+        if not ending.wrong and shown(arguments) != before:
+            return Ending("failure", "it changed its arguments")
+        return ending
+
+    def outcome(self) -> str:
+        """What is wrong with what became of it; nothing where all is well."""
+        return self.ending().wrong
 
 
 def attempts(subjects: list[Subject], seed: int) -> Iterator[Attempt]:
     """Calls without end, the same for the same seed."""
     draw = random.Random(seed)
-    words = list(values())
+    values, kinds = pool(), values_by_kind()
     while True:
         subject = draw.choice(subjects)
         names = subject.argument_names()
         if subject.name.startswith("rm.") and draw.random() < UNKNOWN_NAME_SHARE:
             names = ["tolerence"]
         count = min(len(names), draw.choice([1, 1, 1, 2, 3]))
-        spoilt = {name: draw_word(draw, name, words) for name in draw.sample(names, count)}
+        sound = subject.sound()
+        share = NEAR_SHARE_OF_SLOW if subject.name in SLOW else NEAR_SHARE
+        spoilt = {
+            name: draw_value(draw, values, kinds.get(kind_of_argument(name, sound.get(name)), []))
+            if draw.random() < share
+            else draw_value(draw, values, [])
+            for name in draw.sample(names, count)
+        }
         yield Attempt(subject, spoilt)
 
 
-def draw_word(draw: random.Random, name: str, words: list[str]) -> str:
-    """A value for an argument: often one that is nearly right, where results are asked for."""
-    near = [word for word in words if word.startswith("result of")]
-    return draw.choice(near if name in TAKES_RESULTS and draw.random() < 0.7 else words)
+def draw_value(draw: random.Random, values: list[Value], near: list[Value]) -> Value:
+    """A value of the kind that is asked for, or any, sometimes within another."""
+    if near:
+        return draw.choice(near)
+    value = draw.choice(values)
+    if draw.random() > WRAPPED_SHARE:
+        return value
+    if draw.random() < MAPPING_SHARE:
+        return in_mapping(draw.choice(KEYS), value)
+    return draw.choice([in_list, before_one, in_array])(value)
+
+
+def shown(arguments: Mapping[str, Any]) -> str:
+    """The arguments in words, by which a change is seen."""
+    words = []
+    for name, value in arguments.items():
+        try:
+            words.append(f"{name}={value!r}" if isinstance(value, list | dict | np.ndarray) else "")
+        except Exception:
+            words.append(name)
+    return ", ".join(words)
+
+
+def wrong_message(message: str) -> str:
+    """What is wrong with a message."""
+    if len(message) > MAX_MESSAGE_LETTERS:
+        return f"a message of {len(message)} letters"
+    return ""
+
+
+def wrong_answer(result: Any, spoilt: Mapping[str, Value]) -> str:
+    """What is wrong with an answer; it is written, drawn or saved and read to see it.
+
+    Results that are made of what a caller changed need not be such as files hold, and words for
+    Matplotlib are its own.
+    """
+    str(result), repr(result)
+    if isinstance(result, xr.Dataset):
+        changed = any("result of" in value.word for value in spoilt.values())
+        return untold(result) or ("" if changed else unsaved(result))
+    if spoilt.keys().isdisjoint(MATPLOTLIB_WORDS):
+        for number in plt.get_fignums():
+            plt.figure(number).set_dpi(30)
+            plt.figure(number).canvas.draw()
+    return ""
+
+
+def untold(ds: xr.Dataset) -> str:
+    """A status that is none, or infinity beside status ok."""
+    if "status" not in ds or ds.status.dtype != np.int8:
+        return ""  # the status of a result that the caller changed
+    codes = np.unique(ds.status.values)
+    if not {*codes.tolist()} <= {int(code) for code in rm.Status}:
+        return f"status {codes}"
+    return ""
+
+
+def unsaved(ds: xr.Dataset) -> str:
+    """How a result changes in a file."""
+    path = FOLDER / "result.nc"
+    try:
+        back = rm.load(rm.save(ds, path))
+    except rm.InputError as error:
+        return f"cannot be saved: {error}"
+    return "" if back.equals(ds) else "another after it was saved"
+
+
+class listening(logging.Handler):  # noqa: N801, used as a statement
+    """Collect what libraries log as a warning."""
+
+    def __init__(self) -> None:
+        super().__init__(logging.WARNING)
+        self.heard: list[str] = []
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Keep it."""
+        self.heard.append(record.getMessage())
+
+    def __enter__(self) -> list[str]:
+        logging.getLogger().addHandler(self)
+        return self.heard
+
+    def __exit__(self, *_: object) -> None:
+        logging.getLogger().removeHandler(self)
 
 
 class TooLong(BaseException):
@@ -201,7 +235,7 @@ class TooLong(BaseException):
 
 
 class alarm:  # noqa: N801, used as a statement
-    """Raise in the main thread after some seconds."""
+    """Raise in the main thread after some seconds of processor time, or many of waiting."""
 
     def __init__(self, seconds: int) -> None:
         self.seconds = seconds
@@ -210,145 +244,53 @@ class alarm:  # noqa: N801, used as a statement
         def ring(_: int, __: FrameType | None) -> None:
             raise TooLong
 
-        self.previous = signal.signal(signal.SIGALRM, ring)
-        signal.alarm(self.seconds)
+        self.previous = [signal.signal(one, ring) for one in (signal.SIGPROF, signal.SIGALRM)]
+        signal.setitimer(signal.ITIMER_PROF, self.seconds)
+        signal.alarm(WAIT_FACTOR * self.seconds)
 
     def __exit__(self, kind: type[BaseException] | None, error: Any, trace: Any) -> None:
         signal.alarm(0)
-        signal.signal(signal.SIGALRM, self.previous)
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+        for one, previous in zip((signal.SIGPROF, signal.SIGALRM), self.previous, strict=True):
+            signal.signal(one, previous)
         if kind is TooLong:
             raise TimeoutError(f"more than {self.seconds} s") from None
 
 
-def untold(ds: xr.Dataset) -> str:
-    """A status that is none, or infinity or NaN beside status ok."""
-    if "status" not in ds:
-        return ""
-    codes = np.unique(ds.status.values)
-    if not {*codes.tolist()} <= {int(code) for code in rm.Status}:
-        return f"status {codes}"
-    return ""
+def run(seed: int, calls: int) -> dict[str, Counter[str]]:
+    """How many calls of each name ended how; what goes wrong is printed at once."""
+    counts: dict[str, Counter[str]] = defaultdict(Counter)
+    for k, attempt in enumerate(islice(attempts(subjects(), seed), calls)):
+        if k and k % 250 == 0:
+            print(f"{seed}: {k} calls, {time.process_time():.0f} s", flush=True)
+        begin = time.process_time()
+        ending = attempt.ending()
+        took = time.process_time() - begin
+        counts[attempt.subject.name]["failure" if ending.wrong else ending.kind] += 1
+        if ending.wrong:
+            print(f"{seed}: {attempt}: {ending.wrong}", flush=True)
+        elif took > CAP_SECONDS / 3:
+            print(f"{seed}: {attempt}: took {took:.0f} s", flush=True)
+    return counts
 
 
-def subjects() -> list[Subject]:
-    """Everything public that is called: verbs, classes, methods of values, plots, files."""
-    values_and_names = {name: getattr(rm, name) for name in rm.__all__}
-    verbs_ = [Subject(f"rm.{name}", getattr(rm, name), sound) for name, sound in SOUND.items()]
-    classes = [
-        Subject(f"rm.{name}", cls, partial(example_fields, cls))
-        for name, cls in values_and_names.items()
-        if isinstance(cls, type) and hasattr(cls, "example")
-    ]
-    plots = [
-        Subject(f"rm.plot.{name}", getattr(rm.plot, name), DRAWN[name]) for name in rm.plot.__all__
-    ]
-    return [*verbs_, *classes, *others(), *plots]
+def main(words: list[str]) -> None:
+    """The command."""
+    parser = argparse.ArgumentParser(prog="python -m tests.faults.any_values")
+    parser.add_argument("--seeds", type=int, nargs="+", required=True)
+    parser.add_argument("--calls", type=int, default=2000, help="of each seed")
+    parser.add_argument("--out", type=Path, help="a file for the counts, JSON")
+    options = parser.parse_args(words)
+    counts: dict[str, Counter[str]] = defaultdict(Counter)
+    for seed in options.seeds:
+        for name, endings in run(seed, options.calls).items():
+            counts[name] += endings
+        total: Counter[str] = sum(counts.values(), Counter())
+        print(f"seeds up to {seed}: {dict(total)}", flush=True)
+        if options.out:
+            table = {"seeds": options.seeds, "calls_of_each": options.calls, "total": total}
+            options.out.write_text(json.dumps({**table, "by_name": counts}, indent=1))
 
 
-def fields_of(value: Any) -> dict[str, Any]:
-    """The arguments that make a value."""
-    return {field.name: getattr(value, field.name) for field in fields(value) if field.init}
-
-
-#: Methods of an actuator that take a quantity: name, argument, a sound one.
-SI_METHODS = (
-    ("stress", "stress", "50 kPa"), ("viscosity", "viscosity", "20 Pa s"),
-    ("load", "flux_density", "140 mT"), ("coupling", "heat_capacity", "1.9 kJ/(kg K)"),
-    ("frequency", "frequency", "50 Hz"), ("time", "time", "1 s"),
-)  # fmt: skip
-
-
-def example_fields(cls: Any) -> dict[str, Any]:
-    """The arguments that make the example of a class."""
-    return fields_of(cls.example())
-
-
-def others() -> list[Subject]:
-    """What is neither a verb nor made by its example."""
-    folder = Path(mkdtemp())
-    sizes = {"shear_modulus": "100 kPa", "density": "2000 kg/m^3", "half_length": "5 mm",
-             "half_thickness": "0.5 mm"}  # fmt: skip
-    methods = [
-        Subject(f"actuator.{name}", getattr(film(), name), partial(dict, {argument: text}))
-        for name, argument, text in SI_METHODS
-    ]
-    replaced = [
-        Subject(f"{type(value).__name__}.replace", replacing(value), lambda: {})
-        for value in (film(), rm.SineSquared(0.4, 1.25), rm.Ogden.example(), rm.WLF(8.0, 200.0))
-    ]
-    loads = [
-        Subject(f"{type(drive).__name__}(...)", drive.__call__, lambda: {"tau": 0.5})
-        for drive in examples(Drive).values()  # type: ignore[type-abstract]
-    ]
-    return [
-        Subject("rm.Actuator", rm.Actuator, lambda: {}),
-        Subject("rm.Actuator.from_si", rm.Actuator.from_si, lambda: dict(sizes)),
-        Subject("rm.Measure", rm.Measure, lambda: {"verb": rm.equilibria, "of": "natural_frequency",
-                                                   "actuator": rm.Actuator(), "m": 0.16}),
-        Subject("rm.equations", rm.equations, lambda: {"system": rm.Actuator()}),
-        Subject("rm.rates", rm.rates, lambda: {"system": rm.Actuator(),
-                                               "drive": rm.SineSquared(0.4, 1.25)}),
-        Subject("rm.period_map", rm.period_map, lambda: {"system": rm.Actuator(),
-                                                         "drive": rm.SineSquared(0.4, 1.25)}),
-        Subject("rm.save", rm.save, lambda: {"dataset": motion(), "path": folder / "it.nc"}),
-        Subject("rm.load", rm.load, lambda: {"path": saved(folder)}),
-        *methods, *replaced, *loads,
-    ]  # fmt: skip
-
-
-def replacing(value: Any) -> Callable[..., Any]:
-    """The `replace` of a value, with its fields as arguments."""
-    names = [field.name for field in fields(value) if field.init]
-    keyword = inspect.Parameter.KEYWORD_ONLY
-
-    def replace(**changes: Any) -> Any:
-        return value.replace(**changes)
-
-    replace.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
-        [inspect.Parameter(name, keyword, default=None) for name in names]
-    )
-    return replace
-
-
-@cache
-def saved(folder: Path) -> Path:
-    """A file with a motion."""
-    return rm.save(motion(), folder / "motion.nc")
-
-
-@cache
-def motion() -> xr.Dataset:
-    """A short motion of two actuators."""
-    over = {"temperature": [290.0, 300.0]}
-    return rm.simulate(rm.Actuator(), rm.SineSquared(0.4, 1.25), duration=1.0, over=over)
-
-
-@cache
-def result_of(verb: str) -> xr.Dataset:
-    """The result of a sound call."""
-    result: xr.Dataset = getattr(rm, verb)(**SOUND[verb]())
-    return result
-
-
-@cache
-def equilibria_over_loads() -> xr.Dataset:
-    """Equilibria against the load, with the two folds of a bistable block."""
-    return rm.equilibria(rm.Actuator(prestress=2.2), over={"m": np.linspace(1.0, 4.0, 13)})
-
-
-#: Arguments of a sound picture of each kind.
-DRAWN: Mapping[str, Callable[[], dict[str, Any]]] = {
-    "bars": lambda: {"dataset": result_of("sensitivity")},
-    "basins": lambda: {"dataset": synthetic.basins_of_two()},
-    "branch": lambda: {"dataset": result_of("continue_orbit")},
-    "curve": lambda: {"dataset": motion(), "variable": "stretch", "x": "time"},
-    "equilibria": lambda: {"dataset": equilibria_over_loads()},
-    "fit": lambda: {"dataset": result_of("fit")},
-    "history": lambda: {"dataset": motion()},
-    "landscape": lambda: {"dataset": synthetic.potential()},
-    "map": lambda: {"dataset": result_of("regime_chart")},
-    "multipliers": lambda: {"dataset": result_of("continue_orbit")},
-    "phase": lambda: {"dataset": motion()},
-    "response": lambda: {"dataset": result_of("frequency_response")},
-    "section": lambda: {"dataset": result_of("poincare_section")},
-}
+if __name__ == "__main__":
+    main(sys.argv[1:])

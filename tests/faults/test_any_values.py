@@ -9,7 +9,8 @@ from itertools import islice
 
 import pytest
 from tests.contracts.sound_calls import SOUND
-from tests.faults.any_values import Attempt, Subject, attempts, subjects
+from tests.faults.any_values import Attempt, attempts
+from tests.faults.subjects import Subject, subjects
 
 import remanent as rm
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from functools import singledispatch
 
-from remanent._errors import InputError
+from remanent._errors import InputError, shortened_repr
 from remanent.derivation import block, lagrange
 from remanent.derivation.motion import FirstOrderForm
 from remanent.models.actuator import Actuator
@@ -36,7 +36,7 @@ def derive(system: object, drive: Drive) -> FirstOrderForm:  # noqa: ARG001
     raise InputError(
         "system",
         must="be of a kind whose equations of motion can be derived",
-        got=repr(system)[:80],
+        got=shortened_repr(system),
         why=f"No derivation is registered for {type(system).__name__}.",
         fix="Pass for example rm.Actuator().",
     )

@@ -7,7 +7,7 @@ from textwrap import fill
 
 import sympy as sp
 
-from remanent._errors import InputError
+from remanent._errors import InputError, shortened_repr
 from remanent.derivation import block
 from remanent.derivation.energy_balance import temperature_rate
 from remanent.derivation.lagrange import mass_matrix_and_force
@@ -87,7 +87,7 @@ def equations(system: System) -> Equations:
         raise InputError(
             "system",
             must="be an actuator",
-            got=repr(system)[:80],
+            got=shortened_repr(system),
             why="Only its equations can be typeset.",
             fix="Pass for example rm.Actuator().",
         )

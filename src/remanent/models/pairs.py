@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from remanent._errors import InputError
+from remanent._errors import InputError, shortened_repr
 
 
 def is_several_numbers(value: object) -> bool:
@@ -32,7 +32,7 @@ def split_by_direction(name: str, value: Any) -> dict[str, Any]:
         raise InputError(
             name,
             must="be one number or a pair of them",
-            got=repr(value)[:80],
+            got=shortened_repr(value),
             why="There are two in-plane directions.",
             fix=f"Pass {name}=(1.0, 0.5).",
         )

@@ -11,7 +11,7 @@ from typing import Final, Self
 import numpy as np
 
 from remanent import _checks, _units
-from remanent._errors import InputError
+from remanent._errors import InputError, shortened_repr
 from remanent._typing import ArrayLike, FloatArray
 from remanent._units import Quantity
 from remanent.models.pairs import is_several_numbers, split_by_direction
@@ -195,7 +195,7 @@ class Scales:
         raise InputError(
             "unit",
             must="be one of a time, a frequency, a flux density, a stress or a viscosity",
-            got=repr(unit),
+            got=shortened_repr(unit),
             why="Dimensionless numbers stand for these.",
             fix='Pass for example "ms", "Hz", "mT", "kPa" or "Pa s".',
         )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from numbers import Real
 from types import MappingProxyType
 from typing import Any, Final
 
@@ -179,7 +180,7 @@ def footer_text(dataset: xr.Dataset, *, hide: Iterable[str] = ()) -> str:
         ),
         *(say(key, attrs[key]) for key in settings if not _is_left_out(key, attrs[key])),
     ]
-    if "tolerance" in attrs and "tolerance" not in dataset.dims:
+    if isinstance(attrs.get("tolerance"), Real) and "tolerance" not in dataset.dims:
         pieces.append(f"tolerance ${format_number(attrs['tolerance'])}$")
     version = re.search(r"remanent \d[^,]*", str(attrs.get("versions", "")))
     return _PIECE_SEPARATOR.join([*pieces, version[0] if version else ""]).strip()

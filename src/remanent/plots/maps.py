@@ -13,7 +13,7 @@ from matplotlib.collections import QuadMesh
 from matplotlib.colors import BoundaryNorm, ListedColormap, Normalize, to_rgb
 from matplotlib.patches import Patch
 
-from remanent._errors import InputError
+from remanent._errors import InputError, shortened_repr
 from remanent._status import Status
 from remanent._typing import BoolArray, FloatArray
 from remanent.plots import colours, hatching, missing, regimes, style
@@ -65,6 +65,30 @@ def map(
     )
 
 
+def _require_plane(dataset: xr.Dataset, variable: str) -> None:
+    """Refuse what has another number of dimensions than a chart has axes."""
+    planes = [str(name) for name, array in dataset.data_vars.items() if array.ndim == 2]
+    if variable not in dataset:
+        raise InputError(
+            "variable",
+            must="be a variable of the dataset with two dimensions",
+            got=shortened_repr(variable),
+            why="A chart has two axes.",
+            fix=f"There are: {', '.join(planes) or 'none'}.",
+        )
+    dims = [str(dim) for dim in dataset[variable].dims]
+    if len(dims) != 2:
+        raise InputError(
+            "dataset",
+            must=f"have {variable} along two dimensions",
+            got=f"one with it along {', '.join(dims)}" if dims else "one with a single value of it",
+            why="A chart has two axes.",
+            fix="Select values of the others first, for example dataset.isel(...)."
+            if len(dims) > 2
+            else "Vary two fields by over={...: ..., ...: ...}; rm.regime_chart does.",
+        )
+
+
 def draw_map(
     dataset: xr.Dataset,
     variable: str,
@@ -76,14 +100,7 @@ def draw_map(
     **mesh: Any,
 ) -> QuadMesh:
     """Draw a chart; `spread_tori` gives its rotation numbers all colours, see :func:`map`."""
-    if variable not in dataset or dataset[variable].ndim != 2:
-        raise InputError(
-            "variable",
-            must="be a variable of the dataset with two dimensions",
-            got=repr(variable),
-            why="A chart has two axes.",
-            fix="Select values first, for example dataset.isel(...).",
-        )
+    _require_plane(dataset, variable)
     array = dataset[variable]
     down, across = array.dims
     with style.context_of(ax):

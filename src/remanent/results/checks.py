@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pandas as pd
 import xarray as xr
 
 from remanent._checks import shortened_repr
@@ -19,3 +20,19 @@ def require_dataset(name: str, value: object) -> xr.Dataset:
             fix="Pass the result of a verb.",
         )
     return value
+
+
+def require_unstacked_dataset(name: str, value: object) -> xr.Dataset:
+    """`value` if it is a Dataset whose dimensions are single, so that each can be changed."""
+    dataset = require_dataset(name, value)
+    levels = [key for key, index in dataset.indexes.items() if isinstance(index, pd.MultiIndex)]
+    stacked = sorted({str(dim) for key in levels for dim in dataset[key].dims})
+    if stacked:
+        raise InputError(
+            name,
+            must="have dimensions that are not stacked",
+            got=f"one that is stacked along {', '.join(stacked)}",
+            why="Labels of several levels cannot be changed one by one.",
+            fix="Take it apart first: dataset.unstack().",
+        )
+    return dataset

@@ -25,7 +25,7 @@ from typing import Any, Final, Literal
 import numpy as np
 import xarray as xr
 
-from remanent._errors import InputError
+from remanent._errors import InputError, shortened_repr
 from remanent.results.atomic import atomic_replacement
 
 __all__ = ["read", "write"]
@@ -240,7 +240,7 @@ def _encode_attribute(value: Any) -> Any:
         raise InputError(
             "attrs",
             must="hold text and numbers",
-            got=repr(value)[:80],
+            got=shortened_repr(value),
             why="Other programs read them.",
             fix="Remove that attribute, or write it as text.",
         )

@@ -45,6 +45,8 @@ ORIGIN_ATTRIBUTE_NAMES: Final = (
     f"{DRIVE_ATTRIBUTE}_text",
     "versions",
 )
+#: Largest integer that files hold: it is one of the numbers that floats hold exactly.
+_LARGEST_INTEGER: Final = 2**53 - 1
 #: Longest description of a value for people; tables of samples are cut there.
 MAX_MODEL_TEXT_LENGTH: Final = 1000
 
@@ -256,6 +258,8 @@ def _package_version(name: str) -> str:
 
 
 def _flattened_sequence(value: Any) -> Any:
+    if isinstance(value, int) and abs(value) > _LARGEST_INTEGER:
+        return float(value)
     return tuple(np.ravel(value).tolist()) if isinstance(value, list | tuple) else value
 
 

@@ -18,7 +18,7 @@ from remanent.models.drives.base import Drive
 from remanent.models.parts import Part
 from remanent.models.system import System
 from remanent.results import provenance
-from remanent.results.checks import require_dataset
+from remanent.results.checks import require_unstacked_dataset
 from remanent.results.named_quantities import attribute_quantity, quantities_of
 from remanent.results.schema import DESCRIPTIONS, QuantityKind, describe
 
@@ -50,6 +50,8 @@ _TEMPERATURE_NAMES = frozenset({"temperature", "temperature_error"})
 _STATE_ERROR_NAMES = frozenset({"error", "local_error", "residual", "tolerance"})
 #: Fields that say what the units are: those of the reference temperature.
 _UNSCALED_FIELDS: Final = frozenset({"scales"})
+#: Largest ratio of two temperatures.
+_LARGEST_RATIO: Final = 1e9
 _TEMPERATURE_RULE: Final = positive_rule("Temperatures are absolute.", "Pass kelvin.")
 
 _Model = TypeVar("_Model", bound=Actuator | Part)
@@ -111,7 +113,7 @@ def rescale(
     >>> round(float(hot.natural_frequency[0] / cool.natural_frequency[0]), 4)
     1.4142
     """
-    require_dataset("dataset", dataset)
+    require_unstacked_dataset("dataset", dataset)
     target = require_real("temperature", temperature, _TEMPERATURE_RULE)
     if "scales_applied" in dataset.attrs:
         raise InputError(
@@ -126,7 +128,7 @@ def rescale(
         _require_selected_values(dataset, source)
     _require_entropic(dataset, source)
     _require_unscaled_ranges(dataset)
-    ratio = target / _single_temperature(dataset, source)
+    ratio = _ratio_of_temperatures(target, _single_temperature(dataset, source))
     scaled = dataset.copy()
     for name in dataset.variables:
         variable = _rescaled_variable(dataset, str(name), ratio, target)
@@ -214,7 +216,7 @@ def _require_entropic(dataset: xr.Dataset, system: Actuator) -> None:
 def _single_temperature(dataset: xr.Dataset, system: Actuator) -> float:
     """The temperature of the result."""
     for name in ("temperature", "reference_temperature"):
-        if name in dataset.coords and dataset[name].ndim:
+        if name in dataset.coords and dataset[name].size != 1:
             raise InputError(
                 "dataset",
                 must=f"have one {name}",
@@ -223,8 +225,22 @@ def _single_temperature(dataset: xr.Dataset, system: Actuator) -> float:
                 fix=f"Select one: dataset.sel({name}=...).",
             )
     if "temperature" in dataset.coords:
-        return float(dataset["temperature"])
+        return float(dataset["temperature"].item())
     return system.temperature
+
+
+def _ratio_of_temperatures(target: float, own: float) -> float:
+    """Of the temperatures, if its powers are numbers that floats hold."""
+    ratio = target / own
+    if 1.0 / _LARGEST_RATIO <= ratio <= _LARGEST_RATIO:
+        return ratio
+    raise InputError(
+        "temperature",
+        must=f"be at most {_LARGEST_RATIO:g} times higher or lower than that of the dataset",
+        got=f"{target:g} K for {own:g} K",
+        why="Numbers that grow with its powers would be lost.",
+        fix="Pass a temperature at which there are actuators.",
+    )
 
 
 def _temperature_power(name: str) -> float:

@@ -20,7 +20,7 @@ from typing import Final
 
 import numpy as np
 
-from remanent._errors import InputError
+from remanent._errors import InputError, shortened_repr
 from remanent._status import Status
 
 __all__ = [
@@ -175,7 +175,7 @@ def describe(name: str) -> Description:
     raise InputError(
         "name",
         must="be a variable of the schema",
-        got=repr(name),
+        got=shortened_repr(name),
         why="Every variable of a Dataset has a unit, a meaning and a symbol.",
         fix="Add a line to remanent/results/variables.csv.",
     )

@@ -10,12 +10,12 @@ from typing import Any, Final
 import numpy as np
 import xarray as xr
 
-from remanent._checks import require_flag
+from remanent._checks import require_flag, shortened_repr
 from remanent._errors import InputError
 from remanent.models.scaling import Scales
 from remanent.models.system import System
 from remanent.results import provenance
-from remanent.results.checks import require_dataset
+from remanent.results.checks import require_unstacked_dataset
 from remanent.results.named_quantities import QuantityPower, attribute_quantity, quantities_of
 from remanent.results.schema import DESCRIPTIONS, Description, QuantityKind, describe
 from remanent.results.si_units import (
@@ -96,7 +96,7 @@ def to_si(
     >>> float(rest.equilibrium_stretch[0].round(3)), rest.equilibrium_stretch.units
     (1.056, 'mm')
     """
-    require_dataset("dataset", dataset)
+    require_unstacked_dataset("dataset", dataset)
     scales = _read_scales(dataset, system)
     units = _Units(dataset, scales, require_flag("lengths", lengths))
     converted = dataset.copy()
@@ -326,7 +326,9 @@ def _read_scales(dataset: xr.Dataset, system: System | None) -> Mapping[str, Any
             must="carry the scales of its actuator",
             got="a Dataset in SI already" if already else "one without",
             why="Dimensionless numbers turn to SI only by the modulus, density and lengths.",
-            fix="Use it as it is." if already else "Build the actuator with Actuator.from_si.",
+            fix="Use it as it is."
+            if already
+            else "Pass system=..., an actuator that Actuator.from_si made.",
         )
     given = None if system is None else _require_scales(system)
     factors = json.loads(str(text)) if given is None else given.si_factors()
@@ -337,7 +339,7 @@ def _read_scales(dataset: xr.Dataset, system: System | None) -> Mapping[str, Any
             must=f"carry the scales {', '.join(_REQUIRED_SCALES)}",
             got=f"one without {', '.join(missing)}",
             why="Each kind of quantity needs its own.",
-            fix="Build the actuator with Actuator.from_si.",
+            fix="Pass system=..., an actuator that Actuator.from_si made.",
         )
     return {**factors, **_body_sizes(dataset, system)}
 
@@ -348,7 +350,7 @@ def _require_scales(system: object) -> Scales:
         raise InputError(
             "system",
             must="be made by Actuator.from_si",
-            got=repr(system)[:80],
+            got=shortened_repr(system),
             why="Dimensionless numbers alone do not fix a length or a stress.",
             fix="Build it with Actuator.from_si.",
         )

@@ -69,12 +69,20 @@ def controllable_poles(a: FloatArray, b: FloatArray) -> ComplexArray:
     Returns
     -------
     array (pole,) of complex
+        None where the input moves nothing, or by numbers that floats do not hold.
     """
     # Kalman's controllability matrix b, a b, a^2 b ...: its columns span these states.
-    columns = [b / np.linalg.norm(b)]
-    for _ in range(len(b) - 1):
-        column = a @ columns[-1]
-        columns.append(column / max(float(np.linalg.norm(column)), 1e-300))
+    columns = []
+    with np.errstate(all="ignore"):
+        column = b
+        for _ in range(len(b)):
+            size = float(np.linalg.norm(column))
+            if not 0.0 < size < np.inf:
+                break
+            columns.append(column / size)
+            column = a @ columns[-1]
+    if not columns or not np.isfinite(a).all():
+        return np.empty(0, dtype=np.complex128)
     basis = orth(np.column_stack(columns), rcond=_CONTROLLABILITY_RANK_TOLERANCE)
     return np.asarray(np.linalg.eigvals(basis.T @ a @ basis), dtype=np.complex128)
 
@@ -86,12 +94,20 @@ def default_impulse_spacing(poles: ComplexArray) -> float:
     ----------
     poles : array (pole,) of complex
         Of a linear system.
+
+    Returns
+    -------
+    float
+        NaN without poles, infinity where nothing comes to rest.
     """
+    if not poles.size:
+        return np.nan
     size = np.abs(poles)
     frequencies = np.abs(poles.imag[np.abs(poles.imag) > _MIN_OSCILLATORY_IMAGINARY_SHARE * size])
     if frequencies.size:
         return float(np.pi / frequencies.min())
-    return float(1.0 / np.abs(poles.real).min())
+    with np.errstate(all="ignore"):
+        return float(1.0 / np.abs(poles.real).min())
 
 
 def zero_vibration_impulse_amplitudes(

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -127,6 +127,21 @@ class Drive(Part, ABC):
         """Smallest period of m(tau), or None where m has no (smallest) period."""
         periods = self.periods({})
         return None if periods is None else float(periods)
+
+    def with_varied(self, names: Collection[str]) -> Self:
+        """The drive where fields of these names take values of their own; itself, usually.
+
+        Parameters
+        ----------
+        names : collection of str
+            Numeric fields whose values are given with every run.
+
+        Returns
+        -------
+        Drive
+            Its period does not depend on whether one of the values happens to be 0.
+        """
+        return self
 
     def given_or_own_values(self, values: Mapping[str, FloatArray], name: str) -> FloatArray:
         """The field `name` of a batch: from `values`, else the drive's own."""

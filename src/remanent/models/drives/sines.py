@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
@@ -34,8 +34,8 @@ class Sines(Drive):
     Equation: m(tau) = mean + sum_k loads[k] sin(multiples[k] omega tau + phases[k]).
 
     Where all multiples are fractions of whole numbers, such as 2 or 1.5, the load has a period;
-    for other ratios, such as 1 and the square root of 2, it has none.  Loads and phases may be
-    varied one by one: ``loads.0``, ``phases.1`` ...
+    for other ratios, such as 1 and the square root of 2, it has none, whatever the loads are.
+    Loads and phases may be varied one by one: ``loads.0``, ``phases.1`` ...
 
     Parameters
     ----------
@@ -130,6 +130,14 @@ class Sines(Drive):
             math.lcm(*(ratio.denominator for ratio in ratios)),
         )
 
+    def with_varied(self, names: Collection[str]) -> Self:
+        """The drive in which every term whose load varies counts for the period."""
+        loads = [self.parameters()[f"loads.{i}"] for i in range(len(self._checked_multiples()))]
+        counted = [
+            1.0 if f"loads.{i}" in names and load == 0.0 else load for i, load in enumerate(loads)
+        ]
+        return self if counted == loads else self.replace(loads=counted)
+
     def _acting_terms(self, values: Mapping[str, FloatArray]) -> list[bool]:
         """Which terms have a load, of the drive itself or anywhere in a batch of `values`."""
         own = self.parameters()
@@ -186,7 +194,8 @@ class Sines(Drive):
     def periods(self, values: Mapping[str, FloatArray]) -> FloatArray | None:
         """2 pi/(g omega), with g the greatest common divisor of the multiples, or None.
 
-        Terms without a load do not count.
+        Terms without a load do not count, unless one of the values in the batch is another:
+        all of a batch have their period in common.
         """
         if self._common_divisor() is None:
             return None

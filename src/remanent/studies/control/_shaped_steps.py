@@ -213,6 +213,8 @@ class _ShapingProblem:
     def _require_stable(self, rest: StaticState) -> ComplexArray:
         """The poles of small motions about a state of rest, if none of them grows."""
         poles = shaping.controllable_poles(*rest.rate_derivatives())
+        if not poles.size:
+            raise _unreachable_error(self.target_thickness, "no small load moves it there")
         if (poles.real > _UNSTABLE_POLE_RELATIVE_REAL_PART * np.abs(poles).max()).any():
             raise _unreachable_error(self.target_thickness, "the equilibrium there is unstable")
         return poles
@@ -229,6 +231,8 @@ class _ShapingProblem:
         spacing = shaping.default_impulse_spacing(poles) * (
             _MOVING_START_STEP_SPACING_IN_HALF_PERIODS if moving else 1.0
         )
+        if not np.isfinite(spacing):
+            raise _unreachable_error(self.target_thickness, "motion about it never comes to rest")
         parts = shaping.zero_vibration_impulse_amplitudes(poles, spacing, 1 + len(self.robust_to))
         loads = (
             self.start_rest.magnetic_load

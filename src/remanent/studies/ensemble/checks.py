@@ -33,6 +33,8 @@ FINEST_TOLERANCE = 1e-13
 COARSEST_TOLERANCE = 0.1
 #: What to do where a drive stands in the place of a system, or a system in that of a drive.
 _ORDER_REMEDY = "The system comes first, then the drive: simulate(actuator, drive, ...)."
+#: Largest end of a range, in size: differences of larger numbers overflow.
+_LARGEST_RANGE_END = 1e150
 #: What ``rng`` accepts.
 RngArgument: TypeAlias = int | np.random.Generator | None
 #: The seed of all random choices where none is given.
@@ -204,7 +206,7 @@ def require_parameter_range(
         broken = ens.system.where_invalid({parameter: end}) | ens.drive.where_invalid(
             {parameter: end}
         )
-        if broken.any():
+        if broken.any() or abs(end) > _LARGEST_RANGE_END:
             raise InputError(
                 name,
                 must=f"hold possible values of {parameter} only",

@@ -14,6 +14,7 @@ from remanent.integrate.ensemble.problem import Outcome
 from remanent.results import build, provenance
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.invalid import reasons_of_invalid
 
 #: An array (trajectory, ...) with the names of its later dimensions; none if it is bare.
 PerTrajectoryArray = NDArray[Any] | tuple[tuple[str, ...], NDArray[Any]]
@@ -61,6 +62,7 @@ def to_dataset(
     Returns
     -------
     xarray.Dataset
+        Where values of ``over`` break a rule, ``reason`` says which.
     """
     evidence: dict[str, PerTrajectoryArray] = {}
     if outcome is not None:
@@ -69,6 +71,8 @@ def to_dataset(
         evidence = {"status": status}
     elif "status" not in variables:
         evidence = {"status": np.where(ens.is_invalid, Status.INVALID, Status.OK)}
+    if ens.is_invalid.any() and "reason" not in (shared or {}):
+        evidence["reason"] = _with_reasons_of_invalid(ens, variables.get("reason"))
     labelled = {
         name: _label_for_ensemble(ens, values) for name, values in {**variables, **evidence}.items()
     }
@@ -78,6 +82,14 @@ def to_dataset(
         {**labelled, **(shared or {})}, {**ens.coords, **(coords or {})}, attributes
     )
     return build.with_labels(result, ens.labels)
+
+
+def _with_reasons_of_invalid(ens: Ensemble, given: PerTrajectoryArray | None) -> PerTrajectoryArray:
+    """The reasons that a verb gave, and why nothing is computed where a value breaks a rule."""
+    if isinstance(given, tuple):  # along dimensions of their own
+        return given
+    reasons = reasons_of_invalid(ens)
+    return reasons if given is None else np.where(given == "", reasons, given)
 
 
 def _label_for_ensemble(ens: Ensemble, values: PerTrajectoryArray) -> Labelled:

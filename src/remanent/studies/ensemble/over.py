@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from remanent._checks import as_float_array, finite_rule, is_increasing, shortened_repr
+from remanent._checks import as_float_array, is_increasing, shortened_repr
 from remanent._errors import InputError, warn_of_input
 from remanent._status import Status
 from remanent._typing import ArrayLike, BoolArray, FloatArray
@@ -19,6 +19,7 @@ from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.results.build import Labelled
 from remanent.results.schema import is_described
+from remanent.studies.ensemble.invalid import FINITE_RULE, varied_rules
 from remanent.studies.ensemble.quantities import without_unit
 
 #: What ``over`` accepts.
@@ -33,8 +34,6 @@ _FREE_DIMENSIONS: Final = frozenset({"case", "point", "start", "stop"})
 #: Kinds of NumPy data that labels may have: numbers, text, truth values, dates.
 _LABEL_DTYPE_KINDS: Final = frozenset("iufUbM")
 
-#: What a varied initial value must be, and fields without a rule of their own.
-_FINITE_RULE: Final = finite_rule("Nothing is computed from anything else.")
 #: How many of the values that break a rule a warning shows.
 _MAX_SHOWN_VALUES: Final = 3
 
@@ -206,7 +205,7 @@ def _require_unreserved_dims(
             raise InputError(
                 f"over[{field.name!r}]",
                 must="have dimensions that results do not have of their own",
-                got=repr(dim),
+                got=shortened_repr(dim),
                 why="The result has one axis, or one variable, for each name.",
                 fix="Rename the dimension of the DataArray, for example to 'case'.",
             )
@@ -286,10 +285,10 @@ def warn_of_varied_values(
     system.warn_if_implausible({name: values for name, (_, values) in arrays.items()})
     if not invalid.any():
         return
-    rules = {**system.parameter_rules(), **drive.parameter_rules()}
+    rules = varied_rules(system, drive)
     reasons = []
     for name, (_, values) in arrays.items():
-        rule = rules.get(name, _FINITE_RULE)
+        rule = rules.get(name, FINITE_RULE)
         broken = values[~rule.is_satisfied_by(values)]
         if broken.size:
             shown = ", ".join(f"{value:g}" for value in np.unique(broken)[:_MAX_SHOWN_VALUES])

@@ -7,7 +7,7 @@ from collections.abc import Hashable
 import numpy as np
 import xarray as xr
 
-from remanent._checks import Rule, require_real, shortened_repr
+from remanent._checks import Rule, as_float_array, require_real, shortened_repr
 from remanent._errors import InputError
 from remanent._typing import FloatArray
 from remanent.analysis.inference.ringdown import DecayFit, fit_exponential_decay
@@ -96,7 +96,9 @@ def logarithmic_decrement(
             fix="Call rm.to_si on the result instead.",
         )
     axis = _time_dimension(history, variable)
-    values, time = xr.broadcast(history[variable], history["time"])
+    values, time = xr.broadcast(
+        _of_numbers(history, variable, gaps=True), _of_numbers(history, "time", gaps=False)
+    )
     motion_dims = [d for d in values.dims if d != axis]
     values, time = (array.transpose(*motion_dims, axis) for array in (values, time))
     rows = [
@@ -148,6 +150,16 @@ def _time_dimension(history: xr.Dataset, variable: str) -> Hashable:
             fix="Pass the result of rm.simulate.",
         )
     return dims[0]
+
+
+def _of_numbers(history: xr.Dataset, name: str, *, gaps: bool) -> xr.DataArray:
+    """A variable of the history, as floats."""
+    array = history[name]
+    numbers = as_float_array(
+        f"history[{name!r}]", array, what="values in time", why="A decay is seen in numbers.",
+        fix="Pass the result of rm.simulate, or of rm.read_measurements.", gaps=gaps,
+    )  # fmt: skip
+    return array.copy(data=numbers)
 
 
 def _flatten_to_rows(array: xr.DataArray) -> FloatArray:

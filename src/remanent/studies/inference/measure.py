@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from remanent._checks import shortened_repr
+from remanent._checks import as_float_array, require_mapping, shortened_repr
 from remanent._errors import InputError
+from remanent._typing import FloatArray
 from remanent.models.drives.base import Drive
 from remanent.models.drives.waves import Constant
 from remanent.models.system import System
@@ -70,7 +71,7 @@ class Measure:
             raise InputError(
                 "measure",
                 must="be a verb",
-                got=repr(verb)[:80],
+                got=shortened_repr(verb),
                 why="It is called with changed fields.",
                 fix="Pass for example rm.frequency_response.",
             )
@@ -78,7 +79,7 @@ class Measure:
             raise InputError(
                 "over",
                 must="be left out",
-                got=repr(options["over"])[:80],
+                got=shortened_repr(options["over"]),
                 why="The fields that vary are chosen here.",
                 fix="Ask for one grid point at a time.",
             )
@@ -170,7 +171,7 @@ class Measure:
 
     def _results_at(self, values: Mapping[str, Any]) -> xr.Dataset:
         """Results of the verb along ``sample``."""
-        columns = {name: np.asarray(v, dtype=np.float64) for name, v in values.items()}
+        columns = _require_columns(values)
         if self._verb_takes_over:
             over = {name: xr.DataArray(v, dims=SAMPLE_DIMENSION) for name, v in columns.items()}
             result: xr.Dataset = self.verb(*self.arguments, **self.options, over=over)
@@ -210,7 +211,7 @@ class Measure:
             raise InputError(
                 "of",
                 must=f"keep the dimension `{SAMPLE_DIMENSION}`",
-                got=repr(self.of),
+                got=shortened_repr(self.of),
                 why="The verb was asked for many values at once.",
                 fix="Reduce other dimensions only.",
             )
@@ -223,7 +224,7 @@ class Measure:
             raise InputError(
                 "of",
                 must=f"be one of {', '.join(map(str, result.data_vars))}",
-                got=repr(self.of),
+                got=shortened_repr(self.of),
                 why="It is a variable of the verb's result.",
                 fix="Pass its name.",
             )
@@ -252,6 +253,28 @@ class Measure:
 
         options = {name: changed(value) for name, value in self.options.items()}
         return self.verb(*map(changed, self.arguments), **options)
+
+
+def _require_columns(values: object) -> dict[str, FloatArray]:
+    """Sets of parameters as arrays of one length."""
+    fix = 'Pass for example {"temperature": [290.0, 300.0]}.'
+    given = require_mapping("values", values, what="names to numbers, at least one", fix=fix)
+    columns = {
+        name: as_float_array(
+            f"values[{name!r}]" if isinstance(name, str) else "values", column, ndim=1,
+            what="values of a field", why="Each set of parameters has one.", fix=fix,
+        )
+        for name, column in given.items()
+    }  # fmt: skip
+    if len({len(column) for column in columns.values()}) != 1:
+        raise InputError(
+            "values",
+            must="have as many entries for each of its names, and at least one name",
+            got=shortened_repr({name: len(column) for name, column in columns.items()}),
+            why="They go together, one with one.",
+            fix=fix,
+        )
+    return columns
 
 
 def _is_system(argument: object) -> bool:
@@ -283,7 +306,7 @@ def _unknown_name_error(argument: str, name: str, nominal: Mapping[str, float]) 
     return InputError(
         argument,
         must="name numeric fields of the system or the drive",
-        got=repr(name),
+        got=shortened_repr(name),
         why="Nothing else can vary.",
         fix=f"Its fields are: {', '.join(nominal)}.",
     )

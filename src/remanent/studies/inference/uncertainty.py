@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 from scipy.stats import uniform
 
-from remanent._checks import as_float_array, require_flag
+from remanent._checks import as_float_array, require_flag, shortened_repr
 from remanent._errors import InputError
 from remanent._typing import FloatArray
 from remanent.analysis.inference.uncertainty import (
@@ -140,7 +140,8 @@ def uncertainty(
     )
     shares = _require_quantiles(quantiles)
     samples = _require_sample_count(samples, shares)
-    generator = np.random.default_rng(as_seed(rng))
+    seed = as_seed(rng)
+    generator = np.random.default_rng(seed)
     function = _MeasureEvaluation(measure, names)
     statistics = propagate_distributions(function, uncertain, shares, samples, generator)
     statistics = function.with_measure_errors(statistics)
@@ -163,7 +164,7 @@ def uncertainty(
     return build.dataset(
         variables,
         {**coords, **layout.coords},
-        measure_provenance([measure], samples=samples)
+        measure_provenance([measure], samples=samples, rng=seed)
         | {"uncertain": " ".join(names), "errors": function.describe_errors()},
     )
 
@@ -261,7 +262,7 @@ def _require_parameter_ranges(
         raise InputError(
             "parameter_ranges",
             must="name at least one field",
-            got=repr(parameter_ranges)[:80],
+            got=shortened_repr(parameter_ranges),
             why="Something must be uncertain.",
             fix="Pass for example {'temperature': (280, 300)}, or fit=rm.fit(...).",
         )

@@ -23,6 +23,8 @@ DEFAULT_RATE_RANGE = (-8.0, 8.0)
 TEMPERATURE_MARGIN_KELVIN = 5.0
 #: Special points that are looked for by themselves.
 BIFURCATION_KINDS = ("fold", "period doubling")
+#: Largest state that a box may hold.
+_LARGEST_STATE = 1e100
 #: Why there is a box.
 _STATE_BOX_REASON = "Orbits are looked for, and branches end, in a box of states at phase 0."
 _STATE_BOX_REMEDY = "Pass for example {'stretch': (0.3, 4.0)}."
@@ -86,6 +88,14 @@ def _require_bounds(name: str, variable: StateVariable, bounds: Any) -> FloatArr
             why=_STATE_BOX_REASON,
             fix=_STATE_BOX_REMEDY,
         )
+    if np.abs(pair).max() > _LARGEST_STATE:
+        raise InputError(
+            name,
+            must=f"keep {variable.name} below {_LARGEST_STATE:g} in size",
+            got=shortened_repr(bounds),
+            why="No orbit is so large, and a finer division of the box would not reach it.",
+            fix=_STATE_BOX_REMEDY,
+        )
     if variable.positive and pair[0] <= 0.0:
         raise InputError(
             name,
@@ -147,7 +157,7 @@ def require_not_in_over(parameters: tuple[str, ...], ens: Ensemble) -> None:
             raise InputError(
                 "over",
                 must=f"not name {parameter}",
-                got=repr(parameter),
+                got=shortened_repr(parameter),
                 why="It is the field that is varied to find the result.",
                 fix="Leave it out of `over`.",
             )

@@ -101,6 +101,8 @@ class StroboscopicMap:
     state_cell_bits: int = 4
 
     def __post_init__(self) -> None:
+        drive = self.ensemble.drive.with_varied(self.parameter_names)
+        object.__setattr__(self, "ensemble", replace(self.ensemble, drive=drive))
         require_drive_periods(self.ensemble)
 
     @property

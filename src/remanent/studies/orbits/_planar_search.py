@@ -26,6 +26,7 @@ from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.analysis.orbits.cell_samples import Sample
 from remanent.analysis.orbits.cells import CellSearchOutcome, zeros_by_cells
 from remanent.analysis.orbits.periodic_orbits import (
+    concatenate_orbits,
     distinct_fixed_points,
     distinct_orbits_of_least_period,
 )
@@ -177,7 +178,11 @@ def search_plane(search: OrbitSearch, row: FloatArray) -> OrbitSearchOutcome:
         region = region_of_orbits(
             displacement.map_of_tolerance(np.inf), energy, displacement.settling_periods
         )
-    box, is_whole = _searched_box(search, region, EnergyLevels.of(energy).possible_stretches)
+    possible = EnergyLevels.of(energy).possible_stretches
+    box, is_whole = _searched_box(search, region, possible)
+    if box[0, 0] == box[0, 1]:
+        reason = "" if possible[0] < possible[1] else "no stretch has a finite energy"
+        return OrbitSearchOutcome(concatenate_orbits([], search.map.dimension), reason)
     for refinement in (1, _SECOND_SEARCH_REFINEMENT):
         grid = _first_grid(search, box, refinement)
         cells = _search_cells(displacement, grid, region)

@@ -7,6 +7,8 @@ Systems with one stretch and its rate are searched by cells, see
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from remanent._typing import FloatArray
@@ -21,14 +23,34 @@ from remanent.studies.orbits._period_map import StroboscopicMap
 from remanent.studies.orbits._planar_search import search_plane
 from remanent.studies.orbits._search_region import has_energy
 
+#: Change of a field of the drive at which it is looked whether a symmetry stays.
+_OTHER_VALUE = 0.37
 
-def is_reversible(system: System, drive: Drive) -> bool:
-    """Whether reversing time leaves the equation of motion as it is."""
-    period = drive.period
-    if period is None or not system.conservative:
+
+def is_reversible(system: System, drive: Drive, varied: Sequence[str] = ()) -> bool:
+    """Whether reversing time leaves the equation of motion as it is.
+
+    Parameters
+    ----------
+    system : System
+    drive : Drive
+    varied : sequence of str
+        Fields whose values are not those of the drive: it has to hold for others too.
+    """
+    if not system.conservative:
         return False
-    times = np.linspace(0.0, 0.5, 33) * period
-    ahead, back = drive(times), drive(period - times)
+    own = drive.parameters()
+    shaping = [name for name in varied if name in own and name != drive.frequency_field_name]
+    changed = [drive.replace(**{name: own[name] + _OTHER_VALUE}) for name in shaping]
+    return all(_has_mirrored_load(one) for one in (drive, *changed))
+
+
+def _has_mirrored_load(drive: Drive) -> bool:
+    """Whether the load is the same forwards and backwards from phase 0."""
+    if drive.period is None:
+        return False
+    times = np.linspace(0.0, 0.5, 33) * drive.period
+    ahead, back = drive(times), drive(drive.period - times)
     return bool(np.allclose(ahead, back, rtol=0.0, atol=1e-13 * (1.0 + np.abs(ahead).max())))
 
 

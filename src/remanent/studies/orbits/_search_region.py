@@ -104,7 +104,8 @@ class EnergyLevels:
         low, high = _ends_of_rise(at_rest)
         place = np.arange(len(at_rest))
         at_rest = np.where((place >= low) & (place <= high), at_rest, np.nan)
-        return cls(at_rest, 2.0 * (moving - at_rest))
+        with np.errstate(all="ignore"):
+            return cls(at_rest, 2.0 * (moving - at_rest))
 
     @property
     def least(self) -> float:
@@ -120,6 +121,8 @@ class EnergyLevels:
     def is_known(self, share: float) -> bool:
         """Whether a level, in units of the scale, lies below the energy at both ends."""
         known = self.potential[np.isfinite(self.potential)]
+        if not known.size:
+            return False
         highest = min(known[0], known[-1])
         return bool(share <= _HIGHEST_LEVEL and self.least + share * self.scale < highest)
 
@@ -130,7 +133,7 @@ class EnergyLevels:
         Chains of some materials have an end, and some magnets a pole at extreme stretches.
         """
         finite = _STRETCHES[np.isfinite(self.potential)]
-        return float(finite[0]), float(finite[-1])
+        return (float(finite[0]), float(finite[-1])) if finite.size else (1.0, 1.0)
 
     def stretch_range(self, level: float) -> tuple[float, float]:
         """Least and largest stretch with this energy."""

@@ -159,7 +159,7 @@ class Tracing:
     def orbit_search(self, *, dense: bool = True) -> OrbitSearch:
         """How orbits to start from are looked for."""
         ens = self.map.ensemble
-        reversible = is_reversible(ens.system, ens.drive)
+        reversible = is_reversible(ens.system, ens.drive, self.map.parameter_names)
         # Branches end at the box: in the plane, orbits outside of it are not looked for.
         return OrbitSearch(
             self.map, self.state_box, self.orbit_period, self.residual_tolerance, reversible, dense,

@@ -127,6 +127,14 @@ def switch_branch(
     )
     ens = lay_out_ensemble(system, drive)
     require_parameter("parameter", parameter, ens)
+    if f"special_{parameter}" not in branch:
+        raise InputError(
+            "parameter",
+            must="be the field that was followed along `branch`",
+            got=repr(parameter),
+            why="The special point has a value of that one only.",
+            fix="Leave it out: the branch says which it is.",
+        )
     limits = require_parameter_range(
         "parameter_range",
         _setting_of_branch(branch, "parameter_range", parameter_range),

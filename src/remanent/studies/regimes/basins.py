@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from remanent._errors import InputError
+from remanent._errors import InputError, shortened_repr
 from remanent._typing import ArrayLike, BoolArray, FloatArray, IntArray
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
@@ -233,7 +233,7 @@ def _over_from_grid(grid: Any) -> dict[str, Any]:
         raise InputError(
             "grid",
             must="be a mapping of state variables to values",
-            got=repr(grid)[:80],
+            got=shortened_repr(grid),
             why="It says from where the motions start.",
             fix="Pass for example {'stretch': numpy.linspace(0.5, 2, 64), 'stretch_rate': [0.0]}.",
         )

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from remanent._checks import require_choice
+from remanent._checks import require_choice, shortened_repr
 from remanent._errors import InputError
 from remanent._typing import ArrayLike
 from remanent.models.drives.base import Drive
@@ -185,7 +185,7 @@ def _require_values_with_own_dimension(
         raise InputError(
             "values",
             must="be a plain array",
-            got=repr(values)[:80],
+            got=shortened_repr(values),
             why="A sweep visits one value after the other.",
             fix="Pass for example numpy.linspace(0.5, 2.0, 300).",
         )

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from remanent._errors import InputError
+from remanent._status import Status
 from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.integrate import events
 from remanent.integrate.ensemble.ensemble import integrate
@@ -86,10 +87,10 @@ def free_oscillations(ens: Ensemble, tolerance: float) -> FreeOscillations:
     tolerance : float
         Of the state at the other turning point.
     """
-    until = _times_after_first_turns(ens, tolerance)
     # No further than to the turn: the error of a longer run is that of its end.
-    turn = _first_turns(ens, np.where(np.isfinite(until), until, 1.0), tolerance)
-    half = np.where(np.isfinite(until), turn.time, np.nan)
+    after, without = _times_after_first_turns(ens, tolerance)
+    turn = _first_turns(ens, np.where(np.isfinite(after), after, without), tolerance)
+    half = np.where(np.isfinite(after), turn.time, np.nan)
     # The stretch is extreme where it turns: at the start and there.
     ends = np.stack([ens.initial_states, turn.states], axis=1)
     name = turn.problem.field.observable_name
@@ -101,26 +102,35 @@ def free_oscillations(ens: Ensemble, tolerance: float) -> FreeOscillations:
     return FreeOscillations(turn.problem, outcome, frequency, frequency_error)
 
 
-def _times_after_first_turns(ens: Ensemble, tolerance: float) -> FloatArray:
-    """Times soon after first turns, looked for in longer and longer runs, array (trajectory,)."""
+def _times_after_first_turns(ens: Ensemble, tolerance: float) -> tuple[FloatArray, FloatArray]:
+    """Times soon after first turns, looked for in longer and longer runs.
+
+    Returns
+    -------
+    after : array (trajectory,)
+        NaN where no turn was found.
+    without : array (trajectory,)
+        Length of the run that tells why there is none: the one that ended early, or a short one.
+    """
     after = np.full(ens.trajectory_count, np.nan)
-    duration = _FIRST_SEARCH_DURATION_IN_TAU
+    until = np.full(ens.trajectory_count, _FIRST_SEARCH_DURATION_IN_TAU)
+    missing = ~ens.is_invalid
     for _ in range(_MAX_ATTEMPTS):
-        missing = np.isnan(after) & ~ens.is_invalid
         if not missing.any():
             break
-        problem = initial_value_problem(ens, np.full(ens.trajectory_count, duration))
-        times = duration * np.arange(1, _SEARCH_INSTANTS + 1) / _SEARCH_INSTANTS
-        instants = np.tile(times, (ens.trajectory_count, 1))
+        problem = initial_value_problem(ens, until)
+        instants = until[:, None] * np.arange(1, _SEARCH_INSTANTS + 1) / _SEARCH_INSTANTS
         outcome = integrate(problem, Request(times=instants), tolerance=tolerance)
         assert outcome.states is not None
         start = _rate_slope_at_zero(problem, np.arange(len(after)), ens.initial_states)
         with np.errstate(invalid="ignore"):
             returns = outcome.states[:, :, 1] * start[:, None] < 0.0
-        first = np.where(returns.any(axis=1), times[returns.argmax(axis=1)], np.nan)
-        after = np.where(missing, first, after)
-        duration *= _DURATION_GROWTH_FACTOR
-    return after
+        first = np.take_along_axis(instants, returns.argmax(axis=1)[:, None], axis=1)[:, 0]
+        after = np.where(missing & returns.any(axis=1), first, after)
+        # A run that ended early ends there however long it is to be.
+        missing &= np.isnan(after) & (outcome.status == Status.OK)
+        until = np.where(missing, _DURATION_GROWTH_FACTOR * until, until)
+    return after, np.where(missing, 1.0, until)
 
 
 @dataclass(frozen=True)

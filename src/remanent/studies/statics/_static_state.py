@@ -114,9 +114,12 @@ class StaticState:
         return bool(balanced) and all(has_meaning)
 
     def thickness_stiffness(self) -> float:
-        """Force on the thickness stretch, over its change, from rest to rest."""
+        """Force on the thickness stretch, over its change, from rest to rest; NaN where none is."""
         u = np.append(self.state[self.free_indices], self.magnetic_load)
-        compliance = np.linalg.solve(self._jacobian(u), np.eye(len(u))[-1])[-1]
+        try:
+            compliance = np.linalg.solve(self._jacobian(u), np.eye(len(u))[-1])[-1]
+        except np.linalg.LinAlgError:  # no load changes it, or any does
+            return np.nan
         return float(compliance * self._conjugate_thickness_slope())
 
     def rate_derivatives(self) -> tuple[FloatArray, FloatArray]:
