@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Hashable, Iterable, Iterator
 from dataclasses import dataclass
 from enum import Enum
+from functools import cache, wraps
 from importlib import import_module
 from pkgutil import iter_modules
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from scipy.stats import beta
 
 from benchmarks.errors import rows
+
+T = TypeVar("T")
 
 #: Least number that a double can tell from one: where a true error is smaller, it is its measure.
 EPS = float(np.finfo(float).eps)
@@ -65,7 +68,7 @@ class Row:
     name : str
         Of the number in words, as "multipliers of periodic orbits".
     variable : str
-        Of the result, as "periodic_orbits: multipliers_error".
+        Of the result, as "periodic_orbits: multipliers_error"; more than one with commas.
     measure : callable
         From a generator of random numbers to judged numbers of one batch of random cases.
     promise : Promise
@@ -82,6 +85,12 @@ class Row:
         """The name as that of a file."""
         return self.name.replace(" ", "-").replace(",", "")
 
+    @property
+    def errors(self) -> frozenset[str]:
+        """The errors that it judges, each as "verb: variable"."""
+        verb, names = self.variable.split(": ")
+        return frozenset(f"{verb}: {name}" for name in names.split(", "))
+
     def measured(self, count: int, seed: int) -> Iterator[Judged]:
         """At least `count` judged numbers, the same for the same seed."""
         found = batch = 0
@@ -90,6 +99,26 @@ class Row:
                 found += 1
                 yield judged
             batch += 1
+
+
+def shared(batch: Callable[..., Iterable[T]]) -> Callable[..., tuple[T, ...]]:
+    """Make each batch of random cases once for all the rows that judge numbers of it.
+
+    Parameters
+    ----------
+    batch : callable
+        Of a generator of random numbers, and of what can be a key.
+    """
+
+    @cache
+    def made(seed: int, *args: Hashable) -> tuple[T, ...]:
+        return tuple(batch(np.random.default_rng(seed), *args))
+
+    @wraps(batch)
+    def drawn(rng: np.random.Generator, *args: Hashable) -> tuple[T, ...]:
+        return made(int(rng.integers(2**62)), *args)
+
+    return drawn
 
 
 def all_rows() -> list[Row]:

@@ -18,7 +18,7 @@ from remanent._typing import FloatArray
 #: Half the distance over which determinants are differenced.
 DIFFERENCE = LONG(1e-6)
 #: Derivatives are taken anew after steps longer than this.
-FRESH_DERIVATIVES_BEYOND = 1e-6
+FRESH_DERIVATIVES_BEYOND = 1e-3
 #: Largest Newton step.
 LARGEST_STEP = 0.02
 #: det(J + sign 1) vanishes.

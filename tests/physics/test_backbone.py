@@ -99,8 +99,8 @@ def test_no_oscillation_is_told_of_an_equilibrium() -> None:
     assert "equilibrium" in str(ds.reason.values[0])
 
 
-def test_frequencies_are_right_to_their_errors() -> None:
+def test_frequencies_and_amplitudes_are_right_to_their_errors() -> None:
     """Coverage of errors: against the return to rest in extended precision."""
-    judged = [one for seed in range(3) for one in rows._frequencies(np.random.default_rng(seed))]
-    assert len(judged) > 50
-    assert all(one.covered for one in judged)
+    judged = [one for seed in range(3) for one in rows._oscillations(np.random.default_rng(seed))]
+    assert len(judged) > 100
+    assert all(one.covered for _, one in judged)

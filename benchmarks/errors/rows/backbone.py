@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
 
 import remanent as rm
-from benchmarks.errors.period_map import CONVERGED, MAX_NEWTON_STEPS, PeriodMap
-from benchmarks.errors.row import Judged, Row
+from benchmarks.errors.period_map import CONVERGED, LONG, MAX_NEWTON_STEPS, PeriodMap
+from benchmarks.errors.row import Judged, Row, shared
 from benchmarks.errors.special_points import at
 
 #: Decades of tolerance that are asked for.
@@ -20,8 +20,9 @@ OSCILLATIONS = 20
 FIRST_DIFFERENCE = 1e-6
 
 
-def _frequencies(rng: np.random.Generator) -> Iterator[Judged]:
-    """Free oscillations of one random actuator under a random constant load."""
+@shared
+def _oscillations(rng: np.random.Generator) -> Iterator[tuple[str, Judged]]:
+    """Free oscillations of one random actuator under a random constant load: what, and how."""
     values = {
         "c": 10.0 ** rng.uniform(-1.0, 0.0),
         "temperature": 293.0 * rng.uniform(0.8, 1.3),
@@ -36,16 +37,21 @@ def _frequencies(rng: np.random.Generator) -> Iterator[Judged]:
     tolerance = 10.0 ** rng.uniform(*TOLERANCES)
     found = rm.backbone(body, stretches, m=values["mean"], tolerance=tolerance)
     motion = PeriodMap(rm.Sine(0.0, 1.0, mean=values["mean"]), values)
-    for stretch, frequency, error in zip(
-        stretches, found.frequency.values, found.frequency_error.values, strict=True
-    ):
-        exact = _return_frequency(motion, float(stretch), float(frequency))
-        if exact is not None:
-            case = f"{body!r}, stretch {stretch}, m {values['mean']}"
-            yield Judged(case, tolerance, False, float(error), float(abs(frequency - exact)))
+    for k, stretch in enumerate(stretches):
+        one = found.isel({"initial.stretch": k})
+        frequency = return_frequency(motion, float(stretch), float(one.frequency))
+        if frequency is None:
+            continue
+        low, high = at(motion, "omega", frequency).extremes([LONG(stretch), LONG(0)], 1)
+        exact = {"frequency": frequency, "amplitude": (high - low) / 2}
+        case = f"{body!r}, stretch {stretch}, m {values['mean']}"
+        for name, number in exact.items():
+            off = float(abs(float(one[name]) - number))
+            error = float(one[f"{name}_error"])
+            yield name, Judged(case, tolerance, False, error, off, float(number))
 
 
-def _return_frequency(motion: PeriodMap, stretch: float, near: float) -> Any:
+def return_frequency(motion: PeriodMap, stretch: Any, near: float) -> Any:
     """The frequency at which the block is at rest again after one period, by secants."""
     if not np.isfinite(near):
         return None
@@ -65,4 +71,11 @@ def _return_frequency(motion: PeriodMap, stretch: float, near: float) -> Any:
     return None
 
 
-ROWS = (Row("frequencies of free oscillations", "backbone: frequency_error", _frequencies),)
+def _of(name: str) -> Callable[[np.random.Generator], Iterator[Judged]]:
+    return lambda rng: (judged for what, judged in _oscillations(rng) if what == name)
+
+
+ROWS = (
+    Row("frequencies of free oscillations", "backbone: frequency_error", _of("frequency")),
+    Row("amplitudes of free oscillations", "backbone: amplitude_error", _of("amplitude")),
+)

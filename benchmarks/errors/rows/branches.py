@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import xarray as xr
 
 import remanent as rm
 from benchmarks.errors.period_map import PeriodMap
-from benchmarks.errors.row import Judged, Row
+from benchmarks.errors.row import Judged, Row, shared
 from benchmarks.errors.special_points import at, special_point
+from remanent._typing import ArrayLike
 
 #: Decades of tolerance that are asked for.
 TOLERANCES = (-11.0, -3.0)
@@ -50,12 +50,12 @@ class Case:
     def reference(self) -> PeriodMap:
         return PeriodMap(self.drive, self.values)
 
-    def branch(self) -> xr.Dataset | None:
-        """The branch through the orbit that Newton's method reaches from rest."""
+    def branch(self, initial: ArrayLike = (1.0, 0.0), max_points: int = 1000) -> xr.Dataset | None:
+        """The branch through the orbit that Newton's method reaches, from rest or elsewhere."""
         try:
             return rm.continue_orbit(
-                self.body, self.drive, "omega", self.limits, initial=(1.0, 0.0),
-                tolerance=self.tolerance,
+                self.body, self.drive, "omega", self.limits, initial=initial,
+                tolerance=self.tolerance, max_points=max_points,
             )  # fmt: skip
         except rm.InputError:  # it reaches none
             return None
@@ -65,7 +65,7 @@ class Case:
         return Judged(name, self.tolerance, self.damped, float(reported), float(true), float(scale))
 
 
-def _case(rng: np.random.Generator, *, bifurcating: bool = False) -> Case:
+def random_case(rng: np.random.Generator, *, bifurcating: bool = False) -> Case:
     """Where bifurcations are wanted, weak damping, strong loads and a wide range."""
     damped = bool(rng.uniform() < 0.5)
     eta = rng.uniform(-3.0, -1.5) if bifurcating else rng.uniform(-2.0, 0.0)
@@ -85,9 +85,10 @@ def _chosen(rng: np.random.Generator, count: int) -> np.ndarray:
     return rng.choice(count, min(count, POINTS), replace=False)
 
 
-def _points(rng: np.random.Generator) -> Iterator[tuple[Judged, Judged]]:
-    """Points of one branch: the state and the multipliers at the frequency as it is."""
-    case = _case(rng)
+@shared
+def _points(rng: np.random.Generator) -> Iterator[tuple[str, Judged]]:
+    """Points of one branch: state, multipliers and extremes at the frequency as it is."""
+    case = random_case(rng)
     branch = case.branch()
     if branch is None:
         return
@@ -96,43 +97,42 @@ def _points(rng: np.random.Generator) -> Iterator[tuple[Judged, Judged]]:
         if not np.isfinite(one.omega):
             continue
         state = np.array([float(one.stretch), float(one.stretch_rate)])
-        exact = at(case.reference, "omega", float(one.omega)).orbit(state, 1)
+        reference = at(case.reference, "omega", float(one.omega))
+        exact = reference.orbit(state, 1)
         if exact is None or np.abs(state - exact.state).max() > SAME:
             continue
         pairs = np.abs(one.multipliers.values[:, None] - exact.multipliers)
         off = float(min(max(pairs[0, 0], pairs[1, 1]), max(pairs[0, 1], pairs[1, 0])))
+        distance = np.abs(state - exact.state).max()
+        yield "state", case.judged(f"point {k}", one.error, distance)
+        size = np.abs(exact.multipliers).max()
         yield (
-            case.judged(f"point {k}", one.error, np.abs(state - exact.state).max()),
-            case.judged(
-                f"point {k}", one.multipliers_error.max(), off, np.abs(exact.multipliers).max()
-            ),
+            "multipliers",
+            case.judged(f"point {k}", float(one.multipliers_error.max()), off, size),
         )
+        low, high = reference.extremes(exact.state, 1)
+        extremes = {"minimum": low, "maximum": high, "amplitude": 0.5 * (high - low)}
+        for name, number in extremes.items():
+            apart = abs(float(one[name]) - number)
+            about = f"{name} of point {k}"
+            yield "extremes", case.judged(about, float(one[f"{name}_error"]), apart, number)
 
 
-def _specials(rng: np.random.Generator, kind: str) -> Iterator[tuple[Case, Any, Judged, Judged]]:
-    """Special points of one branch: the parameter, and the state."""
-    case = _case(rng, bifurcating=True)
+def _specials(rng: np.random.Generator, kind: str) -> Iterator[tuple[Case, xr.Dataset]]:
+    """Special points of one branch."""
+    case = random_case(rng, bifurcating=True)
     branch = case.branch()
     if branch is None:
         return
     for k in np.flatnonzero(branch.special_kind.values == kind):
-        one = branch.isel(special=int(k))
-        place = [float(one[f"special_{n}"]) for n in ("stretch", "stretch_rate", "omega")]
-        exact = special_point(case.reference, kind, "omega", place, 1)
-        if exact is None or np.abs(np.array(place) - exact).max() > SAME:
-            continue
-        off = np.abs(np.array(place) - exact).astype(float)
-        yield (
-            case, one,
-            case.judged(f"special point {k}", one.special_error, off[2]),
-            case.judged(f"special point {k}", one.special_state_error, off[:2].max()),
-        )  # fmt: skip
+        yield case, branch.isel(special=int(k))
 
 
+@shared
 def _curve_points(rng: np.random.Generator) -> Iterator[tuple[Judged, Judged, Judged]]:
     """Points of a curve of bifurcations: the state, omega at b as it is, b at omega."""
     kind = str(rng.choice(["fold", "period doubling"]))
-    for case, one, _, _ in _specials(rng, kind):
+    for case, one in _specials(rng, kind):
         ranges = [case.limits, (0.2, 1.2)]
         start = [float(one[f"special_{n}"]) for n in ("stretch", "stretch_rate")]
         try:
@@ -162,30 +162,17 @@ def _curve_points(rng: np.random.Generator) -> Iterator[tuple[Judged, Judged, Ju
         return
 
 
+def _of(what: str) -> Callable[[np.random.Generator], Iterator[Judged]]:
+    return lambda rng: (judged for name, judged in _points(rng) if name == what)
+
+
 ROWS = (
+    Row("positions of points of branches", "continue_orbit: error", _of("state")),
+    Row("multipliers along branches", "continue_orbit: multipliers_error", _of("multipliers")),
     Row(
-        "positions of points of branches", "continue_orbit: error",
-        lambda rng: (one[0] for one in _points(rng)),
-    ),
-    Row(
-        "multipliers along branches", "continue_orbit: multipliers_error",
-        lambda rng: (one[1] for one in _points(rng)),
-    ),
-    Row(
-        "parameters of folds", "continue_orbit: special_error",
-        lambda rng: (one[2] for one in _specials(rng, "fold")),
-    ),
-    Row(
-        "states of folds", "continue_orbit: special_state_error",
-        lambda rng: (one[3] for one in _specials(rng, "fold")),
-    ),
-    Row(
-        "parameters of period doublings", "continue_orbit: special_error",
-        lambda rng: (one[2] for one in _specials(rng, "period doubling")),
-    ),
-    Row(
-        "states of period doublings", "continue_orbit: special_state_error",
-        lambda rng: (one[3] for one in _specials(rng, "period doubling")),
+        "extremes along branches",
+        "continue_orbit: maximum_error, minimum_error, amplitude_error",
+        _of("extremes"),
     ),
     Row(
         "states along curves of bifurcations", "continue_bifurcation: error",

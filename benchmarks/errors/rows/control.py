@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import cache
 from typing import Any
 
@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 import remanent as rm
-from benchmarks.errors.row import Judged, Promise, Row
+from benchmarks.errors.row import Judged, Promise, Row, shared
 
 #: Decades of tolerance that are asked for.
 TOLERANCES = (-11.0, -3.0)
@@ -70,19 +70,26 @@ def _first_at(share: Callable[[Any], Any], level: Any, low: Any, high: Any) -> f
     return float((low + high) / 2)
 
 
-def _exact_metrics(values: dict[str, float], load: float, duration: float) -> dict[str, float]:
-    """Rise and settling time, overshoot, final thickness stretch; empty if there is none."""
-    roots = np.roots([
-        values["temperature"] / 293.0, -values["prestress"], 0.0, 0.0, load, 0.0,
-        -values["temperature"] / 293.0,
-    ])  # fmt: skip
+def _rest(values: dict[str, float], load: float) -> Any:
+    """The stretch at the only equilibrium, in extended precision; None where there are more."""
+    theta, prestress = LONG(values["temperature"]) / 293, LONG(values["prestress"])
+    force = [theta, -prestress, 0, 0, load, 0, -theta]
+    roots = np.roots(np.array(force, dtype=float))
     real = roots[(np.abs(roots.imag) < 1e-9) & (roots.real > 0.0)].real
     if real.size != 1:
+        return None
+    x = LONG(real[0])
+    for _ in range(8):  # Newton's method
+        f = theta * (x**6 - 1) - prestress * x**5 + LONG(load) * x**2
+        x -= f / (6 * theta * x**5 - 5 * prestress * x**4 + 2 * LONG(load) * x)
+    return x
+
+
+def _exact_metrics(values: dict[str, float], load: float, duration: float) -> dict[str, float]:
+    """Rise and settling time, overshoot, final thickness stretch; empty if there is none."""
+    x = _rest(values, load)
+    if x is None:
         return {}
-    theta, x = LONG(values["temperature"]) / 293, LONG(real[0])
-    for _ in range(8):  # Newton's method, in extended precision
-        f = theta * (x**6 - 1) - LONG(values["prestress"]) * x**5 + LONG(load) * x**2
-        x -= f / (6 * theta * x**5 - 5 * LONG(values["prestress"]) * x**4 + 2 * LONG(load) * x)
     final = x**-2
     engine, turns = _start(values, load)
     outcome = engine.propagate_until(LONG(duration), c_output=True)
@@ -129,6 +136,7 @@ def _body(values: dict[str, float]) -> rm.Actuator:
     )  # fmt: skip
 
 
+@shared
 def _steps(rng: np.random.Generator) -> Iterator[tuple[str, Judged]]:
     """Metrics of one step from rest, with their names."""
     values = _values(rng, damped=bool(rng.uniform() < 0.8))
@@ -144,8 +152,40 @@ def _steps(rng: np.random.Generator) -> Iterator[tuple[str, Judged]]:
             )  # fmt: skip
 
 
-def _of(name: str) -> Callable[[np.random.Generator], Iterator[Judged]]:
-    return lambda rng: (judged for what, judged in _steps(rng) if what == name)
+def _vibration(rng: np.random.Generator) -> Iterator[Judged]:
+    """Energy and amplitude of what two steps leave, from heyoka's state right after them."""
+    values = _values(rng, damped=bool(rng.uniform() < 0.5))
+    first, last = rng.uniform(-0.5, 2.0, 2)
+    time, tolerance = rng.uniform(0.3, 6.0), 10.0 ** rng.uniform(*TOLERANCES)
+    x = _rest(values, last)
+    if x is None:
+        return
+    drive = rm.Steps((0.0, time), (first, last))
+    ds = rm.step_response(_body(values), drive, duration=time + 5.0, tolerance=tolerance)
+    engine, _ = _start(values, first)
+    engine.propagate_until(LONG(time))
+    stretch, rate = engine.state
+    theta, prestress = LONG(values["temperature"]) / 293, LONG(values["prestress"])
+
+    def potential(y: Any) -> Any:
+        return theta * (2 * y**2 + y**-4 - 3) / 2 - 2 * prestress * (y - 1) - LONG(last) * y**-2
+
+    kinetic = (2 * rate**2 + LONG(values["c"]) * (2 * rate / stretch**3) ** 2) / 6
+    energy = kinetic + potential(stretch) - potential(x)
+    # The load that holds a stretch y is -y^3 [theta (y - y^-5) - S].
+    slope = -theta * (4 * x**3 + 2 * x**-3) + 3 * prestress * x**2
+    stiffness = -slope * x**3 / 2
+    exact = {"residual_energy": energy, "residual_amplitude": np.sqrt(2 * energy / stiffness)}
+    for name, number in exact.items():
+        off, size = float(abs(float(ds[name]) - number)), float(abs(number))
+        case, damped = f"{values}, {drive!r}: {name}", values["eta"] > 0.0
+        yield Judged(case, tolerance, damped, float(ds[f"{name}_error"]), off, size)
+
+
+def _of(
+    name: str, numbers: Callable[[np.random.Generator], Iterable[tuple[str, Judged]]] = _steps
+) -> Callable[[np.random.Generator], Iterator[Judged]]:
+    return lambda rng: (judged for what, judged in numbers(rng) if what == name)
 
 
 def _residual(rng: np.random.Generator) -> Iterator[Judged]:
@@ -170,8 +210,31 @@ def _residual(rng: np.random.Generator) -> Iterator[Judged]:
     yield Judged(case, tolerance, values["eta"] > 0.0, float(ds.residual_error), true)
 
 
-def _decrement(rng: np.random.Generator) -> Iterator[Judged]:
-    """Ring-downs of a linear oscillator with noise of equal variance."""
+def _switch_times(rng: np.random.Generator) -> Iterator[Judged]:
+    """Of two steps without prestress and damping, whose first load has a closed form.
+
+    Under m = theta (x - 1)(x + 2)/(2 x) the motion from rest turns at the thickness stretch x.
+    """
+    values = {**_values(rng, damped=False), "prestress": 0.0}
+    target, tolerance = rng.uniform(1.02, 1.6), 10.0 ** rng.uniform(-11.0, -6.0)
+    over = {"c": xr.DataArray([values["c"]], dims="case")}
+    ds = rm.shape_commands(_body(values), target, over=over, tolerance=tolerance).isel(case=0)
+    if int(ds.status) != rm.Status.OK:
+        return
+    x = LONG(target)
+    load = LONG(values["temperature"]) / 293 * (x - 1) * (x + 2) / (2 * x)
+    engine, turns = _start(values, load)
+    engine.propagate_until(LONG(1.5 * float(ds.switch_time)))
+    later = [float(time) for time in turns if time > 0.5 * float(ds.switch_time)]
+    if later:
+        true = abs(float(ds.switch_time) - later[0])
+        case = f"{values}, target={target!r}"
+        yield Judged(case, tolerance, False, float(ds.switch_time_error), true, later[0])
+
+
+@shared
+def _ring_downs(rng: np.random.Generator) -> Iterator[tuple[str, Judged]]:
+    """Ring-downs of a linear oscillator with noise of equal variance, with what is judged."""
     for _ in range(10):
         delta, omega = 10.0 ** rng.uniform(-1.5, -0.2), rng.uniform(0.5, 5.0)
         cycles, count = rng.uniform(4.0, 12.0), int(rng.integers(300, 3000))
@@ -183,11 +246,15 @@ def _decrement(rng: np.random.Generator) -> Iterator[Judged]:
         motion += 1.0 + noise * rng.standard_normal(count)
         record = xr.Dataset({"thickness_stretch": ("time", motion)}, coords={"time": time})
         found = rm.logarithmic_decrement(record)
-        if np.isfinite(found.decrement):
-            case = f"delta={delta!r}, omega={omega!r}, noise={noise!r}"
-            yield Judged(
-                case, noise, True, float(found.decrement_error), abs(float(found.decrement) - delta)
-            )
+        exact = {
+            "decrement": delta, "frequency": omega,
+            "damping_ratio": delta / np.hypot(2.0 * np.pi, delta),
+        }  # fmt: skip
+        for name, number in exact.items():
+            if np.isfinite(found[name]):
+                case = f"delta={delta!r}, omega={omega!r}, noise={noise!r}"
+                error, off = float(found[f"{name}_error"]), abs(float(found[name]) - number)
+                yield name, Judged(case, noise, True, error, off, number)
 
 
 ROWS = (
@@ -198,13 +265,27 @@ ROWS = (
             ("rise_time", "rise times"),
             ("settling_time", "settling times"),
             ("overshoot", "overshoots"),
+            ("farthest", "farthest stretches"),
         )
     ),
-    Row("residuals of commands", "shape_commands: residual_error", _residual),
     Row(
-        "decrements of noisy records",
-        "logarithmic_decrement: decrement_error",
-        _decrement,
-        Promise.STANDARD,
+        "vibrations that steps leave",
+        "step_response: residual_energy_error, residual_amplitude_error",
+        _vibration,
+    ),
+    Row("residuals of commands", "shape_commands: residual_error", _residual),
+    Row("switching times of commands", "shape_commands: switch_time_error", _switch_times),
+    *(
+        Row(
+            f"{words} of noisy records",
+            f"logarithmic_decrement: {name}_error",
+            _of(name, _ring_downs),
+            Promise.STANDARD,
+        )
+        for name, words in (
+            ("decrement", "decrements"),
+            ("frequency", "frequencies"),
+            ("damping_ratio", "damping ratios"),
+        )
     ),
 )

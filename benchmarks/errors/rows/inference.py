@@ -278,7 +278,7 @@ def _rows() -> Sequence[Row]:
         Row("measures by functions", "Measure: error", _function, bound),
         Row("averages over uncertain fields", "uncertainty: average_error", _average, standard),
         Row("deviations by uncertain fields", "uncertainty: deviation_error", _deviation, standard),
-        Row("Sobol indices", "uncertainty: *_index_error", _index, standard),
+        Row("Sobol indices", "uncertainty: first_index_error, total_index_error", _index, standard),
         Row("parameters of fits", "fit: estimate_error", _estimate, standard),
     )
 

@@ -9,7 +9,7 @@ import numpy as np
 import remanent as rm
 from benchmarks.errors.batches import Batch, random_batch
 from benchmarks.errors.motion import Motion
-from benchmarks.errors.row import Judged, Row
+from benchmarks.errors.row import Judged, Row, shared
 
 #: Cases of one call.
 _CASES_PER_BATCH = 20
@@ -29,6 +29,7 @@ def _crossing_states(rng: np.random.Generator) -> Iterator[Judged]:
         yield judged
 
 
+@shared
 def _crossings(rng: np.random.Generator) -> Iterator[tuple[Judged, Judged]]:
     """Of the stretch, at a value near rest."""
     batch = random_batch(rng, _CASES_PER_BATCH)
@@ -107,7 +108,18 @@ def _losses(rng: np.random.Generator) -> Iterator[Judged]:
 
 
 def _transverse_exponents(rng: np.random.Generator) -> Iterator[Judged]:
-    """Of damped motion from rest that settles: from the multipliers over heyoka's orbit."""
+    for judged, _ in _transverse(rng):
+        yield judged
+
+
+def _transverse_multipliers(rng: np.random.Generator) -> Iterator[Judged]:
+    for _, judged in _transverse(rng):
+        yield judged
+
+
+@shared
+def _transverse(rng: np.random.Generator) -> Iterator[tuple[Judged, Judged]]:
+    """Of damped motion from rest that settles: exponents and multipliers over heyoka's orbit."""
     batch = random_batch(rng, _CASES_PER_BATCH, damped=True, eta=(-1.5, 0.3))
     found = rm.symmetry_check(
         batch.system, batch.drive, periods=200, over=batch.over, tolerance=batch.tolerance
@@ -125,15 +137,37 @@ def _transverse_exponents(rng: np.random.Generator) -> Iterator[Judged]:
         if orbit is None:
             continue
         jacobian = Motion(reference, tuple(orbit.state)).transverse_jacobian(q).astype(float)
-        exact = np.log(np.abs(np.linalg.eigvals(jacobian)).max()) / (q * float(one.drive_period))
+        multipliers = np.linalg.eigvals(jacobian)
+        exact = np.log(np.abs(multipliers).max()) / (q * float(one.drive_period))
         off = abs(float(one.transverse_exponent) - exact)
-        yield _judged(batch.described(k), batch, float(one.transverse_exponent_error), off)
+        pairs = np.abs(one.transverse_multipliers.values[:, None] - multipliers)
+        apart = float(min(max(pairs[0, 0], pairs[1, 1]), max(pairs[0, 1], pairs[1, 0])))
+        reported = float(one.transverse_multipliers_error.values.max())
+        case = batch.described(k)
+        yield (
+            _judged(case, batch, float(one.transverse_exponent_error), off),
+            _judged(case, batch, reported, apart),
+        )
 
 
 ROWS = (
     Row("times of crossings", "crossings: crossing_time_error", _crossing_times),
     Row("states at crossings", "crossings: state_error", _crossing_states),
-    Row("energies and works", "energy_balance: drive_work_error and others", _energies),
-    Row("losses of a period", "cycle_losses: dissipated_energy_error", _losses),
+    Row(
+        "energies and works",
+        "energy_balance: drive_work_error, dissipated_energy_error, "
+        "mean_thickness_stretch_error, stored_energy_error, balance_error",
+        _energies,
+    ),
+    Row(
+        "losses of a period",
+        "cycle_losses: drive_work_error, dissipated_energy_error",
+        _losses,
+    ),
     Row("transverse exponents", "symmetry_check: transverse_exponent_error", _transverse_exponents),
+    Row(
+        "transverse multipliers",
+        "symmetry_check: transverse_multipliers_error",
+        _transverse_multipliers,
+    ),
 )

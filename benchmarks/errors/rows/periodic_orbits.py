@@ -40,7 +40,9 @@ def _multipliers(rng: np.random.Generator) -> Iterator[Judged]:
 
 def _extremes(rng: np.random.Generator) -> Iterator[Judged]:
     for case, tolerance, damped, one, _, extremes in _orbits(int(rng.integers(2**62))):
-        for name, value in zip(("minimum", "maximum"), extremes, strict=True):
+        low, high = extremes
+        numbers = {"minimum": low, "maximum": high, "amplitude": 0.5 * (high - low)}
+        for name, value in numbers.items():
             off = abs(float(one[name]) - value)
             yield Judged(
                 f"{case}, {name}", tolerance, damped, float(one[f"{name}_error"]), off, value
@@ -86,5 +88,9 @@ def _orbits(
 ROWS = (
     Row("positions of periodic orbits", "periodic_orbits: error", _position),
     Row("multipliers of periodic orbits", "periodic_orbits: multipliers_error", _multipliers),
-    Row("extremes of periodic orbits", "periodic_orbits: maximum_error, minimum_error", _extremes),
+    Row(
+        "extremes of periodic orbits",
+        "periodic_orbits: maximum_error, minimum_error, amplitude_error",
+        _extremes,
+    ),
 )

@@ -10,7 +10,10 @@ from typing import Any
 import numpy as np
 
 import remanent as rm
-from benchmarks.errors.row import Judged, Row
+from benchmarks.errors.period_map import PeriodMap
+from benchmarks.errors.row import Judged, Row, shared
+from benchmarks.errors.rows.backbone import return_frequency
+from remanent._typing import ComplexArray
 
 #: Decades of the tolerance of the residual.
 TOLERANCES = (-11.0, -6.0)
@@ -22,8 +25,9 @@ CONVERGED = 1e-15
 #: Steps of the secant method for the top of a peak, and the change that ends it.
 SECANT_STEPS = 30
 ENOUGH = 1e-14
-#: Samples of an orbit for its harmonics.
+#: Samples of an orbit for its harmonics, and how many of these results have beside the mean.
 SAMPLES = 256
+HARMONIC_COUNT = 12
 LONG = np.longdouble
 
 
@@ -145,6 +149,46 @@ def _top(values: dict[str, float], omega: float, state: Any) -> tuple[float, Orb
     return None
 
 
+def _harmonics(orbit: Orbit) -> ComplexArray:
+    """Amplitudes of the harmonics that results have, the mean first."""
+    spectrum = np.fft.rfft(orbit.samples.astype(float))[: HARMONIC_COUNT + 1] / SAMPLES
+    spectrum[1:] *= 2.0
+    return np.asarray(spectrum)
+
+
+def _free_frequency(values: dict[str, float], amplitude: float, near: float) -> float | None:
+    """Of the undamped oscillation of an amplitude under the mean load, from its turning points."""
+    theta, prestress = LONG(values["temperature"]) / 293, LONG(values["prestress"])
+    mean = LONG(values["b"]) ** 2 / 2
+
+    def potential(x: Any) -> Any:
+        return theta * (2 * x**2 + x**-4 - 3) / 2 - 2 * prestress * (x - 1) - mean * x**-2
+
+    def force(x: Any) -> Any:
+        return 2 * (theta * (x - x**-5) - prestress + mean * x**-3)
+
+    def ends(middle: Any) -> tuple[Any, Any]:
+        return (middle + amplitude) ** LONG(-0.5), (middle - amplitude) ** LONG(-0.5)
+
+    middle = LONG(1)
+    for _ in range(NEWTON_STEPS):  # first for the rest, then for equal energies about it
+        x = middle ** LONG(-0.5)
+        middle -= force(x) / (2 * (theta * (1 + 5 * x**-6) - 3 * mean * x**-4) * -(x**3) / 2)
+    for _ in range(NEWTON_STEPS):
+        if not middle > amplitude:
+            return None
+        low, high = ends(middle)
+        slope = (force(high) * high**3 - force(low) * low**3) / -2
+        middle -= (potential(high) - potential(low)) / slope
+    motion = PeriodMap(
+        rm.Sine(0.0, 1.0),
+        {**values, "dissipation.0.eta": 0.0, "m": 0.0, "mean": float(mean), "omega": 1.0},
+    )
+    found = return_frequency(motion, ends(middle)[1], near)
+    return None if found is None else float(found)
+
+
+@shared
 def _peaks(rng: np.random.Generator) -> Iterator[tuple[str, Judged]]:
     """Numbers of the peaks of one random actuator, with their names."""
     values = {
@@ -160,8 +204,8 @@ def _peaks(rng: np.random.Generator) -> Iterator[tuple[str, Judged]]:
         dissipation=rm.Rayleigh(values["eta"]),
     )  # fmt: skip
     natural = float(rm.equilibria(body, 0.5 * values["b"] ** 2).natural_frequency[0])
-    drive, limits = rm.SineSquared(values["b"], 1.0), (0.2 * natural, 0.7 * natural)
-    ds = rm.resonances(body, drive, limits, slices=3, tolerance=tolerance)
+    drive, limits = rm.SineSquared(values["b"], 1.0), (0.22 * natural, 0.6 * natural)
+    ds = rm.resonances(body, drive, limits, slices=1, tolerance=tolerance)
     for k in range(ds.sizes["peak"]):
         one = ds.isel(peak=k)
         near = rm.periodic_orbits(body, drive.replace(omega=float(one.omega)))
@@ -175,13 +219,22 @@ def _peaks(rng: np.random.Generator) -> Iterator[tuple[str, Judged]]:
             omega, exact = top
             case = f"{values}, peak {k}"
             numbers = {"omega": omega, "amplitude": exact.amplitude}
-            harmonics = np.fft.rfft(exact.samples.astype(float)) / SAMPLES
+            harmonics = _harmonics(exact)
+            off = np.abs(one.harmonics.values - harmonics).max()
+            size = float(np.abs(harmonics).max())
+            yield "harmonics", Judged(case, tolerance, True, float(one.harmonics_error), off, size)
             number = int(one.order_p)
             if number:
                 # sin^2 = (1 - cos)/2: the load's first harmonic points the other way
                 lag = number * np.pi - np.angle(harmonics[number])
                 found = float(one.phase_lag)
                 numbers["phase_lag"] = found + float(np.angle(np.exp(1j * (lag - found))))
+                powers = np.abs(harmonics[1:]) ** 2
+                numbers["share"] = float(powers[number - 1] / powers.sum())
+                free = _free_frequency(values, exact.amplitude, float(one.free_frequency))
+                if free is not None:
+                    numbers["free_frequency"] = free
+                    numbers["detuning"] = number * 2.0 * omega / free - 1.0
             for name, number_ in numbers.items():
                 true = abs(float(one[name]) - number_)
                 error = float(one[f"{name}_error"])
@@ -199,5 +252,9 @@ ROWS = tuple(
         ("omega", "frequencies"),
         ("amplitude", "amplitudes"),
         ("phase_lag", "phase lags"),
+        ("harmonics", "harmonics"),
+        ("share", "shares of harmonics"),
+        ("free_frequency", "free frequencies"),
+        ("detuning", "detunings"),
     )
 )

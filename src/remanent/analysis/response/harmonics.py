@@ -75,11 +75,19 @@ def find_resonant_harmonic(
     ratio = np.where(has_free_frequency, free_frequency, orbit_frequency) / orbit_frequency
     number = np.where(has_free_frequency, np.clip(np.rint(ratio), 1, highest), 0)
     number = number.astype(np.int64)
+    share = power_share(amplitudes, number)
+    return ResonantHarmonic(number, number * orbit_frequency / free_frequency - 1.0, share)
+
+
+def power_share(amplitudes: ComplexArray, number: IntArray) -> FloatArray:
+    """Part of harmonics `number` in the mean square of oscillations (orbit, harmonic), (orbit,).
+
+    0 for harmonic 0, the mean.
+    """
     power = np.abs(amplitudes) ** 2
     power[:, 0] = 0.0
-    row = np.arange(len(power))
-    share = power[row, number] / np.maximum(power.sum(axis=1), np.finfo(float).tiny)
-    return ResonantHarmonic(number, number * orbit_frequency / free_frequency - 1.0, share)
+    of_one = power[np.arange(len(power)), number]
+    return np.asarray(of_one / np.maximum(power.sum(axis=1), np.finfo(float).tiny))
 
 
 @dataclass(frozen=True)

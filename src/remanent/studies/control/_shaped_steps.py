@@ -131,7 +131,14 @@ class _ShapingProblem:
         )
         error = _SAFETY * abs(residual - finer) + finer_bound
         error = min(error, bound) if np.isfinite(error) else bound
-        return replace(sequence, residual=residual, residual_error=error)
+        duration_error = sequence.total_duration_error
+        if not self.robust_to:  # the distance from rest is all that may be left of conditions
+            left = (residual + error) / self.state_tolerance
+            rounding = np.finfo(float).eps * float(sequence.durations.sum())
+            duration_error = duration_error * min(left, 1.0) + rounding
+        return replace(
+            sequence, residual=residual, residual_error=error, total_duration_error=duration_error
+        )
 
     @classmethod
     def from_ensemble(

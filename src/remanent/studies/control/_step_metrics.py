@@ -168,6 +168,22 @@ class StepMotion:
         return np.asarray(np.nan_to_num(np.sum(moved, axis=0)).max(axis=1) / _SMALL_CHANGE)
 
 
+def end_states_with_errors(problem: Problem, tolerance: float) -> tuple[FloatArray, FloatArray]:
+    """States at the ends of runs, and errors of each variable, arrays (trajectory, state).
+
+    As in :meth:`StepMotion.thickness_errors`, the motion with a smaller tolerance tells them.
+    """
+    request = Request(times=problem.duration[:, None])
+    outcome = integrate(problem, request, tolerance=tolerance)
+    finer_tolerance = max(_FINER_SHARE * tolerance, FINEST_TOLERANCE)
+    finer = integrate(problem, request, tolerance=finer_tolerance)
+    assert outcome.states is not None
+    assert finer.states is not None
+    states, bound = outcome.states[:, 0], outcome.error[:, None]
+    error = _SAFETY * np.abs(finer.states[:, 0] - states) + finer.error[:, None]
+    return states, np.where(np.isfinite(error), np.fmin(error, bound), bound)
+
+
 def residual_vibration(
     bodies: Sequence[StaticState | None], states: FloatArray, error: FloatArray
 ) -> dict[str, FloatArray]:
@@ -179,7 +195,7 @@ def residual_vibration(
         The rest of each trajectory, under the last load.
     states : array (trajectory, state)
         Right after the last step.
-    error : array (trajectory,)
+    error : array (trajectory, state)
         Of the states.
     """
     names = (

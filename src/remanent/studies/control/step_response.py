@@ -17,14 +17,17 @@ from remanent._status import Status
 from remanent._typing import ArrayLike, BoolArray, FloatArray
 from remanent.analysis.control import shaping
 from remanent.codegen.field import vector_field_for
-from remanent.integrate.ensemble.ensemble import integrate
-from remanent.integrate.ensemble.problem import Request
 from remanent.models.drives.base import Drive
 from remanent.models.drives.piecewise import Steps
 from remanent.models.drives.waves import Constant
 from remanent.models.system import System
 from remanent.studies.control._final_rest import FinalRests, find_final_rests
-from remanent.studies.control._step_metrics import StepMotion, Transient, residual_vibration
+from remanent.studies.control._step_metrics import (
+    StepMotion,
+    Transient,
+    end_states_with_errors,
+    residual_vibration,
+)
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
 from remanent.studies.ensemble.ensemble import Ensemble
@@ -141,7 +144,7 @@ def step_response(
     ens = scaled.ensemble_in_own_units
     after_last, error = _states_after_last_step(scaled, tolerance)
     under_last_load = _ensemble_under_last_load(scaled)
-    rests = find_final_rests(under_last_load, after_last, error, tolerance)
+    rests = find_final_rests(under_last_load, after_last, error.max(axis=1), tolerance)
     duration = without_unit("duration", duration, "time", system)
     duration = _run_length(scaled, duration, rests)
     values = residual_vibration(rests.bodies, after_last, error)
@@ -229,15 +232,13 @@ def _ensemble_under_last_load(scaled: PhysicalScales) -> Ensemble:
 def _states_after_last_step(
     scaled: PhysicalScales, tolerance: float
 ) -> tuple[FloatArray, FloatArray]:
-    """States (trajectory, state) right after the last step, and errors (trajectory,)."""
+    """States right after the last step, and errors, arrays (trajectory, state)."""
     ens = scaled.ensemble_in_own_units
     last_step = _last_step_time(ens.drive)
     if last_step == 0.0:
-        return ens.initial_states, np.zeros(ens.trajectory_count)
+        return ens.initial_states, np.zeros(ens.initial_states.shape)
     problem = scaled.build_problem_lasting(np.full(ens.trajectory_count, last_step))
-    outcome = integrate(problem, Request(times=problem.duration[:, None]), tolerance=tolerance)
-    assert outcome.states is not None
-    return outcome.states[:, 0], outcome.error
+    return end_states_with_errors(problem, tolerance)
 
 
 def _stays_in_band(ens: Ensemble, motion: StepMotion, final: FloatArray, band: float) -> BoolArray:

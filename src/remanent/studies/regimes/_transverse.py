@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -213,10 +213,8 @@ class TransverseFlow:
             for unit in np.eye(states.shape[1]):
                 beside = states + orbits.state_error[some, None] * unit
                 others.append((1.0, self._transverse_jacobian(rows, beside, q, 2 * enough)))
-            size = np.abs(fine).max(axis=(1, 2))
-            change = sum(f * np.abs(other - fine).max(axis=(1, 2)) for f, other in others)
-            multipliers[some], multipliers_error[some] = floquet_multipliers(
-                fine, _SAFETY_FACTOR * change / size
+            multipliers[some], multipliers_error[some] = _multipliers_and_errors(
+                fine, [f * (other - fine) for f, other in others]
             )
             logs, rounding = _log_of_largest_multiplier(fine)
             moved = sum(f * np.abs(_log_of_largest_multiplier(o)[0] - logs) for f, o in others)
@@ -289,6 +287,18 @@ class TransverseFlow:
         return BlockImage(
             image.state[::per_motion, None, :d], differences, error, error <= self.period_tolerance
         )
+
+
+def _multipliers_and_errors(
+    jacobian: FloatArray, changes: Sequence[FloatArray]
+) -> tuple[ComplexArray, FloatArray]:
+    """Multipliers, largest first, and how far changes of the Jacobian and rounding move each."""
+    multipliers, rounding = floquet_multipliers(jacobian, np.zeros(len(jacobian)))
+    moved = _ROUNDING_FACTOR * rounding
+    for change in changes:
+        others = np.linalg.eigvals(jacobian + change)
+        moved = moved + np.abs(multipliers[:, :, None] - others[:, None, :]).min(axis=2)
+    return multipliers, _SAFETY_FACTOR * moved
 
 
 def _log_of_largest_multiplier(jacobian: FloatArray) -> tuple[FloatArray, FloatArray]:

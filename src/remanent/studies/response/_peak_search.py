@@ -43,6 +43,10 @@ _NEARBY_SHARE = 1e-3
 #: orbits are some fifty times their errors, and errors at neighbouring nodes are alike, so that
 #: the top hardly moves (``python -m benchmarks.errors`` measures it).
 _NOISE_SHARE = 0.05
+#: Weights of what polynomials of two degrees differ by, which shows the noise that there is, and
+#: of that noise as its bound has it, in the error of a top.  Measured.
+_CUT_OFF_WEIGHT = 12.0
+_NOISE_WEIGHT = 0.32
 #: Tolerances of the amplitudes of refined peaks: the next is taken where one cannot be met.
 _AMPLITUDE_TOLERANCES = (1e-11, 1e-8, 1e-5)
 #: Distance of the point beyond the ends of the nodes, as a share of their half width, from
@@ -175,18 +179,18 @@ class PeakSearch:
                 place, span, shift_error = self._climb(points, k)
             nearby = closer._nearby(place, max(shift_error, _NEARBY_SHARE * span))
         (amplitude,), (error,) = self._amplitudes(place)
-        position_error = self._position_error(place)
+        (position_error,) = self._position_errors(place)
         slope = abs(float(place.tangent[0, -1])) * self.tracing.continuation_settings.scale[-1]
         omega, period = place.unknown[:, -1], self.tracing.orbit_period
         errors = orbit_errors(self.tracing.map, place.unknown[:, :-1], omega[:, None], period)
         orbit = describe_orbits(self.member, errors, period, {"omega": omega})
         return Peak(
             omega=float(place.unknown[0, -1]),
-            omega_error=shift_error * slope + position_error if inner else np.nan,
+            omega_error=float(shift_error * slope + position_error) if inner else np.nan,
             amplitude=float(amplitude),
             amplitude_error=float(error),
             state=place.unknown[0, :-1],
-            state_error=position_error,
+            state_error=float(position_error),
             nearby_omega=nearby.unknown[:, -1],
             nearby_states=nearby.unknown[:, :-1],
             orbit_period=self.tracing.orbit_period,
@@ -236,9 +240,10 @@ class PeakSearch:
                 continue
             shift, cut_off, noise = top
             moved = self._at_place(nodes, distance, shift, direction)
-            if moved is None or cut_off + noise >= error:
+            found = _CUT_OFF_WEIGHT * cut_off + _NOISE_WEIGHT * noise
+            if moved is None or found >= error:
                 break
-            centre, error = moved, cut_off + noise
+            centre, error = moved, found
             if cut_off <= noise:
                 break  # closer by, errors of the amplitudes would show more
             span = max(span / _ZOOM_FACTOR, 2.0 * error)
@@ -289,12 +294,13 @@ class PeakSearch:
         )  # fmt: skip
         return found if reached.all() else place
 
-    def _position_error(self, points: CurvePoints) -> float:
-        """How far the exact curve may be: what is left of the equations, by their inverse."""
+    def _position_errors(self, points: CurvePoints) -> FloatArray:
+        """How far the exact curve may be from each point: what is left, by the inverse."""
         scale = self.tracing.continuation_settings.scale
-        matrix = points.extra_arrays["derivative"][0] * scale
-        left = points.residual[0] + points.residual_error[0]
-        return float(np.linalg.norm(np.linalg.pinv(matrix), 2) * left * np.sqrt(len(matrix)))
+        matrices = points.extra_arrays["derivative"] * scale
+        left = points.residual + points.residual_error
+        inverse = np.linalg.norm(np.linalg.pinv(matrices), 2, axis=(1, 2))
+        return np.asarray(inverse * left * np.sqrt(matrices.shape[1]))
 
     def _amplitudes(self, points: CurvePoints) -> tuple[FloatArray, FloatArray]:
         """Amplitudes of the orbits at points of a curve, and their errors, arrays (point,)."""
@@ -320,10 +326,7 @@ class PeakSearch:
         # An orbit that is off by d has an amplitude that is off by d times how far its motion
         # carries a difference, which the largest entry of its derivatives stands for.
         carried = np.abs(points.extra_arrays["jacobian"]).max(axis=(1, 2)) + 1.0
-        position = np.array(
-            [self._position_error(points.subset(np.array([k]))) for k in range(len(points))]
-        )
-        return amplitude, error + 2.0 * carried * position
+        return amplitude, error + 2.0 * carried * self._position_errors(points)
 
 
 def _local_maximum_indices(values: FloatArray) -> IntArray:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,7 @@ from remanent.analysis.response.harmonics import (
     find_resonant_harmonic,
     fourier_amplitudes,
     phase_lag_behind_load,
+    power_share,
     resonance_kind_and_order,
 )
 from remanent.analysis.statics.equilibria import find_force_zeros, force_slope
@@ -41,7 +42,7 @@ _FOURIER_SAMPLES_PER_PERIOD = 256
 #: Harmonics of the load that are looked at.
 _LOAD_HARMONIC_COUNT = 64
 #: Errors of the samples: the next is taken where one cannot be met.
-_SAMPLE_TOLERANCES = (1e-10, 1e-7)
+_SAMPLE_TOLERANCES = (1e-12, 1e-10, 1e-7)
 #: Free oscillations that are compared.
 _FREE_OSCILLATION_COUNT = 80
 #: Smallest turning point they start from, relative to rest.
@@ -87,7 +88,10 @@ def describe_peaks(member: Ensemble, varied: Iterable[str], peaks: Sequence[Peak
     period = np.array([peak.orbit_period for peak in peaks], dtype=np.int64)
     states = np.array([peak.state for peak in peaks])
     harmonics, sample_error = _orbit_harmonics(member, states, omega, period)
-    harmonics_error = sample_error + 2.0 * state_error + _change_nearby(member, peaks, harmonics)
+    known_to = sample_error + 2.0 * state_error  # at the place itself
+    nearby = _harmonics_nearby(member, peaks)
+    change = _change_nearby(peaks, nearby, lambda k, c: np.abs(c - harmonics[k]).max(axis=1))
+    harmonics_error = known_to + change
     mean, load = _load_harmonics(drive)
     free, free_error = _free_frequency(system, mean, amplitude, amplitude_error)
     on_orbits = member.with_initial_states(states, {"omega": omega})
@@ -109,11 +113,21 @@ def describe_peaks(member: Ensemble, varied: Iterable[str], peaks: Sequence[Peak
         for k, peak in enumerate(peaks)
     ]
     has_harmonic = evidence.harmonic_number > 0
-    oscillation = np.sqrt((np.abs(harmonics[:, 1:]) ** 2).sum(axis=1))
     with np.errstate(all="ignore"):
-        relative = harmonics_error / np.abs(resonant)
+        relative = known_to / np.abs(resonant)
         lag_error = np.where(relative < 1.0, np.arcsin(np.minimum(relative, 1.0)), np.pi)
-        share_error = 2.0 * np.sqrt(evidence.power_share) * harmonics_error / oscillation
+        number = evidence.harmonic_number
+        lag_error += _change_nearby(
+            peaks, nearby, lambda k, c: np.abs(np.angle(c[:, number[k]] / resonant[k]))
+        )
+        share_error = _share_error(harmonics, number, known_to)
+        share_error += _change_nearby(
+            peaks,
+            nearby,
+            lambda k, c: np.abs(
+                power_share(c, np.full(len(c), number[k])) - evidence.power_share[k]
+            ),
+        )
         detuning_error = (1.0 + evidence.relative_detuning) * (
             omega_error / omega + free_error / free
         )
@@ -125,7 +139,7 @@ def describe_peaks(member: Ensemble, varied: Iterable[str], peaks: Sequence[Peak
         "phase_lag": np.where(has_harmonic, [lag.angle for lag in lags], np.nan),
         "phase_lag_error": np.where(has_harmonic, lag_error, np.nan),
         "share": evidence.power_share,
-        "share_error": share_error + 2.0 * (harmonics_error / oscillation) ** 2,
+        "share_error": share_error,
         "free_frequency": free,
         "free_frequency_error": free_error,
         "detuning": evidence.relative_detuning,
@@ -186,23 +200,55 @@ def _orbit_harmonics(
     return fourier_amplitudes(samples, HARMONIC_COUNT), 2.0 * slope * outcome.error
 
 
-def _change_nearby(member: Ensemble, peaks: Sequence[Peak], harmonics: ComplexArray) -> FloatArray:
-    """How much harmonics change within the error of the place of each peak, array (peak,)."""
-    change = np.zeros(len(peaks))
+def _share_error(harmonics: ComplexArray, number: IntArray, error: FloatArray) -> FloatArray:
+    """What an error of every harmonic makes of the share of one in the mean square, (peak,).
+
+    With s = r_n^2/R and R the sum of all r_j^2, ds = 2 (1 - s) r_n dr_n/R less 2 s r_j dr_j/R of
+    each other one.
+    """
+    size = np.abs(harmonics[:, 1:])
+    power = (size**2).sum(axis=1)
+    of_one = np.where(number > 0, size[np.arange(len(size)), np.maximum(number, 1) - 1], 0.0)
+    share = of_one**2 / power
+    slope = 2.0 * ((1.0 - share) * of_one + share * (size.sum(axis=1) - of_one)) / power
+    rounding = 4.0 * np.finfo(float).eps
+    return np.asarray(slope * error + 2.0 * size.shape[1] * error**2 / power + rounding)
+
+
+def _harmonics_nearby(member: Ensemble, peaks: Sequence[Peak]) -> dict[int, ComplexArray]:
+    """Harmonics (node, harmonic) of orbits on both sides of peaks, by number of the peak."""
     rows = [k for k, peak in enumerate(peaks) if len(peak.nearby_omega) > 1]
     if not rows:
-        return change
+        return {}
     near = [peaks[k] for k in rows]
     counts = [len(peak.nearby_omega) for peak in near]
     states = np.concatenate([peak.nearby_states for peak in near])
     omega = np.concatenate([peak.nearby_omega for peak in near])
     period = np.repeat([peak.orbit_period for peak in near], counts)
     around, _ = _orbit_harmonics(member, states, omega, period)
-    for k, peak, block in zip(rows, near, np.split(around, np.cumsum(counts)[:-1]), strict=True):
-        distance = np.abs(peak.nearby_omega - peak.omega).max()
-        most = float(np.abs(block - harmonics[k]).max())
-        share = min(1.0, peak.omega_error / distance) if distance > 0.0 else 1.0
-        change[k] = most * share
+    return dict(zip(rows, np.split(around, np.cumsum(counts)[:-1]), strict=True))
+
+
+def _change_nearby(
+    peaks: Sequence[Peak],
+    nearby: Mapping[int, ComplexArray],
+    change_at: Callable[[int, ComplexArray], FloatArray],
+) -> FloatArray:
+    """How much a number changes within the error of the place of each peak, array (peak,).
+
+    Parameters
+    ----------
+    peaks : sequence of Peak
+    nearby : mapping of int to array
+        From :func:`_harmonics_nearby`.
+    change_at : callable
+        Of the number of a peak and harmonics (node, harmonic): changes (node,).
+    """
+    change = np.zeros(len(peaks))
+    for k, block in nearby.items():
+        distance = np.abs(peaks[k].nearby_omega - peaks[k].omega).max()
+        share = min(1.0, peaks[k].omega_error / distance) if distance > 0.0 else 1.0
+        change[k] = float(change_at(k, block).max()) * share
     return change
 
 

@@ -1,0 +1,87 @@
+"""Every error that a result carries is in a row of the study of errors, or said to need none."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import fields
+
+import pytest
+import xarray as xr
+from benchmarks.errors.row import all_rows
+from tests.contracts.sound_calls import SOUND, verbs
+
+from remanent.studies.orbits.period_map import PeriodMapImages
+
+#: Verbs whose numbers are made by another one's functions, from the same kind of motion.
+MADE_AS = {
+    "response_diagram": "continue_orbit",
+    "switch_branch": "continue_orbit",
+    "regime_chart": "classify",
+    "basins": "classify",
+    "rescale": "simulate",
+    "to_si": "simulate",
+}
+#: Errors without a row of their own, and why.
+WITHOUT_ROW = {
+    "backbone: error": "of a state that is not told; the amplitude's is made of it",
+    "classify: local_error": "as bifurcation_diagram's, of states that are not told",
+    "lyapunov: local_error": "as bifurcation_diagram's, of states that are not told",
+    "symmetry_check: local_error": "as bifurcation_diagram's, of states that are not told",
+    "manifold_crossing: omega_error": "the width of the last bracket, which holds the crossing",
+    "manifold_crossing: error": "not measured yet: a saddle's, and its change over the bracket",
+    "manifold_crossing: multipliers_error": "not measured yet: as the saddle's error",
+    "crossings: error": "as simulate's, of the run; the states that are told have state_error",
+    "cycle_losses: error": "as simulate's, of states that are not told",
+    "energy_balance: error": "as simulate's, of states that are not told",
+    "step_response: error": "as simulate's, of states that are not told",
+}
+#: Names that follow the measure of a call, and the one whose row stands for all.
+OF_A_MEASURE = {"uncertainty: turning_upper_error": "uncertainty: stretch_error"}
+
+
+def shown() -> frozenset[str]:
+    return frozenset().union(*(row.errors for row in all_rows()))
+
+
+def carried() -> Iterator[str]:
+    """Errors of the results of sound calls, of the period map and of Sobol's indices."""
+    for verb, call in verbs().items():
+        result = call(**SOUND[verb]())
+        if isinstance(result, xr.Dataset):
+            for name in map(str, result.variables):
+                if name == "error" or name.endswith("_error"):
+                    yield f"{verb}: {name}"
+    yield from (
+        f"period_map: {field.name}"
+        for field in fields(PeriodMapImages)
+        if field.name.endswith("_error")
+    )
+    yield from ("uncertainty: first_index_error", "uncertainty: total_index_error")
+    yield "Measure: error"
+
+
+@pytest.fixture(scope="module")
+def errors() -> set[str]:
+    return {OF_A_MEASURE.get(error, error) for error in carried()}
+
+
+def has_row(error: str) -> bool:
+    verb, name = error.split(": ")
+    same = {error, f"{MADE_AS.get(verb, verb)}: {name}"}
+    return bool(same & (shown() | WITHOUT_ROW.keys()))
+
+
+def test_every_error_is_shown_or_said_to_need_no_row(errors: set[str]) -> None:
+    """Rows of errors: what any verb's result carries is measured, or stands in the list."""
+    assert sorted(error for error in errors if not has_row(error)) == []
+
+
+def test_the_list_of_errors_without_a_row_holds_nothing_else(errors: set[str]) -> None:
+    """Rows of errors: a listed one is carried, and has no row."""
+    assert sorted(WITHOUT_ROW.keys() - errors) == []
+    assert sorted(WITHOUT_ROW.keys() & shown()) == []
+
+
+def test_rows_judge_errors_that_results_carry(errors: set[str]) -> None:
+    """Rows of errors: a row names a variable that its verb's result has."""
+    assert sorted(shown() - errors) == []
