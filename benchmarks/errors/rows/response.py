@@ -8,21 +8,29 @@ from functools import cache
 from typing import Any
 
 import numpy as np
+import xarray as xr
+from scipy.optimize import brentq
 
 import remanent as rm
+from benchmarks.errors.batches import CASE
 from benchmarks.errors.row import Judged, Row, shared
 
 #: Decades of tolerance that are asked for.
 TOLERANCES = (-11.0, -3.0)
 #: Length of each run.
 DURATION = 40.0
-#: Relative error of a step of the reference.
-PRECISION = 1e-19
-#: Steps of the secant method for the place of a maximum, and what ends it, over the width asked.
-MAX_STEPS = 60
+#: Cases of a batch, and how far their fields are apart, as a share.
+CASES = 16
+SPREAD = 0.05
+#: Relative error of a step of the reference, in extended precision, and in double for the way to
+#: a maximum, whose place is then known to some 1e-13.
+PRECISIONS = {np.longdouble: 1e-19, np.float64: 1e-16}
+#: How well the place of a maximum is known, over the width asked.
 ENOUGH = 1e-5
+#: Change of an amplitude that is more than rounding in double precision.
+NOISE = 1e-12
 #: First step uphill to it, over that width, and the largest.
-FIRST_STEP = 1e-3
+FIRST_STEP = 1e-2
 LARGEST_STEP = 1e-2
 LONG = np.longdouble
 
@@ -36,7 +44,7 @@ class Excursion:
 
 
 @cache
-def _engine() -> Any:
+def _engine(fp_type: Any) -> Any:
     """The block under the square of a sine, with derivatives by omega and all turning points."""
     import heyoka as hy
 
@@ -54,28 +62,27 @@ def _engine() -> Any:
         engine.update_d_output(time)
         found.append((engine.d_output[0], engine.d_output[2]))
 
-    turn = hy.nt_event(hy.make_vars("v"), turned, fp_type=LONG)
-    engine = hy.taylor_adaptive(
-        system, np.array([1, 0], dtype=LONG), fp_type=LONG, tol=LONG(PRECISION), nt_events=[turn]
-    )
+    turn = hy.nt_event(hy.make_vars("v"), turned, fp_type=fp_type)
+    start, precision = np.array([1, 0], dtype=fp_type), fp_type(PRECISIONS[fp_type])
+    engine = hy.taylor_adaptive(system, start, fp_type=fp_type, tol=precision, nt_events=[turn])
     return engine, found
 
 
-def excursion(values: dict[str, float], omega: float) -> Excursion | None:
+def excursion(values: dict[str, float], omega: float, fp_type: Any = LONG) -> Excursion | None:
     """Of the thickness stretch in a run from rest; None where the motion is lost."""
-    engine, found = _engine()
+    engine, found = _engine(fp_type)
     found.clear()
-    engine.time = LONG(0)
+    engine.time = fp_type(0)
     engine.state[:] = [1, 0, 0, 0]
     engine.pars[:] = [
-        values["c"], LONG(values["temperature"]) / 293, values["prestress"], values["eta"],
+        values["c"], fp_type(values["temperature"]) / 293, values["prestress"], values["eta"],
         values["b"], omega,
     ]  # fmt: skip
-    outcome = engine.propagate_until(LONG(DURATION), max_steps=1_000_000)
+    outcome = engine.propagate_until(fp_type(DURATION), max_steps=1_000_000)
     if "time_limit" not in str(outcome[0]) or not engine.state[0] > 0:
         return None
-    ends = [(LONG(1), LONG(0)), (engine.state[0], engine.state[2])]
-    points = np.array([*ends, *found], dtype=LONG)
+    ends = [(fp_type(1), fp_type(0)), (engine.state[0], engine.state[2])]
+    points = np.array([*ends, *found], dtype=fp_type)
     thickness = points[:, 0] ** -2
     slopes = -2 * points[:, 0] ** -3 * points[:, 1]
     high, low = np.argmax(thickness), np.argmin(thickness)
@@ -83,73 +90,104 @@ def excursion(values: dict[str, float], omega: float) -> Excursion | None:
     return Excursion(float(amplitude), float((slopes[high] - slopes[low]) / 2))
 
 
-def _values(rng: np.random.Generator) -> dict[str, float]:
+@dataclass(frozen=True)
+class Batch:
+    """Random actuators and loads, all damped or none, whose natural frequencies are alike.
+
+    Attributes
+    ----------
+    columns : dict of name to array (case,)
+        Fields in which the cases differ.
+    middle : float
+        Of the natural frequencies under the mean loads.
+    """
+
+    columns: dict[str, Any]
+    middle: float
+    damped: bool
+
+    def values(self, k: int) -> dict[str, float]:
+        """The fields of one case."""
+        return {name: float(column[k]) for name, column in self.columns.items()}
+
+    def response(self, omega: Any, **options: Any) -> Any:
+        """Of all cases, by :func:`remanent.frequency_response`."""
+        names = {"eta": "dissipation.0.eta"} if self.damped else {"eta": ""}
+        over = {
+            name: xr.DataArray(column, dims=CASE)
+            for key, column in self.columns.items()
+            if (name := names.get(key, key))
+        }
+        body = rm.Actuator(dissipation=rm.Rayleigh(0.1) if self.damped else ())
+        drive = rm.SineSquared(0.4, 1.0)
+        return rm.frequency_response(body, drive, omega, duration=DURATION, over=over, **options)
+
+
+def _batch(rng: np.random.Generator) -> Batch | None:
+    """None where the one in the middle has no natural frequency."""
     damped = rng.uniform() < 0.5
-    return {
-        "c": 10.0 ** rng.uniform(-1.0, 0.0),
-        "temperature": 293.0 * rng.uniform(0.8, 1.3),
-        "prestress": rng.uniform(-0.5, 0.5),
-        "eta": 10.0 ** rng.uniform(-2.0, 0.0) if damped else 0.0,
-        "b": rng.uniform(0.05, 0.6),
+    alike = rng.uniform(1.0 - SPREAD, 1.0 + SPREAD, (2, CASES))
+    columns = {
+        "c": 10.0 ** rng.uniform(-1.0, 0.0) * alike[0],
+        "temperature": 293.0 * rng.uniform(0.8, 1.3) * alike[1],
+        "prestress": rng.uniform(-0.5, 0.5) + rng.uniform(-SPREAD, SPREAD, CASES),
+        "eta": 10.0 ** rng.uniform(-2.0, 0.0, CASES) if damped else np.zeros(CASES),
+        "b": rng.uniform(0.05, 0.6) * rng.uniform(1.0 - SPREAD, 1.0 + SPREAD, CASES),
     }
-
-
-def _response(values: dict[str, float], omega: Any, **options: Any) -> Any:
-    body = rm.Actuator(
-        c=values["c"], temperature=values["temperature"], prestress=values["prestress"],
-        dissipation=rm.Rayleigh(values["eta"]),
-    )  # fmt: skip
-    return rm.frequency_response(
-        body, rm.SineSquared(values["b"], 1.0), omega, duration=DURATION, **options
-    )
+    first = {name: float(column[0]) for name, column in columns.items()}
+    body = rm.Actuator(c=first["c"], temperature=first["temperature"], prestress=first["prestress"])
+    natural = rm.equilibria(body, 0.5 * first["b"] ** 2).natural_frequency
+    middle = float(natural[0]) if natural.size else np.nan
+    return Batch(columns, middle, damped) if np.isfinite(middle) else None
 
 
 def _amplitude(rng: np.random.Generator) -> Iterator[Judged]:
-    """Amplitudes of one random actuator at some frequencies."""
-    values, tolerance = _values(rng), 10.0 ** rng.uniform(*TOLERANCES)
-    omega = np.sort(rng.uniform(0.3, 2.5, 8))
-    ds = _response(values, omega, tolerance=tolerance)
-    for k, w in enumerate(omega):
-        exact = excursion(values, float(w))
-        if exact is None or not np.isfinite(ds.amplitude[k]):
-            continue
-        true = abs(float(ds.amplitude[k]) - exact.amplitude)
-        case = f"{values}, omega={w!r}"
-        yield Judged(case, tolerance, values["eta"] > 0.0, float(ds.amplitude_error[k]), true)
+    """Amplitudes of random actuators at some frequencies."""
+    batch, tolerance = _batch(rng), 10.0 ** rng.uniform(*TOLERANCES)
+    if batch is None:
+        return
+    omega = np.sort(rng.uniform(0.3, 2.5, 4))
+    ds = batch.response(omega, tolerance=tolerance)
+    for k in range(CASES):
+        values = batch.values(k)
+        for w in omega:
+            one = ds.isel({CASE: k}).sel(omega=w)
+            exact = excursion(values, float(w))
+            if exact is None or not np.isfinite(one.amplitude):
+                continue
+            true = abs(float(one.amplitude) - exact.amplitude)
+            case = f"{values}, omega={w!r}"
+            yield Judged(case, tolerance, batch.damped, float(one.amplitude_error), true)
 
 
 def _true_maximum(values: dict[str, float], found: float, width: float) -> float | None:
     """The frequency of the maximum to which the amplitude rises from a given one.
 
-    A root of the slope, or the place of a jump: steps uphill that double until the amplitude no
-    longer rises, then the secant method and halves.
+    A root of the slope, or the place of a jump: steps uphill that grow until the amplitude no
+    longer rises, then Brent's method, or halves where the slope has no root.
     """
-    start = excursion(values, found)
-    if start is None:
-        return None
-    uphill = 1.0 if start.slope > 0.0 else -1.0
-    low, first, step = found, start, FIRST_STEP * width
+
+    def at(omega: float) -> Excursion:
+        there = excursion(values, omega, np.float64)
+        return Excursion(np.nan, np.nan) if there is None else there
+
+    low, first, step = found, at(found), FIRST_STEP * width
+    uphill = 1.0 if first.slope > 0.0 else -1.0
     while True:
         high = found + uphill * step
-        second = excursion(values, high)
-        if second is None or step > LARGEST_STEP:
+        second = at(high)
+        if not np.isfinite(first.slope + second.slope) or step > LARGEST_STEP:
             return None
-        if second.slope * uphill <= 0.0 or second.amplitude < first.amplitude:
+        if second.slope * uphill <= 0.0:
+            return float(brentq(lambda omega: at(omega).slope, low, high, xtol=ENOUGH * width))
+        if second.amplitude < first.amplitude - NOISE:
             break
-        low, first, step = high, second, 2.0 * step
-    for k in range(MAX_STEPS):
+        low, first, step = high, second, 3.0 * step
+    while abs(high - low) > ENOUGH * width:
         middle = 0.5 * (low + high)
-        if k % 3 < 2 and first.slope * second.slope < 0.0:
-            middle = low + (high - low) * first.slope / (first.slope - second.slope)
-        new = excursion(values, middle)
-        if new is None:
-            return None
-        if abs(high - low) < ENOUGH * width or new.slope == 0.0:
-            return middle
-        if new.slope * uphill > 0.0 and new.amplitude >= first.amplitude:
-            low, first = middle, new
-        else:
-            high, second = middle, new
+        low, high = (
+            (middle, high) if at(middle).amplitude >= first.amplitude - NOISE else (low, middle)
+        )
     return 0.5 * (low + high)
 
 
@@ -157,33 +195,33 @@ def _true_maximum(values: dict[str, float], found: float, width: float) -> float
 def _resonance(
     rng: np.random.Generator, width: float, decades: tuple[float, float]
 ) -> Iterator[tuple[str, Judged]]:
-    """The resonance of one random actuator, near its natural frequency: place and amplitude."""
-    values, tolerance = _values(rng), 10.0 ** rng.uniform(*decades)
-    body = rm.Actuator(
-        c=values["c"], temperature=values["temperature"], prestress=values["prestress"]
-    )
-    rest = rm.equilibria(body, 0.5 * values["b"] ** 2)
-    natural = float(rest.natural_frequency[0])
-    if not np.isfinite(natural):
+    """Resonances of random actuators, near their natural frequencies: places and amplitudes."""
+    batch, tolerance = _batch(rng), 10.0 ** rng.uniform(*decades)
+    if batch is None:
         return
-    omega = np.linspace(0.3, 0.7, 41) * natural
-    ds = _response(values, omega, tolerance=tolerance, resonance_width=width)
-    if int(ds.resonance_status) != rm.Status.OK:
-        return
-    found, damped = float(ds.resonance), values["eta"] > 0.0
-    exact = _true_maximum(values, found, width)
-    there = None if exact is None else excursion(values, exact)
-    if exact is not None and there is not None:
+    omega = np.linspace(0.35, 0.65, 13) * batch.middle
+    ds = batch.response(omega, tolerance=tolerance, resonance_width=width)
+    for k in range(CASES):
+        one, values = ds.isel({CASE: k}), batch.values(k)
+        if int(one.resonance_status) != rm.Status.OK:
+            continue
+        found = float(one.resonance)
+        exact = _true_maximum(values, found, width)
+        if exact is None or not np.isfinite(exact):
+            continue
+        there = excursion(values, exact)
+        if there is None:
+            continue
         case = f"{values}, resonance_width={width}"
-        off, size = abs(float(ds.resonance_amplitude) - there.amplitude), there.amplitude
-        yield (
-            "place",
-            Judged(case, tolerance, damped, float(ds.resonance_error), abs(found - exact)),
-        )
-        yield (
-            "amplitude",
-            Judged(case, tolerance, damped, float(ds.resonance_amplitude_error), off, size),
-        )
+        pairs = {
+            "resonance": (abs(found - exact), 1.0),
+            "resonance_amplitude": (
+                abs(float(one.resonance_amplitude) - there.amplitude), there.amplitude,
+            ),
+        }  # fmt: skip
+        for name, (true, size) in pairs.items():
+            error = float(one[f"{name}_error"])
+            yield name, Judged(case, tolerance, batch.damped, error, true, size)
 
 
 def _resonance_of(
@@ -197,16 +235,16 @@ ROWS = (
     Row(
         "resonances of forced response",
         "frequency_response: resonance_error",
-        _resonance_of("place", 1e-6, TOLERANCES),
+        _resonance_of("resonance", 1e-6, TOLERANCES),
     ),
     Row(
         "amplitudes at resonances of forced response",
         "frequency_response: resonance_amplitude_error",
-        _resonance_of("amplitude", 1e-6, TOLERANCES),
+        _resonance_of("resonance_amplitude", 1e-6, TOLERANCES),
     ),
     Row(
         "narrow brackets of resonances",
         "frequency_response: resonance_error",
-        _resonance_of("place", 1e-9, TOLERANCES),
+        _resonance_of("resonance", 1e-9, TOLERANCES),
     ),
 )

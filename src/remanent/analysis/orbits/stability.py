@@ -14,6 +14,8 @@ _MAX_UNIT_CIRCLE_DISTANCE = 1e-6
 _MIN_EIGENVECTOR_SINGULAR_VALUE = 1e-7
 #: Rounding of the eigenvalues of a matrix, relative to its largest entry.
 _ROUNDING_OF_EIGENVALUES = 2.0 * float(np.finfo(float).eps)
+#: Below the least normal number products lose their digits, and rounding is no share of them.
+_SMALLEST_ERROR = float(np.finfo(float).tiny)
 #: Of two conjugate multipliers, the one with the positive imaginary part comes first.
 _CONJUGATE_SORTING_WEIGHT = 1e-9
 
@@ -66,6 +68,7 @@ def floquet_multipliers(jacobian: FloatArray, error: FloatArray) -> tuple[Comple
         met = np.linalg.svd(right, compute_uv=False)[:, -1] < _MIN_EIGENVECTOR_SINGULAR_VALUE
         first_order[met] = np.inf
         errors = np.fmin(2.0 * first_order, _change_of_any_eigenvalue(jacobian, change)[:, None])
+    errors = np.maximum(errors, _SMALLEST_ERROR)
     rank = -np.abs(values) - _CONJUGATE_SORTING_WEIGHT * values.imag
     order = np.argsort(rank, axis=1, kind="stable")
     return np.take_along_axis(values, order, 1), np.take_along_axis(errors, order, 1)

@@ -11,6 +11,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from remanent._status import Status
+from remanent._typing import FloatArray
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.results.build import Labelled
@@ -93,8 +94,8 @@ def periodic_orbits(
         map and rounding, each through (1 - J)^-1, where J has the multipliers, with the terms
         of second order; NaN where they leave it open whether there is an orbit.  ``orbits``,
         how many there are; ``status``: ``incomplete`` where some may be missing, and the
-        ``reason``; else ``max-steps`` where an error is above the tolerance.  NaN where there
-        are fewer orbits than elsewhere.
+        ``reason``; else ``max-steps`` where an error is above the tolerance or NaN, and why.
+        NaN where there are fewer orbits than elsewhere.
 
     Raises
     ------
@@ -151,7 +152,10 @@ def periodic_orbits(
             map_, found, np.empty((len(found), 0)), orbit_period, tolerance
         )
         columns = describe_orbits(member, orbits, orbit_period, {})
-        return columns | {"reason": np.array(outcome.reason)}
+        reason = outcome.reason or _why_errors_are_large(columns["error"], tolerance)
+        return columns | {
+            "reason": np.array(reason), "is_complete": np.array(not outcome.reason)
+        }  # fmt: skip
 
     tables = map_members_in_threads(ens, find, as_progress(progress))
     reasons = np.array(["" if t is None else str(t["reason"]) for t in tables])
@@ -169,12 +173,31 @@ def periodic_orbits(
     }
     status = [
         Status.INVALID if table is None
-        else Status.INCOMPLETE if reason
+        else Status.INCOMPLETE if not table["is_complete"]
         else Status.OK if (table["error"] <= tolerance).all()
         else Status.MAX_STEPS
-        for table, reason in zip(tables, reasons, strict=True)
+        for table in tables
     ]  # fmt: skip
     return to_dataset(
         ens, variables, coords=coords, tolerance=tolerance, status=np.array(status),
         orbit_period=orbit_period,
     )  # fmt: skip
+
+
+def _why_errors_are_large(error: FloatArray, tolerance: float) -> str:
+    """Why the error of some orbits is above the tolerance, or not told; empty if none is."""
+    words = []
+    large, unknown = error[error > tolerance], np.isnan(error)
+    if large.size:
+        words.append(
+            f"{large.size} of {error.size} orbits {'is' if large.size == 1 else 'are'} known "
+            f"to {large.max():.1g} at best, above the tolerance: rounding, and the error of the "
+            "map at its shortest steps, are magnified by (1 - J)^-1"
+        )
+    if unknown.any():
+        words.append(
+            f"{unknown.sum()} of {error.size} orbits {'has' if unknown.sum() == 1 else 'have'} "
+            "no error: within rounding and the error of the map it is open whether there is "
+            "one orbit near the point, or none, or more"
+        )
+    return "; ".join(words)

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.polynomial import Chebyshev
 
 from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.analysis.orbits.correction import correct_points
 from remanent.analysis.orbits.curves import CurvePoints, concatenate_points, interpolate_curve
 from remanent.analysis.orbits.errors import orbit_errors
+from remanent.analysis.response.tops import top_of_polynomials
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Request
 from remanent.studies.ensemble.durations import require_drive_periods
@@ -28,10 +28,8 @@ _LARGEST_ANGLE_BETWEEN_POINTS = 1.0
 #: How often intervals are halved, and how many points a curve may have then.
 _MAX_HALVINGS = 8
 _MAX_RESOLVED_POINTS = 8192
-#: Points on both sides of a peak through which a polynomial is laid, and its degree.
+#: Points on both sides of a peak through which a polynomial is laid.
 _NODE_COUNT = 9
-#: Degree of the polynomial that it is compared with.
-_LOWER_DEGREE = 6
 #: How often a peak is looked at again, more closely, and by which factor.
 _MAX_ZOOMS = 4
 _ZOOM_FACTOR = 4.0
@@ -39,19 +37,10 @@ _ZOOM_FACTOR = 4.0
 _REFINED_RESIDUAL = 1e-12
 #: Distance of orbits beside a peak at which its harmonics are compared, as a share of the nodes'.
 _NEARBY_SHARE = 1e-3
-#: Share of the bound of the noise in a top that counts as its error: bounds of amplitudes and of
-#: orbits are some fifty times their errors, and errors at neighbouring nodes are alike, so that
-#: the top hardly moves (``python -m benchmarks.errors`` measures it).
-_NOISE_SHARE = 0.05
-#: Weights of what polynomials of two degrees differ by, which shows the noise that there is, and
-#: of that noise as its bound has it, in the error of a top.  Measured.
-_CUT_OFF_WEIGHT = 12.0
-_NOISE_WEIGHT = 0.32
 #: Tolerances of the amplitudes of refined peaks: the next is taken where one cannot be met.
 _AMPLITUDE_TOLERANCES = (1e-11, 1e-8, 1e-5)
-#: Distance of the point beyond the ends of the nodes, as a share of their half width, from
-#: which a peak does not count as between them.
-_SLACK = 1.0 + 1e-6
+#: The same at the peak itself.
+_TOLERANCES_AT_PEAK = (1e-12, *_AMPLITUDE_TOLERANCES)
 
 
 @dataclass(frozen=True)
@@ -171,26 +160,31 @@ class PeakSearch:
         """The peak near a point of a curve."""
         place = points.subset(np.array([k]))
         span, shift_error = np.nan, np.nan
-        nearby = place
+        nearby, finest = place, self
         if inner:
-            closer = self._with_smaller_errors()
+            finest = closer = self._with_smaller_errors()
             place, span, shift_error = closer._climb(points, k)
             if shift_error >= span:  # nothing was found with such small errors
                 place, span, shift_error = self._climb(points, k)
+                finest = self
             nearby = closer._nearby(place, max(shift_error, _NEARBY_SHARE * span))
-        (amplitude,), (error,) = self._amplitudes(place)
         (position_error,) = self._position_errors(place)
         slope = abs(float(place.tangent[0, -1])) * self.tracing.continuation_settings.scale[-1]
         omega, period = place.unknown[:, -1], self.tracing.orbit_period
-        errors = orbit_errors(self.tracing.map, place.unknown[:, :-1], omega[:, None], period)
+        errors = orbit_errors(finest.tracing.map, place.unknown[:, :-1], omega[:, None], period)
         orbit = describe_orbits(self.member, errors, period, {"omega": omega})
+        # At this frequency; where none is told, the curve's own error stands for it.
+        state_error = np.fmin(errors.error, position_error)
+        (amplitude,), (error,) = self._amplitudes(
+            place, state_error, tolerances=_TOLERANCES_AT_PEAK
+        )
         return Peak(
             omega=float(place.unknown[0, -1]),
             omega_error=float(shift_error * slope + position_error) if inner else np.nan,
             amplitude=float(amplitude),
             amplitude_error=float(error),
             state=place.unknown[0, :-1],
-            state_error=float(position_error),
+            state_error=float(state_error[0]),
             nearby_omega=nearby.unknown[:, -1],
             nearby_states=nearby.unknown[:, :-1],
             orbit_period=self.tracing.orbit_period,
@@ -234,17 +228,15 @@ class PeakSearch:
             values, errors = self._amplitudes(nodes)
             if not np.isfinite(values).all():
                 break
-            top = _top_of_polynomials(distance, values, float(errors.max()))
+            top = top_of_polynomials(distance, values, float(errors.max()))
             if top is None:
                 span /= _ZOOM_FACTOR
                 continue
-            shift, cut_off, noise = top
-            moved = self._at_place(nodes, distance, shift, direction)
-            found = _CUT_OFF_WEIGHT * cut_off + _NOISE_WEIGHT * noise
-            if moved is None or found >= error:
+            moved = self._at_place(nodes, distance, top.place, direction)
+            if moved is None or top.error >= error:
                 break
-            centre, error = moved, found
-            if cut_off <= noise:
+            centre, error = moved, top.error
+            if top.cut_off <= top.noise:
                 break  # closer by, errors of the amplitudes would show more
             span = max(span / _ZOOM_FACTOR, 2.0 * error)
         return centre, span, error
@@ -302,8 +294,15 @@ class PeakSearch:
         inverse = np.linalg.norm(np.linalg.pinv(matrices), 2, axis=(1, 2))
         return np.asarray(inverse * left * np.sqrt(matrices.shape[1]))
 
-    def _amplitudes(self, points: CurvePoints) -> tuple[FloatArray, FloatArray]:
+    def _amplitudes(
+        self,
+        points: CurvePoints,
+        position_errors: FloatArray | None = None,
+        tolerances: tuple[float, ...] = _AMPLITUDE_TOLERANCES,
+    ) -> tuple[FloatArray, FloatArray]:
         """Amplitudes of the orbits at points of a curve, and their errors, arrays (point,)."""
+        if position_errors is None:
+            position_errors = self._position_errors(points)
         orbits = self.member.with_initial_states(
             points.unknown[:, :-1], {"omega": points.unknown[:, -1]}
         )
@@ -312,7 +311,7 @@ class PeakSearch:
         )
         missing = np.ones(len(points), dtype=np.bool_)
         amplitude, error = np.full((2, len(points)), np.nan)
-        for tolerance in _AMPLITUDE_TOLERANCES:
+        for tolerance in tolerances:
             outcome = integrate(
                 replace(problem, invalid=~missing),
                 Request(wants_extremes=True), tolerance=tolerance,
@@ -326,41 +325,10 @@ class PeakSearch:
         # An orbit that is off by d has an amplitude that is off by d times how far its motion
         # carries a difference, which the largest entry of its derivatives stands for.
         carried = np.abs(points.extra_arrays["jacobian"]).max(axis=(1, 2)) + 1.0
-        return amplitude, error + 2.0 * carried * self._position_errors(points)
+        return amplitude, error + 2.0 * carried * position_errors
 
 
 def _local_maximum_indices(values: FloatArray) -> IntArray:
     """Where an array is larger than its neighbours, ends included."""
     padded = np.concatenate([[-np.inf], values, [-np.inf]])
     return np.flatnonzero((padded[1:-1] > padded[:-2]) & (padded[1:-1] >= padded[2:]))
-
-
-def _top_of_polynomials(
-    x: FloatArray, values: FloatArray, error: float
-) -> tuple[float, float, float] | None:
-    """Where a polynomial through values is largest, what it cuts off, and the noise in it.
-
-    What is cut off is the difference from the top of a polynomial of lower degree; the noise is
-    what independent errors of the values make of the root of the derivative.  None where the top
-    is not between the points.
-    """
-    ends = [float(x.min()), float(x.max())]
-    reach, middle = 0.5 * (ends[1] - ends[0]), 0.5 * sum(ends)
-    fits = [Chebyshev.fit(x, values, degree, domain=ends) for degree in (x.size - 1, _LOWER_DEGREE)]
-    tops = []
-    for fit in fits:
-        roots = fit.deriv().roots()
-        real = roots[np.abs(roots.imag) < 1e-7 * reach].real
-        inside = real[np.abs(real - middle) <= _SLACK * reach]
-        if not inside.size:
-            return None
-        tops.append(float(inside[np.argmax(fit(inside))]))
-    curvature = float(fits[0].deriv(2)(tops[0]))
-    if not curvature < 0.0:
-        return None
-    # How the slope at the top depends on each of the values.
-    unit = [
-        Chebyshev.fit(x, row, x.size - 1, domain=ends).deriv()(tops[0]) for row in np.eye(x.size)
-    ]
-    noise = _NOISE_SHARE * error * float(np.linalg.norm(unit)) / abs(curvature)
-    return tops[0], abs(tops[0] - tops[1]), noise

@@ -10,6 +10,7 @@ import xarray as xr
 from benchmarks.errors.period_map import PeriodMap  # needs heyoka
 
 import remanent as rm
+from remanent.studies.orbits.periodic_orbits import _why_errors_are_large
 
 #: Fields of the actuators below that :class:`PeriodMap` takes.
 PLAIN = {"c": 1.0, "temperature": 350.0, "prestress": 0.0, "dissipation.0.eta": 0.0}
@@ -75,7 +76,23 @@ def test_the_status_says_whether_the_tolerance_was_met(tolerance: float) -> None
     found = rm.periodic_orbits(actuator, rm.SineSquared(0.4, 1.2), tolerance=tolerance)
     met = float(found.error.max()) <= tolerance
     assert int(found.status) == (rm.Status.OK if met else rm.Status.MAX_STEPS)
+    assert ("above the tolerance" in str(found.reason.values)) is not met
     assert float(found.error.max()) < 2e-12
+
+
+def test_an_error_that_is_not_told_has_a_reason() -> None:
+    """An orbit without an error, one above the tolerance, and one that meets it."""
+    assert not _why_errors_are_large(np.array([1e-12, 1e-10]), 1e-9)
+    words = _why_errors_are_large(np.array([np.nan, 3e-9, 1e-12]), 1e-9)
+    assert "1 of 3 orbits is known to 3e-09 at best" in words
+    assert "1 of 3 orbits has no error" in words
+
+
+def test_multipliers_that_underflow_have_an_error() -> None:
+    """Law: Coverage.  Over a period of 785 motion with damping 2 forgets where it began."""
+    ds = rm.periodic_orbits(rm.Actuator(dissipation=rm.Rayleigh(2.0)), rm.SineSquared(0.4, 0.004))
+    assert (np.abs(ds.multipliers.values) <= ds.multipliers_error.values).all()
+    assert (ds.multipliers_error.values > 0.0).all()
 
 
 @pytest.mark.parametrize("eta", [0.0, 0.1])
