@@ -196,15 +196,17 @@ def require_field_names(name: str, value: object, known: Iterable[str], owner: s
         "fix": f"Its fields are: {', '.join(fields)}.",
     }
     is_scalar = getattr(names, "ndim", 1) == 0  # iterable by its type only
-    if is_scalar or not isinstance(names, Iterable) or not (entries := list(names)):
-        raise InputError(
-            name, must=f"name fields of {owner}, at least one", got=shortened_repr(value), **message
-        )
-    for entry in entries:
+    entries: list[str] = []
+    for entry in names if isinstance(names, Iterable) and not is_scalar else ():
         if not isinstance(entry, str) or entry not in fields:
             raise InputError(
                 name, must=f"name fields of {owner}", got=shortened_repr(entry), **message
             )
+        entries.append(entry)
+    if not entries:
+        raise InputError(
+            name, must=f"name fields of {owner}, at least one", got=shortened_repr(value), **message
+        )
     return entries
 
 

@@ -19,10 +19,11 @@ import time
 import warnings
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping
+from contextlib import chdir
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
-from tempfile import mkdtemp
+from tempfile import TemporaryDirectory
 from types import FrameType
 from typing import Any
 
@@ -68,8 +69,8 @@ NEAR_SHARE_OF_SLOW = 0.15
 WRAPPED_SHARE, MAPPING_SHARE = 0.3, 0.6
 #: Longest message, in letters.
 MAX_MESSAGE_LETTERS = 2500
-#: Where results are saved.
-FOLDER = Path(mkdtemp())
+#: A file for results, in the folder of the call.
+RESULT_FILE = Path("result.nc")
 
 
 @dataclass(frozen=True)
@@ -96,7 +97,12 @@ class Attempt:
         arguments = dict(self.subject.sound())
         arguments |= {name: value.make() for name, value in self.spoilt.items()}
         before = shown(arguments)
-        with warnings.catch_warnings(), listening() as heard:
+        with (
+            warnings.catch_warnings(),
+            listening() as heard,
+            TemporaryDirectory() as folder,
+            chdir(folder),  # files that are asked for by name stay out of the repository
+        ):
             warnings.simplefilter("error")
             warnings.simplefilter("ignore", rm.InputWarning)
             try:
@@ -203,9 +209,8 @@ def untold(ds: xr.Dataset) -> str:
 
 def unsaved(ds: xr.Dataset) -> str:
     """How a result changes in a file."""
-    path = FOLDER / "result.nc"
     try:
-        back = rm.load(rm.save(ds, path))
+        back = rm.load(rm.save(ds, RESULT_FILE))
     except rm.InputError as error:
         return f"cannot be saved: {error}"
     return "" if back.equals(ds) else "another after it was saved"

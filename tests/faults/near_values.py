@@ -20,7 +20,7 @@ from remanent.models.drives.base import Drive
 KINDS: Mapping[str, str] = {
     "over": "over", "initial": "state", "state_box": "box", "parameter_ranges": "box",
     "tolerance": "number", "duration": "number", "periods": "count", "discard": "count",
-    "times": "row", "orbit_period": "few", "max_points": "count", "m": "number", "rng": "count",
+    "times": "row", "orbit_period": "count", "max_points": "count", "m": "number", "rng": "count",
     "every": "count", "section_phase": "number", "direction": "name", "variables": "name",
     "x": "name", "y": "name", "parameter": "name", "variable": "name", "quantity": "name",
     "legend": "flag", "log": "flag", "residuals": "flag", "profile": "flag", "sobol": "flag",
@@ -76,7 +76,6 @@ def values_by_kind() -> dict[str, list[Value]]:
     return {
         "number": [valued(x) for x in (*USUAL * 2, *real)],
         "count": [valued(x) for x in COUNTS],
-        "few": [valued(x) for x in COUNTS if x < 10],  # each costs as many times more work
         "flag": [valued(x) for x in (True, False, np.bool_(True))],
         "name": [*words, *(valued(x) for x in measured * 3), valued(["stretch", "omega"])],
         "row": rows,

@@ -85,9 +85,10 @@ CASES: dict[str, tuple[Callable[[], Any], tuple[str, ...]]] = {
         ("`duration`", "2.0", "5.0", "Shorten"),
     ),
     "samples wild": (
-        lambda: simulate(drive=rm.Sampled([0, 1e-308, 9], [-1e308, 1e308, 0]), duration=5),
-        ("`drive`", "ordinary size"),
+        lambda: rm.Sampled([0, 1e-308, 9], [-1e308, 1e308, 0]),
+        ("`loads`", "ordinary size"),
     ),
+    "ramp steep": (lambda: rm.Ramp([0, 1e-309], [0, 1]), ("`loads`", "rates", "ordinary size")),
     "chirp": (lambda: rm.Chirp(1.0, 1.0, 2.0, 0.0), ("`duration`", "greater than 0", "Sine")),
     "drive": (lambda: simulate(drive=0.4, duration=5), ("`drive`", "SineSquared", "0.4")),
     "system": (lambda: simulate(body=1.0, duration=5), ("`system`", "rm.Actuator()")),

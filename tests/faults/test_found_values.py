@@ -15,8 +15,10 @@ import numpy as np
 import pint
 import pytest
 import xarray as xr
-from tests.contracts.sound_calls import BODY, DAMPED, DRIVE, SOUND, branch, measure
+from tests.contracts.sound_calls import BODY, DAMPED, DRIVE, SOUND, branch, decaying, measure
+from tests.faults.subjects import equilibria_over_loads
 from tests.faults.value_pool import Unspeakable, Unusable
+from tests.unit.plots.synthetic import basins_of_two
 
 import remanent as rm
 from remanent.studies.orbits._search import is_reversible
@@ -24,6 +26,8 @@ from remanent.studies.orbits._search import is_reversible
 #: The package without its types, for calls that they forbid.
 LOOSE: Any = rm
 HUGE = np.broadcast_to(1.0, 10**11)
+ENDLESS: list[Any] = []
+ENDLESS.append(ENDLESS)
 STIFF = (
     rm.Actuator(c=1e300),
     rm.Actuator(reference_temperature=1e300),
@@ -84,6 +88,19 @@ REFUSED: dict[str, tuple[Callable[[], Any], str]] = {
     "a decay of words": (
         lambda: rm.logarithmic_decrement(motion().astype(str)), "history['thickness_stretch']"
     ),
+    "a branch at infinity": (
+        lambda: rm.switch_branch(branch().map(lambda x: x * np.inf if x.dtype == float else x)),
+        "branch",
+    ),
+    "a branch of complex numbers": (
+        lambda: rm.switch_branch(branch().map(lambda x: x * 1j if x.dtype == float else x)),
+        "branch",
+    ),
+    "a fold of an infinite drive": (
+        lambda: rm.locate_bifurcation(
+            **SOUND["locate_bifurcation"]() | {"drive": rm.SineSquared(1e150, 1.25)}
+        ), "initial",
+    ),
     "a branch of words": (lambda: rm.plot.branch(branch(), "reason"), "variable"),
     "a field that was not followed": (
         lambda: rm.switch_branch(branch(), parameter="prestress"), "parameter"
@@ -92,6 +109,70 @@ REFUSED: dict[str, tuple[Callable[[], Any], str]] = {
     "a chart of one value": (
         lambda: rm.plot.map(rm.classify(**SOUND["classify"]())), "dataset"
     ),
+    "an orbit without end": (
+        lambda: rm.periodic_orbits(DAMPED, DRIVE, orbit_period=2**31), "orbit_period"
+    ),
+    "a saddle of a period that has none near": (
+        lambda: rm.manifold_crossing(**SOUND["manifold_crossing"]() | {"orbit_period": 16}),
+        "saddle",
+    ),
+    "a range of no width": (
+        lambda: rm.response_diagram(DAMPED, DRIVE, (1.0, 1.0 + 2e-16)), "omega_range"
+    ),
+    "an interval wider than floats": (
+        lambda: rm.uncertainty(measure(), parameter_ranges={"temperature": (-1e308, 1e308)}),
+        "parameter_ranges['temperature']",
+    ),
+    "more names than memory holds": (
+        lambda: LOOSE.design(measure(), 1.1, HUGE), "parameters"
+    ),
+    "a table of targets": (
+        lambda: LOOSE.design(measure(), [[1.0, 2.0]], "temperature"), "targets"
+    ),
+    "a system of other states": (
+        lambda: rm.switch_branch(branch(), system=rm.Actuator(prestress=(0.0, 0.1))), "system"
+    ),
+    "equilibria against what they do not vary along": (
+        lambda: rm.plot.equilibria(equilibria_over_loads(), parameter="thickness_stretch"),
+        "parameter",
+    ),
+    "what equilibria have no values of": (
+        lambda: rm.plot.equilibria(equilibria_over_loads(), "thickness_stretch"), "variable"
+    ),
+    "a branch against complex numbers": (
+        lambda: rm.plot.multipliers(branch().assign_coords(omega=1j * branch().omega)), "dataset"
+    ),
+    "a branch against what was not followed": (
+        lambda: rm.plot.branch(branch(), parameter="maximum"), "parameter"
+    ),
+    "axes in space": (
+        lambda: rm.plot.history(motion(), ax=plt.figure().add_subplot(projection="3d")), "ax"
+    ),
+    "a masked width": (lambda: rm.plot.history(motion(), linewidth=np.ma.masked), "linewidth"),
+    "a complex width": (
+        lambda: rm.plot.history(motion(), linewidth=xr.DataArray(1j)), "linewidth"
+    ),
+    "a colour within itself": (lambda: rm.plot.history(motion(), color=ENDLESS), "color"),
+    "a width beyond memory": (lambda: rm.plot.history(motion(), linewidth=HUGE), "linewidth"),
+    "bars of complex numbers": (
+        lambda: rm.plot.bars(rm.sensitivity(**SOUND["sensitivity"]()) * 1j), "dataset"
+    ),
+    "regimes of objects": (
+        lambda: rm.plot.map(
+            rm.basins(**SOUND["basins"]()).astype(object), "stretch"
+        ), "dataset",
+    ),
+    "basins of no cells": (
+        lambda: rm.plot.basins(basins_of_two().isel(stretch=slice(0))), "dataset"
+    ),
+    "basins of words": (lambda: rm.plot.basins(basins_of_two().astype(str)), "dataset"),
+    "basins without numbers": (
+        lambda: rm.plot.basins(basins_of_two().where(False)), "dataset"
+    ),
+    "attractors of half a state": (
+        lambda: rm.plot.basins(basins_of_two().isel(state=slice(1))), "dataset"
+    ),
+    "complex dashes": (lambda: rm.plot.history(motion(), dashes=[1, 1j]), "dashes"),
     "a line so many milliseconds wide": (
         lambda: rm.plot.history(motion(), linewidth=pint.Quantity(1.0, "ms")), "linewidth"
     ),
@@ -176,9 +257,38 @@ def test_a_point_has_the_reason_that_a_single_call_states() -> None:
     assert "reason" not in motion()
 
 
+def test_fields_of_an_outer_product_are_looked_at_together() -> None:
+    """A magnet beyond its rating is told of wherever a coefficient meets a temperature."""
+    hot = {"temperature": [290.0, 400.0], "magnet.temperature_coefficient": [0.0, 1e-4, 1e-3]}
+    with pytest.warns(rm.InputWarning, match="rating"):
+        run = rm.simulate(BODY, DRIVE, duration=1.0, over=hot)
+    assert run.sizes["temperature"] == 2
+    cold = {"temperature": [290.0, 300.0], "magnet.temperature_coefficient": [0.0, 1e-4, 1e-3]}
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        rm.simulate(BODY, DRIVE, duration=1.0, over=cold)
+
+
+def test_no_motions_have_no_decays() -> None:
+    """As many as there are."""
+    runs = rm.simulate(BODY, DRIVE, duration=1.0, over={"temperature": [290.0, 300.0]})
+    none = runs.isel(time=slice(0), temperature=slice(0))
+    assert rm.logarithmic_decrement(none).sizes["temperature"] == 0
+
+
+def test_a_decay_does_not_depend_on_the_order_of_its_record() -> None:
+    """Reversing a record changes nothing, and an instant twice has two values."""
+    run = decaying()
+    told = rm.logarithmic_decrement(run)
+    xr.testing.assert_equal(rm.logarithmic_decrement(run.isel(time=slice(None, None, -1))), told)
+    with pytest.raises(rm.InputError, match="once"):
+        rm.logarithmic_decrement(run.isel(time=[0, 1, 1, 2]))
+
+
 def test_a_seed_that_was_used_is_written_down() -> None:
     """It is the first number that the generator would give."""
-    given = SOUND["uncertainty"]() | {"rng": np.random.default_rng(5)}
+    few: dict[str, Any] = {"samples": 16, "quantiles": (0.5,), "rng": np.random.default_rng(5)}
+    given = SOUND["uncertainty"]() | few
     assert rm.uncertainty(**given).attrs["rng"] == np.random.default_rng(5).integers(2**31)
 
 

@@ -112,7 +112,7 @@ def arrays() -> list[Any]:
         np.ma.masked_array([1.0, 2.0], True), np.array([1e400, 1.0]), np.array([5e-324, 1e-300]),
         np.zeros(2, dtype=[("x", float)]), np.array([1.0, 2.0], dtype=np.float16), np.array([b"a"]),
         np.array([1, 2], dtype=np.uint64), np.array([1.0, 2.0], dtype=">f8"),
-        np.matrix([[1.0, 2.0]]), np.linspace(0.0, 2.0, 7)[::-2],
+        np.array([[1.0, 2.0]]).view(np.matrix), np.linspace(0.0, 2.0, 7)[::-2],
         np.broadcast_to(1.0, (10**6, 10**6)), np.broadcast_to(1.0, 10**11),
         np.array([1.0, 2.0], dtype=np.longdouble), np.rec.array([(1.0,)], dtype=[("x", float)]),
     ]  # fmt: skip

@@ -89,7 +89,29 @@ def _grid_variables(dataset: xr.Dataset) -> tuple[Hashable, Hashable]:
             fix="Pass rm.basins(...) of a grid with two variables, or select values of others.",
         )
     first, second = dataset["regime"].dims
+    if "basin" in dataset and dataset["basin"].dtype.kind not in "iu":
+        raise InputError(
+            "dataset",
+            must="hold the number of an attractor for each cell",
+            got=f"basin of {dataset['basin'].dtype}",
+            why="Cells have the colours of their attractors.",
+            fix="Pass the result of rm.basins as it is, or convert it: astype(int).",
+        )
+    if not dataset["regime"].size or ("basin" in dataset and not _has_state(dataset)):
+        raise InputError(
+            "dataset",
+            must="have cells, and each attractor's values of both variables",
+            got=", ".join(f"{dim}: {size}" for dim, size in dataset.sizes.items()),
+            why="Cells and attractors are drawn in a plane.",
+            fix="Select cells by the variables of the grid only.",
+        )
     return first, second
+
+
+def _has_state(dataset: xr.Dataset) -> bool:
+    """Whether the state of attractors has both variables of the grid."""
+    names = dataset["state"].values.tolist() if "state" in dataset.coords else []
+    return set(dataset["regime"].dims) <= set(names)
 
 
 def _tones(count: int) -> FloatArray:

@@ -80,7 +80,7 @@ def branch(
     list of matplotlib.lines.Line2D
         One for each stretch of a branch with one stability.
     """
-    x = parameter or _followed_parameter(dataset)
+    x = _followed_parameter(dataset, parameter)
     with style.context_of(ax):
         axes = style.given_or_new_axes(ax)
         marks = [name for name in (f"special_{x}", f"special_{variable}") if name in dataset]
@@ -137,7 +137,7 @@ def multipliers(
     list of matplotlib.lines.Line2D
         One for each multiplier on each stretch of a branch with one stability.
     """
-    x = parameter or _followed_parameter(dataset)
+    x = _followed_parameter(dataset, parameter)
     with style.context_of(ax):
         axes = style.given_or_new_axes(ax, height=2.0)
         names = (x, "multipliers", "stability", "special_kind", f"special_{x}")
@@ -194,15 +194,15 @@ def _with_special_multipliers_at_one(data: xr.Dataset) -> xr.Dataset:
     return data.assign(special_multipliers=xr.ones_like(data["special_kind"], dtype=float))
 
 
-def _followed_parameter(dataset: xr.Dataset) -> str:
-    """The parameter: the attribute of that name, or omega, which a response diagram follows."""
-    name = str(dataset.attrs.get("parameter", "omega"))
+def _followed_parameter(dataset: xr.Dataset, given: str | None) -> str:
+    """What is given, the attribute of that name, or omega, which a response diagram follows."""
+    name = given or str(dataset.attrs.get("parameter", "omega"))
     if name in dataset and f"special_{name}" in dataset:
         return name
     raise InputError(
-        "dataset",
-        must="say which parameter was followed",
-        got=", ".join(map(str, dataset.data_vars)),
+        "parameter" if given else "dataset",
+        must="be the parameter that was followed" if given else "say which parameter was followed",
+        got=repr(given) if given else ", ".join(map(str, dataset.data_vars)),
         why="The attribute `parameter` says it in results of continue_orbit.",
         fix="Pass parameter=..., or the result of continue_orbit or response_diagram.",
     )

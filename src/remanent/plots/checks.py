@@ -7,6 +7,8 @@ from collections.abc import Callable, Mapping
 from functools import wraps
 from typing import Any, ParamSpec, TypeVar
 
+import numpy as np
+import xarray as xr
 from matplotlib.axes import Axes
 
 from remanent._arrays import is_quantity
@@ -14,6 +16,7 @@ from remanent._calls import require_fitting_arguments
 from remanent._checks import require_flag, shortened_repr
 from remanent._errors import InputError, error_sentence
 from remanent.results.checks import require_dataset
+from remanent.results.schema import is_described
 
 __all__ = ["checked_picture"]
 
@@ -23,6 +26,10 @@ _Artists = TypeVar("_Artists")
 _MATPLOTLIB_ERRORS = (
     AttributeError, TypeError, ValueError, KeyError, RuntimeError, ArithmeticError,
 )  # fmt: skip
+#: Most numbers among one word for Matplotlib.
+_MOST_NUMBERS_IN_A_WORD = 1_000_000
+#: Variables of complex numbers, of which pictures show the moduli.
+_COMPLEX_VARIABLES = frozenset({"multipliers", "harmonics"})
 #: Arguments that name what is drawn along an axis.
 _DRAWN_ARGUMENTS = frozenset({"variable", "x", "y", "quantity", "parameter"})
 #: Those of pictures that draw words too.
@@ -53,12 +60,14 @@ def checked_picture(draw: Callable[_Arguments, _Artists]) -> Callable[_Arguments
         for name, value in given.items():
             if name != words:
                 _require_kind(name, value, signature.parameters[name])
+        _require_kinds_of_results(given["dataset"])
         _require_numbers(draw.__name__, given)
         if draw.__name__ == "phase":
             _require_same_dimensions(given, signature)
-        _require_no_units(given.get(words, {}))
+        _require_plain_words(given.get(words, {}))
         try:
-            return draw(*args, **kwargs)
+            with np.errstate(all="ignore"):  # of results at infinity
+                return draw(*args, **kwargs)
         except InputError:
             raise
         except _MATPLOTLIB_ERRORS as error:
@@ -89,6 +98,30 @@ def _require_kind(name: str, value: object, parameter: inspect.Parameter) -> Non
                     why="What is drawn is read from the Dataset by its name.",
                     fix="Pass its name, as in 'thickness_stretch'.",
                 )
+
+
+def _require_kinds_of_results(dataset: xr.Dataset) -> None:
+    """Refuse variables of results that hold other things than results do."""
+    for name, variable in dataset.variables.items():
+        if not is_described(str(name)):
+            continue
+        kind = variable.dtype.kind
+        is_complex = kind == "c" and name not in _COMPLEX_VARIABLES
+        if is_complex or (kind == "O" and not _is_of_words(variable)):
+            raise InputError(
+                "dataset",
+                must=f"hold {name} as results do, as real numbers or words",
+                got=f"{name} of {variable.dtype}",
+                why="They are drawn along axes.",
+                fix="Convert it first, for example dataset.astype(float).",
+            )
+
+
+def _is_of_words(variable: xr.Variable) -> bool:
+    """Whether entries are words, or missing as where results of different sizes are joined."""
+    return all(
+        isinstance(x, str) or (isinstance(x, float) and np.isnan(x)) for x in variable.values.flat
+    )
 
 
 def _require_numbers(picture: str, given: Mapping[str, Any]) -> None:
@@ -126,24 +159,45 @@ def _require_same_dimensions(given: Mapping[str, Any], signature: inspect.Signat
         )
 
 
-def _require_no_units(words: Mapping[str, Any]) -> None:
-    """Refuse quantities among words for Matplotlib, which would drop their units."""
+def _require_plain_words(words: Mapping[str, Any]) -> None:
+    """Refuse numbers among words for Matplotlib of which it would drop something."""
     for name, value in words.items():
-        if is_quantity(value):
+        # Lists within lists are Matplotlib's to refuse: one may hold itself.
+        entries = value if isinstance(value, list | tuple) else [value]
+        dropped = next(filter(None, map(_what_matplotlib_drops, entries)), "")
+        if dropped:
             raise InputError(
                 name,
                 must="be plain numbers",
                 got=shortened_repr(value),
-                why="Matplotlib would drop the unit.",
+                why=f"Matplotlib would drop {dropped}.",
                 fix="Pass the number in points, without a unit.",
+            )
+        size = getattr(value, "size", 0)
+        if isinstance(size, int) and size > _MOST_NUMBERS_IN_A_WORD:
+            raise InputError(
+                name,
+                must=f"be at most {_MOST_NUMBERS_IN_A_WORD} numbers",
+                got=f"{size} numbers",
+                why="Matplotlib copies them.",
+                fix="Pass one for each artist.",
             )
 
 
+def _what_matplotlib_drops(value: object) -> str:
+    """What Matplotlib would drop of a number; else nothing."""
+    if is_quantity(value):
+        return "the unit"
+    if isinstance(value, complex) or getattr(getattr(value, "dtype", None), "kind", "") == "c":
+        return "the imaginary part"
+    return "the mask" if isinstance(value, np.ndarray) and np.ma.is_masked(value) else ""
+
+
 def _require_axes(value: object) -> None:
-    if value is not None and not isinstance(value, Axes):
+    if value is not None and (not isinstance(value, Axes) or hasattr(value, "get_zlim")):
         raise InputError(
             "ax",
-            must="be Matplotlib axes",
+            must="be Matplotlib axes of a plane",
             got=shortened_repr(value),
             why="The picture is drawn in them.",
             fix="Pass what plt.subplots() returns second, or leave it out for a new figure.",

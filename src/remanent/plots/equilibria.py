@@ -12,6 +12,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
+from remanent._checks import shortened_repr
 from remanent._errors import InputError
 from remanent._typing import FloatArray
 from remanent.plots import ensemble, keys, missing, style
@@ -87,6 +88,7 @@ def equilibria(
         One per branch and member: solid where stable, dashed where unstable.
     """
     x = _parameter(dataset, parameter)
+    _require_values_of_equilibria(dataset, variable)
     at_folds = (f"fold_{x}", "fold_thickness_stretch", _name_at_folds(variable))
     folds = [name for name in at_folds if name in dataset]
     names = dict.fromkeys((variable, "equilibrium_stretch", "stability", x, *folds))
@@ -119,8 +121,23 @@ def equilibria(
 def _parameter(dataset: xr.Dataset, given: str | None) -> str:
     """The parameter that was given, or the first field of ``over`` that varies."""
     names = [given] if given is not None else str(dataset.attrs.get("over", "")).split()
-    varying = [name for name in names if name in dataset.variables and dataset[name].ndim == 1]
-    if not varying or "stability" not in dataset:
+    dims = set(dataset["stability"].dims) - {"equilibrium"} if "stability" in dataset else set()
+    varying = [
+        name
+        for name in names
+        if name in dataset.variables
+        and dataset[name].ndim == 1
+        and dims.issuperset(dataset[name].dims)
+    ]
+    if not varying and given is not None and dims:
+        raise InputError(
+            "parameter",
+            must="be a field along which equilibria were computed",
+            got=shortened_repr(given),
+            why=f"Equilibria vary along {', '.join(sorted(map(str, dims)))}.",
+            fix="Pass one of these, or leave it out for the first.",
+        )
+    if not varying:
         raise InputError(
             "dataset",
             must="be a result of equilibria over a parameter",
@@ -129,6 +146,18 @@ def _parameter(dataset: xr.Dataset, given: str | None) -> str:
             fix='Pass rm.equilibria(..., over={"m": [...]}), or name a parameter that varies.',
         )
     return varying[0]
+
+
+def _require_values_of_equilibria(dataset: xr.Dataset, variable: str) -> None:
+    """Refuse what equilibria do not have a value of each."""
+    if variable in dataset and "equilibrium" not in dataset[variable].dims:
+        raise InputError(
+            "variable",
+            must="have a value for each equilibrium",
+            got=f"{variable!r} along {', '.join(map(str, dataset[variable].dims)) or 'none'}",
+            why="Equilibria are drawn at its values.",
+            fix="Pass for example 'equilibrium_stretch' or 'natural_frequency'.",
+        )
 
 
 @dataclass(frozen=True)

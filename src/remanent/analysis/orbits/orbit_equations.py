@@ -108,8 +108,10 @@ def build_bifurcation_equations(
         )
         test, slope, entry_weight = smallest_singular_values(jacobians, sign, scale, half_step)
         if by_determinant:
-            determinants = np.linalg.det(jacobians + sign * np.eye(d))
-            test, slope = determinants[:, 0], central_differences(determinants, scale, half_step)
+            with np.errstate(all="ignore"):  # points that are not followed have no numbers
+                determinants = np.linalg.det(jacobians + sign * np.eye(d))
+                slope = central_differences(determinants, scale, half_step)
+            test = determinants[:, 0]
         orbit = np.concatenate([jacobian - np.eye(d), image.parameter_jacobian], axis=2)
         value = np.column_stack([image.state - unknown[:, :d], test])
         derivative = np.concatenate([orbit, slope[:, None, :]], axis=1)

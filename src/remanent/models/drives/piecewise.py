@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -12,7 +11,7 @@ from typing import Any, ClassVar, Self, TypeAlias
 import numpy as np
 
 from remanent import _checks
-from remanent._errors import InputError, InputWarning
+from remanent._errors import InputError, warn_of_input
 from remanent._load_schedule import LoadSchedule
 from remanent._typing import ArrayLike, FloatArray
 from remanent.models.drives.base import Drive, as_times, empty_waveforms
@@ -83,6 +82,26 @@ class PiecewiseDrive(Drive):
                 fix="Pass one load per instant.",
             )
         return {"times": tuple(times.tolist()), "loads": tuple(loads.tolist())}
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        with np.errstate(all="ignore"):
+            try:
+                coefficients = self.piece_coefficients()
+            except ValueError:  # from the interpolation of samples
+                coefficients = np.full((4, 1), np.nan)
+        if not np.isfinite(coefficients).all():
+            raise InputError(
+                "loads",
+                must="change at rates that floating point holds",
+                got=_checks.shortened_repr(self),
+                why="Between two instants the load is a polynomial in time.",
+                fix="Use loads and times of ordinary size.",
+            )
+        self._warn_if_implausible(coefficients)
+
+    def _warn_if_implausible(self, coefficients: FloatArray) -> None:
+        """Warn of a table that looks like a mistake, by its :meth:`piece_coefficients`."""
 
     @abstractmethod
     def piece_coefficients(self) -> FloatArray:
@@ -215,34 +234,30 @@ class Sampled(PiecewiseDrive):
         """An instance with usual numbers, on which contract tests try every public part."""
         return cls(np.linspace(0.0, 10.0, 9), np.sin(np.arange(9.0)))
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        self._warn_if_it_swings()
-
-    def _warn_if_it_swings(self) -> None:
+    def _warn_if_implausible(self, coefficients: FloatArray) -> None:
         """Warn where the spline goes far beyond the samples."""
         times, loads = np.asarray(self.times), np.asarray(self.loads)
         with np.errstate(all="ignore"):
-            try:
-                coefficients = self.piece_coefficients()[:, :-1]
-            except ValueError:
-                return  # no spline in floating point: refused when it is used
             s = _PLACES_BETWEEN_SAMPLES[:, None] * np.diff(times)
-            a0, a1, a2, a3 = coefficients
+            a0, a1, a2, a3 = coefficients[:, :-1]
             between = a0 + s * (a1 + s * (a2 + s * a3))
             span = float(np.ptp(loads))
             beyond = max(float(loads.min() - between.min()), float(between.max() - loads.max()))
         if span > 0.0 and beyond > _LARGEST_OVERSHOOT * span:
-            warnings.warn(
+            warn_of_input(
                 f"The spline through `loads` goes {beyond:.3g} beyond them, between samples that "
                 "jump within a time that is much shorter than others. Use Ramp or Steps for "
-                "jumps, or sample evenly.",
-                InputWarning,
-                stacklevel=4,
+                "jumps, or sample evenly."
             )
 
     def piece_coefficients(self) -> FloatArray:
         """Coefficients of the spline; the last piece, for rounding at the end, is constant."""
-        spline = import_module("scipy.interpolate").CubicSpline(self.times, self.loads)
+        # In units of a power of 2, which is exact: three samples are solved for by equations that
+        # mix times with 1.
+        _, exponent = np.frexp(self.times[-1])
+        times = np.ldexp(self.times, -exponent)
+        spline = import_module("scipy.interpolate").CubicSpline(times, self.loads)
+        with np.errstate(over="ignore", under="ignore"):
+            coefficients = np.ldexp(spline.c[::-1], -exponent * np.arange(4)[:, np.newaxis])
         last = np.array([[self.loads[-1]], [0.0], [0.0], [0.0]])
-        return np.hstack([spline.c[::-1], last])
+        return np.hstack([coefficients, last])

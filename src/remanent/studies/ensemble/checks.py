@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from copy import deepcopy
 from typing import TypeAlias
@@ -35,6 +36,8 @@ COARSEST_TOLERANCE = 0.1
 _ORDER_REMEDY = "The system comes first, then the drive: simulate(actuator, drive, ...)."
 #: Largest end of a range, in size: differences of larger numbers overflow.
 _LARGEST_RANGE_END = 1e150
+#: Narrowest range over the size of its ends: steps are up to ten thousand times shorter.
+_NARROWEST_RELATIVE_RANGE = 1e4 * float(np.finfo(np.float64).eps)
 #: What ``rng`` accepts.
 RngArgument: TypeAlias = int | np.random.Generator | None
 #: The seed of all random choices where none is given.
@@ -136,7 +139,16 @@ def require_interval(
     pair = as_float_array(name, value, what=what, why=why, fix=fix, ndim=1, finite=finite)
     if pair.size != 2 or not pair[0] < pair[1]:
         raise InputError(name, must=f"be {what}", got=shortened_repr(value), why=why, fix=fix)
-    return float(pair[0]), float(pair[1])
+    low, high = pair.tolist()
+    if finite and math.isinf(high - low):
+        raise InputError(
+            name,
+            must=f"be {what}, no farther apart than floats reach",
+            got=shortened_repr(value),
+            why=why,
+            fix="Pass two numbers that are nearer to each other.",
+        )
+    return low, high
 
 
 def require_intervals(
@@ -214,6 +226,14 @@ def require_parameter_range(
                 why=why,
                 fix="Pass values within the field's own range.",
             )
+    if ends[1] - ends[0] < _NARROWEST_RELATIVE_RANGE * max(map(abs, ends)):
+        raise InputError(
+            name,
+            must=f"be {what}, told apart by more than rounding",
+            got=shortened_repr(value),
+            why=why,
+            fix="Pass values that are farther apart, or compute the motion at one of them.",
+        )
     return ends
 
 

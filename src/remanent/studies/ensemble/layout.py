@@ -106,7 +106,7 @@ def lay_out_ensemble(
         _require_finite_periods(drive, values)
         require_admissible_state(system, values, states, field)
     if tells:
-        warn_of_varied_values(fields.arrays, system, drive, invalid)
+        warn_of_varied_values(fields.arrays, varied, system, drive, invalid)
     return Ensemble(
         system, drive, field, sizes, fields.arrays, values, states, invalid, fields.labels
     )

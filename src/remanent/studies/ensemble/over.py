@@ -267,7 +267,11 @@ def _dimension_sizes(arrays: Mapping[str, Labelled]) -> dict[str, int]:
 
 
 def warn_of_varied_values(
-    arrays: Mapping[str, Labelled], system: System, drive: Drive, invalid: BoolArray
+    arrays: Mapping[str, Labelled],
+    varied: Mapping[str, FloatArray],
+    system: System,
+    drive: Drive,
+    invalid: BoolArray,
 ) -> None:
     """Warn once of varied values that break a rule, and of those that look like a mistake.
 
@@ -275,6 +279,8 @@ def warn_of_varied_values(
     ----------
     arrays : mapping of name to Labelled
         The varied fields with their values.
+    varied : mapping of name to array (trajectory,)
+        The same for each trajectory.
     system, drive
         Whose rules they are.
     invalid : array (trajectory,) of bool
@@ -282,7 +288,7 @@ def warn_of_varied_values(
     """
     if not arrays:
         return
-    system.warn_if_implausible({name: values for name, (_, values) in arrays.items()})
+    system.warn_if_implausible(varied)
     if not invalid.any():
         return
     rules = varied_rules(system, drive)

@@ -268,11 +268,11 @@ def _require_targets(targets: float | Sequence[float], measures: Sequence[Measur
             finite=True,
         )
     )
-    if len(values) != len(measures):
+    if values.shape != (len(measures),):
         raise InputError(
             "targets",
-            must=f"have {len(measures)} values",
-            got=len(values),
+            must=f"be a row of {len(measures)} values",
+            got=shortened_repr(targets),
             why="Each measure has one.",
             fix="Pass one target per measure.",
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Hashable
 
 import numpy as np
@@ -102,14 +103,12 @@ def logarithmic_decrement(
     motion_dims = [d for d in values.dims if d != axis]
     values, time = (array.transpose(*motion_dims, axis) for array in (values, time))
     rows = [
-        _decay_statistics(
-            fit_exponential_decay(t[np.isfinite(x)], x[np.isfinite(x)], prominence=smallest)
-        )
+        _decay_statistics(fit_exponential_decay(*_known_in_order(t, x), prominence=smallest))
         for t, x in zip(_flatten_to_rows(time), _flatten_to_rows(values), strict=True)
     ]
     shape = tuple(values.sizes[d] for d in motion_dims)
     dims = tuple(map(str, motion_dims))
-    columns = np.transpose(rows)
+    columns = np.reshape(rows, (len(rows), len(_RESULT_VARIABLE_NAMES))).T
     reasons = np.where(np.isnan(columns[0]), _FEW_SWINGS_REASON, "")
     variables: dict[str, Labelled] = {
         name: (dims, np.reshape(column, shape))
@@ -163,7 +162,22 @@ def _of_numbers(history: xr.Dataset, name: str, *, gaps: bool) -> xr.DataArray:
 
 
 def _flatten_to_rows(array: xr.DataArray) -> FloatArray:
-    return np.reshape(array.values, (-1, array.shape[-1]))
+    return np.reshape(array.values, (math.prod(array.shape[:-1]), array.shape[-1]))
+
+
+def _known_in_order(time: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Known values of one motion with their times, which increase."""
+    known = np.flatnonzero(np.isfinite(values))
+    known = known[np.argsort(time[known], kind="stable")]
+    if not (np.diff(time[known]) > 0.0).all():
+        raise InputError(
+            "history['time']",
+            must="hold every instant of a motion once",
+            got="some that are equal or unknown",
+            why="A decay is seen in values one after another.",
+            fix="Drop the others first: history.drop_duplicates('time').",
+        )
+    return time[known], values[known]
 
 
 def _decay_statistics(ring_down: DecayFit | None) -> list[float]:

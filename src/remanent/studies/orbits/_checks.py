@@ -25,6 +25,8 @@ TEMPERATURE_MARGIN_KELVIN = 5.0
 BIFURCATION_KINDS = ("fold", "period doubling")
 #: Largest state that a box may hold.
 _LARGEST_STATE = 1e100
+#: Longest period of an orbit, in drive periods.
+_LONGEST_ORBIT_PERIOD = 4096
 #: Why there is a box.
 _STATE_BOX_REASON = "Orbits are looked for, and branches end, in a box of states at phase 0."
 _STATE_BOX_REMEDY = "Pass for example {'stretch': (0.3, 4.0)}."
@@ -147,7 +149,16 @@ def require_heat_exchange(ens: Ensemble) -> None:
 
 def require_orbit_period(value: object, name: str = "orbit_period") -> int:
     """The period of an orbit in drive periods."""
-    return require_count(name, value, "Orbits close after whole drive periods.")
+    period = require_count(name, value, "Orbits close after whole drive periods.")
+    if period > _LONGEST_ORBIT_PERIOD:
+        raise InputError(
+            name,
+            must=f"be at most {_LONGEST_ORBIT_PERIOD}",
+            got=period,
+            why="Each step towards an orbit follows the motion for so many drive periods.",
+            fix="Pass the period of an orbit that was seen, for example by regime_chart.",
+        )
+    return period
 
 
 def require_not_in_over(parameters: tuple[str, ...], ens: Ensemble) -> None:

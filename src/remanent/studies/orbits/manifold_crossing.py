@@ -59,6 +59,8 @@ _VALUES_TRIED_AT_ONCE = 16
 _FIRST_RUN_PERIODS = 48
 #: Periods of the orbit that next runs last beyond what the last ones took.
 _NEXT_RUN_EXTRA_ORBIT_PERIODS = 12
+#: Distance of a saddle from the state that is passed for it, at most, in units of the state.
+_MAX_DISTANCE_FROM_GUESS = 2.0
 #: Residual of the saddle.
 _SADDLE_RESIDUAL = 1e-11
 #: Residual of the saddles that are looked for without a guess.
@@ -353,6 +355,7 @@ class _MotionsPastSaddle:
         points, reached = correct_points(
             build_orbit_equations(map_, self.orbit_period), guess, fixed,
             scale=np.ones(guess.shape[1]), tolerance=_SADDLE_RESIDUAL,
+            reach=_MAX_DISTANCE_FROM_GUESS,
         )  # fmt: skip
         jacobian = points.extra_arrays["jacobian"]
         if not reached.all() or not unstable_directions(jacobian)[2].all():
@@ -360,7 +363,8 @@ class _MotionsPastSaddle:
                 "saddle",
                 must="be near a saddle orbit throughout `parameter_range`",
                 got=state.tolist(),
-                why="Newton's method reached none, or another kind of orbit.",
+                why=f"Newton's method reached none within {_MAX_DISTANCE_FROM_GUESS:g} of it, or "
+                "another kind of orbit.",
                 fix="Pass a narrower range, or a saddle's state from periodic_orbits.",
             )
         states, error = self._section_states(values, length)

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any, Final
 
-import numpy as np
 import xarray as xr
 
+from remanent._checks import as_float_array
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, FloatArray
 from remanent.analysis.orbits.periodic_orbits import PeriodicOrbits
@@ -135,6 +135,7 @@ def switch_branch(
             why="The special point has a value of that one only.",
             fix="Leave it out: the branch says which it is.",
         )
+    _require_states_of_branch(branch, ens)
     limits = require_parameter_range(
         "parameter_range",
         _setting_of_branch(branch, "parameter_range", parameter_range),
@@ -196,6 +197,21 @@ def _system_and_drive_of_branch(
     )
 
 
+def _require_states_of_branch(branch: xr.Dataset, ens: Ensemble) -> None:
+    """Refuse a system of other state variables than the special points have."""
+    names = ens.vector_field.state_names
+    missing = [name for name in names if f"special_{name}" not in branch]
+    if missing:
+        raise InputError(
+            "system",
+            must="be the one whose orbits are on `branch`",
+            got=ens.system,
+            why=f"Its special points have no {', '.join(missing)}, which is a state variable of "
+            "this one.",
+            fix="Leave it out: the branch says which it is.",
+        )
+
+
 def _setting_of_branch(branch: xr.Dataset, name: str, value: Any) -> Any:
     """A setting of the branch: as it is given, else from the attributes."""
     if value is None and name not in branch.attrs:
@@ -214,7 +230,12 @@ def _read_special_point(
 ) -> FloatArray:
     """Where the branches cross, array (state + 1,)."""
     names = [f"special_{name}" for name in (*ens.vector_field.state_names, parameter)]
-    return np.array([float(branch[name].values.ravel()[number]) for name in names])
+    return as_float_array(
+        "branch", [branch[name].values.ravel()[number] for name in names],
+        what="state and parameter of each special point",
+        why="Another branch starts at such a point.",
+        fix="Pass the result of continue_orbit.", finite=True,
+    )  # fmt: skip
 
 
 def _joins_shorter_period(branch: xr.Dataset, number: int, orbit_period: int) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import Any
 
 import numpy as np
@@ -70,6 +71,20 @@ TABLE = [
     ([0.0, 10**400], [1.0, 2.0], "`times` must be a sequence of finite numbers"),
     ([[0.0, 1.0]], [[1.0, 2.0]], "`times` must be a sequence of finite numbers"),
 ]
+
+
+@pytest.mark.parametrize("exponent", [-300, 7, 301])
+@pytest.mark.parametrize("count", [2, 3, 4, 9])
+def test_a_spline_knows_no_unit_of_time(exponent: int, count: int) -> None:
+    """Time in units of another power of 2 changes no digit of the load, and warns of nothing."""
+    times, loads = np.linspace(0.0, 3.0, count), np.sin(np.arange(count))
+    between = np.linspace(0.0, 3.0, 17)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        other = Sampled(np.ldexp(times, exponent), loads)
+    np.testing.assert_array_equal(
+        other(np.ldexp(between, exponent)), Sampled(times, loads)(between)
+    )
 
 
 @pytest.mark.parametrize("kind", [Steps, Ramp, Sampled])
