@@ -153,3 +153,26 @@ def test_a_steep_fixed_point_is_not_passed_over() -> None:
     assert rm.periodic_orbits(body, drive).orbits == 1
     ds = rm.periodic_orbits(body, drive, orbit_period=5)
     assert (int(ds.status), int(ds.orbits)) == (rm.Status.OK, 0)
+
+
+@pytest.mark.parametrize(("seed", "count"), [(20_009, 4), (20_019, 6)])
+def test_weak_resonances_leave_orbits_in_pairs(seed: int, count: int) -> None:
+    """Of two orbits at a weak resonance, det(1 - DP^n) is opposite to first order in its strength.
+
+    An orbit of the first pair is at rest outside of the box only.
+    """
+    case = Case.random(seed)
+    ds = rm.periodic_orbits(case.actuator, case.drive, orbit_period=case.orbit_period)
+    assert int(ds.status) != rm.Status.INCOMPLETE
+    assert ds.orbits == count
+    index = np.sort((1.0 - ds.multipliers.values).prod(axis=1).real)
+    assert index[: count // 2] == pytest.approx(-index[: count // 2 - 1 : -1], rel=0.02)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [10_001, 10_021, 10_031, 10_033, 10_043])
+def test_slow_undamped_motion_is_searched_to_the_end(seed: int) -> None:
+    """Dozens of resonances lie in the box; no part of it is left unknown."""
+    case = Case.random(seed)
+    ds = rm.periodic_orbits(case.actuator, case.drive, orbit_period=case.orbit_period)
+    assert str(ds.reason.values) == ""

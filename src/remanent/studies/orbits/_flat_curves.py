@@ -6,6 +6,8 @@ symmetric under reversal of time are zeros of a function of one variable, and fo
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
@@ -19,7 +21,7 @@ from remanent.analysis.orbits.periodic_orbits import (
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Request
 from remanent.studies.ensemble.problem import initial_value_problem
-from remanent.studies.orbits._orbit_search import OrbitSearch, is_inside_box
+from remanent.studies.orbits._orbit_search import OrbitSearch, OrbitSearchOutcome, is_inside_box
 from remanent.studies.orbits._search_region import EnergyAtSection, EnergyLevels
 from remanent.studies.orbits._symmetry_line import (
     SymmetricOrbits,
@@ -27,8 +29,10 @@ from remanent.studies.orbits._symmetry_line import (
     symmetric_orbits,
 )
 
-#: Symmetric orbits on flat curves are looked for up to this many times their energy at phase 0.
+#: Symmetric orbits on flat curves are looked for up to this many times the energy of motions there.
 _ENERGY_REACH = 1.2
+#: Error of a period of the map by which this energy is told.
+_ROUGH_TOLERANCE = 1e-3
 #: A symmetric orbit closes up to this, relative to its size.
 _SYMMETRIC_RESIDUAL = 1e-6
 #: Samples of a motion per unit of time, by which its oscillations are counted.
@@ -46,31 +50,34 @@ def with_orbits_on_flat_curves(
     row: FloatArray,
     box: FloatArray,
     energy: EnergyAtSection,
-) -> tuple[PeriodicOrbits, str]:
+) -> OrbitSearchOutcome:
     """Orbits together with the symmetric ones on curves where P^n(z) - z nearly vanishes.
 
-    The second value says why orbits on these curves may be missing; it is empty where each
-    curve has its symmetric orbits.
+    The reason is empty where each curve has its symmetric orbits.
     """
     if search.has_constant_load(row):
-        return orbits, (
+        return OrbitSearchOutcome(
+            orbits,
             "the load is constant and nothing damps the motion: its orbits form families, of "
-            "which only isolated ones are listed"
+            "which only isolated ones are listed",
         )
     if not search.is_reversible:
-        return orbits, (
+        return OrbitSearchOutcome(
+            orbits,
             "there are curves of points that come back to themselves within rounding, and "
-            "orbits on them cannot be told apart"
+            "orbits on them cannot be told apart",
         )
     levels = EnergyLevels.of(energy)
-    highest = levels.least + _ENERGY_REACH * (float(energy(flat).max()) - levels.least)
+    highest = _highest_energy(search, energy, flat, row)
+    highest = levels.least + _ENERGY_REACH * (highest - levels.least)
     symmetric = symmetric_orbits(search, row, levels.stretch_range(highest))
     inside = np.stack([is_inside_box(states, box) for states in symmetric.path])
     chosen = np.flatnonzero(inside.any(axis=0) & symmetric.is_of_least_period)
+    outcome = OrbitSearchOutcome(orbits)
     if chosen.size:
         known = position_errors(orbits)
         new = [k for k in chosen if not _is_listed(symmetric.path[:, k], orbits.state, known)]
-        orbits = _with_symmetric(search, row, orbits, symmetric, np.array(new, np.int64), inside)
+        outcome = _with_symmetric(search, row, orbits, symmetric, np.array(new, np.int64), inside)
     # A curve and the orbits on it wind around as many times in the orbit's period.
     tree = cKDTree(flat / ((box[:, 1] - box[:, 0]) * _FLAT_NEIGHBOUR_SHARE_OF_BOX))
     near = tree.sparse_distance_matrix(tree, 1.0, p=np.inf)
@@ -79,11 +86,31 @@ def with_orbits_on_flat_curves(
     told = _oscillation_counts(search, row, symmetric.path[0])
     missing = np.setdiff1d(turns, told).size
     if not missing:
-        return orbits, ""
-    return orbits, (
-        f"on {missing} curves of points that come back to themselves within rounding no orbit "
-        "could be told"
+        return outcome
+    return replace(
+        outcome,
+        reason=f"on {missing} curves of points that come back to themselves within rounding no "
+        "orbit could be told",
     )
+
+
+def _highest_energy(
+    search: OrbitSearch, energy: EnergyAtSection, states: FloatArray, row: FloatArray
+) -> float:
+    """The highest energy of motions from some states, whenever an orbit may be at rest.
+
+    Only one of the places where an orbit passes phase 0 need be in the box.
+    """
+    rough = replace(search.map, period_tolerance=_ROUGH_TOLERANCE)
+    rows = np.tile(row, (len(states), 1))
+    parts = [energy(states)]
+    for k in range(search.orbit_period):
+        if search.orbit_period % 2 == 0:
+            parts.append(energy(rough.run(states, rows, 0, half=True).state))
+        if k + 1 < search.orbit_period:
+            states = rough.run(states, rows, 1).state
+            parts.append(energy(states))
+    return float(np.nanmax(np.stack(parts)))
 
 
 def _with_symmetric(
@@ -93,10 +120,10 @@ def _with_symmetric(
     symmetric: SymmetricOrbits,
     new: IntArray,
     inside: BoolArray,
-) -> PeriodicOrbits:
+) -> OrbitSearchOutcome:
     """Orbits together with some of the symmetric ones, each by a point in the box."""
     if not new.size:
-        return orbits
+        return OrbitSearchOutcome(orbits)
     states = refined_states(search, row, symmetric.subset(new), inside[:, new].argmax(axis=0))
     path = [states]
     for _ in range(search.orbit_period - 1):
@@ -115,7 +142,10 @@ def _with_symmetric(
     residual = np.abs(image.state - states).max(axis=1)
     added = PeriodicOrbits(states, image.jacobian, residual, image.error)
     joined = concatenate_orbits([orbits, added], 2)
-    return joined.subset(np.lexsort(np.round(joined.state, 6).T[::-1]))
+    order = np.lexsort(np.round(joined.state, 6).T[::-1])
+    return OrbitSearchOutcome(
+        joined.subset(order), symmetric=np.flatnonzero(order >= len(orbits.state))
+    )
 
 
 def _oscillation_counts(search: OrbitSearch, row: FloatArray, states: FloatArray) -> IntArray:

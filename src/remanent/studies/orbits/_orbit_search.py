@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from remanent._typing import BoolArray, FloatArray
+from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.analysis.orbits.errors import orbit_errors
 from remanent.analysis.orbits.periodic_orbits import (
     PeriodicOrbits,
@@ -97,10 +97,14 @@ class OrbitSearchOutcome:
     orbits : PeriodicOrbits
     reason : str
         Why some may be missing; empty where none is.
+    symmetric : array (symmetric orbit,) of int
+        Which were found on a line of symmetry, where they are known better than Newton's method
+        in the plane tells, if they are on a curve along which P^n(z) - z almost vanishes.
     """
 
     orbits: PeriodicOrbits
     reason: str = ""
+    symmetric: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.int64))
 
 
 @dataclass(frozen=True)

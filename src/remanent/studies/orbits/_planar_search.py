@@ -75,8 +75,11 @@ _SETTLING_TIME = 15.0
 _MAX_SETTLING_MULTIPLE = 16
 #: Points along each side of a first cell at which its energy is compared with the bound.
 _ENERGY_POINTS_ON_SIDE = 5
-#: Double steps of the integrator in one search, all together.
-_MAX_EFFORT = 1.8e7
+#: Double steps of the integrator in one search, all together: slow undamped motion of period 5
+#: passes dozens of resonances, and takes 1e8.
+_MAX_EFFORT = 2e8
+#: The same where orbits are looked for at many values of a parameter.
+_MAX_EFFORT_OF_EACH_OF_MANY = 1.8e7
 #: Share of it that the displacement along the edge of the grid may take.
 _WINDING_EFFORT_SHARE = 0.1
 #: Where |P^n(z) - z| is smaller than this on a curve, of undamped motion, only symmetric orbits are
@@ -199,12 +202,10 @@ def search_plane(search: OrbitSearch, row: FloatArray) -> OrbitSearchOutcome:
     orbits = distinct_orbits_of_least_period(
         search.map, points.orbits, row, iterate=search.orbit_period, errors=points.error
     )
-    if len(cells.flat):
-        orbits, flat_reason = with_orbits_on_flat_curves(
-            search, orbits, cells.flat, row, box, energy
-        )
-        reason = reason or flat_reason
-    return OrbitSearchOutcome(orbits, reason)
+    if not len(cells.flat):
+        return OrbitSearchOutcome(orbits, reason)
+    outcome = with_orbits_on_flat_curves(search, orbits, cells.flat, row, box, energy)
+    return replace(outcome, reason=reason or outcome.reason)
 
 
 def _searched_box(
@@ -244,10 +245,12 @@ def _search_cells(
     excluded = None
     if region is not None:
         excluded = _is_beyond_energy(displacement.energy, grid.edges, region.energy)
+    search = displacement.search
+    most = _MAX_EFFORT if search.is_dense else _MAX_EFFORT_OF_EACH_OF_MANY
     found = zeros_by_cells(
         displacement, grid.edges, is_excluded=excluded,
-        max_effort=_MAX_EFFORT / displacement.search.orbit_period,
-        flatness=_FLATNESS if displacement.search.is_reversible else _LEAST_FLATNESS,
+        max_effort=most / search.orbit_period,
+        flatness=_FLATNESS if search.is_reversible else _LEAST_FLATNESS,
     )  # fmt: skip
     if not grid.is_mirrored:
         return found

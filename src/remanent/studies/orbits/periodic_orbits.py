@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 
 from remanent._status import Status
 from remanent._typing import FloatArray
+from remanent.analysis.orbits.errors import OrbitErrors, orbit_errors
+from remanent.analysis.orbits.point_rows import replace_rows
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.results.build import Labelled
@@ -37,7 +39,12 @@ from remanent.studies.orbits._period_map import (
     period_tolerance_for_residual,
     refine_on_period_map,
 )
-from remanent.studies.orbits._search import OrbitSearch, is_reversible, search_orbits
+from remanent.studies.orbits._search import (
+    OrbitSearch,
+    OrbitSearchOutcome,
+    is_reversible,
+    search_orbits,
+)
 
 #: Dimensions of columns beyond that of the orbits.
 _EXTRA_DIMENSIONS_OF_COLUMN = MappingProxyType(
@@ -147,10 +154,7 @@ def periodic_orbits(
             box_is_free=state_box is None,
         )  # fmt: skip
         (outcome,) = search_orbits(search, np.empty((1, 0)))
-        found = outcome.orbits.state
-        orbits = refine_on_period_map(
-            map_, found, np.empty((len(found), 0)), orbit_period, tolerance
-        )
+        orbits = _refined(map_, outcome, orbit_period, tolerance)
         columns = describe_orbits(member, orbits, orbit_period, {})
         reason = outcome.reason or _why_errors_are_large(columns["error"], tolerance)
         return columns | {
@@ -201,3 +205,18 @@ def _why_errors_are_large(error: FloatArray, tolerance: float) -> str:
             "one orbit near the point, or none, or more"
         )
     return "; ".join(words)
+
+
+def _refined(
+    map_: StroboscopicMap, outcome: OrbitSearchOutcome, orbit_period: int, tolerance: float
+) -> OrbitErrors:
+    """Orbits with errors below a tolerance, where they can be had.
+
+    Symmetric ones that Newton's method cannot confirm stay where they are: it would move them
+    along a curve on which P^n(z) - z almost vanishes.
+    """
+    found = outcome.orbits.state
+    orbits = refine_on_period_map(map_, found, np.empty((len(found), 0)), orbit_period, tolerance)
+    staying = outcome.symmetric[~orbits.is_confirmed[outcome.symmetric]]
+    as_found = orbit_errors(map_, found[staying], np.empty((len(staying), 0)), orbit_period)
+    return replace_rows(orbits, staying, as_found)
