@@ -33,7 +33,7 @@ MANY = np.linspace(0.1, 1.0, 500)
 
 #: Calls that would take minutes or hours.
 LONG_CALLS: dict[str, Callable[[], Any]] = {
-    "periodic_orbits": lambda: rm.periodic_orbits(DAMPED, DRIVE, orbit_period=3 * 10**6),
+    "periodic_orbits": lambda: rm.periodic_orbits(DAMPED, DRIVE, orbit_period=4000),
     "symmetry_check": lambda: rm.symmetry_check(FREE, DRIVE, periods=10**7),
     "basins": lambda: rm.basins(DAMPED, DRIVE, GRID, periods=20_000),
     "classify": lambda: rm.classify(FREE, DRIVE, periods=5000, over={"b": MANY}),
