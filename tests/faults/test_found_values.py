@@ -222,6 +222,12 @@ def test_there_are_no_orbits_where_no_state_is() -> None:
     assert (int(found.orbits), int(found.status)) == (0, rm.Status.OK)
 
 
+def test_a_box_that_motion_leaves_at_once_holds_no_orbit() -> None:
+    """Rates of 290 to 300 are outrun by no damped orbit, and the list is empty."""
+    found = rm.periodic_orbits(DAMPED, DRIVE, state_box={"stretch_rate": (290.0, 300.0)})
+    assert found.sizes["orbit"] == 0
+
+
 def test_a_body_without_an_energy_is_not_searched() -> None:
     """Its chains are as long as they can be at rest."""
     found = rm.periodic_orbits(rm.Actuator(material=rm.Gent(1e-300)), DRIVE)

@@ -6,6 +6,7 @@ Unlike an ensemble's run, a map is applied again and again to states that analys
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Literal
@@ -255,7 +256,9 @@ class PeriodMap:
             tangent = np.zeros((count, self.column_count, self.dimension))
             for k in range(self.direction_count):
                 tangent[:, k, k] = 1.0
-        return np.concatenate([states, tangent.reshape(count, -1)], axis=1)
+        return np.concatenate(
+            [states, tangent.reshape(count, math.prod(tangent.shape[1:]))], axis=1
+        )
 
     def _refined_resolutions(
         self, error: FloatArray, tolerance: FloatArray, levels: IntArray, half: bool
