@@ -140,7 +140,7 @@ class Group:
 
     def motion(self, k: int) -> taylor.Motion:
         """Trajectory `k`, for the reference."""
-        common = {**self.actuator.parameters(), **self.drive.parameters()}
+        common = {**self.actuator.parameter_values(), **self.drive.parameter_values()}
         values = common | {name: float(v[k]) for name, v in self.values.items()}
         start = values["initial.stretch"], values["initial.stretch_rate"]
         return taylor.Motion(self.drive, values, start)

@@ -8,6 +8,10 @@ from . import plots as plots
 from .models.actuator import Actuator as Actuator
 from .derivation.readable import equations as equations
 
+# Family: One's own system
+from .models.own_systems.lagrangian_system import LagrangianSystem as LagrangianSystem
+from .models.own_systems.first_order_system import FirstOrderSystem as FirstOrderSystem
+
 # Family: Materials and the magnet
 from .models.materials.named import NeoHookean as NeoHookean
 from .models.materials.named import Gent as Gent
@@ -31,6 +35,7 @@ from .models.drives.waves import Constant as Constant
 from .models.drives.waves import SineSquared as SineSquared
 from .models.drives.waves import Sine as Sine
 from .models.drives.sines import Sines as Sines
+from .models.drives.loads import Loads as Loads
 from .models.drives.piecewise import Steps as Steps
 from .models.drives.piecewise import Ramp as Ramp
 from .models.drives.chirp import Chirp as Chirp

@@ -223,6 +223,11 @@ class Field:
         """Names of the quantity whose extremes are followed, and of its rate."""
         return self.observable_name, f"{self.observable_name}_rate"
 
+    @property
+    def energy_names(self) -> tuple[str, ...]:
+        """The name of the energy among the observables, where there is one."""
+        return ("energy",) if "energy" in self.observables else ()
+
     def indices_of_roles(self, *roles: Role) -> list[int]:
         """Positions in the state of the variables that have one of these roles."""
         return [k for k, role in enumerate(self.roles) if role in roles]

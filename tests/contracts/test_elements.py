@@ -68,7 +68,7 @@ def test_motion_comes_to_rest_at_an_equilibrium(element: Dissipation, load: Any)
 def test_numbers_of_the_element_can_be_varied(element: Dissipation) -> None:
     """Each number of the element varied by `over` gives the single run, bit for bit."""
     body = rm.Actuator(dissipation=element)
-    numbers = {k: v for k, v in body.parameters().items() if k.startswith("dissipation")}
+    numbers = {k: v for k, v in body.parameter_values().items() if k.startswith("dissipation")}
     assert f"dissipation.0.{element.strength_field_name}" in numbers
     for name, value in numbers.items():
         over = {name: [value, 1.5 * value]}

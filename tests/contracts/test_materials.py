@@ -37,7 +37,7 @@ PAIRS = np.random.default_rng(1).uniform(0.7, 1.6, (20, 2))
 
 def energy(material: Material, l1: Any, l2: Any, **changed: Any) -> Any:
     """W for numbers of NumPy, real or complex."""
-    p = {name: np.float64(value) for name, value in material.parameters().items()} | changed
+    p = {name: np.float64(value) for name, value in material.parameter_values().items()} | changed
     return material.energy(l1, l2, 1.0 / (l1 * l2), p, np)
 
 
@@ -45,7 +45,7 @@ def acceleration(material: Material, stretch: Any, rate: Any, m: Any, **fields: 
     """From the compiled equations, evaluated with NumPy; arrays (point,)."""
     actuator, drive = rm.Actuator(material=material, c=0.3), rm.Constant(0.0)
     field = vector_field_for(actuator, drive)
-    own = {**actuator.parameters(), **drive.parameters(), **fields, "m": m}
+    own = {**actuator.parameter_values(), **drive.parameter_values(), **fields, "m": m}
     rows = np.broadcast_arrays(stretch, rate, *(own[name] for name in field.parameter_names))
     columns = np.array(rows, dtype=np.float64).T
     return reference.evaluate_rates(field, 0.0, columns[:, :2], columns[:, 2:], np.empty(0))[:, 1]
@@ -87,7 +87,7 @@ def test_energy_keeps_its_digits_near_rest(material: Material) -> None:
     """W = 6 d^2 (1 + O(d)) at l = 1 + d, to nine digits at d = 1e-6."""
     actuator, drive = rm.Actuator(material=material), rm.Constant(0.0)
     field = vector_field_for(actuator, drive)
-    row = np.array([[*actuator.parameters().values(), 0.0]])
+    row = np.array([[*actuator.parameter_values().values(), 0.0]])
     sizes = []
     for d in (1e-6, -1e-6):
         seen = reference.evaluate_observables(
@@ -104,8 +104,8 @@ def test_energy_keeps_its_digits_near_rest(material: Material) -> None:
 def test_stress_by_complex_steps_is_the_symbolic_one(material: Material) -> None:
     """The derivative of the energy in complex arithmetic is the symbolic derivative."""
     l1, l2 = sp.symbols("l1 l2", positive=True)
-    p = {name: sp.Symbol(f"p.{name}", real=True) for name in material.parameters()}
-    values = {p[name]: value for name, value in material.parameters().items()}
+    p = {name: sp.Symbol(f"p.{name}", real=True) for name in material.parameter_values()}
+    values = {p[name]: value for name, value in material.parameter_values().items()}
     strain = material.energy(l1, l2, 1 / (l1 * l2), p, sp)
     for symbol, step in ((l1, (1e-30j, 0.0)), (l2, (0.0, 1e-30j))):
         stress = sp.lambdify((l1, l2), sp.diff(strain, symbol).subs(values), "numpy")
@@ -126,7 +126,7 @@ def test_compiled_force_is_minus_the_slope_of_the_energy(material: Material) -> 
 @every
 def test_energy_does_not_know_the_order_of_stretches(material: Material) -> None:
     """An isotropic energy is the same in every order of its stretches."""
-    p = {name: np.float64(value) for name, value in material.parameters().items()}
+    p = {name: np.float64(value) for name, value in material.parameter_values().items()}
     for l1, l2 in PAIRS:
         orders = permutations((l1, l2, 1.0 / (l1 * l2)))
         values = [material.energy(a, b, c, p, np) for a, b, c in orders]
@@ -168,9 +168,9 @@ def test_materials_are_values(material: Material) -> None:
     assert hash(copy) == hash(material)
     rebuilt = eval(repr(material), {k: getattr(rm, k) for k in rm.__all__})  # noqa: S307
     assert rebuilt == material
-    for name, value in material.parameters().items():
+    for name, value in material.parameter_values().items():
         changed = material.replace(**{name: 0.9 * value})
-        assert changed.parameters() == {**material.parameters(), name: 0.9 * value}
+        assert changed.parameter_values() == {**material.parameter_values(), name: 0.9 * value}
         assert changed.equation_structure() == material.equation_structure()
 
 
@@ -178,8 +178,8 @@ def test_materials_are_values(material: Material) -> None:
 @pytest.mark.parametrize("bad", [np.nan, np.inf, "1", None, True, [1.0], 1j])
 def test_every_number_is_checked(material: Material, bad: Any) -> None:
     """Whatever is not a finite number is refused, in each parameter, by its name."""
-    assert "entropic_fraction" in material.parameters()
-    for name in material.parameters():
+    assert "entropic_fraction" in material.parameter_values()
+    for name in material.parameter_values():
         with pytest.raises(InputError, match=f"^`{name}` must be"):
             material.replace(**{name: bad})
 
@@ -187,9 +187,9 @@ def test_every_number_is_checked(material: Material, bad: Any) -> None:
 @every
 def test_batch_check_agrees_with_single_check(material: Material) -> None:
     """A batch marks as invalid exactly the values that a single material refuses."""
-    assert "entropic_fraction" in material.parameters()
+    assert "entropic_fraction" in material.parameter_values()
     values = np.array([np.nan, -np.inf, -1e3, -1.0, 0.0, 0.5, 1.0, 1.5, 40.0, 1e300])
-    for name in material.parameters():
+    for name in material.parameter_values():
         expected = [refused(material, name, value) for value in values]
         assert material.where_invalid({name: values}).tolist() == expected
 
@@ -205,9 +205,9 @@ def refused(material: Material, name: str, value: float) -> bool:
 @every
 def test_numbers_may_be_varied_by_a_study(material: Material) -> None:
     """Each of a sweep is what the changed material gives by itself, bit for bit."""
-    assert "entropic_fraction" in material.parameters()
+    assert "entropic_fraction" in material.parameter_values()
     drive = rm.Constant(0.2)
-    for name, value in material.parameters().items():
+    for name, value in material.parameter_values().items():
         field, values = f"material.{name}", sorted((value, 0.95 * value))
         swept = rm.simulate(
             rm.Actuator(material=material), drive, times=[1.0], over={field: values}

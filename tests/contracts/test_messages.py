@@ -133,11 +133,13 @@ BAD: Mapping[str, tuple[Any, ...]] = {
     "value": NO_NUMBER,
     "values": ("text", [], [1j], ["1"], [None], {}, object()),
     "variable": NO_NAME,
+    "where": (1.0, "", "nothing - 1", "b", "stretch = 1", [], object()),
     "width": (*NO_NUMBER, 0.0, -1.0),
 }  # fmt: skip
 #: Bad values where the same name has another meaning.
 BAD_IN: Mapping[tuple[str, str], tuple[Any, ...]] = {
     ("bifurcation_diagram", "discard"): ("1", NAN, -1, 1.5, [], True),
+    ("poincare_section", "direction"): ("1", NAN, 2, 0.5, [], True),
     ("cycle_losses", "discard"): ("1", NAN, -1, 1.5, [], True),
     ("continue_bifurcation", "parameters"): (1, "omega", [], ["omega"], ["omega", "omega"],
                                              ["omega", "nothing"], ["omega", 1], object()),
@@ -208,7 +210,7 @@ def alone(sound: dict[str, Any], argument: str) -> dict[str, Any]:
 def fields(sound: Mapping[str, Any]) -> set[str]:
     """Numeric fields of the system and the drive of a call."""
     parts = [sound[name] for name in ("system", "actuator", "drive") if name in sound]
-    return {name for part in parts for name in part.parameters()}
+    return {name for part in parts for name in part.parameter_values()}
 
 
 def untrue(error: rm.InputError, argument: str, allowed: set[str]) -> str:

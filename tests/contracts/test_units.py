@@ -206,7 +206,7 @@ def test_another_temperature_and_back_changes_nothing(name: str) -> None:
         if attribute in start.attrs:
             ours, theirs = (rm_numbers(ds.attrs[attribute]) for ds in (start, back))
             np.testing.assert_allclose(theirs, ours, rtol=1e-12)
-    assert rm.read_system(there).parameters()["temperature"] == HOT
+    assert rm.read_system(there).parameter_values()["temperature"] == HOT
 
 
 def rm_numbers(text: str) -> list[float]:

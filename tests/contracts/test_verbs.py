@@ -70,7 +70,9 @@ def mean_trace(name: str) -> float:
     """Mean divergence of the flow along the orbit: complex steps, trapezoidal rule."""
     body, phase = BODIES[name], np.arange(256) / 256
     field = vector_field_for(body, DRIVE)
-    own = {n: np.full(256, v) for n, v in (body.parameters() | DRIVE.parameters()).items()}
+    own = {
+        n: np.full(256, v) for n, v in (body.parameter_values() | DRIVE.parameter_values()).items()
+    }
     p = np.column_stack([own[n] for n in field.parameter_names])
     u = DRIVE.load_schedule(own, np.full(256, PERIOD)).waveforms_at_phase(phase)
     path = rm.simulate(

@@ -204,7 +204,7 @@ def test_a_dimension_of_one_temperature_is_one_temperature() -> None:
     along = rm.rescale(run.expand_dims(temperature=[293.0]), temperature=350.0)
     assert along.temperature.values.tolist() == [350.0]
     xr.testing.assert_equal(along.isel(temperature=0, drop=True), alone)
-    assert rm.read_system(along).parameters() == rm.read_system(alone).parameters()
+    assert rm.read_system(along).parameter_values() == rm.read_system(alone).parameter_values()
 
 
 def test_a_free_oscillation_beyond_the_finest_steps_says_so() -> None:

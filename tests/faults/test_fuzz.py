@@ -196,7 +196,7 @@ def test_sweeps(name: str, other: str, values: list[tuple[float, float]], durati
 
 #: Of a point that is computed whatever stands beside it: the defaults.
 SOUND = {
-    **rm.Actuator().parameters(), **rm.SineSquared(0.4, 1.25).parameters(),
+    **rm.Actuator().parameter_values(), **rm.SineSquared(0.4, 1.25).parameter_values(),
     "initial.stretch": 1.0, "initial.stretch_rate": 0.0,
 }  # fmt: skip
 

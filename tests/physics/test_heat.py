@@ -86,7 +86,7 @@ def test_the_rate_of_temperature_is_the_one_written_out() -> None:
     symbols = {s.name: s for s in system.state_symbols}
     x, v = symbols["stretch"], symbols["stretch_rate"]
     xi, T = symbols["dissipation.0.viscous_stretch"], symbols["body_temperature"]
-    p = {name: parameter_symbol(name) for name in actuator.parameters()}
+    p = {name: parameter_symbol(name) for name in actuator.parameter_values()}
     mu, tr = p["dissipation.0.modulus"], p["dissipation.0.relaxation_time"]
     T0, outside = p["reference_temperature"], p["temperature"]
     flow = T / T0 / (6 * tr) * (x**2 / xi**2 - xi**4 / x**4)

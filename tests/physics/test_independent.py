@@ -126,7 +126,7 @@ def test_extremes_agree_with_event_detection(kind: type[Drive], decade: int) -> 
             reference_temperature=300.0,
             prestress=case.prestress[k],
         )
-        omega = case.drive.parameters()["omega"]
+        omega = case.drive.parameter_values()["omega"]
         ds = rm.frequency_response(actuator, case.drive, [omega], duration=15.0).squeeze()
         if int(ds.status) != 1:
             continue
@@ -148,7 +148,7 @@ def test_states_agree_with_taylor_series() -> None:
     for decade in (-3, -2, -1):
         case = random_case(rm.Sine, decade, 12, 60.0, seed=5)
         ds = simulated(case, times, 1e-9)
-        p = case.drive.parameters()
+        p = case.drive.parameter_values()
         assert (ds.status.values == 1).all()
         for k in range(ds.status.size):
             engine.time, engine.state[:] = 0.0, [1.0, 0.0]

@@ -98,14 +98,14 @@ def test_orbits_are_those_of_brute_force_widely(seed: int) -> None:
 @pytest.mark.parametrize("dropped", [0, 1, 2])
 def test_an_orbit_that_is_dropped_is_noticed(dropped: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """Indices of all fixed points add up to how often z - P(z) winds around zero on the edge."""
-    find = _planar_search._fixed_points
+    find = _planar_search.fixed_points
 
     def find_all_but_one(*arguments: Any) -> ConfirmedPoints:
         found = find(*arguments)
         kept = np.delete(np.arange(len(found.error)), dropped)
         return ConfirmedPoints(found.orbits.subset(kept), found.error[kept], found.unconfirmed)
 
-    monkeypatch.setattr(_planar_search, "_fixed_points", find_all_but_one)
+    monkeypatch.setattr(_planar_search, "fixed_points", find_all_but_one)
     ds = rm.periodic_orbits(HOT, rm.SineSquared(0.4, 1.25))
     assert ds.orbits == 2
     assert int(ds.status) == rm.Status.INCOMPLETE

@@ -71,7 +71,7 @@ def test_every_verb_takes_them() -> None:
     heavy = rm.periodic_orbits(body.with_parameter("density", 1.1), drive)
     np.testing.assert_allclose(varied.initial[1], heavy.initial, atol=1e-8)
     found = rm.read_system(varied.isel(density=1))
-    assert found.parameters()["density"] == 1.1
+    assert found.parameter_values()["density"] == 1.1
     curve = rm.continue_orbit(body.with_parameter("density", 1.0), drive, "density", (1.0, 1.2))
     assert float(curve.density.max()) == pytest.approx(1.2)
     with pytest.raises(rm.InputError, match="greater than 0"):

@@ -82,7 +82,7 @@ def test_equilibria_alternate_and_the_outer_ones_are_stable(material: rm.NeoHook
         kinds = [word for word in row if word]
         assert kinds == ["stable", "unstable"] * (len(kinds) // 2) + ["stable"]
     x = ds.stretch.values
-    p = {k: np.float64(v) for k, v in material.parameters().items()}
+    p = {k: np.float64(v) for k, v in material.parameter_values().items()}
     there = np.isfinite(x)
     S, m = (
         np.broadcast_to(a, x.shape)[there]

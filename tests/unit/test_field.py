@@ -36,7 +36,7 @@ every = pytest.mark.parametrize("actuator", ACTUATORS.values(), ids=ACTUATORS.ke
 def test_nothing_moves_at_rest(actuator: rm.Actuator) -> None:
     """Without loads, all rates vanish where each state variable has its value at rest."""
     field = vector_field_for(actuator, DRIVE)
-    p = {**actuator.parameters(), **DRIVE.parameters()}
+    p = {**actuator.parameter_values(), **DRIVE.parameter_values()}
     y = np.array([[float(v.value_at_rest(p)) for v in field.variables]])
     rows = np.array([[p[name] for name in field.parameter_names]])
     np.testing.assert_allclose(
@@ -50,7 +50,7 @@ def test_every_coordinate_has_its_rate(actuator: rm.Actuator) -> None:
     field = vector_field_for(actuator, DRIVE)
     assert len(field.indices_of_roles(Role.COORDINATE)) == actuator.coordinate_count
     state = np.random.default_rng(1).uniform(0.9, 1.1, (1, len(field.state_names)))
-    p = {**actuator.parameters(), **DRIVE.parameters()}
+    p = {**actuator.parameter_values(), **DRIVE.parameter_values()}
     rows = np.array([[p[name] for name in field.parameter_names]])
     rates = reference.evaluate_rates(field, 0.0, state, rows, np.empty(0))[0]
     for name in field.names_of_roles(Role.COORDINATE):

@@ -28,8 +28,8 @@ def vector_field_for(system: System, drive: Drive) -> Field:
     """The vector field of a system under a drive, with what is observed of it.
 
     Only the form of the equations matters, never a number: the numeric fields of both
-    are the parameters of the field, in the order of ``system.parameters()``,
-    ``drive.parameters()`` and ``drive.piece_parameter_names``.  SymPy is imported only if
+    are the parameters of the field, in the order of ``system.parameter_values()``,
+    ``drive.parameter_values()`` and ``drive.piece_parameter_names``.  SymPy is imported only if
     the field is neither in memory nor in the cache.
 
     Raises

@@ -46,7 +46,7 @@ def build_motion(actuator: Actuator, drive: Drive | None) -> Motion:
     actuator was built with, mu of W, rho of T and B_r of the magnet's energies are theirs, over
     those in the units.
     """
-    p = {name: parameter_symbol(name) for name in actuator.parameters()}
+    p = {name: parameter_symbol(name) for name in actuator.parameter_values()}
     q, v = coordinate_symbols(actuator.coordinate_count)
     # Of one coordinate both stretches are the same symbol, so that energies are written once.
     pair, pair_rates = (q[0], q[-1]), (v[0], v[-1])

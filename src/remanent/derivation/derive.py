@@ -9,10 +9,12 @@ from __future__ import annotations
 from functools import singledispatch
 
 from remanent._errors import InputError, shortened_repr
-from remanent.derivation import block, lagrange
+from remanent.derivation import block, lagrange, written_equations
 from remanent.derivation.motion import FirstOrderForm
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.own_systems.first_order_system import FirstOrderSystem
+from remanent.models.own_systems.lagrangian_system import LagrangianSystem
 
 
 @singledispatch
@@ -45,3 +47,13 @@ def derive(system: object, drive: Drive) -> FirstOrderForm:  # noqa: ARG001
 @derive.register
 def _(system: Actuator, drive: Drive) -> FirstOrderForm:
     return lagrange.build_first_order_form(block.build_motion(system, drive))
+
+
+@derive.register
+def _(system: LagrangianSystem, drive: Drive) -> FirstOrderForm:
+    return written_equations.first_order_form_of_energies(system, drive)
+
+
+@derive.register
+def _(system: FirstOrderSystem, drive: Drive) -> FirstOrderForm:
+    return written_equations.first_order_form_of_rates(system, drive)

@@ -6,7 +6,7 @@ Nothing here computes more than a sum; the steps are functions in files of their
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import sympy as sp
 
@@ -240,6 +240,10 @@ class FirstOrderForm:
         Further quantities by name.
     admissibility_conditions
         What is positive in the states that the material can reach.
+    parameter_symbols
+        Symbols of numeric fields of the system, where they are not those of an actuator's.
+    alternative
+        Other definitions and rates with the same values, which may be cheaper to compute.
     """
 
     state_symbols: tuple[Symbol, ...]
@@ -251,3 +255,5 @@ class FirstOrderForm:
     observable_and_rates: tuple[Expression, ...]
     observables: Mapping[str, Expression]
     admissibility_conditions: tuple[Expression, ...] = ()
+    parameter_symbols: Mapping[str, Symbol] = field(default_factory=dict)
+    alternative: tuple[Mapping[Symbol, Expression], tuple[Expression, ...]] | None = None

@@ -14,7 +14,11 @@ from remanent.derivation.lagrange import mass_matrix_and_force
 from remanent.derivation.motion import Motion
 from remanent.derivation.symbols import Expression, Symbol
 from remanent.derivation.unexpanded import Unexpanded
+from remanent.derivation.written_equations import lagrange_equations, symbols_by_name
 from remanent.models.actuator import Actuator
+from remanent.models.own_systems.first_order_system import FirstOrderSystem
+from remanent.models.own_systems.lagrangian_system import LagrangianSystem
+from remanent.models.own_systems.written_system import WrittenSystem
 from remanent.models.system import System
 
 #: Longest line of equations in a terminal, in characters.
@@ -57,12 +61,13 @@ class Equations:
 
 
 def equations(system: System) -> Equations:
-    """The equations of motion of an actuator under a load that is left as a symbol.
+    """The equations of motion of a system under loads that are left as symbols.
 
     Parameters
     ----------
-    system : Actuator
-        Its numbers play no part; its classes and choices do.
+    system : System
+        An actuator, or a system of one's own.  Its numbers play no part; its classes, choices
+        and formulas do.
 
     Returns
     -------
@@ -72,7 +77,7 @@ def equations(system: System) -> Equations:
     Raises
     ------
     InputError
-        For a system that is no actuator.
+        For a system of another kind.
 
     See Also
     --------
@@ -83,12 +88,16 @@ def equations(system: System) -> Equations:
     >>> equations(Actuator()).second_order[0].rhs
     0
     """
+    if isinstance(system, LagrangianSystem):
+        return _equations_of_energies(system)
+    if isinstance(system, FirstOrderSystem):
+        return _equations_of_rates(system)
     if not isinstance(system, Actuator):
         raise InputError(
             "system",
-            must="be an actuator",
+            must="be an actuator, or a system of one's own in formulas",
             got=shortened_repr(system),
-            why="Only its equations can be typeset.",
+            why="Only their equations can be typeset.",
             fix="Pass for example rm.Actuator().",
         )
     motion = block.build_motion(system, None)
@@ -98,6 +107,58 @@ def equations(system: System) -> Equations:
     definitions = tuple(sp.Eq(k, e, evaluate=False) for k, e in motion.definitions.items())
     lines = [_equation_latex(e, motion) for e in (*rows, *internal, *definitions)]
     return Equations(rows, internal, definitions, _join_latex_lines(lines))
+
+
+def _equations_of_energies(system: LagrangianSystem) -> Equations:
+    """Lagrange's equations d/dtau dT/dq' - dT/dq + dV/dq + dD/dq' = 0, one a coordinate."""
+    parts = lagrange_equations(system)
+    accelerations = {v: time_derivative_symbol(v) for v in parts.velocity.values()}
+    rows = tuple(
+        sp.Eq(
+            sp.expand(
+                sum(
+                    (parts.mass[i, j] * accelerations[parts.velocity[q]]
+                     for j, q in enumerate(parts.moving)),
+                    start=sp.Integer(0),
+                )
+                - force
+            ),
+            0,
+            evaluate=False,
+        )
+        for i, force in enumerate(parts.forces)
+    )  # fmt: skip
+    inner = tuple(
+        sp.Eq(sp.expand(-balance), 0, evaluate=False) for balance in parts.internal_balances
+    )
+    return _written(system, rows, inner)
+
+
+def _equations_of_rates(system: FirstOrderSystem) -> Equations:
+    symbols = symbols_by_name(system)
+    rows = tuple(
+        sp.Eq(time_derivative_symbol(symbols[name]), one(symbols, sp), evaluate=False)
+        for name, one in zip(system.state_names, system.formulas().values(), strict=True)
+    )
+    return _written(system, (), rows)
+
+
+def _written(
+    system: WrittenSystem, second: tuple[Expression, ...], first: tuple[Expression, ...]
+) -> Equations:
+    """Equations in the symbols that the user gave."""
+    texts = system.variable_texts()
+    letters = {name: text.symbol for name, text in texts.items()}
+    letters |= {f"{name}'": rf"\dot{{{text.symbol}}}" for name, text in texts.items()}
+    for name in system.state_names:
+        base = name.removesuffix("_rate")
+        if base != name and base in texts:
+            letters[f"{name}'"] = rf"\ddot{{{texts[base].symbol}}}"
+    lines = [
+        str(sp.latex(row, symbol_names={s: letters.get(s.name, s.name) for s in row.free_symbols}))
+        for row in (*second, *first)
+    ]
+    return Equations(second, first, (), _join_latex_lines(lines))
 
 
 def _temperature_rate(motion: Motion) -> dict[Expression, Expression]:

@@ -67,7 +67,7 @@ def loads_in_symbols(
     laws
         ``drive.loads_by_name`` or ``drive.load_rates_by_name``.
     """
-    names = (*drive.parameters(), *drive.piece_parameter_names)
+    names = (*drive.parameter_values(), *drive.piece_parameter_names)
     p = {name: parameter_symbol(name) for name in names}
     u = {name: waveform_symbol(name) for name in drive.waveform_names}
     return {

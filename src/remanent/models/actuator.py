@@ -28,6 +28,7 @@ from remanent.models.physical_sizes import PHYSICAL_SIZES, PhysicalSizes
 from remanent.models.plausibility import warn_of_implausible_temperatures
 from remanent.models.scaling import Scales
 from remanent.models.temperature_shift import TemperatureShift
+from remanent.models.variable_text import VariableText
 
 #: Fields that hold one part of the model each.
 _SINGLE_PART_FIELDS: Final = ("material", "heat", "magnet")
@@ -78,7 +79,7 @@ class Actuator(metaclass=ExplainedConstruction):
 
     Examples
     --------
-    >>> Actuator(temperature=350).replace(prestress=1).parameters()["prestress"]
+    >>> Actuator(temperature=350).replace(prestress=1).parameter_values()["prestress"]
     1.0
     >>> Actuator(prestress=(0, 1)).coordinate_count
     2
@@ -131,7 +132,7 @@ class Actuator(metaclass=ExplainedConstruction):
             )
         if self.physical_sizes is not None:
             _checks.require_instance("physical_sizes", self.physical_sizes, PhysicalSizes, "None")
-        self.warn_if_implausible(self.parameters())
+        self.warn_if_implausible(self.parameter_values())
         _require_valid_shifts(self)
 
     @property
@@ -149,9 +150,14 @@ class Actuator(metaclass=ExplainedConstruction):
         """Whether there is nothing in the model by which energy could be lost."""
         return not self.dissipative_elements() and self.heat is None
 
+    @property
+    def is_time_reversible(self) -> bool:
+        """Whether reversed rates retrace a motion: where nothing is lost."""
+        return self.conservative
+
     def where_dissipative(self, values: Mapping[str, ArrayLike] | None = None) -> BoolArray:
         """Whether motion loses energy, for a batch of values of numeric fields or its own."""
-        p: dict[str, Any] = {**self.parameters(), **(values or {})}
+        p: dict[str, Any] = {**self.parameter_values(), **(values or {})}
         strengths = [
             f"dissipation.{i}.{e.strength_field_name}"
             for i, e in enumerate(self.dissipative_elements())
@@ -197,7 +203,7 @@ class Actuator(metaclass=ExplainedConstruction):
         heat = {} if self.heat is None else {"heat": self.heat}
         return {"material": self.material, **elements, **heat, "magnet": self.magnet}
 
-    def parameters(self) -> dict[str, float]:
+    def parameter_values(self) -> dict[str, float]:
         """Value of every numeric field under its dotted name."""
         single = {
             k: float(x)
@@ -207,9 +213,9 @@ class Actuator(metaclass=ExplainedConstruction):
         nested = {
             f"{prefix}.{name}": value
             for prefix, part in self.parts().items()
-            for name, value in part.parameters().items()
+            for name, value in part.parameter_values().items()
         }
-        sizes = {} if self.physical_sizes is None else self.physical_sizes.parameters()
+        sizes = {} if self.physical_sizes is None else self.physical_sizes.parameter_values()
         return single | sizes | nested
 
     def equation_structure(self) -> EquationStructure:
@@ -259,7 +265,7 @@ class Actuator(metaclass=ExplainedConstruction):
         shifts = self._temperature_shifts()
         if not shifts:
             return np.asarray(broken)
-        p = {**self.parameters(), **values}
+        p = {**self.parameter_values(), **values}
         temperature, reference = (
             np.asarray(p[name]) for name in ("temperature", "reference_temperature")
         )
@@ -292,7 +298,7 @@ class Actuator(metaclass=ExplainedConstruction):
         """
         l1, l2 = (np.asarray(coordinates[k], dtype=np.float64) for k in (0, -1))
         given = {k: np.asarray(v) for k, v in part_parameters("material", values).items()}
-        p = self.material.parameters() | given
+        p = self.material.parameter_values() | given
         with np.errstate(all="ignore"):
             conditions = self.material.admissibility_conditions(l1, l2, 1.0 / (l1 * l2), p, np)
             met = [np.asarray(condition > 0.0) for condition in conditions]
@@ -307,6 +313,10 @@ class Actuator(metaclass=ExplainedConstruction):
         """Warn of allowed values, single or in a batch, that look like a mistake."""
         warn_of_implausible_temperatures(values)
 
+    def variable_texts(self) -> dict[str, VariableText]:
+        """Nothing: the table of variables has all that an actuator's results hold."""
+        return {}
+
     def replace(self, **changes: Any) -> Self:
         """A copy with some fields changed; unknown fields raise `InputError`."""
         _checks.require_known_names(changes, [f.name for f in fields(self)], "Actuator")
@@ -314,7 +324,7 @@ class Actuator(metaclass=ExplainedConstruction):
 
     def with_parameter(self, name: str, value: float) -> Self:
         """A copy with one numeric field, given by its dotted name, changed."""
-        known = [*self.parameters(), *PHYSICAL_SIZES]
+        known = [*self.parameter_values(), *PHYSICAL_SIZES]
         _checks.require_known_names([name], known, "the actuator and its parts")
         if name in PHYSICAL_SIZES:
             sizes = self.physical_sizes or PhysicalSizes()

@@ -95,6 +95,10 @@ class Formula:
             if _variable_names(node) & variables and not _is_positive(node, positive)
         ]
 
+    def factors(self) -> list[Formula]:
+        """What the formula is a product of, up to whole powers and numbers."""
+        return [Formula(ast.unparse(n), _variable_names(n), n) for n in _factors(self._tree)]
+
 
 @lru_cache(maxsize=256)
 def parse_formula(text: str, name: str = "expression") -> Formula:
@@ -299,6 +303,25 @@ def _sign_sensitive_nodes(tree: ast.expr) -> Iterator[ast.expr]:
                     yield base
             case ast.Call(func=ast.Name(id="log" | "sqrt"), args=[argument]):
                 yield argument
+
+
+def _factors(node: ast.expr) -> Iterator[ast.expr]:
+    """Factors of a product, a quotient or a whole power, but numbers."""
+    match node:
+        case ast.UnaryOp(operand=inside):
+            yield from _factors(inside)
+        case ast.BinOp(op=ast.Mult() | ast.Div(), left=left, right=right):
+            yield from _factors(left)
+            yield from _factors(right)
+        case ast.BinOp(op=ast.Pow(), left=base, right=exponent):
+            power = _exact_constant(exponent)
+            if power is not None and power.denominator == 1:
+                yield from _factors(base)
+            else:
+                yield node
+        case _:
+            if _exact_constant(node) is None:
+                yield node
 
 
 def _is_positive(node: ast.expr, positive: frozenset[str]) -> bool:

@@ -33,7 +33,7 @@ class Heat(Part):
 
     Examples
     --------
-    >>> Heat().parameters()
+    >>> Heat().parameter_values()
     {'coupling': 0.0002, 'exchange': 0.0}
     """
 

@@ -41,7 +41,7 @@ class Magnet(Part):
 
     Examples
     --------
-    >>> Magnet(-0.001, demagnetisation=0.163).parameters()
+    >>> Magnet(-0.001, demagnetisation=0.163).parameter_values()
     {'temperature_coefficient': -0.001, 'demagnetisation': 0.163}
     """
 

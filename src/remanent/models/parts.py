@@ -90,7 +90,7 @@ class Part(metaclass=ExplainedConstruction):
         """
         return {}
 
-    def parameters(self) -> dict[str, float]:
+    def parameter_values(self) -> dict[str, float]:
         """Value of every numeric field, by name, in the order of definition."""
         entries = {
             f"{name}.{i}": number
@@ -100,7 +100,7 @@ class Part(metaclass=ExplainedConstruction):
         inner = {
             f"{name}.{field}": value
             for name, part in self.parts().items()
-            for field, value in part.parameters().items()
+            for field, value in part.parameter_values().items()
         }
         single = {name: float(getattr(self, name)) for name in self._single_number_rules()}
         named = {k: v for pairs in self._mapping_pairs().values() for k, v in pairs}
@@ -164,7 +164,8 @@ class Part(metaclass=ExplainedConstruction):
     ) -> Mapping[str, tuple[Any, Rule]]:
         """The derived numbers, of `values` where these have a field, else of its own value."""
         p = {
-            k: np.asarray(values.get(k, v), dtype=np.float64) for k, v in self.parameters().items()
+            k: np.asarray(values.get(k, v), dtype=np.float64)
+            for k, v in self.parameter_values().items()
         }
         with np.errstate(all="ignore"):
             return self.derived_numbers(p)

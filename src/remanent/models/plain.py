@@ -65,7 +65,7 @@ def to_plain_data(value: object) -> dict[str, Any]:
         raise _not_plain_error("value", value)
     table: dict[str, Any] = {KIND_KEY: _kind_name(type(value))}
     # A mapping within a part is kept as pairs.
-    pairs = getattr(value, "mapping_rules", ())
+    pairs = {*getattr(value, "mapping_rules", ()), *getattr(value, "mapping_fields", ())}
     for field in _init_fields(value):
         content = getattr(value, field.name)
         if content is not None or field.default is not None:

@@ -9,6 +9,7 @@ from remanent._checks import Rule
 from remanent._typing import ArrayLike, BoolArray
 from remanent.models.parts import EquationStructure
 from remanent.models.scaling import Scales
+from remanent.models.variable_text import VariableText
 
 
 @runtime_checkable
@@ -35,6 +36,11 @@ class System(Protocol):
         """Whether there is nothing in the model by which energy could be lost."""
         ...
 
+    @property
+    def is_time_reversible(self) -> bool:
+        """Whether reversed rates retrace a motion, under a load that is even in time."""
+        ...
+
     def where_dissipative(self, values: Mapping[str, ArrayLike] | None = None) -> BoolArray:
         """Whether motion loses energy.
 
@@ -50,7 +56,7 @@ class System(Protocol):
         """
         ...
 
-    def parameters(self) -> dict[str, float]:
+    def parameter_values(self) -> dict[str, float]:
         """Value of every numeric field under its dotted name."""
         ...
 
@@ -103,6 +109,10 @@ class System(Protocol):
 
     def warn_if_implausible(self, values: Mapping[str, ArrayLike]) -> None:
         """Warn of allowed values, single or in a batch, that look like a mistake."""
+        ...
+
+    def variable_texts(self) -> Mapping[str, VariableText]:
+        """Unit, meaning and symbol of variables that are its own, by name; none of an actuator."""
         ...
 
     def replace(self, **changes: Any) -> Self:

@@ -58,7 +58,7 @@ class WLF(TemperatureShift):
     --------
     >>> import numpy
     >>> law = WLF(8.0, 200.0)
-    >>> round(float(law.shift_factor(343.0, 293.0, law.parameters(), numpy)), 6)
+    >>> round(float(law.shift_factor(343.0, 293.0, law.parameter_values(), numpy)), 6)
     0.025119
     """
 
@@ -103,7 +103,7 @@ class Arrhenius(TemperatureShift):
     --------
     >>> import numpy
     >>> law = Arrhenius(6000.0)
-    >>> round(float(law.shift_factor(343.0, 293.0, law.parameters(), numpy)), 6)
+    >>> round(float(law.shift_factor(343.0, 293.0, law.parameter_values(), numpy)), 6)
     0.050534
     """
 

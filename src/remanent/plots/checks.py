@@ -16,6 +16,7 @@ from remanent._calls import require_fitting_arguments
 from remanent._checks import require_flag, shortened_repr
 from remanent._errors import InputError, error_sentence
 from remanent.results.checks import require_dataset
+from remanent.results.provenance import observable_name
 from remanent.results.schema import is_described
 
 __all__ = ["checked_picture"]
@@ -63,7 +64,7 @@ def checked_picture(draw: Callable[_Arguments, _Artists]) -> Callable[_Arguments
         _require_kinds_of_results(given["dataset"])
         _require_numbers(draw.__name__, given)
         if draw.__name__ == "phase":
-            _require_same_dimensions(given, signature)
+            _require_same_dimensions(given)
         _require_plain_words(given.get(words, {}))
         try:
             with np.errstate(all="ignore"):  # of results at infinity
@@ -142,10 +143,12 @@ def _require_numbers(picture: str, given: Mapping[str, Any]) -> None:
             )
 
 
-def _require_same_dimensions(given: Mapping[str, Any], signature: inspect.Signature) -> None:
+def _require_same_dimensions(given: Mapping[str, Any]) -> None:
     """Refuse a curve through two variables that do not go together."""
     dataset = given["dataset"]
-    names = [given.get(name, signature.parameters[name].default) for name in ("x", "y")]
+    observable = observable_name(dataset)
+    usual = {"x": observable, "y": f"{observable}_rate"}
+    names = [given.get(name) or word for name, word in usual.items()]
     if any(name not in dataset for name in names):
         return  # told later
     x, y = (dataset[name].dims for name in names)

@@ -13,6 +13,7 @@ from matplotlib.lines import Line2D
 
 from remanent.plots import ensemble, keys, missing, style
 from remanent.plots.footer import add_legend_and_footer
+from remanent.results.provenance import observable_name
 
 __all__ = ["history", "phase", "section"]
 
@@ -39,7 +40,7 @@ _Artist = TypeVar("_Artist", Line2D, PathCollection)
 
 def history(
     dataset: xr.Dataset,
-    variable: str = "thickness_stretch",
+    variable: str | None = None,
     *,
     ax: Axes | None = None,
     legend: bool = True,
@@ -54,8 +55,8 @@ def history(
         A result of ``simulate``: `variable` over ``time`` (or over ``cycle``, with
         ``time`` a two-dimensional coordinate) and at most two more dimensions.
         One line per member, coloured by temperature.
-    variable : str
-        What to draw.
+    variable : str, optional
+        What to draw; by default the thickness stretch, or the observable of one's own system.
     ax : matplotlib.axes.Axes, optional
         Axes to draw in; a new figure if None.
     legend : bool
@@ -70,6 +71,7 @@ def history(
     list of matplotlib.lines.Line2D
         One per member, in order of temperature.
     """
+    variable = observable_name(dataset) if variable is None else variable
     with style.context_of(ax):
         axes = style.given_or_new_axes(ax, width=style.DOUBLE_COLUMN_WIDTH_INCHES, height=2.2)
         members, artists = _draw_members(
@@ -91,8 +93,8 @@ def history(
 
 def phase(
     dataset: xr.Dataset,
-    x: str = "thickness_stretch",
-    y: str = "thickness_stretch_rate",
+    x: str | None = None,
+    y: str | None = None,
     *,
     ax: Axes | None = None,
     legend: bool = True,
@@ -106,8 +108,9 @@ def phase(
     ----------
     dataset : xarray.Dataset
         A result of ``simulate`` with `x` and `y` along ``time`` or ``cycle``.
-    x, y : str
-        The variables of the plane.
+    x, y : str, optional
+        The variables of the plane; by default the thickness stretch and its rate, or the
+        observable of one's own system and its rate.
     ax : matplotlib.axes.Axes, optional
         Axes to draw in; a new figure if None.
     legend : bool
@@ -124,6 +127,7 @@ def phase(
     list of matplotlib.lines.Line2D
         One per member, in order of temperature.
     """
+    x, y = _plane(dataset, x, y)
     with style.context_of(ax):
         axes = style.given_or_new_axes(ax, height=3.1)
         members, artists = _draw_members(axes, dataset, x, y, _TIME_DIMENSIONS, _draw_line, line)
@@ -148,8 +152,8 @@ def phase(
 
 def section(
     dataset: xr.Dataset,
-    x: str = "thickness_stretch",
-    y: str = "thickness_stretch_rate",
+    x: str | None = None,
+    y: str | None = None,
     *,
     ax: Axes | None = None,
     legend: bool = True,
@@ -161,9 +165,11 @@ def section(
     Parameters
     ----------
     dataset : xarray.Dataset
-        A result of ``poincare_section`` or ``bifurcation_diagram``: `y` along ``period``.
-    x, y : str
-        The variables of the plane; `x` may be the parameter of a ``bifurcation_diagram``.
+        A result of ``poincare_section`` or ``bifurcation_diagram``: `y` along ``period``, or
+        along ``crossing``.
+    x, y : str, optional
+        The variables of the plane, by default as of :func:`phase`; `x` may be the parameter
+        of a ``bifurcation_diagram``.
     ax : matplotlib.axes.Axes, optional
         Axes to draw in; a new figure if None.
     legend : bool
@@ -178,9 +184,10 @@ def section(
     list of matplotlib.collections.PathCollection
         One per member, in order of temperature.
     """
+    x, y = _plane(dataset, x, y)
     with style.context_of(ax):
         axes = style.given_or_new_axes(ax, height=3.1)
-        along = {"period", x} & set(map(str, dataset.dims))
+        along = {"period", "crossing", x} & set(map(str, dataset.dims))
         members, artists = _draw_members(axes, dataset, x, y, along, _draw_points, points)
         if x in along:
             lost = missing.mark_gaps(axes, members, x, y)
@@ -189,6 +196,12 @@ def section(
         entries = [*keys.point_legend_entries(members, x, y), *lost]
         _add_keys(axes, ax, dataset, members, entries, legend, footer)
     return artists
+
+
+def _plane(dataset: xr.Dataset, x: str | None, y: str | None) -> tuple[str, str]:
+    """The two variables of a plane: by default the observable and its rate."""
+    name = observable_name(dataset)
+    return name if x is None else x, f"{name}_rate" if y is None else y
 
 
 def _add_keys(

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from types import MappingProxyType
+from typing import Any, Final
 
 import numpy as np
 import pandas as pd
@@ -11,18 +12,24 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from remanent._errors import InputError
+from remanent.models.variable_text import VariableText
 from remanent.results.schema import FLAG_MEANINGS, describe, flag_attributes
 
 __all__ = ["Labelled", "dataset", "with_labels"]
 
 #: Dimension names and values, as xarray takes them.
 Labelled = tuple[tuple[str, ...], NDArray[Any]]
+#: What systems with a table of their own variables say of them; an actuator has none.
+OwnTexts = Mapping[str, VariableText]
+#: Nothing of one's own.
+_NO_OWN_TEXTS: Final[OwnTexts] = MappingProxyType({})
 
 
 def dataset(
     variables: Mapping[str, Labelled],
     coords: Mapping[str, Labelled],
     provenance: Mapping[str, Any],
+    own: OwnTexts = _NO_OWN_TEXTS,
 ) -> xr.Dataset:
     """Label plain arrays.
 
@@ -34,6 +41,8 @@ def dataset(
         The same for coordinates.
     provenance
         Attributes of the whole, see :func:`remanent.results.provenance.attributes`.
+    own
+        What a system of the user's own says of its variables.
 
     Returns
     -------
@@ -59,8 +68,10 @@ def dataset(
     """
     _require_equal_lengths({**coords, **variables})
     return xr.Dataset(
-        {name: _labelled_variable(name, *labelled) for name, labelled in variables.items()},
-        coords={name: _labelled_coordinate(name, *labelled) for name, labelled in coords.items()},
+        {name: _labelled_variable(name, *labelled, own) for name, labelled in variables.items()},
+        coords={
+            name: _labelled_coordinate(name, *labelled, own) for name, labelled in coords.items()
+        },
         attrs=dict(provenance),
     )
 
@@ -84,21 +95,25 @@ def with_labels(result: xr.Dataset, labels: Mapping[str, Labelled]) -> xr.Datase
     return result.assign_coords(added) if added else result
 
 
-def _labelled_variable(name: str, dims: tuple[str, ...], values: NDArray[Any]) -> xr.Variable:
+def _labelled_variable(
+    name: str, dims: tuple[str, ...], values: NDArray[Any], own: OwnTexts
+) -> xr.Variable:
     if name in FLAG_MEANINGS:
         values = np.asarray(values, dtype=np.int8)
-    return xr.Variable(dims, values, {**describe(name).attributes(), **flag_attributes(name)})
+    return xr.Variable(dims, values, {**describe(name, own).attributes(), **flag_attributes(name)})
 
 
-def _labelled_coordinate(name: str, dims: tuple[str, ...], values: NDArray[Any]) -> xr.Variable:
+def _labelled_coordinate(
+    name: str, dims: tuple[str, ...], values: NDArray[Any], own: OwnTexts
+) -> xr.Variable:
     """A coordinate; one of numbers that label its dimension is an index.
 
     xarray would make the index itself, but looks for pint in any array, and importing
     that takes longer than most runs.
     """
     if dims == (name,) and values.dtype.kind in "iuf":
-        return xr.Variable(dims, pd.Index(values, copy=False), describe(name).attributes())
-    return _labelled_variable(name, dims, values)
+        return xr.Variable(dims, pd.Index(values, copy=False), describe(name, own).attributes())
+    return _labelled_variable(name, dims, values, own)
 
 
 def _require_equal_lengths(labelled: Mapping[str, Labelled]) -> None:

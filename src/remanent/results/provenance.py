@@ -24,6 +24,7 @@ __all__ = [
     "attributes",
     "has_drive",
     "model_attributes",
+    "observable_name",
     "package_versions",
     "read_drive",
     "read_plain_model",
@@ -31,6 +32,10 @@ __all__ = [
     "varying_field_names",
 ]  # fmt: skip
 
+#: Attribute with the name of the observable of a system of one's own.
+OBSERVABLE_ATTRIBUTE: Final = "observable"
+#: The observable of an actuator.
+ACTUATOR_OBSERVABLE: Final = "thickness_stretch"
 #: Packages whose version can change a number.
 VERSIONED_PACKAGES: Final = ("remanent", "numpy", "llvmlite", "xarray")
 #: Attribute with the system as JSON; with ``_text`` after it, that for people.
@@ -204,6 +209,11 @@ def has_drive(dataset: xr.Dataset) -> bool:
     return DRIVE_ATTRIBUTE in dataset.attrs or f"{DRIVE_ATTRIBUTE}_text" in dataset.attrs
 
 
+def observable_name(dataset: xr.Dataset) -> str:
+    """Name of the quantity whose extremes a Dataset follows: of an actuator the thickness."""
+    return str(dataset.attrs.get(OBSERVABLE_ATTRIBUTE, ACTUATOR_OBSERVABLE))
+
+
 def varying_field_names(dataset: xr.Dataset) -> list[str]:
     """Fields that were given many values and are not reduced to one in this Dataset."""
     names = str(dataset.attrs.get("over", "")).split()
@@ -235,7 +245,7 @@ def _read_model(dataset: xr.Dataset, name: str) -> Any:
 def _with_selected_values(value: Any, dataset: xr.Dataset) -> Any:
     """A system or a drive with the fields that a Dataset was reduced to."""
     reduced = set(str(dataset.attrs.get("over", "")).split()) - set(varying_field_names(dataset))
-    for name in sorted(reduced & set(value.parameters())):
+    for name in sorted(reduced & set(value.parameter_values())):
         number = float(dataset[name].item())
         if isinstance(value, Drive):
             value = value.replace(**{name: number})

@@ -151,7 +151,7 @@ def rescale(
 def _require_selected_values(dataset: xr.Dataset, source: Actuator) -> None:
     """Refuse a result that lost the value of a field of the actuator, by ``drop=True``."""
     varied = set(str(dataset.attrs.get("over", "")).split())
-    lost = sorted(varied & source.parameters().keys() - set(map(str, dataset.variables)))
+    lost = sorted(varied & source.parameter_values().keys() - set(map(str, dataset.variables)))
     if lost:
         raise InputError(
             "dataset",
@@ -191,7 +191,7 @@ def _require_actuator(system: object) -> Actuator:
 
 def _require_entropic(dataset: xr.Dataset, system: Actuator) -> None:
     """Refuse what does not scale with temperature."""
-    numbers = system.parameters()
+    numbers = system.parameter_values()
     needed = {"material.entropic_fraction": 1.0, "magnet.temperature_coefficient": 0.0}
     obstacles = [
         f"{name.partition('.')[2]} = {numbers[name]}"

@@ -22,6 +22,7 @@ import numpy as np
 
 from remanent._errors import InputError, shortened_repr
 from remanent._status import Status
+from remanent.models.variable_text import VariableText
 
 __all__ = [
     "DESCRIPTIONS",
@@ -124,7 +125,7 @@ FLAG_MEANINGS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
 )
 
 
-def describe(name: str) -> Description:
+def describe(name: str, own: Mapping[str, VariableText] = MappingProxyType({})) -> Description:
     """Look a variable up.
 
     Besides the rows themselves, the table describes by rule:
@@ -137,10 +138,15 @@ def describe(name: str) -> Description:
     * ``<name>_error``, the estimated error of a row, in the same unit;
     * any other dotted name, a dimensionless field of the user's own part.
 
+    Of a system of the user's own, names that it has come first, and rows speak of its observable
+    in place of the thickness stretch.
+
     Parameters
     ----------
     name : str
         Name of a variable or coordinate.
+    own : mapping of name to VariableText, optional
+        What a system of the user's own says of its variables.
 
     Returns
     -------
@@ -160,6 +166,8 @@ def describe(name: str) -> Description:
     >>> describe("amplitude_error").long_name
     'estimated error: thickness stretch amplitude'
     """
+    if own:
+        return _describe_own_system(name, own)
     if name in DESCRIPTIONS:
         return DESCRIPTIONS[name]
     for rule in (
@@ -181,10 +189,10 @@ def describe(name: str) -> Description:
     )
 
 
-def is_described(name: str) -> bool:
+def is_described(name: str, own: Mapping[str, VariableText] = MappingProxyType({})) -> bool:
     """Whether the table describes a name, by a row or by rule."""
     try:
-        describe(name)
+        describe(name, own)
     except InputError:
         return False
     return True
@@ -262,3 +270,71 @@ def _describe_own_part(name: str) -> Description | None:
         return None
     words = name.replace(".", " ").replace("_", " ")
     return Description(name, "1", words, rf"\mathrm{{{rest[-1].replace('_', ' ')}}}")
+
+
+#: What rows say of an actuator's observable, and its symbol.
+_ACTUATOR_OBSERVABLE: Final = ("thickness stretch", r"\lambda_3")
+
+
+def _describe_own_system(name: str, own: Mapping[str, VariableText]) -> Description:
+    """A variable of a result of a system of the user's own."""
+    if name in own:
+        return _own_row(name, own[name])
+    for prefix, words in (("initial.", "initial {}"), *_POINT_PREFIXES_WITH_WORDS):
+        base = name.removeprefix(prefix)
+        if base != name and base.removesuffix("_error") in own:
+            row = _describe_own_system(base, own)
+            dims = () if prefix == "initial." else (prefix.removesuffix("_"),)
+            return replace(row, name=name, long_name=words.format(row.long_name), dims=dims)
+    load, _, field = name.partition(".")
+    if field and load in own:
+        row = describe(field)
+        words = row.long_name.replace("magnetic ", "")
+        return replace(
+            row,
+            name=name,
+            long_name=f"{words} of the {own[load].long_name}",
+            symbol=rf"{row.symbol}_{{{own[load].symbol}}}",
+            kind=QuantityKind.NONE,
+        )
+    base = name.removesuffix("_error")
+    if base != name and base in own:
+        row = _own_row(base, own[base])
+        return replace(
+            row,
+            name=name,
+            long_name=f"estimated error: {row.long_name}",
+            symbol=rf"\delta({row.symbol})",
+        )
+    return _in_words_of_system(describe(name), own)
+
+
+#: What results put before names, and how the words then read.
+_POINT_PREFIXES_WITH_WORDS: Final = tuple(
+    (f"{prefix}_", f"{{}} at the {words}") for prefix, words in _POINT_PREFIX_MEANINGS.items()
+)
+
+
+def _own_row(name: str, text: VariableText) -> Description:
+    return Description(name, text.units, text.long_name, text.symbol, ("time",))
+
+
+def _in_words_of_system(row: Description, own: Mapping[str, VariableText]) -> Description:
+    """A row of the table in the words and units of a system of the user's own."""
+    words, symbol = _ACTUATOR_OBSERVABLE
+    observable, units = own.get("observable"), row.units
+    long_name = row.long_name.replace(" per reference volume", "").replace("magnetic load", "load")
+    if observable is not None and words in long_name:
+        long_name = long_name.replace(words, observable.long_name)
+        row = replace(row, symbol=row.symbol.replace(symbol, observable.symbol))
+        units = observable.units
+    own_units = {
+        QuantityKind.ENERGY_DENSITY: own["energy"].units if "energy" in own else "1",
+        QuantityKind.TIME: own["time"].units if "time" in own else "1",
+    }
+    return replace(
+        row,
+        long_name=long_name,
+        units=own_units.get(row.kind, units),
+        kind=QuantityKind.NONE,
+    )

@@ -218,7 +218,7 @@ class _Units:
         """The values at which differences of squared quantities are taken."""
         base = name.removesuffix("_error")
         if power.power < 0 or (base == "derivative" and power.dimension == "field"):
-            numbers = provenance.read_drive(self.dataset).parameters()
+            numbers = provenance.read_drive(self.dataset).parameter_values()
             values = [numbers.get(str(field), 0.0) for field in np.ravel(power.names)]
             return xr.DataArray(values, dims=power.dimension)
         if base == "derivative":
@@ -364,7 +364,7 @@ def _body_sizes(dataset: xr.Dataset, system: System | None) -> dict[str, Any]:
             system = provenance.read_system(dataset)
         except InputError:
             return {}
-    scales, numbers = getattr(system, "scales", None), system.parameters()
+    scales, numbers = getattr(system, "scales", None), system.parameter_values()
     if not isinstance(scales, Scales):
         return {}
     values = {name: _value_of_field(dataset, name, number) for name, number in numbers.items()}

@@ -156,7 +156,7 @@ def test_reference_evaluates_rows() -> None:
     """At rest the acceleration is 3 (S - m)/(1 + 2 c), the energy -m."""
     actuator, drive = Actuator(), Constant(0.1)
     field = vector_field_for(actuator, drive)
-    own = {**actuator.parameters(), **drive.parameters()}
+    own = {**actuator.parameter_values(), **drive.parameter_values()}
     loads, prestresses = np.array([0.1, -0.2, 0.0]), np.array([0.0, 1.0, 0.5])
     rows = [
         list({**own, "m": m, "prestress": s}.values())

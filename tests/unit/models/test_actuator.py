@@ -21,7 +21,7 @@ from remanent.models.materials.named import NeoHookean
 
 def test_defaults_are_those_of_the_paper() -> None:
     """An actuator without arguments is that of the reproduced article."""
-    assert Actuator().parameters() == {
+    assert Actuator().parameter_values() == {
         "c": 1.0,
         "temperature": 293.0,
         "reference_temperature": 293.0,
@@ -33,7 +33,7 @@ def test_defaults_are_those_of_the_paper() -> None:
 
 def test_parameters_of_every_element_are_named_in_order() -> None:
     """Each element has its number in the names of its parameters."""
-    names = list(Actuator(dissipation=(Rayleigh(0.1), Rayleigh(0.2))).parameters())
+    names = list(Actuator(dissipation=(Rayleigh(0.1), Rayleigh(0.2))).parameter_values())
     assert names[4:7] == ["material.entropic_fraction", "dissipation.0.eta", "dissipation.1.eta"]
 
 
@@ -93,8 +93,8 @@ def test_any_parameter_can_be_changed_by_its_name(name: str) -> None:
     """One parameter changes, and no other."""
     actuator = Actuator(dissipation=(Rayleigh(0.1), Rayleigh(0.2)))
     changed = actuator.with_parameter(name, 0.75)
-    expected = {**actuator.parameters(), name: 0.75}
-    assert changed.parameters() == expected
+    expected = {**actuator.parameter_values(), name: 0.75}
+    assert changed.parameter_values() == expected
 
 
 RULES: list[tuple[dict[str, Any], str]] = [
@@ -174,7 +174,9 @@ def test_a_batch_is_warned_of_once() -> None:
 NUMBERS = st.floats(allow_nan=True, allow_infinity=True)
 
 
-@given(name=st.sampled_from(list(Actuator(dissipation=(Rayleigh(0.1),)).parameters())), x=NUMBERS)
+@given(
+    name=st.sampled_from(list(Actuator(dissipation=(Rayleigh(0.1),)).parameter_values())), x=NUMBERS
+)
 def test_batch_check_agrees_with_single_check(name: str, x: float) -> None:
     """A batch marks as invalid exactly the values that a single actuator refuses."""
     actuator = Actuator(dissipation=(Rayleigh(0.1),))

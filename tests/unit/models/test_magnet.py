@@ -116,7 +116,7 @@ def test_forces_of_the_own_field_are_slopes_of_its_energy_in_two_directions() ->
         c=c, prestress=tuple(S), edges=tuple(edges), magnet=rm.Magnet(demagnetisation=strength)
     )
     field = vector_field_for(body, rm.Constant(0.0))
-    row = np.array([*body.parameters().values(), 0.0])
+    row = np.array([*body.parameter_values().values(), 0.0])
 
     def potential(l1: complex, l2: complex) -> complex:
         x = 1.0 / (l1 * l2)

@@ -44,6 +44,10 @@ _MIN_SHARE_OF_BOX = 2.0**-26
 _MAX_DIVISIONS_OF_UNKNOWN = 8
 #: Rounds between two trials for flatness.
 _ROUNDS_BETWEEN_FLATNESS_TRIALS = 2
+#: Weight of mixed second derivatives beside the others where it is decided along which direction
+#: a cell is divided: they decide where nothing else does, as of products of two coordinates, and
+#: count for the direction in which the cell is wider.
+_WEIGHT_OF_MIXED = 1e-3
 #: First cells that were divided so many times are small enough to tell their second derivatives.
 _MAX_DIVISIONS_OF_COARSE = 4
 #: Cells no further apart than this share of their size touch.
@@ -254,6 +258,10 @@ def _divided(function: SampledFunction, cells: Cells, width: FloatArray) -> Cell
     h, n = cells.half_width, np.arange(len(cells.centre))
     with np.errstate(all="ignore"):
         bend = np.einsum("cmii,ci,ci->ci", cells.curvature, h, h)
+        share = h / width
+        of_wider = share[:, :, None] / (share[:, :, None] + share[:, None, :])
+        mixed = np.einsum("cmij,ci,cj->cij", cells.curvature, h, h)
+        bend += _WEIGHT_OF_MIXED * (of_wider * mixed).sum(axis=2)
     unknown = ~(bend < _UNKNOWN).all(axis=1)
     bend[unknown] = (h / width)[unknown]
     axis = np.argmax(bend, axis=1)

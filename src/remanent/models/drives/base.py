@@ -145,7 +145,7 @@ class Drive(Part, ABC):
 
     def given_or_own_values(self, values: Mapping[str, FloatArray], name: str) -> FloatArray:
         """The field `name` of a batch: from `values`, else the drive's own."""
-        numbers = values[name] if name in values else self.parameters()[name]
+        numbers = values[name] if name in values else self.parameter_values()[name]
         return np.asarray(numbers, dtype=np.float64)
 
 

@@ -132,7 +132,9 @@ class Sines(Drive):
 
     def with_varied(self, names: Collection[str]) -> Self:
         """The drive in which every term whose load varies counts for the period."""
-        loads = [self.parameters()[f"loads.{i}"] for i in range(len(self._checked_multiples()))]
+        loads = [
+            self.parameter_values()[f"loads.{i}"] for i in range(len(self._checked_multiples()))
+        ]
         counted = [
             1.0 if f"loads.{i}" in names and load == 0.0 else load for i, load in enumerate(loads)
         ]
@@ -140,7 +142,7 @@ class Sines(Drive):
 
     def _acting_terms(self, values: Mapping[str, FloatArray]) -> list[bool]:
         """Which terms have a load, of the drive itself or anywhere in a batch of `values`."""
-        own = self.parameters()
+        own = self.parameter_values()
         names = [f"loads.{i}" for i in range(len(self._checked_multiples()))]
         return [own[name] != 0.0 or bool(np.any(values.get(name, 0.0))) for name in names]
 
@@ -160,7 +162,7 @@ class Sines(Drive):
     def __call__(self, tau: ArrayLike) -> FloatArray:
         """m(tau) = mean + sum loads sin(multiples omega tau + phases)."""
         angle = self.omega * as_times(tau)
-        p = self.parameters()
+        p = self.parameter_values()
         terms = (
             p[f"loads.{i}"] * np.sin(k * angle + p[f"phases.{i}"])
             for i, k in enumerate(self._checked_multiples())

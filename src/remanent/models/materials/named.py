@@ -195,7 +195,7 @@ class Ogden(Material):
     Examples
     --------
     >>> treloar = Ogden([0.63, 0.0012, -0.01], [1.3, 5.0, -2.0])  # MPa
-    >>> round(float(treloar.energy(2.0, 1.0, 0.5, treloar.parameters(), None)), 12)
+    >>> round(float(treloar.energy(2.0, 1.0, 0.5, treloar.parameter_values(), None)), 12)
     1.039774630254
     """
 

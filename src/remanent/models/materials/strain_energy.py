@@ -78,7 +78,7 @@ class StrainEnergy(Material):
     Examples
     --------
     >>> solid = StrainEnergy("a*(I1 - 3) + b*(I1 - 3)**2", {"a": 50e3, "b": 2e3})
-    >>> float(solid.energy(2.0, 1.0, 0.5, solid.parameters(), np))
+    >>> float(solid.energy(2.0, 1.0, 0.5, solid.parameter_values(), np))
     1.22625
     """
 
@@ -206,7 +206,7 @@ def _require_names(used: frozenset[str], constants: Sequence[str]) -> None:
 
 def _require_isotropic(material: StrainEnergy) -> None:
     """Raise unless the energy is the same for every order of three stretches."""
-    p = {name: np.float64(value) for name, value in material.parameters().items()}
+    p = {name: np.float64(value) for name, value in material.parameter_values().items()}
     for sample in _SAMPLE_STRETCHES:
         with np.errstate(all="ignore"):
             values = [

@@ -251,7 +251,7 @@ class _ShapingProblem:
 def _actuator_with_values(single: Ensemble) -> Actuator:
     """The actuator with the values that its trajectory has."""
     actuator = require_actuator("actuator", single.system)
-    for name, value in actuator.parameters().items():
+    for name, value in actuator.parameter_values().items():
         if single.parameter_values[name][0] != value:
             actuator = actuator.with_parameter(name, float(single.parameter_values[name][0]))
     return actuator

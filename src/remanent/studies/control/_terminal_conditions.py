@@ -133,7 +133,7 @@ class TerminalConditions:
     @cached_property
     def parameter_variants(self) -> PhysicalScales:
         """The actuator itself, then with each parameter a little less and a little more."""
-        nominal = {**self.actuator.parameters(), **dict.fromkeys(PHYSICAL_SIZES, 1.0)}
+        nominal = {**self.actuator.parameter_values(), **dict.fromkeys(PHYSICAL_SIZES, 1.0)}
         count = 1 + 2 * len(self.robust_to)
         over = {}
         for k, name in enumerate(self.robust_to):

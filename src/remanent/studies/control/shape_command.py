@@ -16,7 +16,7 @@ from remanent.models.actuator import Actuator
 from remanent.models.drives.piecewise import Steps
 from remanent.models.drives.waves import Constant
 from remanent.studies.control._shaped_steps import find_shaped_steps
-from remanent.studies.ensemble.checks import require_tolerance
+from remanent.studies.ensemble.checks import require_actuator, require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble
@@ -156,6 +156,7 @@ def shape_commands(
     remanent.shape_command : one command, as a drive.
     remanent.sensitivity : how a switching time depends on a field.
     """
+    require_actuator("actuator", actuator)
     target = require_real("target", target, _TARGET_RULE)
     require_tolerance(tolerance, "the error of the state at the last step")
     ens = lay_out_ensemble(

@@ -28,7 +28,7 @@ from remanent.studies.control._step_metrics import (
     end_states_with_errors,
     residual_vibration,
 )
-from remanent.studies.ensemble.checks import require_tolerance
+from remanent.studies.ensemble.checks import require_actuator, require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.layout import OverArgument
@@ -137,6 +137,7 @@ def step_response(
     remanent.shape_command : steps that leave no vibration.
     remanent.simulate : the motion itself.
     """
+    require_actuator("system", system)
     require_tolerance(tolerance, "the global error of the state")
     band = require_real("band", band, _SETTLING_BAND_RULE)
     _require_step_drive(drive)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from copy import deepcopy
 from typing import TypeAlias
 
@@ -24,6 +24,7 @@ from remanent._errors import InputError
 from remanent._typing import ArrayLike, FloatArray
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
+from remanent.models.drives.loads import Loads
 from remanent.models.system import System
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.quantities import without_unit
@@ -94,8 +95,22 @@ def require_actuator(name: str, system: object) -> Actuator:
     return system
 
 
+def require_energy(ens: Ensemble) -> None:
+    """A system that has an energy: one of first order has none."""
+    if "stored_energy" not in ens.vector_field.observables:
+        raise InputError(
+            "system",
+            must="have an energy",
+            got=_kind_or_value(ens.system),
+            why="Work and dissipation change it; a system given by its rates says nothing of one.",
+            fix="Write it as rm.LagrangianSystem(...).",
+        )
+
+
 def require_drive(drive: object) -> Drive:
-    """A drive, for what is asked of it before the trajectories are laid out."""
+    """A drive, or drives by the names of their loads."""
+    if isinstance(drive, Mapping):
+        return Loads(drive)
     # Asked last whether it is a system: a protocol looks at every member, which takes a while.
     if not isinstance(drive, Drive | type) and isinstance(drive, System):
         raise InputError(

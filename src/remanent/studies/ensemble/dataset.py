@@ -78,8 +78,14 @@ def to_dataset(
     }
     drive = ens.drive if driven else None
     attributes = provenance.attributes(ens.system, drive, tolerance, over=ens.coords, **settings)
+    observable = ens.vector_field.observable_name
+    if observable != provenance.ACTUATOR_OBSERVABLE:
+        attributes[provenance.OBSERVABLE_ATTRIBUTE] = observable
     result = build.dataset(
-        {**labelled, **(shared or {})}, {**ens.coords, **(coords or {})}, attributes
+        {**labelled, **(shared or {})},
+        {**ens.coords, **(coords or {})},
+        attributes,
+        ens.system.variable_texts(),
     )
     return build.with_labels(result, ens.labels)
 

@@ -83,12 +83,12 @@ def lay_out_ensemble(
         single trajectory also any value that breaks a rule.
     """
     require_system(system_argument, system)
-    require_drive(drive)
+    drive = require_drive(drive)
     require_over(over)
     system = with_physical_sizes(system, over or ())
     _require_load_rate_where_needed(system, drive, over)
     field = vector_field_for(system, drive)
-    defaults = {**system.parameters(), **drive.parameters(), **(extra or {})}
+    defaults = {**system.parameter_values(), **drive.parameter_values(), **(extra or {})}
     names = [*defaults, *(f"initial.{variable}" for variable in field.state_names)]
     names += [name for name in numeric_fields(system) if name not in names]
     fields = read_over(over, names, system, reserved)
@@ -125,7 +125,7 @@ def with_physical_sizes(system: System, names: Iterable[str]) -> System:
 def numeric_fields(system: System) -> dict[str, float]:
     """Values of all numeric fields of a system; physical sizes are 1 where they are left out."""
     sizes = dict.fromkeys(PHYSICAL_SIZES, 1.0) if isinstance(system, Actuator) else {}
-    return {**sizes, **system.parameters()}
+    return {**sizes, **system.parameter_values()}
 
 
 def _require_load_rate_where_needed(
@@ -135,10 +135,12 @@ def _require_load_rate_where_needed(
     if system.needs_load_rate({}, varied=over or ()) and not drive.has_load_rate:
         raise InputError(
             "drive",
-            must="have a rate of its load in closed form where the remanence warms the body",
+            must="have a rate of its load in closed form for this system",
             got=shortened_repr(drive),
-            why="A change of the field warms a magnet whose remanence depends on temperature.",
-            fix="Use Constant, Sine, SineSquared or Sines, or a temperature_coefficient of 0.",
+            why="The rate enters its equations: a change of the field warms a magnet whose "
+            "remanence depends on temperature, and moves an observable whose rate holds the load.",
+            fix="Use Constant, Sine, SineSquared or Sines; or a temperature_coefficient of 0, or "
+            "another observable.",
         )
 
 

@@ -16,7 +16,7 @@ def initial_value_problem(ens: Ensemble, duration: FloatArray) -> Problem:
     Invalid trajectories take harmless values: nothing is integrated there, but whatever works
     on whole arrays need not make exceptions for them.
     """
-    defaults = {**ens.system.parameters(), **ens.drive.parameters()}
+    defaults = {**ens.system.parameter_values(), **ens.drive.parameter_values()}
     durations = np.where(ens.is_invalid, 1.0, duration)
     values = {
         name: np.where(ens.is_invalid, defaults[name], column)

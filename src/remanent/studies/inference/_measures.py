@@ -62,7 +62,7 @@ def as_measure(
 def with_parameters(model: _Model, values: Mapping[str, float]) -> _Model:
     """A system or a drive with those of the values that are its numeric fields."""
     if isinstance(model, Drive):
-        own = {name: value for name, value in values.items() if name in model.parameters()}
+        own = {name: value for name, value in values.items() if name in model.parameter_values()}
         return model.replace(**own)
     known = numeric_fields(model)
     for name, value in values.items():

@@ -19,7 +19,7 @@ from remanent.models.system import System
 from remanent.results import build, provenance
 from remanent.results.build import Labelled
 from remanent.results.read_measurements import MeasurementSource, read_measurements
-from remanent.studies.ensemble.checks import require_intervals, require_tolerance
+from remanent.studies.ensemble.checks import require_drive, require_intervals, require_tolerance
 from remanent.studies.ensemble.durations import (
     DEFAULT_RESPONSE_DURATION_IN_TAU,
     require_count,
@@ -159,6 +159,7 @@ def fit(
     )
     profile = require_flag("profile", profile)
     _require_run_length(duration, periods)
+    drive = require_drive(drive)
     guess = _parameter_guesses(system, drive, parameters, initial)
     measurements = Measurements(read_measurements(data, system))
     if measurements.dimension_name == "omega" and duration is None and periods is None:
@@ -266,7 +267,7 @@ def _parameter_guesses(
         f"initial.{n}": float(v)
         for n, v in zip(ens.vector_field.state_names, ens.initial_states[0], strict=True)
     }
-    nominal = {**numeric_fields(system), **drive.parameters(), **start}
+    nominal = {**numeric_fields(system), **drive.parameter_values(), **start}
     return as_parameter_values(parameters, nominal)
 
 

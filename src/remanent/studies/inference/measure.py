@@ -121,7 +121,7 @@ class Measure:
     def nominal_values(self) -> dict[str, float]:
         """Values that the parameters have where they do not vary, by name."""
         system, drive = self.system, self.drive
-        fields = {**numeric_fields(system), **({} if drive is None else drive.parameters())}
+        fields = {**numeric_fields(system), **({} if drive is None else drive.parameter_values())}
         if not self._verb_takes_over or (drive is None and system.load_names != ("load",)):
             return fields
         ens = lay_out_ensemble(system, drive or Constant(0.0), None, self.options.get("initial"))
@@ -239,7 +239,7 @@ class Measure:
         known = self.nominal_values()
         changed_system, changed_drive = system, drive
         for name, value in values.items():
-            if drive is not None and changed_drive is not None and name in drive.parameters():
+            if drive is not None and changed_drive is not None and name in drive.parameter_values():
                 changed_drive = changed_drive.replace(**{name: value})
             elif name in known:
                 changed_system = changed_system.with_parameter(name, value)

@@ -2,27 +2,22 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from remanent._checks import finite_rule, require_choice, require_real
-from remanent._typing import ArrayLike, FloatArray
+from remanent._typing import ArrayLike
 from remanent.integrate import events
-from remanent.integrate.crossings import Crossings
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.dataset import to_dataset
 from remanent.studies.ensemble.durations import require_exactly_one_argument, trajectory_durations
-from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble
-from remanent.studies.ensemble.memory import require_memory
 from remanent.studies.ensemble.problem import initial_value_problem
 from remanent.studies.ensemble.progress import ProgressArgument, as_progress
 from remanent.studies.ensemble.quantities import without_unit
+from remanent.studies.motion._passages import padded_passage_arrays
 
 _PASSED_VALUE_RULE = finite_rule("It is the value that is passed.")
 #: Energies whose passages are found too.
@@ -142,7 +137,7 @@ def crossings(
     passages, outcome = events.find_crossings(
         problem, variable, value, tolerance=tolerance, progress=report
     )
-    variables = _padded_passage_arrays(
+    variables = padded_passage_arrays(
         ens,
         passages.subset(np.isin(passages.direction, _SIGNS_OF_DIRECTION[direction])),
         outcome.error,
@@ -160,34 +155,3 @@ def crossings(
         duration=duration,
         periods=periods,
     )
-
-
-def _padded_passage_arrays(
-    ens: Ensemble, passages: Crossings, error: FloatArray
-) -> dict[str, NDArray[Any]]:
-    """The passages with one row for each trajectory, padded at its end."""
-    row = passages.trajectory
-    count = np.bincount(row, minlength=ens.trajectory_count)
-    width = int(count.max(initial=0))
-    require_memory(
-        "over",
-        8.0 * ens.trajectory_count * width * (4 + len(ens.vector_field.state_names)),
-        "the crossings",
-    )
-    column = np.arange(row.size) - (np.cumsum(count) - count)[row]
-
-    def padded(values: NDArray[Any], missing: float) -> NDArray[Any]:
-        rows = np.full((ens.trajectory_count, width), missing, dtype=values.dtype)
-        rows[row, column] = values
-        return rows
-
-    columns = {
-        "crossing_time": padded(passages.time, np.nan),
-        "crossing_time_error": padded(passages.time_error(error[row]), np.nan),
-        "state_error": padded(passages.state_error(error[row]), np.nan),
-    }
-    for k, name in enumerate(ens.vector_field.state_names):
-        columns[name] = padded(passages.states[:, k], np.nan)
-    columns["direction"] = padded(passages.direction.astype(np.int8), 0)
-    columns["crossings"] = count
-    return columns

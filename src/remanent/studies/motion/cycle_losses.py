@@ -13,7 +13,7 @@ from remanent.integrate.ensemble.problem import ERROR_SHARE_IN_FUNCTIONS, Reques
 from remanent.integrate.variations import field_with_integrals
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
-from remanent.studies.ensemble.checks import require_tolerance
+from remanent.studies.ensemble.checks import require_energy, require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
 from remanent.studies.ensemble.durations import require_count, require_drive_periods
 from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble
@@ -104,6 +104,7 @@ def cycle_losses(
     require_tolerance(tolerance, "the global error of the state and of the integrals")
     report = as_progress(progress)
     ens = lay_out_ensemble(system, drive, over, initial)
+    require_energy(ens)
     length = require_drive_periods(ens)
     require_memory(
         "periods",

@@ -14,7 +14,7 @@ from remanent.integrate.ensemble.problem import ERROR_SHARE_IN_FUNCTIONS, Proble
 from remanent.integrate.variations import field_with_integrals
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
-from remanent.studies.ensemble.checks import require_tolerance
+from remanent.studies.ensemble.checks import require_energy, require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
 from remanent.studies.ensemble.durations import require_exactly_one_argument
 from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble
@@ -28,12 +28,8 @@ from remanent.studies.ensemble.progress import ProgressArgument, as_progress
 from remanent.studies.ensemble.quantities import without_unit
 from remanent.studies.ensemble.time_grid import time_grid
 
-#: What is integrated along a motion, and the name of the integral.
-_INTEGRAL_OF_OBSERVABLE = {
-    "thickness_stretch": "mean_thickness_stretch",
-    "drive_power": "drive_work",
-    "dissipated_power": "dissipated_energy",
-}
+#: Powers that are integrated along a motion, and the name of the integral.
+_WORK_OF_POWER = {"drive_power": "drive_work", "dissipated_power": "dissipated_energy"}
 #: The same of a heat balance.
 _HEAT_INTEGRAL_OF_OBSERVABLE = {
     "heat_flow": "heat_given_off",
@@ -133,8 +129,11 @@ def energy_balance(
     ens = lay_out_ensemble(system, drive, over, initial)
     duration = without_unit("duration", duration, "time", system)
     grid = time_grid(ens, duration, periods, times)
+    require_energy(ens)
     warms = bool(ens.vector_field.indices_of_roles(Role.TEMPERATURE))
-    integrals = _INTEGRAL_OF_OBSERVABLE | (_HEAT_INTEGRAL_OF_OBSERVABLE if warms else {})
+    observable = ens.vector_field.observable_name
+    integrals = {observable: f"mean_{observable}", **_WORK_OF_POWER}
+    integrals |= _HEAT_INTEGRAL_OF_OBSERVABLE if warms else {}
     problem = _append_integrals(initial_value_problem(ens, grid.durations), integrals)
     request = Request(times=grid.times)
     outcome = integrate(problem, request, tolerance=tolerance, progress=report)
@@ -176,16 +175,17 @@ def _balance_errors(
     warms: bool,
 ) -> dict[str, FloatArray]:
     """Errors of the integrals and the energies, the largest over the times, (trajectory,)."""
+    observable = problem.field.observable_name
     errors = {
         name: largest_observable_error(problem, name, times, states, error)
-        for name in ("thickness_stretch", "stored_energy", *(("entropy",) if warms else ()))
+        for name in (observable, "stored_energy", *(("entropy",) if warms else ()))
     }
     error = ERROR_SHARE_IN_FUNCTIONS * error
     sums = dict.fromkeys(integrals.values(), error)
-    # The mean over a short time has the error of the stretch, and a sum's over the time.
-    stretch, last = errors.pop("thickness_stretch"), times[:, -1]
+    # The mean over a short time has the error of the observable, and a sum's over the time.
+    at_once, last = errors.pop(observable), times[:, -1]
     with np.errstate(divide="ignore", invalid="ignore"):
-        sums["mean_thickness_stretch"] = stretch + np.where(last > 0.0, error / last, 0.0)
+        sums[f"mean_{observable}"] = at_once + np.where(last > 0.0, error / last, 0.0)
     balance = errors["stored_energy"] + 2.0 * error  # of the work and the outflow
     totals = {**sums, **errors, "balance": balance}
     if warms:
@@ -210,13 +210,11 @@ def _balance_variables(
         )
         return evaluate_observable(problem, name, times, states) - before
 
-    at_once = evaluate_observable(
-        problem, "thickness_stretch", times, states
-    )  # the mean over no time
+    observable = problem.field.observable_name
+    at_once = evaluate_observable(problem, observable, times, states)  # the mean over no time
     with np.errstate(all="ignore"):
-        columns["mean_thickness_stretch"] = np.where(
-            times > 0.0, columns["mean_thickness_stretch"] / times, at_once
-        )
+        mean = columns[f"mean_{observable}"] / times
+    columns[f"mean_{observable}"] = np.where(times > 0.0, mean, at_once)
     columns["stored_energy"] = evaluate_observable(problem, "stored_energy", times, states)
     outflow = columns["heat_given_off" if warms else "dissipated_energy"]
     columns["balance"] = gain("stored_energy") - columns["drive_work"] + outflow

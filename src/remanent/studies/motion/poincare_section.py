@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 
 from remanent._checks import Rule, require_real
+from remanent._errors import InputError
 from remanent._typing import ArrayLike
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Request
@@ -23,6 +24,7 @@ from remanent.studies.ensemble.observables import (
 from remanent.studies.ensemble.problem import initial_value_problem
 from remanent.studies.ensemble.progress import ProgressArgument, as_progress
 from remanent.studies.ensemble.time_grid import require_memory_for_samples
+from remanent.studies.motion._section_by_formula import require_direction, section_by_formula
 from remanent.studies.motion._strobed_states import strobed_states
 
 _SECTION_PHASE_RULE = Rule(
@@ -37,29 +39,39 @@ def poincare_section(
     system: System,
     drive: Drive,
     *,
-    periods: int,
+    periods: int | None = None,
     every: int = 1,
     section_phase: float = 0.0,
+    where: str | None = None,
+    direction: int = 1,
+    duration: float | None = None,
     initial: ArrayLike | None = None,
     over: OverArgument | None = None,
     tolerance: float = 1e-9,
     progress: ProgressArgument = None,
 ) -> xr.Dataset:
-    """Take the state once per `every` drive periods.
+    """Take the state once per `every` drive periods, or at each passage of a section.
 
     Parameters
     ----------
     system : System
         What moves.
     drive : Drive
-        A periodic load.
-    periods : int
+        A periodic load; any load where there is a section.
+    periods : int, optional
         Length of the run in smallest periods of the load.
     every : int
         Periods between points.  The flux b sin(ωτ) repeats at every second period of
         its square: pass 2 to strobe at the period of the flux.
     section_phase : float
         Fraction of a period, in [0, 1), at which the state is taken.
+    where : str, optional
+        A section in the space of states, in place of the phase: a formula in states,
+        parameters and loads, such as ``"z - 27"``, that vanishes on it.
+    direction : int
+        Which passages of the section: 1 where the formula grows, -1 where it falls, 0 both.
+    duration : float, optional
+        Length of the run in tau, in place of `periods`, where there is a section.
     initial : array_like (2,), (4,) or (state,), optional
         State to start from; rest by default, as for :func:`remanent.simulate`.
     over : mapping of str to array_like or DataArray, optional
@@ -77,7 +89,9 @@ def poincare_section(
         before each point: 0, every, 2 every ...), NaN beyond the trusted horizon.  Per
         trajectory ``error``, the largest of the state variables at these points, and
         ``thickness_stretch_error``, ``thickness_stretch_rate_error``, what it makes of these;
-        ``drive_period``, exact but for rounding, ``horizon``, ``status``.
+        ``drive_period``, exact but for rounding, ``horizon``, ``status``.  At a section the
+        states stand against ``crossing``, with ``crossing_time``, its error, ``state_error``,
+        ``direction`` and the number of ``crossings``, as of :func:`remanent.crossings`.
 
     Raises
     ------
@@ -102,6 +116,18 @@ def poincare_section(
     >>> ds.period.values.tolist()
     [0, 2, 4, 6, 8, 10]
     """
+    require_direction(direction)
+    if where is not None:
+        return section_by_formula(
+            lay_out_ensemble(system, drive, over, initial),
+            where,
+            direction,
+            duration=duration,
+            periods=periods,
+            tolerance=tolerance,
+            progress=progress,
+        )
+    _require_phase_only(duration)
     periods = require_count("periods", periods, "Sections are taken after whole drive periods.")
     every = require_count("every", every, "Points are whole drive periods apart.")
     section_phase = require_real("section_phase", section_phase, _SECTION_PHASE_RULE)
@@ -139,3 +165,15 @@ def poincare_section(
         every=every,
         section_phase=section_phase,
     )
+
+
+def _require_phase_only(duration: object) -> None:
+    """Refuse a duration where sections are taken after drive periods."""
+    if duration is not None:
+        raise InputError(
+            "duration",
+            must="be left out where there is no section `where`",
+            got=duration,
+            why="Points are taken once per period of the load.",
+            fix="Pass periods=..., or a section as in where='x'.",
+        )

@@ -116,7 +116,10 @@ def simulate(
         name: ((grid.time_dimension,), states[:, :, k])
         for k, name in enumerate(ens.vector_field.state_names)
     }
-    for name in (*ens.vector_field.observable_and_rate_names, "energy", "load"):
+    field = ens.vector_field
+    for name in dict.fromkeys(
+        (*field.observable_and_rate_names, *field.energy_names, *field.load_names)
+    ):
         values = evaluate_observable(problem, name, grid.times, states)
         # The load does not depend on the state: without this it would go on past the horizon.
         values = np.where(np.isnan(states[:, :, 0]), np.nan, values)

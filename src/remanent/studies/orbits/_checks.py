@@ -11,6 +11,7 @@ from remanent._checks import as_float_array, shortened_repr
 from remanent._errors import InputError
 from remanent._field import Role, StateVariable
 from remanent._typing import FloatArray
+from remanent.models.actuator import Actuator
 from remanent.studies.ensemble.durations import require_count
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.initial import default_initial_values
@@ -29,7 +30,7 @@ _LARGEST_STATE = 1e100
 _LONGEST_ORBIT_PERIOD = 4096
 #: Why there is a box.
 _STATE_BOX_REASON = "Orbits are looked for, and branches end, in a box of states at phase 0."
-_STATE_BOX_REMEDY = "Pass for example {'stretch': (0.3, 4.0)}."
+_STATE_BOX_REMEDY = "Pass for example {'stretch': (0.3, 4.0)}, by the names of the states."
 
 
 def require_state_box(name: str, box: Mapping[str, Any] | None, ens: Ensemble) -> FloatArray:
@@ -111,6 +112,15 @@ def _require_bounds(name: str, variable: StateVariable, bounds: Any) -> FloatArr
 
 def _default_bounds(name: str, variable: StateVariable, ens: Ensemble) -> FloatArray:
     """The bounds of a state variable that none were given for."""
+    if not isinstance(ens.system, Actuator):
+        names = ens.vector_field.state_names
+        raise InputError(
+            name,
+            must=f"give bounds of {', '.join(names)}",
+            got=f"none of {variable.name}",
+            why="Nothing says by itself where orbits of a system of one's own may be.",
+            fix=f"Pass {{{', '.join(f'{n!r}: (low, high)' for n in names)}}}.",
+        )
     if variable.role is Role.RATE:
         return np.array(DEFAULT_RATE_RANGE)
     if variable.role is not Role.TEMPERATURE:

@@ -17,7 +17,7 @@ from remanent.studies.orbits._tracing import TracingOptions, trace_all_branches
 
 def require_frequency_range(omega_range: ArrayLike, ens: Ensemble) -> tuple[float, float]:
     """The lowest and the highest frequency of the drive, where it has one."""
-    if "omega" not in ens.drive.parameters():
+    if "omega" not in ens.drive.parameter_values():
         raise InputError(
             "drive",
             must="have a field `omega`",

@@ -45,6 +45,8 @@ _ROUGH_STATE_CELL_BITS = 1
 _DENSE_GUESS_COUNTS = MappingProxyType({2: (36, 25), 4: (7, 5, 7, 5)})
 #: The same where they are looked for at many values.
 _SPARSE_GUESS_COUNTS = MappingProxyType({2: (14, 9), 4: (5, 3, 5, 3)})
+#: About so many guesses, dense and sparse, where there is another number of variables.
+_GUESS_TOTALS = (1200, 240)
 #: Guesses that are followed until they settle, where motion is damped.
 _FOLLOWED_GUESS_COUNT = 32
 #: For so many periods of the orbit.
@@ -150,7 +152,9 @@ def _box_guesses(search: OrbitSearch) -> FloatArray:
     """
     field = search.map.ensemble.vector_field
     moving = field.indices_of_roles(Role.COORDINATE, Role.RATE)
-    counts = (_DENSE_GUESS_COUNTS if search.is_dense else _SPARSE_GUESS_COUNTS)[len(moving)]
+    table = _DENSE_GUESS_COUNTS if search.is_dense else _SPARSE_GUESS_COUNTS
+    even = max(2, round(_GUESS_TOTALS[0 if search.is_dense else 1] ** (1.0 / len(moving))))
+    counts = table.get(len(moving), (even,) * len(moving))
     axes = [
         np.geomspace(low, high, n) if low > 0.0 else np.linspace(low, high, n)
         for (low, high), n in zip(search.state_box[moving], counts, strict=True)

@@ -79,18 +79,18 @@ _ENERGY_POINTS_ON_SIDE = 5
 #: passes dozens of resonances, and takes 1e8.
 _MAX_EFFORT = 2e8
 #: The same where orbits are looked for at many values of a parameter.
-_MAX_EFFORT_OF_EACH_OF_MANY = 1.8e7
+MAX_EFFORT_OF_EACH_OF_MANY = 1.8e7
 #: Share of it that the displacement along the edge of the grid may take.
 _WINDING_EFFORT_SHARE = 0.1
 #: Where |P^n(z) - z| is smaller than this on a curve, of undamped motion, only symmetric orbits are
 #: looked for on it: a resonance so weak has the two that its first harmonic gives.
 _FLATNESS = 1e-4
 #: The same where there is no symmetry to tell orbits.
-_LEAST_FLATNESS = 1e-8
+LEAST_FLATNESS = 1e-8
 
 
 @dataclass(frozen=True)
-class _Displacement:
+class Displacement:
     """P^n(z) - z and the change of the energy, with their derivatives.
 
     Attributes
@@ -98,14 +98,15 @@ class _Displacement:
     search : OrbitSearch
     row : array (parameter,)
         Of the map.
-    energy : EnergyAtSection
+    energy : EnergyAtSection or None
+        None where the change of the energy is left out.
     maps : dict of (float, int) to StroboscopicMap
         Of each tolerance and finest resolution, as they are needed.
     """
 
     search: OrbitSearch
     row: FloatArray
-    energy: EnergyAtSection
+    energy: EnergyAtSection | None
     maps: dict[tuple[float, int], StroboscopicMap] = field(default_factory=dict)
 
     def map_of_tolerance(self, tolerance: float, finest: int = MAX_RESOLUTION) -> StroboscopicMap:
@@ -126,7 +127,8 @@ class _Displacement:
         if effort is None:
             first = np.clip(_FIRST_STEPS_PER_TIME * period, low, high)
             effort = np.full(len(points), int(first))
-        sample = Sample.unknown(len(points), 3, 2)
+        d = points.shape[1]
+        sample = Sample.unknown(len(points), d + (self.energy is not None), d)
         pending = np.arange(len(points))
         for steps in _MOST_STEPS_PER_TIME:
             finest = int(np.clip(steps * period, low, MAX_RESOLUTION))
@@ -134,7 +136,7 @@ class _Displacement:
             sample.update(pending, part)
             effort = sample.effort
             with np.errstate(all="ignore"):
-                size = np.abs(part.value[:, :2]).max(axis=1)
+                size = np.abs(part.value[:, :d]).max(axis=1)
                 share = error_share * np.minimum(size, 1.0)
                 enough = part.error <= np.maximum(tolerance, share)
             pending = pending[~enough]
@@ -149,13 +151,16 @@ class _Displacement:
         image, effort = self.map_of_tolerance(tolerance, finest).run_at_resolution(
             np.minimum(effort, finest), points, rows, self.search.orbit_period
         )
+        value, derivative = image.state - points, image.jacobian - np.eye(points.shape[1])
+        if self.energy is None:
+            return Sample(value, derivative, image.error, effort)
         with np.errstate(all="ignore"):
             gain = self.energy(image.state) - self.energy(points)
             slope = np.einsum("pi,pij->pj", self.energy.gradient(image.state), image.jacobian)
             slope = slope - self.energy.gradient(points)
         return Sample(
-            np.column_stack([image.state - points, gain]),
-            np.concatenate([image.jacobian - np.eye(2), slope[:, None, :]], axis=1),
+            np.column_stack([value, gain]),
+            np.concatenate([derivative, slope[:, None, :]], axis=1),
             image.error,
             effort,
         )
@@ -175,7 +180,7 @@ class _Displacement:
 def search_plane(search: OrbitSearch, row: FloatArray) -> OrbitSearchOutcome:
     """The orbits of a system with one stretch, for one row of the map's parameters."""
     energy = EnergyAtSection(search.map, row)
-    displacement = _Displacement(search, row, energy)
+    displacement = Displacement(search, row, energy)
     region = None
     if search.is_dissipative(row):
         region = region_of_orbits(
@@ -189,14 +194,14 @@ def search_plane(search: OrbitSearch, row: FloatArray) -> OrbitSearchOutcome:
     for refinement in (1, _SECOND_SEARCH_REFINEMENT):
         grid = _first_grid(search, box, refinement)
         cells = _search_cells(displacement, grid, region)
-        points = _fixed_points(search, cells, row, box)
+        points = fixed_points(search, cells, row, box)
         if is_whole:
             contradiction = _contradiction(int(points.orbits.index.sum()), 1)
         else:
-            contradiction = _contradiction_in_grid(displacement, grid, cells, points)
+            contradiction = contradiction_in_grid(displacement, grid, cells, points)
         if not contradiction:
             break
-    reason = _reason(points, cells) or contradiction
+    reason = reason_of_points(points, cells) or contradiction
     if search.is_dissipative(row) and region is None:
         reason = reason or "no bound of the energy of its orbits was found"
     orbits = distinct_orbits_of_least_period(
@@ -240,17 +245,18 @@ def _first_grid(search: OrbitSearch, box: FloatArray, refinement: int) -> FirstG
 
 
 def _search_cells(
-    displacement: _Displacement, grid: FirstGrid, region: SearchRegion | None
+    displacement: Displacement, grid: FirstGrid, region: SearchRegion | None
 ) -> CellSearchOutcome:
     excluded = None
     if region is not None:
+        assert displacement.energy is not None
         excluded = _is_beyond_energy(displacement.energy, grid.edges, region.energy)
     search = displacement.search
-    most = _MAX_EFFORT if search.is_dense else _MAX_EFFORT_OF_EACH_OF_MANY
+    most = _MAX_EFFORT if search.is_dense else MAX_EFFORT_OF_EACH_OF_MANY
     found = zeros_by_cells(
         displacement, grid.edges, is_excluded=excluded,
         max_effort=most / search.orbit_period,
-        flatness=_FLATNESS if search.is_reversible else _LEAST_FLATNESS,
+        flatness=_FLATNESS if search.is_reversible else LEAST_FLATNESS,
     )  # fmt: skip
     if not grid.is_mirrored:
         return found
@@ -274,21 +280,22 @@ def _is_beyond_energy(energy: EnergyAtSection, edges: list[FloatArray], bound: f
     return np.asarray(np.nanmin(blocks, axis=(1, 3)) > bound)
 
 
-def _fixed_points(
+def fixed_points(
     search: OrbitSearch, cells: CellSearchOutcome, row: FloatArray, box: FloatArray
 ) -> ConfirmedPoints:
     """Each fixed point of the iterate in the box once."""
     width = box[:, 1] - box[:, 0]
     wide = np.column_stack([box[:, 0] - 0.5 * width, box[:, 1] + 0.5 * width])
-    wide[0, 0] = 0.5 * box[0, 0]
+    if search.map.ensemble.vector_field.variables[0].positive:
+        wide[0, 0] = 0.5 * box[0, 0]
     found = confirmed_fixed_points(search, cells.starts, row, wide)
     inside = np.flatnonzero(is_inside_box(found.orbits.state, box))
     chosen = inside[distinct_fixed_points(found.orbits.subset(inside), found.error[inside])]
     return ConfirmedPoints(found.orbits.subset(chosen), found.error[chosen], found.unconfirmed)
 
 
-def _contradiction_in_grid(
-    displacement: _Displacement, grid: FirstGrid, cells: CellSearchOutcome, points: ConfirmedPoints
+def contradiction_in_grid(
+    displacement: Displacement, grid: FirstGrid, cells: CellSearchOutcome, points: ConfirmedPoints
 ) -> str:
     """What the displacement along the edge of a grid says against the points that were found.
 
@@ -314,7 +321,7 @@ def _contradiction(index_sum: int, expected: int) -> str:
     )
 
 
-def _reason(points: ConfirmedPoints, cells: CellSearchOutcome) -> str:
+def reason_of_points(points: ConfirmedPoints, cells: CellSearchOutcome) -> str:
     """Why orbits may be missing; empty where none is."""
     if len(cells.unresolved):
         return (
@@ -322,9 +329,6 @@ def _reason(points: ConfirmedPoints, cells: CellSearchOutcome) -> str:
             "whether there are orbits"
         )
     if len(points.unconfirmed):
-        x, v = points.unconfirmed[0]
-        return (
-            f"the point ({x:.6g}, {v:.6g}) may or may not be on an orbit: "
-            "it is too near a bifurcation"
-        )
+        place = ", ".join(f"{x:.6g}" for x in points.unconfirmed[0])
+        return f"the point ({place}) may or may not be on an orbit: it is too near a bifurcation"
     return ""

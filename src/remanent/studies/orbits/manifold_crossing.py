@@ -23,6 +23,7 @@ from remanent.analysis.orbits.separatrix import (
 from remanent.analysis.orbits.stability import Stability, floquet_multipliers, orbit_stability
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Request
+from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.studies.ensemble.checks import (
@@ -170,6 +171,14 @@ def manifold_crossing(
     )
     require_not_in_over((parameter,), ens)
     guess = None
+    if saddle is None and not isinstance(ens.system, Actuator):
+        raise InputError(
+            "saddle",
+            must="be given for a system of one's own",
+            got=saddle,
+            why="Nothing says by itself in which part of the states its orbits are.",
+            fix="Take one from rm.periodic_orbits(..., state_box=...).",
+        )
     if saddle is not None:
         guess = require_state("saddle", saddle, ens, why="It is a state at phase 0.",
                               fix="Take one from periodic_orbits.")  # fmt: skip

@@ -150,7 +150,7 @@ def periodic_orbits(
         map_ = StroboscopicMap(member, (), period_tolerance_for_residual(_SEARCH_RESIDUAL))
         box = require_state_box("state_box", state_box, member)
         search = OrbitSearch(
-            map_, box, orbit_period, _SEARCH_RESIDUAL, is_reversible(system, drive),
+            map_, box, orbit_period, _SEARCH_RESIDUAL, is_reversible(ens.system, ens.drive),
             box_is_free=state_box is None,
         )  # fmt: skip
         (outcome,) = search_orbits(search, np.empty((1, 0)))

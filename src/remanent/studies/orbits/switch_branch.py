@@ -126,6 +126,7 @@ def switch_branch(
         "Orbits close after whole drive periods.",
     )
     ens = lay_out_ensemble(system, drive)
+    drive = ens.drive
     require_parameter("parameter", parameter, ens)
     if f"special_{parameter}" not in branch:
         raise InputError(

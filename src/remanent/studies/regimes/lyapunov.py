@@ -2,23 +2,32 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
+from remanent._checks import positive_rule, require_real, shortened_repr
 from remanent._errors import InputError
 from remanent._typing import ArrayLike
 from remanent.models.drives.base import Drive
+from remanent.models.drives.strobed import StrobedConstant
+from remanent.models.drives.waves import Constant
 from remanent.models.system import System
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
-from remanent.studies.ensemble.durations import require_count, require_drive_periods
+from remanent.studies.ensemble.durations import (
+    require_count,
+    require_drive_periods,
+    require_exactly_one_argument,
+)
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.layout import RESERVED_DIMENSIONS, OverArgument, lay_out_ensemble
 from remanent.studies.ensemble.memory import require_memory
 from remanent.studies.ensemble.progress import ProgressArgument, as_progress
+from remanent.studies.ensemble.quantities import without_unit
 from remanent.studies.regimes._exponent_estimator import MAX_HISTORY_POINTS, ExponentEstimator
 from remanent.studies.regimes._follower import (
     EnsembleFollower,
@@ -28,6 +37,9 @@ from remanent.studies.regimes._follower import (
 
 #: Variables with a value for each exponent.
 _EXPONENT_VARIABLE_NAMES = ("exponent", "exponent_error")
+#: Fewest and most intervals of a run under a load that does not change; about one per tau.
+_INTERVAL_COUNT_LIMITS = (200, 20_000)
+_DURATION_RULE = positive_rule("A run takes a positive time.", "Pass a time in units of tau.")
 #: Bytes that a run needs for each of its periods and each entry of the tangents' factors.
 _BYTES_PER_PERIOD_AND_ENTRY = 16.0
 
@@ -36,7 +48,8 @@ def lyapunov(
     system: System,
     drive: Drive,
     *,
-    periods: int,
+    periods: int | None = None,
+    duration: float | None = None,
     count: int = 1,
     initial: ArrayLike | None = None,
     over: OverArgument | None = None,
@@ -50,10 +63,12 @@ def lyapunov(
     system : System
         What moves.
     drive : Drive
-        A periodic load.
-    periods : int
+        A periodic load, or one that does not change.
+    periods : int, optional
         Length of the run in smallest periods of the load.  The first tenth is left out of
         the average.
+    duration : float, optional
+        Length of the run in tau, under ``rm.Constant``: of systems without a load too.
     count : int
         How many exponents, the largest first; at most as many as there are state variables.
     initial : array_like (state,), optional
@@ -89,8 +104,8 @@ def lyapunov(
         ``settled_period``
             Period of the orbit in drive periods, 0 where none is known.
         ``exponent_history``
-            The mean up to each value of ``period``: it shows how the mean settles and has no
-            error of its own.
+            The mean up to each value of ``period``, or of ``time`` under a load that does not
+            change: it shows how the mean settles and has no error of its own.
         ``drive_period``, ``horizon``, ``local_error``, ``status``, ``reason``
             The load's period, exact but for rounding; how long the motion itself is known to
             0.01, and the largest error of one period, which are themselves estimates of errors;
@@ -126,11 +141,15 @@ def lyapunov(
     remanent.classify : regimes, by this and other evidence.
     remanent.periodic_orbits : multipliers of closed orbits, which need no average.
     """
-    periods = require_count("periods", periods, "Exponents are averaged over whole drive periods.")
+    require_exactly_one_argument(periods=periods, duration=duration)
     count = require_count("count", count, "It is a number of exponents.")
     tolerance = require_tolerance(tolerance, "the error that one drive period adds")
+    strobed = drive
+    if duration is not None:
+        strobed, periods = _strobed(drive, without_unit("duration", duration, "time", system))
+    periods = require_count("periods", periods, "Exponents are averaged over whole drive periods.")
     ens = lay_out_ensemble(
-        system, drive, over, initial, reserved=RESERVED_DIMENSIONS | {"exponent_number"}
+        system, strobed, over, initial, reserved=RESERVED_DIMENSIONS | {"exponent_number"}
     )
     period_lengths = require_drive_periods(ens)
     _require_exponent_count(count, ens)
@@ -149,13 +168,41 @@ def lyapunov(
     for name in _EXPONENT_VARIABLE_NAMES:
         variables[name] = (number, _drop_single_exponent_axis(values.pop(name)))
     history = _drop_single_exponent_axis(values.pop("exponent_history"))
-    variables["exponent_history"] = (("period", *number), history)
-    coords: dict[str, Labelled] = {"period": (("period",), estimator.history_periods)}
+    along = "period" if duration is None else "time"
+    variables["exponent_history"] = ((along, *number), history)
+    passed: np.ndarray[Any, Any] = estimator.history_periods
+    if duration is not None:
+        assert isinstance(strobed, StrobedConstant)
+        passed = passed * strobed.length
+        del variables["drive_period"], values["settled_period"]
+        ens = replace(ens, drive=drive)
+    coords: dict[str, Labelled] = {along: ((along,), passed)}
     if count > 1:
         coords["exponent_number"] = (number, np.arange(count))
     return to_dataset(
-        ens, variables | values, coords=coords, tolerance=tolerance, periods=periods, count=count
+        ens,
+        variables | values,
+        coords=coords,
+        tolerance=tolerance,
+        periods=periods if duration is None else None,
+        duration=duration,
+        count=count,
     )
+
+
+def _strobed(drive: Drive, duration: object) -> tuple[StrobedConstant, int]:
+    """A load that does not change in intervals, and how many of these there are."""
+    length = require_real("duration", duration, _DURATION_RULE)
+    if not isinstance(drive, Constant):
+        raise InputError(
+            "duration",
+            must="be left out where the load changes",
+            got=shortened_repr(drive),
+            why="Exponents are averaged over whole periods of the load.",
+            fix="Pass periods=..., or rm.Constant(...) for a system without a load.",
+        )
+    intervals = int(np.clip(np.ceil(length), *_INTERVAL_COUNT_LIMITS))
+    return StrobedConstant(drive.m, length / intervals), intervals
 
 
 def _require_exponent_count(count: int, ens: Ensemble) -> None:

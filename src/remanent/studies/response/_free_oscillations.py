@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from remanent._errors import InputError
+from remanent._field import Role
 from remanent._status import Status
 from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.integrate import events
@@ -65,15 +66,17 @@ class FreeOscillations:
         return np.asarray(0.5 * (self.outcome.maximum - self.outcome.minimum))
 
 
-def require_free_oscillations(actuator: Actuator, name: str) -> None:
+def require_free_oscillations(ens: Ensemble, name: str) -> None:
     """Refuse what has no free oscillations that are all periodic."""
-    if not actuator.conservative or actuator.coordinate_count > 1:
+    field = ens.vector_field
+    if field.roles != (Role.COORDINATE, Role.RATE) or not ens.system.conservative:
         raise InputError(
             name,
-            must="have one coordinate, no dissipation and no heat balance",
-            got=actuator,
+            must="have one coordinate, and nothing that dissipates or gives energy",
+            got=ens.system,
             why="Only free oscillations of one coordinate all have a period.",
-            fix="Pass one number as prestress, no edges, dissipation=() and heat=None.",
+            fix="Of an actuator pass one number as prestress, no edges, dissipation=() and "
+            "heat=None; of a system of one's own one coordinate and no dissipation.",
         )
 
 
@@ -91,15 +94,29 @@ def free_oscillations(ens: Ensemble, tolerance: float) -> FreeOscillations:
     after, without = _times_after_first_turns(ens, tolerance)
     turn = _first_turns(ens, np.where(np.isfinite(after), after, without), tolerance)
     half = np.where(np.isfinite(after), turn.time, np.nan)
-    # The stretch is extreme where it turns: at the start and there.
-    ends = np.stack([ens.initial_states, turn.states], axis=1)
-    name = turn.problem.field.observable_name
-    thickness = evaluate_observable(turn.problem, name, np.zeros(ends.shape[:2]), ends)
-    outcome = replace(turn.outcome, maximum=thickness.max(axis=1), minimum=thickness.min(axis=1))
+    lowest, highest = _extremes_between_turns(ens, turn, tolerance)
+    outcome = replace(turn.outcome, maximum=highest, minimum=lowest)
     with np.errstate(all="ignore"):
         frequency = np.pi / half
         frequency_error = frequency * turn.time_error / half + _ROUNDING * frequency
     return FreeOscillations(turn.problem, outcome, frequency, frequency_error)
+
+
+def _extremes_between_turns(
+    ens: Ensemble, turn: _FirstTurns, tolerance: float
+) -> tuple[FloatArray, FloatArray]:
+    """Least and largest value of the observable, arrays (trajectory,).
+
+    A coordinate is extreme where it turns, at the start and there, and so is the thickness
+    stretch of an actuator.  Another observable may be so in between.
+    """
+    name = turn.problem.field.observable_name
+    if name in turn.problem.field.state_names or isinstance(ens.system, Actuator):
+        ends = np.stack([ens.initial_states, turn.states], axis=1)
+        values = evaluate_observable(turn.problem, name, np.zeros(ends.shape[:2]), ends)
+        return values.min(axis=1), values.max(axis=1)
+    followed = integrate(turn.problem, Request(wants_extremes=True), tolerance=tolerance)
+    return followed.minimum, followed.maximum
 
 
 def _times_after_first_turns(ens: Ensemble, tolerance: float) -> tuple[FloatArray, FloatArray]:
@@ -155,7 +172,8 @@ class _FirstTurns:
 def _first_turns(ens: Ensemble, duration: FloatArray, tolerance: float) -> _FirstTurns:
     """Runs of some duration, up to where the rate is zero first."""
     problem = initial_value_problem(ens, duration)
-    turns, outcome = events.find_crossings(problem, "stretch_rate", 0.0, tolerance=tolerance)
+    (rate,) = ens.vector_field.names_of_roles(Role.RATE)
+    turns, outcome = events.find_crossings(problem, rate, 0.0, tolerance=tolerance)
     rows, first = np.unique(turns.trajectory, return_index=True)
     acceleration = _rate_slope_at_zero(problem, rows, turns.states[first])
     time, error = np.full(ens.trajectory_count, np.nan), np.full(ens.trajectory_count, np.nan)

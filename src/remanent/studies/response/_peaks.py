@@ -165,9 +165,9 @@ def actuator_and_drive_of_member(member: Ensemble, varied: Iterable[str]) -> tup
     """System and drive with the values of a member of an ensemble."""
     system, drive = require_actuator("system", member.system), member.drive
     for name in varied:
-        if name in drive.parameters():
+        if name in drive.parameter_values():
             drive = drive.replace(**{name: float(member.parameter_values[name][0])})
-        elif name in system.parameters():
+        elif name in system.parameter_values():
             system = system.with_parameter(name, float(member.parameter_values[name][0]))
     return system, drive
 

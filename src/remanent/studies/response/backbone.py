@@ -8,11 +8,12 @@ import numpy as np
 import xarray as xr
 
 from remanent._checks import as_float_array
+from remanent._field import Role
 from remanent._status import Status
 from remanent._typing import ArrayLike
-from remanent.models.actuator import Actuator
 from remanent.models.drives.waves import Constant
-from remanent.studies.ensemble.checks import require_actuator, require_tolerance
+from remanent.models.system import System
+from remanent.studies.ensemble.checks import require_system, require_tolerance
 from remanent.studies.ensemble.dataset import to_dataset
 from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble, require_over
 from remanent.studies.ensemble.observables import evaluate_observable
@@ -27,7 +28,7 @@ _NO_TURN_REASON = "no other turning point was found in the time that was looked 
 
 
 def backbone(
-    actuator: Actuator,
+    actuator: System,
     stretch: ArrayLike,
     *,
     m: float = 0.0,
@@ -38,10 +39,11 @@ def backbone(
 
     Parameters
     ----------
-    actuator : Actuator
-        With one coordinate, without dissipation and heat balance.
+    actuator : System
+        An actuator, or a system of one's own, with one coordinate and without dissipation and
+        heat balance.
     stretch : array (initial.stretch,)
-        Turning points λ(0), increasing.
+        Turning points λ(0), or of the one coordinate, increasing.
     m : float
         Constant magnetic load.
     over : mapping of name to values, optional
@@ -52,7 +54,8 @@ def backbone(
     Returns
     -------
     xarray.Dataset
-        Against ``initial.stretch``: ``frequency`` with ``frequency_error``, ``energy``,
+        Against ``initial.stretch`` (or ``initial.`` and the coordinate): ``frequency`` with
+        ``frequency_error``, ``energy``,
         ``maximum``, ``minimum`` and ``amplitude`` of the thickness stretch with
         ``amplitude_error``; ``error``, ``horizon``, ``status``.  At an equilibrium there is no
         oscillation: NaN, and ``singular``; where no other turning point was found,
@@ -83,12 +86,16 @@ def backbone(
     True
     """
     require_tolerance(tolerance, "the error of the state at the other turning point")
-    require_free_oscillations(require_actuator("actuator", actuator), "actuator")
+    single = lay_out_ensemble(
+        require_system("actuator", actuator), Constant(m), system_argument="actuator"
+    )
+    require_free_oscillations(single, "actuator")
+    (coordinate,) = single.vector_field.names_of_roles(Role.COORDINATE)
     require_over(over)
     stretches = as_float_array(
         "stretch",
         stretch,
-        what="in-plane stretches",
+        what="stretches, or values of the coordinate,",
         why="An oscillation starts from each.",
         fix="Pass for example numpy.linspace(1.01, 1.5, 50).",
         least=1,
@@ -96,7 +103,7 @@ def backbone(
     ens = lay_out_ensemble(
         actuator,
         Constant(m),
-        {**(over or {}), "initial.stretch": stretches},
+        {**(over or {}), f"initial.{coordinate}": stretches},
         system_argument="actuator",
     )
     free = free_oscillations(ens, tolerance)

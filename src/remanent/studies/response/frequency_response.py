@@ -145,7 +145,8 @@ def frequency_response(
     )
     resonance_width = require_real("resonance_width", resonance_width, _RESONANCE_WIDTH_RULE)
     require_over(over)
-    grid = _require_frequencies(system, require_drive(drive), omega, over)
+    drive = require_drive(drive)
+    grid = _require_frequencies(system, drive, omega, over)
     ens = lay_out_ensemble(system, drive, {**(over or {}), "omega": grid}, initial)
 
     def respond(
@@ -173,7 +174,7 @@ def frequency_response(
 def _require_frequencies(
     system: System, drive: Drive, omega: ArrayLike, over: OverArgument | None
 ) -> FloatArray:
-    if "omega" not in drive.parameters():
+    if "omega" not in drive.parameter_values():
         raise InputError(
             "drive",
             must="have a field `omega`",

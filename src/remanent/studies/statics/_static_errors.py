@@ -73,3 +73,10 @@ def balancing_parameter_error(
     )
     with np.errstate(all="ignore"):
         return np.asarray(largest(force.value) / least(force.slope))
+
+
+def square_root_error(root: FloatArray, squared_error: FloatArray) -> FloatArray:
+    """Error of a square root: half that of the square over the root, at most its own root."""
+    with np.errstate(all="ignore"):
+        error = np.minimum(squared_error / root, np.sqrt(squared_error))
+    return np.asarray(error + np.finfo(float).eps * root)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -15,22 +16,26 @@ from remanent.analysis.statics.equilibria import find_force_zeros, force_slope
 from remanent.integrate.variations import transverse_field
 from remanent.models.actuator import Actuator
 from remanent.models.drives.waves import Constant
+from remanent.models.system import System
 from remanent.results.build import Labelled
-from remanent.studies.ensemble.checks import require_actuator
+from remanent.studies.ensemble.checks import require_system
 from remanent.studies.ensemble.dataset import to_dataset
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble
 from remanent.studies.ensemble.two_coordinates import ensemble_with_two_coordinates
 from remanent.studies.statics._biaxial import biaxial_equilibria
 from remanent.studies.statics._folds import folds_along_first_varied_parameter
+from remanent.studies.statics._static_box import require_no_box
 from remanent.studies.statics._static_ensemble import StaticEnsemble
 from remanent.studies.statics._static_errors import (
     largest,
     least,
+    square_root_error,
     squared_frequency_error,
     stretch_error,
     thickness_error,
 )
+from remanent.studies.statics._written_equilibria import written_equilibria
 
 #: Thickness stretches at which the potential is tabulated, around equilibria and rest.
 _POTENTIAL_POINT_COUNT = 401
@@ -39,7 +44,11 @@ _LEAST_TABULATED_THICKNESS = 0.05
 
 
 def equilibria(
-    actuator: Actuator, m: float = 0.0, *, over: OverArgument | None = None
+    actuator: System,
+    m: float = 0.0,
+    *,
+    state_box: Mapping[str, Any] | None = None,
+    over: OverArgument | None = None,
 ) -> xr.Dataset:
     """Find every equilibrium under the constant load `m`, with its stability.
 
@@ -106,8 +115,12 @@ def equilibria(
     >>> curve.fold_m.values.round(4).tolist()
     [2.1777, 2.8483]
     """
-    require_actuator("actuator", actuator)
-    ens = lay_out_ensemble(actuator, Constant(m), over, system_argument="actuator")
+    ens = lay_out_ensemble(
+        require_system("actuator", actuator), Constant(m), over, system_argument="actuator"
+    )
+    if not isinstance(actuator, Actuator):
+        return written_equilibria(ens, state_box)
+    require_no_box(state_box)
     if actuator.coordinate_count == 2:
         return biaxial_equilibria(ens)
     static = StaticEnsemble(ens)
@@ -149,18 +162,11 @@ def _equilibrium_properties(static: StaticEnsemble, stretch: FloatArray) -> dict
         "equilibrium_potential": static.potential(case, stretch),
         "equilibrium_potential_error": static.potential_with_rounding(case, stretch).value.bound,
         "natural_frequency": frequency,
-        "natural_frequency_error": _square_root_error(frequency, squared_error),
+        "natural_frequency_error": square_root_error(frequency, squared_error),
         "stability": np.where(stiffness > 0, "stable", np.where(stiffness <= 0, "unstable", "")),
         "transverse_stiffness": transverse,
         "transverse_stiffness_error": transverse_error,
     }
-
-
-def _square_root_error(root: FloatArray, squared_error: FloatArray) -> FloatArray:
-    """Error of a square root: half that of the square over the root, at most its own root."""
-    with np.errstate(all="ignore"):
-        error = np.minimum(squared_error / root, np.sqrt(squared_error))
-    return np.asarray(error + np.finfo(float).eps * root)
 
 
 def _transverse_stiffness(

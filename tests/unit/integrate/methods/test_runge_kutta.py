@@ -25,7 +25,7 @@ DRIVE = SineSquared(0.8, 1.25, 0.2)
 def march(method: RungeKuttaMethod, steps: int, number: Any, functions: Any) -> list[Any]:
     """Equation 16 over half a drive period in `steps` steps, with numbers of any kind."""
     field = vector_field_for(ACTUATOR, DRIVE)
-    values = {**ACTUATOR.parameters(), **DRIVE.parameters()}
+    values = {**ACTUATOR.parameter_values(), **DRIVE.parameter_values()}
     parameters = [number(values[name]) for name in field.parameter_names]
     pi, y = functions.pi, [number(1), number(0)]
     h = pi / number(DRIVE.omega) / 2 / steps
@@ -97,7 +97,7 @@ def test_order_of_a_step_in_fifty_digits(part: float) -> None:
 def test_states_between_steps_have_the_order_of_a_step() -> None:
     """A step of length t h from an exact state errs by O(h**9), for any t in (0, 1)."""
     field = vector_field_for(ACTUATOR, DRIVE)
-    values = {**ACTUATOR.parameters(), **DRIVE.parameters()}
+    values = {**ACTUATOR.parameter_values(), **DRIVE.parameter_values()}
     part = np.array([0.3, 0.5, 0.9])
     errors = []
     for h in (0.2, 0.1):
@@ -126,7 +126,7 @@ def test_states_between_steps_have_the_order_of_a_step() -> None:
 def test_a_state_at_the_end_of_a_step_is_kept_exactly() -> None:
     """A step of length zero changes no bit, whatever the state."""
     field = vector_field_for(ACTUATOR, DRIVE)
-    values = {**ACTUATOR.parameters(), **DRIVE.parameters()}
+    values = {**ACTUATOR.parameter_values(), **DRIVE.parameter_values()}
     states = np.array([[1.0 / 3.0, -0.1], [1e300, np.inf]])
     zero = np.zeros(2)
     found = dense.partial_step(

@@ -107,12 +107,12 @@ class _Other:
 
     load_names = ("load",)
     scales = None
-    conservative = True
+    conservative = is_time_reversible = True
 
     def __init__(self, stiffness: float = 4.0) -> None:
         self.stiffness = stiffness
 
-    def parameters(self) -> dict[str, float]:
+    def parameter_values(self) -> dict[str, float]:
         return {"stiffness": self.stiffness}
 
     def with_parameter(self, name: str, value: float) -> _Other:
@@ -124,7 +124,7 @@ class _Other:
 
     where_dissipative = parameter_rules = equation_structure = where_invalid = _unused
     where_admissible = describe_coordinate_limits = needs_load_rate = _unused
-    warn_if_implausible = replace = _unused
+    warn_if_implausible = replace = variable_texts = _unused
 
 
 def test_any_system_is_found() -> None:

@@ -15,7 +15,7 @@ def test_rest_and_poles_of_two_coordinates() -> None:
     """Equal dead loads leave one mode to move, that of one coordinate; unequal ones both."""
     pair = rm.Actuator(prestress=(0.2, 0.2))
     field = build_field(pair, rm.Constant(0.1))
-    own = {**pair.parameters(), "m": 0.0}
+    own = {**pair.parameter_values(), "m": 0.0}
     row = np.array([own[name] for name in field.parameter_names])
     body = StaticState(field, row, np.array([1.0, 0.0, 1.0, 0.0])).rest_at_thickness(1.2)
     assert body is not None

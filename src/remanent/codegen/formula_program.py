@@ -1,0 +1,142 @@
+"""The program of a formula that somebody wrote, on the inputs of a field."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from remanent._field import Field, Program
+from remanent._instructions import InstructionBuilder, SignedValue
+from remanent.models.formula import Formula
+
+
+def formula_names(field: Field) -> list[str]:
+    """Names that a formula on a field may have: states, parameters and what is observed."""
+    names = dict.fromkeys((*field.state_names, *field.parameter_names, *field.observables))
+    return [name for name in names if name.isidentifier()]
+
+
+def program_of_formula(field: Field, formula: Formula) -> Program:
+    """A program with one output, the value of the formula.
+
+    Parameters
+    ----------
+    field : Field
+    formula : Formula
+        In names of :func:`formula_names`.
+    """
+    into = InstructionBuilder(field.input_names)
+    inputs = [_Recorded(into, into.input(name)) for name in field.input_names]
+    by_name = dict(zip(field.input_names, inputs, strict=True))
+    for name in formula.variable_names - by_name.keys():
+        (by_name[name],) = field.observables[name](
+            inputs, functions=_RecordedFunctions, constant=lambda x: _as_recorded(into, x)
+        )
+    value = _as_recorded(into, formula(by_name, _RecordedFunctions))
+    return into.build_program([value.value])
+
+
+@dataclass(frozen=True)
+class _Recorded:
+    """A value of straight-line code; arithmetic with it records instructions."""
+
+    into: InstructionBuilder
+    value: SignedValue
+
+    def __add__(self, other: Any) -> _Recorded:
+        return self._with(self.into.add(self.value, _as_recorded(self.into, other).value))
+
+    __radd__ = __add__
+
+    def __neg__(self) -> _Recorded:
+        return self._with((-self.value[0], self.value[1]))
+
+    def __sub__(self, other: Any) -> _Recorded:
+        return self + -_as_recorded(self.into, other)
+
+    def __rsub__(self, other: Any) -> _Recorded:
+        return _as_recorded(self.into, other) + -self
+
+    def __mul__(self, other: Any) -> _Recorded:
+        return self._with(self.into.mul(self.value, _as_recorded(self.into, other).value))
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: Any) -> _Recorded:
+        return self._with(self.into.div(self.value, _as_recorded(self.into, other).value))
+
+    def __rtruediv__(self, other: Any) -> _Recorded:
+        dividend = _as_recorded(self.into, other)
+        return self._with(self.into.div(dividend.value, self.value))
+
+    def __pow__(self, exponent: Any) -> _Recorded:
+        if isinstance(exponent, int):
+            if exponent == 0:
+                return _as_recorded(self.into, 1.0)
+            whole = self.into.power(self.value, abs(exponent))
+            inverse = self.into.div(self.into.constant(1.0), whole)
+            return self._with(whole if exponent > 0 else inverse)
+        product = _as_recorded(self.into, exponent) * _RecordedFunctions.log(self)
+        power: _Recorded = _RecordedFunctions.exp(product)
+        return power
+
+    def __rpow__(self, base: Any) -> _Recorded:
+        power: _Recorded = _RecordedFunctions.exp(self * float(np.log(base)))
+        return power
+
+    #: Numbers of NumPy leave arithmetic to these methods.
+    __array_ufunc__ = None
+
+    def _with(self, value: SignedValue) -> _Recorded:
+        return _Recorded(self.into, value)
+
+
+def _as_recorded(into: InstructionBuilder, number: Any) -> _Recorded:
+    if isinstance(number, _Recorded):
+        return number
+    return _Recorded(into, into.constant(float(number)))
+
+
+class _RecordedFunctions:
+    """Functions of such values, and of plain numbers."""
+
+    pi = float(np.pi)
+
+    @staticmethod
+    def _apply(name: str, x: Any) -> Any:
+        if not isinstance(x, _Recorded):
+            with np.errstate(all="ignore"):
+                return getattr(np, name)(x)
+        return _Recorded(x.into, x.into.apply_function(name, x.value))
+
+    @staticmethod
+    def sqrt(x: Any) -> Any:
+        """Square root."""
+        return _RecordedFunctions._apply("sqrt", x)
+
+    @staticmethod
+    def exp(x: Any) -> Any:
+        """Exponential."""
+        return _RecordedFunctions._apply("exp", x)
+
+    @staticmethod
+    def log(x: Any) -> Any:
+        """Natural logarithm."""
+        return _RecordedFunctions._apply("log", x)
+
+    @staticmethod
+    def sin(x: Any) -> Any:
+        """Sine."""
+        return _RecordedFunctions._apply("sin", x)
+
+    @staticmethod
+    def cos(x: Any) -> Any:
+        """Cosine."""
+        return _RecordedFunctions._apply("cos", x)
+
+    @staticmethod
+    def atan(x: Any) -> Any:
+        """Inverse tangent."""
+        return _RecordedFunctions._apply("atan", x)

@@ -1,0 +1,424 @@
+"""From the formulas of one's own system to a first-order system."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any, Final
+
+import sympy as sp
+
+from remanent._errors import InputError
+from remanent._field import Role, StateVariable
+from remanent.derivation.motion import FirstOrderForm
+from remanent.derivation.symbols import (
+    Expression,
+    Symbol,
+    loads_in_symbols,
+    time_derivative,
+)
+from remanent.models.drives.base import Drive
+from remanent.models.formula import Formula, as_exact_number
+from remanent.models.own_systems.first_order_system import FirstOrderSystem
+from remanent.models.own_systems.lagrangian_system import LagrangianSystem
+from remanent.models.own_systems.names import RATE_SUFFIX
+from remanent.models.own_systems.written_system import WrittenSystem
+
+
+def first_order_form_of_rates(system: FirstOrderSystem, drive: Drive) -> FirstOrderForm:
+    """The system as it is written: y' = f(y, p, load)."""
+    symbols = symbols_by_name(system)
+    rates = {
+        symbols[name]: _in_symbols(one, symbols)
+        for name, one in zip(system.state_names, system.formulas().values(), strict=True)
+    }
+    return _assemble(system, drive, rates, roles=dict.fromkeys(system.state_names, Role.COORDINATE))
+
+
+def first_order_form_of_energies(system: LagrangianSystem, drive: Drive) -> FirstOrderForm:
+    """Lagrange's equations, solved for accelerations and for rates of internal variables.
+
+    Equations: d/dtau dT/dq'_i - dT/dq_i + dV/dq_i + dD/dq'_i = 0.  With the mass matrix M =
+    d2T/dq'dq' of the coordinates that have a kinetic energy, M q'' = F(q, q'); for the others,
+    of first order, the damping matrix d2D/dq'dq' takes the place of the mass matrix.
+    """
+    parts = lagrange_equations(system)
+    velocity, moving, internal = parts.velocity, parts.moving, parts.internal
+    balances, constants = _linear_in(parts.internal_balances, [velocity[xi] for xi in internal])
+    definitions, solved = solve_symmetric(-balances, constants, "internal")
+    for xi, rate in zip(internal, solved, strict=True):
+        definitions[velocity[xi]] = rate
+
+    def rates_for(accelerations: Sequence[Expression]) -> dict[Symbol, Expression]:
+        """Rates of all state variables, in the order of the state."""
+        rates: dict[Symbol, Expression] = {}
+        for q, acceleration in zip(moving, accelerations, strict=True):
+            rates[q], rates[velocity[q]] = velocity[q], acceleration
+        return rates | {xi: velocity[xi] for xi in internal}
+
+    more, accelerations = solve_symmetric(parts.mass, parts.forces, "motion")
+    alternative = None
+    if len(moving) == 2:
+        expanded, others = solve_pair_expanded(parts.mass, parts.forces, moving)
+        alternative = (definitions | expanded, tuple(rates_for(others).values()))
+    definitions |= more
+    rates = rates_for(accelerations)
+    roles = dict.fromkeys(system.first_order_names, Role.INTERNAL)
+    for q in system.second_order_names:
+        roles |= {q: Role.COORDINATE, f"{q}{RATE_SUFFIX}": Role.RATE}
+    return _assemble(
+        system,
+        drive,
+        rates,
+        roles=roles,
+        definitions=definitions,
+        energies=_energies_and_powers(system, parts),
+        alternative=alternative,
+    )
+
+
+#: Functions that rates may hold.
+_REAL_FUNCTIONS: Final = frozenset({sp.exp, sp.log, sp.sin, sp.cos, sp.atan})
+
+
+@dataclass(frozen=True)
+class LagrangeEquations:
+    """Lagrange's equations M q'' = F of the coordinates that have a kinetic energy.
+
+    Attributes
+    ----------
+    energies : mapping of name to Expression
+        ``kinetic``, ``potential`` and ``dissipation``.
+    velocity : mapping of Symbol to Symbol
+        The rate of each coordinate.
+    moving, internal : tuple of Symbol
+        Coordinates of second and of first order.
+    mass : Matrix
+        Of the former.
+    forces : tuple of Expression
+        On the former.
+    internal_balances : tuple of Expression
+        What vanishes of the latter: -dV/dq + dT/dq - dD/dq'.
+    """
+
+    energies: Mapping[str, Expression]
+    velocity: Mapping[Symbol, Symbol]
+    moving: tuple[Symbol, ...]
+    internal: tuple[Symbol, ...]
+    mass: Any
+    forces: tuple[Expression, ...]
+    internal_balances: tuple[Expression, ...]
+
+
+def lagrange_equations(system: LagrangianSystem) -> LagrangeEquations:
+    """Lagrange's equations with Rayleigh's dissipation function, in symbols.
+
+    Equation: d/dtau dT/dq'_i - dT/dq_i + dV/dq_i + dD/dq'_i = 0.
+    """
+    symbols = symbols_by_name(system)
+    energies = {name: _in_symbols(one, symbols) for name, one in system.formulas().items()}
+    kinetic, dissipation = energies["kinetic"], energies["dissipation"]
+    lagrangian = kinetic - energies["potential"]
+    velocity = {symbols[q]: symbols[f"{q}{RATE_SUFFIX}"] for q in system.coordinates}
+    moving = tuple(symbols[q] for q in system.second_order_names)
+    internal = tuple(symbols[q] for q in system.first_order_names)
+    momenta = [sp.diff(kinetic, velocity[q]) for q in moving]
+    mass = sp.Matrix(
+        len(moving), len(moving), lambda i, j: sp.diff(momenta[i], velocity[moving[j]])
+    )
+    forces = tuple(
+        sp.diff(lagrangian, q)
+        - sp.diff(dissipation, velocity[q])
+        - time_derivative(momentum, velocity)
+        for q, momentum in zip(moving, momenta, strict=True)
+    )
+    balances = tuple(
+        sp.diff(lagrangian, xi) - sp.diff(dissipation, velocity[xi]) for xi in internal
+    )
+    return LagrangeEquations(energies, velocity, moving, internal, mass, forces, balances)
+
+
+def solve_symmetric(
+    matrix: Any, right: Sequence[Expression], name: str
+) -> tuple[dict[Symbol, Expression], list[Expression]]:
+    """Solve A x = b for a symmetric positive matrix, in definitions: A = L D L^T.
+
+    Elimination needs no exchange of rows where A is positive.
+
+    Parameters
+    ----------
+    matrix : Matrix (n, n)
+    right : sequence of Expression (n,)
+    name : str
+        What symbols of intermediate results begin with.
+
+    Returns
+    -------
+    definitions : dict of Symbol to Expression
+        What the intermediate symbols stand for, in order.
+    solution : list of Expression (n,)
+    """
+    n = len(right)
+    definitions: dict[Symbol, Expression] = {}
+    if n == 1:  # the plain quotient, whose form stays that of the energies
+        return definitions, [right[0] / matrix[0, 0]]
+
+    def define(kind: str, value: Expression) -> Expression:
+        if value.is_Number or value.is_Symbol:
+            return value
+        symbol = sp.Symbol(f"{name}.{kind}", real=True)
+        definitions[symbol] = value
+        return symbol
+
+    pivots: list[Expression] = []
+    lower = sp.eye(n)
+    for j in range(n):
+        left_out = sum((lower[j, k] ** 2 * pivots[k] for k in range(j)), start=sp.Integer(0))
+        pivots.append(define(f"pivot_{j}", matrix[j, j] - left_out))
+        for i in range(j + 1, n):
+            left_out = sum(
+                (lower[i, k] * lower[j, k] * pivots[k] for k in range(j)), start=sp.Integer(0)
+            )
+            lower[i, j] = define(f"factor_{i}_{j}", (matrix[i, j] - left_out) / pivots[j])
+    forward: list[Expression] = []
+    for i in range(n):
+        known = sum((lower[i, k] * forward[k] for k in range(i)), start=sp.Integer(0))
+        forward.append(define(f"force_{i}", sp.sympify(right[i]) - known))
+    solution: list[Expression] = [sp.Integer(0)] * n
+    for i in reversed(range(n)):
+        known = sum((lower[k, i] * solution[k] for k in range(i + 1, n)), start=sp.Integer(0))
+        solution[i] = define(f"solution_{i}", forward[i] / pivots[i] - known)
+    return definitions, solution
+
+
+def solve_pair_expanded(
+    matrix: Any, right: Sequence[Expression], coordinates: Sequence[Symbol]
+) -> tuple[dict[Symbol, Expression], list[Expression]]:
+    """Solve A x = b for two unknowns by Cramer's rule, everything written out and collected.
+
+    Negative powers of the coordinates become powers of one over their product, the only
+    quotient beside that by the determinant.  Terms with the same parameters are factored.
+
+    Returns
+    -------
+    definitions, solution
+        As of :func:`solve_symmetric`.
+    """
+    inverse_product = sp.Symbol("pair.inverse_product", real=True)
+    entries = [matrix[0, 0], matrix[0, 1], matrix[1, 1], *right]
+    scale = sp.ilcm(*(_common_denominator(sp.expand(e)) for e in entries))
+    names = ("mass_1", "mass_12", "mass_2", "force_1", "force_2")
+    m_1, m_12, m_2, f_1, f_2 = (sp.Symbol(f"pair.{name}", real=True) for name in names)
+    definitions: dict[Symbol, Expression] = {inverse_product: 1 / sp.Mul(*coordinates)}
+    for symbol, entry in zip((m_1, m_12, m_2, f_1, f_2), entries, strict=True):
+        definitions[symbol] = _collected(scale * entry, coordinates, inverse_product)
+    determinant = sp.together(
+        sp.expand(scale**2 * (matrix[0, 0] * matrix[1, 1] - matrix[0, 1] ** 2))
+    )
+    numerator, denominator = sp.fraction(determinant)
+    over_determinant = sp.Symbol("pair.over_determinant", real=True)
+    definitions[over_determinant] = denominator / numerator
+    return definitions, [
+        over_determinant * (m_2 * f_1 - m_12 * f_2),
+        over_determinant * (m_1 * f_2 - m_12 * f_1),
+    ]
+
+
+def _common_denominator(expression: Expression) -> int:
+    """The least common multiple of the denominators of the numbers in front of terms."""
+    factors = (term.as_coeff_Mul()[0] for term in sp.Add.make_args(expression))
+    return int(sp.ilcm(1, *(c.q for c in factors if c.is_Rational)))
+
+
+def _collected(
+    expression: Expression, coordinates: Sequence[Symbol], inverse_product: Symbol
+) -> Expression:
+    """A sum with terms of equal parameters factored, without negative powers of coordinates."""
+    groups: dict[Expression, list[tuple[Expression, int]]] = {}
+    for term in sp.Add.make_args(sp.expand(expression)):
+        powers = term.as_powers_dict()
+        below = [sp.sympify(-powers.get(q, 0)) for q in coordinates]
+        k = int(max([0, *(power for power in below if power.is_Integer)]))
+        rates = _moving_atoms(term, coordinates)
+        constant, moving = term.as_independent(*coordinates, *rates, as_Add=False)
+        number, constant = constant.as_coeff_Mul()
+        groups.setdefault(constant, []).append((number * moving, k))
+    total = sp.Integer(0)
+    for constant, terms in groups.items():
+        powers_below = [k for _, k in terms]
+        # Where all terms have a negative power, the same for all shows more common factors.
+        shared = max(powers_below) if min(powers_below) > 0 else None
+        total += constant * sp.factor(
+            sum(
+                term * (sp.Mul(*coordinates) * inverse_product) ** (k if shared is None else shared)
+                for term, k in terms
+            )
+        )
+    return total
+
+
+def _moving_atoms(expression: Expression, coordinates: Sequence[Symbol]) -> list[Symbol]:
+    """Rates of the coordinates that occur in an expression."""
+    rates = {f"{q.name}{RATE_SUFFIX}" for q in coordinates}
+    return [s for s in expression.free_symbols if s.name in rates]
+
+
+def _linear_in(
+    expressions: Sequence[Expression], unknowns: Sequence[Symbol]
+) -> tuple[Any, list[Expression]]:
+    """Coefficients of the unknowns, and what is left without them."""
+    n = len(unknowns)
+    matrix = sp.Matrix(n, n, lambda i, j: sp.diff(expressions[i], unknowns[j]))
+    return matrix, [e.subs(dict.fromkeys(unknowns, 0)) for e in expressions]
+
+
+def symbols_by_name(system: WrittenSystem) -> dict[str, Symbol]:
+    """A symbol for every name in the formulas.
+
+    Nothing is assumed of them, so that SymPy leaves roots of squares as they are written.
+    """
+    names = (*system.state_names, *system.parameter_values(), *system.rate_names())
+    return {name: sp.Symbol(name) for name in (*names, *system.load_names)}
+
+
+def _in_symbols(one: Formula, symbols: Mapping[str, Symbol]) -> Expression:
+    return sp.sympify(one(symbols, sp))
+
+
+def _energies_and_powers(
+    system: LagrangianSystem, parts: LagrangeEquations
+) -> dict[str, Expression]:
+    """The energy, that without the loads, and the powers that change it.
+
+    Equations: energy = T2 - T0 + V with Tk the part of T of degree k in the rates; stored =
+    T2 - T0 + V0 with V0 the potential energy without loads; stored' = drive power - dissipated
+    power, -d(V - V0)/dq q' and dD/dq' q'.
+    """
+    potential, velocity = parts.energies["potential"], parts.velocity
+    at_rest = parts.energies["kinetic"].subs(dict.fromkeys(velocity.values(), 0))
+    v = sp.Matrix([velocity[q] for q in parts.moving])
+    quadratic = (v.T * parts.mass * v)[0] if len(v) else sp.Integer(0)
+    of_motion = quadratic / 2 - at_rest
+    unloaded = potential.subs({sp.Symbol(name): 0 for name in system.load_names})
+    if unloaded.has(sp.zoo, sp.nan, sp.oo):
+        raise InputError(
+            "potential",
+            must="have a value without loads",
+            got=repr(system.potential),
+            why="The work of the loads is counted from there.",
+            fix="Write it so that it is finite where every load is 0.",
+        )
+    return {
+        "energy": of_motion + potential,
+        "stored_energy": of_motion + unloaded,
+        "drive_power": -time_derivative(potential - unloaded, velocity),
+        "dissipated_power": sum(
+            (rate * sp.diff(parts.energies["dissipation"], rate) for rate in velocity.values()),
+            start=sp.Integer(0),
+        ),
+    }
+
+
+def _assemble(
+    system: WrittenSystem,
+    drive: Drive,
+    rates: Mapping[Symbol, Expression],
+    *,
+    roles: Mapping[str, Role],
+    definitions: Mapping[Symbol, Expression] | None = None,
+    energies: Mapping[str, Expression] | None = None,
+    alternative: tuple[Mapping[Symbol, Expression], tuple[Expression, ...]] | None = None,
+) -> FirstOrderForm:
+    """Everything put together, with the observable and its rates."""
+    symbols = symbols_by_name(system)
+    inner = dict(definitions or {})
+    loads = [symbols[name] for name in system.load_names]
+    observable = _in_symbols(system.observable_formula, symbols)
+    rate = time_derivative(observable, rates)
+    whole_rate = _substituted(rate, inner) if _needs_all(rate, inner) else rate
+    acceleration = time_derivative(whole_rate, rates)
+    load_rates = {
+        symbols[load.name]: law
+        for load, law in loads_in_symbols(drive.load_rates_by_name, drive).items()
+        if whole_rate.has(symbols[load.name])
+    }
+    acceleration += time_derivative(whole_rate, load_rates)
+    named = {system.observable_name: observable, f"{system.observable_name}_rate": rate}
+    bare = _bare_conditions(system)
+    by_load = loads_in_symbols(drive.loads_by_name, drive)
+    laws = {symbols[load.name]: law for load, law in by_load.items()}
+    written = [*rates.values(), *inner.values(), observable, rate, acceleration]
+    _require_real(system, [*written, *(energies or {}).values()])
+    return FirstOrderForm(
+        state_symbols=tuple(rates),
+        variables=tuple(
+            _describe(symbol.name, roles[symbol.name], system, bare) for symbol in rates
+        ),
+        load_names=system.load_names,
+        definitions={**laws, **inner},
+        rates=tuple(rates.values()),
+        observable_name=system.observable_name,
+        observable_and_rates=(observable, rate, acceleration, rate),
+        observables={
+            **named,
+            **{load.name: load for load in loads},
+            **(energies or {}),
+        },
+        admissibility_conditions=tuple(
+            _in_symbols(part, symbols) * _in_symbols(part, _rest_symbols(system, symbols))
+            for part in system.sign_conditions()
+            if part.text not in bare
+        ),
+        parameter_symbols={name: symbols[name] for name in system.parameter_values()},
+        alternative=None if alternative is None else ({**laws, **alternative[0]}, alternative[1]),
+    )
+
+
+def _require_real(system: WrittenSystem, expressions: Sequence[Expression]) -> None:
+    """Raise where rates have no value in real numbers, whatever the state."""
+    for expression in expressions:
+        functions = {f.func for f in sp.sympify(expression).atoms(sp.Function)}
+        if functions - _REAL_FUNCTIONS or expression.has(sp.I, sp.zoo, sp.nan, sp.oo):
+            raise InputError(
+                next(iter(system.formulas())),
+                must="have derivatives in real numbers",
+                got=repr(system)[:80],
+                why="The equations of motion hold the derivatives of the formulas.",
+                fix="Look for powers, roots and logarithms of negative numbers.",
+            )
+
+
+def _bare_conditions(system: WrittenSystem) -> frozenset[str]:
+    """State variables that are positive by themselves: formulas divide by them alone."""
+    rest = system.rest_values()
+    texts = {part.text for part in system.sign_conditions()}
+    return frozenset(name for name, value in rest.items() if name in texts and value > 0.0)
+
+
+def _rest_symbols(system: WrittenSystem, symbols: Mapping[str, Symbol]) -> dict[str, Expression]:
+    """Symbols of everything but the states, which are at rest."""
+    rest = {
+        name: as_exact_number(Fraction(value), sp) for name, value in system.rest_values().items()
+    }
+    return {**symbols, **rest}
+
+
+def _describe(
+    name: str, role: Role, system: WrittenSystem, positive: frozenset[str]
+) -> StateVariable:
+    coordinate = name.removesuffix(RATE_SUFFIX) if role is Role.RATE else None
+    return StateVariable(
+        name, role, system.rest_values()[name], coordinate, positive=name in positive
+    )
+
+
+def _needs_all(expression: Expression, definitions: Mapping[Symbol, Expression]) -> bool:
+    """Whether intermediate symbols stand in an expression that is to be differentiated."""
+    return bool(expression.free_symbols & definitions.keys())
+
+
+def _substituted(expression: Expression, definitions: Mapping[Symbol, Expression]) -> Expression:
+    for symbol, meaning in reversed(list(definitions.items())):
+        expression = expression.subs(symbol, meaning)
+    return expression

@@ -1,0 +1,1 @@
+"""Systems that a user writes: energies or rates as formulas."""
