@@ -105,6 +105,11 @@ REFUSED: dict[str, tuple[Callable[[], Any], str]] = {
     "a field that was not followed": (
         lambda: rm.switch_branch(branch(), parameter="prestress"), "parameter"
     ),
+    "ranges in an array without dimensions": (
+        lambda: rm.continue_bifurcation(
+            **SOUND["continue_bifurcation"]() | {"parameter_ranges": np.array(None)}
+        ), "parameter_ranges",
+    ),
     "a curve through a point": (lambda: rm.plot.phase(motion(), "status"), "x"),
     "a chart of one value": (
         lambda: rm.plot.map(rm.classify(**SOUND["classify"]())), "dataset"

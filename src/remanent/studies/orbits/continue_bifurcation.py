@@ -229,7 +229,9 @@ def _require_two_parameters(
 
 def _is_distinct_pair(value: object) -> bool:
     """Whether `value` is a sequence of two entries that are not the same."""
-    if not isinstance(value, Sequence | np.ndarray) or isinstance(value, str) or len(value) != 2:
+    if not isinstance(value, Sequence | np.ndarray) or isinstance(value, str):
+        return False
+    if np.shape(value)[:1] != (2,) if isinstance(value, np.ndarray) else len(value) != 2:
         return False
     return not (isinstance(value[0], str) and value[0] == value[1])
 
