@@ -95,7 +95,9 @@ def free_oscillations(ens: Ensemble, tolerance: float) -> FreeOscillations:
     turn = _first_turns(ens, np.where(np.isfinite(after), after, without), tolerance)
     half = np.where(np.isfinite(after), turn.time, np.nan)
     lowest, highest = _extremes_between_turns(ens, turn, tolerance)
-    outcome = replace(turn.outcome, maximum=highest, minimum=lowest)
+    # Where the run ended beyond the turn is the search's own choice.
+    horizon = np.where(np.isfinite(half), half, turn.outcome.horizon)
+    outcome = replace(turn.outcome, maximum=highest, minimum=lowest, horizon=horizon)
     with np.errstate(all="ignore"):
         frequency = np.pi / half
         frequency_error = frequency * turn.time_error / half + _ROUNDING * frequency
