@@ -110,6 +110,11 @@ REFUSED: dict[str, tuple[Callable[[], Any], str]] = {
             **SOUND["continue_bifurcation"]() | {"parameter_ranges": np.array(None)}
         ), "parameter_ranges",
     ),
+    "a dimension without a name": (
+        lambda: rm.simulate(
+            DAMPED, DRIVE, periods=1, over={"b": xr.DataArray([0.3, 0.4], dims="")}
+        ), "over['b']",
+    ),
     "a curve through a point": (lambda: rm.plot.phase(motion(), "status"), "x"),
     "a chart of one value": (
         lambda: rm.plot.map(rm.classify(**SOUND["classify"]())), "dataset"
@@ -225,6 +230,12 @@ def test_there_are_no_orbits_where_no_state_is() -> None:
         rm.Actuator(material=rm.Gent(1.0)), DRIVE, state_box={"stretch": (3.0, 4.0)}
     )
     assert (int(found.orbits), int(found.status)) == (0, rm.Status.OK)
+
+
+def test_exponents_of_a_single_period_have_no_error() -> None:
+    """One period has no batches to compare: the error is infinite, and nothing fails."""
+    found = rm.lyapunov(DAMPED, DRIVE, periods=1)
+    assert np.isinf(found.exponent_error)
 
 
 def test_a_box_that_motion_leaves_at_once_holds_no_orbit() -> None:

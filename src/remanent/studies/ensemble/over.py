@@ -198,8 +198,16 @@ def _labels(argument: str, value: xr.DataArray) -> dict[str, pd.Index[Any]]:
 def _require_unreserved_dims(
     field: _FieldValues, reserved: frozenset[str], known: Sequence[str], own: set[str]
 ) -> None:
-    """Refuse dimensions that are named like what stands in results."""
+    """Refuse dimensions that are named like what stands in results, or by blanks."""
     for dim in field.dims:
+        if not dim.strip():
+            raise InputError(
+                f"over[{field.name!r}]",
+                must="have dimensions with names",
+                got=shortened_repr(dim),
+                why="The result has an axis of that name, in files too.",
+                fix="Rename the dimension of the DataArray, for example to 'case'.",
+            )
         taken = dim in known or (is_described(dim) and dim not in _FREE_DIMENSIONS)
         if dim in reserved or (taken and dim not in own and dim != field.name):
             raise InputError(

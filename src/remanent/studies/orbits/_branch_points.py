@@ -161,7 +161,12 @@ def observe_orbits(
 
 
 def _between_samples(values: FloatArray, sampled: NDArray[Any], count: int) -> FloatArray:
-    """Of what is known at some points the larger of the two beside each point, with a margin."""
+    """Of what is known at some points the larger of the two beside each point, with a margin.
+
+    Where it is known at every point, as at a special point, it is taken as it is.
+    """
+    if sampled.size == count:
+        return values
     after = np.minimum(np.searchsorted(sampled, np.arange(count)), sampled.size - 1)
     before = np.maximum(after - 1, 0)
     return np.asarray(_SLOPE_MARGIN * np.fmax(values[before], values[after]))

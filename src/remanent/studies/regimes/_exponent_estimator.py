@@ -111,7 +111,7 @@ class ExponentEstimator:
             self.period_tolerance,
             error_control=error_control,
             block=self.periods_per_block,
-            kept=min(_TAIL_PERIODS, self.follower.periods // 2),
+            kept=min(_TAIL_PERIODS, max(1, self.follower.periods // 2)),
         )
         fine, coarse = (
             lyapunov_exponents(p.log_growth, p.block_lengths_in_periods)
