@@ -272,13 +272,15 @@ def _describe_own_part(name: str) -> Description | None:
     return Description(name, "1", words, rf"\mathrm{{{rest[-1].replace('_', ' ')}}}")
 
 
+#: Rows of which a user gives the unit, and no name.
+_ROWS_IN_OWN_UNITS: Final = frozenset({"time", "energy"})
 #: What rows say of an actuator's observable, and its symbol.
 _ACTUATOR_OBSERVABLE: Final = ("thickness stretch", r"\lambda_3")
 
 
 def _describe_own_system(name: str, own: Mapping[str, VariableText]) -> Description:
     """A variable of a result of a system of the user's own."""
-    if name in own:
+    if name in own and name not in _ROWS_IN_OWN_UNITS:
         return _own_row(name, own[name])
     for prefix, words in (("initial.", "initial {}"), *_POINT_PREFIXES_WITH_WORDS):
         base = name.removeprefix(prefix)

@@ -179,3 +179,24 @@ def test_signs_at_rest_bound_the_states(potential: str, inside: float, outside: 
     )
     assert bool(system.where_admissible({}, inside))
     assert not bool(system.where_admissible({}, outside))
+
+
+def test_results_carry_the_names_and_units_of_the_user() -> None:
+    """Units and symbols of states, their rates, energy and time; rows speak of the observable."""
+    system = rm.LagrangianSystem(
+        coordinates="x",
+        kinetic="x_rate**2/2",
+        potential="x**2/2 - load*x",
+        units={"x": "mm", "time": "s", "energy": "mJ", "load": "mN"},
+        symbols={"x": "u"},
+    )
+    run = rm.simulate(system, rm.Sine(0.1, 1.3), duration=2.0)
+    assert {name: run[name].attrs["units"] for name in ("x", "x_rate", "time", "energy")} == {
+        "x": "mm", "x_rate": "mm s-1", "time": "s", "energy": "mJ",
+    }  # fmt: skip
+    assert run.x_rate.attrs["symbol"] == r"\dot{u}"
+    assert run.time.attrs["long_name"] == "time"
+    response = rm.frequency_response(system, rm.Sine(0.1, 1.3), [0.5, 0.6], duration=20.0)
+    assert response.amplitude.attrs["long_name"] == "x amplitude"
+    assert response.amplitude.attrs["units"] == "mm"
+    assert response.amplitude_error.attrs["units"] == "mm"
