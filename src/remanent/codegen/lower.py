@@ -21,7 +21,7 @@ import sympy as sp
 from remanent._field import Program
 from remanent._instructions import InstructionBuilder, SignedValue, program_cost
 from remanent.codegen.rational import Quotient, as_quotient, least_common_multiple, rationalised
-from remanent.derivation.symbols import Expression, Symbol
+from remanent.derivation.symbols import Expression, Symbol, substitute_definitions
 from remanent.derivation.unexpanded import Unexpanded
 
 #: Exponents of a product of powers of state variables.
@@ -102,22 +102,13 @@ def lower_to_program(
         s: e for s, e in definitions.items() if translator.highest_level(s) == DependenceLevel.STATE
     }
     generators: dict[Expression, Symbol] = {}
-    rational = [rationalised(_substitute_definitions(e, inner), generators) for e in plain]
+    rational = [rationalised(substitute_definitions(e, inner), generators) for e in plain]
     meanings = {s: e for s, e in definitions.items() if s not in inner}
     meanings |= {symbol: e for e, symbol in generators.items()}
     translator = _Translator(InstructionBuilder(inputs), levels, meanings)
-    limits = [_substitute_definitions(e, inner) for e in limits]
+    limits = [substitute_definitions(e, inner) for e in limits]
     values = translator.nan_where_inadmissible(limits, plain, translator.rational_values(rational))
     return min(translator.instructions.build_program(values), structured, key=program_cost)
-
-
-def _substitute_definitions(
-    expression: Expression, definitions: Mapping[Symbol, Expression]
-) -> Expression:
-    """The expression with what symbols stand for put in."""
-    for symbol, meaning in reversed(list(definitions.items())):
-        expression = expression.subs(symbol, meaning)
-    return expression
 
 
 class _Translator:

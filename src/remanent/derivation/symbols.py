@@ -90,3 +90,12 @@ def time_derivative(expression: Expression, rates: Mapping[Symbol, Expression]) 
         (sp.diff(expression, symbol) * rate for symbol, rate in rates.items()),
         start=sp.Integer(0),
     )
+
+
+def substitute_definitions(
+    expression: Expression, definitions: Mapping[Symbol, Expression]
+) -> Expression:
+    """The expression with what symbols stand for put in, the last definition first."""
+    for symbol, meaning in reversed(list(definitions.items())):
+        expression = expression.subs(symbol, meaning)
+    return expression

@@ -16,6 +16,7 @@ from remanent.derivation.symbols import (
     Expression,
     Symbol,
     loads_in_symbols,
+    substitute_definitions,
     time_derivative,
 )
 from remanent.models.drives.base import Drive
@@ -336,7 +337,7 @@ def _assemble(
     loads = [symbols[name] for name in system.load_names]
     observable = _in_symbols(system.observable_formula, symbols)
     rate = time_derivative(observable, rates)
-    whole_rate = _substituted(rate, inner) if _needs_all(rate, inner) else rate
+    whole_rate = substitute_definitions(rate, inner) if _needs_all(rate, inner) else rate
     acceleration = time_derivative(whole_rate, rates)
     load_rates = {
         symbols[load.name]: law
@@ -397,11 +398,11 @@ def _bare_conditions(system: WrittenSystem) -> frozenset[str]:
 
 
 def _rest_symbols(system: WrittenSystem, symbols: Mapping[str, Symbol]) -> dict[str, Expression]:
-    """Symbols of everything but the states, which are at rest."""
+    """Symbols of parameters, the states at rest and the loads 0."""
     rest = {
         name: as_exact_number(Fraction(value), sp) for name, value in system.rest_values().items()
     }
-    return {**symbols, **rest}
+    return {**symbols, **rest, **dict.fromkeys(system.load_names, sp.Integer(0))}
 
 
 def _describe(
@@ -416,9 +417,3 @@ def _describe(
 def _needs_all(expression: Expression, definitions: Mapping[Symbol, Expression]) -> bool:
     """Whether intermediate symbols stand in an expression that is to be differentiated."""
     return bool(expression.free_symbols & definitions.keys())
-
-
-def _substituted(expression: Expression, definitions: Mapping[Symbol, Expression]) -> Expression:
-    for symbol, meaning in reversed(list(definitions.items())):
-        expression = expression.subs(symbol, meaning)
-    return expression

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
-from typing import Any, ClassVar, Final, Self
+from typing import Any, Final, Self
 
 import numpy as np
 
@@ -15,7 +15,6 @@ from remanent.models import formula
 from remanent.models.formula import Formula
 from remanent.models.own_systems.names import RATE_SUFFIX, require_names
 from remanent.models.own_systems.written_system import (
-    OBSERVABLE_NAME,
     Pairs,
     WrittenSystem,
     names_in_sequence,
@@ -108,8 +107,6 @@ class LagrangianSystem(WrittenSystem):
     units: Pairs = ()
     symbols: Pairs = ()
 
-    structural_fields: ClassVar[tuple[str, ...]] = _ENERGY_NAMES
-
     @classmethod
     def example(cls) -> Self:
         """An instance with usual numbers: Duffing's oscillator with two wells."""
@@ -142,7 +139,9 @@ class LagrangianSystem(WrittenSystem):
             }
         )
         self._check_labels()
-        _require_quadratic(self)
+        _require_quadratic(self, "kinetic", self.rate_names())
+        internal = [f"{q}{RATE_SUFFIX}" for q in self.first_order_names]
+        _require_quadratic(self, "dissipation", internal)
         _require_rates_determined(self)
 
     # States -------------------------------------------------------------------------------
@@ -185,8 +184,8 @@ class LagrangianSystem(WrittenSystem):
         """Whether the kinetic energy is even in the rates, and nothing is lost."""
         rates = {name: 0.7 - 0.2 * k for k, name in enumerate(self.rate_names())}
         place = {name: x + 0.31 for name, x in self.rest_values().items()}
-        ahead = self.kinetic_energy_at(place, rates)
-        back = self.kinetic_energy_at(place, {name: -v for name, v in rates.items()})
+        ahead = self.energy_at("kinetic", place, rates)
+        back = self.energy_at("kinetic", place, {name: -v for name, v in rates.items()})
         even = abs(ahead - back) <= _DEGREE_TOLERANCE * (abs(ahead) + abs(back))
         return self.conservative and even and not self.first_order_names
 
@@ -228,14 +227,12 @@ class LagrangianSystem(WrittenSystem):
 
     # The kinetic energy -------------------------------------------------------------------
 
-    def kinetic_energy_at(self, state: Mapping[str, float], rates: Mapping[str, float]) -> float:
-        """The kinetic energy for coordinates and rates by name; rates not named are 0."""
-        values = {**dict.fromkeys(self.rate_names(), 0.0), **self.parameter_values()}
-        values |= {**state, **dict.fromkeys(self.rate_names(), 0.0), **rates}
+    def energy_at(self, name: str, state: Mapping[str, float], rates: Mapping[str, float]) -> float:
+        """One of the energies without loads; rates that are not named are 0."""
+        values = {**self.parameter_values(), **state, **dict.fromkeys(self.load_names, 0.0)}
+        values |= {**dict.fromkeys(self.rate_names(), 0.0), **rates}
         with np.errstate(all="ignore"):
-            value = self.formulas()["kinetic"](
-                {name: np.float64(x) for name, x in values.items()}, np
-            )
+            value = self.formulas()[name]({k: np.float64(x) for k, x in values.items()}, np)
         return float(value)
 
     def mass_matrix_at_rest(self) -> FloatArray:
@@ -244,7 +241,7 @@ class LagrangianSystem(WrittenSystem):
         names = [f"{q}{RATE_SUFFIX}" for q in self.second_order_names]
 
         def energy(**rates: float) -> float:
-            return self.kinetic_energy_at(rest, rates)
+            return self.energy_at("kinetic", rest, rates)
 
         at_rest = energy()
         mass = np.diag([energy(**{v: 1.0}) + energy(**{v: -1.0}) - 2.0 * at_rest for v in names])
@@ -259,26 +256,21 @@ def _odd_part(energy: Any, name: str) -> float:
     return float(0.5 * (energy(**{name: 1.0}) - energy(**{name: -1.0})))
 
 
-def _require_quadratic(system: LagrangianSystem) -> None:
-    """Raise unless the kinetic energy is a polynomial of degree 2 in the rates.
+def _require_quadratic(system: LagrangianSystem, name: str, rates: Sequence[str]) -> None:
+    """Raise unless an energy is a polynomial of degree 2 in some rates, others being 0.
 
     Along any line of rates through zero a quadratic polynomial is fixed by three values; it is
     compared with the energy at others.
     """
-    names = system.rate_names()
     rng = np.random.default_rng(0)
-    scale = np.array([1.0 + abs(x) for x in system.rest_values().values()])
+    rest = system.rest_values()
     for _ in range(4):
-        offsets = 0.1 * scale * rng.uniform(-1.0, 1.0, len(scale))
-        state = {
-            name: x + d for (name, x), d in zip(system.rest_values().items(), offsets, strict=True)
-        }
-        direction = rng.uniform(-1.0, 1.0, len(names))
+        state = {k: x + 0.1 * (1.0 + abs(x)) * rng.uniform(-1.0, 1.0) for k, x in rest.items()}
+        direction = rng.uniform(-1.0, 1.0, len(rates))
 
         def along(s: float, state: Any = state, direction: Any = direction) -> float:
-            return system.kinetic_energy_at(
-                state, {v: s * float(d) for v, d in zip(names, direction, strict=True)}
-            )
+            moved = {v: s * float(d) for v, d in zip(rates, direction, strict=True)}
+            return system.energy_at(name, state, moved)
 
         low, mid, high = along(-1.0), along(0.0), along(1.0)
         for s in (2.0, -3.0):
@@ -286,12 +278,12 @@ def _require_quadratic(system: LagrangianSystem) -> None:
             size = max(abs(along(s)), abs(low), abs(mid), abs(high), 1e-300)
             if np.isfinite(size) and not abs(along(s) - quadratic) <= _DEGREE_TOLERANCE * size:
                 raise InputError(
-                    "kinetic",
-                    must="be at most quadratic in the rates",
-                    got=repr(system.kinetic),
-                    why="Lagrange's equations are then linear in the accelerations.",
-                    fix="Put what depends on rates in another way into `dissipation`, or write "
-                    "the equations as rm.FirstOrderSystem.",
+                    name,
+                    must=f"be at most quadratic in {', '.join(rates)}",
+                    got=repr(getattr(system, name)),
+                    why="Lagrange's equations are then linear in what they are solved for.",
+                    fix="Put what depends on rates in another way into `dissipation` of a "
+                    "coordinate with a mass, or write the equations as rm.FirstOrderSystem.",
                 )
 
 
@@ -320,6 +312,3 @@ def _require_rates_determined(system: LagrangianSystem) -> None:
             fix="Give every coordinate a mass, or leave its rate out of the kinetic energy: it "
             "is then of first order.",
         )
-
-
-__all__ = ["OBSERVABLE_NAME", "LagrangianSystem"]

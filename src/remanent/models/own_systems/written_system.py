@@ -7,7 +7,6 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from dataclasses import replace as replace_fields
 from functools import reduce
-from types import MappingProxyType
 from typing import Any, ClassVar, Final, Self
 
 import numpy as np
@@ -148,6 +147,8 @@ class WrittenSystem(metaclass=ExplainedConstruction):
     ) -> BoolArray:
         """Where every logarithm, root and denominator has the sign that it has at rest.
 
+        Loads are 0 here; those that vary are looked at where the motion is.
+
         Parameters
         ----------
         values : mapping of name to array
@@ -158,7 +159,8 @@ class WrittenSystem(metaclass=ExplainedConstruction):
         arrays = [np.asarray(x, dtype=np.float64) for x in coordinates]
         everywhere = np.ones(np.broadcast_shapes(*(x.shape for x in arrays)), dtype=np.bool_)
         p = {k: np.asarray(values.get(k, v)) for k, v in self.parameter_values().items()}
-        rest = {**p, **self.rest_values()}
+        nothing = dict.fromkeys((*self.load_names, *self.rate_names()), 0.0)
+        rest = {**nothing, **p, **self.rest_values()}
         here = {**rest, **dict(zip(self._coordinate_names(), arrays, strict=False))}
         with np.errstate(all="ignore"):
             met = [
@@ -393,7 +395,3 @@ def named_texts(argument: str, value: object) -> tuple[tuple[str, str], ...]:
 
 def _text_of(values: Mapping[str, float]) -> str:
     return ", ".join(f"{name} = {value:g}" for name, value in values.items())
-
-
-#: Nothing, as the default of mappings.
-EMPTY_MAPPING: Final[Mapping[str, Any]] = MappingProxyType({})

@@ -90,12 +90,16 @@ class _Body:
 
     ens: Ensemble
     case: int
-    dimension: int = 0
 
     @cached_property
     def unknown(self) -> IntArray:
         """State variables that rest determines: coordinates and internal variables."""
         return np.array(self.ens.vector_field.indices_of_roles(Role.COORDINATE, Role.INTERNAL))
+
+    @property
+    def dimension(self) -> int:
+        """Number of unknowns."""
+        return self.unknown.size
 
     @cached_property
     def moving(self) -> IntArray:
@@ -167,12 +171,11 @@ class _Body:
             self.sample, [np.linspace(low, high, count + 1) for low, high in box],
             flatness=_FLATNESS, max_effort=_MAX_EVALUATIONS,
         )  # fmt: skip
-        map_ = _Balance(self, d)
         none = np.empty((len(cells.starts), 0))
         points = newton_fixed_points(
-            map_, cells.starts, none, iterate=1, tolerance=_MAX_RATE, box=box
+            self, cells.starts, none, iterate=1, tolerance=_MAX_RATE, box=box
         )
-        points = distinct_orbits_of_least_period(map_, points, np.empty(0), iterate=1)
+        points = distinct_orbits_of_least_period(self, points, np.empty(0), iterate=1)
         order = np.lexsort(points.state.T[::-1])
         reason = ""
         if len(cells.flat):
@@ -198,17 +201,6 @@ class _Body:
             )
             error = np.einsum("pij,pj->pi", np.abs(np.linalg.pinv(derivative)), left)
         return np.asarray(error + np.finfo(float).eps * np.abs(places))
-
-
-@dataclass(frozen=True)
-class _Balance:
-    """The map of a body, of known dimension."""
-
-    body: _Body
-    dimension: int
-
-    def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> MapImage:
-        return self.body(states, parameters, iterate)
 
 
 def _properties(body: _Body, places: FloatArray, count: int) -> dict[str, np.ndarray[Any, Any]]:

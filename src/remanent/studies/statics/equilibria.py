@@ -54,10 +54,13 @@ def equilibria(
 
     Parameters
     ----------
-    actuator : Actuator
+    actuator : System
         What is at rest.  Branches are relaxed, temperature is that of the surroundings.
     m : float
-        Magnetic load, dimensionless.
+        Magnetic load, dimensionless, or the load of a system of one's own.
+    state_box : mapping of str to (float, float), optional
+        Of a system of one's own: where its coordinates and internal variables may be.  All
+        equilibria in the box are found, or the status is ``incomplete`` with the ``reason``.
     over : mapping of str to array_like or DataArray, optional
         Values of numeric fields (``m`` among them); they become dimensions.  Along the
         first of them, between its least and largest value, folds are located.
@@ -80,6 +83,10 @@ def equilibria(
         value of `over` is invalid everything is NaN.  With two coordinates:
         ``stretch_1``, ``stretch_2``, ordered by the first, and ``natural_frequency`` along
         ``mode`` too; no folds and no table of the potential.
+        Of a system of one's own: its coordinates and internal variables with their errors,
+        ``observable`` where that is none of them, ``equilibrium_potential`` where there is an
+        energy, ``natural_frequency`` without damping, and ``eigenvalues`` of small motions
+        along ``eigenvalue``, by which ``stability`` is told (``undecided`` near 0).
 
     Raises
     ------

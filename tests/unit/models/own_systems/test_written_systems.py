@@ -31,6 +31,11 @@ PENDULUM = {
 REFUSED = [
     ({"kinetic": "theta_rate**3"}, "kinetic", "quadratic"),
     ({"kinetic": "sqrt(1 + theta_rate**2)"}, "kinetic", "quadratic"),
+    (
+        {"coordinates": ("theta", "xi"), "dissipation": "delta*theta_rate**2 + xi_rate**4"},
+        "dissipation",
+        "quadratic",
+    ),
     ({"kinetic": "load*theta_rate**2"}, "kinetic", "load"),
     ({"kinetic": "0", "dissipation": "0", "parameters": {}}, "kinetic", "singular"),
     ({"kinetic": "-theta_rate**2/2"}, "kinetic", "positive"),
@@ -200,3 +205,20 @@ def test_results_carry_the_names_and_units_of_the_user() -> None:
     assert response.amplitude.attrs["long_name"] == "x amplitude"
     assert response.amplitude.attrs["units"] == "mm"
     assert response.amplitude_error.attrs["units"] == "mm"
+
+
+@pytest.mark.parametrize(
+    "system",
+    [
+        rm.LagrangianSystem(
+            coordinates="x", kinetic="x_rate**2/2", potential="x**2/2 - log(2 + x*load)"
+        ),
+        rm.FirstOrderSystem(rates={"x": "(1 - x)/(2 + load*x)"}),
+    ],
+)
+def test_loads_may_stand_in_what_keeps_its_sign(system: System) -> None:
+    """Motion under a load in a logarithm or a denominator is that of the load's absence at 0."""
+    still = rm.simulate(system, rm.Constant(0.0), duration=2.0)
+    moved = rm.simulate(system, rm.Sine(0.3, 1.0), duration=2.0)
+    assert int(still.status) == int(moved.status) == int(rm.Status.OK)
+    assert float(abs(moved.x - still.x).max()) > 1e-3
