@@ -10,6 +10,7 @@ import xarray as xr
 from benchmarks.errors.row import all_rows
 from tests.contracts.sound_calls import SOUND, verbs
 
+import remanent as rm
 from remanent.studies.orbits.period_map import PeriodMapImages
 
 #: Verbs whose numbers are made by another one's functions, from the same kind of motion.
@@ -32,6 +33,12 @@ WITHOUT_ROW = {
     "energy_balance: error": "as simulate's, of states that are not told",
     "step_response: error": "as simulate's, of states that are not told",
 }
+#: A system of the user's own, whose equilibria carry other errors than an actuator's.
+TWO_MASSES = rm.LagrangianSystem(
+    coordinates=("x", "y"),
+    kinetic="(x_rate**2 + y_rate**2)/2",
+    potential="x**2 + y**2 + x*y/2 - load*x",
+)
 #: Names that follow the measure of a call, and the one whose row stands for all.
 OF_A_MEASURE = {"uncertainty: turning_upper_error": "uncertainty: stretch_error"}
 
@@ -48,6 +55,8 @@ def carried() -> Iterator[str]:
             for name in map(str, result.variables):
                 if name == "error" or name.endswith("_error"):
                     yield f"{verb}: {name}"
+    at_rest = rm.equilibria(TWO_MASSES, 0.1, state_box={"x": (-2.0, 2.0), "y": (-2.0, 2.0)})
+    yield from (f"equilibria: {k}" for k in map(str, at_rest.variables) if k.endswith("_error"))
     yield from (
         f"period_map: {field.name}"
         for field in fields(PeriodMapImages)

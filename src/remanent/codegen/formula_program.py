@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 
-from remanent._field import Field, Program
+from remanent._field import UNARY_OPERATIONS, Field, Program
 from remanent._instructions import InstructionBuilder, SignedValue
 from remanent.models.formula import Formula
 
@@ -32,9 +33,9 @@ def program_of_formula(field: Field, formula: Formula) -> Program:
     by_name = dict(zip(field.input_names, inputs, strict=True))
     for name in formula.variable_names - by_name.keys():
         (by_name[name],) = field.observables[name](
-            inputs, functions=_RecordedFunctions, constant=lambda x: _as_recorded(into, x)
+            inputs, functions=_FUNCTIONS, constant=lambda x: _as_recorded(into, x)
         )
-    value = _as_recorded(into, formula(by_name, _RecordedFunctions))
+    value = _as_recorded(into, formula(by_name, _FUNCTIONS))
     return into.build_program([value.value])
 
 
@@ -78,12 +79,12 @@ class _Recorded:
             whole = self.into.power(self.value, abs(exponent))
             inverse = self.into.div(self.into.constant(1.0), whole)
             return self._with(whole if exponent > 0 else inverse)
-        product = _as_recorded(self.into, exponent) * _RecordedFunctions.log(self)
-        power: _Recorded = _RecordedFunctions.exp(product)
+        product = _as_recorded(self.into, exponent) * _FUNCTIONS.log(self)
+        power: _Recorded = _FUNCTIONS.exp(product)
         return power
 
     def __rpow__(self, base: Any) -> _Recorded:
-        power: _Recorded = _RecordedFunctions.exp(self * float(np.log(base)))
+        power: _Recorded = _FUNCTIONS.exp(self * float(np.log(base)))
         return power
 
     #: Numbers of NumPy leave arithmetic to these methods.
@@ -100,43 +101,22 @@ def _as_recorded(into: InstructionBuilder, number: Any) -> _Recorded:
 
 
 class _RecordedFunctions:
-    """Functions of such values, and of plain numbers."""
+    """Functions of such values, and of plain numbers, under the names of the instructions."""
 
     pi = float(np.pi)
 
-    @staticmethod
-    def _apply(name: str, x: Any) -> Any:
-        if not isinstance(x, _Recorded):
+    def __getattr__(self, name: str) -> Callable[[Any], Any]:
+        if name not in UNARY_OPERATIONS:
+            raise AttributeError(name)
+
+        def apply(x: Any) -> Any:
+            if isinstance(x, _Recorded):
+                return _Recorded(x.into, x.into.apply_function(name, x.value))
             with np.errstate(all="ignore"):
                 return getattr(np, name)(x)
-        return _Recorded(x.into, x.into.apply_function(name, x.value))
 
-    @staticmethod
-    def sqrt(x: Any) -> Any:
-        """Square root."""
-        return _RecordedFunctions._apply("sqrt", x)
+        return apply
 
-    @staticmethod
-    def exp(x: Any) -> Any:
-        """Exponential."""
-        return _RecordedFunctions._apply("exp", x)
 
-    @staticmethod
-    def log(x: Any) -> Any:
-        """Natural logarithm."""
-        return _RecordedFunctions._apply("log", x)
-
-    @staticmethod
-    def sin(x: Any) -> Any:
-        """Sine."""
-        return _RecordedFunctions._apply("sin", x)
-
-    @staticmethod
-    def cos(x: Any) -> Any:
-        """Cosine."""
-        return _RecordedFunctions._apply("cos", x)
-
-    @staticmethod
-    def atan(x: Any) -> Any:
-        """Inverse tangent."""
-        return _RecordedFunctions._apply("atan", x)
+#: The functions that formulas and programs are given.
+_FUNCTIONS: Final = _RecordedFunctions()

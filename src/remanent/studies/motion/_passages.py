@@ -5,15 +5,34 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
 
 from remanent._typing import FloatArray
 from remanent.integrate.crossings import Crossings
+from remanent.integrate.ensemble.problem import Outcome
+from remanent.studies.ensemble.dataset import to_dataset
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.memory import require_memory
 
 
-def padded_passage_arrays(
+def passages_dataset(
+    ens: Ensemble, passages: Crossings, outcome: Outcome, *, tolerance: float, **settings: Any
+) -> xr.Dataset:
+    """Passages against ``crossing``, with their times, states, directions and errors."""
+    variables = _padded_passage_arrays(ens, passages, outcome.error)
+    columns = int(variables["crossings"].max(initial=0))
+    return to_dataset(
+        ens,
+        {name: v if v.ndim == 1 else (("crossing",), v) for name, v in variables.items()},
+        coords={"crossing": (("crossing",), np.arange(columns))},
+        outcome=outcome,
+        tolerance=tolerance,
+        **settings,
+    )
+
+
+def _padded_passage_arrays(
     ens: Ensemble, passages: Crossings, error: FloatArray
 ) -> dict[str, NDArray[Any]]:
     """The passages with one row for each trajectory, padded at its end."""

@@ -14,12 +14,11 @@ from remanent.codegen.formula_program import formula_names, program_of_formula
 from remanent.integrate import events
 from remanent.models.formula import Formula, parse_formula
 from remanent.studies.ensemble.checks import require_tolerance
-from remanent.studies.ensemble.dataset import to_dataset
 from remanent.studies.ensemble.durations import require_exactly_one_argument, trajectory_durations
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.problem import initial_value_problem
 from remanent.studies.ensemble.progress import ProgressArgument, as_progress
-from remanent.studies.motion._passages import padded_passage_arrays
+from remanent.studies.motion._passages import passages_dataset
 
 #: Name under which the formula stands among the observables.
 _SECTION_NAME: Final = "section"
@@ -51,14 +50,10 @@ def section_by_formula(
         replace(problem, field=field), _SECTION_NAME, 0.0, tolerance=tolerance,
         progress=as_progress(progress),
     )  # fmt: skip
-    chosen = passages.subset(np.isin(passages.direction, signs))
-    variables = padded_passage_arrays(ens, chosen, outcome.error)
-    columns = int(variables["crossings"].max(initial=0))
-    return to_dataset(
+    return passages_dataset(
         ens,
-        {name: v if v.ndim == 1 else (("crossing",), v) for name, v in variables.items()},
-        coords={"crossing": (("crossing",), np.arange(columns))},
-        outcome=outcome,
+        passages.subset(np.isin(passages.direction, signs)),
+        outcome,
         tolerance=tolerance,
         where=formula.text,
         direction=direction,

@@ -11,13 +11,12 @@ from remanent.integrate import events
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.studies.ensemble.checks import require_tolerance
-from remanent.studies.ensemble.dataset import to_dataset
 from remanent.studies.ensemble.durations import require_exactly_one_argument, trajectory_durations
 from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble
 from remanent.studies.ensemble.problem import initial_value_problem
 from remanent.studies.ensemble.progress import ProgressArgument, as_progress
 from remanent.studies.ensemble.quantities import without_unit
-from remanent.studies.motion._passages import padded_passage_arrays
+from remanent.studies.motion._passages import passages_dataset
 
 _PASSED_VALUE_RULE = finite_rule("It is the value that is passed.")
 #: Energies whose passages are found too.
@@ -137,17 +136,10 @@ def crossings(
     passages, outcome = events.find_crossings(
         problem, variable, value, tolerance=tolerance, progress=report
     )
-    variables = padded_passage_arrays(
+    return passages_dataset(
         ens,
         passages.subset(np.isin(passages.direction, _SIGNS_OF_DIRECTION[direction])),
-        outcome.error,
-    )
-    columns = int(variables["crossings"].max(initial=0))
-    return to_dataset(
-        ens,
-        {name: v if v.ndim == 1 else (("crossing",), v) for name, v in variables.items()},
-        coords={"crossing": (("crossing",), np.arange(columns))},
-        outcome=outcome,
+        outcome,
         tolerance=tolerance,
         variable=variable,
         value=value,

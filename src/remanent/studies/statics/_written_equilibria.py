@@ -37,7 +37,7 @@ _MAX_RATE = 1e-12
 #: Share of the largest eigenvalue below which the sign of a real part is not told.
 _UNDECIDED_SHARE = 1e-7
 #: Roundings in an entry of a matrix of derivatives.
-_MATRIX_ROUNDINGS = 64.0
+_MATRIX_ROUNDINGS = 6.0
 #: Step of a complex difference.
 _COMPLEX_STEP = 1e-100
 
