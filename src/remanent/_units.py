@@ -217,6 +217,8 @@ def _as_float_or_array(name: str, value: Any) -> float | FloatArray:
 
 
 def _no_quantity_error(name: str, quantity: object, unit: str) -> InputError:
+    if not unit:
+        return _unit_of_number_error(name, quantity)
     return InputError(
         name,
         must=f"be a quantity with a unit of the dimension of {unit}",
@@ -226,7 +228,19 @@ def _no_quantity_error(name: str, quantity: object, unit: str) -> InputError:
     )
 
 
+def _unit_of_number_error(name: str, quantity: object) -> InputError:
+    return InputError(
+        name,
+        must="be a number without a unit",
+        got=shortened_repr(quantity),
+        why="It is a ratio of two quantities of one dimension.",
+        fix="Pass the number alone.",
+    )
+
+
 def _wrong_unit_error(name: str, quantity: Quantity, unit: str) -> InputError:
+    if not unit:
+        return _unit_of_number_error(name, quantity)
     return InputError(
         name,
         must=f"have a unit of the dimension of {unit}",

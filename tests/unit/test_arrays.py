@@ -143,6 +143,24 @@ def test_lengths_of_runs_and_ranges_have_units_wherever_they_are_asked_for() -> 
     xr.testing.assert_identical(ds, rm.continue_orbit(body, DRIVE, "omega", FILM.frequency(band)))
 
 
+@pytest.mark.parametrize("container", [list, tuple, np.array, xr.DataArray])
+def test_texts_with_units_are_read_as_quantities_are(container: Callable[..., Any]) -> None:
+    """Values, times and lengths as one writes them; text without a unit is refused."""
+    texts = container(["50 Hz", "60 Hz"])
+    if isinstance(texts, xr.DataArray):
+        texts = texts.rename(dim_0="case")
+    ds = rm.simulate(FILM, DRIVE, duration=1.0, over={"omega": texts})
+    np.testing.assert_array_equal(ds.omega, FILM.frequency(["50 Hz", "60 Hz"]))
+    ds = LOOSE.simulate(FILM, DRIVE, times=container(["0 ms", "2 ms"]))
+    np.testing.assert_array_equal(ds.time, FILM.time(["0 ms", "2 ms"]))
+    assert LOOSE.simulate(FILM, DRIVE, duration="5 ms").attrs["duration"] == FILM.time("5 ms")
+    for words in (["1.0", "2.0"], ["50 Hz", 2.0], ["50 Hz", "fast"], ["3 mT"]):
+        with pytest.raises(InputError, match="Hz"):
+            rm.simulate(FILM, DRIVE, duration=1.0, over={"omega": words})
+    with pytest.raises(InputError, match="number without a unit"):
+        rm.simulate(FILM, DRIVE, duration=1.0, over={"c": ["1 mm"]})
+
+
 def test_sizes_with_units_are_over_those_the_actuator_was_built_with() -> None:
     """Shear modulus, density and remanence in `over`: the labels are ratios."""
     over = {
