@@ -154,7 +154,8 @@ def test_texts_with_units_are_read_as_quantities_are(container: Callable[..., An
     ds = LOOSE.simulate(FILM, DRIVE, times=container(["0 ms", "2 ms"]))
     np.testing.assert_array_equal(ds.time, FILM.time(["0 ms", "2 ms"]))
     assert LOOSE.simulate(FILM, DRIVE, duration="5 ms").attrs["duration"] == FILM.time("5 ms")
-    for words in (["1.0", "2.0"], ["50 Hz", 2.0], ["50 Hz", "fast"], ["3 mT"]):
+    refused: list[list[Any]] = [["1.0", "2.0"], ["50 Hz", 2.0], ["50 Hz", "fast"], ["3 mT"]]
+    for words in refused:
         with pytest.raises(InputError, match="Hz"):
             rm.simulate(FILM, DRIVE, duration=1.0, over={"omega": words})
     with pytest.raises(InputError, match="number without a unit"):

@@ -58,15 +58,24 @@ class SpecialPoint:
         It lies between this point of the branch and the next.
     point : CurvePoints
         The point itself, of length 1.
-    parameter_error, state_error : float
-        Estimated errors of the parameter, and of the state (its largest component).
+    error : array (state + 1,)
+        Estimated errors of the variables of the state and of the parameter.
     """
 
     kind: str
     segment_index: int
     point: CurvePoints
-    parameter_error: float
-    state_error: float
+    error: FloatArray
+
+    @property
+    def parameter_error(self) -> float:
+        """Estimated error of the parameter."""
+        return float(self.error[-1])
+
+    @property
+    def state_error(self) -> float:
+        """Largest estimated error of the variables of the state."""
+        return float(self.error[:-1].max())
 
 
 # Test functions: points (point,) in, values (point,) out.
@@ -349,8 +358,7 @@ def _locate_in_brackets(
     )  # fmt: skip
     return [
         SpecialPoint(
-            bracket.kind, int(bracket.root), points.subset(slice(k, k + 1)),
-            float(one.error[-1]), float(one.error[:-1].max()),
+            bracket.kind, int(bracket.root), points.subset(slice(k, k + 1)), one.error
         )
         for k, (bracket, one, _) in enumerate(kept)
         if _is_bifurcation(bracket.kind, points, k)

@@ -94,7 +94,7 @@ def _errors_along_branch(tracing: Tracing, branch: Branch, chain: PeriodChain) -
     )
     for special in branch.special_points:
         same = (points.unknown == special.point.unknown[0]).all(axis=1)
-        error[same, :-1] = special.state_error
+        error[same, :-1] = special.error[:-1]
     return error
 
 
@@ -125,7 +125,11 @@ class _Extremes:
 
 
 def observe_orbits(
-    tracing: Tracing, parameter: str, points: CurvePoints, unknown_error: FloatArray
+    tracing: Tracing,
+    parameter: str,
+    points: CurvePoints,
+    unknown_error: FloatArray,
+    tolerance: float = _EXTREMES_TOLERANCE,
 ) -> dict[str, NDArray[Any]]:
     """Extremes of the observable over each orbit, and its values after whole drive periods.
 
@@ -138,6 +142,8 @@ def observe_orbits(
         In order along it.
     unknown_error : array (point, state + 1)
         Errors of state and parameter.
+    tolerance : float
+        Of the extremes.
     """
     period, ens = tracing.orbit_period, tracing.map.ensemble
     count, size = unknown_error.shape
@@ -147,15 +153,14 @@ def observe_orbits(
     unknown = np.concatenate([points.unknown, moved.reshape(-1, size)])
     on_orbits = ens.with_initial_states(unknown[:, :-1], {parameter: unknown[:, -1]})
     problem = initial_value_problem(on_orbits, period * require_drive_periods(on_orbits))
-    found = _integrate_extremes(problem, period)
+    found = _integrate_extremes(problem, period, tolerance)
     columns: dict[str, NDArray[Any]] = {}
-    for name, values in (("maximum", found.maximum), ("minimum", found.minimum)):
+    extremes = {"maximum": found.maximum, "minimum": found.minimum}
+    for name, values in {**extremes, "amplitude": 0.5 * (found.maximum - found.minimum)}.items():
         change = (values[count:].reshape(-1, size) - values[sampled][:, None]) / steps
         slope = _between_samples(np.abs(change), sampled, count)
         columns[name] = values[:count]
         columns[f"{name}_error"] = found.error[:count] + (slope * unknown_error).sum(axis=1)
-    columns["amplitude"] = 0.5 * (columns["maximum"] - columns["minimum"])
-    columns["amplitude_error"] = 0.5 * (columns["maximum_error"] + columns["minimum_error"])
     states = points.unknown[:, None, :-1] if found.states is None else found.states[:count, :period]
     return {**columns, **_observables_at_periods(tracing, problem, count, states)}
 
@@ -172,10 +177,10 @@ def _between_samples(values: FloatArray, sampled: NDArray[Any], count: int) -> F
     return np.asarray(_SLOPE_MARGIN * np.fmax(values[before], values[after]))
 
 
-def _integrate_extremes(problem: Problem, period: int) -> _Extremes:
+def _integrate_extremes(problem: Problem, period: int, tolerance: float) -> _Extremes:
     """Extremes over orbits, again with a looser tolerance where the motion has fewer digits."""
     request = Request(wants_extremes=True, strobe_cycles=1 if period > 1 else 0)
-    first = integrate(problem, request, tolerance=_EXTREMES_TOLERANCE)
+    first = integrate(problem, request, tolerance=tolerance)
     missed = np.isnan(first.maximum)
     if not missed.any():
         return _Extremes(first.maximum, first.minimum, first.error, first.states)

@@ -39,6 +39,9 @@ _COLUMNS_BY_SPECIAL_POINT = (
     "kind", "branch", "orbit_period", "error", "state_error", "amplitude", "amplitude_error",
 )  # fmt: skip
 
+#: Tolerance of extremes at special points, few and exactly known.
+_SPECIAL_EXTREMES_TOLERANCE = 5e-11
+
 #: Columns by name, each an array whose first axes are padded.
 ColumnTable = dict[str, NDArray[Any]]
 
@@ -96,9 +99,9 @@ def describe_branches(
 def _describe_special_point(
     tracing: Tracing, parameter: str, special: SpecialPoint, branch: int, joins: bool
 ) -> dict[str, Any]:
-    errors = np.full((1, tracing.scale.size), special.state_error)
-    errors[0, -1] = special.parameter_error
-    orbit = observe_orbits(tracing, parameter, special.point, errors)
+    orbit = observe_orbits(
+        tracing, parameter, special.point, special.error[None], _SPECIAL_EXTREMES_TOLERANCE
+    )
     return {
         "kind": special.kind,
         "branch": branch,

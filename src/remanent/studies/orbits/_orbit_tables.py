@@ -105,14 +105,11 @@ def _thickness_extremes(
         change = np.abs(extreme[:, 1:] - extreme[:, :1])
         return np.asarray(error[:, 0] + (weight * change).sum(axis=1))
 
-    maximum_error, minimum_error = error_of(maximum), error_of(minimum)
-    return {
-        "maximum": maximum[:, 0],
-        "minimum": minimum[:, 0],
-        "amplitude": 0.5 * (maximum[:, 0] - minimum[:, 0]),
-        "maximum_error": maximum_error,
-        "minimum_error": minimum_error,
-        "amplitude_error": 0.5 * (maximum_error + minimum_error),
+    extremes = {
+        "maximum": maximum, "minimum": minimum, "amplitude": 0.5 * (maximum - minimum),
+    }  # fmt: skip
+    return {name: values[:, 0] for name, values in extremes.items()} | {
+        f"{name}_error": error_of(values) for name, values in extremes.items()
     }
 
 

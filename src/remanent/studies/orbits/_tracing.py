@@ -322,10 +322,7 @@ def trace_from_special_point(tracing: Tracing, start: LocatedPoint, *, doubles: 
 def _special_point(
     tracing: Tracing, kind: str, segment_index: int, located: LocatedPoint
 ) -> SpecialPoint:
-    return SpecialPoint(
-        kind, segment_index, tracing.point_of_branch(located), float(located.error[-1]),
-        float(located.error[:-1].max()),
-    )  # fmt: skip
+    return SpecialPoint(kind, segment_index, tracing.point_of_branch(located), located.error)
 
 
 def _finished_branch(

@@ -208,7 +208,6 @@ def _properties(body: _Body, places: FloatArray, count: int) -> dict[str, np.nda
     field = body.ens.vector_field
     states, errors = body.states(places), body.position_errors(places)
     derivatives = body.rate_derivatives(states)
-    eigenvalues = _sorted_eigenvalues(derivatives)
     change = _derivative_changes(body, states, errors)
     columns: dict[str, np.ndarray[Any, Any]] = {}
     for position, k in enumerate(body.unknown):
@@ -220,9 +219,13 @@ def _properties(body: _Body, places: FloatArray, count: int) -> dict[str, np.nda
         columns |= _observable(body, name, "equilibrium_potential", states, errors)
     if body.inertial.size:
         columns |= _natural_frequencies(body, derivatives, change)
-    columns["eigenvalues"] = eigenvalues
-    columns["eigenvalues_error"] = _eigenvalue_errors(derivatives, change)
-    columns["stability"] = _stability(eigenvalues, columns["eigenvalues_error"], body)
+    eigenvalues, eigenvalue_errors = _eigenvalues(derivatives, change)
+    # By falling real part, then falling imaginary part.
+    order = np.lexsort((-eigenvalues.imag, -np.round(eigenvalues.real, 9)), axis=1)
+    eigenvalues = np.take_along_axis(eigenvalues, order, axis=1)
+    eigenvalue_errors = np.take_along_axis(eigenvalue_errors, order, axis=1)
+    columns |= {"eigenvalues": eigenvalues, "eigenvalues_error": eigenvalue_errors}
+    columns["stability"] = _stability(eigenvalues, eigenvalue_errors, body)
     return {name: _filled(column, count) for name, column in columns.items()}
 
 
@@ -258,39 +261,39 @@ def _observable(
     return {title: there, f"{title}_error": (np.abs(slopes) * errors).sum(axis=1) + rounding}
 
 
-def _sorted_eigenvalues(matrices: FloatArray) -> ComplexArray:
-    """Eigenvalues by falling real part, then falling imaginary part, array (point, eigenvalue)."""
-    values = np.linalg.eigvals(matrices).astype(np.complex128)
-    order = np.lexsort((-values.imag, -np.round(values.real, 9)), axis=1)
-    return np.take_along_axis(values, order, axis=1)
-
-
 def _derivative_changes(body: _Body, states: FloatArray, errors: FloatArray) -> FloatArray:
-    """How far the derivatives are off, by the errors of places and rounding, (point,)."""
+    """How far the derivatives are off, by the errors of places and rounding, like them."""
     there = body.rate_derivatives(states)
-    change = _MATRIX_ROUNDINGS * np.finfo(float).eps * np.abs(there).max(axis=(1, 2), initial=0.0)
+    change = _MATRIX_ROUNDINGS * np.finfo(float).eps * np.abs(there)
     step = 1e-6
     for position, k in enumerate(body.unknown):
         moved = states.copy()
         moved[:, k] += step * (1.0 + np.abs(states[:, k]))
         with np.errstate(all="ignore"):
-            slope = np.abs(body.rate_derivatives(moved) - there).max(axis=(1, 2), initial=0.0)
-            change = change + 2.0 * slope / (moved[:, k] - states[:, k]) * errors[:, position]
+            slope = np.abs(body.rate_derivatives(moved) - there)
+            relative = errors[:, position] / (moved[:, k] - states[:, k])
+            change = change + 2.0 * slope * relative[:, None, None]
     return np.asarray(change)
 
 
-def _eigenvalue_errors(matrices: FloatArray, change: FloatArray) -> FloatArray:
-    """Bauer and Fike: no further than the change times the condition of the eigenvectors.
+def _eigenvalues(matrices: FloatArray, change: FloatArray) -> tuple[ComplexArray, FloatArray]:
+    """Eigenvalues (point, eigenvalue), and how far each is off where entries change so much.
 
-    A pair that is about to merge moves by the root of the change at most.
+    To first order |y^H| |change| |x| / |y^H x|, with x and y the eigenvectors from the right
+    and from the left; the algorithm adds a rounding of the whole matrix.  A pair that is about
+    to merge moves by the root of the change at most.
     """
     n = matrices.shape[1]
     if not len(matrices):
-        return np.empty((0, n))
-    condition = np.linalg.cond(np.linalg.eig(matrices)[1])
-    norm = n * change
-    error = np.minimum(condition * norm, norm + (norm * np.abs(matrices).max(axis=(1, 2))) ** 0.5)
-    return np.asarray(error[:, None] * np.ones(n))
+        return np.empty((0, n), dtype=np.complex128), np.empty((0, n))
+    values, right = np.linalg.eig(matrices)
+    left = np.abs(np.linalg.pinv(right))  # its rows are the y^H, with y^H x = 1
+    rounding = np.finfo(float).eps * np.linalg.norm(matrices, axis=(1, 2))
+    change = change + (rounding / n)[:, None, None]
+    first_order = np.einsum("pki,pij,pjk->pk", left, change, np.abs(right))
+    norm = np.linalg.norm(change, axis=(1, 2))
+    merging = norm + np.sqrt(norm * np.abs(matrices).max(axis=(1, 2)))
+    return values.astype(np.complex128), np.minimum(first_order, merging[:, None])
 
 
 def _natural_frequencies(
@@ -306,21 +309,22 @@ def _natural_frequencies(
     coordinate = np.array(field.indices_of_roles(Role.COORDINATE))
     internal = np.array(field.indices_of_roles(Role.INTERNAL), dtype=np.int64)
     stiffness = -derivatives[:, rate][:, :, coordinate]
+    stiffness_change = change[:, rate][:, :, coordinate]
     if internal.size:
-        inner = derivatives[:, internal]
-        relaxed = np.linalg.pinv(inner[:, :, internal]) @ inner[:, :, coordinate]
-        stiffness = stiffness + derivatives[:, rate][:, :, internal] @ relaxed
-    if not len(stiffness):
-        none = np.empty((0, rate.size) if rate.size > 1 else 0)
-        return {"natural_frequency": none, "natural_frequency_error": none}
-    squares, vectors = np.linalg.eig(stiffness)
-    condition = np.linalg.cond(vectors)
-    squared_error = (rate.size * condition * change)[:, None]
+        pull, inner = derivatives[:, rate][:, :, internal], derivatives[:, internal]
+        pull_change, inner_change = change[:, rate][:, :, internal], change[:, internal]
+        inverse = np.linalg.pinv(inner[:, :, internal])
+        relaxed = inverse @ inner[:, :, coordinate]
+        stiffness = stiffness + pull @ relaxed
+        relaxed = np.abs(relaxed)
+        left = inner_change[:, :, coordinate] + inner_change[:, :, internal] @ relaxed
+        stiffness_change += pull_change @ relaxed + np.abs(pull @ inverse) @ left
+    squares, squared_error = _eigenvalues(stiffness, stiffness_change)
     order = np.argsort(squares.real, axis=1)
-    squares = np.take_along_axis(squares.real, order, axis=1)
+    squared = np.take_along_axis(squares.real, order, axis=1)
     with np.errstate(invalid="ignore"):
-        frequency = np.sqrt(np.where(squares > 0.0, squares, np.nan))
-    error = square_root_error(frequency, squared_error * np.ones(rate.size))
+        frequency = np.sqrt(np.where(squared > 0.0, squared, np.nan))
+    error = square_root_error(frequency, np.take_along_axis(squared_error, order, axis=1))
     if rate.size == 1:
         frequency, error = frequency[:, 0], error[:, 0]
     return {"natural_frequency": frequency, "natural_frequency_error": error}
@@ -331,7 +335,7 @@ def _stability(eigenvalues: ComplexArray, errors: FloatArray, body: _Body) -> np
     if not len(eigenvalues):
         return np.empty(0, dtype="U9")
     growth = eigenvalues.real.max(axis=1)
-    slack = errors[:, 0] + _UNDECIDED_SHARE * np.abs(eigenvalues).max(axis=1)
+    slack = errors.max(axis=1) + _UNDECIDED_SHARE * np.abs(eigenvalues).max(axis=1)
     zero = np.abs(eigenvalues).min(axis=1) <= slack
     near = np.where(zero | (not body.ens.system.conservative), "undecided", "stable")
     return np.where(growth > slack, "unstable", np.where(growth < -slack, "stable", near))
