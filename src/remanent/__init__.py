@@ -11,8 +11,6 @@ from types import FunctionType
 
 import lazy_loader
 
-from remanent._calls import explained
-
 _lazy_attribute, _, _listed = lazy_loader.attach_stub(__name__, __file__)
 # `plot` stands for the package `plots`, and the version is not imported from anywhere.
 __all__: list[str] = [name for name in _listed if name != "plots"]
@@ -37,6 +35,8 @@ def _explained_public_function(name: str, value: object) -> object:
     """
     if not isinstance(value, FunctionType):
         return value
+    from remanent._calls import explained  # half of the time of the import
+
     function = explained(value)
     function.__module__, function.__qualname__ = __name__, name
     return function

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from abc import ABCMeta
 from collections.abc import Callable, Mapping, Sequence
-from difflib import get_close_matches
 from functools import wraps
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
@@ -116,6 +115,8 @@ def require_fitting_arguments(
 
 
 def _unknown_argument_error(name: str, title: str, known: Sequence[str]) -> InputError:
+    from difflib import get_close_matches  # takes longer than the rest of the import
+
     closest = get_close_matches(name, known, n=1)
     meant = f"Did you mean `{closest[0]}`? " if closest else ""
     return InputError(

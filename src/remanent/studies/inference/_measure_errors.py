@@ -36,6 +36,8 @@ def stated_error(result: xr.Dataset, name: str) -> xr.DataArray | None:
         error = result.get(_ERROR_NAMES.get(name, "error"), result.get("error"))
     if error is None or name in {"error", "status"} or name.endswith("_error"):
         return None
+    if error.dims == variable.dims:
+        return error
     further = [d for d in error.dims if d not in variable.dims]
     return error.max(further).broadcast_like(variable).transpose(*variable.dims)
 
@@ -109,8 +111,10 @@ def _change(
     value: xr.DataArray,
 ) -> FloatArray:
     """How far a function moves with one variable, an array like `value`; NaN where it is lost."""
-    there = function(result.assign({name: result[name].variable.copy(data=moved)}))
-    there = there.transpose(*value.dims)
+    data = {str(n): moved if n == name else v.data for n, v in result.data_vars.items()}
+    there = function(result.copy(data=data))
+    if there.dims != value.dims:
+        there = there.transpose(*value.dims)
     if there.shape != value.shape:  # the moved entries select others
         return np.full(value.shape, np.nan)
     change = np.abs(there.values - value.values)
