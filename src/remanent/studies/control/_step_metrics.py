@@ -232,8 +232,6 @@ class Transient:
         Whether a motion that ends its run within the band stays there.
     settling_band_share : float
         Share of the change within which the motion counts as settled.
-    actuator_time_unit : array (trajectory,)
-        The actuator's unit of time in that of each trajectory.
     """
 
     motion: StepMotion
@@ -241,7 +239,6 @@ class Transient:
     final_error: FloatArray
     stays_in_band: BoolArray
     settling_band_share: float
-    actuator_time_unit: FloatArray
 
     @cached_property
     def thickness_change(self) -> FloatArray:
@@ -281,15 +278,14 @@ class Transient:
         nodes = self.motion.node_thickness
         direction = np.sign(self._at(nodes, before + 1) - self._at(nodes, before))
         passages = settling.locate_level_crossings(self.motion, *brackets, levels, direction)
-        unit = self.actuator_time_unit[:, None, None]
-        located = passages.time.reshape(count, 3, _SIDES.size) / unit
-        missed = passages.miss.reshape(count, 3, _SIDES.size) / unit
-        run = self.motion.problem.duration[:, None] / unit[..., 0]
+        located = passages.time.reshape(count, 3, _SIDES.size)
+        missed = passages.miss.reshape(count, 3, _SIDES.size)
+        run = self.motion.problem.duration[:, None]
         with np.errstate(all="ignore"):
             # Where a moved level is not passed at all, nothing is known but the run.
             moved = np.where(np.isfinite(located[..., 1:]), located[..., 1:], run[..., None])
             off = np.abs(moved - located[..., :1]).max(axis=2) + missed[..., 0]
-            off += np.finfo(float).eps * run + self._lateness(passages) / unit[..., 0]
+            off += np.finfo(float).eps * run + self._lateness(passages)
         # A change that is not known has no share, and nothing of it lies outside.
         settled_from_start = (outside[:, 0] < 0) & np.isfinite(share[:, 0])
         settles = np.where(settled_from_start, 0.0, located[:, 2, 0])

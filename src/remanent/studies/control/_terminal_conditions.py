@@ -17,11 +17,10 @@ from remanent.integrate.ensemble.problem import Request
 from remanent.integrate.variations import field_with_tangents
 from remanent.models.actuator import Actuator
 from remanent.models.drives.waves import Constant
-from remanent.studies.ensemble.physical_scales import (
-    PHYSICAL_SIZES,
-    PhysicalScales,
-    lay_out_physical_scales,
-)
+from remanent.models.physical_sizes import PHYSICAL_SIZES
+from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.layout import lay_out_ensemble
+from remanent.studies.ensemble.problem import initial_value_problem
 from remanent.studies.statics._static_state import StaticState
 
 #: Half the relative change of a parameter in the difference by which insensitivity is judged.
@@ -38,7 +37,7 @@ class _StepEnd:
     fundamental : array (variant, state, state)
         Derivative by the state before the step.
     by_load, rate : array (variant, state)
-        Derivatives by the load and by the time, in the units of each variant.
+        Derivatives by the load and by the time.
     error : array (variant,)
         Of the state, for an exact one before.
     """
@@ -107,7 +106,7 @@ class TerminalConditions:
         ----------
         loads, durations : array (step,)
         """
-        state = self.parameter_variants.ensemble_in_own_units.initial_states
+        state = self.parameter_variants.initial_states
         error = np.zeros(state.shape[1])
         for load, duration in zip(loads, durations, strict=True):
             step = self._integrate_load_step(state, load, duration)
@@ -131,7 +130,7 @@ class TerminalConditions:
         return rows.reshape(rows.shape[0] * rows.shape[1], *rows.shape[2:])
 
     @cached_property
-    def parameter_variants(self) -> PhysicalScales:
+    def parameter_variants(self) -> Ensemble:
         """The actuator itself, then with each parameter a little less and a little more."""
         nominal = {**self.actuator.parameter_values(), **dict.fromkeys(PHYSICAL_SIZES, 1.0)}
         count = 1 + 2 * len(self.robust_to)
@@ -141,14 +140,14 @@ class TerminalConditions:
             width = _RELATIVE_PARAMETER_HALF_STEP * (nominal[name] or 1.0)
             values[1 + 2 * k : 3 + 2 * k] += np.array([-1.0, 1.0]) * width
             over[name] = xr.DataArray(values, dims="variant")
-        return lay_out_physical_scales(
+        return lay_out_ensemble(
             self.actuator, Constant(self.target_rest.magnetic_load), over, self.initial_state
         )
 
     @cached_property
     def _variant_rest_states(self) -> FloatArray:
         """States of rest of all variants under the last load, array (variant, state)."""
-        ens = self.parameter_variants.ensemble_in_own_units
+        ens = self.parameter_variants
         columns = np.column_stack(
             [ens.parameter_values[name] for name in ens.vector_field.parameter_names]
         )
@@ -169,7 +168,7 @@ class TerminalConditions:
     @cached_property
     def _variational_vector_field(self) -> Field:
         """The motion with its derivatives by the initial state and by the load."""
-        field = self.parameter_variants.ensemble_in_own_units.vector_field
+        field = self.parameter_variants.vector_field
         return field_with_tangents(field, directions=len(field.state_names), parameters=("m",))
 
     def _variant_final_states(
@@ -185,7 +184,7 @@ class TerminalConditions:
         states : array (variant, state)
         by_load, by_duration : array (variant, state, step)
         """
-        ens, d = self.parameter_variants.ensemble_in_own_units, len(self.target_rest.state)
+        ens, d = self.parameter_variants, len(self.target_rest.state)
         state = ens.initial_states
         by_load = np.zeros((ens.trajectory_count, d, loads.size))
         by_duration = np.zeros_like(by_load)
@@ -193,23 +192,14 @@ class TerminalConditions:
             step = self._integrate_load_step(state, load, duration)
             state = step.state
             by_load, by_duration = step.fundamental @ by_load, step.fundamental @ by_duration
-            by_load[:, :, k] = (
-                step.by_load * self.parameter_variants.load_factor_to_trajectory_unit[:, None]
-            )
-            by_duration[:, :, k] = (
-                step.rate * self.parameter_variants.time_factor_to_trajectory_unit[:, None]
-            )
+            by_load[:, :, k], by_duration[:, :, k] = step.by_load, step.rate
         return state, by_load, by_duration
 
     def _integrate_load_step(self, state: FloatArray, load: float, duration: float) -> _StepEnd:
         """One step from `state` (variant, state)."""
-        ens, d = self.parameter_variants.ensemble_in_own_units, len(self.target_rest.state)
-        problem = self.parameter_variants.build_problem_lasting(
-            np.full(ens.trajectory_count, duration)
-        )
-        problem.parameters[:, ens.vector_field.parameter_names.index("m")] = (
-            load * self.parameter_variants.load_factor_to_trajectory_unit
-        )
+        ens, d = self.parameter_variants, len(self.target_rest.state)
+        problem = initial_value_problem(ens, np.full(ens.trajectory_count, duration))
+        problem.parameters[:, ens.vector_field.parameter_names.index("m")] = load
         unit = np.tile(np.eye(d).ravel(), (ens.trajectory_count, 1))
         start = np.hstack([state, unit, np.zeros((ens.trajectory_count, d))])
         outcome = integrate(

@@ -15,12 +15,12 @@ from remanent._typing import ArrayLike, FloatArray
 from remanent.models.actuator import Actuator
 from remanent.models.drives.piecewise import Steps
 from remanent.models.drives.waves import Constant
+from remanent.models.physical_sizes import PHYSICAL_SIZES
 from remanent.studies.control._shaped_steps import find_shaped_steps
 from remanent.studies.ensemble.checks import require_actuator, require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble
-from remanent.studies.ensemble.physical_scales import PHYSICAL_SIZES
 
 _TARGET_RULE = Rule(
     "be a finite number from 1e-6 to 1e6",

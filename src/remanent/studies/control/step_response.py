@@ -31,8 +31,8 @@ from remanent.studies.control._step_metrics import (
 from remanent.studies.ensemble.checks import require_actuator, require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
 from remanent.studies.ensemble.ensemble import Ensemble
-from remanent.studies.ensemble.layout import OverArgument
-from remanent.studies.ensemble.physical_scales import PhysicalScales, lay_out_physical_scales
+from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble
+from remanent.studies.ensemble.problem import initial_value_problem
 from remanent.studies.ensemble.quantities import without_unit
 from remanent.studies.statics._static_ensemble import StaticEnsemble
 from remanent.studies.statics._static_state import StaticState
@@ -43,6 +43,8 @@ _SETTLING_BAND_RULE = positive_rule(
 _DURATION_RULE = positive_rule("A run takes a positive time.", "Pass a time in units of tau.")
 #: Half periods after the last step that are followed by default.
 _HALF_PERIODS_AFTER_LAST_STEP = 20.0
+#: Names of dimensions that the result, or the motion behind it, has of its own.
+_RESERVED_DIMENSIONS = frozenset({"time", "cycle", "step"})
 #: Words for numbers that are missing.
 _UNCHANGED_REASON = "the motion ends where it starts, so that there is no change to measure"
 _NOT_RISEN_REASON = "the run ends before 90 % of the change is reached: pass a longer duration"
@@ -141,17 +143,16 @@ def step_response(
     require_tolerance(tolerance, "the global error of the state")
     band = require_real("band", band, _SETTLING_BAND_RULE)
     _require_step_drive(drive)
-    scaled = lay_out_physical_scales(system, drive, over, initial)
-    ens = scaled.ensemble_in_own_units
-    after_last, error = _states_after_last_step(scaled, tolerance)
-    under_last_load = _ensemble_under_last_load(scaled)
+    ens = lay_out_ensemble(system, drive, over, initial, reserved=_RESERVED_DIMENSIONS)
+    after_last, error = _states_after_last_step(ens, tolerance)
+    under_last_load = _ensemble_under_last_load(ens)
     rests = find_final_rests(under_last_load, after_last, error.max(axis=1), tolerance)
     duration = without_unit("duration", duration, "time", system)
-    duration = _run_length(scaled, duration, rests)
+    duration = _run_length(ens, duration, rests)
     values = residual_vibration(rests.bodies, after_last, error)
     values["final_error"] = rests.thickness_error
     motion = StepMotion.from_problem(
-        scaled.build_problem_lasting(np.full(ens.trajectory_count, duration)),
+        initial_value_problem(ens, np.full(ens.trajectory_count, duration)),
         tolerance,
         values["final"],
         band,
@@ -162,7 +163,6 @@ def step_response(
         values["final_error"],
         _stays_in_band(under_last_load, motion, values["final"], band),
         band,
-        scaled.time_factor_to_trajectory_unit,
     ).compute_metrics()
     variables: dict[str, PerTrajectoryArray] = {
         name: np.where(ens.is_invalid, np.nan, column) for name, column in values.items()
@@ -195,11 +195,11 @@ def _last_step_time(drive: Drive) -> float:
     return float(drive.times[-1]) if isinstance(drive, Steps) else 0.0
 
 
-def _run_length(scaled: PhysicalScales, duration: float | None, rests: FinalRests) -> float:
+def _run_length(ens: Ensemble, duration: float | None, rests: FinalRests) -> float:
     """The `duration` itself, or ten natural periods after the last step."""
-    last_step = _last_step_time(scaled.ensemble_in_own_units.drive)
+    last_step = _last_step_time(ens.drive)
     if duration is None:
-        half_periods = _longest_half_periods(rests.bodies) / scaled.time_factor_to_trajectory_unit
+        half_periods = _longest_half_periods(rests.bodies)
         longest = np.max(half_periods, initial=0.0, where=np.isfinite(half_periods))
         return last_step + _HALF_PERIODS_AFTER_LAST_STEP * float(longest or 1.0)
     duration = require_real("duration", duration, _DURATION_RULE)
@@ -214,11 +214,10 @@ def _run_length(scaled: PhysicalScales, duration: float | None, rests: FinalRest
     return duration
 
 
-def _ensemble_under_last_load(scaled: PhysicalScales) -> Ensemble:
+def _ensemble_under_last_load(ens: Ensemble) -> Ensemble:
     """The same trajectories under the load that stays."""
-    ens = scaled.ensemble_in_own_units
     loads = (
-        scaled.load_factor_to_trajectory_unit * float(ens.drive.loads[-1])
+        np.full(ens.trajectory_count, float(ens.drive.loads[-1]))
         if isinstance(ens.drive, Steps)
         else ens.parameter_values["m"]
     )
@@ -230,15 +229,12 @@ def _ensemble_under_last_load(scaled: PhysicalScales) -> Ensemble:
     )
 
 
-def _states_after_last_step(
-    scaled: PhysicalScales, tolerance: float
-) -> tuple[FloatArray, FloatArray]:
+def _states_after_last_step(ens: Ensemble, tolerance: float) -> tuple[FloatArray, FloatArray]:
     """States right after the last step, and errors, arrays (trajectory, state)."""
-    ens = scaled.ensemble_in_own_units
     last_step = _last_step_time(ens.drive)
     if last_step == 0.0:
         return ens.initial_states, np.zeros(ens.initial_states.shape)
-    problem = scaled.build_problem_lasting(np.full(ens.trajectory_count, last_step))
+    problem = initial_value_problem(ens, np.full(ens.trajectory_count, last_step))
     return end_states_with_errors(problem, tolerance)
 
 
