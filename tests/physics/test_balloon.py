@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from scipy.integrate import quad, solve_ivp
-from scipy.optimize import brentq, root
+from scipy.optimize import brentq, minimize_scalar, root
 
 import remanent as rm
 from remanent._typing import FloatArray
@@ -171,6 +171,23 @@ def test_nothing_holds_beyond_the_largest_pressure_and_the_pull_in_voltage(stret
         assert low < stretch < high
         assert high - low < 0.01
         assert found.stability.values[0].tolist() == ["stable", "unstable"]
+
+
+def test_a_step_of_pressure_bursts_the_balloon_below_the_largest_that_it_holds() -> None:
+    """At rest under P at once, it goes over the unstable equilibrium if P > P_step = 1.1121.
+
+    P_step is the largest value of 3 (l^2 + l^-4/2 - 3/2)/(l^3 - 1), where the energy suffices.
+    """
+    top = minimize_scalar(
+        lambda x: 3.0 * (1.5 - x**2 - x**-4 / 2.0) / (x**3 - 1.0), bounds=(1.5, 2.0),
+        method="bounded", options={"xatol": 1e-9},
+    )  # fmt: skip
+    sides = [-float(top.fun) - 1e-5, -float(top.fun) + 1e-5]
+    passed = rm.crossings(
+        FREE, rm.Constant(0.0), "stretch", 2.5, duration=25.0, over={"pressure": sides}
+    )
+    assert passed.crossings.values.tolist() == [0, 1]
+    assert sides[1] < 4.0 / 7.0 ** (1.0 / 6.0) - 16.0 / 7.0 ** (7.0 / 6.0)
 
 
 def test_free_oscillations_keep_their_energy_and_have_the_frequency_of_a_quadrature() -> None:
