@@ -21,6 +21,7 @@ import sympy as sp
 from remanent._field import Program
 from remanent._instructions import InstructionBuilder, SignedValue, program_cost
 from remanent.codegen.rational import Quotient, as_quotient, least_common_multiple, rationalised
+from remanent.derivation.expansion import may_be_expanded
 from remanent.derivation.symbols import Expression, Symbol, substitute_definitions
 from remanent.derivation.unexpanded import Unexpanded
 
@@ -103,6 +104,8 @@ def lower_to_program(
     }
     generators: dict[Expression, Symbol] = {}
     rational = [rationalised(substitute_definitions(e, inner), generators) for e in plain]
+    if not may_be_expanded(*rational):
+        return structured
     meanings = {s: e for s, e in definitions.items() if s not in inner}
     meanings |= {symbol: e for e, symbol in generators.items()}
     translator = _Translator(InstructionBuilder(inputs), levels, meanings)

@@ -11,6 +11,7 @@ import sympy as sp
 
 from remanent._errors import InputError
 from remanent._field import Role, StateVariable
+from remanent.derivation.expansion import may_be_expanded
 from remanent.derivation.motion import FirstOrderForm
 from remanent.derivation.symbols import (
     Expression,
@@ -60,7 +61,7 @@ def first_order_form_of_energies(system: LagrangianSystem, drive: Drive) -> Firs
 
     more, accelerations = solve_symmetric(parts.mass, parts.forces, "motion")
     alternative = None
-    if len(moving) == 2:
+    if len(moving) == 2 and may_be_expanded(*parts.mass, *parts.forces):
         expanded, others = solve_pair_expanded(parts.mass, parts.forces, moving)
         alternative = (definitions | expanded, tuple(rates_for(others).values()))
     definitions |= more
