@@ -44,6 +44,9 @@ class DependenceLevel(IntEnum):
 #: structure, and both are tried.
 _MAX_STATES_FOR_NORMAL_FORM: Final = 2
 
+#: Largest numerator or denominator of a number that is computed as a quotient.
+_LARGEST_PART_OF_QUOTIENT: Final = 10**300
+
 #: The instruction for each function of SymPy.
 _INSTRUCTION_OF_FUNCTION: Final = {
     sp.exp: "exp",
@@ -337,7 +340,7 @@ class _Translator:
         return self.instructions.input(symbol.name)
 
     def _number_value(self, number: Expression) -> SignedValue:
-        if not number.is_Rational:
+        if not number.is_Rational or max(abs(number.p), number.q) > _LARGEST_PART_OF_QUOTIENT:
             return self.instructions.constant(float(number))
         numerator = self.instructions.constant(float(number.p))
         return self.instructions.div(numerator, self.instructions.constant(float(number.q)))

@@ -80,6 +80,8 @@ def first_order_form_of_energies(system: LagrangianSystem, drive: Drive) -> Firs
     )
 
 
+#: Largest number that rates may hold.
+_LARGEST_NUMBER: Final = 10**300
 #: Functions that rates may hold.
 _REAL_FUNCTIONS: Final = frozenset({sp.exp, sp.log, sp.sin, sp.cos, sp.atan})
 
@@ -351,7 +353,12 @@ def _assemble(
     by_load = loads_in_symbols(drive.loads_by_name, drive)
     laws = {symbols[load.name]: law for load, law in by_load.items()}
     written = [*rates.values(), *inner.values(), observable, rate, acceleration]
-    _require_real(system, [*written, *(energies or {}).values()])
+    conditions = tuple(
+        _in_symbols(part, symbols) * _in_symbols(part, _rest_symbols(system, symbols))
+        for part in system.sign_conditions()
+        if part.text not in bare
+    )
+    _require_real(system, [*written, *(energies or {}).values(), *conditions])
     return FirstOrderForm(
         state_symbols=tuple(rates),
         variables=tuple(
@@ -367,11 +374,7 @@ def _assemble(
             **{load.name: load for load in loads},
             **(energies or {}),
         },
-        admissibility_conditions=tuple(
-            _in_symbols(part, symbols) * _in_symbols(part, _rest_symbols(system, symbols))
-            for part in system.sign_conditions()
-            if part.text not in bare
-        ),
+        admissibility_conditions=conditions,
         parameter_symbols={name: symbols[name] for name in system.parameter_values()},
         alternative=None if alternative is None else ({**laws, **alternative[0]}, alternative[1]),
     )
@@ -379,15 +382,17 @@ def _assemble(
 
 def _require_real(system: WrittenSystem, expressions: Sequence[Expression]) -> None:
     """Raise where rates have no value in real numbers, whatever the state."""
-    for expression in expressions:
-        functions = {f.func for f in sp.sympify(expression).atoms(sp.Function)}
-        if functions - _REAL_FUNCTIONS or expression.has(sp.I, sp.zoo, sp.nan, sp.oo):
+    for expression in map(sp.sympify, expressions):
+        functions = {f.func for f in expression.atoms(sp.Function)}
+        large = any(abs(n) > _LARGEST_NUMBER for n in expression.atoms(sp.Rational))
+        if functions - _REAL_FUNCTIONS or expression.has(sp.I, sp.zoo, sp.nan, sp.oo) or large:
             raise InputError(
                 next(iter(system.formulas())),
-                must="have derivatives in real numbers",
+                must="have derivatives in real numbers that a float can hold",
                 got=repr(system)[:80],
                 why="The equations of motion hold the derivatives of the formulas.",
-                fix="Look for powers, roots and logarithms of negative numbers.",
+                fix="Look for powers of large numbers, and for powers, roots and logarithms of "
+                "negative numbers.",
             )
 
 

@@ -182,3 +182,13 @@ def test_terms_are_counted_without_writing_them_out(power: int, other: int) -> N
     counted = expanded_sizes(mixed)
     for part, most in zip(sp.fraction(sp.cancel(mixed)), counted, strict=True):
         assert len(sp.Add.make_args(sp.expand(part))) <= most
+
+
+def test_numbers_with_many_digits_are_rounded_and_too_large_ones_refused() -> None:
+    """0.7^40 at rest is a quotient of integers beyond 1e308; 1e300^2 is no float at all."""
+    system = rm.FirstOrderSystem(rates={"x": "cos(x**40)**0.5"}, rest={"x": 0.7})
+    motion = rm.simulate(system, rm.Constant(0.0), duration=0.1)
+    assert float(motion.x[-1]) == pytest.approx(0.8, abs=1e-8)
+    large = rm.FirstOrderSystem(rates={"x": "exp(-(1e300)**2)*x"})
+    with pytest.raises(rm.InputError, match="large numbers"):
+        rm.simulate(large, rm.Constant(0.0), duration=0.1)
