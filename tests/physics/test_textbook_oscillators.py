@@ -125,6 +125,8 @@ def test_the_limit_cycle_between_both_limits() -> None:
     run = solve_ivp(
         rates, (0.0, 60.0), [2.0, 0.0], method="DOP853", rtol=1e-12, atol=1e-13, events=rate
     )
+    assert run.t_events is not None
+    assert run.y_events is not None
     times, states = run.t_events[0], run.y_events[0]
     tops = times[states[:, 0] > 0.0]
     assert abs(period - (tops[-1] - tops[-2])) <= period_error + 1e-10

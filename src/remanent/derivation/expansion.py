@@ -45,6 +45,6 @@ def expanded_sizes(expression: Expression) -> tuple[int, int]:
         return sum(n * (whole // d) for n, d in zip(above, below, strict=True)), whole
     if expression.is_Pow and expression.exp.is_Integer:
         power = abs(int(expression.exp))
-        above, below = (comb(n + power - 1, power) for n in expanded_sizes(expression.base))
-        return (above, below) if expression.exp > 0 else (below, above)
+        top, bottom = (comb(n + power - 1, power) for n in expanded_sizes(expression.base))
+        return (top, bottom) if expression.exp > 0 else (bottom, top)
     return 1, 1

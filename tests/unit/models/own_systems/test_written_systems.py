@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pickle
 import re
+from functools import reduce
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,7 @@ from remanent.models.system import System
 from remanent.results.schema import DESCRIPTIONS
 
 #: A pendulum's formulas, from which one is replaced.
-PENDULUM = {
+PENDULUM: dict[str, Any] = {
     "coordinates": "theta",
     "kinetic": "theta_rate**2/2",
     "potential": "-cos(theta) - load*theta",
@@ -104,10 +105,8 @@ def test_nothing_but_a_plain_word_is_a_name(name: str) -> None:
 
 
 X, THETA = sp.symbols("x theta")
-NESTED, BRANCHED = THETA, THETA
-for _ in range(2000):
-    NESTED = sp.sin(NESTED, evaluate=False)
-    BRANCHED = sp.sin(BRANCHED) * sp.cos(BRANCHED) if _ < 60 else BRANCHED
+NESTED = reduce(lambda inner, _: sp.sin(inner, evaluate=False), range(2000), THETA)
+BRANCHED = reduce(lambda inner, _: sp.sin(inner) * sp.cos(inner), range(60), THETA)
 #: SymPy's objects that are no formula, or whose text would mean another one.
 NO_FORMULAS = {
     "an unknown function": sp.Function("f")(THETA),
@@ -150,7 +149,7 @@ def test_the_base_of_the_exponential_is_a_number_of_sympy() -> None:
         coordinates="theta", kinetic="theta_rate**2/2", potential=energy, parameters={"E": 2.0}
     )
     found = rm.equilibria(system, 0.0, state_box={"theta": (-1.0, 1.0)})
-    exact = np.sqrt(2.0 * (np.e + 2.0))
+    exact = np.sqrt(2.0 * (np.exp(1.0) + 2.0))
     assert abs(float(found.natural_frequency[0]) - exact) <= float(found.natural_frequency_error[0])
 
 
