@@ -14,6 +14,7 @@ from remanent._instructions import program_cost
 from remanent.codegen.field import vector_field_for
 from remanent.codegen.formula_program import program_of_formula
 from remanent.derivation.expansion import expanded_sizes
+from remanent.derivation.linear_solve import nested_in_pair
 from remanent.models.formula import parse_formula
 
 #: A load that enters the rates at once.
@@ -192,3 +193,28 @@ def test_numbers_with_many_digits_are_rounded_and_too_large_ones_refused() -> No
     large = rm.FirstOrderSystem(rates={"x": "exp(-(1e300)**2)*x"})
     with pytest.raises(rm.InputError, match="large numbers"):
         rm.simulate(large, rm.Constant(0.0), duration=0.1)
+
+
+@given(
+    st.lists(st.tuples(*[st.integers(-4, 4)] * 2, *[st.integers(0, 2)] * 3), min_size=1, max_size=6)
+)
+@settings(max_examples=40)
+def test_common_factors_change_no_value(rows: list[tuple[int, ...]]) -> None:
+    """A sum of powers of two coordinates, a rate, a function and a parameter, nested."""
+    x, y, v, a = sp.symbols("x y v a")
+    factors = (x, y, v, sp.cos(x), a)
+    terms = [
+        sp.Rational(n + 1, 3) * sp.Mul(*map(sp.Pow, factors, row)) for n, row in enumerate(rows)
+    ]
+    nested = nested_in_pair(sp.Add(*terms), (x, y, v))
+    values = {
+        x: sp.Rational(7, 5),
+        y: sp.Rational(-3, 4),
+        v: sp.Rational(5, 3),
+        a: sp.Rational(2, 7),
+    }
+    product = values[x] * values[y]
+    own = {sp.Symbol("pair.product", real=True): product}
+    own |= {sp.Symbol("pair.inverse_product", real=True): 1 / product}
+    left = nested.subs(own).subs(values) - sp.Add(*terms).subs(values)
+    assert abs(sp.N(left, 30)) < 1e-25
