@@ -56,7 +56,7 @@ _PERIOD_LIMIT = 1e-7
 #: States from which that period starts, and drive periods from rest after which they are taken.
 _STARTS, _PERIODS_TO_STARTS = 64, 5
 #: Tolerances of SciPy as the reference.
-_REFERENCE = {"rtol": 1e-13, "atol": 1e-15}
+_REFERENCE_RTOL, _REFERENCE_ATOL = 1e-13, 1e-15
 #: Ours, in results: the verb, and the motion at one resolution for all without a bound.
 _OURS, _OURS_FIXED = "remanent", "remanent, one resolution, no bound"
 
@@ -230,12 +230,15 @@ def _reference_ends(starts: dict[str, FloatArray], times: FloatArray) -> FloatAr
     return np.array([_scipy_run(w, m, (x, v), end).y[:, -1] for w, m, x, v, end in rows])
 
 
-def _scipy_run(w: float, m: float, start: Any, end: float, **options: Any) -> Any:
+def _scipy_run(w: float, m: float, start: Any, end: float, *, events: Any = None) -> Any:
     def rates(tau: float, y: Any) -> list[float]:
         x, v = y
         return [v, m * np.cos(w * tau) - DELTA * v + x - x**3]
 
-    return solve_ivp(rates, (0.0, end), start, method="DOP853", **_REFERENCE, **options)
+    return solve_ivp(
+        rates, (0.0, end), start, method="DOP853", rtol=_REFERENCE_RTOL, atol=_REFERENCE_ATOL,
+        events=events,
+    )  # fmt: skip
 
 
 def _starts() -> dict[str, FloatArray]:

@@ -74,8 +74,8 @@ def first_order_form_of_energies(system: LagrangianSystem, drive: Drive) -> Firs
     ) -> FirstOrderForm:
         more, accelerations = solution
         return _assemble(
-            system, drive, rates_for(accelerations), roles=roles, definitions=definitions | more,
-            energies=energies, **options,
+            system, drive, rates_for(accelerations), roles=roles,
+            definitions={**definitions, **more}, energies=energies, **options,
         )  # fmt: skip
 
     alternative = None
