@@ -14,10 +14,9 @@ from remanent._errors import InputError
 from remanent._status import Status
 from remanent._typing import ArrayLike
 from remanent.analysis.orbits.curves import Curve
-from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.results.build import Labelled
-from remanent.studies.ensemble.checks import require_actuator
+from remanent.studies.ensemble.checks import DriveArgument, require_actuator
 from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
 from remanent.studies.ensemble.durations import require_count
 from remanent.studies.ensemble.ensemble import Ensemble
@@ -44,7 +43,7 @@ _MAX_BRANCH_POINTS = 2000
 
 def resonances(
     system: System,
-    drive: Drive,
+    drive: DriveArgument,
     omega_range: ArrayLike,
     *,
     orbit_periods: Sequence[int] = (1,),
@@ -60,7 +59,7 @@ def resonances(
     ----------
     system : System
         What moves, with one coordinate.
-    drive : Drive
+    drive : Drive, or mapping of str to Drive
         A load with a field ``omega``, whose value is not used.
     omega_range : (lowest, highest)
         Frequencies, radians per unit of tau.
