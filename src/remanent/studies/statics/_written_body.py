@@ -202,6 +202,20 @@ class WrittenBody:
         slopes = [self.observable(name, states + d, changed).imag for d in directions]
         return np.asarray(np.stack(slopes, axis=1) / _COMPLEX_STEP)
 
+    def observable_with_rounding(
+        self, name: str, places: FloatArray, changed: Mapping[str, Any] = _UNCHANGED
+    ) -> RoundedDual:
+        """A function of the state, its slope by the first unknown, and bounds of their rounding."""
+        states, first = self.states(places), int(self.unknown[0])
+        numbers = [RoundedDual.variable(c, float(k == first)) for k, c in enumerate(states.T)]
+        columns = [RoundedDual.variable(np.asarray(p), 0.0) for p in self.parameters(changed)]
+        with np.errstate(all="ignore"):
+            values: list[RoundedDual] = self.ens.vector_field.observables[name](
+                [RoundedDual.constant(0.0), *numbers, *columns],
+                functions=RoundedDualFunctions, constant=RoundedDual.constant,
+            )  # fmt: skip
+        return values[0]
+
     def observable_with_error(
         self,
         name: str,

@@ -11,12 +11,15 @@ from numpy.typing import NDArray
 
 from remanent._field import Role
 from remanent._status import Status
-from remanent._typing import ComplexArray, FloatArray
+from remanent._typing import ComplexArray, FloatArray, IntArray
+from remanent.results.build import Labelled
 from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
 from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.statics._folds import folds_along_first_varied_parameter
 from remanent.studies.statics._static_box import require_static_box
 from remanent.studies.statics._static_errors import square_root_error
 from remanent.studies.statics._written_body import WrittenBody
+from remanent.studies.statics._written_snap_through import written_fold_columns
 
 #: Share of the largest eigenvalue below which the sign of a real part is not told.
 _UNDECIDED_SHARE = 1e-7
@@ -43,11 +46,22 @@ def written_equilibria(ens: Ensemble, state_box: Mapping[str, Any] | None) -> xr
         dim = last.get(name.removesuffix("_error"))
         dims = ("equilibrium", dim) if dim and stacked.ndim > 2 else ("equilibrium",)
         variables[name] = (dims, stacked)
-    reasons = np.array([reason for _, reason in found])
+    missing: list[str] = []
+
+    def folds_of_cases(
+        name: str, cases: IntArray, bounds: tuple[FloatArray, FloatArray]
+    ) -> dict[str, NDArray[Any]]:
+        columns, reasons = written_fold_columns(ens, box, name, cases, bounds)
+        missing.extend(dict.fromkeys(reason for reason in reasons if reason))
+        return columns
+
+    folds = folds_along_first_varied_parameter(ens, folds_of_cases)
+    reasons = np.array(["; ".join(one for one in (reason, *missing) if one) for _, reason in found])
     status = np.where(
         ens.is_invalid, Status.INVALID, np.where(reasons != "", Status.INCOMPLETE, Status.OK)
     )
-    coords = {"equilibrium": (("equilibrium",), np.arange(count))}
+    coords: dict[str, Labelled] = {"equilibrium": (("equilibrium",), np.arange(count))}
+    coords |= {"fold": folds.pop("fold")} if folds else {}
     sizes = {"mode": bodies[0].inertial.size, "eigenvalue": bodies[0].moving.size}
     coords |= {
         dim: ((dim,), np.arange(size))
@@ -55,7 +69,8 @@ def written_equilibria(ens: Ensemble, state_box: Mapping[str, Any] | None) -> xr
         if any(dim in labelled[0] for labelled in variables.values())
     }
     return to_dataset(
-        ens, {**variables, "reason": reasons}, coords=coords, status=status.astype(np.int8),
+        ens, {**variables, "reason": reasons}, coords=coords, shared=folds,
+        status=status.astype(np.int8),
         tolerance=None, state_box=box.ravel(),
     )  # fmt: skip
 
