@@ -298,11 +298,12 @@ def _describe_own_system(name: str, own: Mapping[str, VariableText]) -> Descript
     if field and load in own:
         row = describe(field)
         words = row.long_name.replace("magnetic ", "")
+        units = {key: text.units for key, text in own.items()} | {"load": own[load].units}
         return replace(
             row,
             name=name,
             long_name=f"{words} of the {own[load].long_name}",
-            units=own[load].units if field in _LOAD_ROWS else row.units,
+            units=_units_of_kinds(units).get(row.kind, row.units),
             symbol=rf"{row.symbol}_{{{own[load].symbol}}}",
             kind=QuantityKind.NONE,
         )
@@ -318,8 +319,6 @@ def _describe_own_system(name: str, own: Mapping[str, VariableText]) -> Descript
     return _in_words_of_system(describe(name), own)
 
 
-#: Fields of drives that are loads themselves.
-_LOAD_ROWS: Final = frozenset({"m", "mean"})
 #: The symbol of a load that has no other.
 _NO_SYMBOL_OF_LOAD: Final = r"\mathrm{load}"
 
@@ -340,6 +339,22 @@ def _own_row(name: str, text: VariableText) -> Description:
     return Description(name, text.units, text.long_name, text.symbol, ("time",))
 
 
+def _units_of_kinds(units: Mapping[str, str]) -> dict[QuantityKind, str]:
+    """Units of rows by their kind, where units of time, energy and the load are given."""
+    time = units.get("time", "1")
+    per_time = {} if time == "1" else {
+        QuantityKind.RATE: f"{time}-1",
+        QuantityKind.SQUARED_RATE: f"{time}-2",
+        QuantityKind.FREQUENCY: f"rad {time}-1",
+    }  # fmt: skip
+    return {
+        QuantityKind.ENERGY_DENSITY: units.get("energy", "1"),
+        QuantityKind.TIME: time,
+        QuantityKind.LOAD: units.get("load", "1"),
+        **per_time,
+    }
+
+
 def _in_words_of_system(row: Description, own: Mapping[str, VariableText]) -> Description:
     """A row of the table in the words and units of a system of the user's own."""
     words, symbol = _ACTUATOR_OBSERVABLE
@@ -349,17 +364,10 @@ def _in_words_of_system(row: Description, own: Mapping[str, VariableText]) -> De
         long_name = long_name.replace(words, observable.long_name)
         row = replace(row, symbol=row.symbol.replace(symbol, observable.symbol))
         units = observable.units
-    if row.name in _LOAD_ROWS and "load" in own:
-        text = own["load"]
-        has_symbol = row.name == "m" and text.symbol != _NO_SYMBOL_OF_LOAD
-        symbol = text.symbol if has_symbol else row.symbol
-        return replace(
-            row, long_name=long_name, units=text.units, symbol=symbol, kind=QuantityKind.NONE
-        )
-    own_units = {
-        QuantityKind.ENERGY_DENSITY: own["energy"].units if "energy" in own else "1",
-        QuantityKind.TIME: own["time"].units if "time" in own else "1",
-    }
+    of_load = own["load"].symbol if "load" in own else _NO_SYMBOL_OF_LOAD
+    if row.name.split("_")[-1] == "m" and of_load != _NO_SYMBOL_OF_LOAD:
+        row = replace(row, symbol=of_load)
+    own_units = _units_of_kinds({name: text.units for name, text in own.items()})
     return replace(
         row,
         long_name=long_name,
