@@ -206,7 +206,8 @@ def fit(
     attributes["deviations"] = "given" if observed.has_absolute_deviations else "equal"
     if not best.has_converged:
         attributes["reason"] = _NO_END_REASON
-    return build.dataset(variables, _fit_coordinates(guess, measurements), attributes)
+    coords = _fit_coordinates(guess, measurements)
+    return build.dataset(variables, coords, attributes, system.variable_texts())
 
 
 def _require_run_length(duration: float | None, periods: int | None) -> None:
