@@ -51,7 +51,15 @@ def constant_drive(system: System, m: ConstantLoadArgument) -> Drive:
 
 
 def _require_loads_of_system(m: Mapping[str, float], names: tuple[str, ...]) -> None:
-    """Refuse names of loads that the system does not have."""
+    """Refuse names of loads that the system does not have, and none at all."""
+    if not m:
+        raise InputError(
+            "m",
+            must=f"name loads of the system: {', '.join(names)}",
+            got="none",
+            why="A mapping says which load has which value.",
+            fix=f"Pass for example {{{names[0]!r}: 0.1}}, or leave it out for no load.",
+        )
     for name in m:
         if name not in names:
             raise InputError(
