@@ -30,6 +30,8 @@ _FLATNESS = 1e-12
 _MAX_EVALUATIONS = 3e5
 #: Half the step of a difference of the determinant, as a share of the box.
 _HALF_STEP = 1e-5
+#: Rounding of a number near 1.
+_ROUNDING = float(np.finfo(float).eps)
 #: Newton steps from a start.
 _MAX_NEWTON_STEPS = 12
 #: How far from its start, as a share of the box, a fold or a crossing may be.
@@ -98,15 +100,18 @@ class _Search:
         return self.width.size - 1
 
     def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> MapImage:
-        """Places plus their balance: a map whose fixed points are the equilibria."""
-        values = parameters[:, 0]
-        changed = {self.name: values}
-        stiffness = self.body.stiffness(states, changed)
-        slope = self.body.balance_slope(states, self.name, values)
-        _, bound = self.body.balance_rounding(states, changed)
+        """Points plus their balance over its size: a map whose fixed points are the equilibria.
+
+        States and the parameter are those of the unit box, in which derivatives are near 1.
+        """
+        points = np.column_stack([states, parameters])
+        places, changed = self._unscaled(points)
+        n = self.dimension
+        derivative = self._balance_derivative(places, changed)
+        _, bound = self.body.balance_rounding(places, changed)
         return MapImage(
-            states + self.body.balance(states, changed), stiffness + np.eye(self.dimension),
-            slope[:, :, None], bound.max(axis=1),
+            states + self.functions(points)[:, :n], derivative[:, :, :n] + np.eye(n),
+            derivative[:, :, n:], np.maximum((bound / self.size[:n]).max(axis=1), _ROUNDING),
         )  # fmt: skip
 
     def functions(self, points: FloatArray) -> FloatArray:
@@ -120,17 +125,20 @@ class _Search:
         unknown = self.corner + self.width * points
         return unknown[:, :-1], {self.name: unknown[:, -1]}
 
+    def _balance_derivative(self, places: FloatArray, changed: dict[str, FloatArray]) -> FloatArray:
+        """Derivatives of the balance over its size, by the unit box, (point, n, n + 1)."""
+        slope = self.body.balance_slope(places, self.name, changed[self.name])
+        both = np.concatenate([self.body.stiffness(places, changed), slope[:, :, None]], axis=2)
+        return np.asarray(both * self.width / self.size[: self.dimension, None])
+
     def sample(self, points: FloatArray, tolerance: float, effort: IntArray | None) -> Sample:
         """See :class:`remanent.analysis.orbits.cell_samples.SampledFunction`."""
         places, changed = self._unscaled(points)
-        n, values = self.dimension, changed[self.name]
+        n = self.dimension
         with np.errstate(all="ignore"):
             value = self.functions(points)
             derivative = np.empty((len(points), n + 1, n + 1))
-            derivative[:, :n, :n] = self.body.stiffness(places, changed)
-            derivative[:, :n, n] = self.body.balance_slope(places, self.name, values)
-            derivative[:, :n] *= self.width
-            derivative[:, :n] /= self.size[:n, None]
+            derivative[:, :n] = self._balance_derivative(places, changed)
             for k, step in enumerate(_HALF_STEP * np.eye(n + 1)):
                 ends = [self.functions(points + side * step)[:, n] for side in (1.0, -1.0)]
                 derivative[:, n, k] = (ends[0] - ends[1]) / (2.0 * _HALF_STEP)
@@ -156,23 +164,23 @@ class _Search:
         return points
 
     def located(self, kind: str, starts: FloatArray) -> list[LocatedPoint]:
-        """Special points of a kind near starts in the unit box, each once, within the box."""
+        """Special points of a kind near starts in the unit box, each once, within the box.
+
+        Unknowns and errors are those of the unit box.
+        """
         if not len(starts):
             return []
-        guesses = self.corner + self.width * starts
         found = locate_special_points(
-            build_orbit_equations(self, 1), [kind] * len(starts), guesses,
-            np.full(len(starts), _REACHES[kind]), self.width,
+            build_orbit_equations(self, 1), [kind] * len(starts), starts,
+            np.full(len(starts), _REACHES[kind]), np.ones(self.width.size),
         )  # fmt: skip
         kept: list[LocatedPoint] = []
         for one in found:
             if one is None:
                 continue
-            place = (one.unknown - self.corner) / self.width
-            slack = one.error / self.width
-            inside = ((place >= -slack) & (place <= 1.0 + slack)).all()
-            others = [np.abs((one.unknown - k.unknown) / self.width).max() for k in kept]
-            known = (slack <= _LARGEST_ERROR).all()
+            inside = ((one.unknown >= -one.error) & (one.unknown <= 1.0 + one.error)).all()
+            known = (one.error <= _LARGEST_ERROR).all()
+            others = [np.abs(one.unknown - k.unknown).max() for k in kept]
             if known and inside and all(distance > _SAME_PLACE for distance in others):
                 kept.append(one)
         return sorted(kept, key=lambda one: float(one.unknown[-1]))
@@ -204,8 +212,7 @@ def folds_and_crossings(
     count = _FIRST_CELL_COUNTS[min(n, len(_FIRST_CELL_COUNTS)) - 1]
     edges = [np.linspace(0.0, 1.0, count + 1)] * n
     crossings = search.located("branch point", search.small_places(edges))
-    known = np.array([(one.unknown - search.corner) / search.width for one in crossings])
-    known = known.reshape(-1, 1, n)
+    known = np.array([one.unknown for one in crossings]).reshape(-1, 1, n)
 
     def is_near_crossing(centre: FloatArray, half_width: FloatArray) -> BoolArray:
         # Cells are divided where the functions are curved: what is thin and still not solved
@@ -245,8 +252,10 @@ def _search(body: WrittenBody, name: str, limits: tuple[float, float], box: Floa
 def _described(search: _Search, located: list[LocatedPoint]) -> MeetingPoints:
     """Places, values, errors and the stability of those that meet."""
     n = search.dimension
-    unknown = np.array([one.unknown for one in located]).reshape(-1, n + 1)
-    errors = np.array([one.error for one in located]).reshape(-1, n + 1)
+    points = np.array([one.unknown for one in located]).reshape(-1, n + 1)
+    errors = np.array([one.error for one in located]).reshape(-1, n + 1) * search.width
+    unknown = search.corner + search.width * points
+    errors = errors + _ROUNDING * np.abs(search.corner)
     changed = {search.name: unknown[:, n]}
     states = search.body.states(unknown[:, :n])
     words = [_stability(matrix, search.body.ens.system.conservative)
