@@ -10,6 +10,7 @@ is written, so that a formula that avoids cancellation keeps doing so.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from enum import IntEnum
 from functools import reduce
@@ -334,8 +335,8 @@ class _Translator:
         return self.instructions.input(symbol.name)
 
     def _number_value(self, number: Expression) -> SignedValue:
-        if not number.is_Rational:
-            return self.instructions.constant(float(number))
+        if not number.is_Rational or max(abs(number.p), number.q) > sys.float_info.max:
+            return self.instructions.constant(_nearest_float(number))
         numerator = self.instructions.constant(float(number.p))
         return self.instructions.div(numerator, self.instructions.constant(float(number.q)))
 
@@ -412,6 +413,14 @@ class _Translator:
 def _simplest_first(terms: Iterable[Expression]) -> list[Expression]:
     """Terms with few symbols first, so that (1 - f) + f x is computed as that."""
     return sorted(terms, key=lambda e: (len(e.free_symbols), sp.default_sort_key(e)))
+
+
+def _nearest_float(number: Expression) -> float:
+    """A number as a float, infinite where it is larger than floats can be."""
+    try:
+        return float(number)
+    except OverflowError:
+        return float("inf") if number.is_positive else float("-inf")
 
 
 def _is_reciprocal(factor: Expression) -> bool:

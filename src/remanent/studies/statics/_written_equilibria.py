@@ -138,10 +138,11 @@ class _Body:
 
     def rate_derivatives(self, states: FloatArray) -> FloatArray:
         """Derivatives of all rates by the whole state, array (point, state, state)."""
-        columns = [
-            self.rates(states + 1j * _COMPLEX_STEP * direction).imag / _COMPLEX_STEP
-            for direction in np.eye(self.moving.size)
-        ]
+        with np.errstate(all="ignore"):  # of slopes that are infinite
+            columns = [
+                self.rates(states + 1j * _COMPLEX_STEP * direction).imag / _COMPLEX_STEP
+                for direction in np.eye(self.moving.size)
+            ]
         return np.stack(columns, axis=2)
 
     def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> MapImage:
