@@ -13,6 +13,7 @@ import argparse
 import json
 import logging
 import random
+import resource
 import signal
 import sys
 import time
@@ -48,6 +49,8 @@ import remanent as rm
 #: Nothing may take longer, in seconds of processor time; a sound call of the slowest verb takes a
 #: tenth of it.
 CAP_SECONDS = 30
+#: Nor more memory: what needs more fails, where the machine would end the process.
+MOST_MEMORY_BYTES = 8 * 2**30
 #: Nor so many times as long on the clock, on a machine that does other things too.
 WAIT_FACTOR = 10
 #: Share of calls that are given a name which no argument has.
@@ -294,6 +297,7 @@ def main(words: list[str]) -> None:
     parser.add_argument("--calls", type=int, default=2000, help="of each seed")
     parser.add_argument("--out", type=Path, help="a file for the counts, JSON")
     options = parser.parse_args(words)
+    resource.setrlimit(resource.RLIMIT_AS, (MOST_MEMORY_BYTES,) * 2)
     counts: dict[str, Counter[str]] = defaultdict(Counter)
     for seed in options.seeds:
         for name, endings in run(seed, options.calls).items():

@@ -209,6 +209,12 @@ REFUSED: dict[str, tuple[Callable[[], Any], str]] = {
     "a product beyond floats": (
         lambda: rm.FirstOrderSystem(rates={"x": "1e200*1e200*x"}), "rates['x']"
     ),
+    "frequencies without end": (
+        lambda: rm.response_diagram(**SOUND["response_diagram"]() | {"slices": 2**31}), "slices"
+    ),
+    "frequencies of resonances without end": (
+        lambda: rm.resonances(**SOUND["resonances"]() | {"slices": 2**31}), "slices"
+    ),
     "rates of no formula": (lambda: LOOSE.FirstOrderSystem(rates=Unusable()), "rates"),
     "units of nothing": (lambda: DUFFING.replace(units=Unusable()), "units"),
     "a line wider than floats": (lambda: rm.plot.history(motion(), linewidth=10**400), "linewidth"),

@@ -19,13 +19,12 @@ from remanent.models.system import System
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_actuator
 from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
-from remanent.studies.ensemble.durations import require_count
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble
 from remanent.studies.ensemble.progress import ProgressArgument, as_progress
 from remanent.studies.orbits._branch_ends import CurveEnds, ends_of_curves, member_status
 from remanent.studies.orbits._branch_tables import ColumnTable
-from remanent.studies.orbits._checks import require_orbit_period
+from remanent.studies.orbits._checks import require_orbit_period, require_slices
 from remanent.studies.orbits._forced_response import require_frequency_range
 from remanent.studies.orbits._members import map_members_in_threads, stack_tables
 from remanent.studies.orbits._orbit_tables import ORBIT_DIMENSIONS
@@ -132,7 +131,7 @@ def resonances(
     _require_one_coordinate(system)
     ens = lay_out_ensemble(system, drive, over, reserved=ORBIT_DIMENSIONS)
     limits = require_frequency_range(omega_range, ens)
-    slices = require_count("slices", slices, "Orbits are looked for at each of them.")
+    slices = require_slices(slices)
     plans = [
         TracingOptions("omega", limits, state_box, period, _MAX_BRANCH_POINTS, tolerance)
         for period in orbit_periods
