@@ -56,8 +56,8 @@ def response_diagram(
     over : mapping of name to values, optional
         Values of other numeric fields; they become dimensions of the result.
     slices : int
-        At how many frequencies orbits are looked for.  A branch (an isola) that passes
-        none of them is missed.
+        At how many frequencies orbits are looked for, at most 10 000.  A branch (an isola) that
+        passes none of them is missed.
     max_points : int
         Of a branch, in each direction from the orbit where it was found.
     tolerance : float

@@ -72,8 +72,8 @@ def resonances(
     over : mapping of name to values, optional
         Values of other numeric fields; they become dimensions of the result.
     slices : int
-        At how many frequencies orbits are looked for.  A branch (an isola) that passes
-        none of them is missed.
+        At how many frequencies orbits are looked for, at most 10 000.  A branch (an isola) that
+        passes none of them is missed.
     tolerance : float
         Of the residual: the distance of an orbit's point from its image.
     progress : bool or callable, optional
