@@ -16,7 +16,7 @@ import pint
 import pytest
 import xarray as xr
 from tests.contracts.sound_calls import BODY, DAMPED, DRIVE, SOUND, branch, decaying, measure
-from tests.faults.own_systems import DUFFING, FREE
+from tests.faults.own_systems import DUFFING, FREE, PAIR
 from tests.faults.subjects import equilibria_over_loads
 from tests.faults.value_pool import Unspeakable, Unusable
 from tests.unit.plots.synthetic import basins_of_two
@@ -291,6 +291,21 @@ def test_equilibria_at_infinite_stiffness_are_none() -> None:
     alone = rm.equilibria(FREE, 0.1, state_box=box)
     assert int(alone.status) == rm.Status.OK
     np.testing.assert_array_equal(both.x[0, : alone.sizes["equilibrium"]], alone.x)
+
+
+@pytest.mark.parametrize("delta", [1e200, 1e308])
+def test_a_huge_dashpot_moves_no_equilibrium(delta: float) -> None:
+    """Places do not depend on it; eigenvalues, which overflow, say what is known of them."""
+    box = {"x": (-2.0, 2.0)}
+    damped = rm.equilibria(DUFFING, 0.1, state_box=box)
+    stiff = rm.equilibria(DUFFING.with_parameter("delta", delta), 0.1, state_box=box)
+    np.testing.assert_array_equal(stiff.x, damped.x)
+
+
+def test_a_box_as_wide_as_floats_ends_in_a_status() -> None:
+    """Nothing of it is known but that it cannot be told."""
+    wide = {"x": (-1e300, 1e300), "y": (-1e300, 1e300)}
+    assert int(rm.equilibria(PAIR, 0.1, state_box=wide).status) == rm.Status.INCOMPLETE
 
 
 def test_a_free_oscillation_that_is_too_fast_says_so() -> None:

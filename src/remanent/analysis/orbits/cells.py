@@ -84,6 +84,7 @@ class CellSearchOutcome:
     effort: float
 
 
+@np.errstate(all="ignore")  # values and slopes may be infinite
 def zeros_by_cells(
     function: SampledFunction,
     edges: list[FloatArray],

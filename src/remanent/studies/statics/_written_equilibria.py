@@ -42,6 +42,7 @@ _MATRIX_ROUNDINGS = 6.0
 _COMPLEX_STEP = 1e-100
 
 
+@np.errstate(all="ignore")  # rates and slopes may be infinite
 def written_equilibria(ens: Ensemble, state_box: Mapping[str, Any] | None) -> xr.Dataset:
     """Equilibria of every member of an ensemble under a constant load."""
     bodies = [_Body(ens, k) for k in range(ens.trajectory_count)]
@@ -138,11 +139,10 @@ class _Body:
 
     def rate_derivatives(self, states: FloatArray) -> FloatArray:
         """Derivatives of all rates by the whole state, array (point, state, state)."""
-        with np.errstate(all="ignore"):  # of slopes that are infinite
-            columns = [
-                self.rates(states + 1j * _COMPLEX_STEP * direction).imag / _COMPLEX_STEP
-                for direction in np.eye(self.moving.size)
-            ]
+        columns = [
+            self.rates(states + 1j * _COMPLEX_STEP * direction).imag / _COMPLEX_STEP
+            for direction in np.eye(self.moving.size)
+        ]
         return np.stack(columns, axis=2)
 
     def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> MapImage:
