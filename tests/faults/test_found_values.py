@@ -218,6 +218,10 @@ REFUSED: dict[str, tuple[Callable[[], Any], str]] = {
     "a file of names that are no text": (
         lambda: rm.save(xr.Dataset({1: ((2,), [1.0])}), "none.nc"), "dataset"
     ),
+    "a sweep without end": (
+        lambda: rm.bifurcation_diagram(**SOUND["bifurcation_diagram"]() | {"discard": 2**31}),
+        "discard",
+    ),
     "rates of no formula": (lambda: LOOSE.FirstOrderSystem(rates=Unusable()), "rates"),
     "units of nothing": (lambda: DUFFING.replace(units=Unusable()), "units"),
     "a line wider than floats": (lambda: rm.plot.history(motion(), linewidth=10**400), "linewidth"),
@@ -301,6 +305,13 @@ def test_a_short_integer_counts_as_any_other(verb: str) -> None:
     sound = own_sound_calls()[verb]()
     plain = getattr(rm, verb)(**sound | {"orbit_period": 1})
     xr.testing.assert_identical(getattr(rm, verb)(**sound | {"orbit_period": np.int8(1)}), plain)
+
+
+def test_a_rate_near_the_largest_number_is_followed_without_a_warning() -> None:
+    """The absolute error of x' = 1e300 meets no tolerance, and no crossing is told."""
+    fast = rm.FirstOrderSystem(rates={"x": "1e300 + load"})
+    found = rm.crossings(fast, rm.Constant(0.0), "x", 1e299, duration=1.0)
+    assert (int(found.status), found.sizes["crossing"]) == (rm.Status.MAX_STEPS, 0)
 
 
 @pytest.mark.parametrize("delta", [1e200, 1e308])

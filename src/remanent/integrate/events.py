@@ -159,6 +159,7 @@ class _CrossingFinder:
         waveform = problem.load_schedule.waveforms_at_phase
         return cls(problem.field, waveform, program, driven, value, tolerance)
 
+    @np.errstate(all="ignore")  # rates may be infinite
     def find_in_window(self, window: StepWindow) -> Crossings:
         """The crossings in a window, and its ends."""
         nodes = window.states.shape[1]

@@ -34,6 +34,8 @@ from remanent.studies.regimes._parameter_sweep import ParameterSweep, SweepSecti
 _SWEEPS_OF_DIRECTION = {"up": ("up",), "down": ("down",), "both": ("up", "down")}
 #: Bytes that a point of the section takes.
 _BYTES_PER_POINT = 64.0
+#: Most periods that pass at a value before points are kept.
+_MOST_DISCARDED_PERIODS = 1_000_000
 #: Names of dimensions that results have of their own.
 _RESERVED_DIMENSIONS = RESERVED_DIMENSIONS | {"sweep"}
 
@@ -68,7 +70,8 @@ def bifurcation_diagram(
         The order in which values are visited.  Each value starts from the state in which the
         motion left the one before, so that sweeps show hysteresis.
     discard, keep : int
-        Drive periods that pass at each value before points are kept, and points kept.
+        Drive periods that pass at each value before points are kept, at most a million, and
+        points kept.
     initial : array (state,), optional
         State at the first value of each sweep, (stretch, rate) of each coordinate; rest by
         default.
@@ -125,6 +128,14 @@ def bifurcation_diagram(
     """
     require_choice("direction", direction, ["up", "down", "both"])
     discard = require_count("discard", discard, "Whole drive periods pass.", 0)
+    if discard > _MOST_DISCARDED_PERIODS:
+        raise InputError(
+            "discard",
+            must=f"be at most {_MOST_DISCARDED_PERIODS}",
+            got=discard,
+            why="So many drive periods pass at each value, which takes seconds for a million.",
+            fix="Pass fewer; motion at the value before is where the next begins.",
+        )
     keep = require_count("keep", keep, "It is a number of points.")
     tolerance = require_tolerance(tolerance, "the error that one drive period adds")
     ens = _lay_out_sweep(system, drive, parameter, values, over, initial)
