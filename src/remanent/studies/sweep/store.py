@@ -19,6 +19,7 @@ that the numbers are there.
 
 from __future__ import annotations
 
+import hashlib
 import json
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
@@ -54,6 +55,8 @@ _LIST_CHUNKS: Final[Mapping[str, int]] = {
     "point": 64, "crossing": 64, "orbit": 8, "special": 8, "branch": 4, "peak": 4, "end": 2,
     "equilibrium": 4, "fold": 4, "snap": 2, "attractor": 4,
 }  # fmt: skip
+#: File with the checksum of the description.
+_CHECKSUM_FILE: Final = "description.sha256"
 #: Text that verbs add only where there is something to say.
 _OPTIONAL: Final = "reason"
 #: Ending of the names of lengths of lists.
@@ -93,7 +96,7 @@ class Store:
     def array(self, name: str) -> Any:
         """The Zarr array of a variable; what is known of it is kept."""
         if name not in self._arrays:
-            self._arrays[name] = _open_group(self.path)[name]
+            self._arrays[name] = _open_array(self.path / name)
         return self._arrays[name]
 
     @cached_property
@@ -154,7 +157,7 @@ class Store:
             for name in map(str, result.variables):
                 if name in self.names:
                     self._make_array_longer(name, result)
-            _consolidate(self.path)
+            seal_description(self.path)
 
     def _is_too_short(self, result: xr.Dataset) -> bool:
         names = (name for name in map(str, result.variables) if name in self.names)
@@ -235,7 +238,7 @@ def write_layout(store: Store, template: xr.Dataset) -> None:
     group.attrs.update({k: _plain(v) for k, v in attributes.items()})
     for name, variable in _all_variables(study, template).items():
         _create_array(group, store, name, variable)
-    _consolidate(path)
+    seal_description(path)
     text = json.dumps({"study": study.plain, "schema_version": SCHEMA_VERSION}, ensure_ascii=False)
     with atomic_replacement(store.bookkeeping / "study.json") as file:
         file.write_text(text, encoding="utf-8")
@@ -316,13 +319,48 @@ def _open_group(path: Path) -> Any:
     return zarr.open_group(str(path), mode="r+", zarr_format=3, use_consolidated=False)
 
 
-def _consolidate(path: Path) -> None:
-    """One description of all arrays, which readers open at once."""
+def _open_array(path: Path) -> Any:
+    """An array of which chunks are written that hold nothing, so that a missing file is a fault."""
+    import zarr
+
+    with zarr.config.set({"array.write_empty_chunks": True}):
+        return zarr.open_array(str(path), mode="r+", zarr_format=3)
+
+
+def seal_description(path: Path) -> None:
+    """Write one description of all arrays, which readers open at once, and its checksum."""
     import zarr
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # that the specification does not have it yet
         zarr.consolidate_metadata(str(path))
+    with atomic_replacement(path / BOOKKEEPING / _CHECKSUM_FILE) as file:
+        file.write_text(_checksum(path), encoding="utf-8")
+
+
+def description_is_sound(path: Path) -> bool:
+    """Whether the description of a store is as it was written."""
+    try:
+        expected = (path / BOOKKEEPING / _CHECKSUM_FILE).read_text(encoding="utf-8")
+        whole = json.loads((path / "zarr.json").read_text(encoding="utf-8"))
+        if _checksum(path) != expected:
+            return False
+        return all(
+            _own_description(json.loads((path / name / "zarr.json").read_text(encoding="utf-8")))
+            == _own_description(description)
+            for name, description in whole["consolidated_metadata"]["metadata"].items()
+        )
+    except (OSError, ValueError, KeyError):
+        return False
+
+
+def _own_description(description: Mapping[str, Any]) -> dict[str, Any]:
+    """What is said of an array or group itself."""
+    return {k: v for k, v in description.items() if k != "consolidated_metadata"}
+
+
+def _checksum(path: Path) -> str:
+    return hashlib.sha256((path / "zarr.json").read_bytes()).hexdigest()
 
 
 def _all_variables(study: Study, template: xr.Dataset) -> dict[str, xr.Variable]:
