@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from remanent._errors import RemanentError
 from remanent.analysis.orbits.stability import Stability
 from remanent.analysis.regimes.labels import Regime
+from remanent.results.stores import FLAG_LABELS, TEXT_DTYPE
 from remanent.studies.orbits._members import PADDING_OF_DTYPE_KIND
 
 _REGIMES: Final = tuple(one.meaning for one in Regime)
@@ -30,10 +31,6 @@ WORDS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
         "symmetry": ("undecided", "kept", "lost"),
     }
 )  # fmt: skip
-#: Attribute with the exact words; the names of CF cannot hold blanks.
-FLAG_LABELS: Final = "flag_labels"
-#: Attribute with the type of text.
-TEXT_DTYPE: Final = "remanent_dtype"
 
 
 def stored_values(name: str, values: NDArray[Any]) -> NDArray[Any]:
@@ -81,27 +78,6 @@ def fill_value(name: str, dtype: np.dtype[Any]) -> Any:
     if dtype.kind in "UTO":
         return -1 if name in WORDS else ""
     return PADDING_OF_DTYPE_KIND[dtype.kind]
-
-
-def read_variable(variable: xr.Variable) -> xr.Variable:
-    """A stored variable as results have it: text for numbered words."""
-    hidden = {"flag_values", "flag_meanings", FLAG_LABELS, TEXT_DTYPE}
-    if TEXT_DTYPE not in variable.attrs:
-        return _with_flags_as_arrays(variable)
-    attributes = {key: value for key, value in variable.attrs.items() if key not in hidden}
-    values = np.asarray(variable.values)
-    labels = variable.attrs.get(FLAG_LABELS)
-    if labels is not None:
-        return xr.Variable(variable.dims, np.array([*labels, ""])[values], attributes)
-    longest = max(map(len, values.ravel().tolist()), default=0)
-    return xr.Variable(variable.dims, values.astype(f"<U{max(longest, 1)}"), attributes)
-
-
-def _with_flags_as_arrays(variable: xr.Variable) -> xr.Variable:
-    attributes = dict(variable.attrs)
-    if "flag_values" in attributes:
-        attributes["flag_values"] = np.asarray(attributes["flag_values"], dtype=variable.dtype)
-    return xr.Variable(variable.dims, variable.values, attributes)
 
 
 def _plain_attribute(value: Any) -> Any:

@@ -83,7 +83,7 @@ def _create_if_missing(path: Path, study: Study) -> None:
     """Make the store; where several processes begin at once, one makes it and the others wait."""
     from filelock import FileLock
 
-    if (path / "bookkeeping" / "study.json").exists():
+    if (path / "bookkeeping" / "description.sha256").exists():
         return
     if path.exists() and not path.is_dir():
         raise InputError(
@@ -95,7 +95,7 @@ def _create_if_missing(path: Path, study: Study) -> None:
         )
     path.parent.mkdir(parents=True, exist_ok=True)
     with FileLock(path.with_name(f".{path.name}.lock")) as lock:
-        if not (path / "bookkeeping" / "study.json").exists():
+        if not (path / "bookkeeping" / "description.sha256").exists():
             _require_empty(path)
             template = study.result_of(smallest_part(study.verb, study.grid))
             create_store(path, study, template)

@@ -35,10 +35,11 @@ from numpy.typing import NDArray
 
 from remanent._errors import InputError, RemanentError
 from remanent.results.atomic import atomic_replacement
+from remanent.results.schema import describe
+from remanent.results.stores import LENGTH_ENDING, SCHEMA_VERSION, require_readable_version
 from remanent.studies.sweep.chunks import Chunking, chunking
 from remanent.studies.sweep.encoding import (
     fill_value,
-    read_variable,
     stored_attributes,
     stored_dtype,
     stored_values,
@@ -46,8 +47,6 @@ from remanent.studies.sweep.encoding import (
 from remanent.studies.sweep.grid import GridPart
 from remanent.studies.sweep.study import Study, code_identity, study_from_plain
 
-#: Version of the schema; older ones are read for ever, newer ones are refused.
-SCHEMA_VERSION: Final = 1
 #: Group for what is no result.
 BOOKKEEPING: Final = "bookkeeping"
 #: Entries along dimensions of lists that make a chunk.
@@ -59,8 +58,6 @@ _LIST_CHUNKS: Final[Mapping[str, int]] = {
 _CHECKSUM_FILE: Final = "description.sha256"
 #: Text that verbs add only where there is something to say.
 _OPTIONAL: Final = "reason"
-#: Ending of the names of lengths of lists.
-LENGTH_ENDING: Final = "_length"
 #: Seconds to wait for another process that makes an array longer.
 _LOCK_SECONDS: Final = 60.0
 #: Level of compression.
@@ -238,10 +235,10 @@ def write_layout(store: Store, template: xr.Dataset) -> None:
     group.attrs.update({k: _plain(v) for k, v in attributes.items()})
     for name, variable in _all_variables(study, template).items():
         _create_array(group, store, name, variable)
-    seal_description(path)
     text = json.dumps({"study": study.plain, "schema_version": SCHEMA_VERSION}, ensure_ascii=False)
     with atomic_replacement(store.bookkeeping / "study.json") as file:
         file.write_text(text, encoding="utf-8")
+    seal_description(path)
 
 
 def open_store(path: Path) -> Store:
@@ -255,15 +252,8 @@ def open_store(path: Path) -> Store:
     try:
         group = _open_group(path)
         attributes = dict(group.attrs)
-        version, study = int(attributes["schema_version"]), json.loads(attributes["study"])
-        if version > SCHEMA_VERSION:
-            raise InputError(
-                "store",
-                must=f"be of version {SCHEMA_VERSION} or older",
-                got=f"version {version}",
-                why=f"It was written by a newer remanent: {attributes.get('versions', '')}.",
-                fix="Install that version, or a newer one.",
-            )
+        require_readable_version(attributes)
+        study = json.loads(attributes["study"])
         chunks = dict(zip(group["status"].metadata.dimension_names, group["status"].chunks,
                           strict=True))  # fmt: skip
     except InputError:
@@ -279,38 +269,6 @@ def open_store(path: Path) -> Store:
     rebuilt = study_from_plain(study)
     shape = tuple(chunks[dim] for dim in rebuilt.grid.dims)
     return Store(path, rebuilt, Chunking(rebuilt.grid, shape))
-
-
-def load_store(path: Path) -> xr.Dataset:
-    """What a store holds, as the verb returns it, in memory.
-
-    Raises
-    ------
-    InputError
-        There is none, or it is of a newer version.
-    """
-    store = open_store(path)
-    raw = xr.open_zarr(str(path), chunks=None, consolidated=False, decode_cf=False)
-    lists = {f"{dim}{LENGTH_ENDING}" for dim in raw.dims}
-    variables = {
-        str(name): read_variable(variable)
-        for name, variable in raw.variables.items()
-        if name not in lists
-    }
-    if _OPTIONAL in variables and not _is_said(store, variables[_OPTIONAL]):
-        del variables[_OPTIONAL]
-    coords = set(raw.attrs["coordinate_names"])
-    hidden = {"coordinate_names", "has_reason"}
-    attributes = {key: value for key, value in raw.attrs.items() if key not in hidden}
-    return xr.Dataset(
-        {name: v for name, v in variables.items() if name not in coords},
-        coords={name: v for name, v in variables.items() if name in coords},
-        attrs=attributes,
-    )
-
-
-def _is_said(store: Store, reason: xr.Variable) -> bool:
-    return bool(_open_group(store.path).attrs["has_reason"]) or bool((reason.values != "").any())
 
 
 def _open_group(path: Path) -> Any:
@@ -360,7 +318,9 @@ def _own_description(description: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _checksum(path: Path) -> str:
-    return hashlib.sha256((path / "zarr.json").read_bytes()).hexdigest()
+    """Of the description and of the copy of the study."""
+    content = (path / "zarr.json").read_bytes() + (path / BOOKKEEPING / "study.json").read_bytes()
+    return hashlib.sha256(content).hexdigest()
 
 
 def _all_variables(study: Study, template: xr.Dataset) -> dict[str, xr.Variable]:
@@ -452,8 +412,6 @@ def _lengths_by(
 
 
 def _reason_attributes() -> dict[str, str]:
-    from remanent.results.schema import describe
-
     return describe(_OPTIONAL).attributes()
 
 

@@ -12,11 +12,11 @@ import xarray as xr
 from remanent._errors import InputError, shortened_repr
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
+from remanent.results import stores
 from remanent.studies.ensemble.over import OverArgument
 from remanent.studies.ensemble.progress import ProgressArgument, as_progress
 from remanent.studies.sweep.dask_engine import run_on_workers
 from remanent.studies.sweep.run import Progress, run_here, writable_store
-from remanent.studies.sweep.store import load_store
 from remanent.studies.sweep.study import Study
 
 
@@ -95,7 +95,7 @@ def sweep(
             run_here(opened, report=tell)
         else:
             run_on_workers(opened, client, report=tell)
-    return load_store(path)
+    return stores.read(path)
 
 
 def _require_no_client(client: object) -> None:

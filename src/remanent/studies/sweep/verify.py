@@ -13,12 +13,8 @@ from pathlib import Path
 import numpy as np
 
 from remanent._errors import InputError, RemanentError
-from remanent.studies.sweep.store import (
-    LENGTH_ENDING,
-    Store,
-    description_is_sound,
-    open_store,
-)
+from remanent.results.stores import LENGTH_ENDING, require_readable_version
+from remanent.studies.sweep.store import Store, description_is_sound, open_store
 from remanent.studies.sweep.study import Study, study_from_plain
 
 
@@ -78,6 +74,7 @@ def verify_store(path: Path) -> Findings:
     InputError
         There is no store, or one of a newer version.
     """
+    _require_readable(path)
     study = study_of_store(path)
     if not description_is_sound(path):
         return Findings(_DAMAGED_DESCRIPTION, (), (), 0)
@@ -103,13 +100,21 @@ _DAMAGED_DESCRIPTION = "its description is damaged"
 _DAMAGES = (ValueError, TypeError, OSError, RuntimeError, KeyError, RemanentError)
 
 
+def _require_readable(path: Path) -> None:
+    """Refuse a store whose description says that it is of a newer version."""
+    try:
+        attributes = json.loads((path / "zarr.json").read_text(encoding="utf-8"))["attributes"]
+        version = int(attributes["schema_version"])
+    except (OSError, ValueError, KeyError, TypeError):
+        return  # a damaged description
+    require_readable_version({**attributes, "schema_version": version})
+
+
 def study_of_store(path: Path) -> Study:
     """The study of a store, by the copy that its bookkeeping has, or by its description."""
     for read in (_study_by_copy, _study_by_description):
         try:
             return read(path)
-        except InputError:
-            raise
         except Exception:  # whatever a damaged file leads to, the other one is tried
             continue
     raise InputError(
