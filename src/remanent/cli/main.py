@@ -59,7 +59,7 @@ def paper(out: Path) -> None:
     click.echo(f"\n{target}")
 
 
-for command in (studies.run, studies.verify):
+for command in (studies.run, studies.verify, studies.show):
     commands.add_command(command)
 
 

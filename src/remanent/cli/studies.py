@@ -1,4 +1,4 @@
-"""The commands for studies: run one, and verify its store."""
+"""The commands for studies: run one, verify its store, show what is in it."""
 
 from __future__ import annotations
 
@@ -177,3 +177,27 @@ def verify(store: Path, repair: bool) -> None:
         found = verify_store(store)
         click.echo(found.text)
     sys.exit(int(found.integrity))
+
+
+@click.command()
+@click.argument("store", type=click.Path(exists=True, file_okay=False, path_type=Path))
+@click.option(
+    "--out",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="The picture: .png, .svg or .pdf; beside the store by default.",
+)
+def show(store: Path, out: Path | None) -> None:
+    """Draw what a store holds so far."""
+    import matplotlib as mpl
+
+    mpl.use("Agg")
+    from matplotlib import pyplot as plt
+
+    import remanent as rm
+
+    dataset = rm.load(store)
+    path = out or store.with_suffix(".png")
+    rm.plot.overview(dataset)
+    plt.savefig(path)
+    computed = int((dataset["status"] != 0).sum())
+    click.echo(f"{path} ({computed} of {dataset['status'].size} points)")
