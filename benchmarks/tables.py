@@ -152,8 +152,8 @@ def chart(data: Any) -> Table:
     return Table(heading, rows)
 
 
-def biaxial(data: Any) -> Table:
-    """Time of frequency responses of a biaxial actuator."""
+def at_equal_error(data: Any) -> Table:
+    """Time of tools that are all as exact as asked."""
     rows = [
         (name, number(one["microseconds"]), error(one["worst"]), error(one["tolerance"]))
         for name, one in data["tools"].items()

@@ -88,6 +88,15 @@ def _faster(ours: str, *peers: str) -> Callable[[Any], float | None]:
     return value
 
 
+def _faster_than(peer: str, ours: str) -> Callable[[Any], float | None]:
+    """Time of the fastest form of a peer over that of ours."""
+
+    def value(data: Any) -> float | None:
+        return _faster(ours, *(name for name in data["tools"] if name.startswith(peer)))(data)
+
+    return value
+
+
 def _seconds(numerator: str, denominator: str) -> Callable[[Any], float | None]:
     """Ratio of the times of two processes; None where one of them was left out."""
 
@@ -151,6 +160,23 @@ TARGETS = (
     Target(
         "biaxial", "two directions with a Zener branch, extremes with error",
         "heyoka.py, per core, end only", _faster("remanent", "heyoka"), 1.5, 5,
+    ),
+    Target(
+        "double_well", "a system of one's own, one resolution, no bound",
+        "heyoka.py, per core, end only",
+        _faster_than("heyoka.py", "remanent, one resolution, no bound"), 2, 5,
+    ),
+    Target(
+        "double_well", "the same with its error", "the same",
+        _faster_than("heyoka.py", "remanent"), 2, 5,
+    ),
+    Target(
+        "double_well_exponents", "its Lyapunov exponents", "heyoka.py, per core",
+        _faster_than("heyoka.py", "remanent, once"), 2, 5,
+    ),
+    Target(
+        "double_well_exponents", "the same with their error", "heyoka.py, per core, once",
+        _faster_than("heyoka.py", "remanent"), 2, 5,
     ),
     Target("branch", "one branch, per point", "AUTO-07p", _points("one"), 1, 5),
     Target("branch", "64 branches together, per point", "AUTO-07p", _points("family"), 5, 20),

@@ -124,14 +124,21 @@ def _integrator(job: Job, tolerance: float, form: Form, events: list[Any]) -> An
 
 
 def batch_integrator(
-    system: Any, rest: Sequence[float], tolerance: float, form: Form, events: Sequence[Any] = ()
+    system: Any,
+    rest: Sequence[float],
+    tolerance: float,
+    form: Form,
+    events: Sequence[Any] = (),
+    *,
+    parameter_count: int = 1,
 ) -> Any:
-    """A batch integrator of a system with one parameter, the frequency, from `rest`."""
+    """A batch integrator of a system whose first parameter is the frequency, from `rest`."""
     import heyoka as hy
 
     start = np.tile(np.array(rest)[:, None], (1, form.lanes))
+    parameters = np.ones((parameter_count, form.lanes))
     return hy.taylor_adaptive_batch(
-        system, start, pars=np.ones((1, form.lanes)), tol=tolerance, time=[0.0] * form.lanes,
+        system, start, pars=parameters, tol=tolerance, time=[0.0] * form.lanes,
         compact_mode=form.compact_mode, fast_math=True, nt_events=list(events),
     )  # fmt: skip
 

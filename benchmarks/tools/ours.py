@@ -54,13 +54,15 @@ def build_fixed(job: Job) -> Run:
 
 
 _PACKAGE = Package("remanent")
+#: Double steps per cycle that are tried, cheapest first.
+RESOLUTIONS = tuple(float(r) for r in np.unique(np.geomspace(8, 8192, 150).astype(int)))
 FIXED = Tool(
     "remanent-fixed",
     "Remanent, one resolution, no bound",
     _PACKAGE,
     "extremes",
     build_fixed,
-    settings=tuple(float(r) for r in np.unique(np.geomspace(8, 8192, 150).astype(int))),
+    settings=RESOLUTIONS,
     setting_name="double steps per cycle",
 )
 VERB = Tool(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -10,8 +11,10 @@ import pytest
 
 import remanent as rm
 
-#: Functions, and some that there are not.
-FUNCTIONS = ["sqrt", "exp", "log", "sin", "cos", "sin", "cos", "tan", "eval", "abs"]
+#: Functions of formulas.
+FUNCTIONS = ["sqrt", "exp", "log", "sin", "cos", "sin", "cos"]
+#: Some that there are not.
+UNKNOWN_FUNCTIONS = ["tan", "eval", "abs"]
 #: Names that mean something in one place or another, or nowhere.
 NAMES = ["x", "y", "x", "y", "x_rate", "y_rate", "load", "k", "pi", "z", "omega", "__class__", "I"]
 #: Fragments that no formula may have.
@@ -21,23 +24,39 @@ BROKEN = ["(", ")", "**", "x..y", "lambda: 0", "x[0]", "'a'", "1e999", "0x10", "
 COUNTS = (60, 2000)
 
 
-def random_formula(rng: np.random.Generator, depth: int, names: list[str]) -> str:
-    """A formula by a grammar, seldom broken."""
-    if rng.random() < 0.006:
-        return str(rng.choice(BROKEN))
-    kind = rng.choice(["name", "number", "sum", "product", "power", "function"])
-    if depth == 0 or kind == "name":
-        return str(rng.choice(names))
-    if kind == "number":
-        return f"{rng.choice([0.0, 1.0, 0.5, 2.0, 1e-3, 3.7])!r}"
-    a, b = (random_formula(rng, depth - 1, names) for _ in range(2))
-    exponent = rng.choice(["2", "3", "-2", "0.5", "1.5", "(x)", "40", "0"])
-    return {
-        "sum": f"({a} {rng.choice(['+', '-'])} {b})",
-        "product": f"({a}) {rng.choice(['*', '*', '/'])} ({b})",
-        "power": f"({a})**{exponent}",
-        "function": f"{rng.choice(FUNCTIONS)}({a})",
-    }[kind]
+@dataclass(frozen=True)
+class Grammar:
+    """What random formulas are written with.
+
+    Attributes
+    ----------
+    names, functions
+        That are drawn from.
+    broken
+        Share of parts that no formula may have.
+    """
+
+    names: list[str]
+    functions: list[str]
+    broken: float = 0.0
+
+    def formula(self, rng: np.random.Generator, depth: int) -> str:
+        """A formula, nested so deep at most."""
+        if rng.random() < self.broken:
+            return str(rng.choice(BROKEN))
+        kind = rng.choice(["name", "number", "sum", "product", "power", "function"])
+        if depth == 0 or kind == "name":
+            return str(rng.choice(self.names))
+        if kind == "number":
+            return f"{float(rng.choice([0.0, 1.0, 0.5, 2.0, 1e-3, 3.7]))!r}"
+        a, b = (self.formula(rng, depth - 1) for _ in range(2))
+        exponent = rng.choice(["2", "3", "-2", "0.5", "1.5", "(x)", "40", "0"])
+        return {
+            "sum": f"({a} {rng.choice(['+', '-'])} {b})",
+            "product": f"({a}) {rng.choice(['*', '*', '/'])} ({b})",
+            "power": f"({a})**{exponent}",
+            "function": f"{rng.choice(self.functions)}({a})",
+        }[kind]
 
 
 def random_system(rng: np.random.Generator) -> rm.LagrangianSystem | rm.FirstOrderSystem:
@@ -45,30 +64,32 @@ def random_system(rng: np.random.Generator) -> rm.LagrangianSystem | rm.FirstOrd
     two = bool(rng.random() < 0.4)
     names = ["x", "y"][: 1 + two]
     sound = bool(rng.random() < 0.8)
-    words = [*names, *names, "load", "k"] if sound else NAMES
-
-    def energy(depth: int = 3) -> str:
-        return random_formula(rng, depth, words)
-
-    used: dict[str, Any] = (
-        {"parameters": {"k": float(rng.uniform(-2.0, 2.0))}} if rng.random() < 0.8 else {}
+    grammar = (
+        Grammar([*names, *names, "load", "k"], FUNCTIONS)
+        if sound
+        else Grammar(NAMES, [*FUNCTIONS, *UNKNOWN_FUNCTIONS], broken=0.02)
     )
+    inner = replace(grammar, names=[*names, "k"]) if sound else grammar
+
+    def energy(depth: int = 3, of: Grammar = grammar) -> str:
+        return of.formula(rng, depth)
+
+    # A parameter is refused unless it is used: here it always is.
+    used: dict[str, Any] = {"parameters": {"k": float(rng.uniform(-2.0, 2.0))}}
+    rest = {name: float(rng.choice([0.0, 0.7, 1.0])) for name in names}
     if rng.random() < 0.4:
-        return rm.FirstOrderSystem(
-            rates={name: f"{energy()} + 0*k" if used else energy() for name in names},
-            rest={name: float(rng.choice([0.0, 1.0])) for name in names},
-            **used,
-        )
+        rates = {name: f"{energy()} + 0*k" for name in names}
+        return rm.FirstOrderSystem(rates=rates, rest=rest, **used)
     kinetic = " + ".join(f"{name}_rate**2/2" for name in names)
     if not sound or rng.random() < 0.3:
-        kinetic = f"{kinetic} + {energy(2)}"
+        kinetic = f"{kinetic} + {energy(2, inner)}"
     return rm.LagrangianSystem(
         coordinates=names,
         kinetic=kinetic,
-        potential=f"{energy()} + 0*k" if used else energy(),
-        dissipation=str(rng.choice(["0", "0.1*x_rate**2", energy(2)])),
-        observable=str(rng.choice(["x", "x**2", energy(1)])),
-        rest={name: float(rng.choice([0.0, 1.0])) for name in names},
+        potential=f"{energy()} + 0*k",
+        dissipation=str(rng.choice(["0", "0.1*x_rate**2", energy(2, inner)])),
+        observable=str(rng.choice(["x", "x**2", energy(1, inner)])),
+        rest=rest,
         **used,
     )
 

@@ -12,16 +12,10 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from tests.literature.flows import ForcedOscillator
+from tests.literature.oscillators import COSINE, OSCILLATOR
 
 import remanent as rm
 from remanent._typing import FloatArray
-from remanent.analysis.orbits.bifurcations import SpecialPoint, find_special_points
-from remanent.analysis.orbits.continuation import ContinuationSettings, continue_curves
-from remanent.analysis.orbits.correction import unit_tangents
-from remanent.analysis.orbits.curves import CurvePoints
-from remanent.analysis.orbits.extended_systems import locate_special_points
-from remanent.analysis.orbits.orbit_equations import build_orbit_equations
 
 HERE = Path(__file__).parent / "auto" / "reference"
 KINDS = {"LP": "fold", "PD": "period doubling", "TR": "Neimark-Sacker", "BP": "branch point"}
@@ -133,40 +127,16 @@ def test_each_orbit_is_counted_once_at_any_tolerance(b: float, omega: float, cou
         assert int(ds.orbits) == ds.orbit.size == count
 
 
-def specials(
-    map_: ForcedOscillator,
-    x: float,
-    v: float,
-    value: float,
-    bounds: tuple[float, float],
-    period: int,
-) -> list[SpecialPoint]:
-    """Special points of the branch through a state."""
-    equations = build_orbit_equations(map_, period)
-    scale = np.array([1.0, 1.0, bounds[1] - bounds[0]])
-    unknown = np.array([[x, v, value]])
-    here = equations(unknown)
-    ahead: FloatArray = np.array([[0.0, 0.0, 1.0]])
-    start = CurvePoints(
-        unknown,
-        unit_tangents(here.derivative, ahead, scale),
-        np.abs(here.value).max(axis=1),
-        here.value_error,
-        here.extra_arrays,
-    )
-    settings = ContinuationSettings(
-        np.array([-9.0, -9.0, bounds[0]]),
-        np.array([9.0, 9.0, bounds[1]]),
-        scale,
-        first_step_length=0.005,
-        max_step_length=0.02,
-        tolerance=1e-11,
-        points_per_block=8,
-    )
-    (curve,) = continue_curves(equations, start, settings)
-    return find_special_points(
-        equations, curve.points, scale=scale, tolerance=1e-11, conservative=False
-    )
+BOX = {"x": (-9.0, 9.0), "x_rate": (-9.0, 9.0)}
+
+
+def oscillator(
+    known: dict[str, Any], free: str, value: float
+) -> tuple[rm.LagrangianSystem, rm.Sine]:
+    """The oscillator of a reference, and its load, at one value of the free parameter."""
+    values = {**known["parameters"], free: value}
+    drive = COSINE.replace(omega=values.pop("omega"))
+    return OSCILLATOR.replace(parameters=values), drive
 
 
 @pytest.mark.parametrize(
@@ -186,25 +156,19 @@ def test_special_points_of_forced_oscillators(name: str, marked: dict[str, int])
     for label, branch in branches.items():
         marks = [m for m in known["special"] if m.get("branch", label) == label]
         assert len(marks) == marked[label]
-        values = np.array(branch["points"][free])
-        low, high = values.min() - 1e-3, values.max() + 1e-3
-        k = len(values) // 2
-        start = (branch["points"]["x"][k], branch["points"]["v"][k], values[k])
-        map_ = ForcedOscillator({**known["parameters"], free: 0.0}, free)
-        found = specials(map_, *start, (low, high), branch["period"])
+        points = {name: np.array(branch["points"][name]) for name in ("x", "v", free)}
+        k = len(points["x"]) // 2
+        system, drive = oscillator(known, free, points[free][k])
+        found = rm.continue_orbit(
+            system, drive, free, (points[free].min() - 1e-3, points[free].max() + 1e-3),
+            initial=(points["x"][k], points["v"][k]), orbit_period=branch["period"],
+            state_box=BOX,
+        )  # fmt: skip
         for mark in marks:
-            near = [
-                one for one in found
-                if one.kind == KINDS[mark["kind"]]
-                and abs(one.point.unknown[0, 2] - mark[free]) < 1e-8
-            ]  # fmt: skip
-            assert near, (
-                label,
-                mark["kind"],
-                mark[free],
-                [(f.kind, f.point.unknown) for f in found],
-            )
-            assert abs(near[0].point.unknown[0, 2] - mark[free]) <= near[0].parameter_error + 1e-15
+            away = np.abs(found[f"special_{free}"] - mark[free])
+            near = (found.special_kind == KINDS[mark["kind"]]) & (away < 1e-8)
+            assert int(near.sum()) == 1, (label, mark["kind"], mark[free], found)
+            assert bool((away <= found.special_error + 1e-15)[near].all())
 
 
 def test_doublings_lead_to_the_next_branch() -> None:
@@ -213,47 +177,30 @@ def test_doublings_lead_to_the_next_branch() -> None:
     branches = {one["period"]: one["points"] for one in known["branches"]}
     marks = [one for one in known["special"] if one["kind"] == "PD"]
     assert len(marks) == 3
-    map_ = ForcedOscillator({**known["parameters"], "F": 0.0}, "F")
-    for mark, period in zip(marks[:2], (2, 4), strict=True):
-        scale = np.array([1.0, 1.0, 0.05])
-        equations = build_orbit_equations(map_, period)
-        crossing = np.array([mark["x"], mark["v"], mark["F"]])
-        (located,) = locate_special_points(
-            build_orbit_equations(map_, period // 2), ["period doubling"], crossing[None],
-            np.array([0.01]), scale,
-        )  # fmt: skip
-        assert located is not None
-        values = equations(located.unknown[None])
-        start = CurvePoints(
-            located.unknown[None], located.null_vector[None], np.abs(values.value).max(axis=1),
-            values.value_error, values.extra_arrays,
-        )  # fmt: skip
+    first = marks[0]
+    system, drive = oscillator(known, "F", first["F"] - 1e-4)
+    branch = rm.continue_orbit(
+        system, drive, "F", (0.15, 0.2), initial=(first["x"], first["v"]), state_box=BOX
+    )
+    for mark, following, period in zip(marks[:2], marks[1:], (2, 4), strict=True):
+        k = int(np.abs(branch.special_F.values - mark["F"]).argmin())
         low, high = min(branches[period]["F"]) - 1e-4, max(branches[period]["F"]) + 1e-4
-        settings = ContinuationSettings(
-            np.array([-9.0, -9.0, low]),
-            np.array([9.0, 9.0, high]),
-            scale,
-            first_step_length=0.005,
-            max_step_length=0.02,
-            tolerance=1e-11,
-            points_per_block=8,
-        )
-        (curve,) = continue_curves(equations, start, settings)
-        ours = [curve.points.unknown]
-        for n in range(1, period):  # the other phases of the same orbits
-            z = curve.points.unknown
-            ours.append(np.column_stack([map_(z[:, :2], z[:, 2:], n).state, z[:, 2]]))
-        columns = np.column_stack([branches[period][name] for name in ("x", "v", "F")])
+        branch = rm.switch_branch(branch, k, parameter_range=(low, high), state_box=BOX)
+        assert branch.attrs["orbit_period"] == period
+        scale = np.array([1.0, 1.0, 0.05])
+        columns = np.column_stack([branches[period][name] for name in ("x", "v", "F")]) / scale
         assert len(columns) > 20
         # All of its points lie on the same phase of ours, up to the sag of chords of 0.02.
-        away = [distance_to_chain(columns / scale, chain / scale).max() for chain in ours]
+        starts = {"initial.x": branch.x, "initial.x_rate": branch.x_rate, "F": branch.F}
+        over = {name: xr.DataArray(one.values, dims="place") for name, one in starts.items()}
+        section = rm.poincare_section(system, drive, periods=period, over=over)
+        chains = [
+            np.column_stack([here.x, here.x_rate, branch.F]) / scale
+            for here in (section.isel(period=n) for n in range(period))
+        ]
+        away = [distance_to_chain(columns, chain).max() for chain in chains]
         assert min(away) < 2e-4
-        nearest = find_special_points(
-            equations, curve.points, scale=scale, tolerance=1e-11, conservative=False
-        )
-        following = marks[marks.index(mark) + 1]["F"]
-        doublings = [s.point.unknown[0, 2] for s in nearest if s.kind == "period doubling"]
-        assert min(abs(value - following) for value in doublings) < 1e-8
+        assert float(np.abs(branch.special_F - following["F"]).min()) < 1e-8
 
 
 def test_a_doubled_branch_is_that_of_a_direct_search() -> None:

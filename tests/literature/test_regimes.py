@@ -16,10 +16,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-import sympy as sp
 import xarray as xr
+from tests.literature.oscillators import COSINE, OSCILLATOR, PENDULUM
 from tests.unit.analysis.regimes.iterated import Iterated, henon, logistic, rolled, standard
-from tests.unit.integrate.handmade import COSINE, Oscillator, Q, V, turning
 
 from remanent._typing import FloatArray, IntArray
 from remanent.analysis.regimes.collection import states_as_observables
@@ -31,7 +30,9 @@ from remanent.integrate.maps.advance import BlockAdvancer, BlockImage
 from remanent.integrate.maps.period_map import PeriodMap
 from remanent.models.actuator import Actuator
 from remanent.models.dissipation import Rayleigh
+from remanent.models.drives.base import Drive
 from remanent.models.drives.waves import SineSquared
+from remanent.models.system import System
 from remanent.studies.ensemble.layout import lay_out_ensemble
 from remanent.studies.ensemble.problem import initial_value_problem
 
@@ -64,34 +65,34 @@ class Rolling:
 
 
 def forced(
-    acceleration: Any, names: str, par: FloatArray, tolerance: float, count: int
+    system: System, drive: Drive, values: dict[str, FloatArray], tolerance: float, count: int
 ) -> BlockAdvancer:
-    """q'' = acceleration, driven at the frequency that comes first among the parameters."""
-    field = Oscillator(acceleration, dict.fromkeys(names.split()[1:], 0.0)).field()
-    flow = PeriodMap(field, turning, directions=count)
-    return BlockAdvancer(flow, np.ascontiguousarray(par[:, 1:]), 2.0 * np.pi / par[:, 0], tolerance)
+    """Motions of a system, one for each set of values of its numeric fields and the drive's."""
+    over = {name: xr.DataArray(v, dims="case") for name, v in values.items()}
+    ens = lay_out_ensemble(system, drive, over)
+    asked, length = initial_value_problem(ens, np.ones(ens.trajectory_count)), ens.drive_periods()
+    assert length is not None
+    flow = PeriodMap(asked.field, asked.load_schedule.waveforms_at_phase, directions=count)
+    return BlockAdvancer(flow, asked.parameters, length, tolerance)
 
 
 def oscillator(par: FloatArray, tolerance: float, count: int) -> TangentMap:
-    d, g, a, e, k, F = sp.symbols("d g a e k F", real=True)
-    law = F * COSINE - (d + g * Q**2) * V - (a + e * COSINE) * Q - k * Q**3
-    return forced(law, "omega d g a e k F", par, tolerance, count)
+    names = ("omega", "d", "g", "a", "e", "k", "F")
+    values = dict(zip(names, par.T, strict=True))
+    return forced(OSCILLATOR, COSINE, values, tolerance, count)
 
 
 def pendulum(par: FloatArray, tolerance: float, count: int) -> TangentMap:
-    d, F = sp.symbols("d F", real=True)
-    return Rolling(forced(F * COSINE - d * V - sp.sin(Q), "omega d F", par, tolerance, count))
+    values = dict(zip(("omega", "d", "F"), par.T, strict=True))
+    return Rolling(forced(PENDULUM, COSINE, values, tolerance, count))
 
 
 def actuator(par: FloatArray, tolerance: float, count: int) -> TangentMap:
     names = ("omega", "temperature", "prestress", "b", "c", "dissipation.0.eta")
     values = par * [1.0, 293.0, 1.0, 1.0, 1.0, 1.0]
-    over = {n: xr.DataArray(v, dims="case") for n, v in zip(names, values.T, strict=True)}
-    ens = lay_out_ensemble(Actuator(dissipation=Rayleigh(0.1)), SineSquared(0.4, 1.0), over)
-    asked, length = initial_value_problem(ens, np.ones(ens.trajectory_count)), ens.drive_periods()
-    assert length is not None
-    flow = PeriodMap(asked.field, asked.load_schedule.waveforms_at_phase, directions=count)
-    return BlockAdvancer(flow, asked.parameters, length, tolerance)
+    damped = Actuator(dissipation=Rayleigh(0.1))
+    over = dict(zip(names, values.T, strict=True))
+    return forced(damped, SineSquared(0.4, 1.0), over, tolerance, count)
 
 
 def plain_map(step: Any) -> Callable[..., TangentMap]:

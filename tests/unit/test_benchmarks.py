@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import xarray as xr
 from benchmarks import targets
 from benchmarks.__main__ import missing_peers
 from benchmarks.accuracy import cheapest
@@ -19,9 +20,10 @@ from benchmarks.machine_code import assembly, work_per_pass
 from benchmarks.multiply_add import CHAINS, source
 from benchmarks.reference import Reference
 from benchmarks.targets import TARGETS, Verdict, verdicts
-from benchmarks.tools import heyoka_batch, ours, scipy_dop853
+from benchmarks.tools import double_well, heyoka_batch, ours, scipy_dop853
 from benchmarks.tools.tool import TOLERANCES, Answer, Run
 
+import remanent as rm
 from remanent.integrate.ensemble.problem import Request
 from remanent.integrate.ensemble.resolution import choose_method
 from remanent.integrate.kernel.compile import TargetProcessor, host_processor
@@ -110,6 +112,27 @@ def test_errors_leave_out_what_nobody_resolves_and_show_what_has_no_value() -> N
     truth = Reference({"extremes": np.zeros((3, 2))}, np.array([True, False, True]))
     error = truth.error("extremes", np.array([[2.0, -3.0], [9.0, 9.0], [np.nan, 1.0]]))
     np.testing.assert_array_equal(error, [3.0, np.nan])
+
+
+def test_the_double_well_is_the_same_for_heyoka() -> None:
+    """A motion for one drive period, and the exponent of regular motion, as ours has them."""
+    pytest.importorskip("heyoka")
+    omega, m = np.array([0.9, 1.3]), np.array([0.06, 0.05])
+    well = rm.LagrangianSystem.example().replace(
+        parameters={"delta": double_well.DELTA}, rest={"x": double_well.REST[0]}
+    )
+    over = {"omega": xr.DataArray(omega, dims="case"), "m": xr.DataArray(m, dims="case")}
+    drive = rm.Sine(0.05, 1.0, phase=np.pi / 2.0)
+    form = heyoka_batch.FORMS[0]
+    states = double_well.heyoka_ends(form)(
+        omega, m, np.tile(double_well.REST, (2, 1)), 2.0 * np.pi / omega, 1e-15
+    )
+    section = rm.poincare_section(well, drive, periods=1, over=over).isel(period=1)
+    ours = np.column_stack([section.x, section.x_rate])
+    assert (np.abs(states - ours).max(axis=1) <= section.error.values + 1e-13).all()
+    # Motion spirals into an orbit: by Liouville's formula both exponents are -delta/2.
+    exponents = double_well.heyoka_exponents(form)(omega, m, 2000, 1e-12)
+    np.testing.assert_allclose(exponents, -double_well.DELTA / 2.0, rtol=0.0, atol=5e-4)
 
 
 def test_the_cosine_of_twice_the_frequency_is_the_squared_sine() -> None:

@@ -29,30 +29,31 @@ def build_field(system: System, drive: Drive) -> Field:
     inputs = ("drive_phase", *state, *parameters, *drive.waveform_names)
     levels = _dependence_level_of_symbol(form, parameters, drive)
 
-    def program(*outputs: Any, definitions: Any = form.definitions, **options: Any) -> Program:
+    def program(form: FirstOrderForm, *outputs: Any, **options: Any) -> Program:
         return lower_to_program(
-            outputs, inputs=inputs, levels=levels, definitions=definitions, **options
+            outputs, inputs=inputs, levels=levels, definitions=form.definitions, **options
         )
 
-    ways = [(form.definitions, form.rates), *([form.alternative] if form.alternative else [])]
-    rates = [
-        program(
-            *outputs,
-            definitions=definitions,
-            admissibility_conditions=form.admissibility_conditions,
-        )
-        for definitions, outputs in ways
-    ]
+    def program_of_rates(form: FirstOrderForm) -> Program:
+        conditions = form.admissibility_conditions
+        return program(form, *form.rates, admissibility_conditions=conditions)
+
+    forms = [form, *([form.alternative] if form.alternative else [])]
+    rates = [program_of_rates(one) for one in forms]
+    # Of equal costs the first.
+    cheapest = min(range(len(forms)), key=lambda k: program_cost(rates[k]))
 
     return Field(
         variables=form.variables,
         load_names=form.load_names,
         parameter_names=parameters,
         waveform_names=drive.waveform_names,
-        rates=min(rates, key=program_cost),
+        rates=rates[cheapest],
         observable_name=form.observable_name,
-        observable_and_rates=program(*form.observable_and_rates),
-        observables={name: program(e, as_written=True) for name, e in form.observables.items()},
+        observable_and_rates=program(forms[cheapest], *forms[cheapest].observable_and_rates),
+        observables={
+            name: program(form, e, as_written=True) for name, e in form.observables.items()
+        },
     )
 
 

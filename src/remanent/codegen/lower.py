@@ -21,6 +21,7 @@ import sympy as sp
 from remanent._field import Program
 from remanent._instructions import InstructionBuilder, SignedValue, program_cost
 from remanent.codegen.rational import Quotient, as_quotient, least_common_multiple, rationalised
+from remanent.derivation.expansion import may_be_expanded
 from remanent.derivation.symbols import Expression, Symbol, substitute_definitions
 from remanent.derivation.unexpanded import Unexpanded
 
@@ -42,6 +43,9 @@ class DependenceLevel(IntEnum):
 #: Up to so many state variables, normal forms of all rates may be shorter than their
 #: structure, and both are tried.
 _MAX_STATES_FOR_NORMAL_FORM: Final = 2
+
+#: Largest numerator or denominator of a number that is computed as a quotient.
+_LARGEST_PART_OF_QUOTIENT: Final = 10**300
 
 #: The instruction for each function of SymPy.
 _INSTRUCTION_OF_FUNCTION: Final = {
@@ -103,6 +107,8 @@ def lower_to_program(
     }
     generators: dict[Expression, Symbol] = {}
     rational = [rationalised(substitute_definitions(e, inner), generators) for e in plain]
+    if not may_be_expanded(*rational):
+        return structured
     meanings = {s: e for s, e in definitions.items() if s not in inner}
     meanings |= {symbol: e for e, symbol in generators.items()}
     translator = _Translator(InstructionBuilder(inputs), levels, meanings)
@@ -334,7 +340,7 @@ class _Translator:
         return self.instructions.input(symbol.name)
 
     def _number_value(self, number: Expression) -> SignedValue:
-        if not number.is_Rational:
+        if not number.is_Rational or max(abs(number.p), number.q) > _LARGEST_PART_OF_QUOTIENT:
             return self.instructions.constant(float(number))
         numerator = self.instructions.constant(float(number.p))
         return self.instructions.div(numerator, self.instructions.constant(float(number.q)))

@@ -243,7 +243,7 @@ class FirstOrderForm:
     parameter_symbols
         Symbols of numeric fields of the system, where they are not those of an actuator's.
     alternative
-        Other definitions and rates with the same values, which may be cheaper to compute.
+        The same system with other intermediate symbols, which may be cheaper to compute.
     """
 
     state_symbols: tuple[Symbol, ...]
@@ -256,4 +256,4 @@ class FirstOrderForm:
     observables: Mapping[str, Expression]
     admissibility_conditions: tuple[Expression, ...] = ()
     parameter_symbols: Mapping[str, Symbol] = field(default_factory=dict)
-    alternative: tuple[Mapping[Symbol, Expression], tuple[Expression, ...]] | None = None
+    alternative: FirstOrderForm | None = None

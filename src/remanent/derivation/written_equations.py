@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, Final
@@ -11,6 +11,12 @@ import sympy as sp
 
 from remanent._errors import InputError
 from remanent._field import Role, StateVariable
+from remanent.derivation.expansion import may_be_expanded
+from remanent.derivation.linear_solve import (
+    nested_in_pair,
+    solve_pair_expanded,
+    solve_symmetric,
+)
 from remanent.derivation.motion import FirstOrderForm
 from remanent.derivation.symbols import (
     Expression,
@@ -58,27 +64,35 @@ def first_order_form_of_energies(system: LagrangianSystem, drive: Drive) -> Firs
             rates[q], rates[velocity[q]] = velocity[q], acceleration
         return rates | {xi: velocity[xi] for xi in internal}
 
-    more, accelerations = solve_symmetric(parts.mass, parts.forces, "motion")
-    alternative = None
-    if len(moving) == 2:
-        expanded, others = solve_pair_expanded(parts.mass, parts.forces, moving)
-        alternative = (definitions | expanded, tuple(rates_for(others).values()))
-    definitions |= more
-    rates = rates_for(accelerations)
     roles = dict.fromkeys(system.first_order_names, Role.INTERNAL)
     for q in system.second_order_names:
         roles |= {q: Role.COORDINATE, f"{q}{RATE_SUFFIX}": Role.RATE}
-    return _assemble(
-        system,
-        drive,
-        rates,
-        roles=roles,
-        definitions=definitions,
-        energies=_energies_and_powers(system, parts),
-        alternative=alternative,
-    )
+    energies = _energies_and_powers(system, parts)
+
+    def form(
+        solution: tuple[Mapping[Symbol, Expression], Sequence[Expression]], **options: Any
+    ) -> FirstOrderForm:
+        more, accelerations = solution
+        return _assemble(
+            system, drive, rates_for(accelerations), roles=roles,
+            definitions={**definitions, **more}, energies=energies, **options,
+        )  # fmt: skip
+
+    alternative = None
+    if len(moving) == 2 and may_be_expanded(*parts.mass, *parts.forces):
+        varying = (*moving, *velocity.values())
+        more, accelerations = solve_pair_expanded(parts.mass, parts.forces, varying)
+
+        def nested(expression: Expression) -> Expression:
+            small = may_be_expanded(expression)
+            return nested_in_pair(expression, (*varying, *accelerations)) if small else expression
+
+        alternative = form((more, accelerations), rewritten=nested)
+    return form(solve_symmetric(parts.mass, parts.forces, "motion"), alternative=alternative)
 
 
+#: Largest number that rates may hold.
+_LARGEST_NUMBER: Final = 10**300
 #: Functions that rates may hold.
 _REAL_FUNCTIONS: Final = frozenset({sp.exp, sp.log, sp.sin, sp.cos, sp.atan})
 
@@ -138,131 +152,6 @@ def lagrange_equations(system: LagrangianSystem) -> LagrangeEquations:
         sp.diff(lagrangian, xi) - sp.diff(dissipation, velocity[xi]) for xi in internal
     )
     return LagrangeEquations(energies, velocity, moving, internal, mass, forces, balances)
-
-
-def solve_symmetric(
-    matrix: Any, right: Sequence[Expression], name: str
-) -> tuple[dict[Symbol, Expression], list[Expression]]:
-    """Solve A x = b for a symmetric positive matrix, in definitions: A = L D L^T.
-
-    Elimination needs no exchange of rows where A is positive.
-
-    Parameters
-    ----------
-    matrix : Matrix (n, n)
-    right : sequence of Expression (n,)
-    name : str
-        What symbols of intermediate results begin with.
-
-    Returns
-    -------
-    definitions : dict of Symbol to Expression
-        What the intermediate symbols stand for, in order.
-    solution : list of Expression (n,)
-    """
-    n = len(right)
-    definitions: dict[Symbol, Expression] = {}
-    if n == 1:  # the plain quotient, whose form stays that of the energies
-        return definitions, [right[0] / matrix[0, 0]]
-
-    def define(kind: str, value: Expression) -> Expression:
-        if value.is_Number or value.is_Symbol:
-            return value
-        symbol = sp.Symbol(f"{name}.{kind}", real=True)
-        definitions[symbol] = value
-        return symbol
-
-    pivots: list[Expression] = []
-    lower = sp.eye(n)
-    for j in range(n):
-        left_out = sum((lower[j, k] ** 2 * pivots[k] for k in range(j)), start=sp.Integer(0))
-        pivots.append(define(f"pivot_{j}", matrix[j, j] - left_out))
-        for i in range(j + 1, n):
-            left_out = sum(
-                (lower[i, k] * lower[j, k] * pivots[k] for k in range(j)), start=sp.Integer(0)
-            )
-            lower[i, j] = define(f"factor_{i}_{j}", (matrix[i, j] - left_out) / pivots[j])
-    forward: list[Expression] = []
-    for i in range(n):
-        known = sum((lower[i, k] * forward[k] for k in range(i)), start=sp.Integer(0))
-        forward.append(define(f"force_{i}", sp.sympify(right[i]) - known))
-    solution: list[Expression] = [sp.Integer(0)] * n
-    for i in reversed(range(n)):
-        known = sum((lower[k, i] * solution[k] for k in range(i + 1, n)), start=sp.Integer(0))
-        solution[i] = define(f"solution_{i}", forward[i] / pivots[i] - known)
-    return definitions, solution
-
-
-def solve_pair_expanded(
-    matrix: Any, right: Sequence[Expression], coordinates: Sequence[Symbol]
-) -> tuple[dict[Symbol, Expression], list[Expression]]:
-    """Solve A x = b for two unknowns by Cramer's rule, everything written out and collected.
-
-    Negative powers of the coordinates become powers of one over their product, the only
-    quotient beside that by the determinant.  Terms with the same parameters are factored.
-
-    Returns
-    -------
-    definitions, solution
-        As of :func:`solve_symmetric`.
-    """
-    inverse_product = sp.Symbol("pair.inverse_product", real=True)
-    entries = [matrix[0, 0], matrix[0, 1], matrix[1, 1], *right]
-    scale = sp.ilcm(*(_common_denominator(sp.expand(e)) for e in entries))
-    names = ("mass_1", "mass_12", "mass_2", "force_1", "force_2")
-    m_1, m_12, m_2, f_1, f_2 = (sp.Symbol(f"pair.{name}", real=True) for name in names)
-    definitions: dict[Symbol, Expression] = {inverse_product: 1 / sp.Mul(*coordinates)}
-    for symbol, entry in zip((m_1, m_12, m_2, f_1, f_2), entries, strict=True):
-        definitions[symbol] = _collected(scale * entry, coordinates, inverse_product)
-    determinant = sp.together(
-        sp.expand(scale**2 * (matrix[0, 0] * matrix[1, 1] - matrix[0, 1] ** 2))
-    )
-    numerator, denominator = sp.fraction(determinant)
-    over_determinant = sp.Symbol("pair.over_determinant", real=True)
-    definitions[over_determinant] = denominator / numerator
-    return definitions, [
-        over_determinant * (m_2 * f_1 - m_12 * f_2),
-        over_determinant * (m_1 * f_2 - m_12 * f_1),
-    ]
-
-
-def _common_denominator(expression: Expression) -> int:
-    """The least common multiple of the denominators of the numbers in front of terms."""
-    factors = (term.as_coeff_Mul()[0] for term in sp.Add.make_args(expression))
-    return int(sp.ilcm(1, *(c.q for c in factors if c.is_Rational)))
-
-
-def _collected(
-    expression: Expression, coordinates: Sequence[Symbol], inverse_product: Symbol
-) -> Expression:
-    """A sum with terms of equal parameters factored, without negative powers of coordinates."""
-    groups: dict[Expression, list[tuple[Expression, int]]] = {}
-    for term in sp.Add.make_args(sp.expand(expression)):
-        powers = term.as_powers_dict()
-        below = [sp.sympify(-powers.get(q, 0)) for q in coordinates]
-        k = int(max([0, *(power for power in below if power.is_Integer)]))
-        rates = _moving_atoms(term, coordinates)
-        constant, moving = term.as_independent(*coordinates, *rates, as_Add=False)
-        number, constant = constant.as_coeff_Mul()
-        groups.setdefault(constant, []).append((number * moving, k))
-    total = sp.Integer(0)
-    for constant, terms in groups.items():
-        powers_below = [k for _, k in terms]
-        # Where all terms have a negative power, the same for all shows more common factors.
-        shared = max(powers_below) if min(powers_below) > 0 else None
-        total += constant * sp.factor(
-            sum(
-                term * (sp.Mul(*coordinates) * inverse_product) ** (k if shared is None else shared)
-                for term, k in terms
-            )
-        )
-    return total
-
-
-def _moving_atoms(expression: Expression, coordinates: Sequence[Symbol]) -> list[Symbol]:
-    """Rates of the coordinates that occur in an expression."""
-    rates = {f"{q.name}{RATE_SUFFIX}" for q in coordinates}
-    return [s for s in expression.free_symbols if s.name in rates]
 
 
 def _linear_in(
@@ -329,9 +218,10 @@ def _assemble(
     roles: Mapping[str, Role],
     definitions: Mapping[Symbol, Expression] | None = None,
     energies: Mapping[str, Expression] | None = None,
-    alternative: tuple[Mapping[Symbol, Expression], tuple[Expression, ...]] | None = None,
+    alternative: FirstOrderForm | None = None,
+    rewritten: Callable[[Expression], Expression] = sp.sympify,
 ) -> FirstOrderForm:
-    """Everything put together, with the observable and its rates."""
+    """Everything put together, with the observable and its rates in the form `rewritten`."""
     symbols = symbols_by_name(system)
     inner = dict(definitions or {})
     loads = [symbols[name] for name in system.load_names]
@@ -350,7 +240,12 @@ def _assemble(
     by_load = loads_in_symbols(drive.loads_by_name, drive)
     laws = {symbols[load.name]: law for load, law in by_load.items()}
     written = [*rates.values(), *inner.values(), observable, rate, acceleration]
-    _require_real(system, [*written, *(energies or {}).values()])
+    conditions = tuple(
+        _in_symbols(part, symbols) * _in_symbols(part, _rest_symbols(system, symbols))
+        for part in system.sign_conditions()
+        if part.text not in bare
+    )
+    _require_real(system, [*written, *(energies or {}).values(), *conditions])
     return FirstOrderForm(
         state_symbols=tuple(rates),
         variables=tuple(
@@ -360,33 +255,31 @@ def _assemble(
         definitions={**laws, **inner},
         rates=tuple(rates.values()),
         observable_name=system.observable_name,
-        observable_and_rates=(observable, rate, acceleration, rate),
+        observable_and_rates=tuple(map(rewritten, (observable, rate, acceleration, rate))),
         observables={
             **named,
             **{load.name: load for load in loads},
             **(energies or {}),
         },
-        admissibility_conditions=tuple(
-            _in_symbols(part, symbols) * _in_symbols(part, _rest_symbols(system, symbols))
-            for part in system.sign_conditions()
-            if part.text not in bare
-        ),
+        admissibility_conditions=conditions,
         parameter_symbols={name: symbols[name] for name in system.parameter_values()},
-        alternative=None if alternative is None else ({**laws, **alternative[0]}, alternative[1]),
+        alternative=alternative,
     )
 
 
 def _require_real(system: WrittenSystem, expressions: Sequence[Expression]) -> None:
     """Raise where rates have no value in real numbers, whatever the state."""
-    for expression in expressions:
-        functions = {f.func for f in sp.sympify(expression).atoms(sp.Function)}
-        if functions - _REAL_FUNCTIONS or expression.has(sp.I, sp.zoo, sp.nan, sp.oo):
+    for expression in map(sp.sympify, expressions):
+        functions = {f.func for f in expression.atoms(sp.Function)}
+        large = any(abs(n) > _LARGEST_NUMBER for n in expression.atoms(sp.Rational))
+        if functions - _REAL_FUNCTIONS or expression.has(sp.I, sp.zoo, sp.nan, sp.oo) or large:
             raise InputError(
                 next(iter(system.formulas())),
-                must="have derivatives in real numbers",
+                must="have derivatives in real numbers that a float can hold",
                 got=repr(system)[:80],
                 why="The equations of motion hold the derivatives of the formulas.",
-                fix="Look for powers, roots and logarithms of negative numbers.",
+                fix="Look for powers of large numbers, and for powers, roots and logarithms of "
+                "negative numbers.",
             )
 
 

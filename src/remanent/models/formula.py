@@ -145,12 +145,64 @@ def parse_formula(text: str, name: str = "expression") -> Formula:
     return Formula(ast.unparse(tree), _variable_names(tree), tree)
 
 
-def sympy_as_formula_text(expression: Any) -> str:
-    """A SymPy expression as text, its decimal fractions exact."""
+def is_sympy_expression(value: object) -> bool:
+    """Whether it is one, or a like object of SymPy; its symbols are not looked for."""
+    return not isinstance(value, type) and hasattr(type(value), "free_symbols")
+
+
+def sympy_as_formula_text(expression: Any, name: str = "expression") -> str:
+    """A SymPy expression as text, its decimal fractions exact.
+
+    Parameters
+    ----------
+    expression
+        Arithmetic and powers of plain symbols and numbers, and the functions of formulas.
+    name
+        Of the argument, for messages.
+
+    Raises
+    ------
+    InputError
+        If anything else is in it, whose text could mean another thing: a symbol called ``pi`` or
+        ``a + b``, a function of the user's own called ``sin``; or if it is too large.
+    """
     import sympy as sp
 
-    floats = {x: sp.Rational(repr(float(x))) for x in expression.atoms(sp.Float)}
-    return str(sp.sstr(expression.xreplace(floats)))
+    parts = _sympy_parts(name, expression)
+    known = (sp.Add, sp.Mul, sp.Pow, sp.exp, sp.log, sp.sin, sp.cos)
+    for part in parts:
+        if isinstance(part, sp.Symbol):
+            sound = part.name.isidentifier() and part.name != PI_NAME
+        elif isinstance(part, sp.Number):
+            sound = part.is_finite and all(map(_fits_float, sp.fraction(part)))
+        else:
+            sound = part in (sp.pi, sp.E) or (isinstance(part, sp.Expr) and part.func in known)
+        if not sound:
+            rule = "hold plain symbols, real numbers and the functions of formulas only"
+            raise _refusal_error(name, rule, _shortened_repr(_short_text(part)))
+    exact = {x: sp.Rational(repr(float(x))) for x in parts if isinstance(x, sp.Float)}
+    exact[sp.E] = sp.Symbol("exp(1)")
+    return str(sp.sstr(expression.xreplace(exact)))
+
+
+def _sympy_parts(name: str, expression: Any) -> list[Any]:
+    """Every part of a SymPy expression, which is walked without recursion."""
+    parts, stack = [], [(expression, 1)]
+    while stack:
+        part, depth = stack.pop()
+        parts.append(part)
+        if len(parts) > MAX_NODES or depth > MAX_DEPTH:
+            raise _size_error(name, len(parts), depth)
+        stack += [(inner, depth + 1) for inner in getattr(part, "args", ())]
+    return parts
+
+
+def _short_text(part: Any) -> str:
+    """What a part of a SymPy expression is: a number may have too many digits to write."""
+    try:
+        return str(part)
+    except ValueError:
+        return f"a number of the class {type(part).__name__}"
 
 
 # What is let through --------------------------------------------------------------------
@@ -159,8 +211,12 @@ def sympy_as_formula_text(expression: Any) -> str:
 def _require_size(name: str, tree: ast.expr) -> None:
     for count, (_, depth) in enumerate(_walk_with_depth(tree), start=1):
         if count > MAX_NODES or depth > MAX_DEPTH:
-            rule = f"have at most {MAX_NODES} parts, nested {MAX_DEPTH} deep"
-            raise _refusal_error(name, rule, f"part {count} at depth {depth}")
+            raise _size_error(name, count, depth)
+
+
+def _size_error(name: str, count: int, depth: int) -> InputError:
+    rule = f"have at most {MAX_NODES} parts, nested {MAX_DEPTH} deep"
+    return _refusal_error(name, rule, f"part {count} at depth {depth}")
 
 
 def _require_allowed_node(name: str, node: ast.expr) -> None:

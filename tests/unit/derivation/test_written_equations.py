@@ -10,8 +10,11 @@ from hypothesis import strategies as st
 from sympy.calculus.euler import euler_equations
 
 import remanent as rm
+from remanent._instructions import program_cost
 from remanent.codegen.field import vector_field_for
 from remanent.codegen.formula_program import program_of_formula
+from remanent.derivation.expansion import expanded_sizes
+from remanent.derivation.linear_solve import nested_in_pair
 from remanent.models.formula import parse_formula
 
 #: A load that enters the rates at once.
@@ -146,3 +149,72 @@ def test_a_formula_becomes_the_program_of_its_value() -> None:
     by_name["thickness_stretch"] = by_name["stretch"] ** -2
     (found,) = program(list(inputs), functions=np)
     np.testing.assert_allclose(found, formula(by_name, np), rtol=1e-14)
+
+
+def test_a_high_power_of_a_sum_is_not_written_out() -> None:
+    """(k y - load - x)^40 has 12 341 terms; its powers are multiplied instead.
+
+    The value is that of the formula.
+    """
+    formula = "(k*y - (load + x))**40"
+    first = rm.FirstOrderSystem(rates={"x": formula, "y": "load"}, parameters={"k": 0.2})
+    second = rm.LagrangianSystem(
+        coordinates=("x", "y"), kinetic="(x_rate**2 + y_rate**2)/2", potential=formula,
+        parameters={"k": 0.2},
+    )  # fmt: skip
+    for system in (first, second):
+        assert program_cost(vector_field_for(system, DRIVE).rates) < 60
+    field = vector_field_for(first, rm.Constant(0.1))
+    values = {"k": 0.2, "m": 0.1}
+    (rate, _) = field.rates(
+        [0.0, -1.1, 0.3, *(values[name] for name in field.parameter_names)], functions=np
+    )
+    assert rate == pytest.approx((0.2 * 0.3 - (0.1 - 1.1)) ** 40, rel=1e-13)
+
+
+@given(power=st.integers(1, 4), other=st.integers(-3, 3))
+@settings(max_examples=20)
+def test_terms_are_counted_without_writing_them_out(power: int, other: int) -> None:
+    """No more terms than were counted; as many of a power of a sum."""
+    x, y, z = sp.symbols("x y z")
+    alone = (x + y + z) ** power
+    assert expanded_sizes(alone)[0] == len(sp.Add.make_args(sp.expand(alone)))
+    mixed = alone * (x - 2) ** other + 1 / (1 + y)
+    counted = expanded_sizes(mixed)
+    for part, most in zip(sp.fraction(sp.cancel(mixed)), counted, strict=True):
+        assert len(sp.Add.make_args(sp.expand(part))) <= most
+
+
+def test_numbers_with_many_digits_are_rounded_and_too_large_ones_refused() -> None:
+    """0.7^40 at rest is a quotient of integers beyond 1e308; 1e300^2 is no float at all."""
+    system = rm.FirstOrderSystem(rates={"x": "cos(x**40)**0.5"}, rest={"x": 0.7})
+    motion = rm.simulate(system, rm.Constant(0.0), duration=0.1)
+    assert float(motion.x[-1]) == pytest.approx(0.8, abs=1e-8)
+    large = rm.FirstOrderSystem(rates={"x": "exp(-(1e300)**2)*x"})
+    with pytest.raises(rm.InputError, match="large numbers"):
+        rm.simulate(large, rm.Constant(0.0), duration=0.1)
+
+
+@given(
+    st.lists(st.tuples(*[st.integers(-4, 4)] * 2, *[st.integers(0, 2)] * 3), min_size=1, max_size=6)
+)
+@settings(max_examples=40)
+def test_common_factors_change_no_value(rows: list[tuple[int, ...]]) -> None:
+    """A sum of powers of two coordinates, a rate, a function and a parameter, nested."""
+    x, y, v, a = sp.symbols("x y v a")
+    factors = (x, y, v, sp.cos(x), a)
+    terms = [
+        sp.Rational(n + 1, 3) * sp.Mul(*map(sp.Pow, factors, row)) for n, row in enumerate(rows)
+    ]
+    nested = nested_in_pair(sp.Add(*terms), (x, y, v))
+    values = {
+        x: sp.Rational(7, 5),
+        y: sp.Rational(-3, 4),
+        v: sp.Rational(5, 3),
+        a: sp.Rational(2, 7),
+    }
+    product = values[x] * values[y]
+    own = {sp.Symbol("pair.product", real=True): product}
+    own |= {sp.Symbol("pair.inverse_product", real=True): 1 / product}
+    left = nested.subs(own).subs(values) - sp.Add(*terms).subs(values)
+    assert abs(sp.N(left, 30)) < 1e-25

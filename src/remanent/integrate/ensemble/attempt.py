@@ -31,8 +31,8 @@ def attempt_chunk(run: Run, chunk: Chunk) -> Attempt:
     ):
         _write_segment_to_memory(memory, run, segment)
         kernel = kernels.run_kernel if segment.has_past_rates else kernels.start_kernel
-        tables = segment.select_table_rows(
-            run.cycle_tables(kernel.method.nodes, segment.resolution)
+        tables = run.cycle_tables.rows(
+            kernel.method.nodes, segment.resolution, segment.double_step_slice
         )
         sampler.run_segment(memory, kernel, tables, segment)
         # Where no trajectory is below the ceiling, the rest of the run tells nothing more.

@@ -119,15 +119,6 @@ class Segment:
         start = self.piece_start[rows] + cycle * self.cycle_length[rows]
         return np.asarray(start + (within + part) * self.fine_step_length[rows])
 
-    def select_table_rows(
-        self, cycle_tables: tuple[FloatArray, FloatArray]
-    ) -> tuple[FloatArray, FloatArray]:
-        """Those rows of the tables of a whole cycle that belong to the part."""
-        fine, coarse = cycle_tables
-        return fine[2 * self.double_step_slice.start : 2 * self.double_step_slice.stop], coarse[
-            self.double_step_slice
-        ]
-
 
 def cut_into_segments(
     load_schedule: LoadSchedule,

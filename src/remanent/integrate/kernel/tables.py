@@ -7,7 +7,15 @@ from functools import lru_cache
 
 import numpy as np
 
-from remanent._typing import FloatArray
+from remanent._typing import FloatArray, IntArray
+
+#: Tables of cycles with more double steps than this are made in blocks: a run without a period
+#: is one cycle, whose whole tables may not fit into memory.
+_MOST_DOUBLE_STEPS_OF_WHOLE_TABLES = 2**18
+#: Double steps of a block.
+_DOUBLE_STEPS_PER_BLOCK = 2**12
+#: Blocks that are remembered, by all threads: parts of one block are asked for in turn.
+_REMEMBERED_BLOCKS = 32
 
 
 def build_waveform_tables(
@@ -34,17 +42,15 @@ def build_waveform_tables(
     fine, coarse : array (step, node, 1 + waveform)
         The phase in [0, 1], then the waveforms.
     """
-    fine, coarse = (
-        _build_waveform_table(waveform, nodes, n, shift) for n in (2 * double_steps, double_steps)
-    )
-    return fine, coarse
+    return _build_rows(waveform, nodes, double_steps, shift, slice(0, double_steps))
 
 
 class CycleTables:
     """The tables of one load, made once for each resolution.
 
-    What changes: tables that were made are remembered, the last 256 of them.  They are the same
-    however often they are asked for, and may be asked for by several threads.
+    What changes: tables that were made are remembered, the last 256 of them, and the last few
+    blocks of longer ones.  They are the same however often they are asked for, and may be asked
+    for by several threads.
 
     Parameters
     ----------
@@ -57,7 +63,16 @@ class CycleTables:
         def tables(nodes: tuple[float, ...], double_steps: int) -> tuple[FloatArray, FloatArray]:
             return build_waveform_tables(waveform, nodes, double_steps, shift)
 
+        @lru_cache(maxsize=_REMEMBERED_BLOCKS)
+        def block(
+            nodes: tuple[float, ...], double_steps: int, number: int
+        ) -> tuple[FloatArray, FloatArray]:
+            begin = number * _DOUBLE_STEPS_PER_BLOCK
+            part = slice(begin, min(begin + _DOUBLE_STEPS_PER_BLOCK, double_steps))
+            return _build_rows(waveform, nodes, double_steps, shift, part)
+
         self._cached_tables = tables
+        self._cached_block = block
 
     def __call__(
         self, nodes: tuple[float, ...], double_steps: int
@@ -65,11 +80,51 @@ class CycleTables:
         """The tables for steps with these nodes, with so many double steps in a cycle."""
         return self._cached_tables(nodes, double_steps)
 
+    def rows(
+        self, nodes: tuple[float, ...], double_steps: int, part: slice
+    ) -> tuple[FloatArray, FloatArray]:
+        """Those rows of the tables that belong to a part of the double steps of a cycle.
+
+        Blocks have fixed places, so that no row depends on how a cycle is cut.
+        """
+        if double_steps <= _MOST_DOUBLE_STEPS_OF_WHOLE_TABLES:
+            first, (fine, coarse) = 0, self(nodes, double_steps)
+        else:
+            size = _DOUBLE_STEPS_PER_BLOCK
+            numbers = range(part.start // size, -(-part.stop // size))
+            first = numbers.start * size
+            blocks = [self._cached_block(nodes, double_steps, number) for number in numbers]
+            fine, coarse = (np.concatenate(tables) for tables in zip(*blocks, strict=True))
+        begin, end = part.start - first, part.stop - first
+        return fine[2 * begin : 2 * end], coarse[begin:end]
+
+
+def _build_rows(
+    waveform: Callable[[FloatArray], FloatArray],
+    nodes: Sequence[float],
+    double_steps: int,
+    shift: float,
+    part: slice,
+) -> tuple[FloatArray, FloatArray]:
+    """Rows of the fine and of the coarse table that belong to some double steps."""
+    fine, coarse = (
+        _build_waveform_table(
+            waveform, nodes, n * double_steps, shift, np.arange(n * part.start, n * part.stop)
+        )
+        for n in (2, 1)
+    )
+    return fine, coarse
+
 
 def _build_waveform_table(
-    waveform: Callable[[FloatArray], FloatArray], nodes: Sequence[float], steps: int, shift: float
+    waveform: Callable[[FloatArray], FloatArray],
+    nodes: Sequence[float],
+    steps: int,
+    shift: float,
+    numbers: IntArray,
 ) -> FloatArray:
-    phase = (np.arange(steps)[:, None] + np.array(nodes)) / steps + shift
+    """Phase and waveforms at the nodes of those of the steps that have these numbers."""
+    phase = (numbers[:, None] + np.array(nodes)) / steps + shift
     phase = np.where(phase > 1.0, phase - 1.0, phase)
     values = np.asarray(waveform(phase), dtype=float).reshape(-1, *phase.shape)
     return np.ascontiguousarray(np.concatenate([phase[None], values]).transpose(1, 2, 0))

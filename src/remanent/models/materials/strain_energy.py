@@ -107,7 +107,7 @@ class StrainEnergy(Material):
     def checked_fields(self) -> Mapping[str, Any]:
         """The formula as it was understood, if its names are known."""
         text: Any = self.expression
-        if not isinstance(text, str) and hasattr(text, "free_symbols"):
+        if formula.is_sympy_expression(text):
             text = formula.sympy_as_formula_text(text)
         if not isinstance(text, str):
             raise InputError(

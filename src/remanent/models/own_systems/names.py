@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import keyword
 from collections.abc import Iterable
 from typing import Final
 
@@ -77,6 +78,12 @@ def _problem_with(name: object, taken: set[str]) -> tuple[str, str, str] | None:
             "have names of their own",
             "It is a function or a number in formulas.",
             "Rename it.",
+        )
+    if keyword.iskeyword(word):
+        return (
+            "hold no keywords of Python",
+            "Formulas are read in Python's notation.",
+            f"Rename it, for example to {word}_1.",
         )
     if word in taken:
         return (

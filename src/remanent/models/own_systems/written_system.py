@@ -309,8 +309,8 @@ def read_formula(argument: str, value: object) -> str:
     """The text of a formula: as it was understood, from text, a number or a SymPy expression."""
     if isinstance(value, int | float) and not isinstance(value, bool):
         value = repr(value)
-    if not isinstance(value, str) and hasattr(value, "free_symbols"):
-        value = formula.sympy_as_formula_text(value)
+    if formula.is_sympy_expression(value):
+        value = formula.sympy_as_formula_text(value, argument)
     if not isinstance(value, str):
         raise InputError(
             argument,

@@ -11,9 +11,9 @@ from remanent._checks import as_float_array
 from remanent._field import Role
 from remanent._status import Status
 from remanent._typing import ArrayLike
-from remanent.models.drives.waves import Constant
 from remanent.models.system import System
 from remanent.studies.ensemble.checks import require_system, require_tolerance
+from remanent.studies.ensemble.constant_loads import ConstantLoads, constant_loads
 from remanent.studies.ensemble.dataset import to_dataset
 from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble, require_over
 from remanent.studies.ensemble.observables import evaluate_observable
@@ -31,7 +31,7 @@ def backbone(
     actuator: System,
     stretch: ArrayLike,
     *,
-    m: float = 0.0,
+    m: ConstantLoads = 0.0,
     over: OverArgument | None = None,
     tolerance: float = 1e-9,
 ) -> xr.Dataset:
@@ -44,8 +44,8 @@ def backbone(
         heat balance.
     stretch : array (initial.stretch,)
         Turning points λ(0), or of the one coordinate, increasing.
-    m : float
-        Constant magnetic load.
+    m : float, or mapping of str to float
+        Constant magnetic load; of a system with named loads the value of each.
     over : mapping of name to values, optional
         Values of numeric fields; they become dimensions of the result.
     tolerance : float
@@ -86,9 +86,8 @@ def backbone(
     True
     """
     require_tolerance(tolerance, "the error of the state at the other turning point")
-    single = lay_out_ensemble(
-        require_system("actuator", actuator), Constant(m), system_argument="actuator"
-    )
+    drive = constant_loads(require_system("actuator", actuator), m)
+    single = lay_out_ensemble(actuator, drive, system_argument="actuator")
     require_free_oscillations(single, "actuator")
     (coordinate,) = single.vector_field.names_of_roles(Role.COORDINATE)
     require_over(over)
@@ -102,7 +101,7 @@ def backbone(
     )
     ens = lay_out_ensemble(
         actuator,
-        Constant(m),
+        drive,
         {**(over or {}), f"initial.{coordinate}": stretches},
         system_argument="actuator",
     )

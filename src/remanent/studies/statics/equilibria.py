@@ -15,10 +15,10 @@ from remanent._typing import FloatArray, IntArray
 from remanent.analysis.statics.equilibria import find_force_zeros, force_slope
 from remanent.integrate.variations import transverse_field
 from remanent.models.actuator import Actuator
-from remanent.models.drives.waves import Constant
 from remanent.models.system import System
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_system
+from remanent.studies.ensemble.constant_loads import ConstantLoads, constant_loads
 from remanent.studies.ensemble.dataset import to_dataset
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble
@@ -45,7 +45,7 @@ _LEAST_TABULATED_THICKNESS = 0.05
 
 def equilibria(
     actuator: System,
-    m: float = 0.0,
+    m: ConstantLoads = 0.0,
     *,
     state_box: Mapping[str, Any] | None = None,
     over: OverArgument | None = None,
@@ -56,8 +56,9 @@ def equilibria(
     ----------
     actuator : System
         What is at rest.  Branches are relaxed, temperature is that of the surroundings.
-    m : float
-        Magnetic load, dimensionless, or the load of a system of one's own.
+    m : float, or mapping of str to float
+        Magnetic load, dimensionless, or the load of a system of one's own; where it names its
+        loads, the value of each.
     state_box : mapping of str to (float, float), optional
         Of a system of one's own: where its coordinates and internal variables may be.  All
         equilibria in the box are found, or the status is ``incomplete`` with the ``reason``.
@@ -122,9 +123,8 @@ def equilibria(
     >>> curve.fold_m.values.round(4).tolist()
     [2.1777, 2.8483]
     """
-    ens = lay_out_ensemble(
-        require_system("actuator", actuator), Constant(m), over, system_argument="actuator"
-    )
+    system = require_system("actuator", actuator)
+    ens = lay_out_ensemble(system, constant_loads(system, m), over, system_argument="actuator")
     if not isinstance(actuator, Actuator):
         return written_equilibria(ens, state_box)
     require_no_box(state_box)

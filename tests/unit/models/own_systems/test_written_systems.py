@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pickle
 import re
+from functools import reduce
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ import pytest
 import sympy as sp
 from hypothesis import given
 from hypothesis import strategies as st
+from tests.unit.models.attacks import ATTACKS
 
 import remanent as rm
 from remanent.models.drives.base import Drive
@@ -20,7 +22,7 @@ from remanent.models.system import System
 from remanent.results.schema import DESCRIPTIONS
 
 #: A pendulum's formulas, from which one is replaced.
-PENDULUM = {
+PENDULUM: dict[str, Any] = {
     "coordinates": "theta",
     "kinetic": "theta_rate**2/2",
     "potential": "-cos(theta) - load*theta",
@@ -69,6 +71,86 @@ def test_what_cannot_be_a_system_is_refused(
     with pytest.raises(rm.InputError, match=re.escape(words)) as caught:
         rm.LagrangianSystem(**{**PENDULUM, **change})
     assert caught.value.name == argument
+
+
+@pytest.mark.parametrize("argument", ["kinetic", "potential", "dissipation", "observable"])
+def test_nothing_but_arithmetic_is_a_formula(argument: str) -> None:
+    """Attempts to run something or to take long are refused, in every formula of a system."""
+    for attack in ATTACKS.values():
+        text = attack.replace("I1", "theta").replace("l1", "theta")
+        with pytest.raises(rm.InputError, match="A formula is read, never run") as caught:
+            rm.LagrangianSystem(**{**PENDULUM, argument: text})
+        assert caught.value.name == argument
+    with pytest.raises(rm.InputError, match="never run"):
+        rm.FirstOrderSystem(rates={"x": "__import__('os').system('true')"})
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "__class__", "x.real", "x + y", "lambda", "x y", "\u0445", "x\u200b", "2x", "", "os.system",
+        "x" * 50, "x;y", "x\n", "sin", "pi", "None", "True",
+    ],
+)  # fmt: skip
+def test_nothing_but_a_plain_word_is_a_name(name: str) -> None:
+    """Names of coordinates, parameters, states and loads."""
+    one: dict[str, Any] = {"coordinates": "x", "kinetic": "x_rate**2/2", "potential": "x**2/2"}
+    for change in ({"coordinates": name}, {"parameters": {name: 1.0}}, {"loads": (name,)}):
+        with pytest.raises(rm.InputError) as caught:
+            rm.LagrangianSystem(**{**one, **change})
+        assert caught.value.name in change
+    with pytest.raises(rm.InputError) as caught:
+        rm.FirstOrderSystem(rates={name: "0"})
+    assert caught.value.name == "rates"
+
+
+X, THETA = sp.symbols("x theta")
+NESTED = reduce(lambda inner, _: sp.sin(inner, evaluate=False), range(2000), THETA)
+BRANCHED = reduce(lambda inner, _: sp.sin(inner) * sp.cos(inner), range(60), THETA)
+#: SymPy's objects that are no formula, or whose text would mean another one.
+NO_FORMULAS = {
+    "an unknown function": sp.Function("f")(THETA),
+    "another function called sin": sp.Function("sin")(THETA),
+    "a symbol like a sum": 2 * sp.Symbol("theta + 1"),
+    "a symbol like the number": sp.Symbol("pi") * THETA,
+    "a symbol like a keyword": sp.Symbol("lambda"),
+    "a symbol with underscores": sp.Symbol("__class__"),
+    "a dummy": sp.Dummy("theta"),
+    "an imaginary number": sp.I * THETA,
+    "infinity": sp.oo,
+    "no number": sp.nan,
+    "a huge integer": sp.Integer(10) ** 5000 * THETA,
+    "a tiny quotient": THETA / sp.Integer(10) ** 400,
+    "a derivative": sp.Derivative(sp.Function("f")(THETA), THETA),
+    "an integral": sp.Integral(THETA, THETA),
+    "an absolute value": abs(THETA),
+    "cases": sp.Piecewise((THETA, THETA > 0), (0, True)),
+    "a matrix": sp.Matrix([THETA]),
+    "a comparison": THETA < 1,
+    "deep nesting": NESTED,
+    "a part that is in itself twice, sixty times": BRANCHED,
+    "a function that is not called": sp.sin,
+}
+
+
+@pytest.mark.parametrize("name", NO_FORMULAS)
+def test_other_objects_of_sympy_are_refused(name: str) -> None:
+    """At once, and by the name of the argument."""
+    with pytest.raises(rm.InputError) as caught:
+        rm.LagrangianSystem(**{**PENDULUM, "potential": NO_FORMULAS[name]})
+    assert caught.value.name == "potential"
+    assert len(str(caught.value)) < 500
+
+
+def test_the_base_of_the_exponential_is_a_number_of_sympy() -> None:
+    """SymPy writes it E, which may be the name of a parameter."""
+    energy = sp.E * THETA**2 + sp.Symbol("E") * THETA**2
+    system = rm.LagrangianSystem(
+        coordinates="theta", kinetic="theta_rate**2/2", potential=energy, parameters={"E": 2.0}
+    )
+    found = rm.equilibria(system, 0.0, state_box={"theta": (-1.0, 1.0)})
+    exact = np.sqrt(2.0 * (np.exp(1.0) + 2.0))
+    assert abs(float(found.natural_frequency[0]) - exact) <= float(found.natural_frequency_error[0])
 
 
 def test_a_coupled_singular_mass_matrix_is_refused() -> None:

@@ -62,3 +62,41 @@ def test_errors_of_two_coordinates_are_those_of_one_where_they_are_equal() -> No
     modes = two.natural_frequency.values[0]
     near = np.abs(modes - float(one.natural_frequency[0]))
     assert near.min() <= two.natural_frequency_error.values[0][near.argmin()] + 1e-14
+
+
+#: An oscillator with a force and a varying stiffness, whose loads have names.
+NAMED = rm.LagrangianSystem(
+    coordinates="x",
+    kinetic="x_rate**2/2",
+    potential="x**4/4 - force*x - softening*x**2/2",
+    loads=("force", "softening"),
+)
+#: The same with the stiffness as a parameter.
+PLAIN = rm.LagrangianSystem(
+    coordinates="x",
+    kinetic="x_rate**2/2",
+    potential="x**4/4 - load*x - softening*x**2/2",
+    parameters={"softening": 0.8},
+)
+
+
+def test_loads_with_names_are_held_like_one_without() -> None:
+    """A load that is held is a parameter: rest and free oscillations are the same, bit for bit."""
+    held, box = {"softening": 0.8, "force": 0.1}, {"x": (-2.0, 2.0)}
+    one, other = rm.equilibria(NAMED, held, state_box=box), rm.equilibria(PLAIN, 0.1, state_box=box)
+    for name in ("x", "natural_frequency", "equilibrium_potential"):
+        np.testing.assert_array_equal(one[name], other[name])
+    assert one.stability.values.tolist() == ["stable", "unstable", "stable"]
+    over = rm.equilibria(NAMED, held, state_box=box, over={"force.m": [-0.1, 0.1]})
+    np.testing.assert_allclose(over.x[0], -over.x[1][::-1], rtol=1e-15)
+    frequency = [rm.backbone(s, [1.5], m=m).frequency for s, m in ((NAMED, held), (PLAIN, 0.1))]
+    np.testing.assert_array_equal(*frequency)
+
+
+@pytest.mark.parametrize("m", [0.1, {"force": 0.1}, {"force": 0.1, "softening": 0.8, "load": 0.1}])
+def test_every_named_load_has_a_value(m: Any) -> None:
+    """A load without a value, or a value without a load, is refused with the names."""
+    with pytest.raises(rm.InputError, match=r"`m` must give the loads .*: force, softening; got"):
+        rm.equilibria(NAMED, m, state_box={"x": (-2.0, 2.0)})
+    with pytest.raises(rm.InputError, match=r'Pass for example \{"force": 0\.2, "softening"'):
+        rm.backbone(NAMED, [1.5], m=m)
