@@ -28,6 +28,8 @@ _WORDS_OF_FILES: Final = (
     (", or pass a pint quantity", ""), (" to Actuator.from_si", " in [actuator.si]"),
     ("Pass remanence=", "Write remanence = "), ("Pass ", "Write "),
 )  # fmt: skip
+#: A mapping in a call, as in ``parameters={'delta': ...}``.
+_NAMED_VALUE: Final = re.compile(r"(\w+)=\{'([\w.]+)': \.\.\.\}")
 #: The name of an argument with the entry in brackets, as in ``over['omega']``.
 _ENTRY_PATTERN: Final = re.compile(r"(\w+)\[(['\"]?)(.*?)\2\]")
 
@@ -62,7 +64,10 @@ class Fault:
 
 
 class FaultsError(ValueError):
-    """What a table is refused for; those who read the table above collect it."""
+    """What a table is refused for; those who read the table above collect it.
+
+    It has no faults where others that are told already leave it open what the table says.
+    """
 
     def __init__(self, faults: Iterable[Fault]) -> None:
         self.faults = tuple(faults)
@@ -90,7 +95,7 @@ def read_each(entries: Mapping[Key, Any], read: Callable[[Key, Any], Value]) -> 
             values[key] = read(key, entry)
         except FaultsError as error:
             faults += [fault.below(key) for fault in error.faults]
-    if faults:
+    if len(values) < len(entries):
         raise FaultsError(faults)
     return values
 
@@ -154,7 +159,7 @@ def in_file(remedy: str) -> str:
     """A remedy that speaks of a call, as one of a file."""
     for called, written in _WORDS_OF_FILES:
         remedy = remedy.replace(called, written)
-    return remedy
+    return _NAMED_VALUE.sub(r'\1 = { "\2" = ... }', remedy)
 
 
 def unknown_key_fault(key: str, known: Sequence[str], table: str, value: object) -> Fault:

@@ -72,7 +72,7 @@ def number(value: object, name: str, sizes: Sizes, rule: Rule = FINITE_RULE) -> 
     """
     if isinstance(value, str):
         if not sizes.known:
-            return 0.0  # the file is refused for its sizes, and nothing is known of this
+            raise FaultsError([])  # the sizes have faults, and nothing is known of this
         value = _without_unit(value, name, sizes.scales)
     try:
         return _checks.require_real(name, value, rule)

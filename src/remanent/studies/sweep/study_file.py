@@ -134,7 +134,7 @@ def _read(document: dict[str, Any], path: Path) -> tuple[StudyFile | None, list[
     ]  # fmt: skip
     if verb is not None and options is not None:
         faults += faults_of_options(verb, options)
-    if system is not None and over is not None and not of_drive:
+    if system is not None and over is not None and (drive is not None or "drive" not in document):
         faults += faults_of_fields(over, system, drive)
         if verb is not None and options is not None:
             faults += _refused_by_verb(verb, system, drive, over, options, faults)
@@ -207,6 +207,11 @@ def _seconds(value: object) -> float | None:
     """The cap on a point, in seconds."""
     if value is None:
         return None
+    if isinstance(value, str):
+        raise FaultsError([
+            Fault((), "be a number of seconds", shown(value), "It is the time of a clock.",
+                  "Write for example point_seconds = 60.")
+        ])  # fmt: skip
     return number(value, "point_seconds", Sizes(), _SECONDS_RULE)
 
 

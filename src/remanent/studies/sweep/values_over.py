@@ -168,8 +168,6 @@ def _range(name: str, table: Values, sizes: Sizes) -> FloatArray:
         {"from": table.begin, "to": table.end}, lambda _, end: number(end, name, sizes)
     )
     begin, end = ends["from"], ends["to"]
-    if not sizes.known:
-        return np.arange(table.count, dtype=np.float64)  # the file is refused for its sizes
     if begin >= end:
         raise FaultsError([
             Fault(("to",), "be greater than `from`", shown(table.end),
@@ -234,7 +232,7 @@ def _box(table: SobolPoints, sizes: Sizes) -> dict[str, tuple[float, float]]:
 def _ends(name: str, ends: object, sizes: Sizes) -> tuple[float, float]:
     """The smallest and the largest value of a field."""
     found = numbers(ends, name, sizes)
-    if len(found) != 2 or (found[0] >= found[1] and sizes.known):
+    if len(found) != 2 or found[0] >= found[1]:
         raise FaultsError([
             Fault((), "be a list of the smallest and the largest value", shown(ends),
                   "Points lie between them.", "Write for example [0.2, 1.2].")
