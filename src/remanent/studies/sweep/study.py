@@ -27,7 +27,7 @@ from remanent.studies.ensemble.checks import require_drive, require_system
 from remanent.studies.sweep.grid import Grid, GridPart
 
 #: Arguments of verbs that a study has of its own, or that change no result.
-_NO_OPTIONS: Final = frozenset({"system", "actuator", "drive", "over", "progress"})
+NO_OPTIONS: Final = frozenset({"system", "actuator", "drive", "over", "progress"})
 #: Verbs whose results for all points belong together, as folds of equilibria along a parameter do.
 WHOLE_GRID_VERBS: Final = frozenset({"equilibria"})
 #: Verbs that search or follow: a point of theirs takes long.
@@ -81,7 +81,7 @@ class Study:
                 why="This verb asks what happens under constant loads, or without any.",
                 fix="Pass None; a constant load is the option `m`.",
             )
-        known = [name for name in parameters if name not in _NO_OPTIONS]
+        known = [name for name in parameters if name not in NO_OPTIONS]
         _checks.require_known_names(self.options, known, self.verb)
         for name in known:
             if parameters[name].default is inspect.Parameter.empty and name not in self.options:
