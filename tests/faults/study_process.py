@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import hashlib
+import importlib
 import os
 import subprocess
 import sys
+from collections.abc import Mapping
 from contextlib import ExitStack
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -48,24 +51,34 @@ def computed_points(path: Path) -> int:
         return 0
 
 
-def start(path: Path, **settings: Any) -> subprocess.Popen[str]:
+def start(
+    path: Path, environment: Mapping[str, str] = MappingProxyType({}), **settings: Any
+) -> subprocess.Popen[str]:
     """A process that fills a store: ``workers=2``, ``part="2/4"``, ``points=24``."""
     words = [f"{name}={value}" for name, value in settings.items()]
     return subprocess.Popen(
         [sys.executable, "-m", "tests.faults.study_process", str(path), *words],
         stderr=subprocess.PIPE,
         text=True,
-        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT / "src"), str(ROOT)])},
+        env={
+            **os.environ,
+            **environment,
+            "PYTHONPATH": os.pathsep.join([str(ROOT / "src"), str(ROOT)]),
+        },
         start_new_session=True,
     )
 
 
-def main(path: Path, points: str = "5", workers: str = "", part: str = "1/1") -> None:
+def main(
+    path: Path, points: str = "5", workers: str = "", part: str = "1/1", seconds: str = ""
+) -> None:
     """Fill the store at a path; the process ids of workers go to a file beside it."""
     index, count = map(int, part.split("/"))
     with ExitStack() as stack:
         store = stack.enter_context(writable_store(path, study(int(points)), (index, count)))
         if not workers:
+            if "REMANENT_TEST_BAD_POINT" in os.environ:
+                importlib.import_module("tests.faults.bad_point")
             run_here(store, (index, count))
             return
         client = stack.enter_context(dask_engine.local_workers(int(workers)))
@@ -75,7 +88,7 @@ def main(path: Path, points: str = "5", workers: str = "", part: str = "1/1") ->
             ids = [worker.process.pid for worker in running if worker.process is not None]
             path.with_suffix(".workers").write_text(" ".join(map(str, ids)))
 
-        dask_engine.run_on_workers(store, client, (index, count), report)
+        dask_engine.run_on_workers(store, client, (index, count), report, float(seconds or "inf"))
 
 
 if __name__ == "__main__":

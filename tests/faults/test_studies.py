@@ -216,3 +216,65 @@ def test_an_incomplete_store_is_read_and_completed(whole: Path, tmp_path: Path) 
     with writable_store(path, study()) as store:
         run_here(store)
     assert content(path) == content(whole)
+
+
+@pytest.mark.parametrize(("kind", "status"), [("crash", "FAILED"), ("hang", "TIMEOUT")])
+def test_a_point_that_takes_its_worker_down_is_given_up(
+    whole: Path, tmp_path: Path, kind: str, status: str
+) -> None:
+    """After three failures; all other points are as they are without it."""
+    path = tmp_path / "bad.zarr"
+    environment = {
+        "REMANENT_TEST_BAD_POINT": kind,
+        "DASK_DISTRIBUTED__WORKER__PRELOAD": "tests.faults.bad_point",
+    }
+    seconds = {"seconds": 1.0} if kind == "hang" else {}
+    require_success(start(path, environment, workers=1, **seconds))
+    _require_one_point_lost(path, whole, rm.Status[status])
+
+
+def test_a_point_that_takes_this_process_down_is_given_up(whole: Path, tmp_path: Path) -> None:
+    """Each run gets as far as the point, and the one after the third failure passes it."""
+    path = tmp_path / "bad.zarr"
+    for _ in range(12):
+        process = start(path, {"REMANENT_TEST_BAD_POINT": "crash"})
+        process.communicate(timeout=300)
+        if process.returncode == 0:
+            break
+    _require_one_point_lost(path, whole, rm.Status.FAILED)
+
+
+def _require_one_point_lost(path: Path, whole: Path, status: rm.Status) -> None:
+    ds, expected = rm.load(path), rm.load(whole)
+    lost = {"b": [0], "omega": [3]}
+    assert int(ds.status.isel(lost).item()) == status
+    assert "process" in ds.reason.isel(lost).item() or "cap" in ds.reason.isel(lost).item()
+    assert int((ds.status != rm.Status.OK).sum()) == 1
+    others = xr.ones_like(ds.status, dtype=bool)
+    others[lost] = False
+    for name in ("error", "initial", "multipliers"):
+        xr.testing.assert_equal(ds[name].where(others), expected[name].where(others))
+
+
+def test_a_full_disk_is_told_and_the_run_gone_on_with(whole: Path, tmp_path: Path) -> None:
+    """A small file system in memory; the store is readable while it is full."""
+    disk = tmp_path / "disk"
+    disk.mkdir()
+    mounted = subprocess.run(
+        ["mount", "-t", "tmpfs", "-o", "size=400k", "tmpfs", str(disk)], capture_output=True,
+        check=False,
+    )  # fmt: skip
+    if mounted.returncode:
+        pytest.skip("mounting a file system needs rights that this user does not have")
+    try:
+        path = disk / "full.zarr"
+        process = start(path)
+        _, told = process.communicate(timeout=300)
+        assert process.returncode == 1
+        assert "No space left on device" in told
+        assert set(np.unique(rm.load(path).status)) <= {0, 1}
+        subprocess.run(["mount", "-o", "remount,size=40m", str(disk)], check=True)
+        require_success(start(path))
+        assert content(path) == content(whole)
+    finally:
+        subprocess.run(["umount", str(disk)], check=True)

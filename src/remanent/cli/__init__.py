@@ -1,8 +1,5 @@
 """The command ``remanent``: parse, call one verb, present."""
 
-from remanent.cli.main import commands, main
-from remanent.cli.new import new
-
-commands.add_command(new)
+from remanent.cli.main import main
 
 __all__ = ["main"]

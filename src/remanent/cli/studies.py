@@ -58,9 +58,9 @@ def run(
 
     described = read_study(study)
     if dry_run:
-        from remanent.studies.sweep.plan import plan_of
+        from remanent.studies.sweep.plan import plan_study, text
 
-        click.echo(plan_of(described.study).text)
+        click.echo(text(plan_study(described.study)))
         return
     path = out or described.store
     if path is None:

@@ -54,7 +54,6 @@ def local_workers(count: int) -> Iterator[Any]:
         "distributed.scheduler.allowed-failures": _TRIES_BY_DASK,
         "distributed.worker.memory.target": False,
         "distributed.worker.memory.spill": False,
-        "distributed.admin.log-format": "%(message)s",
     }
     environment = {THREADS_VARIABLE: str(max(1, processors // count))}
     with (
