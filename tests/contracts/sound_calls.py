@@ -125,6 +125,97 @@ SOUND: Mapping[str, Callable[[], dict[str, Any]]] = {
         "measure": measure(), "parameter_ranges": {"temperature": (290.0, 300.0)}, "samples": 256,
     },
 }  # fmt: skip
+#: Verbs that only an actuator has a meaning for.
+ACTUATOR_ONLY = {
+    "rescale", "shape_command", "shape_commands", "step_response", "symmetry_check", "to_si",
+}  # fmt: skip
+#: Verbs that are given no system.
+OF_DATA_ONLY = {"logarithmic_decrement", "read_drive", "read_measurements", "read_system"}
+
+
+def written(eta: float = 0.0, temperature: float = 293.0, prestress: float = 0.0) -> Any:
+    """The block of one coordinate, by its energies."""
+    system = rm.LagrangianSystem(
+        coordinates="stretch",
+        kinetic="stretch_rate**2/3 + 2*c*stretch_rate**2/(3*stretch**6)",
+        potential="temperature/293*(2*stretch**2 + stretch**-4 - 3)/2"
+        " - load/stretch**2 - 2*prestress*(stretch - 1)",
+        dissipation="eta*stretch_rate**2",
+        parameters={"c": 1.0, "eta": eta, "temperature": temperature, "prestress": prestress},
+        observable="stretch**-2",
+        rest={"stretch": 1.0},
+    )
+    return system if eta else system.without_dissipation()
+
+
+OWN_SPAN = {"stretch": (0.3, 4.0)}
+OWN_BOX = {"stretch": (0.9, 1.1), "stretch_rate": (-0.5, 0.5)}
+
+
+@cache
+def own_branch() -> xr.Dataset:
+    box = {"stretch": (0.3, 4.0), "stretch_rate": (-8.0, 8.0)}
+    return rm.continue_orbit(written(0.01), FAST, "omega", (2.25, 2.45), state_box=box)
+
+
+def own_measure() -> rm.Measure:
+    return rm.Measure(rm.simulate, written(), DRIVE, times=[2.0], of="stretch")
+
+
+#: What differs where a system of one's own is meant: see :func:`own_call`.
+OWN_CHANGES: Mapping[str, Callable[[], dict[str, Any]]] = {
+    "backbone": lambda: {"actuator": written()},
+    "basins": lambda: {"system": written(0.1)},
+    "bifurcation_diagram": lambda: {"system": written(0.1)},
+    "classify": lambda: {"system": written(0.1)},
+    "continue_bifurcation": lambda: {
+        "system": written(temperature=350.0),
+        "state_box": {"stretch": (0.3, 4.0), "stretch_rate": (-8.0, 8.0)},
+    },
+    "continue_orbit": lambda: {
+        "system": written(temperature=350.0),
+        "state_box": {"stretch": (0.3, 4.0), "stretch_rate": (-8.0, 8.0)},
+    },
+    "crossings": lambda: {"system": written()},
+    "cycle_losses": lambda: {"system": written(0.1)},
+    "design": lambda: {"measures": own_measure(), "targets": 1.05, "parameters": "b"},
+    "energy_balance": lambda: {"system": written(0.1)},
+    "equilibria": lambda: {"actuator": written(), "state_box": OWN_SPAN},
+    "fit": lambda: {
+        "system": written(0.1), "parameters": {"eta": 0.12},
+        "data": rm.simulate(DAMPED, STEP, times=np.linspace(0.0, 5.0, 21))[["stretch"]],
+    },
+    "frequency_response": lambda: {"system": written(0.1)},
+    "locate_bifurcation": lambda: {"system": written(temperature=350.0)},
+    "lyapunov": lambda: {"system": written(0.1)},
+    "manifold_crossing": lambda: {"system": written(temperature=350.0)},
+    "periodic_orbits": lambda: {"system": written(0.1), "state_box": OWN_BOX},
+    "poincare_section": lambda: {"system": written()},
+    "regime_chart": lambda: {"system": written(0.1)},
+    "resonances": lambda: {
+        "system": written(0.1), "state_box": {"stretch": (0.7, 1.5), "stretch_rate": (-1.0, 1.0)},
+    },
+    "response_diagram": lambda: {"system": written(0.1), "state_box": OWN_BOX},
+    "sensitivity": lambda: {"measure": own_measure()},
+    "simulate": lambda: {"system": written()},
+    "snap_through": lambda: {
+        "actuator": written(prestress=2.2), "state_box": OWN_SPAN, "initial": 1.0,
+    },
+    "switch_branch": lambda: {
+        "branch": own_branch(),
+        "state_box": {"stretch": (0.3, 4.0), "stretch_rate": (-8.0, 8.0)},
+    },
+    "uncertainty": lambda: {
+        "measure": own_measure(), "parameter_ranges": {"temperature": (290.0, 300.0)},
+    },
+}  # fmt: skip
+
+
+def own_call(verb: str) -> dict[str, Any]:
+    """A sound call of a verb with a system of one's own."""
+    return {**SOUND[verb](), **OWN_CHANGES[verb]()}
+
+
 #: Functions of the public names that are no verbs: they take other things than numbers.
 NOT_VERBS = {"equations", "load", "save", "rates", "period_map", "export", "sweep"}
 

@@ -9,7 +9,7 @@ import inspect
 
 import numpy as np
 import pytest
-from tests.contracts.sound_calls import SOUND, verbs
+from tests.contracts.sound_calls import OWN_CHANGES, SOUND, own_call, verbs
 
 import remanent as rm
 
@@ -44,6 +44,18 @@ def test_a_result_without_a_valid_point_says_so(verb: str) -> None:
         assert (ds.status == rm.Status.INVALID).all(), over
         numbers = [n for n, v in ds.data_vars.items() if v.dtype.kind in "fc" and n not in KNOWN]
         assert [n for n in numbers if np.isfinite(ds[n]).any()] == [], over
+
+
+@pytest.mark.parametrize("verb", [verb for verb in SWEEPING if verb in OWN_CHANGES])
+def test_a_result_of_ones_own_system_without_a_valid_point_says_so(verb: str) -> None:
+    """The same of numbers that are none, which is all that such a system refuses."""
+    over = {"temperature": [np.nan]}
+    if verb == "regime_chart":
+        over["c"] = [1.0]
+    ds = getattr(rm, verb)(**{**own_call(verb), "over": over})
+    assert (ds.status == rm.Status.INVALID).all()
+    numbers = [n for n, v in ds.data_vars.items() if v.dtype.kind in "fc" and n not in KNOWN]
+    assert [n for n in numbers if np.isfinite(ds[n]).any()] == []
 
 
 def test_most_verbs_vary_fields() -> None:

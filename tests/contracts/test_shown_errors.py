@@ -39,8 +39,19 @@ TWO_MASSES = rm.LagrangianSystem(
     kinetic="(x_rate**2 + y_rate**2)/2",
     potential="x**2 + y**2 + x*y/2 - load*x",
 )
-#: Names that follow the measure of a call, and the one whose row stands for all.
-OF_A_MEASURE = {"uncertainty: turning_upper_error": "uncertainty: stretch_error"}
+#: One with a single coordinate, of which dynamic thresholds are told.
+ONE_MASS = rm.LagrangianSystem(
+    coordinates="x", kinetic="x_rate**2/2", potential="x**2/2 - x**4/4 - load*x",
+    observable="exp(x)",
+)  # fmt: skip
+#: Names that follow the measure or the parameter of a call, or are told of other points by the same
+#: function, and the one whose row stands for all.
+OF_A_MEASURE = {
+    "uncertainty: turning_upper_error": "uncertainty: stretch_error",
+    "snap_through: branch_point_m_error": "snap_through: branch_point_k_error",
+    "snap_through: branch_point_observable_error": "snap_through: snap_observable_error",
+    "snap_through: fold_observable_error": "snap_through: snap_observable_error",
+}
 
 
 def shown() -> frozenset[str]:
@@ -57,6 +68,13 @@ def carried() -> Iterator[str]:
                     yield f"{verb}: {name}"
     at_rest = rm.equilibria(TWO_MASSES, 0.1, state_box={"x": (-2.0, 2.0), "y": (-2.0, 2.0)})
     yield from (f"equilibria: {k}" for k in map(str, at_rest.variables) if k.endswith("_error"))
+    for system, box in (
+        (TWO_MASSES, {"x": (-2.0, 2.0), "y": (-2.0, 2.0)}),
+        (ONE_MASS, {"x": (-2.0, 2.0)}),
+    ):
+        lost = rm.snap_through(system, "m", (-1.0, 1.0), state_box=box)
+        names = (str(name) for name in lost.variables)
+        yield from (f"snap_through: {k}" for k in names if k.endswith("_error"))
     yield from (
         f"period_map: {field.name}"
         for field in fields(PeriodMapImages)

@@ -1,4 +1,4 @@
-"""Equilibria of systems that users write, against mpmath in fifty digits."""
+"""Equilibria, folds and thresholds of systems that users write, against mpmath in fifty digits."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
+import xarray as xr
 
 import remanent as rm
 from benchmarks.errors.row import Judged, Row, shared
@@ -93,12 +94,127 @@ def _equilibria(rng: np.random.Generator) -> Iterator[tuple[str, Judged]]:
                 yield kind, Judged(case, 1e-12, p["eta"] > 0.0, float(error), true, size)
 
 
+@shared
+def _folds(rng: np.random.Generator) -> Iterator[tuple[str, Judged]]:
+    """Folds of two masses along the load, where the determinant of the stiffness vanishes."""
+    import mpmath as mp
+
+    system, p = _system(rng)
+    box = {"x": (-_REACH, _REACH), "y": (-_REACH, _REACH)}
+    found = rm.snap_through(system, "m", (-2.0, 2.0), state_box=box)
+    first, second, hard, coupling = (
+        mp.mpf(p[name]) for name in ("first", "second", "hard", "coupling")
+    )
+
+    def conditions(x: Any, y: Any, load: Any) -> list[Any]:
+        pull, bend = load * mp.cos(x + y), load * mp.sin(x + y)
+        return [
+            first * x + hard * x**3 + coupling * y - pull,
+            second * y + coupling * x - pull,
+            (first + 3 * hard * x**2 + bend) * (second + bend) - (coupling + bend) ** 2,
+        ]
+
+    for k in range(found.sizes["fold"]):
+        one = found.isel(fold=k)
+        with mp.workdps(_DIGITS):
+            names = ("fold_x", "fold_y", "fold_m")
+            exact = mp.findroot(conditions, tuple(mp.mpf(float(one[name])) for name in names))
+            for name, value in zip(names, exact, strict=True):
+                yield "folds", _judged(f"{p}, fold={k}", one, name, value)
+
+
+@shared
+def _crossings(rng: np.random.Generator) -> Iterator[tuple[str, Judged]]:
+    """Where a symmetric pair buckles: k = -coupling^2/second, both at their middle."""
+    names = ("shift", "second", "coupling", "hard")
+    p = dict(zip(names, map(float, rng.uniform((-0.5, 0.4, 0.1, 0.3), (0.5, 1.5, 0.6, 1.0))),
+                 strict=True))  # fmt: skip
+    system = rm.LagrangianSystem(
+        coordinates=("x", "y"),
+        kinetic="(x_rate**2 + y_rate**2)/2",
+        potential="-k*(x - shift)**2/2 + hard*(x - shift)**4/4 + second*y**2/2"
+        " + coupling*(x - shift)*y - load*(x - shift)**2/2",
+        parameters={**p, "k": 1.0},
+    )
+    box = {"x": (-_REACH, _REACH), "y": (-_REACH, _REACH)}
+    found = rm.snap_through(system, "k", (-2.0, 1.9), state_box=box)
+    exact = {"k": -(p["coupling"] ** 2) / p["second"], "x": p["shift"], "y": 0.0}
+    for k in range(found.sizes["branch_point"]):
+        one = found.isel(branch_point=k)
+        for name, value in exact.items():
+            yield "crossings", _judged(f"{p}", one, f"branch_point_{name}", value)
+
+
+@shared
+def _snaps(rng: np.random.Generator) -> Iterator[tuple[str, Judged]]:
+    """Loads at which motion from rest just reaches an unstable equilibrium."""
+    import mpmath as mp
+
+    p = dict(zip(("first", "second", "third", "start"),
+                 map(float, rng.uniform((0.6, -0.2, -1.0, -0.5), (1.5, 0.2, -0.3, 0.5))),
+                 strict=True))  # fmt: skip
+    system = rm.LagrangianSystem(
+        coordinates="x",
+        kinetic="x_rate**2/2 + x_rate**2*x**2/10",
+        potential="first*x**2/2 + second*x**3/3 + third*x**4/4 - load*sin(x)",
+        observable="exp(x)",
+        parameters={name: p[name] for name in ("first", "second", "third")},
+    )
+    found = rm.snap_through(
+        system, "m", (-1.5, 1.5), initial=p["start"], state_box={"x": (-_REACH, _REACH)}
+    )
+    first, second, third, start = map(mp.mpf, p.values())
+
+    def energy(x: Any, load: Any) -> Any:
+        return first * x**2 / 2 + second * x**3 / 3 + third * x**4 / 4 - load * mp.sin(x)
+
+    def conditions(x: Any, load: Any) -> list[Any]:
+        slope = first * x + second * x**2 + third * x**3 - load * mp.cos(x)
+        return [slope, energy(x, load) - energy(start, load)]
+
+    for k in range(found.sizes["snap"]):
+        one = found.isel(snap=k)
+        with mp.workdps(_DIGITS):
+            if float(one.snap_x) == p["start"]:
+                continue  # a closed form
+            names = ("snap_x", "snap_m")
+            x, load = mp.findroot(conditions, tuple(mp.mpf(float(one[n])) for n in names))
+            exact = {"snap_x": x, "snap_m": load, "snap_observable": mp.exp(x)}
+            for name, value in exact.items():
+                yield "snaps", _judged(f"{p}, snap={k}", one, name, value)
+
+
+def _judged(case: str, one: xr.Dataset, name: str, exact: Any) -> Judged:
+    """A number of a result beside the exact one."""
+    import mpmath as mp
+
+    true = float(abs(mp.mpf(float(one[name])) - exact))
+    return Judged(case, 1e-12, False, float(one[f"{name}_error"]), true, float(abs(exact)))
+
+
+_NUMBERS = {
+    "places": _equilibria, "frequencies": _equilibria, "eigenvalues": _equilibria,
+    "folds": _folds, "crossings": _crossings, "snaps": _snaps,
+}  # fmt: skip
+
+
 def _row(name: str, variable: str, kind: str) -> Row:
-    return Row(name, variable, lambda rng: (one for k, one in _equilibria(rng) if k == kind))
+    return Row(name, variable, lambda rng: (one for k, one in _NUMBERS[kind](rng) if k == kind))
 
 
 ROWS = (
     _row("places of equilibria of own systems", "equilibria: x_error, y_error", "places"),
     _row("frequencies of own systems", "equilibria: natural_frequency_error", "frequencies"),
     _row("eigenvalues of own systems at rest", "equilibria: eigenvalues_error", "eigenvalues"),
+    _row("folds of own systems", "snap_through: fold_x_error, fold_y_error, fold_m_error", "folds"),
+    _row(
+        "branch points of own systems",
+        "snap_through: branch_point_k_error, branch_point_x_error, branch_point_y_error",
+        "crossings",
+    ),
+    _row(
+        "thresholds of own systems",
+        "snap_through: snap_x_error, snap_m_error, snap_observable_error",
+        "snaps",
+    ),
 )

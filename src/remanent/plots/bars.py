@@ -17,6 +17,7 @@ from remanent._typing import FloatArray
 from remanent.plots import colours, style
 from remanent.plots.footer import add_legend_and_footer
 from remanent.plots.labels import field_label
+from remanent.results.provenance import own_variable_texts
 from remanent.results.schema import describe
 
 __all__ = ["bars"]
@@ -94,11 +95,12 @@ def bars(
             artists.append(axes.barh(y, values, xerr=errors, error_kw={"lw": 0.8}, **looks))
             _name_missing_bars(axes, np.asarray(y, dtype=np.float64), np.asarray(values), thickness)
         axes.axvline(0.0, color=style.ink_colour(), lw=0.6)
-        fields = [field_label(name) for name in dataset["field"].values]
+        own = own_variable_texts(dataset)
+        fields = [field_label(name, own) for name in dataset["field"].values]
         axes.set_yticks(positions, [_wrap(name) for name in fields])
         axes.tick_params(axis="y", length=0)
         axes.invert_yaxis()
-        row = describe(names[0])
+        row = describe(names[0], own)
         style.label_axes(axes, f"{row.long_name}, ${row.symbol}$" if len(names) == 1 else "", "")
         entries = [Patch(facecolor=a.patches[0].get_facecolor(), label=str(a.get_label()))
                    for a in artists] if len(rows) > 1 and positions.size else []  # fmt: skip

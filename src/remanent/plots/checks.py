@@ -30,7 +30,9 @@ _MATPLOTLIB_ERRORS = (
 #: Most numbers among one word for Matplotlib.
 _MOST_NUMBERS_IN_A_WORD = 1_000_000
 #: Variables of complex numbers, of which pictures show the moduli.
-_COMPLEX_VARIABLES = frozenset({"multipliers", "transverse_multipliers", "harmonics"})
+_COMPLEX_VARIABLES = frozenset(
+    {"multipliers", "transverse_multipliers", "harmonics", "eigenvalues"}
+)
 #: Arguments that name what is drawn along an axis.
 _DRAWN_ARGUMENTS = frozenset({"variable", "x", "y", "quantity", "parameter"})
 #: Those of pictures that draw words too.

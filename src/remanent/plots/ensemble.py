@@ -14,6 +14,7 @@ from matplotlib.colors import Colormap, Normalize
 from remanent._errors import InputError
 from remanent.plots import colours, style
 from remanent.plots.labels import field_label
+from remanent.results.provenance import own_variable_texts
 
 __all__ = ["ColourScale", "Member", "split_by_colour", "split_into_members"]
 
@@ -307,9 +308,10 @@ def _coordinate_label(
     coords = [array for array in dataset.coords.values() if array.dims == (dim,)]
     if not coords:
         return f"{dim} {indices[dim]}"
+    own = own_variable_texts(dataset)
     values = ((array, np.asarray(array.values[indices[dim]]).item()) for array in coords)
     return ", ".join(
-        field_label(value)
+        field_label(value, own)
         if array.name in _FIELD_NAME_COORDINATES
         else style.value_label(array, value)
         for array, value in values

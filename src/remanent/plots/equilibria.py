@@ -17,19 +17,24 @@ from remanent._errors import InputError
 from remanent._typing import FloatArray
 from remanent.plots import ensemble, keys, missing, style
 from remanent.plots.footer import add_legend_and_footer
+from remanent.results.provenance import ACTUATOR_OBSERVABLE, observable_name
 
 __all__ = ["equilibria"]
 
 #: Line styles by stability.
 _LINE_STYLES: Final[Mapping[str, Any]] = MappingProxyType(
-    {"stable": "-", "unstable": (0, (3.2, 1.4))}
+    {"stable": "-", "unstable": (0, (3.2, 1.4)), "undecided": ":"}
 )
+#: Variable of the thickness stretch of an actuator at rest.
+_EQUILIBRIUM_STRETCH: Final = "equilibrium_stretch"
 #: Names that variables of equilibria have at folds, where they are others.
 _NAMES_AT_FOLDS: Final[Mapping[str, str]] = MappingProxyType(
-    {"equilibrium_stretch": "thickness_stretch"}
+    {_EQUILIBRIUM_STRETCH: ACTUATOR_OBSERVABLE}
 )
 #: Values at folds of variables that results do not give there: a fold is where stiffness is 0.
 _VALUES_AT_FOLDS: Final[Mapping[str, float]] = MappingProxyType({"natural_frequency": 0.0})
+#: Words where a search found that there is none.
+_NO_EQUILIBRIUM: Final = "no equilibrium"
 #: Step of a branch, over the height of all, above which two equilibria are not joined where
 #: their number changes: one may have vanished and another appeared.
 _MAX_STEP_BESIDE_FOLD: Final = 0.25
@@ -52,7 +57,7 @@ class _Branch:
 
 def equilibria(
     dataset: xr.Dataset,
-    variable: str = "equilibrium_stretch",
+    variable: str | None = None,
     parameter: str | None = None,
     *,
     ax: Axes | None = None,
@@ -65,12 +70,14 @@ def equilibria(
     Parameters
     ----------
     dataset : xarray.Dataset
-        A result of ``equilibria`` with `parameter` in its ``over``: ``equilibrium_stretch``,
-        ``stability`` and `variable` over ``equilibrium`` and at most two more dimensions
-        beside that of `parameter`.  Folds that were located are circles, and branches lead
-        into them; where two equilibria meet at no located fold, their branches end.
-    variable : str
-        What to draw, ``natural_frequency`` for example.
+        A result of ``equilibria`` with `parameter` in its ``over``: ``equilibrium_stretch`` (of a
+        system of one's own its observable), ``stability`` and `variable` over ``equilibrium`` and
+        at most two more dimensions beside that of `parameter`.  Folds that were located are
+        circles, and branches lead into them; where two equilibria meet at no located fold, their
+        branches end.
+    variable : str, optional
+        What to draw, ``natural_frequency`` for example; by default the thickness stretch, or the
+        observable of a system of one's own.
     parameter : str, optional
         Against what; by default the first field of ``over``.
     ax : matplotlib.axes.Axes, optional
@@ -87,11 +94,12 @@ def equilibria(
     list of matplotlib.lines.Line2D
         One per branch and member: solid where stable, dashed where unstable.
     """
-    x = _parameter(dataset, parameter)
+    x, place = _parameter(dataset, parameter), _place_name(dataset)
+    variable = place if variable is None else variable
     _require_values_of_equilibria(dataset, variable)
-    at_folds = (f"fold_{x}", "fold_thickness_stretch", _name_at_folds(variable))
+    at_folds = (f"fold_{x}", _name_at_folds(place), _name_at_folds(variable))
     folds = [name for name in at_folds if name in dataset]
-    names = dict.fromkeys((variable, "equilibrium_stretch", "stability", x, *folds))
+    names = dict.fromkeys((variable, place, "stability", x, *folds))
     along = ("equilibrium", "fold", *map(str, dataset[x].dims))
     with style.context_of(ax):
         axes = style.given_or_new_axes(ax)
@@ -99,14 +107,15 @@ def equilibria(
         artists: list[Line2D] = []
         circles: list[Line2D] = []
         for member in members:
-            for branch in _branches(member.data, variable, x):
+            for branch in _branches(member.data, variable, x, place):
                 look = _LINE_STYLES.get(branch.stability, ":")
                 looks = {"color": member.colour, "linestyle": look, **line}
                 artists += axes.plot(*np.transpose(branch.points), gid=branch.stability, **looks)
-            circles += _mark_folds(axes, member, variable, x)
+            circles += _mark_folds(axes, member, variable, x, place)
         style.label_axes(axes, style.axis_label(dataset[x]), style.axis_label(dataset[variable]))
         missing.write_in_empty_frame(axes, members, x, variable)
-        gaps = missing.mark_gaps(axes, members, x, variable)
+        words = _NO_EQUILIBRIUM if variable == place else missing.NO_RESULT
+        gaps = missing.mark_gaps(axes, members, x, variable, words)
         if legend:
             keys.add_colour_bar(axes, members)
         ink = style.ink_colour()
@@ -116,6 +125,12 @@ def equilibria(
         entries = [*keys.line_legend_entries(members, variable), *kinds, *circles[:1], *gaps]
         add_legend_and_footer(axes, ax, dataset, entries, legend=legend, footer=footer)
     return artists
+
+
+def _place_name(dataset: xr.Dataset) -> str:
+    """The variable by which equilibria are put in order: that of which the observable is told."""
+    name = observable_name(dataset)
+    return _EQUILIBRIUM_STRETCH if name == ACTUATOR_OBSERVABLE else name
 
 
 def _parameter(dataset: xr.Dataset, given: str | None) -> str:
@@ -186,11 +201,12 @@ class _Row:
     points: tuple[_Point, ...]
 
 
-def _branches(data: xr.Dataset, variable: str, x: str) -> list[_Branch]:
+def _branches(data: xr.Dataset, variable: str, x: str, place_name: str) -> list[_Branch]:
     """All branches of one member."""
     (along,) = data[x].dims
     data = data.sortby(x) if along == x else data.isel({along: np.argsort(data[x].values)})
-    rows, folds = _rows(data, variable, x), _folds(data, variable, x)
+    rows = _rows(data, variable, x, place_name)
+    folds = _folds(data, variable, x, place_name)
     stretches = np.concatenate([np.zeros(0), *(row.stretches for row in rows)])
     height = float(np.ptp(stretches)) if stretches.size else 0.0
     done: list[_Branch] = []
@@ -223,10 +239,10 @@ def _only(point: _Point | None) -> tuple[_Point, ...]:
     return () if point is None else (point,)
 
 
-def _rows(data: xr.Dataset, variable: str, x: str) -> list[_Row]:
+def _rows(data: xr.Dataset, variable: str, x: str, place_name: str) -> list[_Row]:
     (along,) = data[x].dims
     columns = [data[n].transpose(along, "equilibrium").values
-               for n in ("equilibrium_stretch", variable, "stability")]  # fmt: skip
+               for n in (place_name, variable, "stability")]  # fmt: skip
     rows = []
     for place, stretch, value, word in zip(data[x].values, *columns, strict=True):
         order = [k for k in np.argsort(stretch) if np.isfinite(stretch[k])]
@@ -235,12 +251,12 @@ def _rows(data: xr.Dataset, variable: str, x: str) -> list[_Row]:
     return rows
 
 
-def _folds(data: xr.Dataset, variable: str, x: str) -> FloatArray:
+def _folds(data: xr.Dataset, variable: str, x: str, place_name: str) -> FloatArray:
     """Stretch, parameter and value of each fold, array (fold, 3)."""
-    own = _name_at_folds(variable)
-    if not {f"fold_{x}", "fold_thickness_stretch"} <= set(data):
+    own, at_place = _name_at_folds(variable), _name_at_folds(place_name)
+    if not {f"fold_{x}", at_place} <= set(data):
         return np.empty((0, 3))
-    columns = [np.atleast_1d(data[n].values) for n in ("fold_thickness_stretch", f"fold_{x}")]
+    columns = [np.atleast_1d(data[n].values) for n in (at_place, f"fold_{x}")]
     at_fold = _VALUES_AT_FOLDS.get(variable, np.nan)
     columns.append(
         np.atleast_1d(data[own].values) if own in data else np.full(columns[0].shape, at_fold)
@@ -300,9 +316,11 @@ def _pair_around(row: _Row, stretch: float, used: Mapping[int, _Point]) -> tuple
     return (k - 1, k) if row.stabilities[k - 1] != row.stabilities[k] else None
 
 
-def _mark_folds(axes: Axes, member: ensemble.Member, variable: str, x: str) -> list[Line2D]:
+def _mark_folds(
+    axes: Axes, member: ensemble.Member, variable: str, x: str, place_name: str
+) -> list[Line2D]:
     """Circles at the folds within the range, and their legend entry."""
-    folds = _folds(member.data, variable, x)
+    folds = _folds(member.data, variable, x, place_name)
     places = member.data[x].values
     inside = (
         np.isfinite(folds[:, 2]) & (folds[:, 1] >= places.min()) & (folds[:, 1] <= places.max())

@@ -12,6 +12,7 @@ from matplotlib.lines import Line2D
 from remanent._errors import InputError
 from remanent.plots import style
 from remanent.plots.footer import add_legend_and_footer
+from remanent.results.provenance import own_variable_texts
 from remanent.results.schema import describe
 
 __all__ = ["fit"]
@@ -63,7 +64,7 @@ def fit(
     name = quantity or str(dataset["quantity"].values[0])
     data = dataset.isel(observation=np.flatnonzero(dataset["quantity"].values == name))
     level = data["predicted"] if residuals else 0.0 * data["predicted"]
-    row = describe(name)
+    row = describe(name, own_variable_texts(dataset))
     with style.context_of(ax):
         axes = style.given_or_new_axes(ax)
         looks = {"marker": "o", "ms": 2.6, "mfc": "none", "mew": 0.7, "linestyle": ""}
@@ -78,7 +79,9 @@ def fit(
             label="fitted",
             zorder=points[0].get_zorder() - 0.1,  # so that no point is covered
         )
-        words = f"residual of ${row.symbol}$" if residuals else f"{row.long_name}, ${row.symbol}$"
+        measured = xr.Variable((), 0.0, row.attributes())
+        words = style.axis_label(measured, words=not residuals)
+        words = f"residual of {words}" if residuals else words
         style.label_axes(axes, style.axis_label(data[x]), words)
         entries = [*points, *curve, *_lost_entries(data)]
         add_legend_and_footer(axes, ax, dataset, entries, legend=legend, footer=footer)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import partial
 from numbers import Real
 from types import MappingProxyType
 from typing import Any, Final
@@ -14,6 +15,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from remanent._errors import InputError
+from remanent.models.variable_text import VariableText
 from remanent.plots import missing
 from remanent.plots.legends import row_count
 from remanent.plots.style import (
@@ -61,6 +63,8 @@ _OMITTED_PARTS: Final = frozenset({"scales"})
 _OMITTED_SETTINGS: Final = frozenset({"measure", "parameter", "direction"})
 #: The kind of a magnet, which is named only where it has something to say.
 _CLASS_OMITTED_WITHOUT_FIELDS: Final = "Magnet"
+#: The field of a system of the user's own that holds its numbers by name.
+_OWN_PARAMETERS: Final = "parameters"
 #: What parts the pieces of the footer.
 _PIECE_SEPARATOR: Final = "   "
 #: Rows of a legend for which a figure has room.
@@ -162,7 +166,7 @@ def footer_text(dataset: xr.Dataset, *, hide: Iterable[str] = ()) -> str:
     attrs = dataset.attrs
     say = _value_texts(dataset)
     given = [*map(str, dataset.coords), *str(attrs.get("over", "")).split()]
-    shown = {name.split(".")[-1] for name in [*given, *hide]}
+    shown = {part for name in [*given, *hide] for part in (name, name.split(".")[-1])}
     single = [array for array in dataset.coords.values() if array.ndim == 0]
     settings = [
         name
@@ -190,7 +194,7 @@ def _value_texts(dataset: xr.Dataset) -> _Say:
     """How values are said: in SI where the Dataset is, else dimensionless."""
     scales = dataset.attrs.get("scales_applied")
     if scales is None:
-        return _value_text
+        return partial(_value_text, own=provenance.own_variable_texts(dataset))
 
     def say(name: str, value: object) -> str:
         if not isinstance(value, (int, float)):
@@ -226,10 +230,20 @@ def _model_texts(dataset: xr.Dataset, name: str, shown: set[str], say: _Say) -> 
     if table is None:
         source = str(dataset.attrs.get(f"{name}_text", ""))
         return [_shorten_description(source)] if source else []
+    if isinstance(table.get("drives"), dict):
+        return [_load_text(load, drive, shown, say) for load, drive in table["drives"].items()]
     fields = [*_field_texts(table, shown, say)]
     if name == provenance.SYSTEM_ATTRIBUTE:
         return fields
     return [f"{_class_name(table)}: {', '.join(fields)}" if fields else _class_name(table)]
+
+
+def _load_text(load: str, table: Mapping[str, Any], shown: set[str], say: _Say) -> str:
+    """The drive of one of several loads, without the fields of this load that are shown."""
+    own = {name.removeprefix(f"{load}.") for name in shown if name.startswith(f"{load}.")}
+    fields = ", ".join(_field_texts(table, own, say))
+    kind = _class_name(table)
+    return f"{load.replace('_', ' ')}: {kind} ({fields})" if fields else f"{load}: {kind}"
 
 
 def _field_texts(
@@ -239,6 +253,8 @@ def _field_texts(
     for name, content in table.items():
         if isinstance(content, dict) and "kind" in content and name not in _OMITTED_PARTS:
             yield from _part_texts(content, shown, say, name)
+        elif isinstance(content, dict) and name == _OWN_PARAMETERS:
+            yield from _field_texts(content, shown, say)
         elif isinstance(content, list):
             yield from _list_texts(name, content, shown, say)
         elif _is_number(content) and name not in shown and not _is_left_out(name, content):
@@ -273,13 +289,17 @@ def _class_name(table: Mapping[str, Any]) -> str:
     return str(table.get("kind", "")).rpartition(".")[2]
 
 
-def _value_text(name: str, value: object) -> str:
+def _value_text(
+    name: str, value: object, own: Mapping[str, VariableText] = MappingProxyType({})
+) -> str:
     if not isinstance(value, (int, float)):
         return f"{name.replace('_', ' ')} {value}"
     try:
-        row = describe(name)
+        row = describe(name, own)
     except InputError:  # a field of the user's own
         return f"{name.replace('_', ' ')} ${format_number(value)}$"
+    if own:
+        return value_label(xr.Variable((), value, row.attributes()), value)
     unit = f" {row.units}" if row.units == "K" else ""
     return f"${row.symbol} = {format_number(value)}${unit}"
 

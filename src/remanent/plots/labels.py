@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
+from types import MappingProxyType
 
 import xarray as xr
 
 from remanent._errors import InputError
+from remanent.models.variable_text import VariableText
 from remanent.results.schema import describe
 
 __all__ = ["axis_label", "field_label", "format_number", "math_symbol", "value_label"]
@@ -70,8 +73,14 @@ def value_label(array: xr.DataArray | xr.Variable, value: object) -> str:
     return f"{text} {units}" if units else text
 
 
-def field_label(name: object) -> str:
+def field_label(name: object, own: Mapping[str, VariableText] = MappingProxyType({})) -> str:
     """Return the meaning and the symbol of a field; the name itself where it has none.
+
+    Parameters
+    ----------
+    name : object
+    own : mapping of str to VariableText, optional
+        What a system of the user's own says of its variables.
 
     Examples
     --------
@@ -79,7 +88,7 @@ def field_label(name: object) -> str:
     ('slenderness, $c$', 'my gain')
     """
     try:
-        row = describe(str(name))
+        row = describe(str(name), own)
     except InputError:  # a field of the user's own
         return str(name)
     return f"{row.long_name}, ${row.symbol}$"

@@ -18,6 +18,7 @@ from remanent.plots import style
 from remanent.plots.ensemble import Member
 
 __all__ = [
+    "NO_RESULT",
     "cut_cloud_entries",
     "has_values",
     "incomplete_entries",
@@ -32,6 +33,8 @@ __all__ = [
 _SILENT_STATUS_CODES: Final = frozenset({int(Status.OK)})
 #: Mark of a line that stops before its end.
 _END_MARKER: Final = "x"
+#: Words where the status is no reason.
+NO_RESULT: Final = "no result"
 #: Mark on the lower edge, at a value without a result.
 _GAP_MARKER: Final = "|"
 #: Most clouds that stop early of which each is named.
@@ -85,12 +88,12 @@ def why_missing(member: Member, lost: xr.DataArray | None = None) -> str:
     """
     status = member.data.get("status")
     if status is None:
-        return "no result"
+        return NO_RESULT
     codes: NDArray[Any] = np.ravel(status.values)
     if lost is not None and set(status.dims) <= set(lost.dims):
         codes = xr.broadcast(status, lost)[0].transpose(*lost.dims).values[lost.values]
     words = status_words(codes)
-    return f"no result: {words}" if words else "no result"
+    return f"{NO_RESULT}: {words}" if words else NO_RESULT
 
 
 def mark_ends(axes: Axes, members: Sequence[Member], x: str, y: str) -> list[Line2D]:
@@ -128,7 +131,9 @@ def mark_ends(axes: Axes, members: Sequence[Member], x: str, y: str) -> list[Lin
     return entries + ([_mark_entry("", "gaps: no result")] if gaps else [])
 
 
-def mark_gaps(axes: Axes, members: Sequence[Member], x: str, y: str) -> list[Line2D]:
+def mark_gaps(
+    axes: Axes, members: Sequence[Member], x: str, y: str, nothing: str = NO_RESULT
+) -> list[Line2D]:
     """Mark values of `x` without a result on the lower edge; return their legend entries.
 
     Parameters
@@ -139,6 +144,8 @@ def mark_gaps(axes: Axes, members: Sequence[Member], x: str, y: str) -> list[Lin
         With `y` along the dimension of `x`, and others, of which all are missing together.
     x, y : str
         What was drawn against what.
+    nothing : str
+        Words for what is missing where the status is no reason.
 
     Returns
     -------
@@ -158,7 +165,8 @@ def mark_gaps(axes: Axes, members: Sequence[Member], x: str, y: str) -> list[Lin
             color=member.colour, ms=7, mew=1.2, transform=axes.get_xaxis_transform(),
             clip_on=False, zorder=6, linestyle="",
         )  # fmt: skip
-        reasons[why_missing(member, gaps)] = None
+        reason = why_missing(member, gaps)
+        reasons[nothing if reason == NO_RESULT else reason] = None
     return [_mark_entry(_GAP_MARKER, reason) for reason in reasons]
 
 

@@ -13,6 +13,7 @@ from matplotlib.colors import Normalize, to_hex, to_rgb
 
 from remanent._typing import FloatArray, IntArray
 from remanent.plots import colours
+from remanent.plots.labels import axis_label
 
 __all__ = ["KNOWN_REGIMES", "regime_bars", "regime_colours", "regime_names"]
 
@@ -98,7 +99,8 @@ def regime_bars(
     if "chaotic" in values and "exponent" in dataset:
         scale = Normalize(0.0, _largest_chaotic_exponent(dataset))
         source = ScalarMappable(scale, colours.CHAOS_COLOUR_MAP)
-        bars.append((source, "chaotic: exponent $\\Lambda$"))
+        exponent = axis_label(dataset["exponent"], words=False)
+        bars.append((source, f"chaotic: exponent {exponent}"))
     if "quasi-periodic" in values and "rotation_number" in dataset:
         source = ScalarMappable(_torus_scale(dataset, spread_tori), colours.TORUS_COLOUR_MAP)
         bars.append((source, "quasi-periodic: rotation number $\\nu$"))

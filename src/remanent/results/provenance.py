@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any, Final
@@ -15,6 +15,7 @@ from remanent._errors import InputError
 from remanent.models.drives.base import Drive
 from remanent.models.plain import from_plain_data, to_plain_data
 from remanent.models.system import System
+from remanent.models.variable_text import VariableText
 from remanent.results.checks import require_dataset
 
 __all__ = [
@@ -25,6 +26,7 @@ __all__ = [
     "has_drive",
     "model_attributes",
     "observable_name",
+    "own_variable_texts",
     "package_versions",
     "read_drive",
     "read_plain_model",
@@ -212,6 +214,14 @@ def has_drive(dataset: xr.Dataset) -> bool:
 def observable_name(dataset: xr.Dataset) -> str:
     """Name of the quantity whose extremes a Dataset follows: of an actuator the thickness."""
     return str(dataset.attrs.get(OBSERVABLE_ATTRIBUTE, ACTUATOR_OBSERVABLE))
+
+
+def own_variable_texts(dataset: xr.Dataset) -> Mapping[str, VariableText]:
+    """What a system of the user's own says of its variables; nothing where none made a Dataset."""
+    try:
+        return read_system(dataset).variable_texts()
+    except InputError:  # it was dropped, or is no plain data
+        return {}
 
 
 def varying_field_names(dataset: xr.Dataset) -> list[str]:

@@ -116,7 +116,12 @@ DESCRIPTIONS: Final[Mapping[str, Description]] = MappingProxyType(_read_table())
 
 #: Dimensions of points at which other rows have a value, ``fold_m`` for example.
 _POINT_PREFIX_MEANINGS: Final[Mapping[str, str]] = MappingProxyType(
-    {"special": "special point", "fold": "fold", "snap": "dynamic threshold"}
+    {
+        "special": "special point",
+        "fold": "fold",
+        "snap": "dynamic threshold",
+        "branch_point": "branch point",
+    }
 )
 
 #: Variables whose values are numbered meanings, with the meanings in order of code from 0.
@@ -131,8 +136,9 @@ def describe(name: str, own: Mapping[str, VariableText] = MappingProxyType({})) 
     Besides the rows themselves, the table describes by rule:
 
     * ``initial.<state>``, the initial value of a state variable;
-    * ``special_<name>``, ``fold_<name>``, ``snap_<name>``, a row at a special point of a
-      branch, at a fold of equilibria, at the dynamic threshold of a snap;
+    * ``special_<name>``, ``fold_<name>``, ``branch_point_<name>``, ``snap_<name>``, a row at a
+      special point of a branch, at a fold of equilibria, where branches of them cross, at the
+      dynamic threshold of a snap;
     * ``dissipation.0.eta`` and the like, the row without the number, and ``loads.0``, an entry
       of the row;
     * ``<name>_error``, the estimated error of a row, in the same unit;
@@ -220,10 +226,10 @@ def _describe_initial(name: str) -> Description | None:
 
 
 def _describe_prefixed(name: str) -> Description | None:
-    prefix, _, base = name.partition("_")
-    if not base or prefix not in _POINT_PREFIX_MEANINGS:
+    prefix = next((one for one in _POINT_PREFIX_MEANINGS if name.startswith(f"{one}_")), None)
+    if prefix is None:
         return None
-    row = describe(base)
+    row = describe(name.removeprefix(f"{prefix}_"))
     return replace(
         row,
         name=name,
@@ -284,7 +290,7 @@ def _describe_own_system(name: str, own: Mapping[str, VariableText]) -> Descript
         return _own_row(name, own[name])
     for prefix, words in (("initial.", "initial {}"), *_POINT_PREFIXES_WITH_WORDS):
         base = name.removeprefix(prefix)
-        if base != name and base.removesuffix("_error") in own:
+        if base != name and _is_own(base.removesuffix("_error"), own):
             row = _describe_own_system(base, own)
             dims = () if prefix == "initial." else (prefix.removesuffix("_"),)
             return replace(row, name=name, long_name=words.format(row.long_name), dims=dims)
@@ -292,10 +298,12 @@ def _describe_own_system(name: str, own: Mapping[str, VariableText]) -> Descript
     if field and load in own:
         row = describe(field)
         words = row.long_name.replace("magnetic ", "")
+        units = {key: text.units for key, text in own.items()} | {"load": own[load].units}
         return replace(
             row,
             name=name,
             long_name=f"{words} of the {own[load].long_name}",
+            units=_units_of_kinds(units).get(row.kind, row.units),
             symbol=rf"{row.symbol}_{{{own[load].symbol}}}",
             kind=QuantityKind.NONE,
         )
@@ -311,6 +319,16 @@ def _describe_own_system(name: str, own: Mapping[str, VariableText]) -> Descript
     return _in_words_of_system(describe(name), own)
 
 
+#: The symbol of a load that has no other.
+_NO_SYMBOL_OF_LOAD: Final = r"\mathrm{load}"
+
+
+def _is_own(name: str, own: Mapping[str, VariableText]) -> bool:
+    """Whether a name is that of one's own variable, or of a field of the drive of a load."""
+    load, _, field = name.partition(".")
+    return name in own or (load in own and field in DESCRIPTIONS)
+
+
 #: What results put before names, and how the words then read.
 _POINT_PREFIXES_WITH_WORDS: Final = tuple(
     (f"{prefix}_", f"{{}} at the {words}") for prefix, words in _POINT_PREFIX_MEANINGS.items()
@@ -319,6 +337,22 @@ _POINT_PREFIXES_WITH_WORDS: Final = tuple(
 
 def _own_row(name: str, text: VariableText) -> Description:
     return Description(name, text.units, text.long_name, text.symbol, ("time",))
+
+
+def _units_of_kinds(units: Mapping[str, str]) -> dict[QuantityKind, str]:
+    """Units of rows by their kind, where units of time, energy and the load are given."""
+    time = units.get("time", "1")
+    per_time = {} if time == "1" else {
+        QuantityKind.RATE: f"{time}-1",
+        QuantityKind.SQUARED_RATE: f"{time}-2",
+        QuantityKind.FREQUENCY: f"rad {time}-1",
+    }  # fmt: skip
+    return {
+        QuantityKind.ENERGY_DENSITY: units.get("energy", "1"),
+        QuantityKind.TIME: time,
+        QuantityKind.LOAD: units.get("load", "1"),
+        **per_time,
+    }
 
 
 def _in_words_of_system(row: Description, own: Mapping[str, VariableText]) -> Description:
@@ -330,10 +364,10 @@ def _in_words_of_system(row: Description, own: Mapping[str, VariableText]) -> De
         long_name = long_name.replace(words, observable.long_name)
         row = replace(row, symbol=row.symbol.replace(symbol, observable.symbol))
         units = observable.units
-    own_units = {
-        QuantityKind.ENERGY_DENSITY: own["energy"].units if "energy" in own else "1",
-        QuantityKind.TIME: own["time"].units if "time" in own else "1",
-    }
+    of_load = own["load"].symbol if "load" in own else _NO_SYMBOL_OF_LOAD
+    if row.name.split("_")[-1] == "m" and of_load != _NO_SYMBOL_OF_LOAD:
+        row = replace(row, symbol=of_load)
+    own_units = _units_of_kinds({name: text.units for name, text in own.items()})
     return replace(
         row,
         long_name=long_name,

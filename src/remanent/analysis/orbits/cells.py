@@ -16,6 +16,7 @@ excluded nor solved however small they are; such cells are set aside as flat.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -89,6 +90,7 @@ def zeros_by_cells(
     is_excluded: BoolArray | None = None,
     flatness: float,
     max_effort: float,
+    is_settled: Callable[[FloatArray, FloatArray], BoolArray] | None = None,
 ) -> CellSearchOutcome:
     """Where all zeros of a function in a box are.
 
@@ -103,6 +105,9 @@ def zeros_by_cells(
         The function vanishes up to this on curves through flat cells.
     max_effort : float
         Of all evaluations of the function together; cells that are left then are unresolved.
+    is_settled : callable, optional
+        Whether cells, given by their centres and half-widths, arrays (cell, coordinate), lie where
+        all zeros are known already; nothing is looked for there.
     """
     width = np.array([e[-1] - e[0] for e in edges])
     cells, first_sample = _first_cells(function, edges, is_excluded)
@@ -112,6 +117,8 @@ def zeros_by_cells(
         excluded, solved, newton = _judge(cells)
         starts.append(newton[solved])
         cells = cells.subset(~excluded & ~solved)
+        if is_settled is not None:
+            cells = cells.subset(~is_settled(cells.centre, cells.half_width))
         share = (cells.half_width / width).max(axis=1, initial=0.0)
         tiny = share <= _MIN_SHARE_OF_BOX
         coarse = ~(cells.sample.error <= 2.0 * ERROR_LIMITS[1]) | ~is_known(cells.sample)

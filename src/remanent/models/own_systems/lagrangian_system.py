@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from dataclasses import replace as replace_fields
 from itertools import combinations
 from typing import Any, Final, Self
 
@@ -224,6 +225,18 @@ class LagrangianSystem(WrittenSystem):
                 rf"\dot{{{symbols.get(coordinate, super()._default_symbol(coordinate, symbols))}}}"
             )
         return super()._default_symbol(name, symbols)
+
+    def without_dissipation(self) -> Self:
+        """The same energies with nothing lost, without parameters that only dissipation has."""
+        kept = self.observable_formula.variable_names
+        for name in ("kinetic", "potential"):
+            kept |= self.formulas()[name].variable_names
+        gone = {name for name in self.parameter_values() if name not in kept}
+        pairs = {
+            name: tuple(pair for pair in getattr(self, name) if pair[0] not in gone)
+            for name in ("parameters", "units", "symbols")
+        }
+        return replace_fields(self, dissipation="0", **pairs)
 
     # The kinetic energy -------------------------------------------------------------------
 

@@ -14,8 +14,9 @@ RATE_SUFFIX: Final = "_rate"
 #: Names that drives, results and verbs give to something of their own, as text.
 _RESERVED_TEXT: Final = """
     amplitude attractor attractor_period attractor_regime attractor_state average b balance band
-    basin bound branch case chi_square confidence correlation covariance crossing crossing_time
-    crossings cycle decrement defect degrees derivative detuning deviation digits direction
+    basin bound branch branch_point case chi_square confidence correlation covariance crossing
+    crossing_time crossings cycle decrement defect degrees derivative detuning deviation digits
+    direction
     dissipated_energy drive drive_period drive_phase drive_work duration eigenvalue eigenvalues
     elasticity end end_bound end_reason energy energy_drift entropy entropy_balance
     entropy_given_off entropy_produced equilibrium equilibrium_potential equilibrium_stretch error
@@ -38,7 +39,7 @@ _RESERVED_TEXT: Final = """
 #: These names.
 RESERVED_NAMES: Final = frozenset(_RESERVED_TEXT.split())
 #: What results put before a name of the user's, or after it.
-_RESERVED_PREFIXES: Final = ("special_", "fold_", "snap_", "initial_")
+_RESERVED_PREFIXES: Final = ("special_", "fold_", "snap_", "branch_point_", "initial_")
 _RESERVED_SUFFIXES: Final = ("_error",)
 
 

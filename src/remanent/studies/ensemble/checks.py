@@ -39,6 +39,8 @@ _ORDER_REMEDY = "The system comes first, then the drive: simulate(actuator, driv
 _LARGEST_RANGE_END = 1e150
 #: Narrowest range over the size of its ends: steps are up to ten thousand times shorter.
 _NARROWEST_RELATIVE_RANGE = 1e4 * float(np.finfo(np.float64).eps)
+#: What ``drive`` accepts: a drive, or a drive for the name of each load.
+DriveArgument: TypeAlias = Drive | Mapping[str, Drive]
 #: What ``rng`` accepts.
 RngArgument: TypeAlias = int | np.random.Generator | None
 #: The seed of all random choices where none is given.

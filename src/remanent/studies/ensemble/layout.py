@@ -15,7 +15,7 @@ from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.models.physical_sizes import PHYSICAL_SIZES, PhysicalSizes
 from remanent.models.system import System
-from remanent.studies.ensemble.checks import require_drive, require_system
+from remanent.studies.ensemble.checks import DriveArgument, require_drive, require_system
 from remanent.studies.ensemble.ensemble import (
     TRAJECTORIES_PER_BATCH,
     Ensemble,
@@ -41,7 +41,7 @@ __all__ = ["RESERVED_DIMENSIONS", "OverArgument", "lay_out_ensemble", "require_o
 
 def lay_out_ensemble(
     system: System,
-    drive: Drive,
+    drive: DriveArgument,
     over: OverArgument | None = None,
     initial: ArrayLike | None = None,
     *,
@@ -56,7 +56,7 @@ def lay_out_ensemble(
     Parameters
     ----------
     system : System
-    drive : Drive
+    drive : Drive, or mapping of str to Drive
     over : mapping of name to array_like or DataArray, optional
         Numeric fields with their values; the physical sizes of an actuator are among them.
     initial : array_like (state,), optional

@@ -26,7 +26,17 @@ from remanent.studies.ensemble.quantities import without_unit
 OverArgument = Mapping[str, ArrayLike | xr.DataArray]
 #: Names of dimensions that results have of their own.
 RESERVED_DIMENSIONS: Final = frozenset(
-    {"time", "cycle", "period", "crossing", "equilibrium", "thickness_stretch", "fold", "snap"}
+    {
+        "time",
+        "cycle",
+        "period",
+        "crossing",
+        "equilibrium",
+        "thickness_stretch",
+        "fold",
+        "snap",
+        "branch_point",
+    }
 )
 #: Rows of the table of variables that no result has as a variable of its own: the number of a case,
 #: and fields of drives, which are refused where the drive has them.

@@ -19,7 +19,12 @@ from remanent.models.system import System
 from remanent.results import build, provenance
 from remanent.results.build import Labelled
 from remanent.results.read_measurements import MeasurementSource, read_measurements
-from remanent.studies.ensemble.checks import require_drive, require_intervals, require_tolerance
+from remanent.studies.ensemble.checks import (
+    DriveArgument,
+    require_drive,
+    require_intervals,
+    require_tolerance,
+)
 from remanent.studies.ensemble.durations import (
     DEFAULT_RESPONSE_DURATION_IN_TAU,
     require_count,
@@ -53,7 +58,7 @@ _VALUE_BEYOND_UPPER_BOUNDS = 1e6
 
 def fit(
     system: System,
-    drive: Drive,
+    drive: DriveArgument,
     data: MeasurementSource,
     parameters: Sequence[str] | Mapping[str, float],
     *,
@@ -72,7 +77,7 @@ def fit(
     ----------
     system : System
         What was measured, with guesses for what is not known.
-    drive : Drive
+    drive : Drive, or mapping of str to Drive
         The load on it.
     data : xarray.Dataset, pandas.DataFrame, mapping or path
         What :func:`remanent.read_measurements` returns or reads: along ``time`` any of the
@@ -201,7 +206,8 @@ def fit(
     attributes["deviations"] = "given" if observed.has_absolute_deviations else "equal"
     if not best.has_converged:
         attributes["reason"] = _NO_END_REASON
-    return build.dataset(variables, _fit_coordinates(guess, measurements), attributes)
+    coords = _fit_coordinates(guess, measurements)
+    return build.dataset(variables, coords, attributes, system.variable_texts())
 
 
 def _require_run_length(duration: float | None, periods: int | None) -> None:

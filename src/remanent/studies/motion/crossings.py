@@ -8,9 +8,8 @@ import xarray as xr
 from remanent._checks import finite_rule, require_choice, require_real
 from remanent._typing import ArrayLike
 from remanent.integrate import events
-from remanent.models.drives.base import Drive
 from remanent.models.system import System
-from remanent.studies.ensemble.checks import require_tolerance
+from remanent.studies.ensemble.checks import DriveArgument, require_tolerance
 from remanent.studies.ensemble.durations import require_exactly_one_argument, trajectory_durations
 from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble
 from remanent.studies.ensemble.problem import initial_value_problem
@@ -27,7 +26,7 @@ _SIGNS_OF_DIRECTION = {"both": (-1, 0, 1), "up": (1,), "down": (-1,)}
 
 def crossings(
     system: System,
-    drive: Drive,
+    drive: DriveArgument,
     variable: str,
     value: float,
     *,
@@ -45,7 +44,7 @@ def crossings(
     ----------
     system : System
         What moves.
-    drive : Drive
+    drive : Drive, or mapping of str to Drive
         The magnetic load on it.
     variable : str
         ``"thickness_stretch"``, ``"thickness_stretch_rate"``, a state variable, ``"energy"``

@@ -11,9 +11,8 @@ from remanent._typing import ArrayLike
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import ERROR_SHARE_IN_FUNCTIONS, Request
 from remanent.integrate.variations import field_with_integrals
-from remanent.models.drives.base import Drive
 from remanent.models.system import System
-from remanent.studies.ensemble.checks import require_energy, require_tolerance
+from remanent.studies.ensemble.checks import DriveArgument, require_energy, require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
 from remanent.studies.ensemble.durations import require_count, require_drive_periods
 from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble
@@ -31,7 +30,7 @@ _POWER_OBSERVABLE_OF_ENERGY = {"dissipated_energy": "dissipated_power", "drive_w
 
 def cycle_losses(
     system: System,
-    drive: Drive,
+    drive: DriveArgument,
     *,
     periods: int,
     discard: int = 0,
@@ -46,7 +45,7 @@ def cycle_losses(
     ----------
     system : System
         What moves.
-    drive : Drive
+    drive : Drive, or mapping of str to Drive
         A periodic load.
     periods : int
         Length of the run in smallest periods of the load.

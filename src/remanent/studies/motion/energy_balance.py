@@ -12,9 +12,8 @@ from remanent._typing import ArrayLike, FloatArray
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import ERROR_SHARE_IN_FUNCTIONS, Problem, Request
 from remanent.integrate.variations import field_with_integrals
-from remanent.models.drives.base import Drive
 from remanent.models.system import System
-from remanent.studies.ensemble.checks import require_energy, require_tolerance
+from remanent.studies.ensemble.checks import DriveArgument, require_energy, require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
 from remanent.studies.ensemble.durations import require_exactly_one_argument
 from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble
@@ -40,7 +39,7 @@ _HEAT_INTEGRAL_OF_OBSERVABLE = {
 
 def energy_balance(
     system: System,
-    drive: Drive,
+    drive: DriveArgument,
     *,
     duration: float | None = None,
     periods: int | None = None,
@@ -56,7 +55,7 @@ def energy_balance(
     ----------
     system : System
         What moves.
-    drive : Drive
+    drive : Drive, or mapping of str to Drive
         The magnetic load on it.
     duration : float, optional
         Length of the run in units of tau.

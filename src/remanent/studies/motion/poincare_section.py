@@ -10,9 +10,8 @@ from remanent._errors import InputError
 from remanent._typing import ArrayLike
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Request
-from remanent.models.drives.base import Drive
 from remanent.models.system import System
-from remanent.studies.ensemble.checks import require_tolerance
+from remanent.studies.ensemble.checks import DriveArgument, require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
 from remanent.studies.ensemble.durations import require_count, require_drive_periods
 from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble
@@ -37,7 +36,7 @@ _SECTION_PHASE_RULE = Rule(
 
 def poincare_section(
     system: System,
-    drive: Drive,
+    drive: DriveArgument,
     *,
     periods: int | None = None,
     every: int = 1,
@@ -56,7 +55,7 @@ def poincare_section(
     ----------
     system : System
         What moves.
-    drive : Drive
+    drive : Drive, or mapping of str to Drive
         A periodic load; any load where there is a section.
     periods : int, optional
         Length of the run in smallest periods of the load.

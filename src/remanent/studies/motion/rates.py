@@ -13,8 +13,8 @@ from remanent._load_schedule import LoadSchedule
 from remanent._typing import ArrayLike, FloatArray, IntArray
 from remanent.codegen.reference import evaluate_rates
 from remanent.integrate.ensemble.problem import Problem
-from remanent.models.drives.base import Drive
 from remanent.models.system import System
+from remanent.studies.ensemble.checks import DriveArgument
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.layout import lay_out_ensemble
 from remanent.studies.ensemble.problem import initial_value_problem
@@ -118,7 +118,7 @@ class Rates:
         return row
 
 
-def rates(system: System, drive: Drive) -> Rates:
+def rates(system: System, drive: DriveArgument) -> Rates:
     """Make the right-hand side of the equations of motion a function of time and state.
 
     It is what the compiled kernels integrate, evaluated with NumPy, so that other integrators
@@ -128,7 +128,7 @@ def rates(system: System, drive: Drive) -> Rates:
     ----------
     system : System
         What moves.
-    drive : Drive
+    drive : Drive, or mapping of str to Drive
         Its load.
 
     Returns

@@ -8,9 +8,8 @@ import xarray as xr
 from remanent._typing import ArrayLike
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Request
-from remanent.models.drives.base import Drive
 from remanent.models.system import System
-from remanent.studies.ensemble.checks import require_tolerance
+from remanent.studies.ensemble.checks import DriveArgument, require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
 from remanent.studies.ensemble.durations import require_exactly_one_argument
 from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble
@@ -27,7 +26,7 @@ from remanent.studies.ensemble.time_grid import time_grid
 
 def simulate(
     system: System,
-    drive: Drive,
+    drive: DriveArgument,
     *,
     duration: float | None = None,
     periods: int | None = None,
@@ -43,7 +42,7 @@ def simulate(
     ----------
     system : System
         What moves.
-    drive : Drive
+    drive : Drive, or mapping of str to Drive
         The magnetic load on it.
     duration : float, optional
         Length of the run in units of tau.

@@ -19,10 +19,10 @@ from remanent.analysis.orbits.correction import correct_points
 from remanent.analysis.orbits.curve_errors import errors_at_fixed_unknown
 from remanent.analysis.orbits.curves import Curve
 from remanent.analysis.orbits.orbit_equations import build_bifurcation_equations
-from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import (
+    DriveArgument,
     require_parameter,
     require_parameter_range,
     require_state,
@@ -61,7 +61,7 @@ _FINEST_RESOLUTION_PER_TIME = 32.0
 
 def continue_bifurcation(
     system: System,
-    drive: Drive,
+    drive: DriveArgument,
     kind: str,
     parameters: Sequence[str],
     parameter_ranges: Sequence[ArrayLike],
@@ -80,7 +80,7 @@ def continue_bifurcation(
     ----------
     system : System
         What moves.
-    drive : Drive
+    drive : Drive, or mapping of str to Drive
         A periodic load.  The own values of both are where the curve is looked for.
     kind : str
         ``"fold"`` or ``"period doubling"``.

@@ -11,9 +11,9 @@ import xarray as xr
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, FloatArray
 from remanent.analysis.orbits.periodic_orbits import PeriodicOrbits, newton_fixed_points
-from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.studies.ensemble.checks import (
+    DriveArgument,
     require_parameter,
     require_parameter_range,
     require_state,
@@ -37,7 +37,7 @@ _INITIAL_STATE_REMEDY = "Take one from periodic_orbits, at phase 0."
 
 def continue_orbit(
     system: System,
-    drive: Drive,
+    drive: DriveArgument,
     parameter: str,
     parameter_range: ArrayLike,
     *,
@@ -55,7 +55,7 @@ def continue_orbit(
     ----------
     system : System
         What moves.
-    drive : Drive
+    drive : Drive, or mapping of str to Drive
         A periodic load.
     parameter : str
         A numeric field of either, such as ``"omega"``, ``"b"``, ``"temperature"`` or

@@ -14,9 +14,13 @@ from remanent._typing import ArrayLike, BoolArray, FloatArray
 from remanent.analysis.orbits.correction import correct_points
 from remanent.analysis.orbits.maps import MapImage
 from remanent.analysis.orbits.orbit_equations import build_bifurcation_equations
-from remanent.models.drives.base import Drive
 from remanent.models.system import System
-from remanent.studies.ensemble.checks import require_parameter, require_state, require_tolerance
+from remanent.studies.ensemble.checks import (
+    DriveArgument,
+    require_parameter,
+    require_state,
+    require_tolerance,
+)
 from remanent.studies.ensemble.dataset import to_dataset
 from remanent.studies.ensemble.durations import require_drive_periods
 from remanent.studies.ensemble.ensemble import Ensemble
@@ -38,7 +42,7 @@ _HOMOTOPY_STEP_COUNT = 4
 
 def locate_bifurcation(
     system: System,
-    drive: Drive,
+    drive: DriveArgument,
     kind: str,
     parameter: str,
     *,
@@ -53,7 +57,7 @@ def locate_bifurcation(
     ----------
     system : System
         What moves.
-    drive : Drive
+    drive : Drive, or mapping of str to Drive
         A periodic load.  With their own values both are near the special point.
     kind : str
         ``"fold"`` or ``"period doubling"``.

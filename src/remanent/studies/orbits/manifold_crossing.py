@@ -24,9 +24,9 @@ from remanent.analysis.orbits.stability import Stability, floquet_multipliers, o
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Request
 from remanent.models.actuator import Actuator
-from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.studies.ensemble.checks import (
+    DriveArgument,
     require_parameter,
     require_parameter_range,
     require_state,
@@ -73,7 +73,7 @@ _BRACKET_WIDTH_RULE = positive_rule(
 
 def manifold_crossing(
     system: System,
-    drive: Drive,
+    drive: DriveArgument,
     parameter: str,
     parameter_range: ArrayLike,
     *,
@@ -95,7 +95,7 @@ def manifold_crossing(
     ----------
     system : System
         What moves.
-    drive : Drive
+    drive : Drive, or mapping of str to Drive
         A periodic load.
     parameter : str
         A numeric field of either, such as ``"omega"``.

@@ -11,9 +11,8 @@ from remanent._errors import InputError
 from remanent._typing import ArrayLike, FloatArray
 from remanent.analysis.orbits.period_chain import PeriodChain
 from remanent.analysis.orbits.point_rows import replace_rows, subset_of_rows
-from remanent.models.drives.base import Drive
 from remanent.models.system import System
-from remanent.studies.ensemble.checks import require_tolerance
+from remanent.studies.ensemble.checks import DriveArgument, require_tolerance
 from remanent.studies.ensemble.durations import require_drive_periods
 from remanent.studies.ensemble.layout import lay_out_ensemble
 from remanent.studies.orbits._checks import require_orbit_period
@@ -122,7 +121,7 @@ class PeriodMapFunction:
 
 
 def period_map(
-    system: System, drive: Drive, *, orbit_period: int = 1, tolerance: float = 1e-9
+    system: System, drive: DriveArgument, *, orbit_period: int = 1, tolerance: float = 1e-9
 ) -> PeriodMapFunction:
     """Make the map over drive periods a function of states: what an independent check needs.
 
@@ -130,7 +129,7 @@ def period_map(
     ----------
     system : System
         What moves.
-    drive : Drive
+    drive : Drive, or mapping of str to Drive
         A periodic load.
     orbit_period : int
         How many drive periods the map lasts.

@@ -14,10 +14,9 @@ from remanent._status import Status
 from remanent._typing import FloatArray
 from remanent.analysis.orbits.errors import OrbitErrors, orbit_errors
 from remanent.analysis.orbits.point_rows import replace_rows
-from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.results.build import Labelled
-from remanent.studies.ensemble.checks import require_tolerance
+from remanent.studies.ensemble.checks import DriveArgument, require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
 from remanent.studies.ensemble.durations import require_drive_periods
 from remanent.studies.ensemble.ensemble import Ensemble
@@ -56,7 +55,7 @@ _SEARCH_RESIDUAL = 1e-9
 
 def periodic_orbits(
     system: System,
-    drive: Drive,
+    drive: DriveArgument,
     *,
     orbit_period: int = 1,
     state_box: Mapping[str, Any] | None = None,
@@ -70,7 +69,7 @@ def periodic_orbits(
     ----------
     system : System
         What moves.
-    drive : Drive
+    drive : Drive, or mapping of str to Drive
         A periodic load.
     orbit_period : int
         Least period of the orbits in drive periods: 1 for the forced response, 2, 3 ... for

@@ -8,8 +8,8 @@ from typing import Any
 import xarray as xr
 
 from remanent._typing import ArrayLike
-from remanent.models.drives.base import Drive
 from remanent.models.system import System
+from remanent.studies.ensemble.checks import DriveArgument
 from remanent.studies.ensemble.durations import require_count
 from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble
 from remanent.studies.ensemble.progress import ProgressArgument, as_progress
@@ -25,7 +25,7 @@ from remanent.studies.orbits._tracing import TracingOptions
 
 def response_diagram(
     system: System,
-    drive: Drive,
+    drive: DriveArgument,
     omega_range: ArrayLike,
     *,
     state_box: Mapping[str, Any] | None = None,
@@ -42,7 +42,7 @@ def response_diagram(
     ----------
     system : System
         What moves.
-    drive : Drive
+    drive : Drive, or mapping of str to Drive
         A load with a field ``omega``, whose value is not used.
     omega_range : (lowest, highest)
         Frequencies, radians per unit of tau.

@@ -12,11 +12,14 @@ from remanent._checks import as_float_array
 from remanent._errors import InputError
 from remanent._typing import ArrayLike, FloatArray
 from remanent.analysis.orbits.periodic_orbits import PeriodicOrbits
-from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.results import provenance
 from remanent.results.checks import require_dataset
-from remanent.studies.ensemble.checks import require_parameter, require_parameter_range
+from remanent.studies.ensemble.checks import (
+    DriveArgument,
+    require_parameter,
+    require_parameter_range,
+)
 from remanent.studies.ensemble.durations import require_count
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.layout import lay_out_ensemble
@@ -44,7 +47,7 @@ def switch_branch(
     special_point: int = 0,
     *,
     system: System | None = None,
-    drive: Drive | None = None,
+    drive: DriveArgument | None = None,
     parameter: str | None = None,
     parameter_range: ArrayLike | None = None,
     orbit_period: int | None = None,
@@ -180,8 +183,8 @@ def _require_switching_point(branch: xr.Dataset, special_point: int) -> tuple[st
 
 
 def _system_and_drive_of_branch(
-    branch: xr.Dataset, system: System | None, drive: Drive | None
-) -> tuple[System, Drive]:
+    branch: xr.Dataset, system: System | None, drive: DriveArgument | None
+) -> tuple[System, DriveArgument]:
     """The system and the drive of a branch, unless they are given."""
     several = provenance.varying_field_names(branch)
     if several and (system is None or drive is None):

@@ -12,10 +12,9 @@ import xarray as xr
 
 from remanent._errors import InputError, shortened_repr
 from remanent._typing import ArrayLike, BoolArray, FloatArray, IntArray
-from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.results.build import Labelled
-from remanent.studies.ensemble.checks import RngArgument, as_seed, require_tolerance
+from remanent.studies.ensemble.checks import DriveArgument, RngArgument, as_seed, require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
 from remanent.studies.ensemble.durations import require_drive_periods
 from remanent.studies.ensemble.ensemble import Ensemble
@@ -44,7 +43,7 @@ _RESERVED_DIMENSIONS = RESERVED_DIMENSIONS | {ATTRACTOR_DIMENSION, "state"}
 
 def basins(
     system: System,
-    drive: Drive,
+    drive: DriveArgument,
     grid: Mapping[str, ArrayLike],
     *,
     periods: int = 500,
@@ -59,7 +58,7 @@ def basins(
     ----------
     system : System
         What moves.
-    drive : Drive
+    drive : Drive, or mapping of str to Drive
         A periodic load.
     grid : mapping of str to array
         State variables with their initial values, ``{"stretch": ..., "stretch_rate": ...}``,
@@ -193,7 +192,7 @@ class _BasinLayout:
 
     @classmethod
     def from_grid(
-        cls, system: System, drive: Drive, grid: Any, over: OverArgument | None
+        cls, system: System, drive: DriveArgument, grid: Any, over: OverArgument | None
     ) -> _BasinLayout:
         starts = _over_from_grid(grid)
         base = lay_out_ensemble(system, drive, over, reserved=_RESERVED_DIMENSIONS)

@@ -11,10 +11,9 @@ import xarray as xr
 from remanent._checks import require_choice, shortened_repr
 from remanent._errors import InputError
 from remanent._typing import ArrayLike
-from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.results.build import Labelled
-from remanent.studies.ensemble.checks import require_parameter, require_tolerance
+from remanent.studies.ensemble.checks import DriveArgument, require_parameter, require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
 from remanent.studies.ensemble.durations import require_count, require_drive_periods
 from remanent.studies.ensemble.ensemble import Ensemble
@@ -41,7 +40,7 @@ _RESERVED_DIMENSIONS = RESERVED_DIMENSIONS | {"sweep"}
 
 def bifurcation_diagram(
     system: System,
-    drive: Drive,
+    drive: DriveArgument,
     parameter: str,
     values: ArrayLike,
     *,
@@ -59,7 +58,7 @@ def bifurcation_diagram(
     ----------
     system : System
         What moves.
-    drive : Drive
+    drive : Drive, or mapping of str to Drive
         A periodic load.
     parameter : str
         A numeric field of the system or the drive.
@@ -157,7 +156,7 @@ def bifurcation_diagram(
 
 def _lay_out_sweep(
     system: System,
-    drive: Drive,
+    drive: DriveArgument,
     parameter: str,
     values: ArrayLike,
     over: OverArgument | None,

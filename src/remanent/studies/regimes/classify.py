@@ -5,9 +5,8 @@ from __future__ import annotations
 import xarray as xr
 
 from remanent._typing import ArrayLike
-from remanent.models.drives.base import Drive
 from remanent.models.system import System
-from remanent.studies.ensemble.checks import RngArgument, as_seed, require_tolerance
+from remanent.studies.ensemble.checks import DriveArgument, RngArgument, as_seed, require_tolerance
 from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble
 from remanent.studies.ensemble.progress import ProgressArgument, as_progress
 from remanent.studies.regimes._regime_classifier import regime_dataset, require_run_length
@@ -15,7 +14,7 @@ from remanent.studies.regimes._regime_classifier import regime_dataset, require_
 
 def classify(
     system: System,
-    drive: Drive,
+    drive: DriveArgument,
     *,
     periods: int,
     initial: ArrayLike | None = None,
@@ -30,7 +29,7 @@ def classify(
     ----------
     system : System
         What moves.
-    drive : Drive
+    drive : Drive, or mapping of str to Drive
         A periodic load.
     periods : int
         Length of the run in smallest periods of the load, at least 100.  With 500 most

@@ -12,11 +12,12 @@ from remanent._checks import positive_rule, require_real, shortened_repr
 from remanent._errors import InputError
 from remanent._typing import ArrayLike
 from remanent.models.drives.base import Drive
+from remanent.models.drives.loads import Loads
 from remanent.models.drives.strobed import StrobedConstant
 from remanent.models.drives.waves import Constant
 from remanent.models.system import System
 from remanent.results.build import Labelled
-from remanent.studies.ensemble.checks import require_tolerance
+from remanent.studies.ensemble.checks import DriveArgument, require_drive, require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
 from remanent.studies.ensemble.durations import (
     require_count,
@@ -46,7 +47,7 @@ _BYTES_PER_PERIOD_AND_ENTRY = 16.0
 
 def lyapunov(
     system: System,
-    drive: Drive,
+    drive: DriveArgument,
     *,
     periods: int | None = None,
     duration: float | None = None,
@@ -62,7 +63,7 @@ def lyapunov(
     ----------
     system : System
         What moves.
-    drive : Drive
+    drive : Drive, or mapping of str to Drive
         A periodic load, or one that does not change.
     periods : int, optional
         Length of the run in smallest periods of the load.  The first tenth is left out of
@@ -144,9 +145,11 @@ def lyapunov(
     require_exactly_one_argument(periods=periods, duration=duration)
     count = require_count("count", count, "It is a number of exponents.")
     tolerance = require_tolerance(tolerance, "the error that one drive period adds")
-    strobed = drive
+    drive = strobed = require_drive(drive)
+    interval = 1.0
     if duration is not None:
-        strobed, periods = _strobed(drive, without_unit("duration", duration, "time", system))
+        length = without_unit("duration", duration, "time", system)
+        strobed, interval, periods = _strobed(drive, length)
     periods = require_count("periods", periods, "Exponents are averaged over whole drive periods.")
     ens = lay_out_ensemble(
         system, strobed, over, initial, reserved=RESERVED_DIMENSIONS | {"exponent_number"}
@@ -172,8 +175,7 @@ def lyapunov(
     variables["exponent_history"] = ((along, *number), history)
     passed: np.ndarray[Any, Any] = estimator.history_periods
     if duration is not None:
-        assert isinstance(strobed, StrobedConstant)
-        passed = passed * strobed.length
+        passed = passed * interval
         del variables["drive_period"], values["settled_period"]
         ens = replace(ens, drive=drive)
     coords: dict[str, Labelled] = {along: ((along,), passed)}
@@ -190,10 +192,12 @@ def lyapunov(
     )
 
 
-def _strobed(drive: Drive, duration: object) -> tuple[StrobedConstant, int]:
-    """A load that does not change in intervals, and how many of these there are."""
+def _strobed(drive: Drive, duration: object) -> tuple[Drive, float, int]:
+    """Loads that do not change in intervals, the length of these and how many there are."""
     length = require_real("duration", duration, _DURATION_RULE)
-    if not isinstance(drive, Constant):
+    drives = drive.parts() if isinstance(drive, Loads) else {"load": drive}
+    loads = {name: one.m for name, one in drives.items() if isinstance(one, Constant)}
+    if len(loads) < len(drives):
         raise InputError(
             "duration",
             must="be left out where the load changes",
@@ -202,7 +206,9 @@ def _strobed(drive: Drive, duration: object) -> tuple[StrobedConstant, int]:
             fix="Pass periods=..., or rm.Constant(...) for a system without a load.",
         )
     intervals = int(np.clip(np.ceil(length), *_INTERVAL_COUNT_LIMITS))
-    return StrobedConstant(drive.m, length / intervals), intervals
+    strobed = {name: StrobedConstant(m, length / intervals) for name, m in loads.items()}
+    several = isinstance(drive, Loads)
+    return Loads(strobed) if several else strobed["load"], length / intervals, intervals
 
 
 def _require_exponent_count(count: int, ens: Ensemble) -> None:

@@ -6,9 +6,8 @@ import xarray as xr
 
 from remanent._errors import InputError
 from remanent._typing import ArrayLike
-from remanent.models.drives.base import Drive
 from remanent.models.system import System
-from remanent.studies.ensemble.checks import RngArgument, as_seed, require_tolerance
+from remanent.studies.ensemble.checks import DriveArgument, RngArgument, as_seed, require_tolerance
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble
 from remanent.studies.ensemble.progress import ProgressArgument, as_progress
@@ -20,7 +19,7 @@ _AXIS_COUNT = 2
 
 def regime_chart(
     system: System,
-    drive: Drive,
+    drive: DriveArgument,
     over: OverArgument,
     *,
     periods: int = 300,
@@ -35,7 +34,7 @@ def regime_chart(
     ----------
     system : System
         What moves.
-    drive : Drive
+    drive : Drive, or mapping of str to Drive
         A periodic load.
     over : mapping of str to array_like or DataArray
         Two numeric fields with their values: the axes of the chart.

@@ -6,10 +6,9 @@ import numpy as np
 import xarray as xr
 
 from remanent._typing import ArrayLike
-from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.results.build import Labelled
-from remanent.studies.ensemble.checks import require_tolerance
+from remanent.studies.ensemble.checks import DriveArgument, require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
 from remanent.studies.ensemble.durations import require_count, require_drive_periods
 from remanent.studies.ensemble.layout import RESERVED_DIMENSIONS, OverArgument, lay_out_ensemble
@@ -25,7 +24,7 @@ _BYTES_PER_PERIOD = 128.0
 
 def symmetry_check(
     system: System,
-    drive: Drive,
+    drive: DriveArgument,
     *,
     periods: int = 200,
     initial: ArrayLike | None = None,
@@ -39,7 +38,7 @@ def symmetry_check(
     ----------
     system : System
         With equal dead loads and edges, of one coordinate.
-    drive : Drive
+    drive : Drive, or mapping of str to Drive
         A periodic load.
     periods : int
         Length of the run in smallest periods of the load, at least 50.

@@ -12,9 +12,11 @@ from remanent.analysis.orbits.curves import CurvePoints, concatenate_points, int
 from remanent.analysis.orbits.errors import orbit_errors
 from remanent.analysis.response.tops import top_of_polynomials
 from remanent.integrate.ensemble.ensemble import integrate
-from remanent.integrate.ensemble.problem import Request
+from remanent.integrate.ensemble.problem import ERROR_SHARE_IN_FUNCTIONS, Problem, Request
+from remanent.models.actuator import Actuator
 from remanent.studies.ensemble.durations import require_drive_periods
 from remanent.studies.ensemble.ensemble import Ensemble
+from remanent.studies.ensemble.observables import largest_observable_error
 from remanent.studies.ensemble.problem import initial_value_problem
 from remanent.studies.orbits._orbit_tables import describe_orbits
 from remanent.studies.orbits._period_map import period_tolerance_for_residual
@@ -39,6 +41,8 @@ _REFINED_RESIDUAL = 1e-12
 _NEARBY_SHARE = 1e-3
 #: Tolerances of the amplitudes of refined peaks: the next is taken where one cannot be met.
 _AMPLITUDE_TOLERANCES = (1e-11, 1e-8, 1e-5)
+#: Instants of an orbit at which the slope of an observable is looked at, and their tolerance.
+_SLOPE_SAMPLES, _SLOPE_TOLERANCE = 32, 1e-5
 #: The same at the peak itself.
 _TOLERANCES_AT_PEAK = (1e-12, *_AMPLITUDE_TOLERANCES)
 
@@ -325,7 +329,23 @@ class PeakSearch:
         # An orbit that is off by d has an amplitude that is off by d times how far its motion
         # carries a difference, which the largest entry of its derivatives stands for.
         carried = np.abs(points.extra_arrays["jacobian"]).max(axis=(1, 2)) + 1.0
-        return amplitude, error + 2.0 * carried * position_errors
+        slope = self._observable_slopes(problem)
+        return amplitude, error + 2.0 * slope * carried * position_errors
+
+    def _observable_slopes(self, problem: Problem) -> FloatArray:
+        """How far an observable of the user's own moves with the state, at most, array (point,).
+
+        Thickness stretches move by about as much as the stretch.
+        """
+        count, name = len(problem.initial_states), problem.field.observable_name
+        if isinstance(self.member.system, Actuator) or name in problem.field.state_names:
+            return np.ones(count)
+        share = np.arange(_SLOPE_SAMPLES) / _SLOPE_SAMPLES
+        times = np.asarray(problem.duration)[:, None] * share
+        outcome = integrate(problem, Request(times=times), tolerance=_SLOPE_TOLERANCE)
+        assert outcome.states is not None
+        one = np.ones(count) / ERROR_SHARE_IN_FUNCTIONS
+        return largest_observable_error(problem, name, times, outcome.states, one)
 
 
 def _local_maximum_indices(values: FloatArray) -> IntArray:

@@ -6,9 +6,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
-from remanent._errors import InputError
 from remanent._typing import ComplexArray, FloatArray, IntArray
 from remanent.analysis.response.harmonics import (
     find_resonant_harmonic,
@@ -17,23 +15,21 @@ from remanent.analysis.response.harmonics import (
     power_share,
     resonance_kind_and_order,
 )
-from remanent.analysis.statics.equilibria import find_force_zeros, force_slope
 from remanent.integrate.ensemble.ensemble import integrate
-from remanent.integrate.ensemble.problem import Request
-from remanent.models.actuator import Actuator
+from remanent.integrate.ensemble.problem import ERROR_SHARE_IN_FUNCTIONS, Request
 from remanent.models.drives.base import Drive
-from remanent.models.drives.waves import Constant
-from remanent.studies.ensemble.checks import require_actuator
+from remanent.models.system import System
 from remanent.studies.ensemble.durations import require_drive_periods
 from remanent.studies.ensemble.ensemble import Ensemble
-from remanent.studies.ensemble.layout import lay_out_ensemble
-from remanent.studies.ensemble.observables import blank_beyond_horizon, evaluate_observable
+from remanent.studies.ensemble.observables import (
+    blank_beyond_horizon,
+    evaluate_observable,
+    largest_observable_error,
+)
 from remanent.studies.ensemble.problem import initial_value_problem
 from remanent.studies.orbits._branch_tables import ColumnTable
-from remanent.studies.response._free_oscillations import free_oscillations
+from remanent.studies.response._mean_rest import MeanRest, free_frequency
 from remanent.studies.response._peak_search import Peak
-from remanent.studies.statics._static_ensemble import StaticEnsemble
-from remanent.studies.statics._static_state import StaticState
 
 #: Harmonics of the orbit that are told, beside its mean.
 HARMONIC_COUNT = 12
@@ -47,14 +43,6 @@ _SAMPLE_TOLERANCES = (1e-13, 1e-11, 1e-9, 1e-7)
 #: fifty times their errors, most of which move the place along the orbit, and leave its shares
 #: as they are.  Measured.
 _SHARE_WEIGHT = 0.15
-#: Free oscillations that are compared.
-_FREE_OSCILLATION_COUNT = 80
-#: Smallest turning point they start from, relative to rest.
-_SMALLEST_RELATIVE_TURNING_POINT = 1.001
-#: Largest turning point they start from.
-_LARGEST_RELATIVE_TURNING_POINT = 6.0
-#: Error of the free oscillations in the table, and of those at the peaks' amplitudes.
-_FREE_OSCILLATION_TOLERANCES = (1e-6, 1e-10)
 
 
 def empty_peak_table() -> ColumnTable:
@@ -71,20 +59,23 @@ def empty_peak_table() -> ColumnTable:
     }
 
 
-def describe_peaks(member: Ensemble, varied: Iterable[str], peaks: Sequence[Peak]) -> ColumnTable:
+def describe_peaks(
+    member: Ensemble, drive: Drive, rest: MeanRest, peaks: Sequence[Peak]
+) -> ColumnTable:
     """Columns about the peaks of one system, each an array (peak, ...).
 
     Parameters
     ----------
     member : Ensemble
         Of one trajectory.
-    varied : iterable of str
-        Fields whose values are not those of its system and drive.
+    drive : Drive
+        With the member's values, but for its frequency.
+    rest : MeanRest
+        The system at rest under the mean of its load.
     peaks : sequence of Peak
     """
     if not peaks:
         return empty_peak_table()
-    system, drive = actuator_and_drive_of_member(member, varied)
     omega, omega_error, amplitude, amplitude_error, state_error = (
         np.array([getattr(peak, name) for peak in peaks])
         for name in ("omega", "omega_error", "amplitude", "amplitude_error", "state_error")
@@ -96,8 +87,8 @@ def describe_peaks(member: Ensemble, varied: Iterable[str], peaks: Sequence[Peak
     nearby = _harmonics_nearby(member, peaks)
     change = _change_nearby(peaks, nearby, lambda k, c: np.abs(c - harmonics[k]).max(axis=1))
     harmonics_error = known_to + change
-    mean, load = _load_harmonics(drive)
-    free, free_error = _free_frequency(system, mean, amplitude, amplitude_error)
+    _, load = load_harmonics(drive)
+    free, free_error = free_frequency(rest, amplitude, amplitude_error)
     on_orbits = member.with_initial_states(states, {"omega": omega})
     base = 2.0 * np.pi / (require_drive_periods(on_orbits) * period)
     evidence = find_resonant_harmonic(harmonics, base, free)
@@ -161,9 +152,9 @@ def describe_peaks(member: Ensemble, varied: Iterable[str], peaks: Sequence[Peak
     return {name: np.asarray(column, dtype=kinds[name].dtype) for name, column in columns.items()}
 
 
-def actuator_and_drive_of_member(member: Ensemble, varied: Iterable[str]) -> tuple[Actuator, Drive]:
+def system_and_drive_of_member(member: Ensemble, varied: Iterable[str]) -> tuple[System, Drive]:
     """System and drive with the values of a member of an ensemble."""
-    system, drive = require_actuator("system", member.system), member.drive
+    system, drive = member.system, member.drive
     for name in varied:
         if name in drive.parameter_values():
             drive = drive.replace(**{name: float(member.parameter_values[name][0])})
@@ -175,7 +166,7 @@ def actuator_and_drive_of_member(member: Ensemble, varied: Iterable[str]) -> tup
 def _orbit_harmonics(
     member: Ensemble, states: FloatArray, omega: FloatArray, period: IntArray
 ) -> tuple[ComplexArray, FloatArray]:
-    """Harmonics of the thickness stretch along orbits (peak, harmonic), and errors (peak,).
+    """Harmonics of the observable along orbits (peak, harmonic), and errors (peak,).
 
     Parameters
     ----------
@@ -197,10 +188,12 @@ def _orbit_harmonics(
         states = blank_beyond_horizon(outcome.states, times, outcome)
         if np.isfinite(states).all():
             break
-    samples = evaluate_observable(problem, "thickness_stretch", times, states)
-    # An error e of the stretch makes one of 2 e/lambda^3 of the thickness stretch, and of no more
-    # than twice that of a harmonic, which is twice a mean.
-    slope = 2.0 * np.max(np.abs(samples), axis=1) ** 1.5
+    name = problem.field.observable_name
+    samples = evaluate_observable(problem, name, times, states)
+    # An error e of the state makes one of e times the slope of the observable, and of no more than
+    # twice that of a harmonic, which is twice a mean.
+    slope = largest_observable_error(problem, name, times, states, np.ones(len(times)))
+    slope = slope / ERROR_SHARE_IN_FUNCTIONS
     return fourier_amplitudes(samples, HARMONIC_COUNT), 2.0 * slope * outcome.error
 
 
@@ -260,7 +253,7 @@ def _change_nearby(
     return change
 
 
-def _load_harmonics(drive: Drive) -> tuple[float, ComplexArray]:
+def load_harmonics(drive: Drive) -> tuple[float, ComplexArray]:
     """Mean of the load, and its harmonics."""
     assert drive.period is not None
     values = drive(
@@ -268,91 +261,3 @@ def _load_harmonics(drive: Drive) -> tuple[float, ComplexArray]:
     )
     amplitudes = fourier_amplitudes(np.asarray(values)[None], _LOAD_HARMONIC_COUNT)[0]
     return float(amplitudes[0].real), amplitudes
-
-
-def _free_frequency(
-    system: Actuator, mean: float, amplitude: FloatArray, amplitude_error: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Frequency of the free oscillation of each amplitude under the mean load, and its error.
-
-    Branches that relax make all of them faster, by as much as they do small oscillations.  A
-    table of oscillations tells from where each starts; its frequency is then computed.
-    """
-    rest = _stable_stretch(system, mean)
-    elastic = system.replace(dissipation=(), heat=None)
-
-    def oscillations(starts: FloatArray, tolerance: float) -> tuple[FloatArray, ...]:
-        order = np.argsort(starts, kind="stable")
-        _, first, back = np.unique(starts[order], return_index=True, return_inverse=True)
-        ens = lay_out_ensemble(elastic, Constant(mean), {"initial.stretch": starts[order][first]})
-        free = free_oscillations(ens, tolerance)
-        columns = (free.amplitude, free.frequency, free.frequency_error, free.outcome.error)
-        place = np.empty(starts.size, dtype=np.int64)
-        place[order] = back
-        return tuple(np.asarray(column)[place] for column in columns)
-
-    starts = rest * np.geomspace(
-        _SMALLEST_RELATIVE_TURNING_POINT,
-        _LARGEST_RELATIVE_TURNING_POINT / rest,
-        _FREE_OSCILLATION_COUNT,
-    )
-    sizes, frequencies, *_ = oscillations(starts, _FREE_OSCILLATION_TOLERANCES[0])
-    known = np.isfinite(sizes) & np.isfinite(frequencies)
-    # Amplitudes grow with the turning point as far as oscillations stay about this rest.
-    known &= np.concatenate([[True], np.diff(np.maximum.accumulate(np.nan_to_num(sizes))) > 0.0])
-    sizes, frequencies, starts = sizes[known], frequencies[known], starts[known]
-    wanted = np.clip(amplitude, sizes[0], sizes[-1])
-    start_at, frequency_at = CubicSpline(sizes, starts), CubicSpline(sizes, frequencies)
-    found, frequency, error, found_error = oscillations(
-        np.asarray(start_at(wanted)), _FREE_OSCILLATION_TOLERANCES[1]
-    )
-    slope = np.asarray(frequency_at.derivative()(wanted))
-    missed = amplitude - found
-    error = error + np.abs(slope) * (amplitude_error + found_error + 0.1 * np.abs(missed))
-    # Smaller than any in the table: the frequency is even in the amplitude.
-    small = amplitude < sizes[0]
-    error = np.where(small, error + np.abs(slope * sizes[0]), error)
-    frequency = frequency + np.where(small, 0.0, slope * missed)
-    stiffening = _small_oscillation_frequency(system, mean, rest) / _small_oscillation_frequency(
-        elastic, mean, rest
-    )
-    inside = amplitude <= sizes[-1]
-    return (
-        np.where(inside, stiffening * frequency, np.nan),
-        np.where(inside, stiffening * error, np.nan),
-    )
-
-
-def _stable_stretch(system: Actuator, mean: float) -> float:
-    """The stretch at the one stable equilibrium under a load."""
-    at_rest = StaticEnsemble(lay_out_ensemble(system, Constant(mean)))
-    roots = find_force_zeros(at_rest.first_acceleration, 1, at_rest.stretch_grid)[0]
-    stable = roots[
-        force_slope(at_rest.first_acceleration, np.zeros(roots.size, dtype=np.int64), roots) < 0.0
-    ]
-    if stable.size != 1:
-        raise InputError(
-            "drive",
-            must="have a mean load with one stable equilibrium",
-            got=mean,
-            why="Resonances are named by the free oscillations about it.",
-            fix="Pass another load or prestress.",
-        )
-    return float(stable[0])
-
-
-def natural_frequency_under_mean_load(member: Ensemble, varied: Iterable[str]) -> float:
-    """Of small oscillations about the rest under the mean load."""
-    system, drive = actuator_and_drive_of_member(member, varied)
-    mean, _ = _load_harmonics(drive)
-    return _small_oscillation_frequency(system, mean, _stable_stretch(system, mean))
-
-
-def _small_oscillation_frequency(system: Actuator, mean: float, stretch: float) -> float:
-    """Modulus of the eigenvalue of small oscillations about rest; NaN where there are none."""
-    static = StaticEnsemble(lay_out_ensemble(system, Constant(mean)))
-    ens = static.ensemble
-    row = np.array([ens.parameter_values[name][0] for name in ens.vector_field.parameter_names])
-    state = static.states_at(np.zeros(1, dtype=np.int64), np.array([stretch]))[0]
-    values = np.linalg.eigvals(StaticState(ens.vector_field, row, state).rate_derivatives()[0])
-    return max((abs(complex(s)) for s in values if s.imag > 0.0), default=np.nan)

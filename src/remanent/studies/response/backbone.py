@@ -13,7 +13,7 @@ from remanent._status import Status
 from remanent._typing import ArrayLike
 from remanent.models.system import System
 from remanent.studies.ensemble.checks import require_system, require_tolerance
-from remanent.studies.ensemble.constant_loads import ConstantLoads, constant_loads
+from remanent.studies.ensemble.constant_drive import ConstantLoadArgument, constant_drive
 from remanent.studies.ensemble.dataset import to_dataset
 from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble, require_over
 from remanent.studies.ensemble.observables import evaluate_observable
@@ -31,7 +31,7 @@ def backbone(
     actuator: System,
     stretch: ArrayLike,
     *,
-    m: ConstantLoads = 0.0,
+    m: ConstantLoadArgument = 0.0,
     over: OverArgument | None = None,
     tolerance: float = 1e-9,
 ) -> xr.Dataset:
@@ -45,7 +45,8 @@ def backbone(
     stretch : array (initial.stretch,)
         Turning points λ(0), or of the one coordinate, increasing.
     m : float, or mapping of str to float
-        Constant magnetic load; of a system with named loads the value of each.
+        Constant magnetic load; of a system of one's own its load, or its loads by their names, 0
+        where they are left out.
     over : mapping of name to values, optional
         Values of numeric fields; they become dimensions of the result.
     tolerance : float
@@ -86,7 +87,8 @@ def backbone(
     True
     """
     require_tolerance(tolerance, "the error of the state at the other turning point")
-    drive = constant_loads(require_system("actuator", actuator), m)
+    actuator = require_system("actuator", actuator)
+    drive = constant_drive(actuator, m)
     single = lay_out_ensemble(actuator, drive, system_argument="actuator")
     require_free_oscillations(single, "actuator")
     (coordinate,) = single.vector_field.names_of_roles(Role.COORDINATE)

@@ -25,7 +25,7 @@ from remanent.integrate.ensemble.problem import (
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.results.build import Labelled
-from remanent.studies.ensemble.checks import require_drive, require_tolerance
+from remanent.studies.ensemble.checks import DriveArgument, require_drive, require_tolerance
 from remanent.studies.ensemble.dataset import to_dataset
 from remanent.studies.ensemble.durations import (
     DEFAULT_RESPONSE_DURATION_IN_TAU,
@@ -55,7 +55,7 @@ _DISCARD_RULE = not_negative_rule("It is the time before the window.", "Pass 0 t
 
 def frequency_response(
     system: System,
-    drive: Drive,
+    drive: DriveArgument,
     omega: ArrayLike,
     *,
     duration: float | None = None,
@@ -73,7 +73,7 @@ def frequency_response(
     ----------
     system : System
         What moves.
-    drive : Drive
+    drive : Drive, or mapping of str to Drive
         A load with a field ``omega``, whose value is not used.
     omega : array (omega,)
         Drive frequencies, radians per unit of tau, increasing, positive.

@@ -11,13 +11,14 @@ import xarray as xr
 
 from remanent._checks import shortened_repr
 from remanent._errors import InputError
+from remanent._field import Role
 from remanent._status import Status
 from remanent._typing import ArrayLike
 from remanent.analysis.orbits.curves import Curve
-from remanent.models.drives.base import Drive
+from remanent.models.actuator import Actuator
 from remanent.models.system import System
 from remanent.results.build import Labelled
-from remanent.studies.ensemble.checks import require_actuator
+from remanent.studies.ensemble.checks import DriveArgument
 from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
 from remanent.studies.ensemble.durations import require_count
 from remanent.studies.ensemble.ensemble import Ensemble
@@ -25,17 +26,19 @@ from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble
 from remanent.studies.ensemble.progress import ProgressArgument, as_progress
 from remanent.studies.orbits._branch_ends import CurveEnds, ends_of_curves, member_status
 from remanent.studies.orbits._branch_tables import ColumnTable
-from remanent.studies.orbits._checks import require_orbit_period
+from remanent.studies.orbits._checks import require_orbit_period, require_state_box
 from remanent.studies.orbits._forced_response import require_frequency_range
 from remanent.studies.orbits._members import map_members_in_threads, stack_tables
 from remanent.studies.orbits._orbit_tables import ORBIT_DIMENSIONS
 from remanent.studies.orbits._tracing import TracingOptions, trace_all_branches
+from remanent.studies.response._mean_rest import rest_under_mean_load
 from remanent.studies.response._peak_search import Peak, PeakSearch
 from remanent.studies.response._peaks import (
     HARMONIC_COUNT,
     describe_peaks,
     empty_peak_table,
-    natural_frequency_under_mean_load,
+    load_harmonics,
+    system_and_drive_of_member,
 )
 
 #: Points of a branch, in each direction from where it was found.
@@ -44,7 +47,7 @@ _MAX_BRANCH_POINTS = 2000
 
 def resonances(
     system: System,
-    drive: Drive,
+    drive: DriveArgument,
     omega_range: ArrayLike,
     *,
     orbit_periods: Sequence[int] = (1,),
@@ -59,8 +62,8 @@ def resonances(
     Parameters
     ----------
     system : System
-        What moves, with one coordinate.
-    drive : Drive
+        What moves, with one coordinate: an actuator, or a system of one's own by its energies.
+    drive : Drive, or mapping of str to Drive
         A load with a field ``omega``, whose value is not used.
     omega_range : (lowest, highest)
         Frequencies, radians per unit of tau.
@@ -69,7 +72,7 @@ def resonances(
         for subharmonic and parametric ones.
     state_box : mapping of name to (lower, upper), optional
         Range of each state variable at phase 0, such as ``{"stretch": (0.3, 4.0)}``, where
-        branches end.
+        branches end; required of a system of one's own, which is at rest in it.
     over : mapping of name to values, optional
         Values of other numeric fields; they become dimensions of the result.
     slices : int
@@ -101,7 +104,8 @@ def resonances(
     Raises
     ------
     InputError
-        A bad argument, or an actuator of two coordinates.
+        A bad argument; two coordinates, or a system of one's own with internal variables or
+        without an energy; no stable equilibrium under the mean load.
 
     See Also
     --------
@@ -129,8 +133,8 @@ def resonances(
     ['superharmonic', 'primary']
     """
     _require_orbit_periods(orbit_periods)
-    _require_one_coordinate(system)
     ens = lay_out_ensemble(system, drive, over, reserved=ORBIT_DIMENSIONS)
+    _require_one_coordinate(ens)
     limits = require_frequency_range(omega_range, ens)
     slices = require_count("slices", slices, "Orbits are looked for at each of them.")
     plans = [
@@ -139,17 +143,19 @@ def resonances(
     ]
     for options in plans:
         options.require_valid(ens)
+    box = require_state_box("state_box", state_box, ens)
 
     def find(member: Ensemble) -> tuple[ColumnTable, CurveEnds, str]:
         middle = np.array([0.5 * sum(limits)])
         centred = replace(member, parameter_values={**member.parameter_values, "omega": middle})
-        natural = natural_frequency_under_mean_load(centred, ens.coords)
+        system, drive = system_and_drive_of_member(centred, ens.coords)
+        rest = rest_under_mean_load(system, load_harmonics(drive)[0], box)
         peaks: list[Peak] = []
         curves: list[Curve] = []
         missing: list[str] = []
         for options in plans:
             tracing = options.tracing_of_member(centred)
-            search = PeakSearch(centred, tracing, natural)
+            search = PeakSearch(centred, tracing, rest.natural_frequency)
             branches, reason = trace_all_branches(tracing, slices)
             missing += [reason] if reason else []
             for branch in branches:
@@ -157,7 +163,7 @@ def resonances(
                 curves.append(branch.curve)
         peaks.sort(key=lambda peak: peak.omega)
         unknowns = [*member.vector_field.state_names, "omega"]
-        columns = describe_peaks(centred, ens.coords, peaks)
+        columns = describe_peaks(centred, drive, rest, peaks)
         return columns, ends_of_curves(curves, unknowns), "; ".join(missing)
 
     outcomes = map_members_in_threads(ens, find, as_progress(progress))
@@ -195,14 +201,35 @@ def _require_orbit_periods(orbit_periods: Sequence[int]) -> None:
         require_orbit_period(period, "orbit_periods")
 
 
-def _require_one_coordinate(system: System) -> None:
+def _require_one_coordinate(ens: Ensemble) -> None:
     """Refuse what has no backbone."""
-    if require_actuator("system", system).coordinate_count > 1:
+    field = ens.vector_field
+    is_own = not isinstance(ens.system, Actuator)
+    if is_own and not field.energy_names:
+        raise InputError(
+            "system",
+            must="have an energy",
+            got=ens.system,
+            why="Resonances are named by free oscillations without dissipation, of which a system "
+            "given by its rates says nothing.",
+            fix="Write it as rm.LagrangianSystem(...), or read the peaks of response_diagram.",
+        )
+    if len(field.names_of_roles(Role.COORDINATE)) > 1:
         raise InputError(
             "system",
             must="have one coordinate",
-            got=system,
+            got=ens.system,
             why="Resonances are named by free oscillations of the same amplitude, which two "
             "coordinates have of more than one kind.",
-            fix="Pass one number as prestress and no edges, or read the peaks of response_diagram.",
+            fix="Of an actuator pass one number as prestress and no edges; of other systems read "
+            "the peaks of response_diagram.",
+        )
+    if is_own and field.roles != (Role.COORDINATE, Role.RATE):
+        raise InputError(
+            "system",
+            must="have no internal variables",
+            got=ens.system,
+            why="Resonances are named by free oscillations without dissipation; nothing says how "
+            f"{', '.join(field.names_of_roles(Role.INTERNAL)) or 'one of first order'} moves then.",
+            fix="Read the peaks of response_diagram.",
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 from remanent._typing import FloatArray, IntArray
 from remanent.analysis.statics.equilibria import balancing_parameter, find_force_zeros, force_slope
 from remanent.results.build import Labelled
+from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.statics._static_ensemble import StaticEnsemble
 from remanent.studies.statics._static_errors import (
     balancing_parameter_error,
@@ -22,9 +24,21 @@ from remanent.studies.statics._static_errors import (
 _RELATIVE_HALF_STEP = 1e-5
 
 
-def folds_along_first_varied_parameter(static: StaticEnsemble) -> dict[str, Labelled]:
-    """Folds along the first field in ``over``, labelled; nothing where there is none."""
-    ens = static.ensemble
+#: Columns (case, fold) of folds of some cases, between bounds (case,) of a parameter.
+FoldsOfCases = Callable[[str, IntArray, tuple[FloatArray, FloatArray]], dict[str, NDArray[Any]]]
+
+
+def folds_along_first_varied_parameter(
+    ens: Ensemble, folds_of_cases: FoldsOfCases
+) -> dict[str, Labelled]:
+    """Folds along the first field in ``over``, labelled; nothing where there is none.
+
+    Parameters
+    ----------
+    ens : Ensemble
+    folds_of_cases : callable
+        Of the field, of members of the ensemble, and of its least and largest value for each.
+    """
     # The first field that has a dimension of its own.
     name = next((k for k, (dims, _) in ens.coords.items() if dims == (k,)), None)
     if (
@@ -47,18 +61,19 @@ def folds_along_first_varied_parameter(static: StaticEnsemble) -> dict[str, Labe
     numbers = in_rows(np.arange(ens.trajectory_count))
     cases = np.take_along_axis(numbers, first_valid, axis=1)[:, 0]
     valid = low < high
-    found = fold_points(static, name, cases[valid], (low[valid], high[valid]))
+    found = folds_of_cases(name, cases[valid], (low[valid], high[valid]))
     other_sizes = [size for k, size in ens.dimension_sizes.items() if k != name]
 
-    def shaped(values: FloatArray) -> FloatArray:
-        rows = np.full((valid.size, values.shape[1]), np.nan)
+    def shaped(values: NDArray[Any]) -> NDArray[Any]:
+        blank = "" if values.dtype.kind == "U" else np.nan
+        rows = np.full((valid.size, values.shape[1]), blank, dtype=values.dtype)
         rows[valid] = values
         return rows.reshape(*other_sizes, values.shape[1])
 
     dims = (*(k for k in ens.dims if k != name), "fold")
     return {
         **{f"fold_{k}": (dims, shaped(v)) for k, v in found.items()},
-        "fold": (("fold",), np.arange(found["stretch"].shape[1])),
+        "fold": (("fold",), np.arange(found[name].shape[1])),
     }
 
 

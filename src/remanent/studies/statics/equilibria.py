@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -18,13 +19,13 @@ from remanent.models.actuator import Actuator
 from remanent.models.system import System
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import require_system
-from remanent.studies.ensemble.constant_loads import ConstantLoads, constant_loads
+from remanent.studies.ensemble.constant_drive import ConstantLoadArgument, constant_drive
 from remanent.studies.ensemble.dataset import to_dataset
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble
 from remanent.studies.ensemble.two_coordinates import ensemble_with_two_coordinates
 from remanent.studies.statics._biaxial import biaxial_equilibria
-from remanent.studies.statics._folds import folds_along_first_varied_parameter
+from remanent.studies.statics._folds import fold_points, folds_along_first_varied_parameter
 from remanent.studies.statics._static_box import require_no_box
 from remanent.studies.statics._static_ensemble import StaticEnsemble
 from remanent.studies.statics._static_errors import (
@@ -45,7 +46,7 @@ _LEAST_TABULATED_THICKNESS = 0.05
 
 def equilibria(
     actuator: System,
-    m: ConstantLoads = 0.0,
+    m: ConstantLoadArgument = 0.0,
     *,
     state_box: Mapping[str, Any] | None = None,
     over: OverArgument | None = None,
@@ -57,8 +58,8 @@ def equilibria(
     actuator : System
         What is at rest.  Branches are relaxed, temperature is that of the surroundings.
     m : float, or mapping of str to float
-        Magnetic load, dimensionless, or the load of a system of one's own; where it names its
-        loads, the value of each.
+        Magnetic load, dimensionless; of a system of one's own its load, or its loads by their
+        names, 0 where they are left out.
     state_box : mapping of str to (float, float), optional
         Of a system of one's own: where its coordinates and internal variables may be.  All
         equilibria in the box are found, or the status is ``incomplete`` with the ``reason``.
@@ -87,7 +88,8 @@ def equilibria(
         Of a system of one's own: its coordinates and internal variables with their errors,
         ``observable`` where that is none of them, ``equilibrium_potential`` where there is an
         energy, ``natural_frequency`` without damping, and ``eigenvalues`` of small motions
-        along ``eigenvalue``, by which ``stability`` is told (``undecided`` near 0).
+        along ``eigenvalue``, by which ``stability`` is told (``undecided`` near 0); folds along
+        the first field of `over` with ``fold_stability``, see :func:`remanent.snap_through`.
 
     Raises
     ------
@@ -123,8 +125,9 @@ def equilibria(
     >>> curve.fold_m.values.round(4).tolist()
     [2.1777, 2.8483]
     """
-    system = require_system("actuator", actuator)
-    ens = lay_out_ensemble(system, constant_loads(system, m), over, system_argument="actuator")
+    actuator = require_system("actuator", actuator)
+    drive = constant_drive(actuator, m)
+    ens = lay_out_ensemble(actuator, drive, over, system_argument="actuator")
     if not isinstance(actuator, Actuator):
         return written_equilibria(ens, state_box)
     require_no_box(state_box)
@@ -134,7 +137,7 @@ def equilibria(
     stretch = find_force_zeros(static.first_acceleration, ens.trajectory_count, static.stretch_grid)
     stretch[ens.is_invalid] = np.nan
     variables = _equilibrium_properties(static, stretch)
-    fold_variables = folds_along_first_varied_parameter(static)
+    fold_variables = folds_along_first_varied_parameter(ens, partial(fold_points, static))
     landscape = _potential_variables(static, variables["equilibrium_stretch"])
     coords: dict[str, Labelled] = {
         **({"fold": fold_variables.pop("fold")} if fold_variables else {}),

@@ -52,7 +52,7 @@ BOOKKEEPING: Final = "bookkeeping"
 #: Entries along dimensions of lists that make a chunk.
 _LIST_CHUNKS: Final[Mapping[str, int]] = {
     "point": 64, "crossing": 64, "orbit": 8, "special": 8, "branch": 4, "peak": 4, "end": 2,
-    "equilibrium": 4, "fold": 4, "snap": 2, "attractor": 4,
+    "equilibrium": 4, "step": 4, "fold": 4, "snap": 2, "attractor": 4,
 }  # fmt: skip
 #: File with the checksum of the description.
 _CHECKSUM_FILE: Final = "description.sha256"

@@ -287,6 +287,28 @@ def test_results_carry_the_names_and_units_of_the_user() -> None:
     assert response.amplitude.attrs["long_name"] == "x amplitude"
     assert response.amplitude.attrs["units"] == "mm"
     assert response.amplitude_error.attrs["units"] == "mm"
+    assert response.omega.attrs["units"] == response.resonance.attrs["units"] == "rad s-1"
+
+
+def test_loads_and_rates_of_growth_carry_units_of_the_user() -> None:
+    """Those of the load, and one over those of time."""
+    system = rm.LagrangianSystem(
+        coordinates="x",
+        kinetic="x_rate**2/2",
+        potential="-x**2/2 + x**4/4 - push*x",
+        loads=("push",),
+        units={"x": "mm", "time": "s", "push": "mN"},
+        symbols={"push": "F"},
+    )
+    box = {"x": (-2.0, 2.0)}
+    at_rest = rm.equilibria(system, {"push": 0.1}, state_box=box)
+    units = {name: at_rest[name].attrs["units"] for name in ("natural_frequency", "eigenvalues")}
+    assert units == {"natural_frequency": "rad s-1", "eigenvalues": "s-1"}
+    snaps = rm.snap_through(system, "push.m", (-1.0, 1.0), state_box=box)
+    for name in ("fold_push.m", "fold_push.m_error", "snap_push.m"):
+        assert snaps[name].attrs["units"] == "mN"
+    assert snaps.fold_x.attrs["units"] == snaps.fold_x_error.attrs["units"] == "mm"
+    assert snaps["fold_push.m"].attrs["symbol"] == "m_{F}"
 
 
 @pytest.mark.parametrize(

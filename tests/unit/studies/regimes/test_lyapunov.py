@@ -7,6 +7,7 @@ import pytest
 import xarray as xr
 
 import remanent as rm
+from remanent.studies.ensemble.checks import DriveArgument
 from remanent.studies.regimes._exponent_estimator import with_total_error
 
 DRIVE = rm.SineSquared(0.4, 1.25)
@@ -98,3 +99,17 @@ def test_errors_of_chaos_add_in_squares() -> None:
         }
     )
     np.testing.assert_allclose(found["exponent_error"][:, 0], [0.05, 0.08])
+
+
+@pytest.mark.parametrize(
+    "loads", [{"push": rm.Constant(0.3)}, rm.Loads({"push": rm.Constant(0.3)})]
+)
+def test_constant_loads_by_name_have_exponents_over_a_duration(loads: DriveArgument) -> None:
+    """x' = -x + push has the exponent -1, whatever its constant load is called."""
+    linear = rm.FirstOrderSystem(rates={"x": "-x + push"}, loads=("push",))
+    ds = rm.lyapunov(linear, loads, duration=40.0)
+    assert float(ds.exponent) == pytest.approx(-1.0, abs=1e-8)
+    assert ds.exponent_history.dims == ("time",)
+    assert float(ds.time[-1]) == 40.0
+    with pytest.raises(rm.InputError, match="be left out where the load changes"):
+        rm.lyapunov(linear, {"push": rm.Sine(0.1, 1.0)}, duration=40.0)
