@@ -87,7 +87,7 @@ def test_what_is_wrong_with_a_command_is_said(tmp_path: Path) -> None:
     """Without a traceback, with the rule."""
     assert done("new", "mine", folder=tmp_path)[0] == 0
     cases = {
-        ("run", "mine.toml", "--part", "5/4"): "1 <= I <= N",
+        ("run", "mine.toml", "--part", "5/4"): "with I from 1 to N",
         ("run", "mine.toml", "--workers", "1000"): "be from 1 to",
         ("run", "mine.toml", "--workers", "1", "--scheduler", "tcp://127.0.0.1:1"): "not both",
         ("run", "mine.toml", "--out", "mine.toml"): "be a folder, or not exist yet",
