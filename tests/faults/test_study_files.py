@@ -1,6 +1,6 @@
 """Study files with mistakes: refused in words that name table and key, and nothing is done.
 
-Law: Any values.
+Law: Study files.
 """
 
 from __future__ import annotations
@@ -145,6 +145,10 @@ MISTAKES: dict[str, tuple[str, str, str, str]] = {
     "negative count": (CHART, "count = 8 }", "count = -8 }", r"\[over\] b.count: must be at least"),
     "broken count": (CHART, "count = 8 }", "count = 8.0 }", r"\[over\] b.count: must be a whole"),
     "huge count": (CHART, "count = 8 }", "count = 1000000000000 }", r"\[over\] b.count: must be"),
+    "too many points": (
+        CHART, '8 }\nomega = { from = 0.8, to = 2.0, count = 8', '1000000 }\nomega = { from = 0.8, '
+        "to = 2.0, count = 1000000", r"\[over\]: must have at most 1000000000 points",
+    ),
     "log from zero": (CHART, "from = 0.8", "from = 0", r"\[over\] omega.from: must be greater"),
     "unknown spacing": (CHART, '"log"', '"logarithmic"', r"\[over\] omega.spacing: must be one of"),
     "range downwards": (CHART, "from = 0.2", "from = 1.3", r"\[over\] b.to: must be greater than"),
@@ -195,6 +199,7 @@ def test_likely_mistakes_are_told(mistake: str, tmp_path: Path) -> None:
     file.write_text(sound.replace(before, after, 1), encoding="utf-8")
     lines = refusal(file)
     assert any(re.match(words, line) for line in lines), lines
+    assert len(lines) <= 3, lines
     assert all(line.count(": must ") == 1 and "; got " in line for line in lines), lines
 
 

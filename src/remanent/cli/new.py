@@ -27,7 +27,7 @@ store = "{name}.zarr"
 # equations write [system] with kind = "LagrangianSystem" or "FirstOrderSystem" instead.
 [actuator]
 temperature = 350    # K
-prestress = 0.0      # dead load over the edges, S = P/(4 L H mu)
+prestress = 0.0      # nominal stress of the dead loads over the shear modulus
 c = 1.0              # slenderness, H^2/L^2
 # Parts of the model are tables with the kind of the part.
 material = {{ kind = "NeoHookean" }}    # or {{ kind = "Gent", jm = 50 }}

@@ -30,6 +30,7 @@ from remanent.studies.sweep.parts_of_file import (
     drive_from_table,
     system_from_table,
 )
+from remanent.studies.sweep.sound_rest import usual_over, without_faults
 from remanent.studies.sweep.study import Study, verb_function, verbs_of_studies
 from remanent.studies.sweep.tables import Table, not_a_table_fault, read_table
 from remanent.studies.sweep.toml_text import faults_of_values, read_document
@@ -134,10 +135,11 @@ def _read(document: dict[str, Any], path: Path) -> tuple[StudyFile | None, list[
     ]  # fmt: skip
     if verb is not None and options is not None:
         faults += faults_of_options(verb, options)
-    if system is not None and over is not None and (drive is not None or "drive" not in document):
+    has_drive = drive is not None or ("drive" not in document and not of_drive)
+    if system is not None and over is not None and has_drive:
         faults += faults_of_fields(over, system, drive)
-        if verb is not None and options is not None:
-            faults += _refused_by_verb(verb, system, drive, over, options, faults)
+    if verb is not None:
+        faults += _refused_by_verb(verb, document, faults)
     if faults:
         return None, faults
     assert verb is not None
@@ -155,19 +157,21 @@ def _tried(read: Callable[[], Value], *place: str) -> tuple[Value | None, list[F
         return None, [fault.below(*place) for fault in error.faults]
 
 
-def _refused_by_verb(
-    verb: str,
-    system: System,
-    drive: Drive | None,
-    over: Mapping[str, Any],
-    options: Mapping[str, Any],
-    faults: Sequence[Fault],
-) -> list[Fault]:
-    """What the verb refuses beside what has faults already."""
-    refused = {fault.path for fault in faults}
-    over = {name: values for name, values in over.items() if ("over", name) not in refused}
-    options = {name: value for name, value in options.items() if ("options", name) not in refused}
-    return faults_of_verb(verb, system, drive, over, options) if over else []
+def _refused_by_verb(verb: str, document: dict[str, Any], faults: Sequence[Fault]) -> list[Fault]:
+    """What the verb refuses beside what has faults already, which is left out where that goes."""
+    sound = without_faults(document, faults)
+    sizes = sizes_of(sound)
+    try:
+        system = _system(sound, sizes)
+        drive = _drive(sound, verb, sizes)
+        over = _over(sound, sizes) if sound.get("over") else usual_over(system)
+        options = _options(sound, sizes)
+    except FaultsError:
+        return []
+    told = faults_of_verb(verb, system, drive, over, options) if over else []
+    # Of tables that were changed above nothing is said, as the file does not hold them so.
+    changed = {str(fault.path[0]) for fault in faults if fault.path} - {"over", "options"}
+    return [fault for fault in told if fault.path[0] not in changed]
 
 
 # Table by table -----------------------------------------------------------------------------

@@ -10,6 +10,7 @@ import numpy as np
 
 from remanent._errors import InputError
 from remanent._threads import WorkStopped, work_stopped_after
+from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.studies.ensemble.invalid import FINITE_RULE
@@ -133,8 +134,7 @@ def faults_of_verb(
         if error is None:
             break
         path = _place(error, over, options, system)
-        said = fault_of(error, {})
-        faults.append(Fault(path, said.must, said.got, said.why, said.fix))
+        faults.append(_fault_at(path, error))
         name = str(path[-1] if path[0] == "over" else path[min(1, len(path) - 1)])
         if path[0] == "over" and name in over and len(over) > 1:
             del over[name]
@@ -156,11 +156,10 @@ def _stand_in(name: str, refusal: Callable[..., InputError | None]) -> object:
     return None
 
 
-def explained(error: InputError, study: Study) -> str:
+def message_for_file(error: InputError, study: Study) -> str:
     """What a verb said against a study, with the table and key of the file that it is about."""
     path = _place(error, study.over, study.options, study.system)
-    said = fault_of(error, {})
-    return Fault(path, said.must, said.got, said.why, said.fix).text
+    return _fault_at(path, error).text
 
 
 def _refusal(
@@ -182,6 +181,11 @@ def _refusal(
     return None
 
 
+def _fault_at(path: KeyPath, error: InputError) -> Fault:
+    said = fault_of(error, {})
+    return Fault(path, said.must, said.got, said.why, said.fix)
+
+
 def _require_points(grid: Grid) -> None:
     if grid.point_count > _MAX_POINTS:
         raise InputError(
@@ -199,17 +203,12 @@ def _place(
     """Where in a file the argument stands that an error is about."""
     tables = {"over": over, "options": options}
     inner = fault_of(error, tables).path
-    if inner[0] in ("over", "options"):
+    table = "actuator" if isinstance(system, Actuator) else "system"
+    if inner[0] in ("over", "options", "drive"):
         return inner
     if inner[0] in ("system", "actuator"):
-        return ("system" if not _is_actuator(system) else "actuator",)
-    if inner[0] == "drive":
-        return ("drive",)
-    head = error.name.partition(".")[0]
+        return (table,)
     if error.name in numeric_fields(system) and error.name not in options:
-        return ("system" if not _is_actuator(system) else "actuator", error.name)
+        return (table, error.name)
+    head = error.name.partition(".")[0]
     return ("options", head if head in options else error.name)
-
-
-def _is_actuator(system: System) -> bool:
-    return getattr(system, "coordinate_count", None) is not None and hasattr(system, "material")

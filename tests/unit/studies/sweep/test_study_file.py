@@ -1,4 +1,7 @@
-"""A study file is the study that it says, or is refused with every fault that it has."""
+"""A study file is the study that it says, or is refused with every fault that it has.
+
+Law: Study files.
+"""
 
 from __future__ import annotations
 
@@ -22,6 +25,7 @@ from remanent.models.materials.base import Material
 from remanent.studies.sweep.faults import StudyFileError
 from remanent.studies.sweep.study import Study, study_from_plain, verbs_of_studies
 from remanent.studies.sweep.study_file import StudyFile, read_study
+from remanent.studies.sweep.verb_checks import message_for_file
 
 SIMULATE = """
 verb = "simulate"
@@ -335,6 +339,36 @@ def test_what_the_verb_refuses_is_told_at_once(tmp_path: Path) -> None:
         "[over] temperature",
     ]
     assert any("Did you mean `omega`?" in line for line in lines)
+
+
+def test_the_verb_is_asked_of_what_has_no_faults(tmp_path: Path) -> None:
+    """A fault in one table does not hide what the verb has against another."""
+    for before, after, place in (
+        ("b = 0.4", "b = true", "[drive] b"),
+        ("b = 0.4", "q = 0.4", "[drive] q"),
+        ("[actuator]", "[actuator]\nc = -1", "[actuator] c"),
+        ("temperature = [300, 350]", "temperature = []", "[over] temperature"),
+        ("temperature = [300, 350]", "temprature = [1]\nb = [0.1]", "[over] temprature"),
+        ("[options]", "[options]\nperiod = 3", "[options] period"),
+    ):
+        text = SIMULATE.replace("duration = 1.0", "duration = -1.0").replace(before, after)
+        lines = refusal(tmp_path, text)
+        places = {line.partition(":")[0] for line in lines} - {"[drive] b"}
+        assert places | {place} == {place, "[options] duration"}
+
+
+def test_what_a_verb_says_later_has_its_place_too() -> None:
+    """An error of a verb that runs is told with the table and the key that it is about."""
+    study = sound_study("classify")
+    for name, place in {
+        "periods": "[options] periods",
+        "over['temperature']": "[over] temperature",
+        "drive": "[drive]",
+        "system": "[actuator]",
+        "dissipation.0.eta": "[actuator] dissipation.0.eta",
+    }.items():
+        error = rm.InputError(name, must="be 1", got=2, why="It is.", fix="Pass 1.")
+        assert message_for_file(error, study) == f"{place}: must be 1; got 2. It is. Write 1."
 
 
 def test_nothing_is_computed(tmp_path: Path) -> None:
