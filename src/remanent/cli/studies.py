@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 _SECONDS_BETWEEN_LINES = 5.0
 
 
-class Share(click.ParamType):
+class Share(click.ParamType[tuple[int, int]]):
     """A share of a study, ``I/N``."""
 
     name = "I/N"

@@ -23,6 +23,8 @@ from remanent.studies.sweep.study import WHOLE_GRID_VERBS, Study
 _TRIAL_SECONDS: Final = 1.0
 #: Seconds after which a trial is broken off.
 _LONGEST_TRIAL_SECONDS: Final = 20.0
+#: Shorter trials are repeated, as the first one also compiles.
+_LONGEST_REPEATED_SECONDS: Final = 8.0
 #: How much finer a trial is than the one before, and along how many dimensions: points of one call
 #: share work, so that few of them say little of many.
 _GROWTH: Final = 2
@@ -105,7 +107,7 @@ def plan_study(study: Study, clock: Callable[[], float] = time.perf_counter) -> 
             tried, seconds, result = _trial(study, next(_samples(verb, grid)), clock)
     except WorkStopped:
         return Plan(verb, sizes, cores, 0, None, None, None, None)
-    if seconds < _TRIAL_SECONDS:
+    if seconds < _LONGEST_REPEATED_SECONDS:  # the first trial also compiled
         tried, seconds, result = _last_trial(study, clock)
     per_point = _bytes_per_point(result, grid)
     cut = chunking(verb, grid, int(max(per_point, default=8.0)))

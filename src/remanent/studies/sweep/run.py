@@ -69,6 +69,7 @@ def writable_store(path: Path, study: Study, part: tuple[int, int] = (1, 1)) -> 
     InputError, RemanentError
         The path holds something else, another study, or is being written.
     """
+    path = path.resolve()
     _create_if_missing(path, study)
     store = open_store(path)
     require_same(store, study)
