@@ -16,6 +16,7 @@ from remanent._typing import ArrayLike, BoolArray, FloatArray
 
 __all__ = [
     "Rule",
+    "as_dict",
     "as_float_array",
     "finite_rule",
     "is_increasing",
@@ -260,13 +261,18 @@ def require_numbers(name: str, values: object, *, what: str, why: str) -> FloatA
     )
 
 
+def as_dict(value: object) -> dict[Any, Any] | None:
+    """A mapping, or its pairs, as a dict; None where it is neither."""
+    try:
+        return dict(value)  # type: ignore[call-overload, no-any-return]
+    except Exception:  # an object of a class of its own ways too
+        return None
+
+
 def require_named_numbers(name: str, values: object, rule: Rule) -> tuple[tuple[str, float], ...]:
     """A mapping of names to numbers, or its pairs, as a tuple of pairs."""
-    try:
-        pairs = dict(values)  # type: ignore[call-overload]
-    except (TypeError, ValueError):
-        pairs = {None: None}
-    for key in pairs:
+    pairs = as_dict(values)
+    for key in [None] if pairs is None else pairs:
         if not (isinstance(key, str) and key.isascii() and key.isidentifier()):
             raise InputError(
                 name,
@@ -275,7 +281,7 @@ def require_named_numbers(name: str, values: object, rule: Rule) -> tuple[tuple[
                 why="Each number is a field of the model, under its name.",
                 fix='Pass for example {"a": 0.5}.',
             )
-    return tuple((key, require_real(key, value, rule)) for key, value in pairs.items())
+    return tuple((key, require_real(key, value, rule)) for key, value in (pairs or {}).items())
 
 
 def require_increasing(name: str, values: object, *, what: str, why: str) -> FloatArray:

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, Protocol
 
+import numpy as np
 from scipy.optimize import elementwise
 
 from remanent._typing import BoolArray, FloatArray
@@ -63,7 +64,8 @@ def find_roots(
         Largest number of iterations.
     """
     finder: Any = elementwise.find_root
-    result: Roots = finder(f, bracket, args=args, tolerances=tolerances, maxiter=maxiter)
+    with np.errstate(all="ignore"):  # of values that are infinite, which have no root near by
+        result: Roots = finder(f, bracket, args=args, tolerances=tolerances, maxiter=maxiter)
     return result
 
 
@@ -81,5 +83,6 @@ def find_minima(
     no higher than its ends.
     """
     finder: Any = elementwise.find_minimum
-    result: Roots = finder(f, bracket, args=args, tolerances=tolerances, maxiter=maxiter)
+    with np.errstate(all="ignore"):  # of values that are infinite, which have no root near by
+        result: Roots = finder(f, bracket, args=args, tolerances=tolerances, maxiter=maxiter)
     return result

@@ -13,6 +13,7 @@ import argparse
 import json
 import logging
 import random
+import resource
 import signal
 import sys
 import time
@@ -30,8 +31,8 @@ from typing import Any
 import matplotlib.pyplot as plt
 import numpy as np
 import xarray as xr
-from tests.faults.near_values import kind_of_argument, values_by_kind
-from tests.faults.subjects import MATPLOTLIB_WORDS, Subject, subjects
+from tests.faults.near_values import OF_OWN, kind_of_argument, values_by_kind
+from tests.faults.subjects import MATPLOTLIB_WORDS, OF_AN_OWN_SYSTEM, Subject, subjects
 from tests.faults.value import Value
 from tests.faults.value_pool import (
     KEYS,
@@ -48,6 +49,8 @@ import remanent as rm
 #: Nothing may take longer, in seconds of processor time; a sound call of the slowest verb takes a
 #: tenth of it.
 CAP_SECONDS = 30
+#: Nor more memory: what needs more fails, where the machine would end the process.
+MOST_MEMORY_BYTES = 8 * 2**30
 #: Nor so many times as long on the clock, on a machine that does other things too.
 WAIT_FACTOR = 10
 #: Share of calls that are given a name which no argument has.
@@ -132,7 +135,7 @@ class Attempt:
 def attempts(subjects: list[Subject], seed: int) -> Iterator[Attempt]:
     """Calls without end, the same for the same seed."""
     draw = random.Random(seed)
-    values, kinds = pool(), values_by_kind()
+    values = pool()
     while True:
         subject = draw.choice(subjects)
         names = subject.argument_names()
@@ -140,14 +143,22 @@ def attempts(subjects: list[Subject], seed: int) -> Iterator[Attempt]:
             names = ["tolerence"]
         count = min(len(names), draw.choice([1, 1, 1, 2, 3]))
         sound = subject.sound()
-        share = NEAR_SHARE_OF_SLOW if subject.name in SLOW else NEAR_SHARE
+        is_slow = subject.name.removesuffix(OF_AN_OWN_SYSTEM) in SLOW
+        share = NEAR_SHARE_OF_SLOW if is_slow else NEAR_SHARE
         spoilt = {
-            name: draw_value(draw, values, kinds.get(kind_of_argument(name, sound.get(name)), []))
+            name: draw_value(draw, values, near_values(subject, name, sound.get(name)))
             if draw.random() < share
             else draw_value(draw, values, [])
             for name in draw.sample(names, count)
         }
         yield Attempt(subject, spoilt)
+
+
+def near_values(subject: Subject, name: str, sound: object) -> list[Value]:
+    """Values of the kind that an argument takes."""
+    kinds, kind = values_by_kind(), kind_of_argument(name, sound)
+    plain = kinds.get(kind, [])
+    return kinds.get(f"{kind}{OF_OWN}", plain) if subject.is_of_own_system else plain
 
 
 def draw_value(draw: random.Random, values: list[Value], near: list[Value]) -> Value:
@@ -286,6 +297,7 @@ def main(words: list[str]) -> None:
     parser.add_argument("--calls", type=int, default=2000, help="of each seed")
     parser.add_argument("--out", type=Path, help="a file for the counts, JSON")
     options = parser.parse_args(words)
+    resource.setrlimit(resource.RLIMIT_AS, (MOST_MEMORY_BYTES,) * 2)
     counts: dict[str, Counter[str]] = defaultdict(Counter)
     for seed in options.seeds:
         for name, endings in run(seed, options.calls).items():

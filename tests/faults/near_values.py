@@ -9,6 +9,16 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
+from tests.faults.own_systems import (
+    FORCE,
+    OWN_FIELDS,
+    OWN_NAMES,
+    loads,
+    own_boxes,
+    own_overs,
+    own_states,
+    own_systems,
+)
 from tests.faults.result_pool import results
 from tests.faults.value import Value
 from tests.faults.value_pool import models, numbers, same, texts, word
@@ -28,12 +38,15 @@ KINDS: Mapping[str, str] = {
     "dissipation": "part", "magnet": "part", "material": "part", "scales": "part",
     "physical_sizes": "part", "shift": "part", "half_width": "quantity", "force": "quantity",
     "remanence": "quantity", "temperature": "number", "edges": "row", "prestress": "number",
-    "phases": "row", "system": "actuator", "drive": "drive", "robust_to": "name", "band": "number",
+    "phases": "row", "system": "system", "actuator": "system", "drive": "drive",
+    "robust_to": "name", "band": "number",
     "confidence": "number", "step": "number", "samples": "count", "quantiles": "row",
     "resonance_width": "number", "smallest": "number", "count": "count", "keep": "count",
     "slices": "count", "special_point": "count", "c": "number", "width": "number",
     "reference_temperature": "number", "saddle": "state", "values": "row", "of": "name",
 }  # fmt: skip
+#: What follows a kind whose values are those of systems of one's own.
+OF_OWN = " of own systems"
 #: Fields that may be varied.
 FIELDS = ("temperature", "omega", "b", "m", "c", "initial.stretch", "prestress", "shear_modulus",
           "dissipation.0.eta", "magnet.temperature_coefficient")  # fmt: skip
@@ -56,7 +69,7 @@ def kind_of_argument(name: str, sound: object) -> str:
     """What an argument takes, by its sound value or its name."""
     kinds: dict[type, str] = {
         bool: "flag", int: "count", float: "number", str: "name", xr.Dataset: "result",
-        rm.Actuator: "actuator", list: "row", tuple: "row", np.ndarray: "row",
+        rm.Actuator: "system", list: "row", tuple: "row", np.ndarray: "row",
     }  # fmt: skip
     if name in KINDS:
         return KINDS[name]
@@ -65,11 +78,12 @@ def kind_of_argument(name: str, sound: object) -> str:
 
 @cache
 def values_by_kind() -> dict[str, list[Value]]:
-    """Values of each kind."""
+    """Values of each kind; those that systems of one's own take have another word."""
     rows = [valued(row) for row in ROWS]
     real = [x for x in numbers() if isinstance(x, int | float | np.floating)]
     boxes = product(("stretch", "stretch_rate", *FIELDS[:4]), ((0.9, 1.1), *map(tuple, ROWS)))
-    model = models()
+    model, written = models(), [valued(x) for x in own_systems()]
+    drives = [valued(x) for x in (*filter(is_drive, model), *loads())]
     words = [valued(text) for text in texts() if isinstance(text, str)]
     measured = ("amplitude", "thickness_stretch", "stretch", "stretch_rate", "frequency", "omega",
                 "regime", "error", "maximum", "energy", "time", *FIELDS)  # fmt: skip
@@ -82,12 +96,23 @@ def values_by_kind() -> dict[str, list[Value]]:
         "state": [valued(x) for x in STATES] + rows,
         "box": [valued({k: v}) for k, v in boxes] + [valued({"stretch": (0.9, 1.1)})] * 20,
         "over": [valued({k: v}) for k, v in product(FIELDS, ROWS)] + pairs_of_fields(),
-        "actuator": [valued(x) for x in model if isinstance(x, rm.Actuator)],
-        "drive": [valued(x) for x in model if isinstance(x, Drive)],
+        "system": [valued(x) for x in model if isinstance(x, rm.Actuator)] + written,
+        "drive": drives,
         "part": [valued(x) for x in model] + [valued(None)],
         "quantity": [valued(x) for x in ("5 mm", "0 mm", "1e-300 m", "1e300 N", "143 mT", "1 N")],
         "result": results(),
+        f"state{OF_OWN}": [valued(x) for x in own_states()] * 2 + rows,
+        f"box{OF_OWN}": [valued(x) for x in own_boxes(ROWS)],
+        f"over{OF_OWN}": [valued(x) for x in own_overs(ROWS)],
+        f"system{OF_OWN}": written,
+        f"drive{OF_OWN}": drives + [valued(FORCE)] * len(drives),
+        f"name{OF_OWN}": words + [valued(x) for x in (*OWN_NAMES, *OWN_FIELDS)] * 3,
     }
+
+
+def is_drive(value: object) -> bool:
+    """Whether it is a drive."""
+    return isinstance(value, Drive)
 
 
 def pairs_of_fields() -> list[Value]:

@@ -8,6 +8,7 @@ from typing import Any
 
 import xarray as xr
 from tests.contracts.sound_calls import SOUND
+from tests.faults.own_systems import own_sound_calls
 from tests.faults.value import Value
 from tests.unit.plots import synthetic
 
@@ -17,6 +18,10 @@ import remanent as rm
 def results() -> list[Value]:
     """Results of every verb, and what people make of them."""
     made = [Value(f"result of {verb}", partial(result_of, verb)) for verb in SOUND]
+    made += [
+        Value(f"result of {verb}, an own system's", partial(own_result_of, verb))
+        for verb in own_sound_calls()
+    ]
     drawn: dict[str, Callable[[], Any]] = {
         "basins": synthetic.basins_of_two, "potential": synthetic.potential,
     }  # fmt: skip
@@ -76,3 +81,9 @@ def altered(how: str, value: Value) -> Any:
 def result_of(verb: str) -> Any:
     """The result of a sound call."""
     return getattr(rm, verb)(**SOUND[verb]())
+
+
+@cache
+def own_result_of(verb: str) -> Any:
+    """The result of a sound call with a system of one's own."""
+    return getattr(rm, verb)(**own_sound_calls()[verb]())

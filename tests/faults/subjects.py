@@ -14,6 +14,7 @@ import numpy as np
 import xarray as xr
 from tests.contracts.public import examples
 from tests.contracts.sound_calls import SOUND, measure
+from tests.faults.own_systems import BOTH, DUFFING, FORCE, PAIR, TWO_LOADS, own_sound_calls
 from tests.faults.result_pool import result_of
 from tests.faults.value_pool import film
 from tests.unit.plots import synthetic
@@ -25,6 +26,8 @@ from remanent.models.drives.base import Drive
 MATPLOTLIB_WORDS = ("color", "linewidth", "label", "alpha")
 #: Options of a verb that a measure hands on.
 OPTION_WORDS = ("m", "over", "tolerance")
+#: What follows the name of a verb that is called with a system of one's own.
+OF_AN_OWN_SYSTEM = " of an own system"
 
 
 @dataclass(frozen=True)
@@ -41,12 +44,15 @@ class Subject:
         A maker of sound arguments.
     further
         Names that it takes beside those of its signature.
+    is_of_own_system
+        Whether the sound arguments have a system that a user wrote.
     """
 
     name: str
     call: Callable[..., Any]
     sound: Callable[[], Mapping[str, Any]]
     further: tuple[str, ...] = ()
+    is_of_own_system: bool = False
 
     def argument_names(self) -> list[str]:
         """Names of the arguments that may be passed by name."""
@@ -64,6 +70,10 @@ def subjects() -> list[Subject]:
         Subject(f"rm.{name}", getattr(rm, name), sound, OPTION_WORDS if name in measuring else ())
         for name, sound in SOUND.items()
     ]
+    of_own = [
+        Subject(f"rm.{name}{OF_AN_OWN_SYSTEM}", getattr(rm, name), sound, is_of_own_system=True)
+        for name, sound in own_sound_calls().items()
+    ]
     classes = [
         Subject(f"rm.{name}", cls, partial(fields_of, cls.example()))
         for name, cls in values_and_names.items()
@@ -73,7 +83,7 @@ def subjects() -> list[Subject]:
         Subject(f"rm.plot.{name}", getattr(rm.plot, name), DRAWN[name], MATPLOTLIB_WORDS)
         for name in rm.plot.__all__
     ]
-    return [*verbs, *classes, *others(), *methods(), *plots]
+    return [*verbs, *of_own, *classes, *others(), *methods(), *plots]
 
 
 def fields_of(value: Any) -> dict[str, Any]:
@@ -104,6 +114,7 @@ def others() -> list[Subject]:
         Subject("rm.equations", rm.equations, lambda: {"system": rm.Actuator()}),
         Subject("rm.rates", rm.rates, lambda: moved),
         Subject("rm.period_map", rm.period_map, lambda: moved),
+        Subject("rm.equations of an own system", rm.equations, lambda: {"system": DUFFING}),
         Subject("rm.save", rm.save, lambda: {"dataset": motion(), "path": folder / "it.nc"}),
         Subject("rm.load", rm.load, lambda: {"path": saved(folder)}),
     ]  # fmt: skip
@@ -126,7 +137,15 @@ def methods() -> list[Subject]:
     ]
     replaced = [
         Subject(f"{type(value).__name__}.replace", value.replace, dict, tuple(fields_of(value)))
-        for value in (film(), rm.SineSquared(0.4, 1.25), rm.Ogden.example(), rm.WLF(8.0, 200.0))
+        for value in (
+            film(),
+            rm.SineSquared(0.4, 1.25),
+            rm.Ogden.example(),
+            rm.WLF(8.0, 200.0),
+            DUFFING,
+            BOTH,
+            rm.FirstOrderSystem.example(),
+        )
     ]
     loads = [
         Subject(f"{name}.__call__", drive.__call__, lambda: {"tau": 0.5})
@@ -143,6 +162,12 @@ def methods() -> list[Subject]:
         Subject("Rates of steps", rm.rates(*held).__call__, lambda: {"t": 0.5, "y": [1.0, 0.0]}),
         Subject("PeriodMap.__call__", rm.period_map(*moved).__call__,
                 lambda: {"states": [1.0, 0.0]}),
+        Subject("system.with_parameter", DUFFING.with_parameter,
+                lambda: {"name": "delta", "value": 1}),
+        Subject("Rates of an own system", rm.rates(TWO_LOADS, BOTH).__call__,
+                lambda: {"t": 0.5, "y": [1.0, 0.0]}),
+        Subject("PeriodMap of an own system", rm.period_map(PAIR, FORCE).__call__,
+                lambda: {"states": [1.0, 0.0, 0.0, 0.0]}),
     ]  # fmt: skip
 
 

@@ -10,6 +10,7 @@ from itertools import islice
 import pytest
 from tests.contracts.sound_calls import SOUND
 from tests.faults.any_values import Attempt, attempts
+from tests.faults.own_systems import DUFFING, own_sound_calls
 from tests.faults.subjects import Subject, subjects
 
 import remanent as rm
@@ -30,6 +31,18 @@ def test_every_public_name_takes_part() -> None:
     assert {*rm.__all__} - NOT_CALLED <= called
     pictures = {subject.name for subject in subjects() if subject.name.startswith("rm.plot.")}
     assert pictures == {f"rm.plot.{name}" for name in rm.plot.__all__}
+
+
+@pytest.mark.parametrize("verb", SOUND)
+def test_every_verb_is_tried_with_a_system_of_ones_own(verb: str) -> None:
+    """Or refuses it, by the name of the argument."""
+    sound = SOUND[verb]()
+    name = next((name for name in ("system", "actuator") if name in sound), None)
+    if name is None or verb in own_sound_calls():
+        return
+    with pytest.raises(rm.InputError) as refused:
+        getattr(rm, verb)(**{**sound, name: DUFFING})
+    assert refused.value.name == name
 
 
 @pytest.mark.parametrize(

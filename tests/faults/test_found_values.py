@@ -16,6 +16,7 @@ import pint
 import pytest
 import xarray as xr
 from tests.contracts.sound_calls import BODY, DAMPED, DRIVE, SOUND, branch, decaying, measure
+from tests.faults.own_systems import DUFFING, FREE, PAIR
 from tests.faults.subjects import equilibria_over_loads
 from tests.faults.value_pool import Unspeakable, Unusable
 from tests.unit.plots.synthetic import basins_of_two
@@ -186,6 +187,36 @@ REFUSED: dict[str, tuple[Callable[[], Any], str]] = {
     "a line so many milliseconds wide": (
         lambda: rm.plot.history(motion(), linewidth=pint.Quantity(1.0, "ms")), "linewidth"
     ),
+    "a section of numbers in words": (
+        lambda: rm.plot.section(rm.poincare_section(BODY, DRIVE, periods=2).astype(str)), "dataset"
+    ),
+    "a setting that is no number": (
+        lambda: rm.rescale(motion().assign_attrs(tolerance="x"), temperature=300.0), "dataset"
+    ),
+    "ranges of another number of fields": (
+        lambda: rm.rescale(
+            motion().assign_attrs(parameter_ranges=(0.1, 0.2, 0.3), parameters="omega b"),
+            temperature=300.0,
+        ), "dataset",
+    ),
+    "scales that are none": (lambda: rm.to_si(motion().assign_attrs(scales="[")), "dataset"),
+    "loads that are none": (lambda: LOOSE.Loads(Unusable()), "drives"),
+    "other loads that are none": (lambda: LOOSE.Loads.example().replace(drives=1.25), "drives"),
+    "a load of no drive": (
+        lambda: LOOSE.simulate(DUFFING, {"load": 1.0}, duration=1.0), "drive"
+    ),
+    "names in an array": (lambda: DUFFING.replace(loads=[HUGE]), "loads"),
+    "a product beyond floats": (
+        lambda: rm.FirstOrderSystem(rates={"x": "1e200*1e200*x"}), "rates['x']"
+    ),
+    "frequencies without end": (
+        lambda: rm.response_diagram(**SOUND["response_diagram"]() | {"slices": 2**31}), "slices"
+    ),
+    "frequencies of resonances without end": (
+        lambda: rm.resonances(**SOUND["resonances"]() | {"slices": 2**31}), "slices"
+    ),
+    "rates of no formula": (lambda: LOOSE.FirstOrderSystem(rates=Unusable()), "rates"),
+    "units of nothing": (lambda: DUFFING.replace(units=Unusable()), "units"),
     "a line wider than floats": (lambda: rm.plot.history(motion(), linewidth=10**400), "linewidth"),
 }  # fmt: skip
 LOOSE_MEASURE: Any = measure()
@@ -230,6 +261,79 @@ def test_there_are_no_orbits_where_no_state_is() -> None:
         rm.Actuator(material=rm.Gent(1.0)), DRIVE, state_box={"stretch": (3.0, 4.0)}
     )
     assert (int(found.orbits), int(found.status)) == (0, rm.Status.OK)
+
+
+def test_a_point_without_a_period_has_no_losses() -> None:
+    """It is invalid, beside one that is not."""
+    found = rm.cycle_losses(DAMPED, DRIVE, periods=2, over={"omega": [0.0, 1.0]})
+    assert found.status.values.tolist() == [rm.Status.INVALID, rm.Status.OK]
+
+
+def test_a_picture_of_what_arithmetic_took_says_that_nothing_is_there() -> None:
+    """Its status is NaN too, and says nothing."""
+    axes = plt.figure().subplots()
+    rm.plot.history(motion().where(False), ax=axes)
+    assert "no result" in [text.get_text() for text in axes.texts]
+
+
+def test_a_derivative_beyond_floats_is_refused() -> None:
+    """Of x' = 1e200 x the second derivative is 1e400 x."""
+    huge = rm.FirstOrderSystem(rates={"x": "1e200*x", "y": "load"})
+    with pytest.raises(rm.InputError, match="numbers that a float can hold"):
+        rm.simulate(huge, rm.Constant(0.0), duration=1.0, initial=[1.0, 0.0])
+
+
+def test_equilibria_at_infinite_stiffness_are_none() -> None:
+    """They end in a status, and change nothing beside them."""
+    box = {"x": (-2.0, 2.0)}
+    both = rm.equilibria(FREE, 0.1, over={"k": [1.0, 1e308]}, state_box=box)
+    alone = rm.equilibria(FREE, 0.1, state_box=box)
+    assert int(alone.status) == rm.Status.OK
+    np.testing.assert_array_equal(both.x[0, : alone.sizes["equilibrium"]], alone.x)
+
+
+@pytest.mark.parametrize("delta", [1e200, 1e308])
+def test_a_huge_dashpot_moves_no_equilibrium(delta: float) -> None:
+    """Places do not depend on it; eigenvalues, which overflow, say what is known of them."""
+    box = {"x": (-2.0, 2.0)}
+    damped = rm.equilibria(DUFFING, 0.1, state_box=box)
+    stiff = rm.equilibria(DUFFING.with_parameter("delta", delta), 0.1, state_box=box)
+    np.testing.assert_array_equal(stiff.x, damped.x)
+
+
+def test_a_box_as_wide_as_floats_ends_in_a_status() -> None:
+    """Nothing of it is known but that it cannot be told."""
+    wide = {"x": (-1e300, 1e300), "y": (-1e300, 1e300)}
+    assert int(rm.equilibria(PAIR, 0.1, state_box=wide).status) == rm.Status.INCOMPLETE
+
+
+def test_a_free_oscillation_that_is_too_fast_says_so() -> None:
+    """From x = 300 the quartic well has an error above the tolerance."""
+    found = rm.backbone(FREE, [1.0, 300.0])
+    assert int(found.status[0]) == rm.Status.OK
+    assert np.isfinite(found.frequency.values[0])
+
+
+def test_a_search_for_a_resonance_that_takes_too_long_says_how_far_it_came(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """With so many steps as were made its bracket holds the resonance that more would find."""
+    omega = np.linspace(1.0, 1.5, 11)
+    whole = rm.frequency_response(DAMPED, DRIVE, omega, duration=30.0)
+    monkeypatch.setattr("remanent.studies.response.frequency_response._MOST_STEPS_OF_SEARCH", 1.0)
+    short = rm.frequency_response(DAMPED, DRIVE, omega, duration=30.0)
+    assert int(whole.resonance_status) == rm.Status.OK
+    assert int(short.resonance_status) == rm.Status.INCOMPLETE
+    assert "steps" in str(short.reason.values)
+    assert abs(short.resonance - whole.resonance) <= short.resonance_error <= 0.05 + 1e-9
+    xr.testing.assert_equal(short.amplitude, whole.amplitude)
+
+
+def test_a_step_without_a_start_has_no_metrics() -> None:
+    """NaN beside a start that is a number."""
+    start = {"initial.stretch": [0.9, np.nan]}
+    found = rm.step_response(**SOUND["step_response"]() | {"over": start})
+    assert np.isnan(found.farthest.values).tolist() == [False, True]
 
 
 def test_exponents_of_a_single_period_have_no_error() -> None:

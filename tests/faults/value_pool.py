@@ -286,7 +286,7 @@ def word(value: Any) -> str:
         text = repr(value)[:300]
     except Exception:
         text = type(value).__name__
-    shown = re.sub(r"(0x|at )[0-9a-fA-Fx]+", "", " ".join(text.split()))[:60]
+    shown = re.sub(r"(0x|at )[0-9a-fA-Fx]+", "", " ".join(text.split()))[:160]
     return shown.encode("ascii", "backslashreplace").decode()
 
 

@@ -341,7 +341,7 @@ class _Translator:
 
     def _number_value(self, number: Expression) -> SignedValue:
         if not number.is_Rational or max(abs(number.p), number.q) > _LARGEST_PART_OF_QUOTIENT:
-            return self.instructions.constant(float(number))
+            return self.instructions.constant(_nearest_float(number))
         numerator = self.instructions.constant(float(number.p))
         return self.instructions.div(numerator, self.instructions.constant(float(number.q)))
 
@@ -418,6 +418,14 @@ class _Translator:
 def _simplest_first(terms: Iterable[Expression]) -> list[Expression]:
     """Terms with few symbols first, so that (1 - f) + f x is computed as that."""
     return sorted(terms, key=lambda e: (len(e.free_symbols), sp.default_sort_key(e)))
+
+
+def _nearest_float(number: Expression) -> float:
+    """A number as a float, infinite where it is larger than floats can be."""
+    try:
+        return float(number)
+    except OverflowError:
+        return float("inf") if number.is_positive else float("-inf")
 
 
 def _is_reciprocal(factor: Expression) -> bool:

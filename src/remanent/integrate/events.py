@@ -377,7 +377,8 @@ class _WindowSteps:
         # Where rounding hides the change of sign, the crossing is at the end of the step.
         part = np.where(root.success, root.x, high)
         observed, states = self.evaluate_at(part, self.consecutive_numbers)
-        direction = np.sign(observed.rate).astype(np.int64)
+        # An infinite motion has no rate there, and no direction.
+        direction = np.nan_to_num(np.sign(observed.rate)).astype(np.int64)
         return self.crossings_at(part, observed, states, direction, beyond)
 
     def places_before_passages(self, begins_on_value: BoolArray) -> FloatArray:

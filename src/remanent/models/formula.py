@@ -138,6 +138,10 @@ def parse_formula(text: str, name: str = "expression") -> Formula:
     _require_size(name, tree)
     for node, _ in _walk_with_depth(tree):
         _require_allowed_node(name, node)
+    for node, _ in _walk_with_depth(tree):
+        number = _exact_constant(node)
+        if number is not None:
+            _require_float(name, number, ast.unparse(node))
     if _largest_exponent_product(tree) > MAX_EXPONENT_PRODUCT:
         raise _refusal_error(
             name, f"have powers up to {MAX_EXPONENT_PRODUCT}, also of powers", _shortened_repr(text)
@@ -222,10 +226,7 @@ def _size_error(name: str, count: int, depth: int) -> InputError:
 def _require_allowed_node(name: str, node: ast.expr) -> None:
     match node:
         case ast.Constant(value=int() | float() as number) if not isinstance(number, bool):
-            if not _fits_float(number):
-                raise _refusal_error(
-                    name, "have numbers that a float can hold", _shortened_repr(str(number))
-                )
+            _require_float(name, number, str(number))
         case ast.Name(id=word):
             if word.startswith("_") or word in FUNCTION_NAMES:
                 raise _refusal_error(name, "use names as such, functions with (...)", word)
@@ -255,7 +256,12 @@ def _shortened_repr(text: str) -> str:
     return repr(text if len(text) <= 60 else f"{text[:57]}...")
 
 
-def _fits_float(number: int | float) -> bool:
+def _require_float(name: str, number: int | float | Fraction, text: str) -> None:
+    if not _fits_float(number):
+        raise _refusal_error(name, "have numbers that a float can hold", _shortened_repr(text))
+
+
+def _fits_float(number: int | float | Fraction) -> bool:
     try:
         return abs(float(number)) <= 1e300
     except OverflowError:

@@ -110,7 +110,8 @@ def _require_kinds_of_results(dataset: xr.Dataset) -> None:
             continue
         kind = variable.dtype.kind
         is_complex = kind == "c" and name not in _COMPLEX_VARIABLES
-        if is_complex or (kind == "O" and not _is_of_words(variable)):
+        is_no_word = kind == "O" and not _is_of_words(variable)
+        if is_complex or is_no_word or (kind in "SU" and _is_of_numbers_in_words(variable)):
             raise InputError(
                 "dataset",
                 must=f"hold {name} as results do, as real numbers or words",
@@ -125,6 +126,15 @@ def _is_of_words(variable: xr.Variable) -> bool:
     return all(
         isinstance(x, str) or (isinstance(x, float) and np.isnan(x)) for x in variable.values.flat
     )
+
+
+def _is_of_numbers_in_words(variable: xr.Variable) -> bool:
+    """Whether every entry is a number as it is written, as after ``astype(str)``."""
+    try:
+        variable.values.astype(np.complex128)
+    except (TypeError, ValueError):
+        return False
+    return variable.size > 0
 
 
 def _require_numbers(picture: str, given: Mapping[str, Any]) -> None:

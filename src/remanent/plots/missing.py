@@ -50,13 +50,13 @@ def has_values(member: Member, *variables: str) -> bool:
     return all(bool(np.isfinite(member.data[name].values).any()) for name in variables)
 
 
-def status_words(codes: Iterable[int]) -> str:
+def status_words(codes: Iterable[float]) -> str:
     """The meanings of status codes, without those that say nothing is amiss.
 
     Parameters
     ----------
-    codes : iterable of int
-        Values of a ``status``.
+    codes : iterable of number
+        Values of a ``status``; NaN, which arithmetic with results leaves, says nothing.
 
     Returns
     -------
@@ -68,7 +68,7 @@ def status_words(codes: Iterable[int]) -> str:
     'escaped'
     """
     known = {int(code) for code in Status}
-    found = sorted({int(code) for code in codes} - _SILENT_STATUS_CODES)
+    found = sorted({int(code) for code in codes if np.isfinite(code)} - _SILENT_STATUS_CODES)
     return ", ".join(Status(code).meaning for code in found if code in known)
 
 

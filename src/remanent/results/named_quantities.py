@@ -15,10 +15,18 @@ from typing import Any, Final
 import numpy as np
 import xarray as xr
 
-from remanent._errors import InputError
+from remanent._arrays import as_float_array
+from remanent._errors import InputError, shortened_repr
+from remanent._typing import FloatArray
 from remanent.results.schema import describe
 
-__all__ = ["UNKNOWN_QUANTITY", "QuantityPower", "attribute_quantity", "quantities_of"]
+__all__ = [
+    "UNKNOWN_QUANTITY",
+    "QuantityPower",
+    "attribute_numbers",
+    "attribute_quantity",
+    "quantities_of",
+]
 
 #: In the attribute ``measured``: a function makes the measure, so that its unit is not known.
 UNKNOWN_QUANTITY: Final = "?"
@@ -125,6 +133,34 @@ def attribute_quantity(dataset: xr.Dataset, name: str) -> list[str]:
             why="It is not known how this one turns to other units.",
             fix=f"Remove it: del dataset.attrs[{name!r}].",
         ) from error
+
+
+def attribute_numbers(dataset: xr.Dataset, name: str, count: int) -> FloatArray:
+    """The numbers of an attribute that holds some for each of `count` quantities.
+
+    Returns
+    -------
+    array
+        Of no dimension where the attribute is a single number.
+
+    Raises
+    ------
+    InputError
+        If these are no numbers, or do not go with the quantities.
+    """
+    value = dataset.attrs[name]
+    why = "It is a setting of the run, which changes with the units of the result."
+    fix = f"Remove it: del dataset.attrs[{name!r}]."
+    numbers = as_float_array("dataset", value, what=f"its attribute {name}", why=why, fix=fix)
+    if numbers.size % count:
+        raise InputError(
+            "dataset",
+            must=f"have as many numbers in its attribute {name} for each of {count} quantities",
+            got=shortened_repr(value),
+            why=why,
+            fix=fix,
+        )
+    return numbers
 
 
 def _labels(dataset: xr.Dataset, coordinate: str) -> QuantityPower:

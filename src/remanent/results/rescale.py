@@ -19,7 +19,11 @@ from remanent.models.parts import Part
 from remanent.models.system import System
 from remanent.results import provenance
 from remanent.results.checks import require_unstacked_dataset
-from remanent.results.named_quantities import attribute_quantity, quantities_of
+from remanent.results.named_quantities import (
+    attribute_numbers,
+    attribute_quantity,
+    quantities_of,
+)
 from remanent.results.schema import DESCRIPTIONS, QuantityKind, describe
 
 #: Powers of the ratio of temperatures by which each kind of quantity grows.
@@ -339,7 +343,7 @@ def _rescaled_attributes(dataset: xr.Dataset, ratio: float) -> dict[Any, Any]:
         factors = np.array([_scale_factor(one, ratio) for one in names])
         if not names or (factors == 1.0).all():
             continue
-        numbers = np.asarray(scaled[name], dtype=float)
+        numbers = attribute_numbers(dataset, name, len(names))
         rows = numbers.reshape(len(names), -1) * factors[:, None]
         scaled[name] = tuple(rows.ravel().tolist()) if numbers.ndim else float(rows[0, 0])
     return scaled

@@ -10,13 +10,18 @@ from typing import Any, Final
 import numpy as np
 import xarray as xr
 
-from remanent._checks import require_flag, shortened_repr
+from remanent._checks import is_positive_number, require_flag, shortened_repr
 from remanent._errors import InputError
 from remanent.models.scaling import Scales
 from remanent.models.system import System
 from remanent.results import provenance
 from remanent.results.checks import require_unstacked_dataset
-from remanent.results.named_quantities import QuantityPower, attribute_quantity, quantities_of
+from remanent.results.named_quantities import (
+    QuantityPower,
+    attribute_numbers,
+    attribute_quantity,
+    quantities_of,
+)
 from remanent.results.schema import DESCRIPTIONS, Description, QuantityKind, describe
 from remanent.results.si_units import (
     CONVERSIONS,
@@ -151,9 +156,11 @@ class _Units:
         attrs, units = dict(self.dataset.attrs), {}
         for name in map(str, self.dataset.attrs):
             names = attribute_quantity(self.dataset, name)
-            numbers = np.array(attrs[name], dtype=float) if names else np.empty(0)
-            rows = np.atleast_1d(numbers).reshape(max(len(names), 1), -1)
-            for row, quantity in zip(rows, names, strict=False):
+            if not names:
+                continue
+            numbers = attribute_numbers(self.dataset, name, len(names))
+            rows = np.atleast_1d(numbers).reshape(len(names), -1)
+            for row, quantity in zip(rows, names, strict=True):
                 conversion = self._conversion(quantity)
                 if conversion is not None:
                     factor = self._single_factor(conversion, name)
@@ -331,7 +338,7 @@ def _read_scales(dataset: xr.Dataset, system: System | None) -> Mapping[str, Any
             else "Pass system=..., an actuator that Actuator.from_si made.",
         )
     given = None if system is None else _require_scales(system)
-    factors = json.loads(str(text)) if given is None else given.si_factors()
+    factors = _factors_in_text(str(text)) if given is None else given.si_factors()
     missing = [name for name in _REQUIRED_SCALES if name not in factors]
     if missing:
         raise InputError(
@@ -342,6 +349,16 @@ def _read_scales(dataset: xr.Dataset, system: System | None) -> Mapping[str, Any
             fix="Pass system=..., an actuator that Actuator.from_si made.",
         )
     return {**factors, **_body_sizes(dataset, system)}
+
+
+def _factors_in_text(text: str) -> dict[str, float]:
+    """Factors by their names, as the attribute holds them; none where it holds something else."""
+    try:
+        content = json.loads(text)
+    except ValueError:
+        return {}
+    numbers = content.items() if isinstance(content, dict) else ()
+    return {name: factor for name, factor in numbers if is_positive_number(factor)}
 
 
 def _require_scales(system: object) -> Scales:

@@ -45,6 +45,8 @@ _MIN_SHARE_OF_BOX = 2.0**-26
 _MAX_DIVISIONS_OF_UNKNOWN = 8
 #: Rounds between two trials for flatness.
 _ROUNDS_BETWEEN_FLATNESS_TRIALS = 2
+#: Share of all effort that may be spent where it could not.
+_EFFORT_SHARE_OF_UNKNOWN = 0.1
 #: Weight of mixed second derivatives beside the others where it is decided along which direction
 #: a cell is divided: they decide where nothing else does, as of products of two coordinates, and
 #: count for the direction in which the cell is wider.
@@ -83,6 +85,7 @@ class CellSearchOutcome:
     effort: float
 
 
+@np.errstate(all="ignore")  # values and slopes may be infinite
 def zeros_by_cells(
     function: SampledFunction,
     edges: list[FloatArray],
@@ -111,7 +114,7 @@ def zeros_by_cells(
     """
     width = np.array([e[-1] - e[0] for e in edges])
     cells, first_sample = _first_cells(function, edges, is_excluded)
-    effort, d = cells.sample.total_effort, len(edges)
+    effort, effort_of_unknown, d = cells.sample.total_effort, 0.0, len(edges)
     starts, flat, unresolved = [], [], []
     for turn in range(1, 10_000):
         excluded, solved, newton = _judge(cells)
@@ -122,6 +125,9 @@ def zeros_by_cells(
         share = (cells.half_width / width).max(axis=1, initial=0.0)
         tiny = share <= _MIN_SHARE_OF_BOX
         coarse = ~(cells.sample.error <= 2.0 * ERROR_LIMITS[1]) | ~is_known(cells.sample)
+        effort_of_unknown += cells.sample.subset(coarse).total_effort
+        if effort_of_unknown > _EFFORT_SHARE_OF_UNKNOWN * max_effort:
+            tiny |= coarse
         tiny |= coarse & (cells.divisions >= _MAX_DIVISIONS_OF_UNKNOWN)
         unresolved.append(cells.centre[tiny])
         cells = cells.subset(~tiny)

@@ -19,6 +19,8 @@ from remanent._typing import BoolArray, FloatArray, IntArray
 #: ``function(case, x, tolerance)`` with arrays (point,) gives values and their errors, arrays
 #: (point,), for a tolerance; NaN where unknown.
 CaseFunction = Callable[[IntArray, FloatArray, float], tuple[FloatArray, FloatArray]]
+#: ``effort(case, x)`` with arrays (point,): what the function takes there, in any unit.
+EffortFunction = Callable[[IntArray, FloatArray], FloatArray]
 #: Factor between the tolerances with which the top of a maximum is computed.
 _TOLERANCE_STEP = 0.1
 #: Smallest tolerance: below it, rounding is all that is left of an error.
@@ -39,6 +41,8 @@ class BracketedMaxima:
         the table.
     is_at_end : array (case,) of bool
         Whether the largest value is that of the first or of the last point.
+    is_cut_short : array (case,) of bool
+        Whether a narrower bracket would have taken too much effort.
     """
 
     position: FloatArray
@@ -47,6 +51,7 @@ class BracketedMaxima:
     value_error: FloatArray
     is_inside: BoolArray
     is_at_end: BoolArray
+    is_cut_short: BoolArray
 
 
 def refine_maxima(
@@ -59,6 +64,8 @@ def refine_maxima(
     width: float,
     candidates: int = 3,
     division: int = 8,
+    effort: EffortFunction | None = None,
+    max_effort: float = np.inf,
 ) -> BracketedMaxima:
     """Refine the largest of tabulated values.
 
@@ -83,13 +90,23 @@ def refine_maxima(
         Local maxima that are refined at first; one less at each level, down to one.
     division : int
         Parts that an interval is divided into.
+    effort : callable, optional
+        What the function takes at each of some points.
+    max_effort : float
+        Of all points of a case together.
     """
     tables = [
         _CaseTable(x, v, e, tolerance).restricted_to_peaks(candidates)
         for v, e in zip(values, errors, strict=True)
     ]
+    spent, is_cut_short = np.zeros(len(tables)), np.zeros(len(tables), dtype=np.bool_)
     while True:
         steps = [t.next_step(width, candidates, division) for t in tables]
+        if effort is not None:
+            spent += [effort(np.full(p.size, k), p).sum() for k, (_, p) in enumerate(steps)]
+            is_cut_short = spent > max_effort
+            for k in np.flatnonzero(is_cut_short).tolist():
+                steps[k] = steps[k][0], steps[k][1][:0]
         levels = sorted({level for level, points in steps if points.size}, reverse=True)
         if not levels:
             break
@@ -108,8 +125,9 @@ def refine_maxima(
         is_at_end = np.asarray((position <= x[0]) | (position >= x[-1]))
     is_inside = (has_two_sides > 0.0) & ~is_at_end
     return BracketedMaxima(
-        position, value, position_error, value_error, np.asarray(is_inside), is_at_end
-    )
+        position, value, position_error, value_error, np.asarray(is_inside), is_at_end,
+        np.asarray(is_cut_short),
+    )  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -35,6 +35,9 @@ if hasattr(os, "register_at_fork"):
     )
 #: Steps of single trajectories that machine code does before it comes back: about 0.1 s.
 _STEPS_PER_CALL = 1_000_000
+#: How much LLVM optimises, and code of more letters, as of many states with all their tangents.
+_SPEED_LEVEL, _SPEED_LEVEL_OF_LARGE = 3, 1
+_LARGE_SOURCE_LETTERS = 10_000_000
 
 
 @dataclass(frozen=True)
@@ -188,9 +191,9 @@ class TargetProcessor:
             field, method, options, self.lane_count, estimates=self.has_reciprocal_estimates
         )
 
-    def create_target_machine(self) -> Any:
+    def create_target_machine(self, level: int = _SPEED_LEVEL) -> Any:
         return binding.Target.from_triple(self.triple).create_target_machine(
-            cpu=self.cpu, features=self.features, opt=3, reloc="pic", jit=True
+            cpu=self.cpu, features=self.features, opt=level, reloc="pic", jit=True
         )
 
 
@@ -268,10 +271,12 @@ def _kernel_object_code(
 
 
 def _compile_source(source: str, target: TargetProcessor) -> bytes:
-    machine = target.create_target_machine()
+    # Of straight-line code of many states the last level makes little, in twice the time.
+    level = _SPEED_LEVEL if len(source) <= _LARGE_SOURCE_LETTERS else _SPEED_LEVEL_OF_LARGE
+    machine = target.create_target_machine(level)
     module = binding.parse_assembly(source)
     module.verify()
-    tuning = binding.create_pipeline_tuning_options(speed_level=3)
+    tuning = binding.create_pipeline_tuning_options(speed_level=level)
     builder = binding.create_pass_builder(machine, tuning)
     builder.getModulePassManager().run(module, builder)
     return bytes(machine.emit_object(module))

@@ -10,7 +10,7 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from remanent._checks import require_real, shortened_repr
+from remanent._checks import as_dict, require_real, shortened_repr
 from remanent._errors import InputError
 from remanent._load_schedule import LoadSchedule
 from remanent._typing import ArrayLike, BoolArray, FloatArray
@@ -61,17 +61,14 @@ class Loads(Drive):
 
     def checked_fields(self) -> Mapping[str, Any]:
         """The drives as pairs, if they go together."""
-        try:
-            pairs = dict(self.drives)
-        except (TypeError, ValueError):
-            pairs = {}
+        pairs = as_dict(self.drives)
         if not pairs or not all(
             isinstance(k, str) and isinstance(v, Drive) and not isinstance(v, Loads)
             for k, v in pairs.items()
         ):
             raise InputError(
-                "drive",
-                must="be a drive, or a mapping of names of loads to drives",
+                "drives",
+                must="be a mapping of names of loads to drives",
                 got=shortened_repr(self.drives),
                 why="Each load has a law in time.",
                 fix='Pass for example {"pressure": rm.Constant(0.5), "voltage": rm.Sine(1, 2)}.',
@@ -120,12 +117,11 @@ class Loads(Drive):
 
     def replace(self, **changes: Any) -> Self:
         """A copy with some drives, or some of their fields, changed."""
-        pairs, rules = self._drive_by_load(), self.parameter_rules()
+        start = type(self)(changes.pop("drives")) if "drives" in changes else self
+        pairs, rules = start._drive_by_load(), start.parameter_rules()
         for name, value in changes.items():
             load, _, field = name.partition(".")
-            if name == "drives":
-                pairs = dict(value)
-            elif name in rules:
+            if name in rules:
                 number = require_real(name, value, rules[name])
                 pairs[load] = pairs[load].replace(**{field: number})
             elif name in pairs:
@@ -272,7 +268,7 @@ def _require_one_course(drives: Mapping[str, Drive]) -> None:
         )
     if others and (len(others) > 1 or known):
         raise InputError(
-            "drive",
+            "drives",
             must="have at most one load that is no constant and has no period, beside constants",
             fix=f"Pass constants beside {others[0]}.",
             **message,
@@ -283,7 +279,7 @@ def _require_one_course(drives: Mapping[str, Drive]) -> None:
         product = period * repeats[name] / (known[first] * repeats[first])
         if not abs(product - 1.0) <= _RATIO_TOLERANCE:
             raise InputError(
-                "drive",
+                "drives",
                 must="have periods in a ratio of small whole numbers",
                 fix=f"Pass an omega of {name} that is a simple multiple of that of {first}.",
                 **message,

@@ -8,7 +8,8 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from remanent._errors import InputError
+from remanent._checks import as_dict
+from remanent._errors import InputError, shortened_repr
 from remanent._typing import ArrayLike, BoolArray
 from remanent.models import formula
 from remanent.models.formula import Formula
@@ -85,15 +86,12 @@ class FirstOrderSystem(WrittenSystem):
         return cls(rates={"x": "v", "v": "mu*(1 - x**2)*v - x + load"}, parameters={"mu": 0.2})
 
     def __post_init__(self) -> None:
-        try:
-            given = dict(self.rates)
-        except (TypeError, ValueError):
-            given = {}
+        given = as_dict(self.rates) or {}
         if not 0 < len(given) <= MAX_COORDINATES:
             raise InputError(
                 "rates",
                 must=f"be a mapping of one to {MAX_COORDINATES} names to formulas",
-                got=repr(self.rates)[:80],
+                got=shortened_repr(self.rates),
                 why="Each state variable has a rate.",
                 fix='Pass for example {"x": "v", "v": "-x + load"}.',
             )

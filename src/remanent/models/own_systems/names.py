@@ -6,7 +6,7 @@ import keyword
 from collections.abc import Iterable
 from typing import Final
 
-from remanent._errors import InputError
+from remanent._errors import InputError, shortened_repr
 from remanent.models import formula
 
 #: What follows the name of a coordinate in that of its rate.
@@ -60,7 +60,7 @@ def require_names(argument: str, names: Iterable[object], *, taken: Iterable[str
         problem = _problem_with(name, seen)
         if problem is not None:
             must, why, fix = problem
-            raise InputError(argument, must=must, got=repr(name), why=why, fix=fix)
+            raise InputError(argument, must=must, got=shortened_repr(name), why=why, fix=fix)
         seen.add(str(name))
 
 

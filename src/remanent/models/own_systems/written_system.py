@@ -350,9 +350,13 @@ def names_in_sequence(argument: str, value: object) -> tuple[str, ...]:
     return tuple(value)
 
 
+def _is_load(name: object) -> bool:
+    return isinstance(name, str) and name == "load"
+
+
 def require_loads(loads: Sequence[str], states: Sequence[str]) -> None:
     """Raise unless loads have names; ``load`` is one that they may have."""
-    require_names("loads", (name for name in loads if name != "load"), taken=states)
+    require_names("loads", (name for name in loads if not _is_load(name)), taken=states)
     if len({*loads}) < len(loads):
         raise InputError(
             "loads", must="have names of their own", got=", ".join(loads),
@@ -375,10 +379,8 @@ def require_known(argument: str, names: Iterable[str], known: Sequence[str], wha
 
 def named_texts(argument: str, value: object) -> tuple[tuple[str, str], ...]:
     """A mapping of names to short texts, as pairs."""
-    try:
-        pairs = dict(value)  # type: ignore[call-overload]
-    except (TypeError, ValueError):
-        pairs = {None: None}
+    given = _checks.as_dict(value)
+    pairs: dict[Any, Any] = {None: None} if given is None else given
     for key, text in pairs.items():
         if not (isinstance(key, str) and isinstance(text, str)) or (
             len(text) > _MAX_LABEL_CHARACTERS

@@ -330,7 +330,7 @@ class Transient:
     def _peak_and_overshoot(self) -> dict[str, FloatArray]:
         """The farthest thickness stretch, and by how much it exceeds the final one."""
         change, error = self.thickness_change, self.motion.thickness_error
-        ends = [f(self.motion.node_thickness, axis=1) for f in (np.nanmax, np.nanmin)]
+        ends = [f.reduce(self.motion.node_thickness, axis=1) for f in (np.fmax, np.fmin)]
         peak = np.where(np.isnan(change), np.nan, np.where(change > 0.0, *ends))
         with np.errstate(all="ignore"):
             overshoot = (peak - self.final_thickness) / change

@@ -112,7 +112,13 @@ def require_energy(ens: Ensemble) -> None:
 def require_drive(drive: object) -> Drive:
     """A drive, or drives by the names of their loads."""
     if isinstance(drive, Mapping):
-        return Loads(drive)
+        try:
+            return Loads(drive)
+        except InputError as error:  # of the field `drives`, which nobody named
+            name = error.name.replace("drives", "drive", 1)
+            raise InputError(
+                name, must=error.must, got=error.got, why=error.why, fix=error.fix
+            ) from None
     # Asked last whether it is a system: a protocol looks at every member, which takes a while.
     if not isinstance(drive, Drive | type) and isinstance(drive, System):
         raise InputError(

@@ -115,7 +115,8 @@ def cycle_losses(
     field = field_with_integrals(problem.field, tuple(_POWER_OBSERVABLE_OF_ENERGY.values()))
     problem = replace(problem, field=field, initial_states=start)
     outcome = integrate(problem, Request(strobe_cycles=1), tolerance=tolerance, progress=report)
-    ends = np.arange(periods + 1) * length[:, None]
+    with np.errstate(invalid="ignore"):  # of points without a period
+        ends = np.arange(periods + 1) * length[:, None]
     sums = strobed_states(outcome, periods + 1)[:, :, -len(_POWER_OBSERVABLE_OF_ENERGY) :]
     losses = np.diff(blank_beyond_horizon(sums, ends, outcome), axis=1)[:, discard:]
     variables: dict[str, PerTrajectoryArray] = {

@@ -28,6 +28,8 @@ BIFURCATION_KINDS = ("fold", "period doubling")
 _LARGEST_STATE = 1e100
 #: Longest period of an orbit, in drive periods.
 _LONGEST_ORBIT_PERIOD = 4096
+#: Most frequencies at which orbits are looked for in one call.
+_MOST_SLICES = 10_000
 #: Why there is a box.
 _STATE_BOX_REASON = "Orbits are looked for, and branches end, in a box of states at phase 0."
 _STATE_BOX_REMEDY = "Pass for example {'stretch': (0.3, 4.0)}, by the names of the states."
@@ -169,6 +171,20 @@ def require_orbit_period(value: object, name: str = "orbit_period") -> int:
             fix="Pass the period of an orbit that was seen, for example by regime_chart.",
         )
     return period
+
+
+def require_slices(value: object) -> int:
+    """The number of frequencies at which orbits are looked for."""
+    slices = require_count("slices", value, "Orbits are looked for at each of them.")
+    if slices > _MOST_SLICES:
+        raise InputError(
+            "slices",
+            must=f"be at most {_MOST_SLICES}",
+            got=slices,
+            why="Each is a search for orbits of its own, of a second or so.",
+            fix="Pass fewer, or split the range of frequencies.",
+        )
+    return slices
 
 
 def require_not_in_over(parameters: tuple[str, ...], ens: Ensemble) -> None:

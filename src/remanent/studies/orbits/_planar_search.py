@@ -17,6 +17,7 @@ a function of one variable, and found by that.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -59,6 +60,10 @@ _PERIOD_TOLERANCES = (1e-3, 1e-5, 1e-7, 1e-9, 1e-11)
 _MOST_STEPS_PER_TIME = (32.0, 256.0, 1024.0, np.inf)
 #: Shares of the displacement that are accuracy enough, for the first cells and for parts of them.
 _ERROR_SHARES_OF_DISPLACEMENT = (0.05, 1e-3)
+#: Double steps that are taken for points without an image before it is looked whether finer steps
+#: give any of them one, and how many of them are then tried, about.
+_LARGEST_UNTESTED_EFFORT = 1e6
+_TRIAL_COUNT = 128
 #: Double steps per unit of time to begin with.
 _FIRST_STEPS_PER_TIME = 4.0
 #: Fewest and most double steps per period to begin with.
@@ -132,13 +137,14 @@ class Displacement:
         pending = np.arange(len(points))
         for steps in _MOST_STEPS_PER_TIME:
             finest = int(np.clip(steps * period, low, MAX_RESOLUTION))
-            part = self._sample(points[pending], tolerance, finest, effort[pending])
-            sample.update(pending, part)
-            effort = sample.effort
+            for tried in groups_to_try(sample, pending, finest):
+                part = self._sample(points[tried], tolerance, finest, effort[tried])
+                sample.update(tried, part)
             with np.errstate(all="ignore"):
-                size = np.abs(part.value[:, :d]).max(axis=1)
+                size = np.abs(sample.value[pending, :d]).max(axis=1)
                 share = error_share * np.minimum(size, 1.0)
-                enough = part.error <= np.maximum(tolerance, share)
+                enough = sample.error[pending] <= np.maximum(tolerance, share)
+            effort = np.where(sample.effort > 0, sample.effort, effort)
             pending = pending[~enough]
             if not pending.size or finest == MAX_RESOLUTION:
                 break
@@ -175,6 +181,26 @@ class Displacement:
     def period(self) -> float:
         """Of the load."""
         return self.search.drive_period(self.row)
+
+
+def groups_to_try(sample: Sample, pending: IntArray, finest: int) -> Iterator[IntArray]:
+    """Points to compute with steps of a finest resolution, in turn.
+
+    Where many points have no image so far, a few of them are tried first: if these still have
+    none, the others are left as they are.
+    """
+    lost = ~np.isfinite(sample.error[pending])
+    if not lost.all():
+        yield pending[~lost]
+    unknown = pending[lost]
+    if unknown.size * finest > _LARGEST_UNTESTED_EFFORT:
+        few = unknown[:: 1 + unknown.size // _TRIAL_COUNT]
+        yield few
+        if not np.isfinite(sample.error[few]).any():
+            return
+        unknown = np.setdiff1d(unknown, few)
+    if unknown.size:
+        yield unknown
 
 
 def search_plane(search: OrbitSearch, row: FloatArray) -> OrbitSearchOutcome:
@@ -277,7 +303,7 @@ def _is_beyond_energy(energy: EnergyAtSection, edges: list[FloatArray], bound: f
         values = energy(np.column_stack([x.ravel(), v.ravel()]))
     k = _ENERGY_POINTS_ON_SIDE
     blocks = values.reshape(len(edges[0]) - 1, k, len(edges[1]) - 1, k)
-    return np.asarray(np.nanmin(blocks, axis=(1, 3)) > bound)
+    return np.asarray(np.fmin.reduce(blocks, axis=(1, 3)) > bound)
 
 
 def fixed_points(
@@ -325,8 +351,8 @@ def reason_of_points(points: ConfirmedPoints, cells: CellSearchOutcome) -> str:
     """Why orbits may be missing; empty where none is."""
     if len(cells.unresolved):
         return (
-            f"in {len(cells.unresolved)} parts of the box the map is too steep to tell "
-            "whether there are orbits"
+            f"in {len(cells.unresolved)} parts of the box the map is too steep, or takes too many "
+            "steps, to tell whether there are orbits"
         )
     if len(points.unconfirmed):
         place = ", ".join(f"{x:.6g}" for x in points.unconfirmed[0])

@@ -10,10 +10,10 @@ import xarray as xr
 from remanent._typing import ArrayLike
 from remanent.models.system import System
 from remanent.studies.ensemble.checks import DriveArgument
-from remanent.studies.ensemble.durations import require_count
 from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble
 from remanent.studies.ensemble.progress import ProgressArgument, as_progress
 from remanent.studies.orbits._branch_tables import label_branches
+from remanent.studies.orbits._checks import require_slices
 from remanent.studies.orbits._forced_response import (
     require_frequency_range,
     trace_all_forced_response_branches,
@@ -56,8 +56,8 @@ def response_diagram(
     over : mapping of name to values, optional
         Values of other numeric fields; they become dimensions of the result.
     slices : int
-        At how many frequencies orbits are looked for.  A branch (an isola) that passes
-        none of them is missed.
+        At how many frequencies orbits are looked for, at most 10 000.  A branch (an isola) that
+        passes none of them is missed.
     max_points : int
         Of a branch, in each direction from the orbit where it was found.
     tolerance : float
@@ -98,7 +98,7 @@ def response_diagram(
     limits = require_frequency_range(omega_range, ens)
     options = TracingOptions("omega", limits, state_box, orbit_period, max_points, tolerance)
     options.require_valid(ens)
-    slices = require_count("slices", slices, "Orbits are looked for at each of them.")
+    slices = require_slices(slices)
     tables = map_members_in_threads(
         ens,
         lambda member: trace_all_forced_response_branches(member, options, slices),

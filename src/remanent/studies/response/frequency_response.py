@@ -29,6 +29,7 @@ from remanent.studies.ensemble.checks import DriveArgument, require_drive, requi
 from remanent.studies.ensemble.dataset import to_dataset
 from remanent.studies.ensemble.durations import (
     DEFAULT_RESPONSE_DURATION_IN_TAU,
+    require_drive_periods,
     require_exactly_one_argument,
     trajectory_durations,
 )
@@ -50,6 +51,14 @@ _RESONANCE_WIDTH_RULE = positive_rule(
 _AT_END_REASON = "the amplitude is largest at an end of the range of omega: no peak inside"
 _FLAT_REASON = "the amplitude does not rise above its error to a peak inside the range of omega"
 _NO_REASON = "no amplitude is known"
+_LONG_REASON = (
+    "the search for the resonance takes too many steps: runs at these frequencies have too many "
+    "periods, and the bracket is as wide as its error tells"
+)
+#: Steps for which the resonance of one combination of the fields is searched, and about how many a
+#: run takes in each of its periods, and in each unit of time.
+_MOST_STEPS_OF_SEARCH = 1e8
+_STEPS_PER_PERIOD, _STEPS_PER_TIME = 64.0, 25.0
 _DISCARD_RULE = not_negative_rule("It is the time before the window.", "Pass 0 to start at once.")
 
 
@@ -106,7 +115,8 @@ def frequency_response(
         ``resonance``, the ω of the largest amplitude between the
         first and last `omega`, found by repeated subdivision, and its
         ``resonance_amplitude``, with errors.  Where there is no peak inside they are NaN,
-        ``resonance_status`` is ``incomplete``, and ``reason`` says why.
+        ``resonance_status`` is ``incomplete``, and ``reason`` says why.  So it is where runs are
+        too long to search as closely as `resonance_width`: ``resonance_error`` tells how closely.
         ``error``, ``horizon``, ``status``.  A point whose error bound could not be
         met to the end is NaN.
 
@@ -154,9 +164,14 @@ def frequency_response(
     ) -> Outcome:
         return thickness_extremes_over_window(runs, duration, periods, discard, tolerance, report)
 
+    def lengths(runs: Ensemble) -> FloatArray:
+        return trajectory_durations(runs, duration, periods)
+
     outcome = respond(ens, tolerance, as_progress(progress))
     amplitude = _amplitude(outcome)
-    peak = _find_resonance(ens, grid, amplitude, outcome.error, respond, tolerance, resonance_width)
+    peak = _find_resonance(
+        ens, grid, amplitude, outcome.error, respond, lengths, tolerance, resonance_width
+    )
     columns = {"amplitude": amplitude} | {name: getattr(outcome, name) for name in EXTREME_NAMES}
     return to_dataset(
         ens,
@@ -242,6 +257,7 @@ def _find_resonance(
     amplitude: FloatArray,
     error: FloatArray,
     respond: Callable[[Ensemble, float], Outcome],
+    lengths: Callable[[Ensemble], FloatArray],
     tolerance: float,
     width: float,
 ) -> BracketedMaxima:
@@ -262,7 +278,16 @@ def _find_resonance(
         outcome = respond(_ensemble_at_frequencies(ens, index[case], omega), tolerance)
         return _amplitude(outcome), outcome.error
 
-    return refine_maxima(grid, values, errors, measure, tolerance=tolerance, width=width)
+    def effort(case: IntArray, omega: FloatArray) -> FloatArray:
+        runs = _ensemble_at_frequencies(ens, index[case], omega)
+        with np.errstate(all="ignore"):
+            steps = _STEPS_PER_TIME + _STEPS_PER_PERIOD / require_drive_periods(runs)
+            return np.nan_to_num(lengths(runs) * steps)
+
+    return refine_maxima(
+        grid, values, errors, measure, tolerance=tolerance, width=width,
+        effort=effort, max_effort=_MOST_STEPS_OF_SEARCH,
+    )  # fmt: skip
 
 
 def _ensemble_at_frequencies(ens: Ensemble, indices: IntArray, omega: FloatArray) -> Ensemble:
@@ -295,7 +320,9 @@ def _resonance_variables(ens: Ensemble, peak: BracketedMaxima) -> dict[str, Labe
     }
     is_known = np.isfinite(peak.value)
     codes = np.where(is_known, Status.INCOMPLETE, Status.INVALID)
-    variables["resonance_status"] = np.where(peak.is_inside, Status.OK, codes)
+    is_found = peak.is_inside & ~peak.is_cut_short
+    variables["resonance_status"] = np.where(is_found, Status.OK, codes)
     words = np.where(is_known, np.where(peak.is_at_end, _AT_END_REASON, _FLAT_REASON), _NO_REASON)
-    variables["reason"] = np.where(peak.is_inside, "", words)
+    words = np.where(is_known & peak.is_cut_short, _LONG_REASON, words)
+    variables["reason"] = np.where(is_found, "", words)
     return {name: (dims, array.reshape(shape)) for name, array in variables.items()}

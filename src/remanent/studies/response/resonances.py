@@ -20,13 +20,16 @@ from remanent.models.system import System
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import DriveArgument
 from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
-from remanent.studies.ensemble.durations import require_count
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble
 from remanent.studies.ensemble.progress import ProgressArgument, as_progress
 from remanent.studies.orbits._branch_ends import CurveEnds, ends_of_curves, member_status
 from remanent.studies.orbits._branch_tables import ColumnTable
-from remanent.studies.orbits._checks import require_orbit_period, require_state_box
+from remanent.studies.orbits._checks import (
+    require_orbit_period,
+    require_slices,
+    require_state_box,
+)
 from remanent.studies.orbits._forced_response import require_frequency_range
 from remanent.studies.orbits._members import map_members_in_threads, stack_tables
 from remanent.studies.orbits._orbit_tables import ORBIT_DIMENSIONS
@@ -76,8 +79,8 @@ def resonances(
     over : mapping of name to values, optional
         Values of other numeric fields; they become dimensions of the result.
     slices : int
-        At how many frequencies orbits are looked for.  A branch (an isola) that passes
-        none of them is missed.
+        At how many frequencies orbits are looked for, at most 10 000.  A branch (an isola) that
+        passes none of them is missed.
     tolerance : float
         Of the residual: the distance of an orbit's point from its image.
     progress : bool or callable, optional
@@ -136,7 +139,7 @@ def resonances(
     ens = lay_out_ensemble(system, drive, over, reserved=ORBIT_DIMENSIONS)
     _require_one_coordinate(ens)
     limits = require_frequency_range(omega_range, ens)
-    slices = require_count("slices", slices, "Orbits are looked for at each of them.")
+    slices = require_slices(slices)
     plans = [
         TracingOptions("omega", limits, state_box, period, _MAX_BRANCH_POINTS, tolerance)
         for period in orbit_periods

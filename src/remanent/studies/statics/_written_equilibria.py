@@ -27,6 +27,7 @@ _UNDECIDED_SHARE = 1e-7
 _MATRIX_ROUNDINGS = 6.0
 
 
+@np.errstate(all="ignore")  # rates and slopes may be infinite
 def written_equilibria(ens: Ensemble, state_box: Mapping[str, Any] | None) -> xr.Dataset:
     """Equilibria of every member of an ensemble under a constant load."""
     bodies = [WrittenBody(ens, k) for k in range(ens.trajectory_count)]

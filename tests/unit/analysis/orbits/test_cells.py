@@ -71,3 +71,20 @@ def test_a_circle_of_zeros_is_flat() -> None:
     assert np.abs(np.linalg.norm(found.flat, axis=1) - 1.0).max() < 1e-6
     assert len(found.flat) > 20
     assert np.linalg.norm(found.starts, axis=1).max() < 0.05
+
+
+def test_where_nothing_can_be_computed_little_is_spent() -> None:
+    """The effort stays near a tenth of the limit, and all of the box is left open."""
+    spent = []
+
+    def unknown(points: FloatArray, _tolerance: float, _effort: IntArray | None) -> Sample:
+        sample = Sample.unknown(len(points), *points.shape[1:] * 2)
+        sample.effort[:] = 1000
+        spent.append(sample.total_effort)
+        return sample
+
+    limit = 1e7
+    found = zeros_by_cells(unknown, [np.linspace(0.0, 1.0, 11)] * 2, flatness=0.0, max_effort=limit)
+    assert found.effort == sum(spent) < 0.3 * limit
+    assert not len(found.starts)
+    assert len(found.unresolved)

@@ -97,3 +97,27 @@ def test_no_maximum_inside() -> None:
     assert found.is_at_end[0]
     alone = refine_maxima(x[:1], table[:, :1], table[:, :1], measure, tolerance=1e-9, width=1e-6)
     assert not alone.is_inside.any()
+
+
+def test_a_case_that_takes_too_much_is_cut_short_alone() -> None:
+    """No point beyond its effort is computed; its bracket holds the maximum, and others go on."""
+    asked: list[tuple[IntArray, FloatArray]] = []
+
+    def measure(case: IntArray, x: FloatArray, _: float) -> tuple[FloatArray, FloatArray]:
+        asked.append((case, x))
+        return -np.abs(x - 0.3217), np.zeros(x.shape)
+
+    def effort(case: IntArray, x: FloatArray) -> FloatArray:
+        return np.where(case == 0, 1.0, 1e6) * np.ones(x.shape)
+
+    x = np.linspace(0.0, 1.0, 11)
+    table = np.tile(-np.abs(x - 0.3217), (2, 1))
+    found = refine_maxima(
+        x, table, 0.0 * table, measure, tolerance=1e-9, width=1e-6, effort=effort, max_effort=1e6
+    )
+    assert found.is_cut_short.tolist() == [False, True]
+    assert all((case == 0).all() for case, _ in asked)
+    assert found.position_error[0] <= 1e-6
+    assert abs(found.position[1] - 0.3217) <= found.position_error[1]
+    alone = refine_maxima(x, table[:1], 0.0 * table[:1], measure, tolerance=1e-9, width=1e-6)
+    assert alone.position[0] == found.position[0]
