@@ -16,7 +16,7 @@ import pint
 import pytest
 import xarray as xr
 from tests.contracts.sound_calls import BODY, DAMPED, DRIVE, SOUND, branch, decaying, measure
-from tests.faults.own_systems import DUFFING, FREE, PAIR
+from tests.faults.own_systems import DUFFING, FREE, PAIR, own_sound_calls
 from tests.faults.subjects import equilibria_over_loads
 from tests.faults.value_pool import Unspeakable, Unusable
 from tests.unit.plots.synthetic import basins_of_two
@@ -215,6 +215,9 @@ REFUSED: dict[str, tuple[Callable[[], Any], str]] = {
     "frequencies of resonances without end": (
         lambda: rm.resonances(**SOUND["resonances"]() | {"slices": 2**31}), "slices"
     ),
+    "a file of names that are no text": (
+        lambda: rm.save(xr.Dataset({1: ((2,), [1.0])}), "none.nc"), "dataset"
+    ),
     "rates of no formula": (lambda: LOOSE.FirstOrderSystem(rates=Unusable()), "rates"),
     "units of nothing": (lambda: DUFFING.replace(units=Unusable()), "units"),
     "a line wider than floats": (lambda: rm.plot.history(motion(), linewidth=10**400), "linewidth"),
@@ -290,6 +293,14 @@ def test_equilibria_at_infinite_stiffness_are_none() -> None:
     alone = rm.equilibria(FREE, 0.1, state_box=box)
     assert int(alone.status) == rm.Status.OK
     np.testing.assert_array_equal(both.x[0, : alone.sizes["equilibrium"]], alone.x)
+
+
+@pytest.mark.parametrize("verb", ["manifold_crossing", "continue_orbit", "locate_bifurcation"])
+def test_a_short_integer_counts_as_any_other(verb: str) -> None:
+    """The number of one byte is that number, and what is reckoned with it does not overflow."""
+    sound = own_sound_calls()[verb]()
+    plain = getattr(rm, verb)(**sound | {"orbit_period": 1})
+    xr.testing.assert_identical(getattr(rm, verb)(**sound | {"orbit_period": np.int8(1)}), plain)
 
 
 @pytest.mark.parametrize("delta", [1e200, 1e308])

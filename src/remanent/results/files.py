@@ -85,6 +85,15 @@ def save(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
             why="A file holds variables by name.",
             fix="For a DataArray pass array.to_dataset(name=...).",
         )
+    unnamed = [name for name in (*dataset.variables, *dataset.dims) if not isinstance(name, str)]
+    if unnamed:
+        raise InputError(
+            "dataset",
+            must="have names that are text, of variables and of dimensions",
+            got=shortened_repr(unnamed[0]),
+            why="Files know no other names.",
+            fix="Rename it: dataset.rename({...}).",
+        )
     target = _require_path(path)
     module = _format_module(target)
     if not target.parent.is_dir():

@@ -46,7 +46,7 @@ _MAX_DIVISIONS_OF_UNKNOWN = 8
 #: Rounds between two trials for flatness.
 _ROUNDS_BETWEEN_FLATNESS_TRIALS = 2
 #: Share of all effort that may be spent where it could not.
-_EFFORT_SHARE_OF_UNKNOWN = 0.1
+_EFFORT_SHARE_OF_UNKNOWN = 0.03
 #: Weight of mixed second derivatives beside the others where it is decided along which direction
 #: a cell is divided: they decide where nothing else does, as of products of two coordinates, and
 #: count for the direction in which the cell is wider.

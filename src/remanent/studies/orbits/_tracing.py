@@ -220,14 +220,17 @@ class TracingOptions:
     max_points: int
     tolerance: float
 
-    def require_valid(self, ens: Ensemble) -> None:
-        """Refuse what is wrong with these options for an ensemble."""
+    def require_valid(self, ens: Ensemble) -> TracingOptions:
+        """These options with plain integers; refuse what is wrong with them for an ensemble."""
         require_tolerance(self.tolerance, "the residual")
         require_drive_periods(ens)
         require_heat_exchange(ens)
         require_state_box("state_box", self.state_box, ens)
-        require_orbit_period(self.orbit_period)
-        require_count("max_points", self.max_points, "A branch is made of points.")
+        return replace(
+            self,
+            orbit_period=require_orbit_period(self.orbit_period),
+            max_points=require_count("max_points", self.max_points, "A branch is made of points."),
+        )
 
     def tracing_of_member(self, member: Ensemble) -> Tracing:
         """For one trajectory."""

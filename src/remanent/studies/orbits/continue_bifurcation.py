@@ -155,8 +155,8 @@ def continue_bifurcation(
     """
     require_choice("kind", kind, BIFURCATION_KINDS)
     require_tolerance(tolerance, "the residual")
-    require_orbit_period(orbit_period)
-    require_count("max_points", max_points, "A curve is made of points.")
+    orbit_period = require_orbit_period(orbit_period)
+    max_points = require_count("max_points", max_points, "A curve is made of points.")
     ens = lay_out_ensemble(system, drive, over, reserved=ORBIT_DIMENSIONS)
     require_drive_periods(ens)
     require_heat_exchange(ens)

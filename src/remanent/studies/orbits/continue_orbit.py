@@ -136,7 +136,7 @@ def continue_orbit(
     require_not_in_over((parameter,), ens)
     _require_start_inside(float(ens.parameter_values[parameter][0]), limits)
     options = TracingOptions(parameter, limits, state_box, orbit_period, max_points, tolerance)
-    options.require_valid(ens)
+    options = options.require_valid(ens)
     guess = None
     if initial is not None:
         guess = require_state(

@@ -105,7 +105,7 @@ def locate_bifurcation(
     """
     require_choice("kind", kind, BIFURCATION_KINDS)
     require_tolerance(tolerance, "the residual")
-    require_orbit_period(orbit_period)
+    orbit_period = require_orbit_period(orbit_period)
     single = lay_out_ensemble(system, drive)
     require_drive_periods(single)
     require_parameter("parameter", parameter, single)

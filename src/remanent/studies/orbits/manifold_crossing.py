@@ -161,8 +161,8 @@ def manifold_crossing(
     """
     require_tolerance(tolerance, "the states along the runs")
     width = require_real("width", width, _BRACKET_WIDTH_RULE)
-    require_orbit_period(orbit_period)
-    require_count("periods", periods, "The motion must have time to leave.", 3)
+    orbit_period = require_orbit_period(orbit_period)
+    periods = require_count("periods", periods, "The motion must have time to leave.", 3)
     ens = lay_out_ensemble(system, drive, over, initial, reserved=ORBIT_DIMENSIONS)
     require_drive_periods(ens)
     require_parameter("parameter", parameter, ens)

@@ -97,7 +97,7 @@ def response_diagram(
     ens = lay_out_ensemble(system, drive, over, reserved=ORBIT_DIMENSIONS)
     limits = require_frequency_range(omega_range, ens)
     options = TracingOptions("omega", limits, state_box, orbit_period, max_points, tolerance)
-    options.require_valid(ens)
+    options = options.require_valid(ens)
     slices = require_slices(slices)
     tables = map_members_in_threads(
         ens,

@@ -150,7 +150,7 @@ def switch_branch(
     joins = _joins_shorter_period(branch, number, single_period)
     period = single_period // 2 if joins else single_period * _PERIOD_FACTOR_OF_KIND[kind]
     options = TracingOptions(parameter, limits, state_box, period, max_points, tolerance)
-    options.require_valid(ens)
+    options = options.require_valid(ens)
     crossing = _read_special_point(branch, number, ens, parameter)
     tracing = options.tracing_of_member(ens)
     branches = _branches_at_point(tracing, crossing, kind, joins=joins)

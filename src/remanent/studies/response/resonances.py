@@ -141,11 +141,11 @@ def resonances(
     limits = require_frequency_range(omega_range, ens)
     slices = require_slices(slices)
     plans = [
-        TracingOptions("omega", limits, state_box, period, _MAX_BRANCH_POINTS, tolerance)
+        TracingOptions(
+            "omega", limits, state_box, period, _MAX_BRANCH_POINTS, tolerance
+        ).require_valid(ens)
         for period in orbit_periods
     ]
-    for options in plans:
-        options.require_valid(ens)
     box = require_state_box("state_box", state_box, ens)
 
     def find(member: Ensemble) -> tuple[ColumnTable, CurveEnds, str]:
