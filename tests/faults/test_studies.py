@@ -62,6 +62,7 @@ def test_a_store_holds_what_the_verb_returns(whole: Path) -> None:
 
 @pytest.mark.parametrize("workers", [1, 2])
 def test_workers_fill_the_same_store(whole: Path, tmp_path: Path, workers: int) -> None:
+    """One worker or two: every file is the same."""
     path = tmp_path / "dask.zarr"
     require_success(start(path, workers=workers))
     assert content(path) == content(whole)
@@ -69,6 +70,7 @@ def test_workers_fill_the_same_store(whole: Path, tmp_path: Path, workers: int) 
 
 @pytest.mark.parametrize("kills", [2, pytest.param(50, marks=pytest.mark.slow)])
 def test_killed_runs_are_gone_on_with(whole: Path, tmp_path: Path, kills: int) -> None:
+    """However often the process is killed, the store is the same in the end."""
     path = tmp_path / "killed.zarr"
     rng = random.Random(kills)
     done = 0
@@ -82,6 +84,7 @@ def test_killed_runs_are_gone_on_with(whole: Path, tmp_path: Path, kills: int) -
 
 @pytest.mark.parametrize("kills", [2, pytest.param(50, marks=pytest.mark.slow)])
 def test_killed_workers_are_replaced(whole: Path, tmp_path: Path, kills: int) -> None:
+    """Tasks of dead workers are given to others, and the store is the same in the end."""
     path = tmp_path / "workers.zarr"
     rng = random.Random(kills)
     points = 5 if kills < 10 else 40
@@ -132,6 +135,7 @@ def test_two_runs_of_one_store_are_refused(tmp_path: Path) -> None:
 
 
 def test_another_study_is_refused(whole: Path) -> None:
+    """A store is of one study; what differs is named."""
     with (
         pytest.raises(rm.InputError, match="another over"),
         writable_store(whole, study(6)),
@@ -140,6 +144,7 @@ def test_another_study_is_refused(whole: Path) -> None:
 
 
 def test_other_code_is_refused(whole: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Other sources may give other numbers; what differs is named."""
     monkeypatch.setattr(
         "remanent.studies.sweep.store.code_identity", lambda: {"sources": "changed"}
     )
@@ -188,6 +193,7 @@ def _copied(whole: Path, folder: Path) -> Path:
 
 @pytest.mark.parametrize("file", ["zarr.json", "initial/zarr.json", "bookkeeping/study.json"])
 def test_a_damaged_description_is_written_anew(whole: Path, tmp_path: Path, file: str) -> None:
+    """From the study, of which there are two copies; chunks stay."""
     path = _copied(whole, tmp_path)
     (path / file).write_bytes(b"x" + (path / file).read_bytes()[1:])
     assert verify_store(path).integrity is Integrity.DAMAGED
@@ -196,6 +202,7 @@ def test_a_damaged_description_is_written_anew(whole: Path, tmp_path: Path, file
 
 
 def test_a_store_of_a_newer_version_says_so(whole: Path, tmp_path: Path) -> None:
+    """It is neither misread nor called damaged."""
     path = _copied(whole, tmp_path)
     description = json.loads((path / "zarr.json").read_text())
     description["attributes"]["schema_version"] = 2
@@ -206,6 +213,7 @@ def test_a_store_of_a_newer_version_says_so(whole: Path, tmp_path: Path) -> None
 
 
 def test_an_incomplete_store_is_read_and_completed(whole: Path, tmp_path: Path) -> None:
+    """What is missing is NaN with status 0."""
     path = tmp_path / "half.zarr"
     with writable_store(path, study(), (1, 2)) as store:
         run_here(store, (1, 2))

@@ -188,16 +188,11 @@ def verify(store: Path, repair: bool) -> None:
 )
 def show(store: Path, out: Path | None) -> None:
     """Draw what a store holds so far."""
-    import matplotlib as mpl
+    from remanent.plots.overview import save_overview
+    from remanent.results.files import load
 
-    mpl.use("Agg")
-    from matplotlib import pyplot as plt
-
-    import remanent as rm
-
-    dataset = rm.load(store)
+    dataset = load(store)
     path = out or store.with_suffix(".png")
-    rm.plot.overview(dataset)
-    plt.savefig(path)
+    save_overview(dataset, path)
     computed = int((dataset["status"] != 0).sum())
     click.echo(f"{path} ({computed} of {dataset['status'].size} points)")

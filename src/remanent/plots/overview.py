@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -84,6 +85,18 @@ def overview(dataset: xr.Dataset, *, ax: Axes | None = None, footer: bool = True
     if len(varied) > 1:
         return chart(_middle_of(dataset, varied[:-2]), name, ax=ax, footer=footer)
     return curve(dataset, name, varied[0], ax=ax, footer=footer)
+
+
+def save_overview(dataset: xr.Dataset, path: Path) -> None:
+    """Draw the figure that suits a result into a file, without a screen."""
+    import matplotlib as mpl
+
+    mpl.use("Agg")
+    from matplotlib import pyplot as plt
+
+    overview(dataset)
+    plt.savefig(path)
+    plt.close("all")
 
 
 def _words_of(dataset: xr.Dataset, draw: Callable[..., Any]) -> dict[str, str]:

@@ -44,6 +44,7 @@ def broken_off(number: signal.Signals, folder: Path) -> tuple[int, str, float]:
 
 
 def test_from_a_new_file_to_netcdf(tmp_path: Path) -> None:
+    """The numbers in the file at the end are those of the verb, whatever happened on the way."""
     code, told = done("new", "mine", folder=tmp_path)
     assert code == 0, told
     file = tmp_path / "mine.toml"
