@@ -24,6 +24,7 @@ from remanent.models.plain import from_plain_data, to_plain_data
 from remanent.models.system import System
 from remanent.results.provenance import package_versions
 from remanent.studies.ensemble.checks import require_drive, require_system
+from remanent.studies.ensemble.over import require_over
 from remanent.studies.sweep.grid import Grid, GridPart
 
 #: Arguments of verbs that a study has of its own, or that change no result.
@@ -92,6 +93,7 @@ class Study:
                     why="It has no usual value.",
                     fix=f"Add {name} to the options.",
                 )
+        require_over(self.over)
         if not self.over:
             raise InputError(
                 "over",

@@ -85,6 +85,7 @@ def sweep(
         _require_no_client(client)
         return study.result_of(study.grid.whole, report)
     path = _as_path(store)
+    _require_client(client)
 
     def tell(state: Progress) -> None:
         if report is not None:
@@ -106,6 +107,17 @@ def _require_no_client(client: object) -> None:
             got=shortened_repr(client),
             why="Workers write their results where this process can read them.",
             fix="Pass store='name.zarr', in a folder that all workers see.",
+        )
+
+
+def _require_client(client: Any) -> None:
+    if client is not None and not (hasattr(client, "submit") and hasattr(client, "scheduler_info")):
+        raise InputError(
+            "client",
+            must="be a distributed.Client",
+            got=shortened_repr(client),
+            why="Its workers compute the tasks.",
+            fix="Pass distributed.Client('tcp://host:8786'), or leave it out for this process.",
         )
 
 
