@@ -90,6 +90,9 @@ from .studies.inference.sensitivity import sensitivity as sensitivity
 from .studies.inference.design import design as design
 from .studies.inference.uncertainty import uncertainty as uncertainty
 
+# Family: Studies
+from .studies.sweep.sweep import sweep as sweep
+
 # Family: Results and units
 from .results.si import to_si as to_si
 from .results.rescale import rescale as rescale

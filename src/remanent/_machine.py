@@ -22,8 +22,19 @@ _OWN_CONTROL_GROUPS: Final = Path("/proc/self/cgroup")
 _OWN_MEMORY: Final = Path("/proc/self/statm")
 
 
+#: Environment variable with the threads that this process may have beside others.
+THREADS_VARIABLE: Final = "REMANENT_THREADS"
+
+
 def available_processor_count() -> int:
-    """Processors that this process may run on."""
+    """Processors that this process may use, by its affinity and by ``REMANENT_THREADS``."""
+    wanted = os.environ.get(THREADS_VARIABLE, "")
+    limit = int(wanted) if wanted.isdecimal() and int(wanted) > 0 else None
+    count = _processor_count()
+    return count if limit is None else min(count, limit)
+
+
+def _processor_count() -> int:
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0)) or 1
     return os.cpu_count() or 1

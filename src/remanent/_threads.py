@@ -7,8 +7,9 @@ by an event: :func:`raise_if_stopped`, which every call of a kernel asks first, 
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import contextmanager
 from contextvars import ContextVar, copy_context
 from types import TracebackType
 from typing import Any, Self, TypeVar
@@ -28,6 +29,30 @@ def raise_if_stopped() -> None:
     """Raise :class:`WorkStopped` where the work of this thread is no longer wanted."""
     if any(event.is_set() for event in _STOP_EVENTS.get()):
         raise WorkStopped
+
+
+@contextmanager
+def work_stopped_after(seconds: float) -> Iterator[None]:
+    """Stop the work of the block after a while: calls of kernels then raise :class:`WorkStopped`.
+
+    Parameters
+    ----------
+    seconds : float
+        0 stops it at the first call, when arguments have been checked.
+    """
+    event = threading.Event()
+    timer = threading.Timer(seconds, event.set)
+    timer.daemon = True
+    token = _STOP_EVENTS.set((*_STOP_EVENTS.get(), event))
+    try:
+        if seconds > 0.0:
+            timer.start()
+        else:
+            event.set()
+        yield
+    finally:
+        timer.cancel()
+        _STOP_EVENTS.reset(token)
 
 
 class StoppableThreads(ThreadPoolExecutor):

@@ -99,6 +99,13 @@ SI_METHODS = (
 )  # fmt: skip
 
 
+def sound_sweep() -> dict[str, Any]:
+    """A study that is cheap; a store is made in the folder of the call."""
+    system, drive = rm.Actuator(dissipation=rm.Rayleigh(0.1)), rm.SineSquared(0.4, 1.25)
+    return {"system": system, "drive": drive, "over": {"b": [0.3, 0.4]}, "verb": "cycle_losses",
+            "periods": 2, "store": "study.zarr"}  # fmt: skip
+
+
 def others() -> list[Subject]:
     """Functions and classes that are neither a verb nor made by an example."""
     folder = Path(mkdtemp())
@@ -108,6 +115,7 @@ def others() -> list[Subject]:
     parts = ("material", "dissipation", "heat", "magnet")
     return [
         Subject("rm.Actuator", rm.Actuator, dict),
+        Subject("rm.sweep", rm.sweep, sound_sweep, ("periods", "tolerance")),
         Subject("rm.Actuator.from_si", rm.Actuator.from_si, lambda: dict(sizes), parts),
         Subject("rm.Measure", measured, lambda: {"verb": rm.equilibria, "of": "natural_frequency",
                                                  "system": rm.Actuator()}, OPTION_WORDS),
@@ -201,6 +209,7 @@ DRAWN: Mapping[str, Callable[[], dict[str, Any]]] = {
     "history": lambda: {"dataset": motion()},
     "landscape": lambda: {"dataset": synthetic.potential()},
     "map": lambda: {"dataset": result_of("regime_chart")},
+    "overview": lambda: {"dataset": result_of("regime_chart")},
     "multipliers": lambda: {"dataset": result_of("continue_orbit")},
     "phase": lambda: {"dataset": motion()},
     "response": lambda: {"dataset": result_of("frequency_response")},

@@ -16,6 +16,7 @@ import pytest
 
 import remanent as rm
 from remanent.results.schema import DESCRIPTIONS
+from remanent.studies.sweep.study_file import read_study
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
@@ -74,6 +75,49 @@ def test_a_failing_block_is_named(tmp_path: Path) -> None:
     assert finished.returncode != 0
     assert "the block at page.md:9 failed" in finished.stderr
     assert 'File "page.md", line 10' in finished.stderr
+
+
+#: The blocks of study files on the page about them; those without a verb change some tables.
+STUDY_BLOCKS = re.findall(
+    r"^```toml\n(.*?)^```$",
+    (DOCS / "how-to" / "studies.md").read_text("utf-8"),
+    re.MULTILINE | re.DOTALL,
+)
+
+
+def tables_of(text: str) -> dict[str, str]:
+    """Tables of a study file by the first part of their names, and what stands above them."""
+    tables: dict[str, str] = {}
+    for part in re.split(r"^(?=\[)", text, flags=re.MULTILINE):
+        name = re.match(r"\[(\w+)", part)
+        key = name[1] if name else ""
+        if part:
+            tables[key] = tables.get(key, "") + part
+    return tables
+
+
+@pytest.mark.parametrize("number", range(len(STUDY_BLOCKS)))
+def test_study_files_are_read(number: int, tmp_path: Path) -> None:
+    """Each study file of the guide, and the first with tables replaced, is one without faults."""
+    block = STUDY_BLOCKS[number]
+    tables = tables_of(block) if "verb" in block else tables_of(STUDY_BLOCKS[0]) | tables_of(block)
+    file = tmp_path / "study.toml"
+    file.write_text("".join(tables.values()), encoding="utf-8")
+    assert read_study(file).study.grid.point_count > 1
+
+
+def test_the_message_about_a_study_file_is_that_of_the_guide(tmp_path: Path) -> None:
+    """Law: what the page says of two mistakes is what is said."""
+    text = (DOCS / "how-to" / "studies.md").read_text("utf-8")
+    shown = re.search(r"^```text\n(.*?)\n```$", text, re.MULTILINE | re.DOTALL)
+    assert shown
+    wrong = STUDY_BLOCKS[0].replace("periods = 500", "periods = 50")
+    wrong = wrong.replace("omega = 1.25", "omega = 1.25\nomgea = 1.25")
+    file = tmp_path / "chart.toml"
+    file.write_text(wrong, encoding="utf-8")
+    with pytest.raises(rm.RemanentError) as raised:
+        read_study(file)
+    assert str(raised.value) == shown[1]
 
 
 def test_every_public_name_belongs_to_a_family() -> None:
@@ -170,7 +214,7 @@ def test_the_article_is_named() -> None:
 
 #: Words in backticks that are neither public names, nor arguments, nor variables of results.
 LABELS = {"stable", "unstable", "elliptic", "saddle", "undecided", "unbounded"}
-LABELS |= {"periodic", "chaotic", "escaped", "invalid", "horizon", "incomplete"}
+LABELS |= {"periodic", "chaotic", "escaped", "invalid", "horizon", "incomplete", "timeout"}
 OUTSIDE = {
     "sqrt",
     "exp",

@@ -11,7 +11,12 @@ from concurrent.futures import Future
 
 import pytest
 
-from remanent._threads import StoppableThreads, WorkStopped, raise_if_stopped
+from remanent._threads import (
+    StoppableThreads,
+    WorkStopped,
+    raise_if_stopped,
+    work_stopped_after,
+)
 
 #: A thread that is not stopped gives up after so many seconds.
 PATIENCE = 30.0
@@ -76,3 +81,19 @@ def test_a_pool_that_is_left_in_peace_finishes() -> None:
     """All results are there, in their order."""
     with StoppableThreads() as pool:
         assert list(pool.map(lambda k: k * k, range(20))) == [k * k for k in range(20)]
+
+
+@pytest.mark.parametrize("seconds", [0.0, 0.01])
+def test_work_is_stopped_after_a_while(seconds: float) -> None:
+    """Work of the block is stopped, in pools too; what comes after the block goes on."""
+    with pytest.raises(WorkStopped), work_stopped_after(seconds):
+        work_until_stopped(threading.Event())
+    with (
+        pytest.raises(WorkStopped),
+        work_stopped_after(seconds),
+        StoppableThreads(1) as pool,
+    ):
+        pool.submit(work_until_stopped, threading.Event()).result()
+    raise_if_stopped()
+    with work_stopped_after(PATIENCE):
+        raise_if_stopped()

@@ -12,6 +12,8 @@ import click
 
 from remanent._errors import RemanentError
 from remanent._machine import available_processor_count
+from remanent.cli import studies
+from remanent.cli.new import new
 
 #: Share of all work that is done when the page is written.
 _PROGRESS_BEFORE_PAGE = 0.95
@@ -56,6 +58,10 @@ def paper(out: Path) -> None:
     for v in reproduction.verdicts:
         click.echo(f"{v.claim.id:>4}  {v.verdict:<12}  {v.claim.statement}")
     click.echo(f"\n{target}")
+
+
+for command in (new, studies.run, studies.verify, studies.show):
+    commands.add_command(command)
 
 
 def main() -> None:

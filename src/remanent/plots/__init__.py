@@ -10,6 +10,7 @@ from remanent.plots import fits as _fits
 from remanent.plots import forced as _forced
 from remanent.plots import maps as _maps
 from remanent.plots import motion as _motion
+from remanent.plots import overview as _overview
 from remanent.plots.checks import checked_picture as _checked
 
 bars = _checked(_bars.bars)
@@ -22,6 +23,7 @@ history = _checked(_motion.history)
 landscape = _checked(_energy.landscape)
 map = _checked(_maps.map)
 multipliers = _checked(_branches.multipliers)
+overview = _checked(_overview.overview)
 phase = _checked(_motion.phase)
 response = _checked(_forced.response)
 section = _checked(_motion.section)
@@ -37,6 +39,7 @@ __all__ = [
     "landscape",
     "map",
     "multipliers",
+    "overview",
     "phase",
     "response",
     "section",

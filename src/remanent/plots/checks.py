@@ -30,7 +30,9 @@ _MATPLOTLIB_ERRORS = (
 #: Most numbers among one word for Matplotlib.
 _MOST_NUMBERS_IN_A_WORD = 1_000_000
 #: Variables of complex numbers, of which pictures show the moduli.
-_COMPLEX_VARIABLES = frozenset({"multipliers", "harmonics", "eigenvalues"})
+_COMPLEX_VARIABLES = frozenset(
+    {"multipliers", "transverse_multipliers", "harmonics", "eigenvalues"}
+)
 #: Arguments that name what is drawn along an axis.
 _DRAWN_ARGUMENTS = frozenset({"variable", "x", "y", "quantity", "parameter"})
 #: Those of pictures that draw words too.
@@ -52,7 +54,7 @@ def checked_picture(draw: Callable[_Arguments, _Artists]) -> Callable[_Arguments
         The same function; a bad argument raises :class:`~remanent.InputError`.
     """
     signature = inspect.signature(draw)
-    words = next(n for n, p in signature.parameters.items() if p.kind is p.VAR_KEYWORD)
+    words = next((n for n, p in signature.parameters.items() if p.kind is p.VAR_KEYWORD), "")
 
     @wraps(draw)
     def picture(*args: _Arguments.args, **kwargs: _Arguments.kwargs) -> _Artists:

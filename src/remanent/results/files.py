@@ -12,7 +12,7 @@ from typing import Final
 import xarray as xr
 
 from remanent._errors import InputError, error_sentence, shortened_repr
-from remanent.results import mat, netcdf, table
+from remanent.results import mat, netcdf, stores, table
 
 __all__ = ["load", "save"]
 
@@ -115,8 +115,8 @@ def load(path: str | os.PathLike[str]) -> xr.Dataset:
     Parameters
     ----------
     path : str or path
-        A file with the ending ``.nc``, ``.csv`` or ``.mat``.  Every netCDF file without groups
-        can be read, also one of other origin.
+        A file with the ending ``.nc``, ``.csv`` or ``.mat``, or the folder of a study's store.
+        Every netCDF file without groups can be read, also one of other origin.
 
     Returns
     -------
@@ -135,8 +135,9 @@ def load(path: str | os.PathLike[str]) -> xr.Dataset:
     read_measurements : to read CSV and MAT files of other origin.
     """
     source = _require_path(path)
-    module = _format_module(source)
-    if not source.is_file():
+    is_store = stores.is_store(source)
+    module = stores if is_store else _format_module(source)
+    if not is_store and not source.is_file():
         raise InputError(
             "path",
             must="be a file",

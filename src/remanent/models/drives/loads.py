@@ -247,7 +247,8 @@ def _repeats(periods: Mapping[str, float]) -> dict[str, int]:
 
 def _require_one_course(drives: Mapping[str, Drive]) -> None:
     """Raise where loads have neither a common period nor common pieces."""
-    periods = {name: drive.period for name, drive in drives.items()}
+    with np.errstate(over="ignore"):
+        periods = {name: drive.period for name, drive in drives.items()}
     known = {name: period for name, period in periods.items() if period is not None}
     others = [
         name
@@ -258,6 +259,13 @@ def _require_one_course(drives: Mapping[str, Drive]) -> None:
         "got": shortened_repr(drives),
         "why": "All loads run through one period, or the pieces of one of them.",
     }
+    if not np.isfinite([*known.values()]).all():
+        raise InputError(
+            "drive",
+            must="have finite periods",
+            fix="Use Constant for a load that does not change within any run.",
+            **message,
+        )
     if others and (len(others) > 1 or known):
         raise InputError(
             "drives",

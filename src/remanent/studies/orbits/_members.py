@@ -16,7 +16,7 @@ from remanent.studies.ensemble.progress import ProgressFunction
 
 MemberResult = TypeVar("MemberResult")
 #: What stands where an array ends before others, by the kind of its numbers.
-_PADDING_OF_DTYPE_KIND = MappingProxyType(
+PADDING_OF_DTYPE_KIND = MappingProxyType(
     {"f": np.nan, "c": complex(np.nan, 0.0), "i": -1, "U": "", "b": False}
 )
 
@@ -79,7 +79,7 @@ def stack_padded(arrays: Sequence[NDArray[Any]], shortest: NDArray[Any]) -> NDAr
     """
     shape = np.max([np.shape(a) for a in (*arrays, shortest)], axis=0, initial=0)
     kind = np.result_type(shortest, *arrays)
-    stacked = np.full((len(arrays), *shape), _PADDING_OF_DTYPE_KIND[kind.kind], dtype=kind)
+    stacked = np.full((len(arrays), *shape), PADDING_OF_DTYPE_KIND[kind.kind], dtype=kind)
     for row, array in zip(stacked, arrays, strict=True):
         row[tuple(slice(n) for n in np.shape(array))] = array
     return stacked

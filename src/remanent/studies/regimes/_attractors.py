@@ -141,14 +141,14 @@ def attractor_table(
     ----------
     dims, shape
         Names and lengths of the parameters' dimensions.  Sets of parameters with fewer
-        attractors than others have NaN, 0 or an empty text in place of the rest.
+        attractors than others have NaN, -1 or an empty text in place of the rest.
     """
     points = len(ends.regime)
     count = max(
         (each.representative_orbit.size for each in sorted_ends if each is not None), default=0
     )
     regime = np.zeros((points, count), dtype="<U14")
-    period = np.zeros((points, count), dtype=ends.period.dtype)
+    period = np.full((points, count), -1, dtype=ends.period.dtype)
     state = np.full((points, count, ends.tail_states.shape[-1]), np.nan)
     fraction, state_error = np.full((2, points, count), np.nan)
     for k, each in enumerate(sorted_ends):

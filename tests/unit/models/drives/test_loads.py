@@ -68,6 +68,12 @@ def test_loads_without_a_common_course_are_refused(drives: Any) -> None:
         rm.Loads(drives)
 
 
+def test_a_period_that_overflows_is_refused() -> None:
+    """An angular frequency can be so small that floating point has no period for it."""
+    with pytest.raises(rm.InputError, match="must have finite periods"):
+        rm.Loads({"push": rm.Sine(0.1, 5e-324), "pull": rm.Constant(0.5)})
+
+
 def test_fields_are_varied_under_the_name_of_their_load() -> None:
     """A point of `over` equals the call with that value alone."""
     drives = TOGETHER["two periods"]

@@ -1,0 +1,197 @@
+"""Running a study on workers of Dask, here or on a cluster that writes to one file system."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, Final
+
+from remanent._errors import InputError, RemanentError
+from remanent._machine import THREADS_VARIABLE, available_processor_count
+from remanent.studies.sweep.run import (
+    Meter,
+    ReportProgress,
+    Task,
+    chunks_of_share,
+    next_size,
+    next_task,
+)
+from remanent.studies.sweep.store import Store, open_store
+from remanent.studies.sweep.tasks import TaskRunner
+
+#: Tasks that are given out for each worker: one that runs and one that waits.
+_TASKS_PER_WORKER: Final = 2
+#: How often Dask itself tries a task whose worker died; after that it is given out anew.
+_TRIES_BY_DASK: Final = 10
+#: How often a task is given out anew before the run is given up.
+_MAX_TRIES: Final = 10
+
+
+@contextmanager
+def local_workers(count: int) -> Iterator[Any]:
+    """A client of `count` processes of this machine, which share its processors.
+
+    Raises
+    ------
+    InputError
+        More workers than processors.
+    """
+    import dask
+    from distributed import Client, LocalCluster
+
+    processors = available_processor_count()
+    if not 1 <= count <= processors:
+        raise InputError(
+            "workers",
+            must=f"be from 1 to {processors}",
+            got=count,
+            why="Each worker needs a processor of its own.",
+            fix="Leave it out for this process alone.",
+        )
+    settings = {
+        "distributed.scheduler.allowed-failures": _TRIES_BY_DASK,
+        "distributed.worker.memory.target": False,
+        "distributed.worker.memory.spill": False,
+    }
+    environment = {THREADS_VARIABLE: str(max(1, processors // count))}
+    with (
+        dask.config.set(settings),
+        LocalCluster(
+            n_workers=count, threads_per_worker=1, host="127.0.0.1", dashboard_address=None,
+            env=environment, silence_logs=50,
+        ) as cluster,
+        Client(cluster) as client,
+    ):  # fmt: skip
+        yield client
+
+
+def run_on_workers(
+    store: Store,
+    client: Any,
+    part: tuple[int, int] = (1, 1),
+    report: ReportProgress | None = None,
+    point_seconds: float | None = None,
+) -> None:
+    """Compute on the workers of a client what is missing of a share of a store.
+
+    Parameters
+    ----------
+    store : Store
+        As :func:`~remanent.studies.sweep.run.writable_store` lends it.
+    client : distributed.Client
+        Its workers must see the store under the same path.
+    part : (int, int)
+        I of N.
+    report : callable, optional
+        Told after each task.
+    point_seconds : float, optional
+        Cap on a point.
+
+    Raises
+    ------
+    RemanentError
+        A task failed in a way that trying again does not mend.
+    """
+    from distributed import as_completed
+
+    meter = Meter(store, chunks_of_share(store, part), report)
+    queue = _Queue(store, meter.missing)
+    path = str(store.path.resolve())
+    running: dict[Any, tuple[Task, int]] = {}
+
+    def submit(task: Task, tries: int) -> Any:
+        future = client.submit(
+            compute_task, path, task.first, task.count, point_seconds, pure=False
+        )
+        running[future] = (task, tries)
+        return future
+
+    def workers() -> int:
+        return max(1, len(client.scheduler_info(n_workers=-1)["workers"]))
+
+    first = [submit(task, 1) for task in queue.take(_TASKS_PER_WORKER * workers())]
+    completed = as_completed(first)
+    for future in completed:
+        task, tries = running.pop(future)
+        if future.status == "finished":
+            meter.add(store.chunking.chunks_of(task.first, task.count))
+            queue.learn(task, future.result())
+        else:
+            _require_worker_death(future, task, tries)
+            completed.add(submit(task, tries + 1))
+            continue
+        for further in queue.take(_TASKS_PER_WORKER * workers() - len(running)):
+            completed.add(submit(further, 1))
+
+
+class _Queue:
+    """Missing chunks in tasks, whose size follows how long the last ones took."""
+
+    def __init__(self, store: Store, missing: list[tuple[int, ...]]) -> None:
+        self._store, self._missing, self._position, self._size = store, missing, 0, 1
+
+    def take(self, count: int) -> Iterator[Task]:
+        """The next tasks."""
+        for _ in range(count):
+            if self._position >= len(self._missing):
+                return
+            task = next_task(self._store, self._missing, self._position, self._size)
+            self._position += task.count
+            yield task
+
+    def learn(self, task: Task, seconds: float) -> None:
+        """A task took so long."""
+        self._size = next_size(task.count, seconds)
+
+
+#: Stores that this process has opened, by path: a worker opens each once.
+_opened: dict[str, Store] = {}
+
+
+def compute_task(
+    path: str, first: tuple[int, ...], count: int, point_seconds: float | None = None
+) -> float:
+    """Compute one task of the store at a path, in the process of a worker; the seconds it took."""
+    if path not in _opened:
+        _opened.clear()
+        _opened[path] = open_store(Path(path))
+    begin = time.perf_counter()
+    TaskRunner(_opened[path], point_seconds).compute(tuple(first), count)
+    return time.perf_counter() - begin
+
+
+def _require_worker_death(future: Any, task: Task, tries: int) -> None:
+    """Raise unless a task ended with its worker, and may be tried again."""
+    from distributed.scheduler import KilledWorker
+
+    error = future.exception()
+    if isinstance(error, KilledWorker) and tries < _MAX_TRIES:
+        return
+    raise RemanentError(f"chunk {task.first} could not be computed: {error}") from error
+
+
+@contextmanager
+def client_of(address: str) -> Iterator[Any]:
+    """A client of a running scheduler.
+
+    Raises
+    ------
+    InputError
+        None answers at this address.
+    """
+    from distributed import Client
+
+    try:
+        client = Client(address, timeout="10s", set_as_default=False)
+    except (OSError, ValueError, TimeoutError) as error:
+        raise InputError(
+            "scheduler",
+            must="be the address of a running dask scheduler",
+            got=address,
+            why=f"None answered: {error or 'no reply'}.",
+            fix='Start one by `dask scheduler`, and pass its address, such as "tcp://host:8786".',
+        ) from error
+    with client:
+        yield client

@@ -1,0 +1,250 @@
+"""A study as a value: which verb, of what, over which grid, with which options."""
+
+from __future__ import annotations
+
+import hashlib
+import inspect
+import json
+import warnings
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Final
+
+import numpy as np
+import xarray as xr
+
+import remanent
+from remanent import _checks
+from remanent._cache import source_digest
+from remanent._errors import InputError, InputWarning, shortened_repr
+from remanent.integrate.kernel.compile import host_processor
+from remanent.models.drives.base import Drive
+from remanent.models.plain import from_plain_data, to_plain_data
+from remanent.models.system import System
+from remanent.results.provenance import package_versions
+from remanent.studies.ensemble.checks import require_drive, require_system
+from remanent.studies.ensemble.over import require_over
+from remanent.studies.sweep.grid import Grid, GridPart
+
+#: Arguments of verbs that a study has of its own, or that change no result.
+NO_OPTIONS: Final = frozenset({"system", "actuator", "drive", "over", "progress"})
+#: Verbs whose results for all points belong together, as folds of equilibria along a parameter do.
+WHOLE_GRID_VERBS: Final = frozenset({"equilibria"})
+#: Verbs that search or follow: a point of theirs takes long.
+SEARCHING_VERBS: Final = frozenset(
+    {
+        "backbone", "basins", "bifurcation_diagram", "continue_bifurcation", "continue_orbit",
+        "manifold_crossing", "periodic_orbits", "resonances", "response_diagram",
+        "shape_commands",
+    }
+)  # fmt: skip
+#: Parts of the package on which a number of a result depends.
+_NUMERIC_SOURCES: Final = (
+    "analysis", "codegen", "derivation", "integrate", "models", "studies",
+    "_field.py", "_instructions.py", "_load_schedule.py", "_roots.py", "_status.py", "_units.py",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Study:
+    """A verb, a system and a drive, a grid and options.
+
+    Parameters
+    ----------
+    verb : str
+        Public name of a verb that takes `over`.
+    system : System
+    drive : Drive or None
+        None for verbs without one.
+    over : mapping of name to array_like or DataArray
+    options : mapping of name to plain data
+        Keyword arguments of the verb.
+    """
+
+    verb: str
+    system: System
+    drive: Drive | None
+    over: Mapping[str, Any]
+    options: Mapping[str, Any]
+
+    def __post_init__(self) -> None:
+        function = verb_function(self.verb)
+        require_system("system", self.system)
+        parameters = inspect.signature(function).parameters
+        if "drive" in parameters:
+            require_drive(self.drive)
+        elif self.drive is not None:
+            raise InputError(
+                "drive",
+                must=f"be left out for {self.verb}",
+                got=shortened_repr(self.drive),
+                why="This verb asks what happens under constant loads, or without any.",
+                fix="Pass None; a constant load is the option `m`.",
+            )
+        known = [name for name in parameters if name not in NO_OPTIONS]
+        _checks.require_known_names(self.options, known, self.verb)
+        for name in known:
+            if parameters[name].default is inspect.Parameter.empty and name not in self.options:
+                raise InputError(
+                    name,
+                    must=f"be given to {self.verb}",
+                    got="nothing",
+                    why="It has no usual value.",
+                    fix=f"Add {name} to the options.",
+                )
+        require_over(self.over)
+        if not self.over:
+            raise InputError(
+                "over",
+                must="name at least one field",
+                got=shortened_repr(self.over),
+                why="A study is a verb on a grid.",
+                fix="Pass for example {'temperature': [250, 350, 400]}.",
+            )
+
+    @cached_property
+    def grid(self) -> Grid:
+        """The grid that it spans."""
+        return Grid.from_over(self.over, self.system)
+
+    def result_of(self, part: GridPart, progress: Any = None) -> xr.Dataset:
+        """What the verb gives for a part of the grid; warnings of single points are left out."""
+        return self.result_over(self.grid.over(part), progress)
+
+    def result_over(self, over: Mapping[str, Any], progress: Any = None) -> xr.Dataset:
+        """What the verb gives for these values."""
+        function = verb_function(self.verb)
+        parameters = inspect.signature(function).parameters
+        arguments: dict[str, Any] = {next(iter(parameters)): self.system, **self.options}
+        if "drive" in parameters:
+            arguments["drive"] = self.drive
+        if "progress" in parameters and progress is not None:
+            arguments["progress"] = progress
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", InputWarning)
+            result: xr.Dataset = function(**arguments, over=over)
+        return result
+
+    @cached_property
+    def plain(self) -> dict[str, Any]:
+        """The study as plain data, from which :func:`study_from_plain` makes an equal one.
+
+        Raises
+        ------
+        InputError
+            An option is no plain data.
+        """
+        return {
+            "verb": self.verb,
+            "system": to_plain_data(self.system),
+            **({} if self.drive is None else {"drive": to_plain_data(self.drive)}),
+            "over": {
+                name: _plain_values(dims, values, self.grid)
+                for name, (dims, values) in self.grid.fields.arrays.items()
+            },
+            "options": {name: plain_option(name, value) for name, value in self.options.items()},
+        }
+
+    @cached_property
+    def text(self) -> str:
+        """The plain data as JSON, always the same for equal studies."""
+        return json.dumps(self.plain, sort_keys=True, ensure_ascii=False)
+
+    @cached_property
+    def digest(self) -> str:
+        """SHA-256 of the text."""
+        return hashlib.sha256(self.text.encode()).hexdigest()
+
+
+def study_from_plain(plain: Mapping[str, Any]) -> Study:
+    """The study that plain data describes; its numbers are equal bit for bit."""
+    drive = plain.get("drive")
+    return Study(
+        plain["verb"],
+        from_plain_data(plain["system"]),
+        None if drive is None else from_plain_data(drive),
+        {name: _values_from_plain(name, table) for name, table in plain["over"].items()},
+        plain["options"],
+    )
+
+
+def code_identity() -> dict[str, str]:
+    """What decides numbers beside the study: versions, sources, and the kind of processor."""
+    processor = host_processor()
+    features = hashlib.sha256(processor.features.encode()).hexdigest()[:16]
+    return {
+        "versions": package_versions(),
+        "sources": source_digest(*_NUMERIC_SOURCES),
+        "processor": f"{processor.cpu} {features}",
+    }
+
+
+def verb_function(verb: object) -> Callable[..., xr.Dataset]:
+    """The public verb of this name.
+
+    Raises
+    ------
+    InputError
+        There is none that takes `over`.
+    """
+    names = verbs_of_studies()
+    if not isinstance(verb, str) or verb not in names:
+        raise InputError(
+            "verb",
+            must=f"be one of {', '.join(names)}",
+            got=shortened_repr(verb),
+            why="A study runs a verb that takes `over`.",
+            fix="Check the name.",
+        )
+    function: Callable[..., xr.Dataset] = getattr(remanent, verb)
+    return function
+
+
+def verbs_of_studies() -> list[str]:
+    """Names of the public verbs that take `over`."""
+    lower = (name for name in remanent.__all__ if name[0].islower() and name not in _OTHER_NAMES)
+    functions = ((name, getattr(remanent, name)) for name in sorted(lower))
+    return [
+        name
+        for name, function in functions
+        if inspect.isfunction(function) and "over" in inspect.signature(function).parameters
+    ]
+
+
+#: Lower-case public names that are no verbs, and take a while to import.
+_OTHER_NAMES: Final = frozenset({"plot", "sweep"})
+
+
+def plain_option(name: str, value: Any) -> Any:
+    """An option as plain data: numbers, text, lists and tables."""
+    if isinstance(value, np.ndarray | np.generic):
+        value = value.tolist()
+    if isinstance(value, xr.DataArray):
+        value = value.values.tolist()
+    if value is None or isinstance(value, bool | int | float | str):
+        return value
+    if isinstance(value, Mapping):
+        return {str(key): plain_option(name, entry) for key, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain_option(name, entry) for entry in value]
+    raise InputError(
+        name,
+        must="be a number, text, or a list or table of these",
+        got=shortened_repr(value),
+        why="A study is kept as plain data, which another machine can read.",
+        fix="Write it as numbers.",
+    )
+
+
+def _plain_values(dims: tuple[str, ...], values: Any, grid: Grid) -> dict[str, Any]:
+    labels = {dim: grid.fields.labels[dim][1].tolist() for dim in dims if dim in grid.fields.labels}
+    table: dict[str, Any] = {"dims": list(dims), "values": values.tolist()}
+    return {**table, "labels": labels} if labels else table
+
+
+def _values_from_plain(name: str, table: Mapping[str, Any]) -> Any:
+    dims, values = tuple(table["dims"]), np.array(table["values"], dtype=np.float64)
+    if dims == (name,):
+        return values
+    return xr.DataArray(values, dims=dims, coords=table.get("labels", {}))

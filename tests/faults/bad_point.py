@@ -1,0 +1,39 @@
+"""Preloaded by workers, and by processes that say so: one point of the grid is their undoing.
+
+``REMANENT_TEST_BAD_POINT`` says how: ``crash`` kills the process, ``hang`` never comes back,
+``memory`` takes more and more until the process is killed for it.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from remanent.studies.sweep.study import Study
+
+#: Values of the grid of the study of these tests at which it happens: b and omega.
+B, OMEGA = 0.2, 1.2
+
+_result_over = Study.result_over
+
+
+def _result_or_trouble(self: Study, over: Mapping[str, Any], progress: Any = None) -> xr.Dataset:
+    near = [np.isclose(over[name], value).any() for name, value in (("b", B), ("omega", OMEGA))]
+    if all(near):
+        _trouble(os.environ["REMANENT_TEST_BAD_POINT"])
+    return _result_over(self, over, progress)
+
+
+def _trouble(kind: str) -> None:
+    while kind == "hang":
+        time.sleep(1.0)
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+Study.result_over = _result_or_trouble  # type: ignore[method-assign]

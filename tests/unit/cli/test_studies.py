@@ -1,0 +1,100 @@
+"""A researcher's path: a new study, edited, planned, run, broken off, gone on with, and seen."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import xarray as xr
+
+import remanent as rm
+from remanent.studies.sweep.study_file import read_study
+
+
+def remanent(*arguments: str, folder: Path) -> subprocess.Popen[str]:
+    """The command, in a process of its own."""
+    return subprocess.Popen(
+        [sys.executable, "-c", "from remanent.cli import main; main()", *arguments],
+        cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+    )  # fmt: skip
+
+
+def done(*arguments: str, folder: Path) -> tuple[int, str]:
+    """Its exit status and what it said."""
+    process = remanent(*arguments, folder=folder)
+    out, err = process.communicate(timeout=300)
+    return process.returncode, out + err
+
+
+def broken_off(number: signal.Signals, folder: Path) -> tuple[int, str, float]:
+    """A run that is sent a signal once it tells how far it is; how long it took to end."""
+    process = remanent("run", "mine.toml", folder=folder)
+    assert process.stderr is not None
+    first = process.stderr.readline()
+    begin = time.monotonic()
+    process.send_signal(number)
+    out, err = process.communicate(timeout=60)
+    return process.returncode, first + out + err, time.monotonic() - begin
+
+
+def test_from_a_new_file_to_netcdf(tmp_path: Path) -> None:
+    """The numbers in the file at the end are those of the verb, whatever happened on the way."""
+    code, told = done("new", "mine", folder=tmp_path)
+    assert code == 0, told
+    file = tmp_path / "mine.toml"
+    text = file.read_text()
+    assert re.search(r"count = \d+", text)
+    file.write_text(re.sub(r"count = \d+", "count = 45", text))
+
+    code, told = done("run", "mine.toml", "--dry-run", folder=tmp_path)
+    assert code == 0, told
+    assert "2,025 points" in told
+    assert list(tmp_path.iterdir()) == [file]
+
+    for number, expected in ((signal.SIGINT, 130), (signal.SIGTERM, 143)):
+        code, told, seconds = broken_off(number, tmp_path)
+        assert code == expected, told
+        assert "the same command goes on from there" in told
+        assert seconds < 5.0
+    code, told = done("verify", "mine.zarr", folder=tmp_path)
+    assert code == 3, told
+
+    code, told = done("run", "mine.toml", folder=tmp_path)
+    assert code == 0, told
+    code, told = done("verify", "mine.zarr", folder=tmp_path)
+    assert (code, told) == (0, f"whole and complete: {told.split()[-2]} chunks\n")
+
+    code, told = done("show", "mine.zarr", "--out", "mine.pdf", folder=tmp_path)
+    assert code == 0, told
+    assert (tmp_path / "mine.pdf").read_bytes().startswith(b"%PDF")
+
+    loaded = rm.load(tmp_path / "mine.zarr")
+    study = read_study(file).study
+    xr.testing.assert_equal(loaded, study.result_of(study.grid.whole))
+    rm.save(loaded, tmp_path / "mine.nc")
+    xr.testing.assert_equal(rm.load(tmp_path / "mine.nc"), loaded)
+
+
+def test_what_is_wrong_with_a_command_is_said(tmp_path: Path) -> None:
+    """Without a traceback, with the rule."""
+    assert done("new", "mine", folder=tmp_path)[0] == 0
+    cases = {
+        ("run", "mine.toml", "--part", "5/4"): "with I from 1 to N",
+        ("run", "mine.toml", "--workers", "1000"): "be from 1 to",
+        ("run", "mine.toml", "--workers", "1", "--scheduler", "tcp://127.0.0.1:1"): "not both",
+        ("run", "mine.toml", "--out", "mine.toml"): "be a folder, or not exist yet",
+        ("run", "mine.toml", "--out", "."): "There are other files in it",
+        ("verify", "."): "be a store of a study",
+        ("show", "."): "end in one of",
+    }
+    for arguments, words in cases.items():
+        code, told = done(*arguments, folder=tmp_path)
+        assert code not in (0, 130), arguments
+        assert words in told, (arguments, told)
+        assert "Traceback" not in told
