@@ -1,4 +1,4 @@
-"""Every verb that takes `over` fills a store that is read back as what the verb itself returns."""
+"""Stores: every verb that takes `over` fills one that is read back as what the verb returns."""
 
 from __future__ import annotations
 

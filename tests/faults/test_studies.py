@@ -1,4 +1,4 @@
-"""Stores of studies outlive what happens to processes, disks and files.
+"""Stores: those of studies outlive what happens to processes, disks and files.
 
 Each test ends with a store that equals, file by file, that of a run which nothing happened to.
 """

@@ -1,4 +1,4 @@
-"""A researcher's path: a new study, edited, planned, run, broken off, gone on with, and seen."""
+"""Stores: a researcher's path: a new study, edited, planned, run, broken off, gone on with, and seen."""
 
 from __future__ import annotations
 
