@@ -222,6 +222,11 @@ REFUSED: dict[str, tuple[Callable[[], Any], str]] = {
         lambda: rm.bifurcation_diagram(**SOUND["bifurcation_diagram"]() | {"discard": 2**31}),
         "discard",
     ),
+    "a branch of a body that nothing moves": (
+        lambda: rm.switch_branch(
+            **SOUND["switch_branch"]() | {"system": rm.Actuator(prestress=1e300)}
+        ), "special_point",
+    ),
     "rates of no formula": (lambda: LOOSE.FirstOrderSystem(rates=Unusable()), "rates"),
     "units of nothing": (lambda: DUFFING.replace(units=Unusable()), "units"),
     "a line wider than floats": (lambda: rm.plot.history(motion(), linewidth=10**400), "linewidth"),
