@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -318,6 +319,14 @@ def test_a_rate_near_the_largest_number_is_followed_without_a_warning() -> None:
     fast = rm.FirstOrderSystem(rates={"x": "1e300 + load"})
     found = rm.crossings(fast, rm.Constant(0.0), "x", 1e299, duration=1.0)
     assert (int(found.status), found.sizes["crossing"]) == (rm.Status.MAX_STEPS, 0)
+
+
+def test_a_fraction_is_the_number_that_it_is(tmp_path: Path) -> None:
+    """As a duration and as a tolerance; the result can be saved."""
+    exact: dict[str, Any] = {"duration": Fraction(1, 2), "tolerance": Fraction(1, 2**30)}
+    run = LOOSE.simulate(BODY, DRIVE, **exact)
+    xr.testing.assert_identical(run, rm.simulate(BODY, DRIVE, duration=0.5, tolerance=2.0**-30))
+    xr.testing.assert_identical(rm.load(rm.save(run, tmp_path / "it.nc")), run)
 
 
 @pytest.mark.parametrize("delta", [1e200, 1e308])

@@ -85,7 +85,7 @@ def backbone(
     >>> bool(abs(ds.frequency[0] - 6**0.5) < 1e-6)
     True
     """
-    require_tolerance(tolerance, "the error of the state at the other turning point")
+    tolerance = require_tolerance(tolerance, "the error of the state at the other turning point")
     single = lay_out_ensemble(
         require_system("actuator", actuator), Constant(m), system_argument="actuator"
     )
