@@ -138,8 +138,10 @@ _CHANGES: Final[Mapping[str, Mapping[str, Any]]] = {
     "periodic_orbits": {"state_box": _WELL},
     "poincare_section": {},
     "regime_chart": {"over": {"delta": [0.3], "m": [0.1]}},
+    "resonances": {"omega_range": (1.2, 1.6), "state_box": _WELL},
     "response_diagram": {"state_box": _WELL},
     "simulate": {},
+    "snap_through": {"parameter_range": (-1.0, 1.0), "state_box": {"x": (-2.0, 2.0)}},
 }  # fmt: skip
 
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -222,6 +223,11 @@ REFUSED: dict[str, tuple[Callable[[], Any], str]] = {
         lambda: rm.bifurcation_diagram(**SOUND["bifurcation_diagram"]() | {"discard": 2**31}),
         "discard",
     ),
+    "a branch of a body that nothing moves": (
+        lambda: rm.switch_branch(
+            **SOUND["switch_branch"]() | {"system": rm.Actuator(prestress=1e300)}
+        ), "special_point",
+    ),
     "rates of no formula": (lambda: LOOSE.FirstOrderSystem(rates=Unusable()), "rates"),
     "units of nothing": (lambda: DUFFING.replace(units=Unusable()), "units"),
     "a line wider than floats": (lambda: rm.plot.history(motion(), linewidth=10**400), "linewidth"),
@@ -312,6 +318,14 @@ def test_a_rate_near_the_largest_number_is_followed_without_a_warning() -> None:
     fast = rm.FirstOrderSystem(rates={"x": "1e300 + load"})
     found = rm.crossings(fast, rm.Constant(0.0), "x", 1e299, duration=1.0)
     assert (int(found.status), found.sizes["crossing"]) == (rm.Status.MAX_STEPS, 0)
+
+
+def test_a_fraction_is_the_number_that_it_is(tmp_path: Path) -> None:
+    """As a duration and as a tolerance; the result can be saved."""
+    exact: dict[str, Any] = {"duration": Fraction(1, 2), "tolerance": Fraction(1, 2**30)}
+    run = LOOSE.simulate(BODY, DRIVE, **exact)
+    xr.testing.assert_identical(run, rm.simulate(BODY, DRIVE, duration=0.5, tolerance=2.0**-30))
+    xr.testing.assert_identical(rm.load(rm.save(run, tmp_path / "it.nc")), run)
 
 
 @pytest.mark.parametrize("delta", [1e200, 1e308])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping
+from fractions import Fraction
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any, Final
@@ -278,7 +279,8 @@ def _package_version(name: str) -> str:
 
 
 def _flattened_sequence(value: Any) -> Any:
-    if isinstance(value, int) and abs(value) > _LARGEST_INTEGER:
+    is_large = isinstance(value, int) and abs(value) > _LARGEST_INTEGER
+    if is_large or isinstance(value, Fraction):
         return float(value)
     return tuple(np.ravel(value).tolist()) if isinstance(value, list | tuple) else value
 

@@ -1,4 +1,4 @@
-"""Stores: a researcher's path: a new study, edited, planned, run, broken off, gone on with, and seen."""
+"""Stores: a researcher's path, from a new study to its picture and its file."""
 
 from __future__ import annotations
 
@@ -15,11 +15,17 @@ import xarray as xr
 import remanent as rm
 from remanent.studies.sweep.study_file import read_study
 
+#: A process that is started in the background is born deaf to interrupts.
+_INTERRUPTIBLE = (
+    "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
+    "from remanent.cli import main; main()"
+)
+
 
 def remanent(*arguments: str, folder: Path) -> subprocess.Popen[str]:
     """The command, in a process of its own."""
     return subprocess.Popen(
-        [sys.executable, "-c", "from remanent.cli import main; main()", *arguments],
+        [sys.executable, "-c", _INTERRUPTIBLE, *arguments],
         cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
         env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
     )  # fmt: skip

@@ -47,6 +47,8 @@ _MAX_DIVISIONS_OF_UNKNOWN = 8
 _ROUNDS_BETWEEN_FLATNESS_TRIALS = 2
 #: Share of all effort that may be spent where it could not.
 _EFFORT_SHARE_OF_UNKNOWN = 0.03
+#: Most cells that are divided at once: that takes seconds, however few steps each of them needs.
+_MOST_CELLS = 125_000
 #: Weight of mixed second derivatives beside the others where it is decided along which direction
 #: a cell is divided: they decide where nothing else does, as of products of two coordinates, and
 #: count for the direction in which the cell is wider.
@@ -107,7 +109,8 @@ def zeros_by_cells(
     flatness : float
         The function vanishes up to this on curves through flat cells.
     max_effort : float
-        Of all evaluations of the function together; cells that are left then are unresolved.
+        Of all evaluations of the function together; cells that are left then are unresolved, as
+        are those that become too many.
     is_settled : callable, optional
         Whether cells, given by their centres and half-widths, arrays (cell, coordinate), lie where
         all zeros are known already; nothing is looked for there.
@@ -140,7 +143,7 @@ def zeros_by_cells(
             cells = cells.subset(~np.isin(np.arange(len(cells.centre)), tried[is_flat]))
         if not len(cells.centre):
             break
-        if effort >= max_effort:
+        if effort >= max_effort or len(cells.centre) > _MOST_CELLS:
             unresolved.append(cells.centre)
             break
         cells = _divided(function, cells, width)

@@ -281,6 +281,8 @@ def _crossing_system(sample: _Sample, unfolding: float, scale: FloatArray) -> _S
 
 def _null_vectors(matrix: FloatArray, count: int) -> FloatArray:
     """Right singular vectors of the smallest singular values, array (count, column)."""
+    if not np.isfinite(matrix).all():  # of a motion without an image
+        return np.full((count, len(matrix)), np.nan)
     return np.asarray(np.linalg.svd(matrix)[2][-count:])
 
 

@@ -158,7 +158,7 @@ def shape_commands(
     """
     require_actuator("actuator", actuator)
     target = require_real("target", target, _TARGET_RULE)
-    require_tolerance(tolerance, "the error of the state at the last step")
+    tolerance = require_tolerance(tolerance, "the error of the state at the last step")
     ens = lay_out_ensemble(
         actuator,
         _ZERO_LOAD_DRIVE,

@@ -140,7 +140,7 @@ def step_response(
     remanent.simulate : the motion itself.
     """
     require_actuator("system", system)
-    require_tolerance(tolerance, "the global error of the state")
+    tolerance = require_tolerance(tolerance, "the global error of the state")
     band = require_real("band", band, _SETTLING_BAND_RULE)
     _require_step_drive(drive)
     ens = lay_out_ensemble(system, drive, over, initial, reserved=_RESERVED_DIMENSIONS)

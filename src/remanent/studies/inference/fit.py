@@ -156,7 +156,7 @@ def fit(
     remanent.logarithmic_decrement : damping from a ring-down, without a model.
     remanent.uncertainty : what errors of parameters make of a prediction.
     """
-    require_tolerance(tolerance, "the error of the computed motion")
+    tolerance = require_tolerance(tolerance, "the error of the computed motion")
     confidence = require_real("confidence", confidence, _CONFIDENCE_RULE)
     duration = without_unit("duration", duration, "time", system)
     discard = require_real(

@@ -38,7 +38,7 @@ def section_by_formula(
 ) -> xr.Dataset:
     """States at each passage of a section; see :func:`remanent.poincare_section`."""
     require_exactly_one_argument(duration=duration, periods=periods)
-    require_tolerance(tolerance, "the global error of the state")
+    tolerance = require_tolerance(tolerance, "the global error of the state")
     signs = require_direction(direction)
     formula = _require_section(where, ens)
     problem = initial_value_problem(ens, trajectory_durations(ens, duration, periods))

@@ -116,7 +116,7 @@ def crossings(
     (8, 1.318)
     """
     require_exactly_one_argument(duration=duration, periods=periods)
-    require_tolerance(tolerance, "the global error of the state")
+    tolerance = require_tolerance(tolerance, "the global error of the state")
     duration = without_unit("duration", duration, "time", system)
     value = require_real("value", value, _PASSED_VALUE_RULE)
     require_choice("direction", direction, list(_SIGNS_OF_DIRECTION))

@@ -100,7 +100,7 @@ def cycle_losses(
     """
     periods = require_count("periods", periods, "Losses are counted in whole drive periods.")
     discard = require_count("discard", discard, "Losses are counted in whole periods.", 0)
-    require_tolerance(tolerance, "the global error of the state and of the integrals")
+    tolerance = require_tolerance(tolerance, "the global error of the state and of the integrals")
     report = as_progress(progress)
     ens = lay_out_ensemble(system, drive, over, initial)
     require_energy(ens)

@@ -123,7 +123,7 @@ def energy_balance(
     True
     """
     require_exactly_one_argument(duration=duration, periods=periods, times=times)
-    require_tolerance(tolerance, "the global error of the state and of the integrals")
+    tolerance = require_tolerance(tolerance, "the global error of the state and of the integrals")
     report = as_progress(progress)
     ens = lay_out_ensemble(system, drive, over, initial)
     duration = without_unit("duration", duration, "time", system)

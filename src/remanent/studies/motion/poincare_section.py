@@ -130,7 +130,7 @@ def poincare_section(
     periods = require_count("periods", periods, "Sections are taken after whole drive periods.")
     every = require_count("every", every, "Points are whole drive periods apart.")
     section_phase = require_real("section_phase", section_phase, _SECTION_PHASE_RULE)
-    require_tolerance(tolerance, "the global error of the state")
+    tolerance = require_tolerance(tolerance, "the global error of the state")
     report = as_progress(progress)
     ens = lay_out_ensemble(system, drive, over, initial)
     length = require_drive_periods(ens)

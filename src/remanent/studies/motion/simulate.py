@@ -101,7 +101,7 @@ def simulate(
     1.0948
     """
     require_exactly_one_argument(duration=duration, periods=periods, times=times)
-    require_tolerance(tolerance, "the global error of the state")
+    tolerance = require_tolerance(tolerance, "the global error of the state")
     report = as_progress(progress)
     ens = lay_out_ensemble(system, drive, over, initial)
     duration = without_unit("duration", duration, "time", system)

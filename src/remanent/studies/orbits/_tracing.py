@@ -222,7 +222,6 @@ class TracingOptions:
 
     def require_valid(self, ens: Ensemble) -> TracingOptions:
         """These options with plain integers; refuse what is wrong with them for an ensemble."""
-        require_tolerance(self.tolerance, "the residual")
         require_drive_periods(ens)
         require_heat_exchange(ens)
         require_state_box("state_box", self.state_box, ens)
@@ -230,6 +229,7 @@ class TracingOptions:
             self,
             orbit_period=require_orbit_period(self.orbit_period),
             max_points=require_count("max_points", self.max_points, "A branch is made of points."),
+            tolerance=require_tolerance(self.tolerance, "the residual"),
         )
 
     def tracing_of_member(self, member: Ensemble) -> Tracing:

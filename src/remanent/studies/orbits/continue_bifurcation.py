@@ -154,7 +154,7 @@ def continue_bifurcation(
     (True, True)
     """
     require_choice("kind", kind, BIFURCATION_KINDS)
-    require_tolerance(tolerance, "the residual")
+    tolerance = require_tolerance(tolerance, "the residual")
     orbit_period = require_orbit_period(orbit_period)
     max_points = require_count("max_points", max_points, "A curve is made of points.")
     ens = lay_out_ensemble(system, drive, over, reserved=ORBIT_DIMENSIONS)

@@ -104,7 +104,7 @@ def locate_bifurcation(
     1.266795
     """
     require_choice("kind", kind, BIFURCATION_KINDS)
-    require_tolerance(tolerance, "the residual")
+    tolerance = require_tolerance(tolerance, "the residual")
     orbit_period = require_orbit_period(orbit_period)
     single = lay_out_ensemble(system, drive)
     require_drive_periods(single)

@@ -159,7 +159,7 @@ def manifold_crossing(
     >>> round(float(ds.omega), 3)
     1.254
     """
-    require_tolerance(tolerance, "the states along the runs")
+    tolerance = require_tolerance(tolerance, "the states along the runs")
     width = require_real("width", width, _BRACKET_WIDTH_RULE)
     orbit_period = require_orbit_period(orbit_period)
     periods = require_count("periods", periods, "The motion must have time to leave.", 3)

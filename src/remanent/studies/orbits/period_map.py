@@ -174,7 +174,7 @@ def period_map(
     1.0
     """
     orbit_period = require_orbit_period(orbit_period)
-    require_tolerance(tolerance, "the error of images")
+    tolerance = require_tolerance(tolerance, "the error of images")
     ens = lay_out_ensemble(system, drive)
     length = float(require_drive_periods(ens)[0])
     map_ = StroboscopicMap(ens, (), period_tolerance_for_residual(tolerance))

@@ -139,7 +139,7 @@ def periodic_orbits(
     ['elliptic', 'elliptic', 'saddle']
     """
     orbit_period = require_orbit_period(orbit_period)
-    require_tolerance(tolerance, "the error of the orbits")
+    tolerance = require_tolerance(tolerance, "the error of the orbits")
     ens = lay_out_ensemble(system, drive, over, reserved=ORBIT_DIMENSIONS)
     require_drive_periods(ens)
     require_heat_exchange(ens)

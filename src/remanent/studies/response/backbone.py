@@ -86,7 +86,7 @@ def backbone(
     >>> bool(abs(ds.frequency[0] - 6**0.5) < 1e-6)
     True
     """
-    require_tolerance(tolerance, "the error of the state at the other turning point")
+    tolerance = require_tolerance(tolerance, "the error of the state at the other turning point")
     actuator = require_system("actuator", actuator)
     drive = constant_drive(actuator, m)
     single = lay_out_ensemble(actuator, drive, system_argument="actuator")

@@ -148,7 +148,7 @@ def frequency_response(
     if periods is None and duration is None:
         duration = DEFAULT_RESPONSE_DURATION_IN_TAU
     require_exactly_one_argument(duration=duration, periods=periods)
-    require_tolerance(tolerance, "the error of the extremes")
+    tolerance = require_tolerance(tolerance, "the error of the extremes")
     duration = without_unit("duration", duration, "time", system)
     discard = require_real(
         "discard", without_unit("discard", discard, "time", system), _DISCARD_RULE

@@ -88,3 +88,20 @@ def test_where_nothing_can_be_computed_little_is_spent() -> None:
     assert found.effort == sum(spent) < 0.3 * limit
     assert not len(found.starts)
     assert len(found.unresolved)
+
+
+def test_cells_that_become_too_many_are_left_open(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of a function as rough as no cell is small, no more are computed at once than twice those."""
+    monkeypatch.setattr("remanent.analysis.orbits.cells._MOST_CELLS", 500)
+    asked = []
+
+    def rough(points: FloatArray, _tolerance: float, _effort: IntArray | None) -> Sample:
+        asked.append(len(points))
+        value = 0.1 * np.sin(1e9 * points)
+        slope = 1e8 * np.cos(1e9 * points)[:, :, None] * np.eye(2)
+        none = np.zeros(len(points), dtype=np.int64)
+        return Sample(value, slope, np.full(len(points), 1e-12), none)
+
+    found = zeros_by_cells(rough, [np.linspace(0.0, 1.0, 11)] * 2, flatness=0.0, max_effort=1e12)
+    assert max(asked) <= 1000
+    assert len(found.unresolved) > 500
