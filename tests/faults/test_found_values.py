@@ -228,6 +228,9 @@ REFUSED: dict[str, tuple[Callable[[], Any], str]] = {
             **SOUND["switch_branch"]() | {"system": rm.Actuator(prestress=1e300)}
         ), "special_point",
     ),
+    "a picture of a stacked result": (
+        lambda: rm.plot.phase(motion().stack(every=["time"])), "dataset"
+    ),
     "rates of no formula": (lambda: LOOSE.FirstOrderSystem(rates=Unusable()), "rates"),
     "units of nothing": (lambda: DUFFING.replace(units=Unusable()), "units"),
     "a line wider than floats": (lambda: rm.plot.history(motion(), linewidth=10**400), "linewidth"),

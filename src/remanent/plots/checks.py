@@ -15,7 +15,7 @@ from remanent._arrays import is_quantity
 from remanent._calls import require_fitting_arguments
 from remanent._checks import require_flag, shortened_repr
 from remanent._errors import InputError, error_sentence
-from remanent.results.checks import require_dataset
+from remanent.results.checks import require_unstacked_dataset
 from remanent.results.provenance import observable_name
 from remanent.results.schema import is_described
 
@@ -85,7 +85,7 @@ def _require_kind(name: str, value: object, parameter: inspect.Parameter) -> Non
     """Refuse a value of another kind than the argument's."""
     kind = str(parameter.annotation)
     if name == "dataset":
-        require_dataset(name, value)
+        require_unstacked_dataset(name, value)
     elif name == "ax":
         _require_axes(value)
     elif isinstance(parameter.default, bool):
