@@ -461,13 +461,3 @@ def test_a_time_beyond_integers_of_files_can_be_saved(tmp_path: Path) -> None:
     """It is a float, as all times are."""
     run = rm.energy_balance(BODY, DRIVE, duration=2**63)
     assert rm.load(rm.save(run, tmp_path / "it.nc")).attrs["duration"] == 2.0**63
-
-
-def test_a_stacked_sweep_is_drawn_without_a_warning() -> None:
-    """Its levels go along with the variables that have them."""
-    swept = rm.bifurcation_diagram(BODY, DRIVE, "b", [0.3, 0.4], discard=2, keep=2)
-    stacked = swept.stack(every=["b", "period"])
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        with pytest.raises(rm.InputError, match="dimension to draw along"):
-            rm.plot.phase(stacked)

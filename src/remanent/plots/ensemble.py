@@ -226,7 +226,7 @@ def _select_variables(dataset: xr.Dataset, names: tuple[str, ...]) -> xr.Dataset
         for name in _EVIDENCE_VARIABLES
         if name in dataset and name not in names and set(dataset[name].dims) <= set(subset.dims)
     ]
-    return subset.assign({name: dataset[name].variable for name in evidence})
+    return subset.assign({name: dataset[name] for name in evidence})
 
 
 def _dimensions_of_colour_and_style(

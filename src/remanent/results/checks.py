@@ -33,7 +33,7 @@ def require_unstacked_dataset(name: str, value: object) -> xr.Dataset:
             must="have dimensions that are not stacked",
             got=f"one that is stacked along {', '.join(stacked)}",
             why="Labels of several levels cannot be taken one by one.",
-            fix="Take it apart first: dataset.unstack(), or dataset.reset_index(...) for labels side "
-            "by side.",
+            fix="Take it apart first: dataset.unstack(), or dataset.reset_index(...) for labels "
+            "side by side.",
         )
     return dataset
