@@ -17,7 +17,7 @@ import pint
 import pytest
 import xarray as xr
 from tests.contracts.sound_calls import BODY, DAMPED, DRIVE, SOUND, branch, decaying, measure
-from tests.faults.own_systems import DUFFING, FREE, PAIR, own_sound_calls
+from tests.faults.own_systems import DUFFING, FORCE, FREE, PAIR, own_sound_calls
 from tests.faults.subjects import equilibria_over_loads
 from tests.faults.value_pool import Unspeakable, Unusable
 from tests.unit.plots.synthetic import basins_of_two
@@ -299,6 +299,14 @@ def test_a_derivative_beyond_floats_is_refused() -> None:
         rm.simulate(huge, rm.Constant(0.0), duration=1.0, initial=[1.0, 0.0])
 
 
+def test_a_field_of_which_one_value_is_sound_has_no_range_for_folds() -> None:
+    """There are equilibria at that value, and none at infinity."""
+    box = {"x": (-2.0, 2.0)}
+    found = rm.equilibria(DUFFING, 0.1, over={"delta": [1.0, np.inf]}, state_box=box)
+    assert found.status.values.tolist() == [rm.Status.OK, rm.Status.INVALID]
+    assert "fold" not in found.dims
+
+
 def test_equilibria_at_infinite_stiffness_are_none() -> None:
     """They end in a status, and change nothing beside them."""
     box = {"x": (-2.0, 2.0)}
@@ -457,7 +465,11 @@ def test_a_seed_that_was_used_is_written_down() -> None:
     assert rm.uncertainty(**given).attrs["rng"] == np.random.default_rng(5).integers(2**31)
 
 
-def test_a_time_beyond_integers_of_files_can_be_saved(tmp_path: Path) -> None:
+@pytest.mark.parametrize("duration", [2**63, np.uint64(2**63)])
+def test_a_time_beyond_integers_of_files_can_be_saved(duration: Any, tmp_path: Path) -> None:
     """It is a float, as all times are."""
-    run = rm.energy_balance(BODY, DRIVE, duration=2**63)
-    assert rm.load(rm.save(run, tmp_path / "it.nc")).attrs["duration"] == 2.0**63
+    for run in (
+        rm.energy_balance(BODY, DRIVE, duration=duration),
+        rm.simulate(DUFFING, FORCE, duration=duration),
+    ):
+        assert rm.load(rm.save(run, tmp_path / "it.nc")).attrs["duration"] == 2.0**63

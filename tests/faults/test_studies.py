@@ -236,7 +236,7 @@ def test_a_point_that_takes_its_worker_down_is_given_up(
         "REMANENT_TEST_BAD_POINT": kind,
         "DASK_DISTRIBUTED__WORKER__PRELOAD": "tests.faults.bad_point",
     }
-    seconds = {"seconds": 1.0} if kind == "hang" else {}
+    seconds = {"seconds": 0.5} if kind == "hang" else {}
     require_success(start(path, environment, workers=1, **seconds))
     _require_one_point_lost(path, whole, rm.Status[status])
 

@@ -215,6 +215,9 @@ def test_the_article_is_named() -> None:
 #: Words in backticks that are neither public names, nor arguments, nor variables of results.
 LABELS = {"stable", "unstable", "elliptic", "saddle", "undecided", "unbounded"}
 LABELS |= {"periodic", "chaotic", "escaped", "invalid", "horizon", "incomplete", "timeout"}
+LABELS |= {"failed"}
+#: Keys of study files, and attributes and variables of stores.
+LABELS |= {"point_seconds", "flag_values", "flag_meanings", "orbit_length"}
 OUTSIDE = {
     "sqrt",
     "exp",

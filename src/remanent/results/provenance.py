@@ -279,7 +279,7 @@ def _package_version(name: str) -> str:
 
 
 def _flattened_sequence(value: Any) -> Any:
-    is_large = isinstance(value, int) and abs(value) > _LARGEST_INTEGER
+    is_large = isinstance(value, int | np.integer) and abs(int(value)) > _LARGEST_INTEGER
     if is_large or isinstance(value, Fraction):
         return float(value)
     return tuple(np.ravel(value).tolist()) if isinstance(value, list | tuple) else value

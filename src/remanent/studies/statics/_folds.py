@@ -62,6 +62,8 @@ def folds_along_first_varied_parameter(
     cases = np.take_along_axis(numbers, first_valid, axis=1)[:, 0]
     valid = low < high
     found = folds_of_cases(name, cases[valid], (low[valid], high[valid]))
+    if name not in found:  # no member has a range of the field
+        return {}
     other_sizes = [size for k, size in ens.dimension_sizes.items() if k != name]
 
     def shaped(values: NDArray[Any]) -> NDArray[Any]:
