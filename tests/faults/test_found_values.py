@@ -473,3 +473,10 @@ def test_a_time_beyond_integers_of_files_can_be_saved(duration: Any, tmp_path: P
         rm.simulate(DUFFING, FORCE, duration=duration),
     ):
         assert rm.load(rm.save(run, tmp_path / "it.nc")).attrs["duration"] == 2.0**63
+
+
+@pytest.mark.parametrize("variable", ["multipliers", "special_omega"])
+def test_what_the_points_of_a_branch_have_not_is_not_drawn(variable: str) -> None:
+    """Complex numbers, and values at special points, are no curve."""
+    with pytest.raises(rm.InputError, match="a real value at each point"):
+        rm.plot.branch(branch(), variable)

@@ -81,6 +81,7 @@ def branch(
         One for each stretch of a branch with one stability.
     """
     x = _followed_parameter(dataset, parameter)
+    _require_values_along_branch(dataset, variable)
     with style.context_of(ax):
         axes = style.given_or_new_axes(ax)
         marks = [name for name in (f"special_{x}", f"special_{variable}") if name in dataset]
@@ -206,6 +207,19 @@ def _followed_parameter(dataset: xr.Dataset, given: str | None) -> str:
         why="The attribute `parameter` says it in results of continue_orbit.",
         fix="Pass parameter=..., or the result of continue_orbit or response_diagram.",
     )
+
+
+def _require_values_along_branch(dataset: xr.Dataset, variable: str) -> None:
+    """Refuse what a branch does not have real values of, at each point."""
+    values = dataset[variable] if variable in dataset.variables else None
+    if values is not None and ("point" not in values.dims or values.dtype.kind == "c"):
+        raise InputError(
+            "variable",
+            must="have a real value at each point of the branch",
+            got=f"{variable!r}, {values.dtype} along {', '.join(map(str, values.dims)) or 'none'}",
+            why="The branch is drawn at its values.",
+            fix="Pass for example 'amplitude'; rm.plot.multipliers draws those.",
+        )
 
 
 def _draw_branches(
