@@ -226,7 +226,10 @@ def test_an_incomplete_store_is_read_and_completed(whole: Path, tmp_path: Path) 
     assert content(path) == content(whole)
 
 
-@pytest.mark.parametrize(("kind", "status"), [("crash", "FAILED"), ("hang", "TIMEOUT")])
+@pytest.mark.parametrize(
+    ("kind", "status"),
+    [("crash", "FAILED"), pytest.param("hang", "TIMEOUT", marks=pytest.mark.slow)],
+)
 def test_a_point_that_takes_its_worker_down_is_given_up(
     whole: Path, tmp_path: Path, kind: str, status: str
 ) -> None:
@@ -236,7 +239,7 @@ def test_a_point_that_takes_its_worker_down_is_given_up(
         "REMANENT_TEST_BAD_POINT": kind,
         "DASK_DISTRIBUTED__WORKER__PRELOAD": "tests.faults.bad_point",
     }
-    seconds = {"seconds": 0.5} if kind == "hang" else {}
+    seconds = {"seconds": 3.0} if kind == "hang" else {}
     require_success(start(path, environment, workers=1, **seconds))
     _require_one_point_lost(path, whole, rm.Status[status])
 
