@@ -226,10 +226,8 @@ def test_an_incomplete_store_is_read_and_completed(whole: Path, tmp_path: Path) 
     assert content(path) == content(whole)
 
 
-@pytest.mark.parametrize(
-    ("kind", "status"),
-    [("crash", "FAILED"), pytest.param("hang", "TIMEOUT", marks=pytest.mark.slow)],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize(("kind", "status"), [("crash", "FAILED"), ("hang", "TIMEOUT")])
 def test_a_point_that_takes_its_worker_down_is_given_up(
     whole: Path, tmp_path: Path, kind: str, status: str
 ) -> None:
