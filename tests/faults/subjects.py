@@ -103,7 +103,7 @@ def sound_sweep() -> dict[str, Any]:
     """A study that is cheap; a store is made in the folder of the call."""
     system, drive = rm.Actuator(dissipation=rm.Rayleigh(0.1)), rm.SineSquared(0.4, 1.25)
     return {"system": system, "drive": drive, "over": {"b": [0.3, 0.4]}, "verb": "cycle_losses",
-            "periods": 2, "store": "study.zarr"}  # fmt: skip
+            "periods": 2, "store": f"{mkdtemp()}/study.zarr"}  # fmt: skip
 
 
 def others() -> list[Subject]:
