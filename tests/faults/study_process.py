@@ -88,7 +88,9 @@ def main(
             ids = [worker.process.pid for worker in running if worker.process is not None]
             path.with_suffix(".workers").write_text(" ".join(map(str, ids)))
 
-        dask_engine.run_on_workers(store, client, (index, count), report, float(seconds or "inf"))
+        dask_engine.run_on_workers(
+            store, client, (index, count), report, float(seconds) if seconds else None
+        )
 
 
 if __name__ == "__main__":

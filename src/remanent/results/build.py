@@ -15,7 +15,7 @@ from remanent._errors import InputError
 from remanent.models.variable_text import VariableText
 from remanent.results.schema import FLAG_MEANINGS, describe, flag_attributes
 
-__all__ = ["Labelled", "dataset", "with_labels"]
+__all__ = ["Labelled", "dataset", "padding_of", "with_labels"]
 
 #: Dimension names and values, as xarray takes them.
 Labelled = tuple[tuple[str, ...], NDArray[Any]]
@@ -23,6 +23,10 @@ Labelled = tuple[tuple[str, ...], NDArray[Any]]
 OwnTexts = Mapping[str, VariableText]
 #: Nothing of one's own.
 _NO_OWN_TEXTS: Final[OwnTexts] = MappingProxyType({})
+#: What stands where an array ends before others, by the kind of its numbers.
+_PADDING: Final[Mapping[str, Any]] = MappingProxyType(
+    {"f": np.nan, "c": complex(np.nan, 0.0), "i": -1, "b": False, **dict.fromkeys("UTO", "")}
+)
 
 
 def dataset(
@@ -74,6 +78,11 @@ def dataset(
         },
         attrs=dict(provenance),
     )
+
+
+def padding_of(dtype: np.dtype[Any]) -> Any:
+    """What says nothing among values of a type: NaN, -1, False or empty text."""
+    return _PADDING[dtype.kind]
 
 
 def with_labels(result: xr.Dataset, labels: Mapping[str, Labelled]) -> xr.Dataset:

@@ -14,7 +14,7 @@ import xarray as xr
 from remanent._errors import InputError, error_sentence, shortened_repr
 from remanent.results import mat, netcdf, stores, table
 
-__all__ = ["load", "save"]
+__all__ = ["load", "require_path", "save"]
 
 #: The module that writes and reads files of each ending.
 _FORMAT_MODULES: Final[Mapping[str, ModuleType]] = MappingProxyType(
@@ -94,7 +94,7 @@ def save(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
             why="Files know no other names.",
             fix="Rename it: dataset.rename({...}).",
         )
-    target = _require_path(path)
+    target = require_path("path", path)
     module = _format_module(target)
     if not target.parent.is_dir():
         raise InputError(
@@ -134,7 +134,7 @@ def load(path: str | os.PathLike[str]) -> xr.Dataset:
     save : the way there.
     read_measurements : to read CSV and MAT files of other origin.
     """
-    source = _require_path(path)
+    source = require_path("path", path)
     is_store = stores.is_store(source)
     module = stores if is_store else _format_module(source)
     if not is_store and not source.is_file():
@@ -152,15 +152,15 @@ def load(path: str | os.PathLike[str]) -> xr.Dataset:
     return dataset
 
 
-def _require_path(path: object) -> Path:
-    """A path in text or as an object."""
-    if not isinstance(path, str | os.PathLike) or "\0" in str(path):
+def require_path(name: str, path: object) -> Path:
+    """A path in text or as an object; anything else, and nothing but blanks, is refused."""
+    if not isinstance(path, str | os.PathLike) or "\0" in str(path) or not str(path).strip():
         raise InputError(
-            "path",
+            name,
             must="be a path",
             got=shortened_repr(path),
-            why="It says where the file is.",
-            fix="Pass for example 'result.nc'.",
+            why="It says where results are.",
+            fix="Pass for example 'result.nc', or 'chart.zarr' for a store.",
         )
     return Path(path)
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from types import MappingProxyType
 from typing import Any, TypeVar
 
 import numpy as np
@@ -11,14 +10,11 @@ from numpy.typing import NDArray
 
 from remanent._errors import InputError
 from remanent._threads import StoppableThreads
+from remanent.results.build import padding_of
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.progress import ProgressFunction
 
 MemberResult = TypeVar("MemberResult")
-#: What stands where an array ends before others, by the kind of its numbers.
-PADDING_OF_DTYPE_KIND = MappingProxyType(
-    {"f": np.nan, "c": complex(np.nan, 0.0), "i": -1, "U": "", "b": False}
-)
 
 
 def map_members_in_threads(
@@ -79,7 +75,7 @@ def stack_padded(arrays: Sequence[NDArray[Any]], shortest: NDArray[Any]) -> NDAr
     """
     shape = np.max([np.shape(a) for a in (*arrays, shortest)], axis=0, initial=0)
     kind = np.result_type(shortest, *arrays)
-    stacked = np.full((len(arrays), *shape), PADDING_OF_DTYPE_KIND[kind.kind], dtype=kind)
+    stacked = np.full((len(arrays), *shape), padding_of(kind), dtype=kind)
     for row, array in zip(stacked, arrays, strict=True):
         row[tuple(slice(n) for n in np.shape(array))] = array
     return stacked

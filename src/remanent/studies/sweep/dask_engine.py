@@ -10,6 +10,7 @@ from typing import Any, Final
 
 from remanent._errors import InputError, RemanentError
 from remanent._machine import THREADS_VARIABLE, available_processor_count
+from remanent.studies.sweep.chunks import smallest_part
 from remanent.studies.sweep.run import (
     Meter,
     ReportProgress,
@@ -156,7 +157,9 @@ def compute_task(
     """Compute one task of the store at a path, in the process of a worker; the seconds it took."""
     if path not in _opened:
         _opened.clear()
-        _opened[path] = open_store(Path(path))
+        _opened[path] = store = open_store(Path(path))
+        # The cap is on computing: what has to be compiled is compiled before.
+        store.study.result_of(smallest_part(store.study.verb, store.study.grid))
     begin = time.perf_counter()
     TaskRunner(_opened[path], point_seconds).compute(tuple(first), count)
     return time.perf_counter() - begin

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from remanent._errors import RemanentError
 from remanent.analysis.orbits.stability import Stability
 from remanent.analysis.regimes.labels import Regime
+from remanent.results.build import padding_of
 from remanent.results.stores import FLAG_LABELS, TEXT_DTYPE
-from remanent.studies.orbits._members import PADDING_OF_DTYPE_KIND
 
 _REGIMES: Final = tuple(one.meaning for one in Regime)
 #: Words that a variable can have; other text is kept as text.
@@ -58,7 +58,7 @@ def stored_dtype(name: str, dtype: np.dtype[Any]) -> Any:
 
 def stored_attributes(name: str, variable: xr.Variable) -> dict[str, Any]:
     """Attributes of a stored variable, with what a reader needs to have the words back."""
-    attributes = {str(key): _plain_attribute(value) for key, value in variable.attrs.items()}
+    attributes = {str(key): plain_attribute(value) for key, value in variable.attrs.items()}
     words = WORDS.get(name)
     if variable.dtype.kind in "UTO" and words:
         attributes |= {
@@ -75,10 +75,9 @@ def fill_value(name: str, dtype: np.dtype[Any]) -> Any:
     """What stands where nothing was computed: NaN, -1, no text; status 0, not computed."""
     if name.endswith("status"):
         return 0
-    if dtype.kind in "UTO":
-        return -1 if name in WORDS else ""
-    return PADDING_OF_DTYPE_KIND[dtype.kind]
+    return -1 if dtype.kind in "UTO" and name in WORDS else padding_of(dtype)
 
 
-def _plain_attribute(value: Any) -> Any:
+def plain_attribute(value: Any) -> Any:
+    """An attribute as JSON holds it: arrays and NumPy's numbers as those of Python."""
     return value.tolist() if isinstance(value, np.ndarray | np.generic) else value

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterable, Mapping, Sequence
-from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from remanent._errors import RemanentError
-from remanent.studies.orbits._members import PADDING_OF_DTYPE_KIND
+from remanent.results.build import padding_of
 from remanent.studies.sweep.grid import Grid, GridPart
 
 
@@ -67,7 +65,7 @@ def _joined_variable(
     if not set(first.dims) & set(grid.dims):
         return _shared_variable(name, [variable for _, variable in owners])
     dtype = np.result_type(*(variable.dtype for _, variable in owners))
-    values = padding([sizes[dim] for dim in first.dims], dtype)
+    values = np.full([sizes[dim] for dim in first.dims], padding_of(dtype), dtype=dtype)
     for part, variable in owners:
         slices = dict(zip(grid.dims, part, strict=True))
         place = tuple(
@@ -76,11 +74,6 @@ def _joined_variable(
         )
         values[place] = variable.values
     return xr.Variable(first.dims, values, first.attrs)
-
-
-def padding(shape: Sequence[int], dtype: np.dtype[Any]) -> NDArray[Any]:
-    """An array that says nothing: NaN, -1 or empty text."""
-    return np.full(shape, PADDING_OF_DTYPE_KIND[dtype.kind], dtype=dtype)
 
 
 def _shared_variable(name: str, variables: Sequence[xr.Variable]) -> xr.Variable:

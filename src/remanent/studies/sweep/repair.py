@@ -11,11 +11,11 @@ import numpy as np
 
 from remanent.results.stores import LENGTH_ENDING
 from remanent.studies.sweep.chunks import smallest_part
+from remanent.studies.sweep.layout import create_store
 from remanent.studies.sweep.run import ReportProgress, run_here, writable_store
 from remanent.studies.sweep.store import (
     BOOKKEEPING,
     Store,
-    create_store,
     open_store,
     seal_description,
 )

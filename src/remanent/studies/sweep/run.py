@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+import shutil
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
+from filelock import FileLock
+
 from remanent._errors import InputError
 from remanent.studies.sweep.chunks import smallest_part
+from remanent.studies.sweep.layout import create_store
 from remanent.studies.sweep.locks import sole_writer
 from remanent.studies.sweep.store import (
     Store,
-    create_store,
+    is_store_of_study,
     open_store,
     partial_files,
     require_same,
@@ -82,9 +86,7 @@ def writable_store(path: Path, study: Study, part: tuple[int, int] = (1, 1)) -> 
 
 def _create_if_missing(path: Path, study: Study) -> None:
     """Make the store; where several processes begin at once, one makes it and the others wait."""
-    from filelock import FileLock
-
-    if (path / "bookkeeping" / "description.sha256").exists():
+    if is_store_of_study(path):
         return
     if path.exists() and not path.is_dir():
         raise InputError(
@@ -96,7 +98,7 @@ def _create_if_missing(path: Path, study: Study) -> None:
         )
     path.parent.mkdir(parents=True, exist_ok=True)
     with FileLock(path.with_name(f".{path.name}.lock")) as lock:
-        if not (path / "bookkeeping" / "description.sha256").exists():
+        if not is_store_of_study(path):
             _require_empty(path)
             template = study.result_of(smallest_part(study.verb, study.grid))
             create_store(path, study, template)
@@ -105,8 +107,6 @@ def _create_if_missing(path: Path, study: Study) -> None:
 
 def _require_empty(path: Path) -> None:
     """Refuse a folder with other content; what a killed process began of a store is removed."""
-    import shutil
-
     if not path.exists():
         return
     content = list(path.iterdir())

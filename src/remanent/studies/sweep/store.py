@@ -22,7 +22,7 @@ from __future__ import annotations
 import hashlib
 import json
 import warnings
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -35,33 +35,21 @@ from numpy.typing import NDArray
 
 from remanent._errors import InputError, RemanentError
 from remanent.results.atomic import atomic_replacement
-from remanent.results.schema import describe
-from remanent.results.stores import LENGTH_ENDING, SCHEMA_VERSION, require_readable_version
-from remanent.studies.sweep.chunks import Chunking, chunking
-from remanent.studies.sweep.encoding import (
-    fill_value,
-    stored_attributes,
-    stored_dtype,
-    stored_values,
-)
+from remanent.results.stores import LENGTH_ENDING, require_readable_version
+from remanent.studies.sweep.chunks import Chunking
+from remanent.studies.sweep.encoding import stored_values
 from remanent.studies.sweep.grid import GridPart
+from remanent.studies.sweep.lists import list_lengths
 from remanent.studies.sweep.study import Study, code_identity, study_from_plain
 
 #: Group for what is no result.
 BOOKKEEPING: Final = "bookkeeping"
-#: Entries along dimensions of lists that make a chunk.
-_LIST_CHUNKS: Final[Mapping[str, int]] = {
-    "point": 64, "crossing": 64, "orbit": 8, "special": 8, "branch": 4, "peak": 4, "end": 2,
-    "equilibrium": 4, "step": 4, "fold": 4, "snap": 2, "attractor": 4,
-}  # fmt: skip
 #: File with the checksum of the description.
 _CHECKSUM_FILE: Final = "description.sha256"
 #: Text that verbs add only where there is something to say.
-_OPTIONAL: Final = "reason"
+OPTIONAL: Final = "reason"
 #: Seconds to wait for another process that makes an array longer.
 _LOCK_SECONDS: Final = 60.0
-#: Level of compression.
-_ZSTD_LEVEL: Final = 3
 
 
 @dataclass(frozen=True)
@@ -103,32 +91,37 @@ class Store:
 
     def write(self, part: GridPart, result: xr.Dataset) -> None:
         """Write the result of whole chunks: everything else first, the status last."""
-        lengths = _list_lengths(result, self.grid_dims)
+        lengths = list_lengths(result, self.grid_dims)
         self._make_longer(result)
         variables = {
             str(name): variable
             for name, variable in result.variables.items()
             if set(variable.dims) & set(self.grid_dims) and name not in self.grid_dims
         }
-        if _OPTIONAL in self.names and _OPTIONAL not in variables:
+        if OPTIONAL in self.names and OPTIONAL not in variables:
             status = variables["status"]
-            variables[_OPTIONAL] = xr.Variable(
-                self.array(_OPTIONAL).metadata.dimension_names,
-                np.full(self._shape_of(_OPTIONAL, part, status), "", dtype="U1"),
+            variables[OPTIONAL] = xr.Variable(
+                self.array(OPTIONAL).metadata.dimension_names,
+                np.full(self._shape_of(OPTIONAL, part, status), "", dtype="U1"),
             )
         longest = {dim: int(array.max(initial=0)) for dim, array in lengths.items()}
         for name in sorted(variables):
             if name != "status":
                 self._write_variable(name, variables[name], part, longest)
-        grid_part = dict(zip(self.grid_dims, part, strict=True))
         for dim, values in lengths.items():
-            self.array(f"{dim}{LENGTH_ENDING}")[tuple(grid_part.values())] = values
+            self.array(f"{dim}{LENGTH_ENDING}")[part] = values
         self._write_variable("status", variables["status"], part, longest)
 
     def _shape_of(self, name: str, part: GridPart, status: xr.Variable) -> list[int]:
         sizes = {dim: s.stop - s.start for dim, s in zip(self.grid_dims, part, strict=True)}
         sizes = {**dict(zip(map(str, status.dims), status.shape, strict=True)), **sizes}
         return [sizes[dim] for dim in self.array(name).metadata.dimension_names]
+
+    def place_of(self, name: str, part: GridPart) -> tuple[slice, ...]:
+        """Where the values of a part of the grid are in an array."""
+        slices = dict(zip(self.grid_dims, part, strict=True))
+        dims = self.array(name).metadata.dimension_names
+        return tuple(slices.get(dim, slice(None)) for dim in dims)
 
     def _write_variable(
         self, name: str, variable: xr.Variable, part: GridPart, longest: Mapping[str, int]
@@ -186,59 +179,11 @@ class Store:
 
     def status_of(self, part: GridPart) -> NDArray[np.int8]:
         """The status of a part of the grid."""
-        array = self.array("status")
-        slices = dict(zip(self.grid_dims, part, strict=True))
-        dims = array.metadata.dimension_names
-        return np.asarray(array[tuple(slices.get(dim, slice(None)) for dim in dims)])
+        return np.asarray(self.array("status")[self.place_of("status", part)])
 
     def forget(self, chunk: tuple[int, ...]) -> None:
         """Say that a chunk is not computed."""
-        array = self.array("status")
-        slices = dict(zip(self.grid_dims, self.chunking.part_of(chunk), strict=True))
-        dims = array.metadata.dimension_names
-        array[tuple(slices.get(dim, slice(None)) for dim in dims)] = 0
-
-
-def create_store(path: Path, study: Study, template: xr.Dataset) -> Store:
-    """An empty store for a study.
-
-    Parameters
-    ----------
-    path : Path
-        A folder that does not exist, or is empty.
-    study : Study
-    template : xarray.Dataset
-        What the verb gives for a part of the grid.
-    """
-    store = Store(path, study, chunking(study.verb, study.grid, _bytes_per_point(study, template)))
-    path.mkdir(parents=True, exist_ok=True)
-    write_layout(store, template)
-    return store
-
-
-def write_layout(store: Store, template: xr.Dataset) -> None:
-    """Write what a store has before anything is computed; the study's copy comes last."""
-    import zarr
-
-    study, path = store.study, store.path
-    group = zarr.create_group(str(path), zarr_format=3, overwrite=False)
-    group.create_group(BOOKKEEPING)
-    attributes = {
-        **{str(key): value for key, value in template.attrs.items()},
-        "study": study.text,
-        "study_digest": study.digest,
-        "schema_version": SCHEMA_VERSION,
-        "coordinate_names": sorted(map(str, template.coords)),
-        "has_reason": _OPTIONAL in template,
-        **{f"code_{key}": value for key, value in code_identity().items()},
-    }
-    group.attrs.update({k: _plain(v) for k, v in attributes.items()})
-    for name, variable in _all_variables(study, template).items():
-        _create_array(group, store, name, variable)
-    text = json.dumps({"study": study.plain, "schema_version": SCHEMA_VERSION}, ensure_ascii=False)
-    with atomic_replacement(store.bookkeeping / "study.json") as file:
-        file.write_text(text, encoding="utf-8")
-    seal_description(path)
+        self.array("status")[self.place_of("status", self.chunking.part_of(chunk))] = 0
 
 
 def open_store(path: Path) -> Store:
@@ -274,7 +219,7 @@ def open_store(path: Path) -> Store:
 def _open_group(path: Path) -> Any:
     import zarr
 
-    return zarr.open_group(str(path), mode="r+", zarr_format=3, use_consolidated=False)
+    return zarr.open_group(str(path), mode="r", zarr_format=3, use_consolidated=False)
 
 
 def _open_array(path: Path) -> Any:
@@ -323,112 +268,14 @@ def _checksum(path: Path) -> str:
     return hashlib.sha256(content).hexdigest()
 
 
-def _all_variables(study: Study, template: xr.Dataset) -> dict[str, xr.Variable]:
-    """All arrays of a store, with the values that all points share; along the grid only a part."""
-    grid = study.grid
-    variables = {str(name): variable for name, variable in template.variables.items()}
-    status = variables["status"]
-    if _OPTIONAL not in variables:
-        along_grid = [dim for dim in status.dims if dim in grid.dims]
-        nothing = np.full([status.sizes[dim] for dim in along_grid], "")
-        variables[_OPTIONAL] = xr.Variable(along_grid, nothing, _reason_attributes())
-    for dim in _list_dims(template, grid.dims):
-        variables[f"{dim}{LENGTH_ENDING}"] = xr.Variable(
-            grid.dims,
-            np.zeros([1] * len(grid.dims), dtype=np.int32),
-            {"units": "1", "long_name": f"entries along {dim}", "symbol": ""},
-        )
-    for name, (dims, values) in {**grid.fields.arrays, **grid.fields.labels}.items():
-        if name in variables or name in grid.dims:
-            attributes = variables[name].attrs if name in variables else {}
-            variables[name] = xr.Variable(dims, values, attributes)
-    return variables
-
-
-def _create_array(group: Any, store: Store, name: str, variable: xr.Variable) -> None:
-    from zarr.codecs import Crc32cCodec, ZstdCodec
-
-    grid = dict(zip(store.grid_dims, store.study.grid.shape, strict=True))
-    grid_chunks = dict(zip(store.grid_dims, store.chunking.shape, strict=True))
-    dims = tuple(map(str, variable.dims))
-    is_known = name in store.study.grid.fields.arrays or not set(dims) & set(grid)
-    is_known = is_known or name in grid
-    sizes = {str(dim): size for dim, size in variable.sizes.items()}
-    array = group.create_array(
-        name,
-        shape=tuple(grid.get(dim, sizes[dim]) for dim in dims),
-        chunks=tuple(
-            (grid if is_known else grid_chunks).get(dim, _LIST_CHUNKS.get(dim, max(sizes[dim], 1)))
-            for dim in dims
-        ),
-        dtype=stored_dtype(name, variable.dtype),
-        fill_value=fill_value(name, variable.dtype),
-        compressors=[ZstdCodec(level=_ZSTD_LEVEL), Crc32cCodec()],
-        dimension_names=dims,
-        attributes=stored_attributes(name, variable),
-        config={"write_empty_chunks": True},
-    )
-    if is_known and variable.size:
-        array[...] = stored_values(name, variable.values)
-
-
-def _list_dims(result: xr.Dataset, grid_dims: Sequence[str]) -> list[str]:
-    return sorted(
-        str(dim) for dim in result.dims if dim not in grid_dims and str(dim) in _LIST_CHUNKS
-    )
-
-
-def _list_lengths(result: xr.Dataset, grid_dims: Sequence[str]) -> dict[str, NDArray[np.int32]]:
-    """How many entries the list of each point has: up to the last that says something."""
-    shape = [result.sizes[dim] for dim in grid_dims]
-    lengths: dict[str, NDArray[np.int32]] = {}
-    for dim in _list_dims(result, grid_dims):
-        length = np.zeros(shape, dtype=np.int32)
-        for variable in result.data_vars.values():
-            if dim in variable.dims and set(variable.dims) & set(grid_dims):
-                length = np.maximum(length, _lengths_by(variable.variable, dim, grid_dims, shape))
-        lengths[dim] = length
-    return lengths
-
-
-def _lengths_by(
-    variable: xr.Variable, dim: str, grid_dims: Sequence[str], shape: Sequence[int]
-) -> NDArray[np.int32]:
-    """The length of the list of each point by one of its variables."""
-    if not variable.sizes[dim]:
-        return np.zeros(shape, dtype=np.int32)
-    values = variable.values
-    nothing = "" if values.dtype.kind in "UTO" else fill_value("", values.dtype)
-    said = xr.Variable(
-        variable.dims, ~np.isnan(values) if values.dtype.kind in "fc" else values != nothing
-    )
-    numbers = xr.Variable((dim,), np.arange(1, variable.sizes[dim] + 1, dtype=np.int32))
-    present = [d for d in grid_dims if d in variable.dims]
-    further = [d for d in variable.dims if d not in present]
-    table = (said * numbers).transpose(*present, *further).values
-    last = table.max(axis=tuple(range(len(present), table.ndim)), initial=0)
-    index = tuple(slice(None) if d in present else np.newaxis for d in grid_dims)
-    return np.broadcast_to(last[index], shape).astype(np.int32)
-
-
-def _reason_attributes() -> dict[str, str]:
-    return describe(_OPTIONAL).attributes()
-
-
-def _bytes_per_point(study: Study, template: xr.Dataset) -> int:
-    """Bytes of the largest variable for one point of the grid."""
-    points = max(int(np.prod([template.sizes.get(dim, 1) for dim in study.grid.dims])), 1)
-    sizes = (v.nbytes for v in template.data_vars.values() if set(v.dims) & set(study.grid.dims))
-    return max(sizes, default=8) // points
-
-
-def _plain(value: Any) -> Any:
-    return value.tolist() if isinstance(value, np.ndarray | np.generic) else value
-
-
 def partial_files(path: Path) -> Iterable[Path]:
     """Files that a process was writing when it was killed."""
     return path.rglob("*.partial")
+
+
+def is_store_of_study(path: Path) -> bool:
+    """Whether a store was made there to the end, whatever became of it."""
+    return (path / BOOKKEEPING / _CHECKSUM_FILE).exists()
 
 
 def require_same(store: Store, study: Study) -> None:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
-from pathlib import Path
+from os import PathLike
 from typing import Any
 
 import xarray as xr
@@ -13,6 +12,7 @@ from remanent._errors import InputError, shortened_repr
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.results import stores
+from remanent.results.files import require_path
 from remanent.studies.ensemble.over import OverArgument
 from remanent.studies.ensemble.progress import ProgressArgument, as_progress
 from remanent.studies.sweep.dask_engine import run_on_workers
@@ -26,7 +26,7 @@ def sweep(
     over: OverArgument,
     verb: str | Callable[..., xr.Dataset],
     *,
-    store: str | os.PathLike[str] | None = None,
+    store: str | PathLike[str] | None = None,
     client: Any = None,
     progress: ProgressArgument = None,
     **options: Any,
@@ -84,7 +84,7 @@ def sweep(
     if store is None:
         _require_no_client(client)
         return study.result_of(study.grid.whole, report)
-    path = _as_path(store)
+    path = require_path("store", store)
     _require_client(client)
 
     def tell(state: Progress) -> None:
@@ -119,15 +119,3 @@ def _require_client(client: Any) -> None:
             why="Its workers compute the tasks.",
             fix="Pass distributed.Client('tcp://host:8786'), or leave it out for this process.",
         )
-
-
-def _as_path(store: object) -> Path:
-    if not isinstance(store, str | os.PathLike) or "\0" in str(store) or not str(store).strip():
-        raise InputError(
-            "store",
-            must="be a path",
-            got=shortened_repr(store),
-            why="It says where the folder with the results is.",
-            fix="Pass for example 'chart.zarr'.",
-        )
-    return Path(store)

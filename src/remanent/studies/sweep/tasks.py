@@ -15,9 +15,11 @@ import numpy as np
 import xarray as xr
 
 from remanent._status import Status
+from remanent.results.build import padding_of
+from remanent.results.stores import LENGTH_ENDING
 from remanent.studies.sweep.attempts import MAX_FAILURES, Attempts
 from remanent.studies.sweep.grid import GridPart
-from remanent.studies.sweep.joining import join_parts, padding
+from remanent.studies.sweep.joining import join_parts
 from remanent.studies.sweep.store import Store
 from remanent.studies.sweep.study import WHOLE_GRID_VERBS
 
@@ -187,8 +189,12 @@ def _nothing(store: Store, part: GridPart) -> xr.Dataset:
     for name in store.names:
         array = store.array(name)
         dims = array.metadata.dimension_names
-        if set(dims) & set(sizes) and name not in store.grid_dims and not name.endswith("_length"):
+        if (
+            set(dims) & set(sizes)
+            and name not in store.grid_dims
+            and not name.endswith(LENGTH_ENDING)
+        ):
             shape = [sizes.get(dim, have) for dim, have in zip(dims, array.shape, strict=True)]
             dtype = np.dtype("U1") if array.dtype.kind in "OT" else array.dtype
-            variables[name] = xr.Variable(dims, padding(shape, dtype))
+            variables[name] = xr.Variable(dims, np.full(shape, padding_of(dtype), dtype=dtype))
     return xr.Dataset(variables)

@@ -14,7 +14,7 @@ import numpy as np
 
 from remanent._errors import InputError, RemanentError
 from remanent.results.stores import LENGTH_ENDING, require_readable_version
-from remanent.studies.sweep.store import Store, description_is_sound, open_store
+from remanent.studies.sweep.store import BOOKKEEPING, Store, description_is_sound, open_store
 from remanent.studies.sweep.study import Study, study_from_plain
 
 
@@ -127,7 +127,7 @@ def study_of_store(path: Path) -> Study:
 
 
 def _study_by_copy(path: Path) -> Study:
-    text = (path / "bookkeeping" / "study.json").read_text(encoding="utf-8")
+    text = (path / BOOKKEEPING / "study.json").read_text(encoding="utf-8")
     return study_from_plain(json.loads(text)["study"])
 
 
