@@ -164,7 +164,10 @@ def _rate(state: Progress, before: str = "") -> str:
 @click.argument("store", type=click.Path(exists=True, file_okay=False, path_type=Path))
 @click.option("--repair", is_flag=True, help="Compute again what is damaged or missing.")
 def verify(store: Path, repair: bool) -> None:
-    """Read a whole store: exit status 0 when whole, 1 when damaged, 3 when incomplete."""
+    """Read a whole store, and say what is damaged or missing.
+
+    The exit status is 0 when it is whole, 1 when damaged and 3 when incomplete.
+    """
     from remanent.studies.sweep.verify import verify_store
 
     found = verify_store(store)

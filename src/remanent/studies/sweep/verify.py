@@ -57,7 +57,7 @@ class Findings:
     def text(self) -> str:
         """What was found, for people."""
         if self.integrity is Integrity.WHOLE:
-            return f"whole and complete: {self.chunk_count} chunks"
+            return f"whole and complete: {self.chunk_count} of {self.chunk_count} chunks"
         parts = [self.description] if self.description else []
         if self.damaged:
             parts.append(f"{len(self.damaged)} of {self.chunk_count} chunks are damaged")
