@@ -1,6 +1,7 @@
 """Preloaded by workers, and by processes that say so: one point of the grid is their undoing.
 
-``REMANENT_TEST_BAD_POINT`` says how: ``crash`` kills the process, ``hang`` never comes back.
+``REMANENT_TEST_BAD_POINT`` says how: ``crash`` kills the process, ``hang`` never comes back;
+``REMANENT_TEST_BAD_OMEGA`` says at which point.
 """
 
 from __future__ import annotations
@@ -16,17 +17,16 @@ import xarray as xr
 
 from remanent.studies.sweep.study import Study
 
-#: Values of the grid of the study of these tests at which it happens: b and omega.
-B, OMEGA = 0.2, 1.2
-
-#: The variable of the environment that says how.
-VARIABLE = "REMANENT_TEST_BAD_POINT"
+#: The variables of the environment that say how, and at which omega; b is the first one.
+VARIABLE, OMEGA = "REMANENT_TEST_BAD_POINT", "REMANENT_TEST_BAD_OMEGA"
+B = 0.2
 
 _result_over = Study.result_over
 
 
 def _result_or_trouble(self: Study, over: Mapping[str, Any], progress: Any = None) -> xr.Dataset:
-    near = [np.isclose(over[name], value).any() for name, value in (("b", B), ("omega", OMEGA))]
+    bad = {"b": B, "omega": float(os.environ[OMEGA])}
+    near = [np.isclose(over[name], value).any() for name, value in bad.items()]
     if all(near):
         _trouble(os.environ[VARIABLE])
     return _result_over(self, over, progress)

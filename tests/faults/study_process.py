@@ -18,6 +18,7 @@ import numpy as np
 import remanent as rm
 from remanent.studies.sweep import dask_engine
 from remanent.studies.sweep.run import run_here, writable_store
+from remanent.studies.sweep.sample import sample_on
 from remanent.studies.sweep.study import Study
 
 ROOT = Path(__file__).parents[2]
@@ -75,13 +76,16 @@ def main(
     """Fill the store at a path; the process ids of workers go to a file beside it."""
     index, count = map(int, part.split("/"))
     with ExitStack() as stack:
-        store = stack.enter_context(writable_store(path, study(int(points)), (index, count)))
         if not workers:
             if "REMANENT_TEST_BAD_POINT" in os.environ:
                 importlib.import_module("tests.faults.bad_point")
+            store = stack.enter_context(writable_store(path, study(int(points)), (index, count)))
             run_here(store, (index, count))
             return
         client = stack.enter_context(dask_engine.local_workers(int(workers)))
+        store = stack.enter_context(
+            writable_store(path, study(int(points)), (index, count), sample_on(client))
+        )
 
         def report(_state: object) -> None:
             running = client.cluster.workers.values()

@@ -20,6 +20,7 @@ import xarray as xr
 from tests.faults.study_process import computed_points, content, main, start, study
 
 import remanent as rm
+from remanent.studies.sweep import dask_engine
 from remanent.studies.sweep.repair import repair_store
 from remanent.studies.sweep.run import run_here, writable_store
 from remanent.studies.sweep.verify import Integrity, verify_store
@@ -227,35 +228,58 @@ def test_an_incomplete_store_is_read_and_completed(whole: Path, tmp_path: Path) 
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("kind", "status"), [("crash", "FAILED"), ("hang", "TIMEOUT")])
+@pytest.mark.parametrize(
+    ("kind", "place", "status"),
+    [("crash", 3, "FAILED"), ("hang", 3, "TIMEOUT"), ("crash", 0, "FAILED")],
+)
 def test_a_point_that_takes_its_worker_down_is_given_up(
-    whole: Path, tmp_path: Path, kind: str, status: str
+    whole: Path, tmp_path: Path, kind: str, place: int, status: str
 ) -> None:
     """After three failures; all other points are as they are without it."""
     path = tmp_path / "bad.zarr"
     environment = {
-        "REMANENT_TEST_BAD_POINT": kind,
+        **_bad_point(kind, place),
         "DASK_DISTRIBUTED__WORKER__PRELOAD": "tests.faults.bad_point",
     }
     seconds = {"seconds": 3.0} if kind == "hang" else {}
     require_success(start(path, environment, workers=1, **seconds))
-    _require_one_point_lost(path, whole, rm.Status[status])
+    _require_one_point_lost(path, whole, place, rm.Status[status])
 
 
-def test_a_point_that_takes_this_process_down_is_given_up(whole: Path, tmp_path: Path) -> None:
+def test_a_worker_that_dask_has_lost_is_replaced(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Dask gives up a worker that is long in coming back; its tasks would wait for ever."""
+    monkeypatch.setattr(dask_engine, "_LOST_AFTER_SECONDS", 0.5)
+    monkeypatch.setattr(dask_engine, "_REPLACED_EVERY_SECONDS", 0.2)
+    with dask_engine.local_workers(1) as client:
+        first = client.submit(os.getpid, pure=False).result(60)
+        (nanny,) = client.cluster.workers.values()
+        client.cluster.sync(nanny.close)
+        assert client.submit(os.getpid, pure=False).result(60) != first
+
+
+@pytest.mark.parametrize("place", [3, pytest.param(0, marks=pytest.mark.slow)])
+def test_a_point_that_takes_this_process_down_is_given_up(
+    whole: Path, tmp_path: Path, place: int
+) -> None:
     """Each run gets as far as the point, and the one after the third failure passes it."""
     path = tmp_path / "bad.zarr"
     for _ in range(12):
-        process = start(path, {"REMANENT_TEST_BAD_POINT": "crash"})
+        process = start(path, _bad_point("crash", place))
         process.communicate(timeout=300)
         if process.returncode == 0:
             break
-    _require_one_point_lost(path, whole, rm.Status.FAILED)
+    _require_one_point_lost(path, whole, place, rm.Status.FAILED)
 
 
-def _require_one_point_lost(path: Path, whole: Path, status: rm.Status) -> None:
+def _bad_point(kind: str, place: int) -> dict[str, str]:
+    """Variables of the environment: what happens, and at which place along omega."""
+    omega = study().grid.fields.arrays["omega"][1][place]
+    return {"REMANENT_TEST_BAD_POINT": kind, "REMANENT_TEST_BAD_OMEGA": repr(float(omega))}
+
+
+def _require_one_point_lost(path: Path, whole: Path, place: int, status: rm.Status) -> None:
     ds, expected = rm.load(path), rm.load(whole)
-    lost = {"b": [0], "omega": [3]}
+    lost = {"b": [0], "omega": [place]}
     assert int(ds.status.isel(lost).item()) == status
     assert "process" in ds.reason.isel(lost).item() or "cap" in ds.reason.isel(lost).item()
     assert int((ds.status != rm.Status.OK).sum()) == 1

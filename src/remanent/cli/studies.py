@@ -84,19 +84,24 @@ def _compute(
 ) -> None:
     from remanent.studies.sweep import run as runs
 
-    with runs.writable_store(path, described.study, part) as store:
-        if workers is None and scheduler is None:
+    if workers is None and scheduler is None:
+        with runs.writable_store(path, described.study, part) as store:
             runs.run_here(store, part, report)
-            return
-        from remanent.studies.sweep import dask_engine
+        return
+    from remanent.studies.sweep import dask_engine
+    from remanent.studies.sweep.sample import sample_on
 
-        clients = (
-            dask_engine.local_workers(workers)
-            if workers is not None
-            else dask_engine.client_of(str(scheduler))
-        )
-        with clients as client:
-            dask_engine.run_on_workers(store, client, part, report, described.point_seconds)
+    seconds = described.point_seconds
+    clients = (
+        dask_engine.local_workers(workers)
+        if workers is not None
+        else dask_engine.client_of(str(scheduler))
+    )
+    with (
+        clients as client,
+        runs.writable_store(path, described.study, part, sample_on(client, seconds)) as store,
+    ):
+        dask_engine.run_on_workers(store, client, part, report, seconds)
 
 
 @contextmanager

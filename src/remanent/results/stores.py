@@ -24,7 +24,7 @@ TEXT_DTYPE: Final = "remanent_dtype"
 #: Text that verbs add only where there is something to say.
 _OPTIONAL: Final = "reason"
 #: Attributes that only say how to read a store.
-_READING_ATTRIBUTES: Final = frozenset({"coordinate_names", "has_reason"})
+_READING_ATTRIBUTES: Final = frozenset({"coordinate_names", "has_reason", "sample_point"})
 
 
 def is_store(path: Path) -> bool:

@@ -8,7 +8,10 @@ then the points of a chunk, and a point is given up at its third failure.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+import os
+import signal
+import threading
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,6 +20,30 @@ from remanent.results.atomic import atomic_replacement
 
 #: Failures after which a point is given up.
 MAX_FAILURES = 3
+
+
+@contextmanager
+def ended_after(seconds: float, before: Callable[[], None] = lambda: None) -> Iterator[None]:
+    """End this process, which must be a worker, where the block takes longer.
+
+    Parameters
+    ----------
+    seconds : float
+    before : callable
+        Called right before the end.
+    """
+
+    def end() -> None:
+        before()
+        os.kill(os.getpid(), getattr(signal, "SIGKILL", signal.SIGTERM))
+
+    timer = threading.Timer(seconds, end)
+    timer.daemon = True
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
 
 
 @dataclass(frozen=True)

@@ -91,8 +91,3 @@ def chunking(verb: str, grid: Grid, bytes_per_point: int) -> Chunking:
     for axis in range(len(grid.shape) - 1, -1, -1):
         shape[axis] = max(1, min(grid.shape[axis], points // math.prod(shape)))
     return Chunking(grid, grid.shape if verb in WHOLE_GRID_VERBS else tuple(shape))
-
-
-def smallest_part(verb: str, grid: Grid) -> GridPart:
-    """The least part of a grid for which a verb can be called."""
-    return grid.whole if verb in WHOLE_GRID_VERBS else tuple(slice(0, 1) for _ in grid.shape)

@@ -10,7 +10,6 @@ from typing import Any, Final
 
 from remanent._errors import InputError, RemanentError
 from remanent._machine import THREADS_VARIABLE, available_processor_count
-from remanent.studies.sweep.chunks import smallest_part
 from remanent.studies.sweep.run import (
     Meter,
     ReportProgress,
@@ -19,7 +18,7 @@ from remanent.studies.sweep.run import (
     next_size,
     next_task,
 )
-from remanent.studies.sweep.store import Store, open_store
+from remanent.studies.sweep.store import Store, open_store, require_same
 from remanent.studies.sweep.tasks import TaskRunner
 
 #: Tasks that are given out for each worker: one that runs and one that waits.
@@ -28,6 +27,10 @@ _TASKS_PER_WORKER: Final = 2
 _TRIES_BY_DASK: Final = 10
 #: How often a task is given out anew before the run is given up.
 _MAX_TRIES: Final = 10
+#: After how long without a word a worker of this machine counts as lost, and how often lost
+#: workers are replaced.  A worker that died is back much sooner, unless the machine is busy.
+_LOST_AFTER_SECONDS: Final = 60.0
+_REPLACED_EVERY_SECONDS: Final = 5.0
 
 
 @contextmanager
@@ -53,6 +56,7 @@ def local_workers(count: int) -> Iterator[Any]:
         )
     settings = {
         "distributed.scheduler.allowed-failures": _TRIES_BY_DASK,
+        "distributed.deploy.lost-worker-timeout": f"{_LOST_AFTER_SECONDS}s",
         "distributed.worker.memory.target": False,
         "distributed.worker.memory.spill": False,
     }
@@ -63,9 +67,29 @@ def local_workers(count: int) -> Iterator[Any]:
             n_workers=count, threads_per_worker=1, host="127.0.0.1", dashboard_address=None,
             env=environment, silence_logs=50,
         ) as cluster,
+        _lost_workers_replaced(cluster, count),
         Client(cluster) as client,
     ):  # fmt: skip
         yield client
+
+
+@contextmanager
+def _lost_workers_replaced(cluster: Any, count: int) -> Iterator[None]:
+    """Keep the number of workers: Dask drops one that it lost, and starts none in its place."""
+    from tornado.ioloop import PeriodicCallback
+
+    async def start() -> None:
+        callback.start()
+
+    async def stop() -> None:
+        callback.stop()
+
+    callback = PeriodicCallback(lambda: cluster.scale(count), _REPLACED_EVERY_SECONDS * 1e3)
+    cluster.sync(start)
+    try:
+        yield
+    finally:
+        cluster.sync(stop)
 
 
 def run_on_workers(
@@ -157,9 +181,12 @@ def compute_task(
     """Compute one task of the store at a path, in the process of a worker; the seconds it took."""
     if path not in _opened:
         _opened.clear()
-        _opened[path] = store = open_store(Path(path))
-        # The cap is on computing: what has to be compiled is compiled before.
-        store.study.result_of(smallest_part(store.study.verb, store.study.grid))
+        store = open_store(Path(path))
+        require_same(store, store.study)
+        if point_seconds is not None:
+            # The cap is on computing: what has to be compiled is compiled before.
+            store.study.result_of(store.sampled_part)
+        _opened[path] = store
     begin = time.perf_counter()
     TaskRunner(_opened[path], point_seconds).compute(tuple(first), count)
     return time.perf_counter() - begin

@@ -21,6 +21,7 @@ from remanent.studies.sweep.encoding import (
     stored_values,
 )
 from remanent.studies.sweep.lists import LIST_CHUNKS, list_dims
+from remanent.studies.sweep.sample import Sample
 from remanent.studies.sweep.store import BOOKKEEPING, OPTIONAL, Store, seal_description
 from remanent.studies.sweep.study import Study, code_identity
 
@@ -28,7 +29,7 @@ from remanent.studies.sweep.study import Study, code_identity
 _ZSTD_LEVEL: Final = 3
 
 
-def create_store(path: Path, study: Study, template: xr.Dataset) -> Store:
+def create_store(path: Path, study: Study, sample: Sample) -> Store:
     """An empty store for a study.
 
     Parameters
@@ -36,20 +37,21 @@ def create_store(path: Path, study: Study, template: xr.Dataset) -> Store:
     path : Path
         A folder that does not exist, or is empty.
     study : Study
-    template : xarray.Dataset
+    sample : Sample
         What the verb gives for a part of the grid.
     """
+    template = sample.result
     store = Store(path, study, chunking(study.verb, study.grid, _bytes_per_point(study, template)))
     path.mkdir(parents=True, exist_ok=True)
-    _write_layout(store, template)
+    _write_layout(store, sample)
     return store
 
 
-def _write_layout(store: Store, template: xr.Dataset) -> None:
+def _write_layout(store: Store, sample: Sample) -> None:
     """Write what a store has before anything is computed; the study's copy comes last."""
     import zarr
 
-    study, path = store.study, store.path
+    study, path, template = store.study, store.path, sample.result
     group = zarr.create_group(str(path), zarr_format=3, overwrite=False)
     group.create_group(BOOKKEEPING)
     attributes = {
@@ -59,6 +61,7 @@ def _write_layout(store: Store, template: xr.Dataset) -> None:
         "schema_version": SCHEMA_VERSION,
         "coordinate_names": sorted(map(str, template.coords)),
         "has_reason": OPTIONAL in template,
+        "sample_point": [axis.start for axis in sample.part],
         **{f"code_{key}": value for key, value in code_identity().items()},
     }
     group.attrs.update({k: plain_attribute(v) for k, v in attributes.items()})

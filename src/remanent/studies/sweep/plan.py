@@ -14,7 +14,7 @@ import xarray as xr
 from remanent._machine import available_processor_count
 from remanent._threads import WorkStopped, work_stopped_after
 from remanent.studies.ensemble.memory import BYTES_PER_TRAJECTORY
-from remanent.studies.sweep.chunks import Chunking, chunking, smallest_part
+from remanent.studies.sweep.chunks import Chunking, chunking
 from remanent.studies.sweep.grid import Grid, GridPart
 from remanent.studies.sweep.run import TASK_SECONDS
 from remanent.studies.sweep.study import WHOLE_GRID_VERBS, Study
@@ -146,7 +146,7 @@ def _trial(
 def _samples(verb: str, grid: Grid) -> Iterator[GridPart]:
     """Parts of the grid, each with several times the points of the one before, spread evenly."""
     if verb in WHOLE_GRID_VERBS:
-        yield smallest_part(verb, grid)
+        yield grid.whole
         return
     counts = [1] * len(grid.shape)
     while True:

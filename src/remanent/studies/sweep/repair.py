@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from remanent.results.stores import LENGTH_ENDING
-from remanent.studies.sweep.chunks import smallest_part
 from remanent.studies.sweep.layout import create_store
 from remanent.studies.sweep.run import ReportProgress, run_here, writable_store
+from remanent.studies.sweep.sample import sample_here
 from remanent.studies.sweep.store import (
     BOOKKEEPING,
     Store,
@@ -52,7 +52,7 @@ def _rewrite_description(path: Path, study: Study) -> None:
     """Write description and shared values anew, from the study; the numbers of chunks stay."""
     fresh_path = path / BOOKKEEPING / "fresh.zarr"
     shutil.rmtree(fresh_path, ignore_errors=True)
-    fresh = create_store(fresh_path, study, study.result_of(smallest_part(study.verb, study.grid)))
+    fresh = create_store(fresh_path, study, sample_here(study, fresh_path))
     for name in fresh.names:
         source, target = fresh_path / name, path / name
         _restore_length(fresh, name, target, path)

@@ -12,9 +12,9 @@ from pathlib import Path
 from filelock import FileLock
 
 from remanent._errors import InputError
-from remanent.studies.sweep.chunks import smallest_part
 from remanent.studies.sweep.layout import create_store
 from remanent.studies.sweep.locks import sole_writer
+from remanent.studies.sweep.sample import TakeSample, sample_here
 from remanent.studies.sweep.store import (
     Store,
     is_store_of_study,
@@ -65,8 +65,22 @@ ReportProgress = Callable[[Progress], None]
 
 
 @contextmanager
-def writable_store(path: Path, study: Study, part: tuple[int, int] = (1, 1)) -> Iterator[Store]:
+def writable_store(
+    path: Path,
+    study: Study,
+    part: tuple[int, int] = (1, 1),
+    take_sample: TakeSample = sample_here,
+) -> Iterator[Store]:
     """The store of a study, new or as an earlier run left it, for one writer of this part.
+
+    Parameters
+    ----------
+    path : Path
+    study : Study
+    part : (int, int)
+        I of N.
+    take_sample : callable
+        Computes one point of a study of which there is no store yet.
 
     Raises
     ------
@@ -74,7 +88,7 @@ def writable_store(path: Path, study: Study, part: tuple[int, int] = (1, 1)) -> 
         The path holds something else, another study, or is being written.
     """
     path = path.resolve()
-    _create_if_missing(path, study)
+    _create_if_missing(path, study, take_sample)
     store = open_store(path)
     require_same(store, study)
     with sole_writer(store.bookkeeping, part):
@@ -84,7 +98,7 @@ def writable_store(path: Path, study: Study, part: tuple[int, int] = (1, 1)) -> 
         yield store
 
 
-def _create_if_missing(path: Path, study: Study) -> None:
+def _create_if_missing(path: Path, study: Study, take_sample: TakeSample) -> None:
     """Make the store; where several processes begin at once, one makes it and the others wait."""
     if is_store_of_study(path):
         return
@@ -100,8 +114,7 @@ def _create_if_missing(path: Path, study: Study) -> None:
     with FileLock(path.with_name(f".{path.name}.lock")) as lock:
         if not is_store_of_study(path):
             _require_empty(path)
-            template = study.result_of(smallest_part(study.verb, study.grid))
-            create_store(path, study, template)
+            create_store(path, study, take_sample(study, path))
     Path(lock.lock_file).unlink(missing_ok=True)
 
 

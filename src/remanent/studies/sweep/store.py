@@ -40,7 +40,12 @@ from remanent.studies.sweep.chunks import Chunking
 from remanent.studies.sweep.encoding import stored_values
 from remanent.studies.sweep.grid import GridPart
 from remanent.studies.sweep.lists import list_lengths
-from remanent.studies.sweep.study import Study, code_identity, study_from_plain
+from remanent.studies.sweep.study import (
+    WHOLE_GRID_VERBS,
+    Study,
+    code_identity,
+    study_from_plain,
+)
 
 #: Group for what is no result.
 BOOKKEEPING: Final = "bookkeeping"
@@ -88,6 +93,14 @@ class Store:
     def names(self) -> tuple[str, ...]:
         """Names of all arrays."""
         return tuple(sorted(name for name, _ in _open_group(self.path).arrays()))
+
+    @property
+    def sampled_part(self) -> GridPart:
+        """A part of the grid that was computed before the store was made."""
+        places = _open_group(self.path).attrs["sample_point"]
+        if self.study.verb in WHOLE_GRID_VERBS:
+            return self.study.grid.whole
+        return tuple(slice(k, k + 1) for k in places)
 
     def write(self, part: GridPart, result: xr.Dataset) -> None:
         """Write the result of whole chunks: everything else first, the status last."""

@@ -17,6 +17,7 @@ from remanent.studies.ensemble.over import OverArgument
 from remanent.studies.ensemble.progress import ProgressArgument, as_progress
 from remanent.studies.sweep.dask_engine import run_on_workers
 from remanent.studies.sweep.run import Progress, run_here, writable_store
+from remanent.studies.sweep.sample import sample_on
 from remanent.studies.sweep.study import Study
 
 
@@ -91,10 +92,11 @@ def sweep(
         if report is not None:
             report(state.done / state.total)
 
-    with writable_store(path, study) as opened:
-        if client is None:
+    if client is None:
+        with writable_store(path, study) as opened:
             run_here(opened, report=tell)
-        else:
+    else:
+        with writable_store(path, study, take_sample=sample_on(client)) as opened:
             run_on_workers(opened, client, report=tell)
     return stores.read(path)
 

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import signal
-import threading
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
@@ -17,7 +14,7 @@ import xarray as xr
 from remanent._status import Status
 from remanent.results.build import padding_of
 from remanent.results.stores import LENGTH_ENDING
-from remanent.studies.sweep.attempts import MAX_FAILURES, Attempts
+from remanent.studies.sweep.attempts import MAX_FAILURES, Attempts, ended_after
 from remanent.studies.sweep.grid import GridPart
 from remanent.studies.sweep.joining import join_parts
 from remanent.studies.sweep.store import Store
@@ -110,28 +107,16 @@ class TaskRunner:
         with ExitStack() as stack:
             for name in names:
                 stack.enter_context(self.attempts.begun(name))
-            stack.enter_context(self._watched(names, part))
+            if self.point_seconds is not None:
+                points = int(np.prod([s.stop - s.start for s in part]))
+                seconds = self.point_seconds * points
+                stack.enter_context(ended_after(seconds, lambda: self._say_stopped(names)))
             yield
 
-    @contextmanager
-    def _watched(self, names: list[str], part: GridPart) -> Iterator[None]:
-        """Kill this process where the cap is exceeded; the next one finds the mark."""
-        if self.point_seconds is None:
-            yield
-            return
-        points = int(np.prod([s.stop - s.start for s in part]))
-        timer = threading.Timer(self.point_seconds * points, self._stop, [names])
-        timer.daemon = True
-        timer.start()
-        try:
-            yield
-        finally:
-            timer.cancel()
-
-    def _stop(self, names: list[str]) -> None:
+    def _say_stopped(self, names: list[str]) -> None:
+        """Leave a word for the process that finds the marks."""
         for name in names:
             self.attempts.mark_as_stopped(name)
-        os.kill(os.getpid(), getattr(signal, "SIGKILL", signal.SIGTERM))
 
 
 def _chunk_name(chunk: tuple[int, ...]) -> str:
