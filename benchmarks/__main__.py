@@ -23,6 +23,7 @@ from benchmarks.rows import (
     lyapunov,
     precision,
     start,
+    studies,
     work,
 )
 from benchmarks.rows.plan import Plan
@@ -40,6 +41,7 @@ ROWS: dict[str, Callable[[Plan], dict[str, Any]]] = {
     "biaxial": biaxial.measure,
     "double_well": double_well.measure_response,
     "double_well_exponents": double_well.measure_exponents,
+    "studies": studies.measure,
     "start": start.measure,
     "growth": growth.measure,
     "precision": lambda plan: {n: precision.measure(plan, n) for n in ("response", "film")},
@@ -57,6 +59,7 @@ _TABLES: dict[str, Callable[[Any], tables.Table]] = {
     "response": tables.work,
     "film": tables.work,
     "growth": tables.growth,
+    "studies": tables.studies,
 }
 
 

@@ -96,6 +96,11 @@ _GROWTH = """\
 `frequency_response` at tolerance $10^{-8}$ on one core, each size in a process of its own after a
 small run. Memory is the peak of the resident set less that before, and less the result.
 """
+_STUDIES = """\
+Lyapunov exponents over 20 drive periods on a grid of $b$ and $\\omega$: the verb called directly,
+and the same study into a store, in this process and on workers of Dask with one thread each;
+seconds of the wall clock, one core each. Memory is the peak of a whole process that fills a store.
+"""
 _START = """\
 Whole processes, medians; "first figure" computes and draws a frequency response of 301 points.
 """
@@ -192,5 +197,6 @@ _SECTIONS: tuple[tuple[str, str, str, Any], ...] = (
         tables.at_equal_error,
     ),
     ("growth", "Growth", _GROWTH, tables.growth),
+    ("studies", "Studies in stores", _STUDIES, tables.studies),
     ("start", "Start", _START, tables.start),
 )

@@ -106,7 +106,7 @@ def growth(data: Any) -> Table:
     heading = ("trajectories", "s", "µs each", "result, MiB", "memory beyond it, MiB")
     rows = [
         (
-            f"{one['trajectories']:,}".replace(",", "\N{NARROW NO-BREAK SPACE}"),
+            _grouped(one["trajectories"]),
             number(one["seconds"]), number(1e6 * one["seconds"] / one["trajectories"]),
             number(one["result"] / 2**20), number(one["beyond"] / 2**20),
         )
@@ -159,6 +159,26 @@ def at_equal_error(data: Any) -> Table:
         for name, one in data["tools"].items()
     ]
     return Table(("tool", "µs per trajectory and τ", "worst error", "tolerance"), rows)
+
+
+def studies(data: Any) -> Table:
+    """Time of a study by way of running, and memory by number of points."""
+    seconds = data["seconds"]
+    rows = [
+        (f"{data['side']} × {data['side']}", name, number(one),
+         number(one / seconds["the verb"]), "")
+        for name, one in seconds.items()
+    ]  # fmt: skip
+    rows += [
+        (_grouped(one["points"]), "here, both cores", "", "", number(one["peak"] / 2**20))
+        for one in data["memory"]
+    ]
+    return Table(("points", "run", "s", "of the verb's time", "peak, MiB"), rows)
+
+
+def _grouped(count: int) -> str:
+    """A number with its thousands set apart."""
+    return f"{count:,}".replace(",", "\N{NARROW NO-BREAK SPACE}")
 
 
 def start(data: Any) -> Table:

@@ -138,6 +138,22 @@ def _points(name: str) -> Callable[[Any], float | None]:
     return lambda data: data["auto"] and float(data["auto"] / data[name]["microseconds"])
 
 
+def _excess(way: str) -> Callable[[Any], float | None]:
+    """How much longer a study takes than its verb on one core, percent."""
+    return lambda data: 100.0 * float(data["seconds"][way] / data["seconds"]["the verb"] - 1.0)
+
+
+def _two_workers(data: Any) -> float | None:
+    """Time of one worker over that of two."""
+    return float(data["seconds"]["one worker"] / data["seconds"]["two workers"])
+
+
+def _more_memory(data: Any) -> float | None:
+    """Growth of the peak of memory from the small grid to the large one, percent."""
+    small, large = data["memory"]
+    return 100.0 * float(large["peak"] / small["peak"] - 1.0)
+
+
 def _exponents(data: Any) -> float | None:
     """Time of pynamicalsys over ours, per trajectory and unit of tau; None without it."""
     return data["peer"] and float(data["peer"]["microseconds"] / data["microseconds"])
@@ -186,6 +202,19 @@ TARGETS = (
     ),
     Target(
         "growth", "memory beyond the result", "8 bytes a trajectory", _flat, 8, None, " bytes",
+        larger=False,
+    ),
+    Target("studies", "two local workers", "one", _two_workers, 1.9, None),
+    Target(
+        "studies", "tasks and files of a study, in this process", "its verb on one core",
+        _excess("here"), 5, None, " % more", larger=False,
+    ),
+    Target(
+        "studies", "the same, and messages, on one worker", "its verb on one core",
+        _excess("one worker"), 5, None, " % more", larger=False,
+    ),
+    Target(
+        "studies", "memory of a million points", "ten thousand", _more_memory, 10, None, " % more",
         larger=False,
     ),
     Target(

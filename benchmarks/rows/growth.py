@@ -54,7 +54,7 @@ def _respond(omegas: FloatArray) -> int:
     return int(ds.nbytes)
 
 
-def _peak() -> int:
+def peak() -> int:
     """Largest resident memory of this process so far, bytes.
 
     On Linux not from ``getrusage``, which remembers the process that started this one.
@@ -70,10 +70,10 @@ def main(count: int) -> None:
     """One size; what the first call brings with it, imports and kernels, does not count."""
     _respond(_frequencies(_COUNTS[0]))
     omegas = _frequencies(count)
-    before, begin = _peak(), time.perf_counter()
+    before, begin = peak(), time.perf_counter()
     size = _respond(omegas)
     seconds = time.perf_counter() - begin
-    print(json.dumps({"seconds": seconds, "result": size, "beyond": _peak() - before - size}))
+    print(json.dumps({"seconds": seconds, "result": size, "beyond": peak() - before - size}))
 
 
 if __name__ == "__main__":

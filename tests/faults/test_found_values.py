@@ -480,3 +480,31 @@ def test_what_the_points_of_a_branch_have_not_is_not_drawn(variable: str) -> Non
     """Complex numbers, and values at special points, are no curve."""
     with pytest.raises(rm.InputError, match="a real value at each point"):
         rm.plot.branch(branch(), variable)
+
+
+@pytest.mark.parametrize("name", ["x" * 300, "x" * 300 + ".nc"])
+def test_a_name_that_no_file_can_have_is_refused(name: str, tmp_path: Path) -> None:
+    """By all that take paths."""
+    path = tmp_path / name
+    with pytest.raises(rm.InputError, match="`path` must"):
+        rm.load(path)
+    with pytest.raises(rm.InputError, match="File name too long"):
+        rm.sweep(BODY, DRIVE, {"b": [0.3]}, "cycle_losses", periods=1, store=path)
+
+
+def test_orbits_without_points_have_no_start() -> None:
+    """The frame is there, and is empty."""
+    none = rm.simulate(BODY, DRIVE, duration=1.0).isel(time=slice(0))
+    (line,) = rm.plot.phase(none)
+    assert np.size(line.get_xdata()) == 0
+
+
+def test_determinants_of_infinite_stiffness_warn_of_nothing() -> None:
+    """As powers of e at the end of a state box are."""
+    steep = rm.LagrangianSystem(
+        coordinates="x", kinetic="x_rate**2/x**2", potential="exp(700*x)", dissipation="0",
+        rest={"x": 1.0},
+    )  # fmt: skip
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        rm.snap_through(steep, "m", (-1.0, 1.0), state_box={"x": (-2.0, 2.0)})

@@ -126,7 +126,12 @@ def test_a_command_takes_its_processes_with_it(
     asked: signal.Signals, code: int, tmp_path: Path
 ) -> None:
     """`remanent paper`, asked to end while several processes work: none stays behind."""
-    command = [sys.executable, "-c", "from remanent.cli import main; main()", "paper"]
+    # A process that is started in the background is born deaf to interrupts.
+    code_of_command = (
+        "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
+        "from remanent.cli import main; main()"
+    )
+    command = [sys.executable, "-c", code_of_command, "paper"]
     with subprocess.Popen([*command, "--out", str(tmp_path)], stderr=subprocess.PIPE) as paper:
         begin = time.monotonic()
         while len(children(paper.pid)) < 3 and time.monotonic() - begin < CAP:

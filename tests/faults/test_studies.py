@@ -17,12 +17,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from distributed import LocalCluster
 from tests.faults.study_process import computed_points, content, main, start, study
 
 import remanent as rm
+from remanent._machine import THREADS_VARIABLE, available_processor_count
 from remanent.studies.sweep import dask_engine
 from remanent.studies.sweep.repair import repair_store
 from remanent.studies.sweep.run import run_here, writable_store
+from remanent.studies.sweep.sample import sample_on
 from remanent.studies.sweep.verify import Integrity, verify_store
 
 
@@ -66,6 +69,36 @@ def test_workers_fill_the_same_store(whole: Path, tmp_path: Path, workers: int) 
     """One worker or two: every file is the same."""
     path = tmp_path / "dask.zarr"
     require_success(start(path, workers=workers))
+    assert content(path) == content(whole)
+
+
+def test_workers_have_no_more_threads_than_there_are_processors() -> None:
+    """All workers together, each of which computes one task at a time."""
+    processors = available_processor_count()
+    for count in (1, processors):
+        with dask_engine.local_workers(count) as client:
+            threads = client.run(available_processor_count)
+            at_once = client.nthreads()
+        assert set(at_once.values()) == {1}
+        assert len(threads) == count
+        assert sum(threads.values()) <= processors
+
+
+@pytest.mark.slow
+def test_four_workers_of_a_running_scheduler_fill_the_same_store(
+    whole: Path, tmp_path: Path
+) -> None:
+    """By its address, as `remanent run --scheduler` does."""
+    path = tmp_path / "scheduler.zarr"
+    with (
+        LocalCluster(
+            n_workers=4, threads_per_worker=1, host="127.0.0.1", dashboard_address="127.0.0.1:0",
+            env={THREADS_VARIABLE: "1"}, silence_logs=50,
+        ) as cluster,
+        dask_engine.client_of(cluster.scheduler_address) as client,
+        writable_store(path, study(), take_sample=sample_on(client)) as store,
+    ):  # fmt: skip
+        dask_engine.run_on_workers(store, client)
     assert content(path) == content(whole)
 
 

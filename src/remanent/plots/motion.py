@@ -133,7 +133,8 @@ def phase(
         members, artists = _draw_members(axes, dataset, x, y, _TIME_DIMENSIONS, _draw_line, line)
         if start:
             # In the order of the members: that of a set of NaN would change from run to run.
-            starts = dict.fromkeys((float(m.data[x][0]), float(m.data[y][0])) for m in members)
+            begun = [m for m in members if m.data[x].size]
+            starts = dict.fromkeys((float(m.data[x][0]), float(m.data[y][0])) for m in begun)
             for point in starts:
                 axes.plot(*point, "o", ms=3.2, mfc=axes.get_facecolor(), mec=style.ink_colour(),
                           mew=0.7, zorder=5)  # fmt: skip

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pandas as pd
 import xarray as xr
 
@@ -37,3 +39,11 @@ def require_unstacked_dataset(name: str, value: object) -> xr.Dataset:
             "side by side.",
         )
     return dataset
+
+
+def is_file(path: Path) -> bool:
+    """Whether there is a file; not where its name is too long, or its folder closed."""
+    try:
+        return path.is_file()
+    except OSError:
+        return False

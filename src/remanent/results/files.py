@@ -13,6 +13,7 @@ import xarray as xr
 
 from remanent._errors import InputError, error_sentence, shortened_repr
 from remanent.results import mat, netcdf, stores, table
+from remanent.results.checks import is_file
 
 __all__ = ["load", "require_path", "save"]
 
@@ -137,7 +138,7 @@ def load(path: str | os.PathLike[str]) -> xr.Dataset:
     source = require_path("path", path)
     is_store = stores.is_store(source)
     module = stores if is_store else _format_module(source)
-    if not is_store and not source.is_file():
+    if not is_store and not is_file(source):
         raise InputError(
             "path",
             must="be a file",

@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 
 from remanent._errors import InputError
+from remanent.results.checks import is_file
 
 __all__ = ["FLAG_LABELS", "LENGTH_ENDING", "SCHEMA_VERSION", "TEXT_DTYPE", "is_store", "read"]
 
@@ -29,7 +30,7 @@ _READING_ATTRIBUTES: Final = frozenset({"coordinate_names", "has_reason", "sampl
 
 def is_store(path: Path) -> bool:
     """Whether a path is a folder in Zarr format."""
-    return (path / "zarr.json").is_file()
+    return is_file(path / "zarr.json")
 
 
 def require_readable_version(attributes: Any) -> None:

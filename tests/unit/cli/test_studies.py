@@ -11,6 +11,7 @@ import time
 from pathlib import Path
 
 import xarray as xr
+from distributed import LocalCluster
 
 import remanent as rm
 from remanent.studies.sweep.study_file import read_study
@@ -85,6 +86,20 @@ def test_from_a_new_file_to_netcdf(tmp_path: Path) -> None:
     xr.testing.assert_equal(loaded, study.result_of(study.grid.whole))
     rm.save(loaded, tmp_path / "mine.nc")
     xr.testing.assert_equal(rm.load(tmp_path / "mine.nc"), loaded)
+
+
+def test_a_running_scheduler_computes_a_study(tmp_path: Path) -> None:
+    """Whose workers are elsewhere, and see the same folder."""
+    assert done("new", "mine", folder=tmp_path)[0] == 0
+    with LocalCluster(
+        n_workers=1, threads_per_worker=1, host="127.0.0.1", dashboard_address="127.0.0.1:0",
+        silence_logs=50,
+    ) as cluster:  # fmt: skip
+        address = cluster.scheduler_address
+        code, told = done("run", "mine.toml", "--scheduler", address, folder=tmp_path)
+    assert code == 0, told
+    study = read_study(tmp_path / "mine.toml").study
+    xr.testing.assert_equal(rm.load(tmp_path / "mine.zarr"), study.result_of(study.grid.whole))
 
 
 def test_what_is_wrong_with_a_command_is_said(tmp_path: Path) -> None:

@@ -114,6 +114,7 @@ class _Search:
             derivative[:, :, n:], np.maximum((bound / self.size[:n]).max(axis=1), _ROUNDING),
         )  # fmt: skip
 
+    @np.errstate(all="ignore")  # of energies that are infinite
     def functions(self, points: FloatArray) -> FloatArray:
         """Balance and determinant over their sizes at points of the unit box, (point, n + 1)."""
         places, changed = self._unscaled(points)

@@ -64,8 +64,8 @@ def local_workers(count: int) -> Iterator[Any]:
     with (
         dask.config.set(settings),
         LocalCluster(
-            n_workers=count, threads_per_worker=1, host="127.0.0.1", dashboard_address=None,
-            env=environment, silence_logs=50,
+            n_workers=count, threads_per_worker=1, env=environment,
+            host="127.0.0.1", dashboard_address="127.0.0.1:0", silence_logs=50,
         ) as cluster,
         _lost_workers_replaced(cluster, count),
         Client(cluster) as client,
@@ -137,7 +137,7 @@ def run_on_workers(
         return max(1, len(client.scheduler_info(n_workers=-1)["workers"]))
 
     first = [submit(task, 1) for task in queue.take(_TASKS_PER_WORKER * workers())]
-    completed = as_completed(first)
+    completed = as_completed(first, loop=client.loop)
     for future in completed:
         task, tries = running.pop(future)
         if future.status == "finished":

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from filelock import FileLock
 
-from remanent._errors import InputError
+from remanent._errors import InputError, error_sentence, shortened_repr
 from remanent.studies.sweep.layout import create_store
 from remanent.studies.sweep.locks import sole_writer
 from remanent.studies.sweep.sample import TakeSample, sample_here
@@ -100,9 +100,20 @@ def writable_store(
 
 def _create_if_missing(path: Path, study: Study, take_sample: TakeSample) -> None:
     """Make the store; where several processes begin at once, one makes it and the others wait."""
-    if is_store_of_study(path):
-        return
-    if path.exists() and not path.is_dir():
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        if is_store_of_study(path):
+            return
+        is_no_folder = path.exists() and not path.is_dir()
+    except OSError as error:
+        raise InputError(
+            "store",
+            must="be a folder that can be written",
+            got=shortened_repr(str(path)),
+            why=error_sentence(error),
+            fix="Pass another path.",
+        ) from error
+    if is_no_folder:
         raise InputError(
             "store",
             must="be a folder, or not exist yet",
@@ -110,7 +121,6 @@ def _create_if_missing(path: Path, study: Study, take_sample: TakeSample) -> Non
             why="A store is a folder with a file for each chunk of each variable.",
             fix="Pass another path.",
         )
-    path.parent.mkdir(parents=True, exist_ok=True)
     with FileLock(path.with_name(f".{path.name}.lock")) as lock:
         if not is_store_of_study(path):
             _require_empty(path)
