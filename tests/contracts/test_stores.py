@@ -24,7 +24,7 @@ def _study(verb: str) -> Study:
     arguments = {k: v for k, v in SOUND[verb]().items() if k not in ("over", "progress")}
     system = arguments.pop(next(iter(arguments)))
     drive = arguments.pop("drive", None)
-    over = {"c": np.array([-1.0, 0.5, 1.0]), "temperature": np.array([280.0, 350.0])}
+    over = {"temperature": np.array([280.0, 350.0]), "c": np.array([-1.0, 0.5, 1.0])}
     return Study(verb, system, drive, over, arguments)
 
 

@@ -5,6 +5,7 @@ Each test ends with a store that equals, file by file, that of a run which nothi
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import os
 import random
@@ -170,11 +171,10 @@ def test_two_runs_of_one_store_are_refused(tmp_path: Path) -> None:
 
 def test_another_study_is_refused(whole: Path) -> None:
     """A store is of one study; what differs is named."""
-    with (
-        pytest.raises(rm.InputError, match="another over"),
-        writable_store(whole, study(6)),
-    ):
-        pass
+    turned = dataclasses.replace(study(), over=dict(reversed(list(study().over.items()))))
+    for other, words in ((study(6), "another over"), (turned, "another order of dimensions")):
+        with pytest.raises(rm.InputError, match=words), writable_store(whole, other):
+            pass
 
 
 def test_other_code_is_refused(whole: Path, monkeypatch: pytest.MonkeyPatch) -> None:

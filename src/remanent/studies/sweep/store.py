@@ -139,6 +139,7 @@ class Store:
     def _write_variable(
         self, name: str, variable: xr.Variable, part: GridPart, longest: Mapping[str, int]
     ) -> None:
+        variable = variable.transpose(*self.array(name).metadata.dimension_names)
         slices = dict(zip(self.grid_dims, part, strict=True))
         inner = {
             str(dim): slice(0, min(size, longest.get(str(dim), size)))
@@ -302,6 +303,7 @@ def require_same(store: Store, study: Study) -> None:
     if store.study.digest != study.digest:
         old, new = store.study.plain, study.plain
         changed = sorted(key for key in {*old, *new} if old.get(key) != new.get(key))
+        changed = changed or ["order of dimensions"]
         raise InputError(
             "store",
             must="be of this study",

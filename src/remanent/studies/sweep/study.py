@@ -148,8 +148,15 @@ class Study:
 
     @cached_property
     def text(self) -> str:
-        """The plain data as JSON, always the same for equal studies."""
-        return json.dumps(self.plain, sort_keys=True, ensure_ascii=False)
+        """The plain data as JSON, always the same for equal studies.
+
+        Names are sorted, but for those of the grid: their order is that of its dimensions.
+        """
+        parts = {
+            key: json.dumps(value, sort_keys=key != "over", ensure_ascii=False)
+            for key, value in sorted(self.plain.items())
+        }
+        return f"{{{', '.join(f'{json.dumps(key)}: {part}' for key, part in parts.items())}}}"
 
     @cached_property
     def digest(self) -> str:
