@@ -27,6 +27,8 @@ _NO_OWN_TEXTS: Final[OwnTexts] = MappingProxyType({})
 _PADDING: Final[Mapping[str, Any]] = MappingProxyType(
     {"f": np.nan, "c": complex(np.nan, 0.0), "i": -1, "b": False, **dict.fromkeys("UTO", "")}
 )
+#: Variables of integers in which 0 says nothing: downwards is -1.
+_PADDED_WITH_ZERO: Final = frozenset({"direction"})
 
 
 def dataset(
@@ -80,9 +82,16 @@ def dataset(
     )
 
 
-def padding_of(dtype: np.dtype[Any]) -> Any:
-    """What says nothing among values of a type: NaN, -1, False or empty text."""
-    return _PADDING[dtype.kind]
+def padding_of(dtype: np.dtype[Any], name: str = "") -> Any:
+    """What says nothing among values of a type: NaN, -1, False or empty text.
+
+    Parameters
+    ----------
+    dtype : numpy.dtype
+    name : str
+        Of the variable; in some -1 means something, and 0 nothing.
+    """
+    return 0 if name in _PADDED_WITH_ZERO else _PADDING[dtype.kind]
 
 
 def with_labels(result: xr.Dataset, labels: Mapping[str, Labelled]) -> xr.Dataset:

@@ -25,7 +25,9 @@ TEXT_DTYPE: Final = "remanent_dtype"
 #: Text that verbs add only where there is something to say.
 _OPTIONAL: Final = "reason"
 #: Attributes that only say how to read a store.
-_READING_ATTRIBUTES: Final = frozenset({"coordinate_names", "has_reason", "sample_point"})
+_READING_ATTRIBUTES: Final = frozenset(
+    {"coordinate_names", "variable_names", "has_reason", "sample_point"}
+)
 
 
 def is_store(path: Path) -> bool:
@@ -83,10 +85,10 @@ def read(path: str | os.PathLike[str]) -> xr.Dataset:
     }
     if not raw.attrs["has_reason"] and not (variables[_OPTIONAL].values != "").any():
         del variables[_OPTIONAL]
-    coords = set(raw.attrs["coordinate_names"])
+    coords, others = raw.attrs["coordinate_names"], raw.attrs["variable_names"]
     return xr.Dataset(
-        {name: v for name, v in variables.items() if name not in coords},
-        coords={name: v for name, v in variables.items() if name in coords},
+        {name: variables[name] for name in [*others, _OPTIONAL] if name in variables},
+        coords={name: variables[name] for name in coords},
         attrs={k: v for k, v in raw.attrs.items() if k not in _READING_ATTRIBUTES},
     )
 

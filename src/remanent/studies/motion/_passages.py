@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from remanent._typing import FloatArray
 from remanent.integrate.crossings import Crossings
 from remanent.integrate.ensemble.problem import Outcome
+from remanent.results.build import padding_of
 from remanent.studies.ensemble.dataset import to_dataset
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.memory import require_memory
@@ -58,6 +59,7 @@ def _padded_passage_arrays(
     }
     for k, name in enumerate(ens.vector_field.state_names):
         columns[name] = padded(passages.states[:, k], np.nan)
-    columns["direction"] = padded(passages.direction.astype(np.int8), 0)
+    directions = passages.direction.astype(np.int8)
+    columns["direction"] = padded(directions, padding_of(directions.dtype, "direction"))
     columns["crossings"] = count
     return columns

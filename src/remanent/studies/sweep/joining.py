@@ -65,7 +65,7 @@ def _joined_variable(
     if not set(first.dims) & set(grid.dims):
         return _shared_variable(name, [variable for _, variable in owners])
     dtype = np.result_type(*(variable.dtype for _, variable in owners))
-    values = np.full([sizes[dim] for dim in first.dims], padding_of(dtype), dtype=dtype)
+    values = np.full([sizes[dim] for dim in first.dims], padding_of(dtype, name), dtype=dtype)
     for part, variable in owners:
         slices = dict(zip(grid.dims, part, strict=True))
         place = tuple(

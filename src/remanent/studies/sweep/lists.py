@@ -34,22 +34,21 @@ def list_lengths(result: xr.Dataset, grid_dims: Sequence[str]) -> dict[str, NDAr
         length = np.zeros(shape, dtype=np.int32)
         for variable in result.data_vars.values():
             if dim in variable.dims and set(variable.dims) & set(grid_dims):
-                length = np.maximum(length, _lengths_by(variable.variable, dim, grid_dims, shape))
+                length = np.maximum(length, _lengths_by(variable, dim, grid_dims, shape))
         lengths[dim] = length
     return lengths
 
 
 def _lengths_by(
-    variable: xr.Variable, dim: str, grid_dims: Sequence[str], shape: Sequence[int]
+    variable: xr.DataArray, dim: str, grid_dims: Sequence[str], shape: Sequence[int]
 ) -> NDArray[np.int32]:
     """The length of the list of each point by one of its variables."""
     if not variable.sizes[dim]:
         return np.zeros(shape, dtype=np.int32)
     values = variable.values
     is_float = values.dtype.kind in "fc"
-    said = xr.Variable(
-        variable.dims, ~np.isnan(values) if is_float else values != padding_of(values.dtype)
-    )
+    padding = padding_of(values.dtype, str(variable.name))
+    said = xr.Variable(variable.dims, ~np.isnan(values) if is_float else values != padding)
     numbers = xr.Variable((dim,), np.arange(1, variable.sizes[dim] + 1, dtype=np.int32))
     present = [d for d in grid_dims if d in variable.dims]
     further = [d for d in variable.dims if d not in present]

@@ -181,5 +181,7 @@ def _nothing(store: Store, part: GridPart) -> xr.Dataset:
         ):
             shape = [sizes.get(dim, have) for dim, have in zip(dims, array.shape, strict=True)]
             dtype = np.dtype("U1") if array.dtype.kind in "OT" else array.dtype
-            variables[name] = xr.Variable(dims, np.full(shape, padding_of(dtype), dtype=dtype))
+            variables[name] = xr.Variable(
+                dims, np.full(shape, padding_of(dtype, name), dtype=dtype)
+            )
     return xr.Dataset(variables)
