@@ -24,12 +24,12 @@ from remanent.models.formula import MAX_CHARACTERS, parse_formula, sympy_as_form
 @pytest.mark.parametrize("name", ATTACKS)
 def test_anything_but_arithmetic_is_refused(name: str) -> None:
     """At once, with the message of this package, by the parser and by the material."""
-    begun = time.perf_counter()
+    begun = time.process_time()
     for call in (parse_formula, rm.StrainEnergy):
         with pytest.raises(InputError, match=r"`expression` must .*; got .*\. .* Write for") as e:
             call(ATTACKS[name])
         assert len(str(e.value)) < 500
-    assert time.perf_counter() - begun < 0.5
+    assert time.process_time() - begun < 0.5
 
 
 @given(st.text(max_size=60))
