@@ -11,10 +11,13 @@ from itertools import product
 from remanent.studies.sweep.grid import Grid, GridPart
 from remanent.studies.sweep.study import SEARCHING_VERBS, WHOLE_GRID_VERBS
 
-#: Points in a chunk of the store.
+#: Points in a chunk of the store, at least; in large grids up to so many times more.
 _POINTS_PER_CHUNK = 512
 _POINTS_PER_CHUNK_OF_SEARCHES = 8
-#: No more chunks than this in a grid, as each is a file for every variable.
+_LARGER_CHUNKS = 4
+#: Chunks of a grid from which on they are larger: each is a file for every variable.
+_MANY_CHUNKS = 64
+#: No more chunks than this in a grid.
 _MAX_CHUNK_COUNT = 16384
 #: No more bytes of one variable than this in a chunk, unless a single point has them.
 _MAX_CHUNK_BYTES = 2**24
@@ -85,7 +88,8 @@ def chunking(verb: str, grid: Grid, bytes_per_point: int) -> Chunking:
         Of the largest variable.
     """
     usual = _POINTS_PER_CHUNK_OF_SEARCHES if verb in SEARCHING_VERBS else _POINTS_PER_CHUNK
-    points = max(usual, math.ceil(grid.point_count / _MAX_CHUNK_COUNT))
+    points = max(usual, min(grid.point_count // _MANY_CHUNKS, _LARGER_CHUNKS * usual))
+    points = max(points, math.ceil(grid.point_count / _MAX_CHUNK_COUNT))
     points = max(1, min(points, _MAX_CHUNK_BYTES // max(bytes_per_point, 1)))
     shape = [1] * len(grid.shape)
     for axis in range(len(grid.shape) - 1, -1, -1):

@@ -53,10 +53,12 @@ class TaskRunner:
             Number of chunks that were computed.
         """
         chunks = self.store.chunking.chunks_of(first, count)
-        missing = [chunk for chunk in chunks if not self.store.computed(chunk)]
+        part = self.store.chunking.part_of(first, count)
+        missing = chunks
+        if self.store.status_of(part).any():
+            missing = [chunk for chunk in chunks if not self.store.computed(chunk)]
         if not missing:
             return 0
-        part = self.store.chunking.part_of(first, count)
         names = [_chunk_name(chunk) for chunk in chunks]
         if len(missing) == count and not any(map(self.attempts.failures, names)):
             with self._mark(names, part):
