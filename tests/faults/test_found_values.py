@@ -508,3 +508,8 @@ def test_determinants_of_infinite_stiffness_warn_of_nothing() -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         rm.snap_through(steep, "m", (-1.0, 1.0), state_box={"x": (-2.0, 2.0)})
+
+
+def test_a_measure_may_be_a_function_that_hides_its_arguments() -> None:
+    """As int does; it has no `over`, then."""
+    assert isinstance(rm.Measure(int), rm.Measure)

@@ -184,7 +184,8 @@ class Measure:
     @property
     def _verb_takes_over(self) -> bool:
         """Whether the verb computes many sets of parameters in one call."""
-        return "over" in inspect.signature(self.verb).parameters
+        signature = _signature_of(self.verb)
+        return signature is not None and "over" in signature.parameters
 
     def _value_of(self, result: xr.Dataset) -> xr.DataArray:
         """The measure in a result of the verb."""
@@ -281,13 +282,20 @@ def _is_system(argument: object) -> bool:
     return isinstance(argument, System) and not isinstance(argument, type)
 
 
+def _signature_of(verb: Callable[..., Any]) -> inspect.Signature | None:
+    """The arguments of a function; None where some written in C do not tell."""
+    try:
+        return inspect.signature(verb)
+    except ValueError:
+        return None
+
+
 def _require_signature(
     verb: Callable[..., Any], arguments: Any, options: Mapping[str, Any]
 ) -> None:
     """Refuse arguments that the verb does not have, and a call without those that it needs."""
-    try:
-        signature = inspect.signature(verb)
-    except ValueError:  # of some functions written in C
+    signature = _signature_of(verb)
+    if signature is None:
         return
     try:
         signature.bind(*arguments, **options)
