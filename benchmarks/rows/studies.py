@@ -12,8 +12,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from itertools import count
 from pathlib import Path
 from typing import Any
@@ -24,7 +23,7 @@ import remanent as rm
 from benchmarks.machine import one_core
 from benchmarks.rows.growth import peak
 from benchmarks.rows.plan import Plan
-from remanent._machine import THREADS_VARIABLE
+from remanent.studies.sweep.dask_engine import local_workers
 
 #: Points along each side of the grid that is timed.
 _SIDE = 320
@@ -55,7 +54,11 @@ def measure(plan: Plan) -> dict[str, Any]:
 
 def _seconds(plan: Plan, side: int) -> dict[str, float]:
     """Median seconds by way of running, the workers and kernels being ready."""
-    with tempfile.TemporaryDirectory() as folder, _client(1) as one, _client(2) as two:
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        local_workers(1, threads=1) as one,
+        local_workers(2, threads=1) as two,
+    ):
         stores = (Path(folder) / f"{number}.zarr" for number in count())
         ways: dict[str, Callable[[int], object]] = {
             "the verb": lambda n: _on_one_core(lambda: rm.lyapunov(*_case(), **_options(n))),
@@ -73,21 +76,6 @@ def _seconds(plan: Plan, side: int) -> dict[str, float]:
                 way(side)
                 times[name].append(time.perf_counter() - begin)
     return {name: statistics.median(each) for name, each in times.items()}
-
-
-@contextmanager
-def _client(workers: int) -> Iterator[Any]:
-    """Workers with one thread each."""
-    from distributed import Client, LocalCluster
-
-    with (
-        LocalCluster(
-            n_workers=workers, threads_per_worker=1, env={THREADS_VARIABLE: "1"},
-            host="127.0.0.1", dashboard_address="127.0.0.1:0", silence_logs=50,
-        ) as cluster,
-        Client(cluster, set_as_default=False) as client,
-    ):  # fmt: skip
-        yield client
 
 
 def _on_one_core(work: Callable[[], object]) -> object:

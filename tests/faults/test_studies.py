@@ -9,6 +9,7 @@ import dataclasses
 import json
 import os
 import random
+import shutil
 import signal
 import subprocess
 import time
@@ -83,6 +84,17 @@ def test_workers_have_no_more_threads_than_there_are_processors() -> None:
         assert set(at_once.values()) == {1}
         assert len(threads) == count
         assert sum(threads.values()) <= processors
+
+
+def test_workers_know_a_store_from_one_that_was_there_before(tmp_path: Path) -> None:
+    """The same workers, the same path, one study after the other."""
+    path = tmp_path / "again.zarr"
+    with dask_engine.local_workers(1) as client:
+        for one in (study(2), study(3), study(2)):
+            shutil.rmtree(path, ignore_errors=True)
+            with writable_store(path, one, take_sample=sample_on(client)) as store:
+                dask_engine.run_on_workers(store, client)
+            xr.testing.assert_equal(rm.load(path), one.result_of(one.grid.whole))
 
 
 @pytest.mark.slow
@@ -220,8 +232,6 @@ def _damage(file: Path, before: bytes, rng: random.Random, kind: int) -> None:
 
 
 def _copied(whole: Path, folder: Path) -> Path:
-    import shutil
-
     return Path(shutil.copytree(whole, folder / "copy.zarr"))
 
 

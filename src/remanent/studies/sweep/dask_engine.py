@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+import uuid
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -34,8 +35,14 @@ _REPLACED_EVERY_SECONDS: Final = 5.0
 
 
 @contextmanager
-def local_workers(count: int) -> Iterator[Any]:
+def local_workers(count: int, threads: int | None = None) -> Iterator[Any]:
     """A client of `count` processes of this machine, which share its processors.
+
+    Parameters
+    ----------
+    count : int
+    threads : int, optional
+        Of each process, by which it computes one task; by default all processors are used.
 
     Raises
     ------
@@ -59,8 +66,11 @@ def local_workers(count: int) -> Iterator[Any]:
         "distributed.deploy.lost-worker-timeout": f"{_LOST_AFTER_SECONDS}s",
         "distributed.worker.memory.target": False,
         "distributed.worker.memory.spill": False,
+        # Looking at what runs, and giving memory back at once, take a tenth of the time each.
+        "distributed.worker.profile.enabled": False,
+        "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": None,
     }
-    environment = {THREADS_VARIABLE: str(max(1, processors // count))}
+    environment = {THREADS_VARIABLE: str(threads or max(1, processors // count))}
     with (
         dask.config.set(settings),
         LocalCluster(
@@ -123,12 +133,12 @@ def run_on_workers(
 
     meter = Meter(store, chunks_of_share(store, part), report)
     queue = _Queue(store, meter.missing)
-    path = str(store.path.resolve())
+    run, path = uuid.uuid4().hex, str(store.path.resolve())
     running: dict[Any, tuple[Task, int]] = {}
 
     def submit(task: Task, tries: int) -> Any:
         future = client.submit(
-            compute_task, path, task.first, task.count, point_seconds, pure=False
+            compute_task, run, path, task.first, task.count, point_seconds, pure=False
         )
         running[future] = (task, tries)
         return future
@@ -171,24 +181,27 @@ class _Queue:
         self._size = next_size(task.count, seconds)
 
 
-#: Stores that this process has opened, by path: a worker opens each once.
+#: The store that this process works on, by the run that it is for: a worker opens it once.
 _opened: dict[str, Store] = {}
 
 
 def compute_task(
-    path: str, first: tuple[int, ...], count: int, point_seconds: float | None = None
+    run: str, path: str, first: tuple[int, ...], count: int, point_seconds: float | None = None
 ) -> float:
-    """Compute one task of the store at a path, in the process of a worker; the seconds it took."""
-    if path not in _opened:
+    """Compute one task of the store at a path, in the process of a worker; the seconds it took.
+
+    The name of the run tells the store from one that was at the same path before.
+    """
+    if run not in _opened:
         _opened.clear()
         store = open_store(Path(path))
         require_same(store, store.study)
         if point_seconds is not None:
             # The cap is on computing: what has to be compiled is compiled before.
             store.study.result_of(store.sampled_part)
-        _opened[path] = store
+        _opened[run] = store
     begin = time.perf_counter()
-    TaskRunner(_opened[path], point_seconds).compute(tuple(first), count)
+    TaskRunner(_opened[run], point_seconds).compute(tuple(first), count)
     return time.perf_counter() - begin
 
 
