@@ -9,14 +9,18 @@ from functools import cached_property
 from itertools import product
 
 from remanent.studies.sweep.grid import Grid, GridPart
-from remanent.studies.sweep.study import SEARCHING_VERBS, WHOLE_GRID_VERBS
+from remanent.studies.sweep.study import SEARCHING_VERBS, WHOLE_GRID_VERBS, Study
 
-#: Points in a chunk of the store, at least; in large grids up to so many times more.
+#: Points in a chunk of the store, at least.
 _POINTS_PER_CHUNK = 512
 _POINTS_PER_CHUNK_OF_SEARCHES = 8
-_LARGER_CHUNKS = 4
-#: Chunks of a grid from which on they are larger: each is a file for every variable.
-_MANY_CHUNKS = 64
+#: Chunks of a large grid, at least.  Beyond that they are larger, as each is a file for every
+#: variable, until one takes about a second on one core: so many oscillations, or searches.
+_MANY_CHUNKS = 32
+_OSCILLATIONS_PER_CHUNK = 100_000
+_SEARCHES_PER_CHUNK = 32
+#: Oscillations of a motion where the study does not say how long it is.
+_USUAL_OSCILLATIONS = 200
 #: No more chunks than this in a grid.
 _MAX_CHUNK_COUNT = 16384
 #: No more bytes of one variable than this in a chunk, unless a single point has them.
@@ -77,21 +81,33 @@ class Chunking:
         return chunk[self.task_axis] == self.counts[self.task_axis] - 1
 
 
-def chunking(verb: str, grid: Grid, bytes_per_point: int) -> Chunking:
+def chunking(study: Study, bytes_per_point: int) -> Chunking:
     """The chunks of a study: they depend on the study alone, so that equal studies are equal files.
 
     Parameters
     ----------
-    verb : str
-    grid : Grid
+    study : Study
     bytes_per_point : int
         Of the largest variable.
     """
-    usual = _POINTS_PER_CHUNK_OF_SEARCHES if verb in SEARCHING_VERBS else _POINTS_PER_CHUNK
-    points = max(usual, min(grid.point_count // _MANY_CHUNKS, _LARGER_CHUNKS * usual))
+    verb, grid = study.verb, study.grid
+    if verb in SEARCHING_VERBS:
+        least, most = _POINTS_PER_CHUNK_OF_SEARCHES, _SEARCHES_PER_CHUNK
+    else:
+        least, most = _POINTS_PER_CHUNK, int(_OSCILLATIONS_PER_CHUNK / _oscillations(study))
+    points = max(least, min(grid.point_count // _MANY_CHUNKS, most))
     points = max(points, math.ceil(grid.point_count / _MAX_CHUNK_COUNT))
     points = max(1, min(points, _MAX_CHUNK_BYTES // max(bytes_per_point, 1)))
     shape = [1] * len(grid.shape)
     for axis in range(len(grid.shape) - 1, -1, -1):
         shape[axis] = max(1, min(grid.shape[axis], points // math.prod(shape)))
     return Chunking(grid, grid.shape if verb in WHOLE_GRID_VERBS else tuple(shape))
+
+
+def _oscillations(study: Study) -> float:
+    """About how many a motion of a study makes, by how long it is; at least one."""
+    for name, share in (("periods", 1.0), ("duration", 1.0 / (2.0 * math.pi))):
+        length = study.options.get(name)
+        if isinstance(length, int | float):
+            return max(share * length, 1.0)
+    return _USUAL_OSCILLATIONS

@@ -41,7 +41,7 @@ def create_store(path: Path, study: Study, sample: Sample) -> Store:
         What the verb gives for a part of the grid.
     """
     template = sample.result
-    store = Store(path, study, chunking(study.verb, study.grid, _bytes_per_point(study, template)))
+    store = Store(path, study, chunking(study, _bytes_per_point(study, template)))
     path.mkdir(parents=True, exist_ok=True)
     _write_layout(store, sample)
     return store

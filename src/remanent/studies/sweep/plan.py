@@ -74,7 +74,7 @@ class Plan:
 
     @property
     def tasks(self) -> int | None:
-        """Tasks of about two seconds, none smaller than a chunk."""
+        """Tasks of about a second, none smaller than a chunk."""
         if self.chunks is None or self.seconds is None:
             return None
         return min(self.chunks, max(1, math.ceil(self.seconds / TASK_SECONDS)))
@@ -110,7 +110,7 @@ def plan_study(study: Study, clock: Callable[[], float] = time.perf_counter) -> 
     if seconds < _LONGEST_REPEATED_SECONDS:  # the first trial also compiled
         tried, seconds, result = _last_trial(study, clock)
     per_point = _bytes_per_point(result, grid)
-    cut = chunking(verb, grid, int(max(per_point, default=8.0)))
+    cut = chunking(study, int(max(per_point, default=8.0)))
     return Plan(
         verb,
         sizes,

@@ -26,7 +26,7 @@ from remanent.studies.sweep.study import Study
 from remanent.studies.sweep.tasks import TaskRunner
 
 #: Seconds that a task takes, about.
-TASK_SECONDS = 2.0
+TASK_SECONDS = 1.0
 #: Chunks of a task, at most.
 _MAX_CHUNKS_PER_TASK = 256
 
