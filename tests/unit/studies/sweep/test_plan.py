@@ -63,9 +63,9 @@ def test_time_is_the_pace_of_the_last_trial() -> None:
 
 
 def test_a_task_is_no_smaller_than_a_chunk_and_takes_some_seconds() -> None:
-    """Quick points go together in tasks of about two seconds; slow ones have a chunk each."""
+    """Quick points go together in tasks of about a second; slow ones have a chunk each."""
     plan = Plan("simulate", (("b", 1000),), 4, 10, 100, 8000, 800, 50.0)
-    assert plan.tasks == 25
+    assert plan.tasks == 50
     assert Plan("simulate", (("b", 1000),), 4, 10, 100, 8000, 800, 5000.0).tasks == 100
     assert Plan("simulate", (("b", 1000),), 4, 10, 100, 8000, 800, 0.1).tasks == 1
 
