@@ -40,7 +40,7 @@ def content(path: Path) -> dict[str, str]:
     return {
         file.relative_to(path).as_posix(): hashlib.sha256(file.read_bytes()).hexdigest()
         for file in path.rglob("*")
-        if file.is_file() and file.suffix != ".lock"
+        if file.is_file() and file.suffix != ".lock" and file.name != "identity"
     }
 
 

@@ -200,7 +200,7 @@ def show(store: Path, out: Path | None) -> None:
     from remanent.results.files import load
 
     dataset = load(store)
-    path = out or store.with_suffix(".png")
+    path = out or store.resolve().with_suffix(".png")
     save_overview(dataset, path)
     computed = int((dataset["status"] != 0).sum())
     click.echo(f"{path} ({computed} of {dataset['status'].size} points)")

@@ -20,6 +20,8 @@ from remanent.plots.labels import axis_label
 from remanent.plots.maps import map as chart
 from remanent.plots.motion import history, section
 
+#: Endings of the files of pictures.
+_PICTURES = (".png", ".svg", ".pdf")
 #: Lines that one figure shows of a grid, at most.
 _MAX_LINES = 5
 #: What is drawn of results that have one number for each point, the first that there is.
@@ -67,12 +69,16 @@ def overview(dataset: xr.Dataset, *, ax: Axes | None = None, footer: bool = True
     InputError
         A result in which there is nothing to draw.
     """
-    varied = [dim for dim in str(dataset.attrs.get("over", "")).split() if dim in dataset.dims]
-    if "point" in dataset.dims and "amplitude" not in dataset:
+    varied = _grid_dimensions(dataset)
+    dataset = _numbered(dataset, varied)
+    is_branch = "point" in dataset.dims and "point" not in varied
+    if is_branch and "amplitude" not in dataset:
         return _curves_of_bifurcations(dataset, varied, ax)
     if "attractor" in dataset.dims:
         return basins(_middle_of(dataset, varied), ax=ax, footer=footer)
     for mark, draw in _DRAWN_BY_MARK:
+        if mark in varied:
+            continue
         if mark in dataset.variables or mark in dataset.dims or mark in dataset.attrs:
             across = [d for d in varied if draw is not response or d not in _LINE_DIMENSIONS]
             words = _words_of(dataset, draw)
@@ -87,10 +93,32 @@ def overview(dataset: xr.Dataset, *, ax: Axes | None = None, footer: bool = True
     return curve(dataset, name, varied[0], ax=ax, footer=footer)
 
 
+def _grid_dimensions(dataset: xr.Dataset) -> list[str]:
+    """Dimensions of the grid, by the fields that were varied; several may share one."""
+    names = str(dataset.attrs.get("over", "")).split()
+    dims = [dataset[name].dims if name in dataset.variables else (name,) for name in names]
+    found = dict.fromkeys(str(dim) for several in dims for dim in several)
+    return [dim for dim in found if dim in dataset.dims]
+
+
+def _numbered(dataset: xr.Dataset, dims: list[str]) -> xr.Dataset:
+    """Dimensions without values of their own have numbers, by which they can be drawn."""
+    numbers = {dim: np.arange(dataset.sizes[dim]) for dim in dims if dim not in dataset.coords}
+    return dataset.assign_coords(numbers)
+
+
 def save_overview(dataset: xr.Dataset, path: Path) -> None:
     """Draw the figure that suits a result into a file, without a screen."""
     import matplotlib as mpl
 
+    if path.suffix.lower() not in _PICTURES:
+        raise InputError(
+            "--out",
+            must=f"end in one of {', '.join(_PICTURES)}",
+            got=str(path),
+            why="The ending says the format.",
+            fix="Use .pdf or .svg for papers, .png for screens.",
+        )
     mpl.use("Agg")
     from matplotlib import pyplot as plt
 

@@ -27,8 +27,8 @@ _NO_OWN_TEXTS: Final[OwnTexts] = MappingProxyType({})
 _PADDING: Final[Mapping[str, Any]] = MappingProxyType(
     {"f": np.nan, "c": complex(np.nan, 0.0), "i": -1, "b": False, **dict.fromkeys("UTO", "")}
 )
-#: Variables of integers in which 0 says nothing: downwards is -1.
-_PADDED_WITH_ZERO: Final = frozenset({"direction"})
+#: Variables of integers in which 0 says nothing: downwards is -1, and 0 is not computed.
+_PADDED_WITH_ZERO: Final = frozenset({"direction", "status", "resonance_status"})
 
 
 def dataset(

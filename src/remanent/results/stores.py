@@ -26,7 +26,7 @@ TEXT_DTYPE: Final = "remanent_dtype"
 _OPTIONAL: Final = "reason"
 #: Attributes that only say how to read a store.
 _READING_ATTRIBUTES: Final = frozenset(
-    {"coordinate_names", "variable_names", "has_reason", "sample_point"}
+    {"coordinate_names", "variable_names", "list_dimensions", "has_reason", "sample_point"}
 )
 
 
@@ -77,7 +77,7 @@ def read(path: str | os.PathLike[str]) -> xr.Dataset:
             fix="Open other Zarr stores by xarray.open_zarr.",
         )
     require_readable_version(raw.attrs)
-    lists = {f"{dim}{LENGTH_ENDING}" for dim in raw.dims}
+    lists = {f"{dim}{LENGTH_ENDING}" for dim in raw.attrs["list_dimensions"]}
     variables = {
         str(name): _as_in_results(variable)
         for name, variable in raw.variables.items()

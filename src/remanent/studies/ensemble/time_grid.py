@@ -75,7 +75,8 @@ def time_grid(
     if times is not None:
         return _grid_of_given_times(ens, times)
     end = trajectory_durations(ens, duration, periods)
-    longest = float(np.nanmax(np.where(ens.is_invalid, 0.0, end), initial=0.0))
+    counts = ~ens.is_invalid if not ens.is_invalid.all() else np.isfinite(end)
+    longest = float(np.nanmax(np.where(counts, end, 0.0), initial=0.0))
     intervals = np.clip(
         np.ceil(_DEFAULT_POINTS_PER_TAU * longest),
         _FEWEST_DEFAULT_INTERVALS,

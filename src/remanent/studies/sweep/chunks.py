@@ -9,7 +9,7 @@ from functools import cached_property
 from itertools import product
 
 from remanent.studies.sweep.grid import Grid, GridPart
-from remanent.studies.sweep.study import SEARCHING_VERBS, WHOLE_GRID_VERBS, Study
+from remanent.studies.sweep.study import SEARCHING_VERBS, Study
 
 #: Points in a chunk of the store, at least.
 _POINTS_PER_CHUNK = 512
@@ -101,7 +101,7 @@ def chunking(study: Study, bytes_per_point: int) -> Chunking:
     shape = [1] * len(grid.shape)
     for axis in range(len(grid.shape) - 1, -1, -1):
         shape[axis] = max(1, min(grid.shape[axis], points // math.prod(shape)))
-    return Chunking(grid, grid.shape if verb in WHOLE_GRID_VERBS else tuple(shape))
+    return Chunking(grid, grid.shape if study.needs_whole_grid else tuple(shape))
 
 
 def _oscillations(study: Study) -> float:

@@ -148,17 +148,20 @@ def run_on_workers(
 
     first = [submit(task, 1) for task in queue.take(_TASKS_PER_WORKER * workers())]
     completed = as_completed(first, loop=client.loop)
-    for future in completed:
-        task, tries = running.pop(future)
-        if future.status == "finished":
-            meter.add(store.chunking.chunks_of(task.first, task.count))
-            queue.learn(task, future.result())
-        else:
-            _require_worker_death(future, task, tries)
-            completed.add(submit(task, tries + 1))
-            continue
-        for further in queue.take(_TASKS_PER_WORKER * workers() - len(running)):
-            completed.add(submit(further, 1))
+    try:
+        for future in completed:
+            task, tries = running.pop(future)
+            if future.status == "finished":
+                meter.add(store.chunking.chunks_of(task.first, task.count))
+                queue.learn(task, future.result())
+            else:
+                _require_worker_death(future, task, tries)
+                completed.add(submit(task, tries + 1))
+                continue
+            for further in queue.take(_TASKS_PER_WORKER * workers() - len(running)):
+                completed.add(submit(further, 1))
+    finally:
+        client.cancel(list(running))
 
 
 class _Queue:
@@ -192,7 +195,8 @@ def compute_task(
 
     The name of the run tells the store from one that was at the same path before.
     """
-    if run not in _opened:
+    store = _opened.get(run)
+    if store is None:
         _opened.clear()
         store = open_store(Path(path))
         require_same(store, store.study)
@@ -201,7 +205,7 @@ def compute_task(
             store.study.result_of(store.sampled_part)
         _opened[run] = store
     begin = time.perf_counter()
-    TaskRunner(_opened[run], point_seconds).compute(tuple(first), count)
+    TaskRunner(store, point_seconds).compute(tuple(first), count)
     return time.perf_counter() - begin
 
 

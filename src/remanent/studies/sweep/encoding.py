@@ -73,8 +73,6 @@ def stored_attributes(name: str, variable: xr.Variable) -> dict[str, Any]:
 
 def fill_value(name: str, dtype: np.dtype[Any]) -> Any:
     """What stands where nothing was computed: NaN, -1, no text; status 0, not computed."""
-    if name.endswith("status"):
-        return 0
     return -1 if dtype.kind in "UTO" and name in WORDS else padding_of(dtype, name)
 
 

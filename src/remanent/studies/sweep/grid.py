@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from remanent.models.system import System
 from remanent.results.build import Labelled
@@ -92,12 +93,17 @@ class Grid:
         return product(*cuts)
 
 
+def is_plain_grid(name: str, dims: tuple[str, ...], values: NDArray[np.float64]) -> bool:
+    """Whether values are those of a dimension of their own, in the order that `over` asks for."""
+    return dims == (name,) and bool((np.diff(values) > 0.0).all())
+
+
 def _selected(
     name: str, labelled: Labelled, slices: Mapping[str, slice], labels: Mapping[str, Labelled]
 ) -> Any:
     dims, values = labelled
     chosen = np.ascontiguousarray(values[tuple(slices[dim] for dim in dims)])
-    if dims == (name,):
+    if is_plain_grid(name, dims, chosen):
         return chosen
     coords = {dim: labels[dim][1][slices[dim]] for dim in dims if dim in labels}
     return xr.DataArray(chosen, dims=dims, coords=coords)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import uuid
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 import xarray as xr
 
+from remanent._errors import InputError, shortened_repr
 from remanent.results.atomic import atomic_replacement
 from remanent.results.schema import describe
 from remanent.results.stores import LENGTH_ENDING, SCHEMA_VERSION
@@ -22,7 +24,13 @@ from remanent.studies.sweep.encoding import (
 )
 from remanent.studies.sweep.lists import LIST_CHUNKS, list_dims
 from remanent.studies.sweep.sample import Sample
-from remanent.studies.sweep.store import BOOKKEEPING, OPTIONAL, Store, seal_description
+from remanent.studies.sweep.store import (
+    BOOKKEEPING,
+    IDENTITY_FILE,
+    OPTIONAL,
+    Store,
+    seal_description,
+)
 from remanent.studies.sweep.study import Study, code_identity
 
 #: Level of compression.
@@ -41,6 +49,7 @@ def create_store(path: Path, study: Study, sample: Sample) -> Store:
         What the verb gives for a part of the grid.
     """
     template = sample.result
+    _require_storable_names({*map(str, template.variables), *map(str, template.dims)})
     store = Store(path, study, chunking(study, _bytes_per_point(study, template)))
     path.mkdir(parents=True, exist_ok=True)
     _write_layout(store, sample)
@@ -54,6 +63,7 @@ def _write_layout(store: Store, sample: Sample) -> None:
     study, path, template = store.study, store.path, sample.result
     group = zarr.create_group(str(path), zarr_format=3, overwrite=False)
     group.create_group(BOOKKEEPING)
+    (store.bookkeeping / IDENTITY_FILE).write_text(uuid.uuid4().hex, encoding="utf-8")
     attributes = {
         **{str(key): value for key, value in template.attrs.items()},
         "study": study.text,
@@ -62,16 +72,42 @@ def _write_layout(store: Store, sample: Sample) -> None:
         "coordinate_names": list(map(str, template.coords)),
         "variable_names": list(map(str, template.data_vars)),
         "has_reason": OPTIONAL in template,
+        "list_dimensions": list_dims(template, study.grid.dims),
         "sample_point": [axis.start for axis in sample.part],
         **{f"code_{key}": value for key, value in code_identity().items()},
     }
     group.attrs.update({k: plain_attribute(v) for k, v in attributes.items()})
     for name, variable in _all_variables(study, template).items():
         _create_array(group, store, name, variable)
-    text = json.dumps({"study": study.plain, "schema_version": SCHEMA_VERSION}, ensure_ascii=False)
+    text = json.dumps(
+        {
+            "study": study.plain,
+            "study_digest": study.digest,
+            "schema_version": SCHEMA_VERSION,
+            "code": code_identity(),
+        },
+        ensure_ascii=False,
+    )
     with atomic_replacement(store.bookkeeping / "study.json") as file:
         file.write_text(text, encoding="utf-8")
     seal_description(path)
+
+
+def _require_storable_names(names: set[str]) -> None:
+    """Refuse names that are no folders of a store, before anything of it is written."""
+    bad = sorted(
+        name
+        for name in names
+        if name in (BOOKKEEPING, "zarr.json") or set("/\\") & set(name) or name.startswith(".")
+    )
+    if bad:
+        raise InputError(
+            "store",
+            must="be of results whose names can be those of folders",
+            got=shortened_repr(bad),
+            why=f"A store has a folder for each variable, and keeps {BOOKKEEPING!r} for itself.",
+            fix="Rename what has this name, or leave out the store.",
+        )
 
 
 def _all_variables(study: Study, template: xr.Dataset) -> dict[str, xr.Variable]:

@@ -12,6 +12,8 @@ from remanent._errors import RemanentError
 
 #: Beginning of the names of files of locks.
 _PREFIX = "run-"
+#: Seconds after which a lock that is held is not held by one that only asks.
+_ASKING_SECONDS = 1.0
 
 
 @contextmanager
@@ -49,7 +51,8 @@ def sole_writer(folder: Path, part: tuple[int, int]) -> Iterator[None]:
 def _is_held(file: Path) -> bool:
     lock = FileLock(file)
     try:
-        lock.acquire(timeout=0)
+        # Another process may be asking the same, for which it holds the lock for a moment.
+        lock.acquire(timeout=_ASKING_SECONDS, poll_interval=0.02)
     except Timeout:
         return True
     lock.release()

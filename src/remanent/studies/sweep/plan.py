@@ -17,7 +17,7 @@ from remanent.studies.ensemble.memory import BYTES_PER_TRAJECTORY
 from remanent.studies.sweep.chunks import Chunking, chunking
 from remanent.studies.sweep.grid import Grid, GridPart
 from remanent.studies.sweep.run import TASK_SECONDS
-from remanent.studies.sweep.study import WHOLE_GRID_VERBS, Study
+from remanent.studies.sweep.study import Study
 
 #: Seconds for which points are tried.
 _TRIAL_SECONDS: Final = 1.0
@@ -104,7 +104,9 @@ def plan_study(study: Study, clock: Callable[[], float] = time.perf_counter) -> 
     cores = available_processor_count()
     try:
         with work_stopped_after(_LONGEST_TRIAL_SECONDS):
-            tried, seconds, result = _trial(study, next(_samples(verb, grid)), clock)
+            tried, seconds, result = _trial(
+                study, next(_samples(study.needs_whole_grid, grid)), clock
+            )
     except WorkStopped:
         return Plan(verb, sizes, cores, 0, None, None, None, None)
     if seconds < _LONGEST_REPEATED_SECONDS:  # the first trial also compiled
@@ -126,7 +128,7 @@ def plan_study(study: Study, clock: Callable[[], float] = time.perf_counter) -> 
 def _last_trial(study: Study, clock: Callable[[], float]) -> tuple[int, float, xr.Dataset]:
     """The last of several trials, which grow until one is long; the code is compiled before."""
     begin = clock()
-    for part in _samples(study.verb, study.grid):
+    for part in _samples(study.needs_whole_grid, study.grid):
         tried, seconds, result = _trial(study, part, clock)
         if clock() - begin > _TRIAL_SECONDS:
             break
@@ -143,9 +145,9 @@ def _trial(
     return math.prod(result.sizes.get(dim, 1) for dim in study.grid.dims), seconds, result
 
 
-def _samples(verb: str, grid: Grid) -> Iterator[GridPart]:
+def _samples(at_once: bool, grid: Grid) -> Iterator[GridPart]:
     """Parts of the grid, each with several times the points of the one before, spread evenly."""
-    if verb in WHOLE_GRID_VERBS:
+    if at_once:
         yield grid.whole
         return
     counts = [1] * len(grid.shape)

@@ -11,16 +11,18 @@ import numpy as np
 
 from remanent.results.stores import LENGTH_ENDING
 from remanent.studies.sweep.layout import create_store
-from remanent.studies.sweep.run import ReportProgress, run_here, writable_store
+from remanent.studies.sweep.locks import sole_writer
+from remanent.studies.sweep.run import ReportProgress, run_here
 from remanent.studies.sweep.sample import sample_here
 from remanent.studies.sweep.store import (
     BOOKKEEPING,
     Store,
     open_store,
+    require_same_code,
     seal_description,
 )
 from remanent.studies.sweep.study import Study
-from remanent.studies.sweep.verify import Findings, study_of_store, verify_store
+from remanent.studies.sweep.verify import Findings, code_of_store, study_of_store, verify_store
 
 
 def repair_store(path: Path, report: ReportProgress | None = None) -> Findings:
@@ -36,12 +38,17 @@ def repair_store(path: Path, report: ReportProgress | None = None) -> Findings:
     InputError, RemanentError
         There is no store, its numbers were made by other code, or another process writes it.
     """
-    study, found = study_of_store(path), verify_store(path)
-    if found.description:
-        _rewrite_description(path, study)
-        again = verify_store(path)
-        found = Findings(found.description, again.damaged, again.missing, again.chunk_count)
-    with writable_store(path, study) as store:
+    path = path.resolve()
+    study = study_of_store(path)
+    require_same_code(path, code_of_store(path))
+    (path / BOOKKEEPING).mkdir(exist_ok=True)
+    with sole_writer(path / BOOKKEEPING, (1, 1)):
+        found = verify_store(path)
+        if found.description:
+            _rewrite_description(path, study)
+            again = verify_store(path)
+            found = Findings(found.description, again.damaged, again.missing, again.chunk_count)
+        store = open_store(path)
         for chunk in found.damaged:
             store.forget(chunk)
         run_here(store, report=report)

@@ -21,8 +21,9 @@ from remanent.studies.sweep.store import (
     open_store,
     partial_files,
     require_same,
+    was_only_begun,
 )
-from remanent.studies.sweep.study import Study
+from remanent.studies.sweep.study import Study, study_from_plain
 from remanent.studies.sweep.tasks import TaskRunner
 
 #: Seconds that a task takes, about.
@@ -95,6 +96,7 @@ def writable_store(
         if part == (1, 1):
             for file in partial_files(path):
                 file.unlink(missing_ok=True)
+        store.finish_lengthening()
         yield store
 
 
@@ -121,28 +123,43 @@ def _create_if_missing(path: Path, study: Study, take_sample: TakeSample) -> Non
             why="A store is a folder with a file for each chunk of each variable.",
             fix="Pass another path.",
         )
-    with FileLock(path.with_name(f".{path.name}.lock")) as lock:
-        if not is_store_of_study(path):
-            _require_empty(path)
-            create_store(path, study, take_sample(study, path))
-    Path(lock.lock_file).unlink(missing_ok=True)
+    _require_outside_of_stores(path)
+    study_from_plain(study.plain)  # raises where it could not be read back
+    lock = FileLock(path.with_name(f".{path.name}.lock"))
+    try:
+        with lock:
+            if not is_store_of_study(path):
+                _require_empty(path)
+                create_store(path, study, take_sample(study, path))
+    finally:
+        Path(lock.lock_file).unlink(missing_ok=True)
 
 
 def _require_empty(path: Path) -> None:
     """Refuse a folder with other content; what a killed process began of a store is removed."""
-    if not path.exists():
+    if not path.exists() or not any(path.iterdir()):
         return
-    content = list(path.iterdir())
-    if content and not (path / "zarr.json").exists():
+    if not was_only_begun(path):
         raise InputError(
             "store",
             must="be an empty folder, or not exist yet",
             got=str(path),
             why="There are other files in it, and a store has its folder for itself.",
-            fix="Pass another path.",
+            fix="Pass another path; `remanent verify --repair` mends a store that is damaged.",
         )
-    if content:
-        shutil.rmtree(path)
+    shutil.rmtree(path)
+
+
+def _require_outside_of_stores(path: Path) -> None:
+    for folder in path.parents:
+        if (folder / "zarr.json").exists():
+            raise InputError(
+                "store",
+                must="lie outside of other stores",
+                got=str(path),
+                why=f"{folder} is one, and has its folder for itself.",
+                fix="Pass another path.",
+            )
 
 
 def chunks_of_share(store: Store, part: tuple[int, int]) -> list[tuple[int, ...]]:

@@ -18,8 +18,8 @@ import xarray as xr
 
 from remanent._errors import RemanentError
 from remanent.studies.sweep.attempts import MAX_FAILURES, Attempts, ended_after
-from remanent.studies.sweep.grid import Grid, GridPart
-from remanent.studies.sweep.study import WHOLE_GRID_VERBS, Study, study_from_plain
+from remanent.studies.sweep.grid import GridPart
+from remanent.studies.sweep.study import Study, study_from_plain
 
 #: Where along each dimension of the grid a point is taken: first, last, between.
 _SHARES = (0.0, 1.0, 0.5)
@@ -57,7 +57,7 @@ def sample_here(study: Study, path: Path) -> Sample:
     """
     folder = path.with_name(f".{path.name}.sample")
     attempts = Attempts(folder)
-    for part in sample_parts(study.verb, study.grid):
+    for part in sample_parts(study):
         name = "-".join(str(s.start) for s in part)
         if attempts.failures(name) < MAX_FAILURES:
             with attempts.begun(name):
@@ -102,9 +102,10 @@ def _sample_of_text(text: str, path: str, point_seconds: float | None) -> Sample
         return sample_here(study, Path(path))
 
 
-def sample_parts(verb: str, grid: Grid) -> list[GridPart]:
-    """Least parts of a grid for which a verb can be called, in the order they are tried."""
-    if verb in WHOLE_GRID_VERBS:
+def sample_parts(study: Study) -> list[GridPart]:
+    """Least parts of its grid for which the verb can be called, in the order they are tried."""
+    grid = study.grid
+    if study.needs_whole_grid:
         return [grid.whole]
     places = [tuple(round(share * (size - 1)) for size in grid.shape) for share in _SHARES]
     return [tuple(slice(k, k + 1) for k in place) for place in dict.fromkeys(places)]

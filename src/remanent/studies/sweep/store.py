@@ -21,6 +21,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import threading
 import warnings
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -41,7 +42,6 @@ from remanent.studies.sweep.encoding import stored_values
 from remanent.studies.sweep.grid import GridPart
 from remanent.studies.sweep.lists import list_lengths
 from remanent.studies.sweep.study import (
-    WHOLE_GRID_VERBS,
     Study,
     code_identity,
     study_from_plain,
@@ -51,8 +51,14 @@ from remanent.studies.sweep.study import (
 BOOKKEEPING: Final = "bookkeeping"
 #: File with the checksum of the description.
 _CHECKSUM_FILE: Final = "description.sha256"
+#: File with the name of a store that no other has, also not one that takes its place.
+IDENTITY_FILE: Final = "identity"
+#: File that is there while arrays are made longer.
+_LENGTHENING_FILE: Final = "lengthening"
 #: Text that verbs add only where there is something to say.
 OPTIONAL: Final = "reason"
+#: Held while an array is opened, since what Zarr is told then holds for all threads.
+_OPENING: Final = threading.Lock()
 #: Seconds to wait for another process that makes an array longer.
 _LOCK_SECONDS: Final = 60.0
 
@@ -66,12 +72,16 @@ class Store:
     path : Path
     study : Study
     chunking : Chunking
+    identity : str
+        What no other store has.
     """
 
     path: Path
     study: Study
     chunking: Chunking
+    identity: str = ""
     _arrays: dict[str, Any] = field(default_factory=dict, repr=False, compare=False)
+    _shared: dict[str, NDArray[Any]] = field(default_factory=dict, repr=False, compare=False)
 
     @property
     def bookkeeping(self) -> Path:
@@ -94,16 +104,30 @@ class Store:
         """Names of all arrays."""
         return tuple(sorted(name for name, _ in _open_group(self.path).arrays()))
 
+    @cached_property
+    def length_names(self) -> tuple[str, ...]:
+        """Names of the arrays that say how long the lists of each point are."""
+        dims = _open_group(self.path).attrs["list_dimensions"]
+        return tuple(f"{dim}{LENGTH_ENDING}" for dim in dims)
+
     @property
     def sampled_part(self) -> GridPart:
         """A part of the grid that was computed before the store was made."""
         places = _open_group(self.path).attrs["sample_point"]
-        if self.study.verb in WHOLE_GRID_VERBS:
+        if self.study.needs_whole_grid:
             return self.study.grid.whole
         return tuple(slice(k, k + 1) for k in places)
 
     def write(self, part: GridPart, result: xr.Dataset) -> None:
-        """Write the result of whole chunks: everything else first, the status last."""
+        """Write the result of whole chunks: everything else first, the status last.
+
+        Raises
+        ------
+        RemanentError
+            The result does not fit, or another store has taken the place of this one.
+        """
+        self._require_same_shared(result)
+        self._require_in_place()
         lengths = list_lengths(result, self.grid_dims)
         self._make_longer(result)
         variables = {
@@ -123,7 +147,38 @@ class Store:
                 self._write_variable(name, variables[name], part, longest)
         for dim, values in lengths.items():
             self.array(f"{dim}{LENGTH_ENDING}")[part] = values
+        self._require_in_place()
         self._write_variable("status", variables["status"], part, longest)
+
+    def _require_in_place(self) -> None:
+        """Refuse to write where another store was made since this one was opened."""
+        if _identity_of(self.path) != self.identity:
+            raise RemanentError(
+                f"the store {self.path} was removed or replaced while it was being written"
+            )
+
+    def _require_same_shared(self, result: xr.Dataset) -> None:
+        """Refuse a result whose points share something else than those before them."""
+        for name, variable in result.variables.items():
+            if name not in self.names or name in self.grid_dims:
+                continue
+            dims = self.array(str(name)).metadata.dimension_names
+            if set(dims) != set(variable.dims):
+                raise _misfit_error(str(name))
+            if set(dims) & set(self.grid_dims):
+                continue
+            new = stored_values(str(name), variable.transpose(*dims).values)
+            old = self._shared_values(str(name))
+            common = tuple(map(slice, map(min, new.shape, old.shape)))
+            is_float = new.dtype.kind in "fc"
+            if not np.array_equal(new[common], old[common], equal_nan=is_float):
+                raise _misfit_error(str(name))
+
+    def _shared_values(self, name: str) -> NDArray[Any]:
+        """Values that all points share; they are read once."""
+        if name not in self._shared:
+            self._shared[name] = np.asarray(self.array(name)[...])
+        return self._shared[name]
 
     def _shape_of(self, name: str, part: GridPart, status: xr.Variable) -> list[int]:
         sizes = {dim: s.stop - s.start for dim, s in zip(self.grid_dims, part, strict=True)}
@@ -158,10 +213,36 @@ class Store:
             return
         with FileLock(self.bookkeeping / "lengths.lock", timeout=_LOCK_SECONDS):
             self._arrays.clear()
+            self._shared.clear()
+            self._lengthening.touch()
             for name in map(str, result.variables):
                 if name in self.names:
                     self._make_array_longer(name, result)
             seal_description(self.path)
+            self._lengthening.unlink()
+
+    @property
+    def _lengthening(self) -> Path:
+        return self.bookkeeping / _LENGTHENING_FILE
+
+    def finish_lengthening(self) -> None:
+        """Go on with what a process began that was killed while it made arrays longer."""
+        with FileLock(self.bookkeeping / "lengths.lock", timeout=_LOCK_SECONDS):
+            if not self._lengthening.exists():
+                return
+            arrays = {name: self.array(name) for name in self.names}
+            longest: dict[str, int] = {}
+            for array in arrays.values():
+                for dim, size in zip(array.metadata.dimension_names, array.shape, strict=True):
+                    longest[dim] = max(longest.get(dim, 0), size)
+            for name, array in arrays.items():
+                dims = array.metadata.dimension_names
+                array.resize(tuple(longest[dim] for dim in dims))
+                if dims == (name,) and name not in self.grid_dims:
+                    array[...] = np.arange(longest[name])
+            self._arrays.clear()
+            seal_description(self.path)
+            self._lengthening.unlink()
 
     def _is_too_short(self, result: xr.Dataset) -> bool:
         names = (name for name in map(str, result.variables) if name in self.names)
@@ -193,7 +274,13 @@ class Store:
 
     def status_of(self, part: GridPart) -> NDArray[np.int8]:
         """The status of a part of the grid."""
-        return np.asarray(self.array("status")[self.place_of("status", part)])
+        try:
+            return np.asarray(self.array("status")[self.place_of("status", part)])
+        except (ValueError, OSError, RuntimeError) as error:
+            raise RemanentError(
+                f"the status of some points is damaged in {self.path}: "
+                f"`remanent verify {self.path} --repair` computes them again"
+            ) from error
 
     def forget(self, chunk: tuple[int, ...]) -> None:
         """Say that a chunk is not computed."""
@@ -227,7 +314,22 @@ def open_store(path: Path) -> Store:
         ) from error
     rebuilt = study_from_plain(study)
     shape = tuple(chunks[dim] for dim in rebuilt.grid.dims)
-    return Store(path, rebuilt, Chunking(rebuilt.grid, shape))
+    return Store(path, rebuilt, Chunking(rebuilt.grid, shape), _identity_of(path))
+
+
+def _identity_of(path: Path) -> str:
+    """What was written when the store was made; empty where there is none, or not any more."""
+    try:
+        return (path / BOOKKEEPING / IDENTITY_FILE).read_text(encoding="utf-8")
+    except OSError:
+        return ""
+
+
+def _misfit_error(name: str) -> RemanentError:
+    return RemanentError(
+        f"`{name}` differs between points of the grid that were computed apart, so that one store "
+        "cannot hold it; call the verb for the whole grid, and report this as a fault of remanent"
+    )
 
 
 def _open_group(path: Path) -> Any:
@@ -240,7 +342,7 @@ def _open_array(path: Path) -> Any:
     """An array of which chunks are written that hold nothing, so that a missing file is a fault."""
     import zarr
 
-    with zarr.config.set({"array.write_empty_chunks": True}):
+    with _OPENING, zarr.config.set({"array.write_empty_chunks": True}):
         return zarr.open_array(str(path), mode="r+", zarr_format=3)
 
 
@@ -292,6 +394,15 @@ def is_store_of_study(path: Path) -> bool:
     return (path / BOOKKEEPING / _CHECKSUM_FILE).exists()
 
 
+def was_only_begun(path: Path) -> bool:
+    """Whether a folder holds a store of ours that nothing was written to, not even its end."""
+    names = {entry.name for entry in path.iterdir()}
+    if names <= {"zarr.json", BOOKKEEPING}:
+        return "zarr.json" in names
+    is_ours = (path / BOOKKEEPING / IDENTITY_FILE).exists()
+    return is_ours and not is_store_of_study(path) and not (path / "status" / "c").exists()
+
+
 def require_same(store: Store, study: Study) -> None:
     """Refuse to go on with another study, or with other code.
 
@@ -312,13 +423,25 @@ def require_same(store: Store, study: Study) -> None:
             fix="Pass another place for the results, or the study as it was.",
         )
     attributes = dict(_open_group(store.path).attrs)
+    begun_by = {key: str(attributes.get(f"code_{key}")) for key in code_identity()}
+    require_same_code(store.path, begun_by)
+
+
+def require_same_code(path: Path, begun_by: Mapping[str, str]) -> None:
+    """Refuse to go on with a store that other code began.
+
+    Raises
+    ------
+    RemanentError
+        Saying what differs.
+    """
     changes = [
-        f"{key} was {attributes.get(f'code_{key}')}, is {value}"
+        f"{key} was {begun_by.get(key)}, is {value}"
         for key, value in code_identity().items()
-        if attributes.get(f"code_{key}") != value
+        if begun_by.get(key) != value
     ]
     if changes:
         raise RemanentError(
-            f"the store {store.path} was begun by other code, which may give other numbers: "
+            f"the store {path} was begun by other code, which may give other numbers: "
             f"{'; '.join(changes)}. Go on where it was begun, or pass another place."
         )

@@ -13,6 +13,7 @@ from typing import Any, Final
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 import remanent
 from remanent import _checks
@@ -24,13 +25,16 @@ from remanent.models.plain import from_plain_data, to_plain_data
 from remanent.models.system import System
 from remanent.results.provenance import package_versions
 from remanent.studies.ensemble.checks import require_drive, require_system
+from remanent.studies.ensemble.layout import lay_out_ensemble
 from remanent.studies.ensemble.over import require_over
-from remanent.studies.sweep.grid import Grid, GridPart
+from remanent.studies.sweep.grid import Grid, GridPart, is_plain_grid
 
 #: Arguments of verbs that a study has of its own, or that change no result.
 NO_OPTIONS: Final = frozenset({"system", "actuator", "drive", "over", "progress"})
 #: Verbs whose results for all points belong together, as folds of equilibria along a parameter do.
 WHOLE_GRID_VERBS: Final = frozenset({"equilibria"})
+#: Verbs whose points have one axis of time, as long as the longest run.
+_VERBS_WITH_TIMES: Final = frozenset({"simulate", "energy_balance"})
 #: Verbs that search or follow: a point of theirs takes long.
 SEARCHING_VERBS: Final = frozenset(
     {
@@ -107,6 +111,32 @@ class Study:
     def grid(self) -> Grid:
         """The grid that it spans."""
         return Grid.from_over(self.over, self.system)
+
+    @cached_property
+    def needs_whole_grid(self) -> bool:
+        """Whether the verb has to see all points in one call, since they depend on each other.
+
+        So they do where folds are sought along a parameter, or where the run is as long as the
+        slowest point needs.
+        """
+        if self.verb == "step_response":
+            return self.options.get("duration") is None
+        if self.verb in _VERBS_WITH_TIMES and self.options.get("periods") is not None:
+            return self._has_several_periods()
+        return self.verb in WHOLE_GRID_VERBS
+
+    def _has_several_periods(self) -> bool:
+        """Whether the period of the drive changes along any dimension of the grid."""
+        shape = self.grid.shape
+        for axis in range(len(shape)):
+            line = tuple(slice(0, n if k == axis else 1) for k, n in enumerate(shape))
+            over = self.grid.over(line)
+            periods = lay_out_ensemble(
+                self.system, require_drive(self.drive), over, tells=False
+            ).drive_periods()
+            if periods is not None and not np.all(periods == periods[0]):
+                return True
+        return False
 
     def result_of(self, part: GridPart, progress: Any = None) -> xr.Dataset:
         """What the verb gives for a part of the grid; warnings of single points are left out."""
@@ -245,13 +275,29 @@ def plain_option(name: str, value: Any) -> Any:
 
 
 def _plain_values(dims: tuple[str, ...], values: Any, grid: Grid) -> dict[str, Any]:
-    labels = {dim: grid.fields.labels[dim][1].tolist() for dim in dims if dim in grid.fields.labels}
+    labels = {}
+    for dim in dims:
+        if dim in grid.fields.labels:
+            labels[dim] = _plain_labels(dim, grid.fields.labels[dim][1])
     table: dict[str, Any] = {"dims": list(dims), "values": values.tolist()}
     return {**table, "labels": labels} if labels else table
 
 
+def _plain_labels(dim: str, labels: NDArray[Any]) -> list[Any]:
+    if labels.dtype.kind not in "UOifb":
+        raise InputError(
+            "over",
+            must=f"have labels along {dim!r} that are text or signed numbers",
+            got=f"labels of {labels.dtype}",
+            why="A study is kept as plain data, which another machine can read.",
+            fix="Write them as text, by .astype(str), or leave out the store.",
+        )
+    plain: list[Any] = labels.tolist()
+    return plain
+
+
 def _values_from_plain(name: str, table: Mapping[str, Any]) -> Any:
     dims, values = tuple(table["dims"]), np.array(table["values"], dtype=np.float64)
-    if dims == (name,):
+    if is_plain_grid(name, dims, values):
         return values
     return xr.DataArray(values, dims=dims, coords=table.get("labels", {}))

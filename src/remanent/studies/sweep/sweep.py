@@ -18,7 +18,7 @@ from remanent.studies.ensemble.progress import ProgressArgument, as_progress
 from remanent.studies.sweep.dask_engine import run_on_workers
 from remanent.studies.sweep.run import Progress, run_here, writable_store
 from remanent.studies.sweep.sample import sample_on
-from remanent.studies.sweep.study import Study
+from remanent.studies.sweep.study import Study, verb_function, verbs_of_studies
 
 
 def sweep(
@@ -79,7 +79,7 @@ def sweep(
     >>> loss.equals(rm.cycle_losses(body, drive, periods=2, over={"b": [0.3, 0.4]}))
     True
     """
-    name = verb if isinstance(verb, str) else getattr(verb, "__name__", "")
+    name = _name_of_verb(verb)
     study = Study(name, system, drive, over, options)
     report = as_progress(progress)
     if store is None:
@@ -99,6 +99,22 @@ def sweep(
         with writable_store(path, study, take_sample=sample_on(client)) as opened:
             run_on_workers(opened, client, report=tell)
     return stores.read(path)
+
+
+def _name_of_verb(verb: object) -> str:
+    """Its name, where it is a verb of this package and not another function of the same name."""
+    if isinstance(verb, str):
+        return verb
+    name = str(getattr(verb, "__name__", shortened_repr(verb)))
+    if name in verbs_of_studies() and verb_function(name) is not verb:
+        raise InputError(
+            "verb",
+            must="be a verb of this package, or its name",
+            got=shortened_repr(verb),
+            why="A study is run by name, wherever its workers are.",
+            fix=f"Pass {name!r} for that of this package.",
+        )
+    return name
 
 
 def _require_no_client(client: object) -> None:

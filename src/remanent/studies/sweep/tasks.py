@@ -13,12 +13,10 @@ import xarray as xr
 
 from remanent._status import Status
 from remanent.results.build import padding_of
-from remanent.results.stores import LENGTH_ENDING
 from remanent.studies.sweep.attempts import MAX_FAILURES, Attempts, ended_after
 from remanent.studies.sweep.grid import GridPart
 from remanent.studies.sweep.joining import join_parts
 from remanent.studies.sweep.store import Store
-from remanent.studies.sweep.study import WHOLE_GRID_VERBS
 
 #: Reason of points that took their process down.
 _FAILED_REASON = f"the process that computed this point ended {MAX_FAILURES} times"
@@ -99,7 +97,7 @@ class TaskRunner:
 
     def _points(self, part: GridPart) -> Iterator[GridPart]:
         """Parts of one point each, or all that belongs together."""
-        if self.store.study.verb in WHOLE_GRID_VERBS:
+        if self.store.study.needs_whole_grid:
             return iter([part])
         return product(*([slice(k, k + 1) for k in range(s.start, s.stop)] for s in part))
 
@@ -179,7 +177,7 @@ def _nothing(store: Store, part: GridPart) -> xr.Dataset:
         if (
             set(dims) & set(sizes)
             and name not in store.grid_dims
-            and not name.endswith(LENGTH_ENDING)
+            and name not in store.length_names
         ):
             shape = [sizes.get(dim, have) for dim, have in zip(dims, array.shape, strict=True)]
             dtype = np.dtype("U1") if array.dtype.kind in "OT" else array.dtype

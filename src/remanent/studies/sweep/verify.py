@@ -5,10 +5,12 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from enum import IntEnum
 from itertools import product
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -112,28 +114,41 @@ def _require_readable(path: Path) -> None:
 
 def study_of_store(path: Path) -> Study:
     """The study of a store, by the copy that its bookkeeping has, or by its description."""
-    for read in (_study_by_copy, _study_by_description):
+    for read in (_said_by_copy, _said_by_description):
         try:
-            return read(path)
+            plain, digest, _ = read(path)
+            study = study_from_plain(plain)
         except Exception:  # whatever a damaged file leads to, the other one is tried
             continue
+        if study.digest == digest:
+            return study
     raise InputError(
         "store",
         must="be a store of a study",
         got=str(path),
-        why="There is none, or nothing in it says which study it is of.",
+        why="There is none, or nothing sound in it says which study it is of.",
         fix="Check the path.",
     )
 
 
-def _study_by_copy(path: Path) -> Study:
-    text = (path / BOOKKEEPING / "study.json").read_text(encoding="utf-8")
-    return study_from_plain(json.loads(text)["study"])
+def code_of_store(path: Path) -> dict[str, str]:
+    """What computed the numbers of a store, as far as one of its two descriptions can be read."""
+    for read in (_said_by_description, _said_by_copy):
+        with suppress(Exception):  # as above
+            return read(path)[2]
+    return {}
 
 
-def _study_by_description(path: Path) -> Study:
-    text = (path / "zarr.json").read_text(encoding="utf-8")
-    return study_from_plain(json.loads(json.loads(text)["attributes"]["study"]))
+def _said_by_copy(path: Path) -> tuple[Any, str, dict[str, str]]:
+    """The study, its digest and the code, as the bookkeeping has them."""
+    said = json.loads((path / BOOKKEEPING / "study.json").read_text(encoding="utf-8"))
+    return said["study"], said["study_digest"], dict(said["code"])
+
+
+def _said_by_description(path: Path) -> tuple[Any, str, dict[str, str]]:
+    said = json.loads((path / "zarr.json").read_text(encoding="utf-8"))["attributes"]
+    code = {key.removeprefix("code_"): said[key] for key in said if key.startswith("code_")}
+    return json.loads(said["study"]), said["study_digest"], code
 
 
 def _problem_of_shared(store: Store) -> str:
@@ -161,8 +176,7 @@ def _read_chunk(store: Store, chunk: tuple[int, ...]) -> None:
     indices = dict(zip(store.grid_dims, chunk, strict=True))
     lengths = {
         name.removesuffix(LENGTH_ENDING): int(np.max(_read(store, name, slices, {}), initial=0))
-        for name in store.names
-        if name.endswith(LENGTH_ENDING)
+        for name in store.length_names
     }
     for name in store.names:
         array = store.array(name)

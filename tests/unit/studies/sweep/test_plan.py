@@ -76,7 +76,7 @@ def test_samples_grow_to_the_whole_grid(shape: tuple[int, ...]) -> None:
     names = list(rm.Actuator().parameter_values())
     over = {name: range(1, size + 1) for name, size in zip(names, shape, strict=False)}
     grid = Grid.from_over(over, rm.Actuator())
-    samples = [grid.over(part) for part in plan_module._samples("simulate", grid)]
+    samples = [grid.over(part) for part in plan_module._samples(False, grid)]
     sizes = [[len(values) for values in sample.values()] for sample in samples]
     assert sizes[0] == [1] * len(shape)
     assert sizes[-1] == list(shape)
