@@ -49,9 +49,15 @@ def with_piece_entries(
 
 
 def header_lines(
-    equations: WrittenEquations, language: Language, identifiers: Mapping[str, str]
+    equations: WrittenEquations,
+    language: Language,
+    identifiers: Mapping[str, str],
+    further: Iterable[str] = (),
 ) -> list[str]:
-    """Comments: what it is, what made it, units, the state, the parameters, the load."""
+    """Comments: what it is, what made it, units, the state, the parameters, the load.
+
+    `further` lines come at the end.
+    """
     text = [*equations.description, "", *_state_lines(equations, identifiers)]
     if equations.parameters:
         text += ["", "Parameters:"]
@@ -62,7 +68,7 @@ def header_lines(
     if equations.unused:
         text += ["", "Numbers that the statements below do not need, or hold already:"]
         text += [f"  {name} = {value!r}" for name, value in equations.unused.items()]
-    text += ["", *_load_lines(equations)]
+    text += ["", *_load_lines(equations), *further]
     return [comment for line in text for comment in comment_lines(line, language)]
 
 

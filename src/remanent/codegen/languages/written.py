@@ -18,6 +18,8 @@ from remanent.models.drives.base import Drive
 
 #: The time.  No name of a user begins like these, which are reserved.
 TIME: Final = "drive.time"
+#: The phase of the drive, or the fraction of a piece.
+PHASE: Final = "drive_phase"
 #: Columns of the table of pieces before those of the parameters of a piece.
 PIECE_START: Final = "drive.piece_start"
 PIECE_LENGTH: Final = "drive.piece_length"
@@ -64,8 +66,12 @@ class WrittenEquations:
         The rates of the state variables, from time, state, parameters and pieces.
     loads
         Each load by its name, from the same but the state.
+    rates_over_period
+        The rates times the period of the load, as functions of its phase; None without a period.
     period
         The period of the load, where it has one.
+    period_field
+        The numeric field to which it is inversely proportional, where there is one.
     pieces
         Rows of the table of pieces: start, length, and the parameters of each piece.
     piece_columns
@@ -82,7 +88,9 @@ class WrittenEquations:
     unused: Mapping[str, float]
     rates: Computation
     loads: Mapping[str, Computation]
+    rates_over_period: Computation | None
     period: float | None
+    period_field: str | None
     pieces: tuple[tuple[float, ...], ...]
     piece_columns: tuple[str, ...]
     breaks: tuple[float, ...]
@@ -93,7 +101,10 @@ class WrittenEquations:
         """Names of everything that needs an identifier, in order."""
         state = [variable.name for variable in self.state]
         assigned = [
-            name for one in (self.rates, *self.loads.values()) for name, _ in one.assignments
+            name
+            for one in (self.rates_over_period, self.rates, *self.loads.values())
+            if one is not None
+            for name, _ in one.assignments
         ]
         return tuple(dict.fromkeys([*state, *self.parameters, *assigned]))
 
@@ -149,13 +160,28 @@ def written_equations(
         unused={name: value for name, value in values.items() if name not in needed},
         rates=rates,
         loads=loads,
+        rates_over_period=_rates_over_period(field, drive),
         period=drive.period,
+        period_field=drive.period_field_name,
         pieces=tuple(rows) if needed & {*columns} else (),
         piece_columns=columns,
         # A spline through samples is smooth enough to be followed across them.
         breaks=() if math.isfinite(known_until) else tuple(row[0] for row in rows[1:]),
         known_until=known_until,
     )
+
+
+def _rates_over_period(field: Field, drive: Drive) -> Computation | None:
+    """Rates times the period of the load: those by the phase, which runs on without jumps."""
+    if drive.period is None:
+        return None
+    before: list[tuple[str, Expression]] = [("drive.period", _period_from_frequency(drive))]
+    for name, one in zip(drive.waveform_names, drive.waveforms, strict=True):
+        # The load is the same where both waveforms of a squared sine have changed their sign.
+        before.append((name, (one.function, ("mul", one.span * one.repeats, PHASE))))
+    rates = computation_of(field.rates)
+    scaled = tuple(("mul", "drive.period", rate) for rate in rates.outputs)
+    return Computation(rates.assignments, scaled).after(before)
 
 
 def _load_programs(field: Field, drive: Drive) -> dict[str, Program]:
@@ -168,7 +194,7 @@ def _load_programs(field: Field, drive: Drive) -> dict[str, Program]:
 
 def _load(field: Field, drive: Drive, name: str, values: Mapping[str, Any], functions: Any) -> Any:
     waveforms = {waveform: values[waveform] for waveform in field.waveform_names}
-    return drive.loads_by_name(values, waveforms, values["drive_phase"], functions)[name]
+    return drive.loads_by_name(values, waveforms, values[PHASE], functions)[name]
 
 
 def _pieces(drive: Drive) -> tuple[list[tuple[float, ...]], tuple[str, ...]]:
@@ -198,14 +224,14 @@ def _phase_in_time(
     """The phase of the drive in [0, 1), or the fraction of a piece, from the time t."""
     if drive.period is not None:
         turns = ("drive.turns", ("div", TIME, "drive.period"))
-        phase = ("drive_phase", ("sub", "drive.turns", ("floor", "drive.turns")))
+        phase = (PHASE, ("sub", "drive.turns", ("floor", "drive.turns")))
         return [("drive.period", _period_from_frequency(drive)), turns, phase]
     fraction: Expression = ("div", ("sub", TIME, PIECE_START), PIECE_LENGTH)
     single: list[tuple[str, Expression]] = []
     if len(rows) == 1:
         single = list(zip(columns, rows[0], strict=True))
         fraction = TIME if rows[0][:2] == (0.0, 1.0) else fraction
-    return [*single, ("drive_phase", fraction)]
+    return [*single, (PHASE, fraction)]
 
 
 def _period_from_frequency(drive: Drive) -> Expression:
@@ -224,10 +250,10 @@ def _waveforms(drive: Drive) -> list[tuple[str, Expression]]:
     """The waveforms of the load from the phase."""
     found: list[tuple[str, Expression]] = []
     for name, one in zip(drive.waveform_names, drive.waveforms, strict=True):
-        fraction: Expression = "drive_phase"
+        fraction: Expression = PHASE
         if one.repeats != 1.0:
             repeated = f"drive.repeats_{one.repeats:g}"
-            found.append((repeated, ("mul", one.repeats, "drive_phase")))
+            found.append((repeated, ("mul", one.repeats, PHASE)))
             fraction = ("sub", repeated, ("floor", repeated))
         found.append((name, (one.function, ("mul", one.span, fraction))))
     return list(dict(found).items())

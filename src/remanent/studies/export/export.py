@@ -9,6 +9,7 @@ from typing import Final
 
 from remanent._checks import require_choice
 from remanent._field import Role
+from remanent.codegen.languages.auto07p import auto07p_files
 from remanent.codegen.languages.c import c_files
 from remanent.codegen.languages.javascript import javascript_files
 from remanent.codegen.languages.julia import julia_files
@@ -19,15 +20,17 @@ from remanent.models.system import System
 from remanent.studies.ensemble.checks import DriveArgument
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.layout import lay_out_ensemble
+from remanent.studies.export._starting_orbit import starting_orbit
 
 #: What writes the files of each language.
-_FILES: Final[Mapping[str, Callable[[WrittenEquations], dict[str, str]]]] = MappingProxyType(
+_FILES: Final[Mapping[str, Callable[[Ensemble], dict[str, str]]]] = MappingProxyType(
     {
-        "matlab": matlab_files,
-        "python": python_files,
-        "julia": julia_files,
-        "c": c_files,
-        "javascript": javascript_files,
+        "matlab": lambda ens: matlab_files(_written(ens)),
+        "python": lambda ens: python_files(_written(ens)),
+        "julia": lambda ens: julia_files(_written(ens)),
+        "auto07p": lambda ens: auto07p_files(_written(ens), *starting_orbit(ens)),
+        "c": lambda ens: c_files(_written(ens)),
+        "javascript": lambda ens: javascript_files(_written(ens)),
     }
 )
 #: The languages.
@@ -50,7 +53,9 @@ def export(system: System, drive: DriveArgument, language: str) -> dict[str, str
         Its load.
     language : str
         ``matlab`` (functions, and a script with ``ode45``; Octave runs them too), ``python`` (for
-        SciPy), ``julia`` (for DifferentialEquations.jl), ``c`` or ``javascript`` (a module).
+        SciPy), ``julia`` (for DifferentialEquations.jl), ``auto07p`` (equations, constants and a
+        periodic orbit to start from, under a load with a period), ``c`` or ``javascript`` (a
+        module).
 
     Returns
     -------
@@ -64,7 +69,7 @@ def export(system: System, drive: DriveArgument, language: str) -> dict[str, str
     Raises
     ------
     InputError
-        A bad argument.
+        A bad argument; for ``auto07p`` also a load without a period, or no orbit to start from.
 
     See Also
     --------
@@ -77,6 +82,11 @@ def export(system: System, drive: DriveArgument, language: str) -> dict[str, str
     the load, the load after it is taken: an integrator is to be started anew at the times in
     ``breaks``.
 
+    In the files for AUTO the phase of the load is one more state variable, and the problem is one
+    with boundary values (IPS = 7): U(1), U(2) ... are the state, and the interval from 0 to 1 is
+    one period of the load.  The orbit is one of those that are found near the motion from rest,
+    or, of an actuator, of all; a stable one where there is one.
+
     Examples
     --------
     >>> import remanent as rm
@@ -87,7 +97,7 @@ def export(system: System, drive: DriveArgument, language: str) -> dict[str, str
     # The equations of motion of an Actuator under a SineSquared load, y' = rates(t, y).
     """
     language = require_choice("language", language, EXPORT_LANGUAGES)
-    return _FILES[language](_written(lay_out_ensemble(system, drive)))
+    return _FILES[language](lay_out_ensemble(system, drive))
 
 
 def _written(ens: Ensemble) -> WrittenEquations:
