@@ -479,6 +479,32 @@ def test_random_systems_are_exported(language: str, tmp_path: Path) -> None:
             require_loads(exported, drive, t)
 
 
+class Unsaid(rm.Sine):
+    """A drive of somebody else's, which does not say what its waveforms are."""
+
+    waveforms = ()
+
+
+def test_drives_that_do_not_say_what_they_are_are_refused() -> None:
+    """Waveforms of a drive of one's own have to be told as data."""
+    with pytest.raises(rm.InputError, match="`drive` must say as data what its waveforms are"):
+        rm.export(DUFFING, Unsaid(0.1, 1.0), "c")
+
+
+@pytest.mark.parametrize("language", [one for one in EXPORT_LANGUAGES if one != "auto07p"])
+def test_extreme_numbers_are_written(language: str) -> None:
+    """Law: numbers of any size are text, without a warning."""
+    extreme = [
+        rm.Steps([0.0, 1e308], [0.0, 1e300]), rm.Ramp([0.0, 5e-324, 1.0], [0.0, 0.0, 1.0]),
+        rm.Chirp(1e300, 0.0, 1e150, 1e100), rm.Sine(1e-300, 1e300), rm.Sine(0.1, 1e-300),
+    ]  # fmt: skip
+    for drive in extreme:
+        text = "".join(rm.export(DUFFING.replace(parameters={"delta": -1e300}), drive, language)
+                       .values())  # fmt: skip
+        assert "-1e300" in text.replace("e+", "e")
+        assert "nan" not in text.replace("np.nan", "")
+
+
 # AUTO-07p ---------------------------------------------------------------------------------
 
 #: Systems under loads with a period, which AUTO continues.

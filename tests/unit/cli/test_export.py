@@ -78,3 +78,15 @@ def test_refusals(
     assert said.lower() in capsys.readouterr().err.lower()
     assert (study / "taken.py").read_text() == "mine"
     assert sorted(path.name for path in study.iterdir()) == ["mine.toml", "taken.py"]
+
+
+def test_a_study_without_a_drive_is_refused(
+    study: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Law: without a load there are no equations in time."""
+    text = STUDY.replace("poincare_section", "equilibria").split("[drive]")[0]
+    (study / "free.toml").write_text(text + "[over]\ntemperature = [300.0, 350.0]\n")
+    with pytest.raises(SystemExit):
+        run("free.toml", "--to", "python", monkeypatch=monkeypatch)
+    assert "[drive]" in capsys.readouterr().err
+    assert not (study / "system.py").exists()

@@ -84,7 +84,7 @@ def _run(equations: WrittenEquations) -> str:
         'include("system.jl")',
         "",
         f"problem = ODEProblem(rates!, initial, (0.0, {duration}), parameters)",
-        "solution = solve(problem, Vern9(); abstol=1e-10, reltol=1e-10, tstops=breaks)",
+        "solution = solve(problem; abstol=1e-10, reltol=1e-10, d_discontinuities=breaks)",
         "println(solution.u[end])",
     ]
     return lines.file_text(text)

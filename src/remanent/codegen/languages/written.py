@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property, partial
@@ -206,8 +207,9 @@ def _pieces(drive: Drive) -> tuple[list[tuple[float, ...]], tuple[str, ...]]:
     if drive.period is not None:
         return [], columns
     # Long enough that the last piece has a length, by which its fraction is counted.
-    end = min(2.0 * drive.last_change + 1.0, drive.known_until)
-    schedule = drive.load_schedule({}, np.array([end]))
+    end = min(2.0 * drive.last_change + 1.0, drive.known_until, sys.float_info.max)
+    with np.errstate(all="ignore"):
+        schedule = drive.load_schedule({}, np.array([end]))
     lengths = schedule.piece_lengths[:, 0]
     starts = np.concatenate([[0.0], np.cumsum(lengths[:-1])])
     parameters = [schedule.piece_parameters[name][:, 0] for name in drive.piece_parameter_names]

@@ -8,6 +8,7 @@ from types import MappingProxyType
 from typing import Final
 
 from remanent._checks import require_choice
+from remanent._errors import InputError
 from remanent._field import Role
 from remanent.codegen.languages.auto07p import auto07p_files
 from remanent.codegen.languages.c import c_files
@@ -16,6 +17,7 @@ from remanent.codegen.languages.julia import julia_files
 from remanent.codegen.languages.matlab import matlab_files
 from remanent.codegen.languages.python import python_files
 from remanent.codegen.languages.written import StateText, WrittenEquations, written_equations
+from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.studies.ensemble.checks import DriveArgument
 from remanent.studies.ensemble.ensemble import Ensemble
@@ -97,7 +99,21 @@ def export(system: System, drive: DriveArgument, language: str) -> dict[str, str
     # The equations of motion of an Actuator under a SineSquared load, y' = rates(t, y).
     """
     language = require_choice("language", language, EXPORT_LANGUAGES)
-    return _FILES[language](lay_out_ensemble(system, drive))
+    ens = lay_out_ensemble(system, drive)
+    _require_waveforms_as_data(ens.drive)
+    return _FILES[language](ens)
+
+
+def _require_waveforms_as_data(drive: Drive) -> None:
+    """Refuse a drive of somebody else's that has waveforms and does not say what they are."""
+    if len(drive.waveforms) != len(drive.waveform_names):
+        raise InputError(
+            "drive",
+            must="say as data what its waveforms are",
+            got=f"a {type(drive).__name__} drive",
+            why="Their values at a phase cannot be written as text.",
+            fix="Define its property waveforms, or pass one of the drives of the package.",
+        )
 
 
 def _written(ens: Ensemble) -> WrittenEquations:
