@@ -93,6 +93,9 @@ from .studies.inference.uncertainty import uncertainty as uncertainty
 # Family: Studies
 from .studies.sweep.sweep import sweep as sweep
 
+# Family: Other tools
+from .studies.export.export import export as export
+
 # Family: Results and units
 from .results.si import to_si as to_si
 from .results.rescale import rescale as rescale

@@ -112,6 +112,41 @@ def test_waveforms_keep_the_shape_of_the_phase(drive: Drive) -> None:
 
 
 @every
+def test_waveforms_as_data_are_those_of_the_schedule(drive: Drive) -> None:
+    """What a waveform is said to be is what it is, at every phase before the end."""
+    line = drive.load_schedule({}, np.array([DURATION]))
+    phases = np.linspace(0.0, 0.999, 23)
+    said = [
+        getattr(np, one.function)(one.span * np.mod(one.repeats * phases, 1.0))
+        for one in drive.waveforms
+    ]
+    assert len(said) == len(drive.waveform_names)
+    if said:
+        np.testing.assert_allclose(said, line.waveforms_at_phase(phases), rtol=0.0, atol=1e-14)
+
+
+@every
+def test_the_last_piece_begins_at_the_last_change(drive: Drive) -> None:
+    """A run that goes on beyond it has as many pieces as a longer one; of periods there is one."""
+    end = min(drive.last_change + 1.0, drive.known_until)
+    later = min(2.0 * drive.last_change + 50.0, drive.known_until)
+    counts = [len(drive.load_schedule({}, np.array([x])).piece_lengths) for x in (end, later)]
+    assert counts[0] == counts[1]
+    if drive.last_change > 0.0:
+        before = drive.load_schedule({}, np.array([drive.last_change]))
+        assert len(before.piece_lengths) == counts[0] - 1
+
+
+@periodic
+def test_the_period_is_inversely_proportional_to_its_field(drive: Drive) -> None:
+    """Twice the frequency is half the period."""
+    name = drive.period_field_name
+    assert name is not None
+    faster = drive.replace(**{name: 2.0 * drive.parameter_values()[name]})
+    assert period_of(faster) == pytest.approx(0.5 * period_of(drive), rel=1e-15)
+
+
+@every
 def test_field_reports_the_load(drive: Drive) -> None:
     """The observable `load` of a compiled field is the load of the drive."""
     actuator = Actuator()

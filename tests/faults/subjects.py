@@ -122,6 +122,7 @@ def others() -> list[Subject]:
         Subject("rm.equations", rm.equations, lambda: {"system": rm.Actuator()}),
         Subject("rm.rates", rm.rates, lambda: moved),
         Subject("rm.period_map", rm.period_map, lambda: moved),
+        Subject("rm.export", rm.export, lambda: {**moved, "language": "python"}),
         Subject("rm.equations of an own system", rm.equations, lambda: {"system": DUFFING}),
         Subject("rm.save", rm.save, lambda: {"dataset": motion(), "path": folder / "it.nc"}),
         Subject("rm.load", rm.load, lambda: {"path": saved(folder)}),

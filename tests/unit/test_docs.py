@@ -216,6 +216,19 @@ def test_the_article_is_named() -> None:
 LABELS = {"stable", "unstable", "elliptic", "saddle", "undecided", "unbounded"}
 LABELS |= {"periodic", "chaotic", "escaped", "invalid", "horizon", "incomplete", "timeout"}
 LABELS |= {"failed"}
+#: Languages, and names in exported text.
+LABELS |= {
+    "python",
+    "matlab",
+    "julia",
+    "c",
+    "auto07p",
+    "javascript",
+    "new",
+    "breaks",
+    "remanent_load",
+}
+LABELS |= {"remanent_parameters", "state_names"}
 #: Keys of study files, and attributes and variables of stores.
 LABELS |= {"point_seconds", "flag_values", "flag_meanings", "orbit_length"}
 OUTSIDE = {

@@ -13,6 +13,7 @@ import click
 from remanent._errors import RemanentError
 from remanent._machine import available_processor_count
 from remanent.cli import studies
+from remanent.cli.export import export
 from remanent.cli.new import new
 
 #: Share of all work that is done when the page is written.
@@ -60,7 +61,7 @@ def paper(out: Path) -> None:
     click.echo(f"\n{target}")
 
 
-for command in (new, studies.run, studies.verify, studies.show):
+for command in (new, studies.run, studies.verify, studies.show, export):
     commands.add_command(command)
 
 

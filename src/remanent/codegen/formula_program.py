@@ -1,8 +1,8 @@
-"""The program of a formula that somebody wrote, on the inputs of a field."""
+"""Programs of formulas that somebody wrote, and of plain functions, recorded as they compute."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -37,6 +37,24 @@ def program_of_formula(field: Field, formula: Formula) -> Program:
         )
     value = _as_recorded(into, formula(by_name, _FUNCTIONS))
     return into.build_program([value.value])
+
+
+def program_of_values(
+    input_names: Sequence[str], compute: Callable[[Mapping[str, Any], Any], Any]
+) -> Program:
+    """A program with one output, recorded while a function computes it.
+
+    Parameters
+    ----------
+    input_names : sequence of str
+        Inputs of the program.
+    compute : callable
+        ``compute(values, functions)``, which takes the inputs by name and the functions ``sin``,
+        ``exp`` and so on of such values.
+    """
+    into = InstructionBuilder(input_names)
+    by_name = {name: _Recorded(into, into.input(name)) for name in input_names}
+    return into.build_program([_as_recorded(into, compute(by_name, _FUNCTIONS)).value])
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
@@ -17,6 +18,27 @@ from remanent.models.parts import Part
 
 #: Latest time at which a load is asked for, in tau.
 _LATEST_TIME = 1e100
+
+
+@dataclass(frozen=True)
+class Waveform:
+    """A waveform of a load as data: sin or cos of an angle that the drive's phase runs through.
+
+    Equation: function(span frac(repeats s)), s the phase in [0, 1), frac the fractional part.
+
+    Attributes
+    ----------
+    function
+        ``"sin"`` or ``"cos"``.
+    span
+        Angle that one repeat runs through, pi or 2 pi.
+    repeats
+        Repeats in one period of the drive.
+    """
+
+    function: str
+    span: float
+    repeats: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -48,6 +70,27 @@ class Drive(Part, ABC):
     def piece_parameter_names(self) -> tuple[str, ...]:
         """Names of further parameters whose values come with each piece of the load schedule."""
         return ()
+
+    @property
+    def waveforms(self) -> tuple[Waveform, ...]:
+        """What each of the waveforms is, in the order of :attr:`waveform_names`."""
+        return ()
+
+    @property
+    def period_field_name(self) -> str | None:
+        """The numeric field to which the period is inversely proportional; None without one."""
+        name = self.frequency_field_name
+        return name if self.period is not None and name in self.parameter_values() else None
+
+    @property
+    def last_change(self) -> float:
+        """The time at which the last piece of a load without a period begins."""
+        return 0.0
+
+    @property
+    def known_until(self) -> float:
+        """The time after which the load is not known; infinite for most drives."""
+        return math.inf
 
     @abstractmethod
     def __call__(self, tau: ArrayLike) -> FloatArray:

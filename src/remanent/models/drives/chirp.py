@@ -70,6 +70,11 @@ class Chirp(Drive):
         """An instance with usual numbers, on which contract tests try every public part."""
         return cls(0.2, 1.0, 3.0, 5.0, mean=0.1, phase=0.4)
 
+    @property
+    def last_change(self) -> float:
+        """The end of the sweep."""
+        return self.duration
+
     def __call__(self, tau: ArrayLike) -> FloatArray:
         """m(tau) = mean + m sin(angle(tau))."""
         time = as_times(tau)

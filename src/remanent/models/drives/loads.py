@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import lcm
 from typing import Any, ClassVar, Self
@@ -14,7 +14,7 @@ from remanent._checks import as_dict, require_real, shortened_repr
 from remanent._errors import InputError
 from remanent._load_schedule import LoadSchedule
 from remanent._typing import ArrayLike, BoolArray, FloatArray
-from remanent.models.drives.base import Drive, empty_waveforms, periodic_load_schedule
+from remanent.models.drives.base import Drive, Waveform, empty_waveforms, periodic_load_schedule
 from remanent.models.drives.waves import Constant, Sine
 from remanent.models.parts import EquationStructure, Part
 
@@ -92,6 +92,32 @@ class Loads(Drive):
     def waveform_names(self) -> tuple[str, ...]:
         """Waveforms of all of them."""
         return self._joined(drive.waveform_names for drive in self._drive_by_load().values())
+
+    @property
+    def waveforms(self) -> tuple[Waveform, ...]:
+        """Waveforms of all of them, in their common period."""
+        repeats = self._repeats()
+        return tuple(
+            replace(one, repeats=one.repeats * repeats.get(name, 1))
+            for name, drive in self._drive_by_load().items()
+            for one in drive.waveforms
+        )
+
+    @property
+    def period_field_name(self) -> str | None:
+        """That of the first of them that has a period; the others keep their ratio to it."""
+        names = ((load, d.period_field_name) for load, d in self._drive_by_load().items())
+        return next((f"{load}.{name}" for load, name in names if name is not None), None)
+
+    @property
+    def last_change(self) -> float:
+        """That of the one that has pieces."""
+        return max(drive.last_change for drive in self._drive_by_load().values())
+
+    @property
+    def known_until(self) -> float:
+        """The time after which one of them is not known."""
+        return min(drive.known_until for drive in self._drive_by_load().values())
 
     @property
     def piece_parameter_names(self) -> tuple[str, ...]:

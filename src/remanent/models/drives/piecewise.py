@@ -103,6 +103,16 @@ class PiecewiseDrive(Drive):
     def _warn_if_implausible(self, coefficients: FloatArray) -> None:
         """Warn of a table that looks like a mistake, by its :meth:`piece_coefficients`."""
 
+    @property
+    def last_change(self) -> float:
+        """The last instant, or that before it where the last load is not held."""
+        return float(self.times[-1 if self.holds_last_load else -2])
+
+    @property
+    def known_until(self) -> float:
+        """The last instant where the last load is not held."""
+        return np.inf if self.holds_last_load else float(self.times[-1])
+
     @abstractmethod
     def piece_coefficients(self) -> FloatArray:
         """Ascending coefficients in tau - times[i], an array (4, piece).

@@ -17,7 +17,13 @@ from remanent._checks import Rule
 from remanent._errors import InputError
 from remanent._load_schedule import LoadSchedule
 from remanent._typing import ArrayLike, FloatArray
-from remanent.models.drives.base import Drive, as_times, empty_waveforms, periodic_load_schedule
+from remanent.models.drives.base import (
+    Drive,
+    Waveform,
+    as_times,
+    empty_waveforms,
+    periodic_load_schedule,
+)
 from remanent.models.drives.piecewise import Numbers
 from remanent.models.drives.waves import LOAD_RULE, OMEGA_RULE, PHASE_RULE
 
@@ -153,6 +159,18 @@ class Sines(Drive):
             return ()
         count = range(len(self._checked_multiples()))
         return tuple(f"{name}.{i}" for i in count for name in ("sin", "cos"))
+
+    @property
+    def waveforms(self) -> tuple[Waveform, ...]:
+        """Sine and cosine of each term, as often as it repeats in the period."""
+        base = self._common_divisor(self._acting_terms({}))
+        if base is None:
+            return ()
+        return tuple(
+            Waveform(name, 2.0 * np.pi, float(Fraction(k) / base))
+            for k in self._checked_multiples()
+            for name in ("sin", "cos")
+        )
 
     @property
     def piece_parameter_names(self) -> tuple[str, ...]:

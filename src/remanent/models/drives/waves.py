@@ -13,7 +13,13 @@ from remanent import _checks
 from remanent._checks import Rule
 from remanent._load_schedule import LoadSchedule
 from remanent._typing import ArrayLike, FloatArray
-from remanent.models.drives.base import Drive, as_times, empty_waveforms, periodic_load_schedule
+from remanent.models.drives.base import (
+    Drive,
+    Waveform,
+    as_times,
+    empty_waveforms,
+    periodic_load_schedule,
+)
 
 #: The rule of a magnetic load.
 LOAD_RULE = _checks.finite_rule("It is a magnetic load, B_r B/(mu mu0).")
@@ -106,6 +112,7 @@ class SineSquared(Drive):
         }
     )
     waveform_names: ClassVar[tuple[str, ...]] = ("sin_pi_phase", "cos_pi_phase")
+    waveforms: ClassVar[tuple[Waveform, ...]] = tuple(Waveform(f, np.pi) for f in ("sin", "cos"))
 
     @classmethod
     def example(cls) -> Self:
@@ -168,6 +175,9 @@ class Sine(Drive):
         {"m": LOAD_RULE, "omega": OMEGA_RULE, "mean": LOAD_RULE, "phase": PHASE_RULE}
     )
     waveform_names: ClassVar[tuple[str, ...]] = ("sin_2pi_phase", "cos_2pi_phase")
+    waveforms: ClassVar[tuple[Waveform, ...]] = tuple(
+        Waveform(f, 2.0 * np.pi) for f in ("sin", "cos")
+    )
 
     @classmethod
     def example(cls) -> Self:

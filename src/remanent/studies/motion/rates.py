@@ -85,7 +85,8 @@ class Rates:
         first = self._first_problem
         if first.load_schedule.periodic or time <= 1.0:
             return first
-        return initial_value_problem(self._ensemble, np.array([time]))
+        # A little longer, so that the piece that begins at this time is there.
+        return initial_value_problem(self._ensemble, np.nextafter([time], np.inf))
 
     @cached_property
     def _first_problem(self) -> Problem:

@@ -1,0 +1,1 @@
+"""Equations of motion as source text in the languages of other tools."""

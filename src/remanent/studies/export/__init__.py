@@ -1,0 +1,1 @@
+"""The equations of motion in the languages of other tools."""
