@@ -113,7 +113,12 @@ def test_waveforms_keep_the_shape_of_the_phase(drive: Drive) -> None:
 
 @every
 def test_waveforms_as_data_are_those_of_the_schedule(drive: Drive) -> None:
-    """What a waveform is said to be is what it is, at every phase before the end."""
+    """What a waveform is said to be is what it is, at every phase before the end.
+
+    A drive need not say it; `rm.export` refuses it then.
+    """
+    if not drive.waveforms:
+        return
     line = drive.load_schedule({}, np.array([DURATION]))
     phases = np.linspace(0.0, 0.999, 23)
     said = [
@@ -121,8 +126,7 @@ def test_waveforms_as_data_are_those_of_the_schedule(drive: Drive) -> None:
         for one in drive.waveforms
     ]
     assert len(said) == len(drive.waveform_names)
-    if said:
-        np.testing.assert_allclose(said, line.waveforms_at_phase(phases), rtol=0.0, atol=1e-14)
+    np.testing.assert_allclose(said, line.waveforms_at_phase(phases), rtol=0.0, atol=1e-14)
 
 
 @every
