@@ -161,9 +161,10 @@ class Displacement:
         if self.energy is None:
             return Sample(value, derivative, image.error, effort)
         with np.errstate(all="ignore"):
-            gain = self.energy(image.state) - self.energy(points)
-            slope = np.einsum("pi,pij->pj", self.energy.gradient(image.state), image.jacobian)
-            slope = slope - self.energy.gradient(points)
+            energy, gradient = self.energy.with_gradient(np.concatenate([image.state, points]))
+            gain = energy[: len(points)] - energy[len(points) :]
+            slope = np.einsum("pi,pij->pj", gradient[: len(points)], image.jacobian)
+            slope = slope - gradient[len(points) :]
         return Sample(
             np.column_stack([value, gain]),
             np.concatenate([derivative, slope[:, None, :]], axis=1),
