@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import tree_sitter
 from scipy.integrate import solve_ivp
 from tests.contracts.public import examples
 from tests.faults.own_systems import BOTH, DUFFING, FREE, PAIR, TWO_LOADS
@@ -354,6 +355,13 @@ def makers() -> dict[str, Callable[[Any, Drive, Path], Exported]]:
     }
 
 
+def is_in_language(language: str, text: str) -> bool:
+    """Whether a text is in a language, by its grammar."""
+    grammar = import_module(f"tree_sitter_{language}")
+    parser = tree_sitter.Parser(tree_sitter.Language(grammar.language()))
+    return not parser.parse(text.encode()).root_node.has_error
+
+
 def require_installed(language: str) -> None:
     program = {"c": "cc", "javascript": "node"}.get(language)
     if program is not None and shutil.which(program) is None:
@@ -400,14 +408,10 @@ def test_scipy_integrates_the_exported_python(case: str, tmp_path: Path) -> None
 @pytest.mark.parametrize("case", ["reserved names", "functions", "heat", "steps on an actuator"])
 def test_grammars_accept_the_text(language: str, case: str) -> None:
     """Law: the text is in the language, by its grammar; one without its last parenthesis is not."""
-    reason = "the grammar is not installed"
-    tree_sitter = pytest.importorskip("tree_sitter", reason=reason)
-    grammar = pytest.importorskip(f"tree_sitter_{language}", reason=reason)
-    parser = tree_sitter.Parser(tree_sitter.Language(grammar.language()))
     for name, text in rm.export(*CASES[case], language).items():
-        assert not parser.parse(text.encode()).root_node.has_error, name
+        assert is_in_language(language, text), name
         at = text.rindex(")")
-        assert parser.parse((text[:at] + text[at + 1 :]).encode()).root_node.has_error, name
+        assert not is_in_language(language, text[:at] + text[at + 1 :]), name
 
 
 @pytest.mark.parametrize("language", [one for one in EXPORT_LANGUAGES if one != "auto07p"])
@@ -586,13 +590,9 @@ def test_constants_for_auto_fit_the_equations() -> None:
 @pytest.mark.parametrize("case", FORCED)
 def test_the_grammar_of_fortran_accepts_the_equations(case: str) -> None:
     """Law: the text is in the language, by its grammar."""
-    reason = "the grammar is not installed"
-    tree_sitter = pytest.importorskip("tree_sitter", reason=reason)
-    grammar = pytest.importorskip("tree_sitter_fortran", reason=reason)
-    parser = tree_sitter.Parser(tree_sitter.Language(grammar.language()))
     text = rm.export(*FORCED[case], "auto07p")["system.f90"]
-    assert not parser.parse(text.encode()).root_node.has_error
-    assert parser.parse(text.replace("= U(1)\n", "= U(1\n", 1).encode()).root_node.has_error
+    assert is_in_language("fortran", text)
+    assert not is_in_language("fortran", text.replace("= U(1)\n", "= U(1\n", 1))
 
 
 @pytest.mark.parametrize("drive", [rm.Constant(0.1), rm.Steps([0.0, 1.0], [0.1, 0.2])])

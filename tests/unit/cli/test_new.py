@@ -35,7 +35,7 @@ def test_the_file_is_a_study(arguments: tuple[str, ...], file: str) -> None:
     assert file in result.output
     found = read_study(file)
     assert found.store == Path(file).with_suffix(".zarr")
-    assert found.study.grid.point_count == 30
+    assert found.study.grid.point_count == 384
     regimes = found.study.result_over(found.study.over)
     assert (regimes["status"] != 0).all()
 
