@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Final
 
 import numpy as np
 
@@ -14,6 +15,12 @@ from remanent.integrate.kernel.layout import PAST_RATE_COUNT
 from remanent.integrate.kernel.options import Method
 from remanent.integrate.methods.adams import AdamsMethod, adams_method
 from remanent.integrate.methods.runge_kutta import default_method
+
+
+def _ladder(*bases: int) -> IntArray:
+    """Some numbers from 4 on, below 8, and their multiples by powers of 2."""
+    return np.array([base << k for k in range(40) for base in bases], dtype=np.int64)
+
 
 #: Largest resolution tried, double steps per cycle.
 MAX_RESOLUTION = 2**14
@@ -37,14 +44,16 @@ _RUN_TO_BEGINNING_RATIO = 8
 #: grow with this power.
 _POWER_OF_TIME_IN_ERROR_GROWTH = 1.5
 #: The resolutions tried: 4, 5, 6, 7, 8, 10, 12, 14, 16 ...
-_ALLOWED_RESOLUTIONS = np.array(
-    [base << k for k in range(40) for base in (4, 5, 6, 7)], dtype=np.int64
-)
+FINE_RESOLUTION_LADDER: Final = _ladder(4, 5, 6, 7)
+#: Half as many, for calls with few points of many resolutions: 4, 6, 8, 12, 16 ...
+COARSE_RESOLUTION_LADDER: Final = _ladder(4, 6)
 
 
-def round_up_resolution(resolution: FloatArray | IntArray | float) -> IntArray:
-    """The smallest of 4, 5, 6, 7, 8, 10, 12 ... that is not below `resolution`."""
-    return np.asarray(_ALLOWED_RESOLUTIONS[np.searchsorted(_ALLOWED_RESOLUTIONS, resolution)])
+def round_up_resolution(
+    resolution: FloatArray | IntArray | float, ladder: IntArray = FINE_RESOLUTION_LADDER
+) -> IntArray:
+    """The smallest of a ladder of resolutions that is not below `resolution`."""
+    return np.asarray(ladder[np.searchsorted(ladder, resolution)])
 
 
 def choose_method(request: Request, tolerance: float) -> Method:
@@ -75,6 +84,7 @@ def refine_resolution(
     order: int,
     *,
     asymptotic_limit: float,
+    ladder: IntArray = FINE_RESOLUTION_LADDER,
 ) -> IntArray:
     """The resolution that the order of the method predicts to meet a tolerance.
 
@@ -92,14 +102,16 @@ def refine_resolution(
         Of the global error.
     asymptotic_limit : float
         Errors from here on no longer follow the order: twice as fine, then.
+    ladder : array of int
+        The resolutions there are.
     """
     with np.errstate(all="ignore"):
         factor = (error / (TOLERANCE_SHARE_AIMED_AT * tolerance)) ** (1.0 / order)
     meaningful = np.isfinite(factor) & (error < asymptotic_limit)
     factor = np.where(meaningful, factor, _BLIND_REFINEMENT_FACTOR)
     factor = factor.clip(_MIN_REFINEMENT_FACTOR, _MAX_REFINEMENT_FACTOR)
-    following = round_up_resolution(np.asarray(resolution) + 1)
-    return np.maximum(round_up_resolution(factor * resolution), following)
+    following = round_up_resolution(np.asarray(resolution) + 1, ladder)
+    return np.maximum(round_up_resolution(factor * resolution, ladder), following)
 
 
 def estimate_resolutions_from_beginnings(

@@ -45,6 +45,12 @@ def build_waveform_tables(
     return _build_rows(waveform, nodes, double_steps, shift, slice(0, double_steps))
 
 
+@lru_cache(maxsize=4)
+def cycle_tables(waveform: Callable[[FloatArray], FloatArray], shift: float) -> CycleTables:
+    """The tables of a load, the same for all maps that ask for those of one waveform."""
+    return CycleTables(waveform, shift)
+
+
 class CycleTables:
     """The tables of one load, made once for each resolution.
 

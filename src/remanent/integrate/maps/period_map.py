@@ -17,6 +17,7 @@ from remanent._field import Field
 from remanent._threads import StoppableThreads
 from remanent._typing import FloatArray, IntArray
 from remanent.integrate.ensemble.resolution import (
+    FINE_RESOLUTION_LADDER,
     MAX_RESOLUTION,
     refine_resolution,
     round_up_resolution,
@@ -24,7 +25,7 @@ from remanent.integrate.ensemble.resolution import (
 from remanent.integrate.kernel.compile import Kernel, compiled_kernel
 from remanent.integrate.kernel.memory import LaneMemory
 from remanent.integrate.kernel.options import KernelOptions
-from remanent.integrate.kernel.tables import CycleTables
+from remanent.integrate.kernel.tables import cycle_tables
 from remanent.integrate.methods.runge_kutta import default_method
 from remanent.integrate.variations import field_with_tangents
 
@@ -120,7 +121,7 @@ class _StartingPoints:
 class PeriodMap:
     """A field over whole periods of its load.
 
-    What changes: tables of the load are remembered.  No result depends on earlier calls.
+    Tables of the load are remembered; no result depends on earlier calls.
 
     Parameters
     ----------
@@ -138,6 +139,8 @@ class PeriodMap:
     error_control : {"all", "state", "none"}
         Whose errors are controlled: "all", that of the derivatives too; "state", of the state
         alone, which takes less time; or "none", so that the map takes the steps it is told.
+    resolution_ladder : array of int
+        The resolutions there are.
     """
 
     def __init__(
@@ -149,6 +152,7 @@ class PeriodMap:
         parameters: Sequence[str] = (),
         phase: float = 0.0,
         error_control: ErrorControl = "all",
+        resolution_ladder: IntArray = FINE_RESOLUTION_LADDER,
     ) -> None:
         self.field, self.dimension = field, len(field.state_names)
         self.direction_count, self.column_count = directions, directions + len(parameters)
@@ -170,7 +174,8 @@ class PeriodMap:
         self._error_per_solution_difference = options.error_safety_factor / float(
             2**method.order_assumed_by_error_estimate - 1
         )
-        self._cycle_tables = CycleTables(waveform, phase)
+        self._cycle_tables = cycle_tables(waveform, phase)
+        self._resolution_ladder = resolution_ladder
 
     def __call__(
         self,
@@ -218,7 +223,8 @@ class PeriodMap:
         count, d = states.shape[0], self.dimension
         points = _StartingPoints(self._states_and_tangents(states, tangent), parameters, length)
         course = _MapExtent(cycles, half, visited)
-        levels = np.broadcast_to(round_up_resolution(np.asarray(resolution)), (count,)).copy()
+        first = round_up_resolution(np.asarray(resolution), self._resolution_ladder)
+        levels = np.broadcast_to(first, (count,)).copy()
         levels += levels % 2 if half else 0  # half a period needs whole double steps
         tolerances = np.broadcast_to(np.asarray(tolerance, dtype=np.float64), (count,))
         ends, error = np.full(points.states_and_tangents.shape, np.nan), np.full(count, np.inf)
@@ -265,8 +271,9 @@ class PeriodMap:
     ) -> IntArray:
         """The resolutions to try next."""
         finer = refine_resolution(
-            levels, error, tolerance, self.order, asymptotic_limit=_ASYMPTOTIC_ERROR_LIMIT
-        )
+            levels, error, tolerance, self.order,
+            asymptotic_limit=_ASYMPTOTIC_ERROR_LIMIT, ladder=self._resolution_ladder,
+        )  # fmt: skip
         return np.asarray(finer + (finer % 2 if half else 0))
 
     def _advance_points(

@@ -13,7 +13,7 @@ from remanent.analysis.orbits.errors import OrbitErrors
 from remanent.analysis.orbits.maps import MapImage
 from remanent.analysis.orbits.refinement import refine_orbits
 from remanent.integrate.ensemble.problem import Problem
-from remanent.integrate.ensemble.resolution import MAX_RESOLUTION
+from remanent.integrate.ensemble.resolution import COARSE_RESOLUTION_LADDER, MAX_RESOLUTION
 from remanent.integrate.maps.period_map import PeriodMap, PeriodMapImage
 from remanent.integrate.variations import LOG_PERIOD_PARAMETER_NAME
 from remanent.studies.ensemble.durations import require_drive_periods
@@ -298,6 +298,8 @@ class StroboscopicMap:
             directions=len(self._problem.field.state_names),
             parameters=(*self._differentiated_parameter_names, *last),
             phase=self.section_phase,
+            # The points of a search differ much in what they need, and are few.
+            resolution_ladder=COARSE_RESOLUTION_LADDER,
         )
 
     @cached_property
