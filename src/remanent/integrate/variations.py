@@ -165,7 +165,8 @@ def field_with_integrals(field: Field, names: Sequence[str]) -> Field:
     return _widened_field(field, added, into.build_program(outputs))
 
 
-def observable_derivatives(field: Field, name: str, variables: Sequence[str]) -> Program:
+@lru_cache(maxsize=_REMEMBERED_FIELDS)
+def observable_derivatives(field: Field, name: str, variables: tuple[str, ...]) -> Program:
     """An observable, or a state variable, and its partial derivatives.
 
     Parameters
@@ -173,7 +174,7 @@ def observable_derivatives(field: Field, name: str, variables: Sequence[str]) ->
     field : Field
     name : str
         Of the observable or state variable.
-    variables : sequence of str
+    variables : tuple of str
         State variables or parameters to differentiate with respect to.
 
     Returns

@@ -77,7 +77,7 @@ def test_tangents_are_complex_step_derivatives(field: Field) -> None:
 def test_derivatives_of_an_observable() -> None:
     """Derivatives by states and parameters are those of a complex step."""
     field = vector_field_for(Actuator(), SineSquared(0.4, 1.2))
-    program = observable_derivatives(field, "energy", ["stretch", "stretch_rate", "c"])
+    program = observable_derivatives(field, "energy", ("stretch", "stretch_rate", "c"))
     values = values_of(field, np.random.default_rng(2))
     found = program([x.real for x in values], functions=np)
     for name, got in zip(("stretch", "stretch_rate", "c"), found[1:], strict=True):
