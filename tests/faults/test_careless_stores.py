@@ -181,6 +181,8 @@ def test_a_kill_while_lists_grow_is_made_up_for(
         patch.setattr(Store, "_make_array_longer", stop_after_some)
         with pytest.raises(KeyboardInterrupt):
             filled(path, study)
+    with pytest.raises(rm.InputError, match="makes its lists longer"):
+        rm.load(path)
     filled(path, study)
     assert verify_store(path).integrity is Integrity.WHOLE
     xr.testing.assert_equal(rm.load(path), rm.load(whole))

@@ -97,11 +97,12 @@ def _compute(
         if workers is not None
         else dask_engine.client_of(str(scheduler))
     )
-    with (
-        clients as client,
-        runs.writable_store(path, described.study, part, sample_on(client, seconds)) as store,
-    ):
-        dask_engine.run_on_workers(store, client, part, report, seconds)
+    with clients as client:
+        if not dask_engine.worker_count(client):
+            click.echo(f"{scheduler} has no workers yet; waiting for the first", err=True)
+        take_sample = sample_on(client, seconds)
+        with runs.writable_store(path, described.study, part, take_sample) as store:
+            dask_engine.run_on_workers(store, client, part, report, seconds)
 
 
 @contextmanager

@@ -12,12 +12,19 @@ import xarray as xr
 from remanent._errors import InputError
 from remanent.results.checks import is_file
 
-__all__ = ["FLAG_LABELS", "LENGTH_ENDING", "SCHEMA_VERSION", "TEXT_DTYPE", "is_store", "read"]
+__all__ = [
+    "BOOKKEEPING", "FLAG_LABELS", "LENGTHENING_FILE", "LENGTH_ENDING", "SCHEMA_VERSION",
+    "TEXT_DTYPE", "is_store", "read",
+]  # fmt: skip
 
 #: Version of the schema; older ones are read for ever, newer ones are refused.
 SCHEMA_VERSION: Final = 1
 #: Ending of the names of lengths of lists.
 LENGTH_ENDING: Final = "_length"
+#: Group for what is no result.
+BOOKKEEPING: Final = "bookkeeping"
+#: File in it that is there while arrays are made longer.
+LENGTHENING_FILE: Final = "lengthening"
 #: Attribute with the exact words that numbers stand for; the names of CF cannot hold blanks.
 FLAG_LABELS: Final = "flag_labels"
 #: Attribute with the type of text.
@@ -65,8 +72,17 @@ def read(path: str | os.PathLike[str]) -> xr.Dataset:
     Raises
     ------
     InputError
-        There is no store of a study, or one of a newer version.
+        There is no store of a study, one of a newer version, or one whose lists are just
+        being made longer.
     """
+    if (Path(path) / BOOKKEEPING / LENGTHENING_FILE).exists():
+        raise InputError(
+            "path",
+            must="be a store whose arrays fit together",
+            got=str(path),
+            why="A process makes its lists longer, or was ended while it did.",
+            fix="Try again; if no process writes to it, `remanent run` of its study goes on.",
+        )
     raw = xr.open_zarr(str(path), chunks=None, consolidated=False, decode_cf=False)
     if "schema_version" not in raw.attrs:
         raise InputError(

@@ -216,7 +216,7 @@ def _require_unreserved_dims(
                 must="have dimensions with names",
                 got=shortened_repr(dim),
                 why="The result has an axis of that name, in files too.",
-                fix="Rename the dimension of the DataArray, for example to 'case'.",
+                fix="Rename the dimension, for example to 'case'.",
             )
         taken = dim in known or (is_described(dim) and dim not in _FREE_DIMENSIONS)
         if dim in reserved or (taken and dim not in own and dim != field.name):
@@ -225,7 +225,7 @@ def _require_unreserved_dims(
                 must="have dimensions that results do not have of their own",
                 got=shortened_repr(dim),
                 why="The result has one axis, or one variable, for each name.",
-                fix="Rename the dimension of the DataArray, for example to 'case'.",
+                fix="Rename the dimension, for example to 'case'.",
             )
 
 

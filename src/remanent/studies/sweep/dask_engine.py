@@ -102,6 +102,11 @@ def _lost_workers_replaced(cluster: Any, count: int) -> Iterator[None]:
         cluster.sync(stop)
 
 
+def worker_count(client: Any) -> int:
+    """How many workers a client has now."""
+    return len(client.scheduler_info(n_workers=-1)["workers"])
+
+
 def run_on_workers(
     store: Store,
     client: Any,
@@ -143,10 +148,10 @@ def run_on_workers(
         running[future] = (task, tries)
         return future
 
-    def workers() -> int:
-        return max(1, len(client.scheduler_info(n_workers=-1)["workers"]))
+    def wanted() -> int:
+        return _TASKS_PER_WORKER * max(1, worker_count(client))
 
-    first = [submit(task, 1) for task in queue.take(_TASKS_PER_WORKER * workers())]
+    first = [submit(task, 1) for task in queue.take(wanted())]
     completed = as_completed(first, loop=client.loop)
     try:
         for future in completed:
@@ -158,7 +163,7 @@ def run_on_workers(
                 _require_worker_death(future, task, tries)
                 completed.add(submit(task, tries + 1))
                 continue
-            for further in queue.take(_TASKS_PER_WORKER * workers() - len(running)):
+            for further in queue.take(wanted() - len(running)):
                 completed.add(submit(further, 1))
     finally:
         client.cancel(list(running))

@@ -13,7 +13,7 @@ import xarray as xr
 from remanent._errors import InputError, shortened_repr
 from remanent.results.atomic import atomic_replacement
 from remanent.results.schema import describe
-from remanent.results.stores import LENGTH_ENDING, SCHEMA_VERSION
+from remanent.results.stores import BOOKKEEPING, LENGTH_ENDING, SCHEMA_VERSION
 from remanent.studies.sweep.chunks import chunking
 from remanent.studies.sweep.encoding import (
     fill_value,
@@ -25,7 +25,6 @@ from remanent.studies.sweep.encoding import (
 from remanent.studies.sweep.lists import LIST_CHUNKS, list_dims
 from remanent.studies.sweep.sample import Sample
 from remanent.studies.sweep.store import (
-    BOOKKEEPING,
     IDENTITY_FILE,
     OPTIONAL,
     Store,

@@ -74,7 +74,7 @@ class Plan:
 
     @property
     def tasks(self) -> int | None:
-        """Tasks of about a second, none smaller than a chunk."""
+        """Tasks of about half a second, none smaller than a chunk."""
         if self.chunks is None or self.seconds is None:
             return None
         return min(self.chunks, max(1, math.ceil(self.seconds / TASK_SECONDS)))

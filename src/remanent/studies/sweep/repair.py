@@ -9,13 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from remanent.results.stores import LENGTH_ENDING
+from remanent.results.stores import BOOKKEEPING, LENGTH_ENDING
 from remanent.studies.sweep.layout import create_store
 from remanent.studies.sweep.locks import sole_writer
 from remanent.studies.sweep.run import ReportProgress, run_here
 from remanent.studies.sweep.sample import sample_here
 from remanent.studies.sweep.store import (
-    BOOKKEEPING,
     Store,
     open_store,
     require_same_code,

@@ -27,7 +27,7 @@ from remanent.studies.sweep.study import Study, study_from_plain
 from remanent.studies.sweep.tasks import TaskRunner
 
 #: Seconds that a task takes, about.
-TASK_SECONDS = 1.0
+TASK_SECONDS = 0.6
 #: Chunks of a task, at most.
 _MAX_CHUNKS_PER_TASK = 256
 
@@ -213,7 +213,7 @@ def next_task(store: Store, missing: list[tuple[int, ...]], position: int, size:
 def next_size(count: int, seconds: float) -> int:
     """Chunks of the next task, by how long the last one took; never more than twice as many."""
     wanted = count * TASK_SECONDS / max(seconds, 1e-3)
-    return int(max(1, min(wanted, 2 * count, _MAX_CHUNKS_PER_TASK)))
+    return max(1, min(round(wanted), 2 * count, _MAX_CHUNKS_PER_TASK))
 
 
 class Meter:

@@ -36,7 +36,12 @@ from numpy.typing import NDArray
 
 from remanent._errors import InputError, RemanentError
 from remanent.results.atomic import atomic_replacement
-from remanent.results.stores import LENGTH_ENDING, require_readable_version
+from remanent.results.stores import (
+    BOOKKEEPING,
+    LENGTH_ENDING,
+    LENGTHENING_FILE,
+    require_readable_version,
+)
 from remanent.studies.sweep.chunks import Chunking
 from remanent.studies.sweep.encoding import stored_values
 from remanent.studies.sweep.grid import GridPart
@@ -47,14 +52,10 @@ from remanent.studies.sweep.study import (
     study_from_plain,
 )
 
-#: Group for what is no result.
-BOOKKEEPING: Final = "bookkeeping"
 #: File with the checksum of the description.
 _CHECKSUM_FILE: Final = "description.sha256"
 #: File with the name of a store that no other has, also not one that takes its place.
 IDENTITY_FILE: Final = "identity"
-#: File that is there while arrays are made longer.
-_LENGTHENING_FILE: Final = "lengthening"
 #: Text that verbs add only where there is something to say.
 OPTIONAL: Final = "reason"
 #: Held while an array is opened, since what Zarr is told then holds for all threads.
@@ -223,7 +224,7 @@ class Store:
 
     @property
     def _lengthening(self) -> Path:
-        return self.bookkeeping / _LENGTHENING_FILE
+        return self.bookkeeping / LENGTHENING_FILE
 
     def finish_lengthening(self) -> None:
         """Go on with what a process began that was killed while it made arrays longer."""

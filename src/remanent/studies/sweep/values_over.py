@@ -22,7 +22,7 @@ MAX_VALUES: Final = 2**20
 _MAX_SOBOL_NUMBERS: Final = 2**23
 #: Key of the table of quasi-random points, and the dimension along which they lie.
 SOBOL: Final = "sobol"
-_SOBOL_DIMENSION: Final = "point"
+_SOBOL_DIMENSION: Final = "draw"
 #: Scrambling of quasi-random points where the file gives no other.
 _SOBOL_SEED: Final = 0
 #: Keys of a range that a list may be written as, wherever there is one.
@@ -137,9 +137,15 @@ def no_fields_fault() -> Fault:
 
 def option_from_value(name: str, value: object, sizes: Sizes) -> object:
     """An option of a verb, in which a list of numbers may be written as a range."""
-    if isinstance(value, dict) and value.keys() >= _RANGE_KEYS:
-        return _range(name, read_table(Values, value, "a range"), sizes).tolist()
-    return value
+    if not isinstance(value, dict) or not value.keys() >= _RANGE_KEYS:
+        return value
+    table = read_table(Values, value, "a range")
+    if table.dim is not None:
+        raise FaultsError([
+            Fault(("dim",), "be left out of an option", shown(table.dim),
+                  "An option is no dimension of the grid.", "Move the field to [over].")
+        ])  # fmt: skip
+    return _range(name, table, sizes).tolist()
 
 
 def _values(name: str, value: object, sizes: Sizes) -> Any:

@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 
 from remanent._errors import InputError, RemanentError
-from remanent.results.stores import LENGTH_ENDING, require_readable_version
-from remanent.studies.sweep.store import BOOKKEEPING, Store, description_is_sound, open_store
+from remanent.results.stores import BOOKKEEPING, LENGTH_ENDING, require_readable_version
+from remanent.studies.sweep.store import Store, description_is_sound, open_store
 from remanent.studies.sweep.study import Study, study_from_plain
 
 

@@ -11,7 +11,7 @@ import remanent as rm
 from remanent.studies.sweep import plan as plan_module
 from remanent.studies.sweep.grid import Grid
 from remanent.studies.sweep.plan import Plan, plan_study, text
-from remanent.studies.sweep.run import run_here, writable_store
+from remanent.studies.sweep.run import TASK_SECONDS, run_here, writable_store
 from remanent.studies.sweep.study import Study
 
 DRIVE = rm.SineSquared(0.4, 1.25)
@@ -63,8 +63,8 @@ def test_time_is_the_pace_of_the_last_trial() -> None:
 
 
 def test_a_task_is_no_smaller_than_a_chunk_and_takes_some_seconds() -> None:
-    """Quick points go together in tasks of about a second; slow ones have a chunk each."""
-    plan = Plan("simulate", (("b", 1000),), 4, 10, 100, 8000, 800, 50.0)
+    """Quick points go together in tasks of that time; slow ones have a chunk each."""
+    plan = Plan("simulate", (("b", 1000),), 4, 10, 100, 8000, 800, 50.0 * TASK_SECONDS)
     assert plan.tasks == 50
     assert Plan("simulate", (("b", 1000),), 4, 10, 100, 8000, 800, 5000.0).tasks == 100
     assert Plan("simulate", (("b", 1000),), 4, 10, 100, 8000, 800, 0.1).tasks == 1

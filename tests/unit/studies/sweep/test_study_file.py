@@ -185,6 +185,15 @@ def test_a_range_is_an_option_too(tmp_path: Path) -> None:
     assert read(tmp_path, text).study.options["omega"] == np.linspace(1.0, 1.4, 5).tolist()
 
 
+def test_an_option_is_no_dimension(tmp_path: Path) -> None:
+    """A `dim` there says something that cannot be done."""
+    text = SIMULATE.replace("simulate", "frequency_response").replace(
+        "[options]", '[options]\nomega = { from = 1.0, to = 1.4, count = 5, dim = "case" }'
+    )
+    with pytest.raises(StudyFileError, match=r"\[options\] omega.dim: must be left out"):
+        read(tmp_path, text)
+
+
 def test_values_of_one_dim_go_together(tmp_path: Path) -> None:
     """Fields with one `dim` are paired; the others give all combinations with them."""
     text = SIMULATE.replace(
@@ -208,7 +217,7 @@ def test_quasi_random_points_are_evenly_spread(tmp_path: Path) -> None:
     """Law: of 2^m points each of 2^m equal intervals of each range holds one; more go on."""
     few = read(tmp_path, SOBOL.replace("COUNT", "64")).study
     many = read(tmp_path, SOBOL.replace("COUNT", "128")).study
-    assert few.grid.dims == ("point",)
+    assert few.grid.dims == ("draw",)
     for name, low, width in (("b", 0.2, 1.0), ("omega", 0.8, 1.2)):
         cells = np.floor((few.over[name].values - low) / width * 64)
         assert sorted(cells) == list(range(64))
