@@ -22,10 +22,10 @@ from typing import Any
 
 import numpy as np
 from scipy.integrate import solve_ivp
-from tests.literature.auto import runner
 
 from benchmarks.jobs import REFERENCE_TEMPERATURE
 from remanent._typing import FloatArray
+from tests.literature.auto import runner
 
 #: Points of the branch.
 POINTS = 500

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from tests.contracts.public import examples
 
 from remanent._errors import InputError
 from remanent._typing import FloatArray
@@ -17,6 +16,7 @@ from remanent.models.drives.base import Drive
 from remanent.models.drives.chirp import Chirp
 from remanent.models.drives.piecewise import Sampled, Steps
 from remanent.models.drives.sines import Sines
+from tests.contracts.public import examples
 
 DRIVES: dict[str, Drive] = {
     # Several loads at once have their own laws, in tests/unit/models/drives/test_loads.py.

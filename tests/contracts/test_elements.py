@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from tests.contracts.public import examples
 
 import remanent as rm
 from remanent.models.dissipation import Dissipation
+from tests.contracts.public import examples
 
 ELEMENTS: dict[str, Dissipation] = {
     **examples(Dissipation),

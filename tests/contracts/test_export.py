@@ -20,9 +20,6 @@ import numpy as np
 import pytest
 import tree_sitter
 from scipy.integrate import solve_ivp
-from tests.contracts.public import examples
-from tests.faults.own_systems import BOTH, DUFFING, FREE, PAIR, TWO_LOADS
-from tests.faults.test_random_systems import random_system
 
 import remanent as rm
 from remanent._typing import FloatArray
@@ -31,6 +28,9 @@ from remanent.models.drives.base import Drive
 from remanent.models.materials.base import Material
 from remanent.studies.ensemble.layout import lay_out_ensemble
 from remanent.studies.export.export import EXPORT_LANGUAGES
+from tests.contracts.public import examples
+from tests.faults.own_systems import BOTH, DUFFING, FREE, PAIR, TWO_LOADS
+from tests.faults.test_random_systems import random_system
 
 SINE = rm.Sine(0.2, 1.3, mean=0.05, phase=0.4)
 #: Names that mean something in one language or another.

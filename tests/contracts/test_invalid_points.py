@@ -9,9 +9,9 @@ import inspect
 
 import numpy as np
 import pytest
-from tests.contracts.sound_calls import OWN_CHANGES, SOUND, own_call, verbs
 
 import remanent as rm
+from tests.contracts.sound_calls import OWN_CHANGES, SOUND, own_call, verbs
 
 #: Verbs that vary fields.
 SWEEPING = sorted(

@@ -11,7 +11,6 @@ import sympy as sp
 import xarray as xr
 from scipy.integrate import solve_ivp
 from sympy.polys.ring_series import rs_series_reversion
-from tests.contracts.public import examples
 
 import remanent as rm
 from remanent._errors import InputError
@@ -19,6 +18,7 @@ from remanent._typing import FloatArray
 from remanent.codegen import reference
 from remanent.codegen.field import vector_field_for
 from remanent.models.materials.base import Material
+from tests.contracts.public import examples
 
 J = sp.Symbol("I1") - 3
 MATERIALS: dict[str, Material] = {

@@ -14,6 +14,8 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
+
+import remanent as rm
 from tests.contracts.sound_calls import (
     ACTUATOR_ONLY,
     BODY,
@@ -24,8 +26,6 @@ from tests.contracts.sound_calls import (
     own_call,
     verbs,
 )
-
-import remanent as rm
 
 NAN, INF = float("nan"), float("inf")
 #: Lengths of a run, of which exactly one is given: a bad one may be told by another.

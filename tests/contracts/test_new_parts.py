@@ -13,14 +13,14 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
-from tests.contracts import test_drives, test_elements, test_materials
-from tests.contracts.public import examples
 
 import remanent as rm
 from remanent.models.dissipation import Dissipation
 from remanent.models.drives.base import Drive
 from remanent.models.materials.base import Material
 from remanent.models.parts import Part
+from tests.contracts import test_drives, test_elements, test_materials
+from tests.contracts.public import examples
 
 TEXT = (Path(__file__).parents[2] / "CONTRIBUTING.md").read_text("utf-8")
 BLOCKS = re.findall(r"^```python\n(.*?)^```$", TEXT, re.MULTILINE | re.DOTALL)

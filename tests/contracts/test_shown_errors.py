@@ -7,11 +7,11 @@ from dataclasses import fields
 
 import pytest
 import xarray as xr
-from benchmarks.errors.row import all_rows
-from tests.contracts.sound_calls import SOUND, verbs
 
 import remanent as rm
+from benchmarks.errors.row import all_rows
 from remanent.studies.orbits.period_map import PeriodMapImages
+from tests.contracts.sound_calls import SOUND, verbs
 
 #: Verbs whose numbers are made by another one's functions, from the same kind of motion.
 MADE_AS = {

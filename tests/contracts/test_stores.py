@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from tests.contracts.sound_calls import SOUND
 
 import remanent as rm
 from remanent.studies.sweep import chunks
 from remanent.studies.sweep.encoding import WORDS
 from remanent.studies.sweep.study import Study, study_from_plain, verbs_of_studies
 from remanent.studies.sweep.verify import Integrity, verify_store
+from tests.contracts.sound_calls import SOUND
 
 #: Text that is kept as text, as its words are not the same for every system.
 _FREE_TEXT = {"reason", "end_reason", "end_bound", "state", "end"}

@@ -11,12 +11,12 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 import xarray as xr
-from tests.contracts.sound_calls import ACTUATOR_ONLY, OF_DATA_ONLY, verbs
 
 import remanent as rm
 from remanent._instructions import program_cost
 from remanent.codegen.field import vector_field_for
 from remanent.models.system import System
+from tests.contracts.sound_calls import ACTUATOR_ONLY, OF_DATA_ONLY, verbs
 
 DRIVE = rm.SineSquared(0.4, 1.25)
 #: Numbers of the block of one coordinate.

@@ -31,6 +31,8 @@ from typing import Any
 import matplotlib.pyplot as plt
 import numpy as np
 import xarray as xr
+
+import remanent as rm
 from tests.faults.near_values import OF_OWN, kind_of_argument, values_by_kind
 from tests.faults.subjects import MATPLOTLIB_WORDS, OF_AN_OWN_SYSTEM, Subject, subjects
 from tests.faults.value import Value
@@ -43,8 +45,6 @@ from tests.faults.value_pool import (
     in_mapping,
     pool,
 )
-
-import remanent as rm
 
 #: Nothing may take longer, in seconds of processor time.  A sound call of the slowest verb takes a
 #: twentieth of it; a motion over a million drive periods at a tight tolerance, a half.

@@ -9,6 +9,9 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
+
+import remanent as rm
+from remanent.models.drives.base import Drive
 from tests.faults.own_systems import (
     FORCE,
     OWN_FIELDS,
@@ -22,9 +25,6 @@ from tests.faults.own_systems import (
 from tests.faults.result_pool import results
 from tests.faults.value import Value
 from tests.faults.value_pool import models, numbers, same, texts, word
-
-import remanent as rm
-from remanent.models.drives.base import Drive
 
 #: Arguments whose sound value does not tell what they take: they are left out in sound calls.
 KINDS: Mapping[str, str] = {

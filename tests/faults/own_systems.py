@@ -9,9 +9,9 @@ from typing import Any, Final
 
 import numpy as np
 import xarray as xr
-from tests.contracts.sound_calls import SOUND
 
 import remanent as rm
+from tests.contracts.sound_calls import SOUND
 
 #: Duffing's oscillator with two wells.
 DUFFING: Final = rm.LagrangianSystem.example()

@@ -7,12 +7,12 @@ from functools import cache, partial
 from typing import Any
 
 import xarray as xr
+
+import remanent as rm
 from tests.contracts.sound_calls import SOUND
 from tests.faults.own_systems import own_sound_calls
 from tests.faults.value import Value
 from tests.unit.plots import synthetic
-
-import remanent as rm
 
 
 def results() -> list[Value]:

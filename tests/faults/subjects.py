@@ -12,15 +12,15 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
+
+import remanent as rm
+from remanent.models.drives.base import Drive
 from tests.contracts.public import examples
 from tests.contracts.sound_calls import SOUND, measure
 from tests.faults.own_systems import BOTH, DUFFING, FORCE, PAIR, TWO_LOADS, own_sound_calls
 from tests.faults.result_pool import result_of
 from tests.faults.value_pool import film
 from tests.unit.plots import synthetic
-
-import remanent as rm
-from remanent.models.drives.base import Drive
 
 #: Further words that pictures hand to Matplotlib, one of which a call may get.
 MATPLOTLIB_WORDS = ("color", "linewidth", "label", "alpha")

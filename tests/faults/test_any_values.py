@@ -8,12 +8,12 @@ from __future__ import annotations
 from itertools import islice
 
 import pytest
+
+import remanent as rm
 from tests.contracts.sound_calls import SOUND
 from tests.faults.any_values import Attempt, attempts
 from tests.faults.own_systems import DUFFING, own_sound_calls
 from tests.faults.subjects import Subject, subjects
-
-import remanent as rm
 
 #: Names that are called by nobody with values: exceptions, a warning, codes, a version.
 NOT_CALLED = {"RemanentError", "InputError", "InputWarning", "Status", "plot", "__version__"}

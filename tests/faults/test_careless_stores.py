@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 import xarray as xr
 from filelock import FileLock
-from tests.faults.study_process import content
 
 import remanent as rm
 from remanent.studies.sweep import chunks
@@ -23,6 +22,7 @@ from remanent.studies.sweep.run import run_here, writable_store
 from remanent.studies.sweep.store import Store, open_store
 from remanent.studies.sweep.study import Study
 from remanent.studies.sweep.verify import Integrity, verify_store
+from tests.faults.study_process import content
 
 BODY = rm.Actuator(temperature=350.0, dissipation=rm.Rayleigh(0.05))
 DRIVE = rm.SineSquared(0.4, 1.25)

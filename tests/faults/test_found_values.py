@@ -16,14 +16,14 @@ import numpy as np
 import pint
 import pytest
 import xarray as xr
+
+import remanent as rm
+from remanent.studies.orbits._search import is_reversible
 from tests.contracts.sound_calls import BODY, DAMPED, DRIVE, SOUND, branch, decaying, measure
 from tests.faults.own_systems import DUFFING, FORCE, FREE, PAIR, own_sound_calls
 from tests.faults.subjects import equilibria_over_loads
 from tests.faults.value_pool import Unspeakable, Unusable
 from tests.unit.plots.synthetic import basins_of_two
-
-import remanent as rm
-from remanent.studies.orbits._search import is_reversible
 
 #: The package without its types, for calls that they forbid.
 LOOSE: Any = rm

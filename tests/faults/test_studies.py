@@ -20,7 +20,6 @@ import numpy as np
 import pytest
 import xarray as xr
 from distributed import LocalCluster
-from tests.faults.study_process import computed_points, content, main, start, study
 
 import remanent as rm
 from remanent._machine import THREADS_VARIABLE, available_processor_count
@@ -29,6 +28,7 @@ from remanent.studies.sweep.repair import repair_store
 from remanent.studies.sweep.run import run_here, writable_store
 from remanent.studies.sweep.sample import sample_on
 from remanent.studies.sweep.verify import Integrity, verify_store
+from tests.faults.study_process import computed_points, content, main, start, study
 
 
 @pytest.fixture(scope="module")

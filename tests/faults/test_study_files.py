@@ -15,12 +15,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.faults.study_file_mutations import CHART, FILM, PENDULUM, SOUND_FILES, STATICS, files
 
 import remanent as rm
 from remanent.studies.sweep.faults import StudyFileError
 from remanent.studies.sweep.study_file import StudyFile, read_study
 from remanent.studies.sweep.toml_text import MAX_FILE_BYTES
+from tests.faults.study_file_mutations import CHART, FILM, PENDULUM, SOUND_FILES, STATICS, files
 
 #: Files of the fast test, and of one seed of the slow one.
 FEW, MANY = 300, 1000

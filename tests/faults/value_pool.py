@@ -19,14 +19,14 @@ import numpy as np
 import pandas as pd
 import pint
 import xarray as xr
-from tests.contracts.public import examples
-from tests.faults.result_pool import results
-from tests.faults.value import Value
 
 import remanent as rm
 from remanent.models.dissipation import Dissipation
 from remanent.models.materials.base import Material
 from remanent.models.parts import Part
+from tests.contracts.public import examples
+from tests.faults.result_pool import results
+from tests.faults.value import Value
 
 NAN, INF = float("nan"), float("inf")
 #: A text that no message may repeat as a whole.

@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from tests.literature.oscillators import COSINE, OSCILLATOR
 
 import remanent as rm
 from remanent._typing import FloatArray
+from tests.literature.oscillators import COSINE, OSCILLATOR
 
 HERE = Path(__file__).parent / "auto" / "reference"
 KINDS = {"LP": "fold", "PD": "period doubling", "TR": "Neimark-Sacker", "BP": "branch point"}

@@ -17,8 +17,6 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from tests.literature.oscillators import COSINE, OSCILLATOR, PENDULUM
-from tests.unit.analysis.regimes.iterated import Iterated, henon, logistic, rolled, standard
 
 from remanent._typing import FloatArray, IntArray
 from remanent.analysis.regimes.collection import states_as_observables
@@ -35,6 +33,8 @@ from remanent.models.drives.waves import SineSquared
 from remanent.models.system import System
 from remanent.studies.ensemble.layout import lay_out_ensemble
 from remanent.studies.ensemble.problem import initial_value_problem
+from tests.literature.oscillators import COSINE, OSCILLATOR, PENDULUM
+from tests.unit.analysis.regimes.iterated import Iterated, henon, logistic, rolled, standard
 
 CASES: list[dict[str, Any]] = json.loads(
     (File(__file__).parent / "regimes" / "cases.json").read_text("utf-8")

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from benchmarks.errors.rows import backbone as rows
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
 import remanent as rm
+from benchmarks.errors.rows import backbone as rows
 
 
 @dataclass(frozen=True)

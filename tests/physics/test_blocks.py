@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from tests.physics.block import Block
 
 import remanent as rm
+from tests.physics.block import Block
 
 TIMES = np.linspace(0.0, 6.0, 13)
 DRIVE = rm.Sine(0.3, 1.7, 0.1, 0.4)

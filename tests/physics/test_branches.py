@@ -8,11 +8,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import xarray as xr
+
+import remanent as rm
 from benchmarks.errors.period_map import PeriodMap
 from benchmarks.errors.rows import branches as rows
 from benchmarks.errors.special_points import at, special_point
-
-import remanent as rm
 
 BODY = rm.Actuator(prestress=2.1, dissipation=rm.Rayleigh(0.1))
 DRIVE = rm.Sine(0.25, 0.714, mean=2.2)

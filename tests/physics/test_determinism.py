@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from tests.physics.independent import DRIVES, random_drive
 
 import remanent as rm
 from remanent._typing import FloatArray, IntArray
@@ -19,6 +18,7 @@ from remanent.models.drives.base import Drive
 from remanent.studies.ensemble.layout import lay_out_ensemble
 from remanent.studies.ensemble.problem import initial_value_problem
 from remanent.studies.response.frequency_response import thickness_extremes_over_window
+from tests.physics.independent import DRIVES, random_drive
 
 COUNT, LONGEST = 20, 18.0
 #: What is asked: states between steps, states after cycles, extremes.

@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 import xarray as xr
 from scipy.integrate import solve_ivp
-from tests.physics.independent import DRIVES, Case, corners, dop853, random_case
 
 import remanent as rm
 from remanent._typing import BoolArray, FloatArray
 from remanent.models.drives.base import Drive
+from tests.physics.independent import DRIVES, Case, corners, dop853, random_case
 
 
 @dataclass(frozen=True)

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from benchmarks.orbit_search import Case, compare
 
 import remanent as rm
+from benchmarks.orbit_search import Case, compare
 from remanent.analysis.orbits.cell_samples import Sample
 from remanent.studies.ensemble.layout import lay_out_ensemble
 from remanent.studies.orbits import _planar_search

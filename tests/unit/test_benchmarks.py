@@ -12,6 +12,8 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
+
+import remanent as rm
 from benchmarks import targets
 from benchmarks.__main__ import missing_peers
 from benchmarks.accuracy import cheapest
@@ -22,8 +24,6 @@ from benchmarks.reference import Reference
 from benchmarks.targets import TARGETS, Verdict, verdicts
 from benchmarks.tools import double_well, heyoka_batch, ours, scipy_dop853
 from benchmarks.tools.tool import TOLERANCES, Answer, Run
-
-import remanent as rm
 from remanent.integrate.ensemble.problem import Request
 from remanent.integrate.ensemble.resolution import choose_method
 from remanent.integrate.kernel.compile import TargetProcessor, host_processor

@@ -19,11 +19,11 @@ import mpmath as mp
 import numpy as np
 from scipy.interpolate import BarycentricInterpolator
 from scipy.optimize import brentq
+
+from remanent._typing import FloatArray
 from tests.literature.auto import runner, shooting, systems
 from tests.literature.auto.runner import Run, Solution
 from tests.literature.auto.shooting import Flow
-
-from remanent._typing import FloatArray
 
 OUT = Path(__file__).parent / "reference"
 NODES = np.linspace(0.0, 1.0, 401)

@@ -8,10 +8,10 @@ from typing import Any
 
 import heyoka as hy
 import numpy as np
-from tests.literature.auto import systems
-from tests.literature.regimes import flows
 
 from remanent._typing import FloatArray
+from tests.literature.auto import systems
+from tests.literature.regimes import flows
 
 SEED = 16
 GOLDEN = (np.sqrt(5.0) - 1.0) / 2.0

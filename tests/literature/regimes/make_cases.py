@@ -16,11 +16,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
+from remanent._typing import FloatArray
 from tests.literature.regimes import flows, verdict
 from tests.literature.regimes.families import FAMILIES, SEED, Case, Family, cases
 from tests.literature.regimes.flows import Orbit
-
-from remanent._typing import FloatArray
 
 OUT = Path(__file__).parent / "cases.json"
 #: Drive periods of a flow, iterates of a map.

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy.special import ellipk
-from tests.unit.integrate.handmade import SINE, Oscillator, Q, V, problem
 
 from remanent.integrate.crossings import Crossings
 from remanent.integrate.events import find_crossings
+from tests.unit.integrate.handmade import SINE, Oscillator, Q, V, problem
 
 HARMONIC = Oscillator(-Q, {})
 

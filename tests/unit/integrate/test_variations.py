@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import sympy as sp
-from tests.unit.integrate.handmade import COSINE, SINE, Oscillator, Q, V, problem
 
 from remanent._field import Field
 from remanent._typing import FloatArray
@@ -23,6 +22,7 @@ from remanent.integrate.variations import (
 from remanent.models.actuator import Actuator
 from remanent.models.dissipation import Rayleigh
 from remanent.models.drives.waves import SineSquared
+from tests.unit.integrate.handmade import COSINE, SINE, Oscillator, Q, V, problem
 
 A = sp.Symbol("a", real=True)
 #: Every operation that a program may have.

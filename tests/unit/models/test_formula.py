@@ -14,11 +14,11 @@ import pytest
 import sympy as sp
 from hypothesis import example, given
 from hypothesis import strategies as st
-from tests.unit.models.attacks import ATTACKS
 
 import remanent as rm
 from remanent._errors import InputError
 from remanent.models.formula import MAX_CHARACTERS, parse_formula, sympy_as_formula_text
+from tests.unit.models.attacks import ATTACKS
 
 
 @pytest.mark.parametrize("name", ATTACKS)

@@ -10,12 +10,12 @@ from typing import Any
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from tests.contracts.test_drives import DRIVES
-from tests.contracts.test_elements import ELEMENTS
-from tests.contracts.test_materials import MATERIALS
 
 import remanent as rm
 from remanent.models.plain import from_plain_data, to_plain_data
+from tests.contracts.test_drives import DRIVES
+from tests.contracts.test_elements import ELEMENTS
+from tests.contracts.test_materials import MATERIALS
 
 PARTS: dict[str, Any] = {
     **MATERIALS,

@@ -11,12 +11,12 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from tests.unit.plots import synthetic
 
 import remanent as rm
 from remanent import plots
 from remanent._typing import FloatArray
 from remanent.plots.retraced import new_stretches, turning_points
+from tests.unit.plots import synthetic
 
 
 @cache

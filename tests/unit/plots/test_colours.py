@@ -6,9 +6,9 @@ import itertools
 
 import numpy as np
 import pytest
-from tests.unit.plots import vision
 
 from remanent.plots import colours, style
+from tests.unit.plots import vision
 
 #: Shades of chaos and of tori, from end to end.
 SHARES = np.linspace(0.0, 1.0, 33)

@@ -7,11 +7,11 @@ import pytest
 import xarray as xr
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
-from tests.unit.plots import synthetic
 
 from remanent import plots
 from remanent._errors import InputError
 from remanent.plots import style
+from tests.unit.plots import synthetic
 
 
 def test_every_basin_has_the_colour_of_its_attractor() -> None:

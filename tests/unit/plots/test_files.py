@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
-from tests.unit.plots import synthetic
 
 import remanent as rm
 from remanent import plots
 from remanent.plots import style
+from tests.unit.plots import synthetic
 
 
 def pdf_text(data: bytes) -> bytes:

@@ -11,10 +11,10 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
-from tests.unit.plots import synthetic
 
 import remanent as rm
 from remanent import plots
+from tests.unit.plots import synthetic
 
 
 def texts(axes: Axes) -> list[str]:

@@ -7,10 +7,10 @@ import warnings
 import numpy as np
 import pytest
 from matplotlib import pyplot as plt
-from tests.contracts.sound_calls import SOUND
 
 import remanent as rm
 from remanent.studies.sweep.study import Study, verbs_of_studies
+from tests.contracts.sound_calls import SOUND
 
 
 @pytest.mark.parametrize("verb", verbs_of_studies())

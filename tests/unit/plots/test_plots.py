@@ -15,13 +15,13 @@ from matplotlib import pyplot as plt
 from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from tests.unit.plots import synthetic
 
 import remanent as rm
 from remanent import plots
 from remanent._errors import InputError
 from remanent.plots import footer, style
 from remanent.results.si import to_si
+from tests.unit.plots import synthetic
 
 Plot = Callable[..., Sequence[Artist]]
 #: Every plot with a Dataset of six members, (prestress, temperature).

@@ -16,12 +16,12 @@ from hypothesis import strategies as st
 from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from tests.unit.plots import synthetic
 
 import remanent as rm
 from remanent import plots
 from remanent._errors import InputError
 from remanent.plots import footer, style
+from tests.unit.plots import synthetic
 
 DRIVE = rm.SineSquared(0.4, 1.25)
 OVER = {"prestress": [0.0, 0.5, 1.0], "temperature": [250.0, 300.0, 350.0, 400.0]}

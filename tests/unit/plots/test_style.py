@@ -10,12 +10,12 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 import xarray as xr
-from tests.unit.plots import synthetic
 
 import remanent as rm
 from remanent import plots
 from remanent.plots import footer, style
 from remanent.results import provenance
+from tests.unit.plots import synthetic
 
 
 def luminance(colour: tuple[float, ...]) -> float:

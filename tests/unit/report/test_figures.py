@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.figure import Figure
-from tests.unit.plots import synthetic
 
 from remanent.report import dynamics_figures, evidence_figures, figures
+from tests.unit.plots import synthetic
 
 Make = Callable[[], list[xr.Dataset]]
 KINDS: dict[str, tuple[Callable[..., Figure], Make, int]] = {

@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from tests.contracts.test_elements import ELEMENTS
-from tests.contracts.test_materials import MATERIALS
 
 import remanent as rm
 from remanent.models.drives.base import Drive
 from remanent.results import build, provenance
+from tests.contracts.test_elements import ELEMENTS
+from tests.contracts.test_materials import MATERIALS
 
 DRIVES: tuple[Drive, ...] = (
     rm.Constant(0.1 + 0.2),

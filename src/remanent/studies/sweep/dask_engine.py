@@ -242,7 +242,7 @@ def client_of(address: str) -> Iterator[Any]:
             "scheduler",
             must="be the address of a running dask scheduler",
             got=address,
-            why=f"None answered: {error or 'no reply'}.",
+            why=f"None answered: {str(error) or 'no reply'}.",
             fix='Start one by `dask scheduler`, and pass its address, such as "tcp://host:8786".',
         ) from error
     with client:

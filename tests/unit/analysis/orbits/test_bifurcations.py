@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from tests.unit.analysis.orbits.test_continuation import Logistic, traced
 
 from remanent._typing import FloatArray
 from remanent.analysis.orbits.bifurcations import find_special_points
@@ -19,6 +18,7 @@ from remanent.analysis.orbits.orbit_equations import (
     build_orbit_equations,
 )
 from remanent.analysis.orbits.periodic_orbits import fixed_point_newton_step, newton_fixed_points
+from tests.unit.analysis.orbits.test_continuation import Logistic, traced
 
 EPS = np.finfo(float).eps
 

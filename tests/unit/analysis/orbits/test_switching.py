@@ -6,13 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from tests.unit.analysis.orbits.test_continuation import Logistic
 
 from remanent._typing import FloatArray
 from remanent.analysis.orbits.correction import correct_points
 from remanent.analysis.orbits.extended_systems import locate_special_points
 from remanent.analysis.orbits.maps import Map, MapImage
 from remanent.analysis.orbits.orbit_equations import build_orbit_equations
+from tests.unit.analysis.orbits.test_continuation import Logistic
 
 #: Length of the step from the crossing onto the other branch, in scaled unknowns.
 STEP = 0.01

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tests.unit.analysis.regimes.iterated import logistic, run
 
 from remanent._typing import FloatArray
 from remanent.analysis.regimes.bands import convergence_digits_within_bands, relative_band_scatter
 from remanent.analysis.regimes.birkhoff import birkhoff_convergence_digits
 from remanent.analysis.regimes.orbit_batch import OrbitBatch
+from tests.unit.analysis.regimes.iterated import logistic, run
 
 GOLDEN = (np.sqrt(5.0) - 1.0) / 2.0
 

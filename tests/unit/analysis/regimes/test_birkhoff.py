@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tests.unit.analysis.regimes.iterated import run, standard
-from tests.unit.analysis.regimes.spectra import lines, spectrum
 
 from remanent.analysis.regimes.birkhoff import (
     birkhoff_convergence_digits,
     rotation_numbers,
     weighted_birkhoff_average,
 )
+from tests.unit.analysis.regimes.iterated import run, standard
+from tests.unit.analysis.regimes.spectra import lines, spectrum
 
 GOLDEN = (np.sqrt(5.0) - 1.0) / 2.0
 

@@ -6,15 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.unit.analysis.regimes.iterated import (
-    Iterated,
-    Step,
-    henon,
-    logistic,
-    rolled,
-    run,
-    standard,
-)
 
 from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.analysis.regimes.agreement import (
@@ -35,6 +26,15 @@ from remanent.analysis.regimes.long_runs import LongRun, propagate_tangents
 from remanent.analysis.regimes.orbit_batch import OrbitBatch
 from remanent.analysis.regimes.problem import RegimeProblem
 from remanent.analysis.regimes.thresholds import RegimeThresholds
+from tests.unit.analysis.regimes.iterated import (
+    Iterated,
+    Step,
+    henon,
+    logistic,
+    rolled,
+    run,
+    standard,
+)
 
 GOLDEN = (np.sqrt(5.0) - 1.0) / 2.0
 

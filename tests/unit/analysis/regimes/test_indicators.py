@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tests.unit.analysis.regimes.iterated import Iterated, logistic, run, standard
 
 from remanent.analysis.regimes import indicators
 from remanent.analysis.regimes.indicators import smaller_alignment_index, zero_one_test
 from remanent.analysis.regimes.orthonormalisation import orthonormalise
+from tests.unit.analysis.regimes.iterated import Iterated, logistic, run, standard
 
 GOLDEN = (np.sqrt(5.0) - 1.0) / 2.0
 

@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
-from tests.unit.analysis.regimes.iterated import ExactImage, Iterated, logistic
 
 from remanent._typing import FloatArray, IntArray
 from remanent.analysis.regimes.long_runs import block_lengths_in_periods, propagate_tangents
+from tests.unit.analysis.regimes.iterated import ExactImage, Iterated, logistic
 
 
 @dataclass(frozen=True)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tests.unit.analysis.regimes.iterated import henon, logistic, run, standard
 
 from remanent.analysis.regimes.lyapunov import batch_means_error, lyapunov_exponents
+from tests.unit.analysis.regimes.iterated import henon, logistic, run, standard
 
 
 def test_logistic_map_at_four_has_exponent_ln_2() -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tests.unit.analysis.regimes.iterated import Iterated, logistic
 
 from remanent._typing import FloatArray, IntArray
 from remanent.analysis.orbits.stability import floquet_multipliers
@@ -18,6 +17,7 @@ from remanent.analysis.regimes.limit_orbits import (
 from remanent.analysis.regimes.long_runs import propagate_tangents
 from remanent.analysis.regimes.orbit_exponents import find_settled_orbit_periods, orbit_exponents
 from remanent.analysis.regimes.returns import find_best_returns
+from tests.unit.analysis.regimes.iterated import Iterated, logistic
 
 GOLDEN = (np.sqrt(5.0) - 1.0) / 2.0
 

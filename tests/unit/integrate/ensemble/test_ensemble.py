@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import sympy as sp
-from tests.unit.integrate.handmade import SINE, Oscillator, Q, V, problem
 
 from remanent._load_schedule import LoadSchedule
 from remanent._status import Status
@@ -18,6 +17,7 @@ from remanent.integrate.ensemble.problem import Outcome, Problem, Request
 from remanent.integrate.ensemble.resolution import round_up_resolution
 from remanent.integrate.ensemble.work_sizes import WorkSizes
 from remanent.integrate.events import find_crossings
+from tests.unit.integrate.handmade import SINE, Oscillator, Q, V, problem
 
 DRIVEN = Oscillator(-sp.sin(Q) + sp.Symbol("a") * SINE, {"a": 0.0})
 RUNAWAY = Oscillator(Q**3, {})

@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 import sympy as sp
 from scipy.special import ellipj
-from tests.unit.integrate.handmade import SINE, Oscillator, Q, V, problem, sampled
 
 from remanent._status import Status
 from remanent._typing import FloatArray
@@ -25,6 +24,7 @@ from remanent.integrate.kernel.outline import MAX_INLINED_INSTRUCTIONS
 from remanent.integrate.kernel.tables import CycleTables
 from remanent.integrate.methods.adams import adams_method
 from remanent.integrate.methods.runge_kutta import default_method
+from tests.unit.integrate.handmade import SINE, Oscillator, Q, V, problem, sampled
 
 TIMES = np.linspace(0.0, 50.0, 101)
 K, G, A = sp.symbols("k g a")

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import pytest
 import sympy as sp
-from tests.unit.integrate.handmade import Oscillator, Q, problem
 
 from remanent.integrate.ensemble import segments
 from remanent.integrate.ensemble.ensemble import integrate
@@ -18,6 +17,7 @@ from remanent.integrate.kernel.compile import Kernel, compiled_kernel
 from remanent.integrate.kernel.options import KernelOptions
 from remanent.integrate.methods.adams import adams_method
 from remanent.integrate.methods.runge_kutta import default_method
+from tests.unit.integrate.handmade import Oscillator, Q, problem
 
 
 class InterruptionError(Exception):

@@ -9,13 +9,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.unit.integrate.handmade import Oscillator, Q, V, problem
 
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Request
 from remanent.integrate.kernel import compile as module
 from remanent.integrate.kernel.options import KernelOptions
 from remanent.integrate.methods.runge_kutta import default_method
+from tests.unit.integrate.handmade import Oscillator, Q, V, problem
 
 TIMES = np.linspace(0.0, 20.0, 41)[None]
 

@@ -11,7 +11,6 @@ from typing import Any
 import mpmath
 import numpy as np
 import pytest
-from tests.unit.integrate.observed_order import WITHIN, order
 
 from remanent._typing import FloatArray
 from remanent.integrate.kernel.extrema import (
@@ -19,6 +18,7 @@ from remanent.integrate.kernel.extrema import (
     horner,
     three_node_hermite_coefficients,
 )
+from tests.unit.integrate.observed_order import WITHIN, order
 
 
 def hermite_error(function: Callable[[Any], Any], centre: float, h: Any) -> Any:

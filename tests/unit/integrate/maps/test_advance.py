@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import sympy as sp
-from tests.unit.integrate.handmade import COSINE, Oscillator, Q, V, turning
 
 from remanent._field import Field, Role, StateVariable
 from remanent._typing import FloatArray
@@ -17,6 +16,7 @@ from remanent.codegen.lower import DependenceLevel, lower_to_program
 from remanent.integrate.kernel.compile import Kernel
 from remanent.integrate.maps.advance import BlockAdvancer
 from remanent.integrate.maps.period_map import ErrorControl, PeriodMap, PeriodMapImage
+from tests.unit.integrate.handmade import COSINE, Oscillator, Q, V, turning
 
 X, Y, Z = sp.symbols("x y z", real=True)
 

@@ -11,9 +11,9 @@ from typing import Any
 import mpmath
 import numpy as np
 import pytest
-from tests.unit.integrate.observed_order import WITHIN, order
 
 from remanent.integrate.methods.adams import adams_method
+from tests.unit.integrate.observed_order import WITHIN, order
 
 
 def test_coefficients_of_adams_are_the_published_ones() -> None:

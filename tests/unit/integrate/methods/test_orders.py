@@ -7,8 +7,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tests.unit.integrate.handmade import Oscillator, Q, V, problem
-from tests.unit.integrate.observed_order import WITHIN, order
 
 from remanent.integrate.ensemble.attempt import attempt_chunk
 from remanent.integrate.ensemble.problem import Problem, Request
@@ -18,6 +16,8 @@ from remanent.integrate.kernel.options import KernelOptions, Method
 from remanent.integrate.kernel.tables import CycleTables
 from remanent.integrate.methods.adams import adams_method
 from remanent.integrate.methods.runge_kutta import default_method
+from tests.unit.integrate.handmade import Oscillator, Q, V, problem
+from tests.unit.integrate.observed_order import WITHIN, order
 
 METHODS = [default_method(), adams_method(8)]
 

@@ -9,7 +9,6 @@ from typing import Any
 import mpmath
 import numpy as np
 import pytest
-from tests.unit.integrate.observed_order import WITHIN, order
 
 from remanent._typing import FloatArray
 from remanent.codegen.field import vector_field_for
@@ -17,6 +16,7 @@ from remanent.integrate.ensemble import dense
 from remanent.integrate.methods.runge_kutta import RungeKuttaMethod, cooper_verner_8, default_method
 from remanent.models.actuator import Actuator
 from remanent.models.drives.waves import SineSquared
+from tests.unit.integrate.observed_order import WITHIN, order
 
 ACTUATOR = Actuator(c=0.5, temperature=350.0, prestress=0.3)
 DRIVE = SineSquared(0.8, 1.25, 0.2)

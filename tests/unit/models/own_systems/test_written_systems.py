@@ -12,7 +12,6 @@ import pytest
 import sympy as sp
 from hypothesis import given
 from hypothesis import strategies as st
-from tests.unit.models.attacks import ATTACKS
 
 import remanent as rm
 from remanent.models.drives.base import Drive
@@ -20,6 +19,7 @@ from remanent.models.own_systems.names import RESERVED_NAMES
 from remanent.models.plain import from_plain_data, to_plain_data
 from remanent.models.system import System
 from remanent.results.schema import DESCRIPTIONS
+from tests.unit.models.attacks import ATTACKS
 
 #: A pendulum's formulas, from which one is replaced.
 PENDULUM: dict[str, Any] = {

@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from tests.physics.block import Block
 
 import remanent as rm
+from tests.physics.block import Block
 
 
 def test_a_strongly_driven_motion_ends_at_its_horizon() -> None:

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from benchmarks.errors.period_map import PeriodMap  # needs heyoka
 
 import remanent as rm
+from benchmarks.errors.period_map import PeriodMap  # needs heyoka
 from remanent.studies.orbits.periodic_orbits import _why_errors_are_large
 
 #: Fields of the actuators below that :class:`PeriodMap` takes.

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from benchmarks.errors.period_map import PeriodMap  # needs heyoka
 from scipy.integrate import solve_ivp
 
 import remanent as rm
+from benchmarks.errors.period_map import PeriodMap  # needs heyoka
 from remanent.models.drives.base import Drive
 
 DRIVE = rm.SineSquared(0.4, 1.25)

@@ -14,9 +14,6 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from tests.contracts.public import examples
-from tests.contracts.sound_calls import SOUND
-from tests.contracts.study_text import study_text
 
 import remanent as rm
 from remanent.models.dissipation import Dissipation
@@ -26,6 +23,9 @@ from remanent.studies.sweep.faults import StudyFileError
 from remanent.studies.sweep.study import Study, study_from_plain, verbs_of_studies
 from remanent.studies.sweep.study_file import StudyFile, read_study
 from remanent.studies.sweep.verb_checks import message_for_file
+from tests.contracts.public import examples
+from tests.contracts.sound_calls import SOUND
+from tests.contracts.study_text import study_text
 
 SIMULATE = """
 verb = "simulate"
