@@ -59,6 +59,15 @@ def test_grammars_accept_the_text(language: str, case: str) -> None:
         assert not is_in_language(language, text[:at] + text[at + 1 :]), name
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("language", ["julia", "matlab"])
+def test_grammars_accept_every_text(language: str) -> None:
+    """The same law, for every case and a hundred random systems."""
+    for name, case in {**CASES, **random_cases(100)}.items():
+        for text in rm.export(*case, language).values():
+            assert is_in_language(language, text), name
+
+
 @pytest.mark.parametrize("language", [one for one in EXPORT_LANGUAGES if one != "auto07p"])
 def test_headers_say_what_it_is(language: str) -> None:
     """Law: the first file has names, units, values and what made it, in comments of ASCII."""
