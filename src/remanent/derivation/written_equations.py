@@ -272,7 +272,13 @@ def _require_real(system: WrittenSystem, expressions: Sequence[Expression]) -> N
     for expression in map(sp.sympify, expressions):
         functions = {f.func for f in expression.atoms(sp.Function)}
         large = any(abs(n) > _LARGEST_NUMBER for n in expression.atoms(sp.Rational))
-        if functions - _REAL_FUNCTIONS or expression.has(sp.I, sp.zoo, sp.nan, sp.oo) or large:
+        complex_powers = any(
+            # Those of whole exponents are numbers by now.
+            power.base.is_number and power.base.is_negative
+            for power in expression.atoms(sp.Pow)
+        )
+        infinite = expression.has(sp.I, sp.zoo, sp.nan, sp.oo)
+        if functions - _REAL_FUNCTIONS or infinite or large or complex_powers:
             raise InputError(
                 next(iter(system.formulas())),
                 must="have derivatives in real numbers that a float can hold",

@@ -195,6 +195,22 @@ def test_numbers_with_many_digits_are_rounded_and_too_large_ones_refused() -> No
         rm.simulate(large, rm.Constant(0.0), duration=0.1)
 
 
+@pytest.mark.parametrize("power", ["(-1)**x", "(0.0 - x/x)**x", "(-sqrt(2))**(2*x)", "(-2)**k"])
+def test_powers_of_negative_numbers_are_refused(power: str) -> None:
+    """Their logarithm is complex, also in a rate that nothing differentiates."""
+    system = rm.FirstOrderSystem(
+        rates={"x": "-x", "y": f"{power} + k"}, parameters={"k": 1.0}, rest={"x": 1.0}
+    )
+    with pytest.raises(rm.InputError, match="powers, roots and logarithms of negative numbers"):
+        rm.rates(system, rm.Constant(0.0))
+
+
+def test_whole_powers_of_negative_numbers_are_numbers() -> None:
+    """(-2)^3 x + (-2)^-1 is -8 x - 1/2."""
+    system = rm.FirstOrderSystem(rates={"x": "(-2)**3*x + (-2)**(-1)"})
+    assert float(rm.rates(system, rm.Constant(0.0))(0.0, [1.5])[0]) == -12.5
+
+
 @given(
     st.lists(st.tuples(*[st.integers(-4, 4)] * 2, *[st.integers(0, 2)] * 3), min_size=1, max_size=6)
 )

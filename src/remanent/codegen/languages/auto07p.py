@@ -15,8 +15,12 @@ from remanent.codegen.languages.written import PHASE, WrittenEquations
 _LANGUAGE = LANGUAGES["auto07p"]
 #: Longest part of a statement in one line; Fortran takes 132 characters.
 _LINE_LENGTH: Final = 100
-#: Indices of parameters that AUTO keeps for itself.
-_KEPT_INDICES: Final = frozenset({10, 11})
+#: Indices of parameters that AUTO keeps for itself: it writes the period of an orbit in the
+#: second, and in the third, at every step, the angle of a torus.
+_KEPT_INDICES: Final = frozenset({10, 11, 12})
+#: What stands for rates that do not exist.  AUTO takes NaN for converged, and goes on with it; of
+#: this it makes a smaller step.
+_NO_RATE: Final = "1.0D30"
 #: The end of the equations file: what this problem does not need.
 _EMPTY_ROUTINES: Final = ("ICND", "FOPT")
 #: Arguments of the routine of the rates.
@@ -112,6 +116,7 @@ def _equations_file(equations: WrittenEquations, indices: dict[str, int], shown:
         *assigned,
         *lines.assignment_lines(rates, _LANGUAGE, names),
         *(f"F({k}) = {output}" for k, output in enumerate(outputs, 1)),
+        f"WHERE (.NOT. ABS(F(1:{phase - 1})) < {_NO_RATE}) F(1:{phase - 1}) = {_NO_RATE}",
         f"F({phase}) = 1",
     ]
     start = [f"PAR({k}) = {_LANGUAGE.number(equations.parameters[n])}" for n, k in indices.items()]
@@ -160,6 +165,7 @@ def _how_it_is_posed(equations: WrittenEquations, indices: dict[str, int], shown
         f"U(1:{phase - 1}) = {state}; U({phase}) = phase s of the load; the interval [0, 1] is one "
         "period. Boundary conditions of periodic type with s(0) = 0 (IPS = 7), so that every "
         "solution starts at phase 0 of the load.",
+        f"Where the rates are no numbers F is {_NO_RATE}, of which AUTO makes a smaller step.",
         *(f"PAR({k}) = {name}" for name, k in indices.items()),
         "PAR(1) varies, up to half and twice its value; others do where ICP in c.system says so.",
         f"PAR({shown}) = U(1) at phase 0, which is only shown.",
@@ -181,7 +187,8 @@ def _constants(
         f"NTST= 100, NCOL=   7, IAD =   3, ISP =   2, ISW = 1, IPLT= 0, NBC= {count}, NINT= 0",
         "NMX= 2000, NPR=   20, MXBF=   0, IID =   2, ITMX= 30, ITNW= 8, NWTN= 4, JAC= 0",
         "EPSL= 1e-9, EPSU = 1e-9, EPSS = 1e-7",
-        f"DS  = {0.01 * size!r}, DSMIN= {1e-7 * size!r}, DSMAX= {0.05 * size!r}, IADS=   1",
+        # With larger steps AUTO takes the sharp turn of a branch at a narrow peak for a fold.
+        f"DS  = {0.005 * size!r}, DSMIN= {1e-7 * size!r}, DSMAX= {0.01 * size!r}, IADS=   1",
         f"NPAR = {shown}, THL =  {{}}, THU =  {{{count}: 0.0}}",
         # Of undamped motion AUTO's tests for these two mean nothing.
         *(["SP = ['TR0', 'PD0']"] if conservative else []),

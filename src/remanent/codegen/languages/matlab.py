@@ -127,8 +127,13 @@ def _script(equations: WrittenEquations, header: list[str]) -> str:
         "  t = [t; tk(2:end)];",
         "  y = [y; yk(2:end, :)];",
         "end",
-        "plot(t, y(:, 1));",
-        "xlabel('t');",
-        f"ylabel('{equations.state[0].name}', 'Interpreter', 'none');",
+        "try",
+        "  plot(t, y(:, 1));",
+        "  xlabel('t');",
+        f"  ylabel('{equations.state[0].name}', 'Interpreter', 'none');",
+        "catch failure",
+        "  % Without a screen the motion is in t and y all the same.",
+        "  disp(failure.message);",
+        "end",
     ]
     return lines.file_text(text)

@@ -149,7 +149,7 @@ _FORTRAN = Language(
     | _words("""
     ndim u icp par ijac f dfdu dfdp t bcnd icnd fopt pvls stpnt func nbc u0 u1 fb dbc getp implicit
     none integer double precision intent in out inout parameter end subroutine if then else call
-    return do real program module use continue stop data common save external
+    return do real program module use continue stop data common save external where not abs
     """),
     exponent="D",
     has_case=False,

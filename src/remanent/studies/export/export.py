@@ -8,7 +8,7 @@ from types import MappingProxyType
 from typing import Final
 
 from remanent._checks import require_choice
-from remanent._errors import InputError
+from remanent._errors import InputError, shortened_repr
 from remanent._field import Role
 from remanent.codegen.languages.auto07p import auto07p_files
 from remanent.codegen.languages.c import c_files
@@ -30,7 +30,7 @@ _FILES: Final[Mapping[str, Callable[[Ensemble], dict[str, str]]]] = MappingProxy
         "matlab": lambda ens: matlab_files(_written(ens)),
         "python": lambda ens: python_files(_written(ens)),
         "julia": lambda ens: julia_files(_written(ens)),
-        "auto07p": lambda ens: auto07p_files(_written(ens), *starting_orbit(ens)),
+        "auto07p": lambda ens: auto07p_files(_with_parameters(ens), *starting_orbit(ens)),
         "c": lambda ens: c_files(_written(ens)),
         "javascript": lambda ens: javascript_files(_written(ens)),
     }
@@ -71,7 +71,8 @@ def export(system: System, drive: DriveArgument, language: str) -> dict[str, str
     Raises
     ------
     InputError
-        A bad argument; for ``auto07p`` also a load without a period, or no orbit to start from.
+        A bad argument; for ``auto07p`` also a load without a period, no parameter to vary, or no
+        orbit to start from.
 
     See Also
     --------
@@ -87,7 +88,8 @@ def export(system: System, drive: DriveArgument, language: str) -> dict[str, str
     In the files for AUTO the phase of the load is one more state variable, and the problem is one
     with boundary values (IPS = 7): U(1), U(2) ... are the state, and the interval from 0 to 1 is
     one period of the load.  The orbit is one of those that are found near the motion from rest,
-    or, of an actuator, of all; a stable one where there is one.
+    or, of an actuator, of all; a stable one where there is one.  Where the rates are no numbers F
+    is 1e30, of which AUTO makes a smaller step.
 
     Examples
     --------
@@ -124,6 +126,20 @@ def _written(ens: Ensemble) -> WrittenEquations:
         for name, x in zip(ens.vector_field.state_names, ens.initial_states[0], strict=True)
     )
     return written_equations(ens.vector_field, ens.drive, values, state, _description(ens))
+
+
+def _with_parameters(ens: Ensemble) -> WrittenEquations:
+    """The equations, in which there has to be something to vary."""
+    equations = _written(ens)
+    if not equations.parameters:
+        raise InputError(
+            "system",
+            must="have a parameter, or its load a frequency",
+            got=shortened_repr(ens.system),
+            why="AUTO continues an orbit while a parameter varies.",
+            fix="Put a number of a formula into `parameters`.",
+        )
+    return equations
 
 
 def _usual_unit(name: str, ens: Ensemble) -> str:
