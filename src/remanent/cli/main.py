@@ -11,6 +11,7 @@ from typing import NoReturn
 import click
 
 from remanent._errors import RemanentError
+from remanent._extras import require_extra
 from remanent._machine import available_processor_count
 from remanent.cli import studies
 from remanent.cli.export import export
@@ -42,6 +43,7 @@ def paper(out: Path) -> None:
     """Reproduce the published figures and audit the claims."""
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
+    require_extra("paper", "the reproduction of the article")
     from remanent.report.paper import make_folders, reproduce, write_report
 
     make_folders(out)

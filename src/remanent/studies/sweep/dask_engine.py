@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from remanent._errors import InputError, RemanentError
+from remanent._extras import require_extra
 from remanent._machine import THREADS_VARIABLE, available_processor_count
 from remanent.studies.sweep.run import (
     Meter,
@@ -49,6 +50,7 @@ def local_workers(count: int, threads: int | None = None) -> Iterator[Any]:
     InputError
         More workers than processors.
     """
+    require_extra("cluster", "a run on several workers")
     import dask
     from distributed import Client, LocalCluster
 
@@ -233,6 +235,7 @@ def client_of(address: str) -> Iterator[Any]:
     InputError
         None answers at this address.
     """
+    require_extra("cluster", "a run on a scheduler")
     from distributed import Client
 
     try:

@@ -1,0 +1,41 @@
+"""Commands whose packages are not installed say how to get them."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from importlib.util import find_spec as really_find
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import remanent as rm
+from remanent import _extras
+
+ROOT = Path(__file__).parents[2]
+
+
+def test_extras_are_those_of_the_installation() -> None:
+    """Law: what is asked for by name is what the extra installs."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+    extras = project["optional-dependencies"]
+    for extra, packages in _extras.PACKAGES_OF_EXTRA.items():
+        installed = [re.split(r"[^\w-]", text)[0] for text in extras[extra]]
+        assert tuple(installed) == packages
+    assert extras["all"] == [f"remanent[{','.join(sorted(_extras.PACKAGES_OF_EXTRA))}]"]
+
+
+@pytest.mark.parametrize("extra", _extras.PACKAGES_OF_EXTRA)
+def test_what_is_missing_is_named(extra: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With the one command that mends it."""
+    _extras.require_extra(extra, "this")
+    gone = _extras.PACKAGES_OF_EXTRA[extra][0]
+
+    def find(name: str) -> Any:
+        return None if name == gone else really_find(name)
+
+    monkeypatch.setattr(_extras, "find_spec", find)
+    words = rf"^this needs {gone}: pip install 'remanent\[{extra}\]'$"
+    with pytest.raises(rm.RemanentError, match=words):
+        _extras.require_extra(extra, "this")
