@@ -1,0 +1,82 @@
+// Work that the server does in the background, with progress and cancel, over one socket.
+
+import { Refused, ServerGone, noteConnection } from "./api.js";
+
+let socket = null;
+let opening = null;
+let count = 0;
+const waiting = new Map();
+
+/**
+ * Start a job.
+ * @param {string} job its kind, for example "frequency_response"
+ * @param {Object} spec
+ * @param {Object} options
+ * @param {function(number, string): void} onProgress share from 0 to 1, and what is being done
+ * @returns {{result: Promise<Object>, cancel: function(): void}} cancel rejects with AbortError
+ */
+export function startJob(job, spec, options, onProgress) {
+  count += 1;
+  const id = `job-${count}`;
+  const result = new Promise((resolve, reject) => {
+    waiting.set(id, { resolve, reject, onProgress });
+    opened().then(
+      (open) => waiting.has(id) && open.send(JSON.stringify({ id, job, spec, options })),
+      (error) => settle(id, "reject", error),
+    );
+  });
+  return { result, cancel: () => cancel(id) };
+}
+
+function cancel(id) {
+  if (waiting.has(id)) {
+    if (socket?.readyState === WebSocket.OPEN) {
+      socket.send(JSON.stringify({ id, type: "cancel" }));
+    }
+    settle(id, "reject", new DOMException("cancelled", "AbortError"));
+  }
+}
+
+function settle(id, how, value) {
+  const entry = waiting.get(id);
+  waiting.delete(id);
+  entry?.[how](value);
+}
+
+function opened() {
+  if (socket?.readyState === WebSocket.OPEN) {
+    return Promise.resolve(socket);
+  }
+  opening ??= new Promise((resolve, reject) => {
+    const scheme = location.protocol === "https:" ? "wss:" : "ws:";
+    const fresh = new WebSocket(`${scheme}//${location.host}/api/jobs`);
+    fresh.addEventListener("open", () => {
+      socket = fresh;
+      opening = null;
+      noteConnection(true);
+      resolve(fresh);
+    });
+    fresh.addEventListener("message", (event) => receive(JSON.parse(event.data)));
+    fresh.addEventListener("close", () => {
+      socket = null;
+      opening = null;
+      reject(new ServerGone());
+      if (waiting.size || document.visibilityState === "visible") {
+        noteConnection(false);
+      }
+      [...waiting.keys()].forEach((id) => settle(id, "reject", new ServerGone()));
+    });
+  });
+  return opening;
+}
+
+function receive(message) {
+  if (message.type === "progress") {
+    waiting.get(message.id)?.onProgress(message.share, message.text);
+  } else if (message.type === "result") {
+    settle(message.id, "resolve", message.result);
+  } else if (message.type === "error") {
+    const { message: words, faults } = message.error;
+    settle(message.id, "reject", new Refused(words, faults));
+  }
+}
