@@ -1,7 +1,7 @@
 // The block in three dimensions, as it deforms: it plays the motion that the curves show.
 
 import { drawBlock, VIEW } from "./block_drawing.js";
-import { card, keyEntry } from "./card.js";
+import { card, keyEntry, putText, showKey } from "./card.js";
 import { button, drawing, menu } from "./dom.js";
 import { numberText } from "./numbers.js";
 import { colours, onTheme } from "./theme.js";
@@ -32,14 +32,14 @@ export function actuatorView(app) {
       return;
     }
     drawBlock(svg, blockScene(seen, instant, angles));
-    view.note.textContent = caption(seen, instant);
+    putText(view.note, caption(seen, instant));
   };
   turnable(svg, angles, paint);
   onTheme(() => {
     paint();
-    showKey(view.key);
+    showLegend(view.key);
   });
-  showKey(view.key);
+  showLegend(view.key);
   return {
     node: view.node, svg,
     draw: (scene) => {
@@ -58,12 +58,12 @@ export function actuatorView(app) {
   };
 }
 
-function showKey(key) {
+function showLegend(key) {
   const theme = colours();
-  key.replaceChildren(
+  showKey(key, [
     keyEntry("field", theme.blue, { symbol: "arrow" }), keyEntry("magnetisation", theme.ink, { symbol: "arrow" }),
     keyEntry("dead load", theme.green, { symbol: "arrow" }), keyEntry("undeformed", theme.faint, { dash: "dashed" }),
-  );
+  ]);
 }
 
 /** Stretches along the two edges of a state. */
@@ -99,7 +99,7 @@ function caption(scene, instant) {
   if (factors?.lengths) {
     shown.push(`thickness ${numberText((1e3 * factors.lengths.thickness) / (l1 * l2), 3)} mm`);
   }
-  return shown.join("   ");
+  return shown.join(" · ");
 }
 
 function turnable(svg, angles, paint) {

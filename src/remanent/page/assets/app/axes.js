@@ -11,10 +11,10 @@ const MIN_FILLED_SHARE = 0.55;
  * A range for data: the one before where it still fits, so that axes do not tremble.
  * @param {[number, number]} data smallest and largest number; NaN where there is none
  * @param {?[number, number]} before
- * @param {{logarithmic?: boolean, tight?: boolean}} [options] tight: end where the data end
+ * @param {{logarithmic?: boolean, tight?: boolean, floor?: number}} [options] tight: end where the data end; floor: a value below which the axis does not go
  * @returns {[number, number]}
  */
-export function fittedRange(data, before, { logarithmic = false, tight = false } = {}) {
+export function fittedRange(data, before, { logarithmic = false, tight = false, floor = -Infinity } = {}) {
   let [low, high] = logarithmic ? data.map((x) => Math.log10(Math.max(x, 1e-300))) : data;
   if (!(low <= high)) {
     return before ?? (logarithmic ? [1e-12, 1] : [0, 1]);
@@ -30,7 +30,7 @@ export function fittedRange(data, before, { logarithmic = false, tight = false }
     }
   }
   const step = logarithmic ? 1 : niceStep(spread, 12);
-  low = Math.floor((low - MARGIN * spread) / step) * step;
+  low = Math.max(Math.floor((low - MARGIN * spread) / step) * step, logarithmic ? -Infinity : floor);
   high = Math.ceil((high + MARGIN * spread) / step) * step;
   return logarithmic ? [10 ** low, 10 ** high] : [low, high];
 }
@@ -40,6 +40,14 @@ function niceStep(spread, count) {
   const power = 10 ** Math.floor(Math.log10(raw));
   const ratio = raw / power;
   return power * (ratio <= 1 ? 1 : ratio <= 2 ? 2 : ratio <= 5 ? 5 : 10);
+}
+
+/** Like the above, but the nearest of these steps in place of the next larger. */
+function nearStep(spread, count) {
+  const raw = spread / count;
+  const power = 10 ** Math.floor(Math.log10(raw));
+  const ratio = raw / power;
+  return power * (ratio < 1.5 ? 1 : ratio < 3.2 ? 2 : ratio < 7.2 ? 5 : 10);
 }
 
 /**
@@ -55,7 +63,7 @@ export function ticks(range, length, { logarithmic = false, spacing = 70 } = {})
 }
 
 function evenTicks([low, high], count) {
-  const step = niceStep(high - low, count);
+  const step = nearStep(high - low, count);
   const first = Math.ceil(low / step - 1e-9);
   const last = Math.floor(high / step + 1e-9);
   const places = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));

@@ -40,14 +40,42 @@ export function segments(label, choices, chosen, choose) {
 }
 
 /**
- * An entry of a legend: a sample of the line or mark, and its name.
+ * An entry of a legend.
  * @param {string} name
  * @param {string} colour
  * @param {{dash?: string, symbol?: string}} [look]
- * @returns {HTMLElement}
+ * @returns {{name: string, colour: string, look: string}}
  */
 export function keyEntry(name, colour, { dash, symbol } = {}) {
-  const sample = element("span", { class: `sample ${symbol ? `mark-${symbol}` : `line-${dash ?? "solid"}`}`, "aria-hidden": "true" });
-  sample.style.setProperty("--colour", colour);
-  return element("span", { class: "key-entry" }, sample, element("span", { text: name }));
+  return { name, colour, look: symbol ? `mark-${symbol}` : `line-${dash ?? "solid"}` };
+}
+
+/**
+ * Show a legend, each entry a sample of the line or mark and its name; the page is touched only
+ * where something changed.
+ * @param {HTMLElement} host
+ * @param {Array<Object>} entries of `keyEntry`
+ */
+export function showKey(host, entries) {
+  const said = JSON.stringify(entries);
+  if (host.dataset.said === said) {
+    return;
+  }
+  host.dataset.said = said;
+  host.replaceChildren(...entries.map(({ name, colour, look }) => {
+    const sample = element("span", { class: `sample ${look}`, "aria-hidden": "true" });
+    sample.style.setProperty("--colour", colour);
+    return element("span", { class: "key-entry" }, sample, element("span", { text: name }));
+  }));
+}
+
+/**
+ * Put a text into a node where it is another one.
+ * @param {HTMLElement} node
+ * @param {string} text
+ */
+export function putText(node, text) {
+  if (node.textContent !== text) {
+    node.textContent = text;
+  }
 }

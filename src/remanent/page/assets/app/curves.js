@@ -86,31 +86,6 @@ export function refined(field, motion, parameters, { from, to, parts }) {
 }
 
 /**
- * Observables of the states at one phase of each period.
- * @param {Object} field
- * @param {Object} section `t`, `y`
- * @param {Object<string, number>} parameters
- * @returns {Float64Array[]}
- */
-export function observedSection(field, section, parameters) {
-  const count = section.t.length;
-  const names = field.observable_names.length;
-  const result = Array.from({ length: names }, () => new Float64Array(count));
-  const state = new Float64Array(section.y.length);
-  const out = new Float64Array(names);
-  for (let k = 0; k < count; k += 1) {
-    section.y.forEach((column, j) => {
-      state[j] = column[k];
-    });
-    field.observables(section.t[k], state, parameters, out);
-    out.forEach((value, j) => {
-      result[j][k] = value;
-    });
-  }
-  return result;
-}
-
-/**
  * The state with a given observed value and rate, near a state.
  *
  * Newton's method in two unknowns: the value that all coordinates share, and that of their rates.

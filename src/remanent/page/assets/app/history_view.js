@@ -1,6 +1,6 @@
 // The history: the observed quantity, the energy, and the error of both, against time.
 
-import { card, keyEntry, segments } from "./card.js";
+import { card, keyEntry, putText, segments, showKey } from "./card.js";
 import { determinedCount, firstAfter, refined } from "./curves.js";
 import { errorText, numberText } from "./numbers.js";
 import { createPlot } from "./plot.js";
@@ -40,7 +40,8 @@ export function historyView(app) {
     spans.show();
     seen = { ...scene, span, ...layersOf(scene, span, plot.zoom.x) };
     plot.show(seen.content);
-    view.key.replaceChildren(...seen.key);
+    showKey(view.key, seen.key);
+    putText(view.note, scene.motion.message ?? "");
   };
   return {
     node: view.node, plot, draw,

@@ -240,10 +240,6 @@ async function run() {
     }
   });
   byId("loading")?.remove();
-  if (start.presets?.length && location.hash === "" && !saved) {
-    const match = start.presets.find(({ spec }) => JSON.stringify(spec) === JSON.stringify(start.model.spec));
-    store.update({ preset: match?.id ?? null, isStart: !match });
-  }
   await follow0(follow, panel, bar, changed, start);
   if (saved) {
     [views.response, views.regime, ...views.maps].forEach((view) => view.showSaved(start.results ?? {}));
@@ -252,6 +248,27 @@ async function run() {
     byId("banner").textContent = "A saved page: curves follow the sliders; frequency response, regime, basins and chart are those of the parameters it was saved with.";
   }
   document.documentElement.dataset.ready = "true";
+  if (!saved && !start.store && location.hash === "") {
+    await nameStart(app, bar);
+  }
+}
+
+/** Where the server was asked for nothing, the page shows its first preset: say which. */
+async function nameStart(app, bar) {
+  const [first] = app.presets;
+  if (!first) {
+    return;
+  }
+  try {
+    const { model } = await send("/api/model", { spec: first.spec });
+    const { preset, isStart } = app.store.get();
+    if (isStart && preset === null && JSON.stringify(model.spec) === JSON.stringify(app.start.model.spec)) {
+      app.store.update({ preset: first.id, isStart: false });
+      bar.build();
+    }
+  } catch (error) {
+    console.debug(error.message);
+  }
 }
 
 async function follow0(follow, panel, bar, changed, start) {

@@ -2,7 +2,7 @@
 
 import { button, element, menu } from "./dom.js";
 import { categoryFigure, cellText, drawFigure, regimeCategory } from "./heat.js";
-import { keyEntry } from "./card.js";
+import { keyEntry, showKey } from "./card.js";
 import { jobCard } from "./job_card.js";
 import { extent, numberText } from "./numbers.js";
 import { symbolText } from "./symbols.js";
@@ -77,7 +77,7 @@ function mapView(app, { id, title, job, run, empty, grid, here, cell, pick, furt
     }
     const chart = chartOf(result, cell);
     seen.figure = categoryFigure({ ...chart, here: here(result, scene) });
-    view.key.replaceChildren(...seen.figure.key, keyEntry("you are here", "var(--vermillion)", { symbol: "ring" }));
+    showKey(view.key, [...seen.figure.key, keyEntry("you are here", "var(--vermillion)", { symbol: "ring" })]);
     drawFigure(host, seen.figure, (i, j) => pick(result, chart.x.values[i], chart.y.values[j]));
   };
   const show = (result, prefix = "") => {
@@ -104,7 +104,7 @@ function mapView(app, { id, title, job, run, empty, grid, here, cell, pick, furt
         seen.result = null;
         host.hidden = true;
         intro.hidden = false;
-        view.key.replaceChildren();
+        showKey(view.key, []);
         view.say("");
       } else if (seen.result) {
         view.say(`For parameters before the last change. ${noteOf(seen.result)}`);

@@ -19,11 +19,11 @@ export function paintLayer(context, layer, maps, colours) {
 
 const painters = { line, points, band, region, vertical, note };
 
-function line(context, layer, { x, y }) {
+function line(context, layer, { x, y, scale = 1 }) {
   context.strokeStyle = layer.colour;
-  context.lineWidth = layer.width ?? 1.25;
+  context.lineWidth = Math.max(1, scale) * (layer.width ?? 1.25);
   context.lineJoin = "round";
-  context.setLineDash(DASHES[layer.dash ?? "solid"]);
+  context.setLineDash(DASHES[layer.dash ?? "solid"].map((part) => part * scale));
   context.beginPath();
   const crowded = layer.x.length > 4 * Math.abs(x.end - x.start);
   (layer.monotonic && crowded ? traceColumns : tracePoints)(context, layer, x, y);
@@ -80,10 +80,10 @@ function traceColumns(context, layer, x, y) {
   flush();
 }
 
-function points(context, layer, { x, y }, colours) {
-  const size = layer.size ?? 2;
+function points(context, layer, { x, y, scale = 1 }, colours) {
+  const size = Math.max(1, scale) * (layer.size ?? 2);
   context.fillStyle = context.strokeStyle = layer.colour;
-  context.lineWidth = layer.width ?? 1.5;
+  context.lineWidth = scale * (layer.width ?? 1.5);
   for (let i = 0; i < layer.x.length; i += 1) {
     const px = x.pixel(layer.x[i]);
     const py = y.pixel(layer.y[i]);

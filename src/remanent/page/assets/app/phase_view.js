@@ -1,7 +1,7 @@
 // The phase plane, with the Poincare section on top of it.
 
-import { card, keyEntry } from "./card.js";
-import { determinedCount, observedSection, refined, stateAt } from "./curves.js";
+import { card, keyEntry, putText, showKey } from "./card.js";
+import { determinedCount, refined, stateAt } from "./curves.js";
 import { numberText } from "./numbers.js";
 import { createPlot } from "./plot.js";
 import { symbolText } from "./symbols.js";
@@ -10,7 +10,7 @@ import { placeTip } from "./tip.js";
 import { conversion, converted, titleOf } from "./units.js";
 
 /** Points of the curve that are drawn at most; of a longer run the last part is shown. */
-const MOST_POINTS = 9000;
+const MOST_POINTS = 6000;
 const PARTS = 3;
 
 /**
@@ -36,8 +36,8 @@ export function phaseView(app) {
   const draw = (scene) => {
     seen = { ...scene, ...layersOf(scene) };
     plot.show(seen.content);
-    view.key.replaceChildren(...seen.key);
-    view.note.textContent = seen.note;
+    showKey(view.key, seen.key);
+    putText(view.note, seen.note);
   };
   return {
     node: view.node, plot, draw,
@@ -56,7 +56,7 @@ function layersOf(scene) {
   const first = Math.max(0, last - Math.floor(MOST_POINTS / PARTS));
   const tail = refined(field, motion, values, { from: first, to: last, parts: PARTS });
   const turns = Math.max(1, (motion.t[last] - motion.t[first]) / (scene.period || 6));
-  const section = observedSection(field, motion.section, values);
+  const section = motion.section.observables;
   const time = motion.section.t;
   const inside = Array.from(time, (t) => !(t > motion.determinedUntil));
   const pick = (k, wanted) => converted(section[k].filter((_, i) => inside[i] === wanted), description.observables[k].name, factors);

@@ -21,13 +21,14 @@ import { listenToPlot } from "./plot_events.js";
  * @returns {Object} with `show`, `moveMarks`, `repaint`, `content`, `options`
  */
 export function createPlot(host, options) {
-  const base = element("canvas", { class: "plot-base", "aria-hidden": "true" });
+  const frame = element("canvas", { "aria-hidden": "true" });
+  const base = element("canvas", { "aria-hidden": "true" });
   const overlay = element("canvas", { class: "plot-overlay", "aria-hidden": "true" });
   const tip = element("div", { class: "plot-tip", hidden: true });
   host.classList.add("plot");
-  host.replaceChildren(base, overlay, tip);
+  host.replaceChildren(frame, base, overlay, tip);
   const plot = {
-    host, base, overlay, tip, options,
+    host, frame, base, overlay, tip, options, framed: "",
     content: null, maps: null, fitted: {}, zoom: {}, marks: [], cross: null, box: null,
     show: (content) => show(plot, content),
     moveMarks: (marks) => {
@@ -56,19 +57,19 @@ function show(plot, content) {
 function resize(plot) {
   const { clientWidth: width, clientHeight: height } = plot.host;
   const ratio = window.devicePixelRatio || 1;
-  for (const canvas of [plot.base, plot.overlay]) {
+  for (const canvas of [plot.frame, plot.base, plot.overlay]) {
     canvas.width = Math.round(width * ratio);
     canvas.height = Math.round(height * ratio);
   }
-  plot.size = { width, height, ratio };
+  plot.size = { width, height, ratio, em: parseFloat(getComputedStyle(plot.host).fontSize) };
+  plot.framed = "";
   paintAll(plot);
 }
 
 /** Ranges, maps and margins of what is shown. */
 function arrange(plot) {
-  const { width, height } = plot.size;
+  const { width, height, em } = plot.size;
   const { content, options } = plot;
-  const em = parseFloat(getComputedStyle(plot.host).fontSize);
   const area = { left: 4.6 * em, right: width - 0.9 * em, top: 0.7 * em, bottom: height - 3.1 * em };
   const gap = 0.7 * em;
   const shared = options.panels.reduce((sum, panel) => sum + panel.share, 0);
@@ -104,26 +105,51 @@ function paintAll(plot) {
   if (!plot.size || plot.size.width < 40 || plot.size.height < 40 || !plot.content) {
     return;
   }
-  const { width, height, ratio } = plot.size;
-  const context = plot.base.getContext("2d");
-  const theme = colours();
   plot.maps = arrange(plot);
-  const { em, x, panels } = plot.maps;
+  paintAxes(plot);
+  paintData(plot);
+  paintOverlay(plot);
+}
+
+function cleared(plot, canvas) {
+  const { width, height, ratio, em } = plot.size;
+  const context = canvas.getContext("2d");
   context.setTransform(ratio, 0, 0, ratio, 0, 0);
   context.clearRect(0, 0, width, height);
   context.font = letterFont(0.87 * em);
+  return context;
+}
+
+/** Grid, frame and titles; they are left as they are while no range changes. */
+function paintAxes(plot) {
+  const { em, x, panels } = plot.maps;
+  const theme = colours();
+  const titles = [plot.content.x.title, ...panels.map((panel) => panel.title)];
+  const said = JSON.stringify([theme.name, x.range, panels.map((panel) => panel.y.range), titles]);
+  if (said === plot.framed) {
+    return;
+  }
+  plot.framed = said;
+  const context = cleared(plot, plot.frame);
   panels.forEach((panel, k) => {
     paintGrid(context, panel, x, em, theme);
+    paintFrame(context, panel, x, em, theme, k === panels.length - 1);
+  });
+  paintTitles(context, plot, em, theme);
+}
+
+function paintData(plot) {
+  const { x, panels, em } = plot.maps;
+  const context = cleared(plot, plot.base);
+  const theme = colours();
+  for (const panel of panels) {
     context.save();
     context.beginPath();
     context.rect(x.start, panel.y.end, x.end - x.start, panel.y.start - panel.y.end);
     context.clip();
-    panel.layers.forEach((layer) => paintLayer(context, layer, { x, y: panel.y }, theme));
+    panel.layers.forEach((layer) => paintLayer(context, layer, { x, y: panel.y, scale: em / 14.4 }, theme));
     context.restore();
-    paintFrame(context, panel, x, em, theme, k === panels.length - 1);
-  });
-  paintTitles(context, plot, em, theme);
-  paintOverlay(plot);
+  }
 }
 
 function panelTicks(panel, em) {
@@ -135,7 +161,7 @@ function paintGrid(context, panel, x, em, theme) {
   context.strokeStyle = theme.grid;
   context.lineWidth = 1;
   context.beginPath();
-  for (const { value } of ticks(x.range, x.end - x.start, { spacing: 5.5 * em, logarithmic: x.logarithmic })) {
+  for (const { value } of ticks(x.range, x.end - x.start, { spacing: 4.6 * em, logarithmic: x.logarithmic })) {
     const place = Math.round(x.pixel(value)) + 0.5;
     context.moveTo(place, panel.y.start);
     context.lineTo(place, panel.y.end);
@@ -168,7 +194,7 @@ function paintFrame(context, panel, x, em, theme, isLast) {
   }
   context.textAlign = "center";
   context.textBaseline = "top";
-  for (const { value, text } of ticks(x.range, x.end - x.start, { spacing: 5.5 * em, logarithmic: x.logarithmic })) {
+  for (const { value, text } of ticks(x.range, x.end - x.start, { spacing: 4.6 * em, logarithmic: x.logarithmic })) {
     const place = Math.round(x.pixel(value)) + 0.5;
     context.moveTo(place, panel.y.start);
     context.lineTo(place, panel.y.start - tick);
@@ -201,13 +227,9 @@ function paintOverlay(plot) {
   if (!plot.maps) {
     return;
   }
-  const { width, height, ratio } = plot.size;
-  const context = plot.overlay.getContext("2d");
+  const context = cleared(plot, plot.overlay);
   const theme = colours();
-  context.setTransform(ratio, 0, 0, ratio, 0, 0);
-  context.clearRect(0, 0, width, height);
   const { x, panels, em } = plot.maps;
-  context.font = letterFont(0.87 * em);
   for (const item of plot.marks) {
     const panel = panels[item.panel ?? 0];
     if (item.kind === "dot") {

@@ -1,7 +1,7 @@
 // The potential along the coordinate, at the loads between which it moves, with equilibria.
 
 import { potential } from "../engine/potential.js";
-import { card, keyEntry } from "./card.js";
+import { card, keyEntry, putText, showKey } from "./card.js";
 import { extent, numberText } from "./numbers.js";
 import { createPlot } from "./plot.js";
 import { symbolText } from "./symbols.js";
@@ -31,8 +31,8 @@ export function potentialView(app) {
     view.node.hidden = landscape === null;
     if (landscape) {
       plot.show(contentOf(seen));
-      view.key.replaceChildren(...keyOf(seen));
-      view.note.textContent = noteOf(seen);
+      showKey(view.key, keyOf(seen));
+      putText(view.note, noteOf(seen));
     }
   };
   return {

@@ -1,7 +1,7 @@
 // The frequency response, with the place where the motion is, and its branches where asked.
 
 import { jobCard } from "./job_card.js";
-import { keyEntry } from "./card.js";
+import { keyEntry, showKey } from "./card.js";
 import { element } from "./dom.js";
 import { determinedCount } from "./curves.js";
 import { errorText, numberText } from "./numbers.js";
@@ -45,7 +45,7 @@ export function responseView(app) {
   });
   const show = () => {
     plot.show(contentOf(seen, view.running()));
-    view.key.replaceChildren(...keyOf(seen));
+    showKey(view.key, keyOf(seen));
     plot.moveMarks(placeMarks(seen));
   };
   const request = async (spec) => {
@@ -83,7 +83,15 @@ export function responseView(app) {
     cancel: () => { view.cancel(); diagram.cancel(); },
     isWanted: (scene) => scene.description.parameters.some((one) => one.name === "omega" && one.group === "drive") && scene.description.drive.periodic,
     outdate: () => { seen.stale = true; seen.diagram = null; show(); },
-    draw: (scene) => { seen.scene = scene; show(); },
+    draw: (scene) => {
+      const same = seen.scene && plot.content && seen.scene.colour === scene.colour && seen.scene.factors === scene.factors && seen.scene.description === scene.description;
+      seen.scene = scene;
+      if (same) {
+        plot.moveMarks(placeMarks(seen));
+      } else {
+        show();
+      }
+    },
     showSaved: (results) => {
       seen.response = results.frequency_response ?? null;
       seen.diagram = results.response_diagram ?? null;
@@ -133,11 +141,11 @@ function contentOf(seen, running) {
   if (!layers.length) {
     layers.push({ kind: "note", text: running ? "computing the frequency response …" : seen.note || "no frequency response yet" });
   }
-  const y = { text: "amplitude", symbol: `${watched.symbol.replace(/^(.*)$/, "$1")}^{\\mathrm{a}}`, unit: "" };
+  const y = { text: "amplitude", symbol: `${watched.symbol}^{\\mathrm{a}}`, unit: "" };
   const empty = !response && !diagram;
   return {
     x: { title: omega ? titleOf({ ...omega, text: "drive frequency" }, factors) : { text: "drive frequency", symbol: "\\omega" }, tight: true, ...(empty ? { range: omegaRange(scene) } : {}) },
-    panels: [{ title: y, layers }],
+    panels: [{ title: y, layers, floor: 0 }],
   };
 }
 

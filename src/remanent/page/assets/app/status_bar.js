@@ -16,17 +16,16 @@ const SPOKEN_AFTER_MS = 900;
 export function statusBar(app) {
   const regime = element("output", { id: "status-regime", class: "chip" });
   const error = element("output", { id: "status-error", class: "chip" });
-  const message = element("span", { id: "status-message", class: "status-message" });
   const server = element("span", { id: "status-server", class: "status-server", hidden: true },
     element("span", { text: "The server has gone. Curves still follow the sliders." }),
     button("Try again", () => app.retry(), { class: "quiet", id: "retry" }));
-  refill(byId("status"), regime, error, message, server);
+  refill(byId("status"), regime, error, server);
   let timer = null;
   let spoken = "";
   const speakSoon = () => {
     clearTimeout(timer);
     timer = setTimeout(() => {
-      const words = [regime.textContent, error.textContent, message.textContent].filter(Boolean).join(". ");
+      const words = [regime.textContent, error.textContent].filter(Boolean).join(". ");
       if (words !== spoken) {
         spoken = words;
         byId("live").textContent = words;
@@ -38,7 +37,6 @@ export function statusBar(app) {
       const [text, bad] = errorWords(scene);
       error.textContent = text;
       error.classList.toggle("bad", bad);
-      message.textContent = scene.motion.message ?? "";
       speakSoon();
     },
     regime: (text, isOld) => {

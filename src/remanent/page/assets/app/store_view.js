@@ -1,7 +1,7 @@
 // The chart of a store: a quantity over two dimensions of its grid, or a curve over one.
 
 import { ask, send } from "./api.js";
-import { card } from "./card.js";
+import { card, showKey } from "./card.js";
 import { element, menu } from "./dom.js";
 import { categoryFigure, cellText, drawFigure, layoutOf, numberFigure, regimeCategory } from "./heat.js";
 import { numberText } from "./numbers.js";
@@ -22,7 +22,7 @@ export function storeView(app, store) {
   const paint = () => {
     if (seen.chart) {
       seen.figure = figureOf(seen);
-      view.key.replaceChildren(...seen.figure.key);
+      showKey(view.key, seen.figure.key);
       drawFigure(host, seen.figure, pick);
     }
   };

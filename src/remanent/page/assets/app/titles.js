@@ -13,9 +13,14 @@ export function letterFont(size) {
 /** The families of words, for plotly.js. */
 export const FONT_FAMILY = WORDS;
 
+/** A variable of one's own may have its symbol as its only name. */
+function meaning(title) {
+  return title.symbol && title.text === symbolText(title.symbol) ? "" : title.text;
+}
+
 function pieces(title) {
   const symbol = title.symbol ? symbolPieces(title.symbol) : [];
-  const text = title.text ? [{ text: title.text + (symbol.length ? ", " : ""), level: 0, word: true }] : [];
+  const text = meaning(title) ? [{ text: meaning(title) + (symbol.length ? ", " : ""), level: 0, word: true }] : [];
   const unit = title.unit && title.unit !== "1" ? [{ text: ` (${title.unit})`, level: 0, word: true }] : [];
   return [...text, ...symbol, ...unit];
 }
@@ -65,12 +70,12 @@ export function paintTitle(context, title, x, y, size, room) {
 
 /** A title in the marks that plotly.js reads. */
 export function titleForPlotly(title) {
-  const parts = [title.text, title.symbol && symbolForPlotly(title.symbol)].filter(Boolean).join(", ");
+  const parts = [meaning(title), title.symbol && symbolForPlotly(title.symbol)].filter(Boolean).join(", ");
   return title.unit && title.unit !== "1" ? `${parts} (${title.unit})` : parts;
 }
 
 /** A title as plain text. */
 export function titleText(title) {
-  const parts = [title.text, title.symbol && symbolText(title.symbol)].filter(Boolean).join(", ");
+  const parts = [meaning(title), title.symbol && symbolText(title.symbol)].filter(Boolean).join(", ");
   return title.unit && title.unit !== "1" ? `${parts} (${title.unit})` : parts;
 }
