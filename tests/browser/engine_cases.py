@@ -11,7 +11,6 @@ import numpy as np
 import remanent as rm
 from remanent.models.drives.base import Drive
 
-
 #: What makes a system or a drive with random numbers.
 Maker: TypeAlias = Callable[[np.random.Generator], Any]
 

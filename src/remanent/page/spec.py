@@ -85,7 +85,7 @@ def write_spec(system: System, drive: Drive, initial: Mapping[str, float]) -> Sp
     """
     spec: Spec = {}
     if isinstance(system, Actuator):
-        spec["actuator"] = _actuator_table(system)
+        spec["actuator"] = actuator_table(system)
     else:
         spec["system"] = to_plain_data(system)
     spec["drive"] = _drive_table(drive)
@@ -135,7 +135,7 @@ def _initial_values(content: object) -> dict[str, float]:
     return values
 
 
-def _actuator_table(actuator: Actuator) -> dict[str, Any]:
+def actuator_table(actuator: Actuator) -> dict[str, Any]:
     """The table [actuator]; sizes in SI stand in its table ``si``."""
     table = to_plain_data(actuator)
     del table[KIND_KEY]

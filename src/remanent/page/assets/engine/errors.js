@@ -3,10 +3,11 @@
 /** Where two runs differ by this share of a variable, or more, they have gone different ways. */
 const APART = 0.05;
 /**
- * While they have not, halving the step at order 8 divides the error by 255.  It is counted on
- * for the square root of about four of these orders only, as steps may be long: for 32.
+ * While they have not, halving the step at order 8 divides the error by 255.  Steps are long,
+ * and less is counted on: 32 where a few units of time show at least twice of that.
  */
 const LEAST_SHARE = 1 / 32;
+const RESERVE = 4;
 /** Rounding of a state, in units of its last digit, and its growth along a run. */
 const ROUNDING = 64 * Number.EPSILON;
 /** Smallest scale of a variable, over the largest of all. */
@@ -66,21 +67,33 @@ export function largestDifferences(fine, coarse, n, rows, coarseRows, every, sca
   return found;
 }
 
+/** The share of a difference that is left of it with steps half as long, with a reserve.
+ *
+ * @param {number} difference of two runs
+ * @param {number} next of the finer of them and one that is finer still
+ * @returns {number} from a small share to 1
+ */
+export function shareLeft(difference, next) {
+  const share = RESERVE * (next / difference);
+  return share >= LEAST_SHARE ? Math.min(1, share) : LEAST_SHARE;
+}
+
 /** The stated error for a largest difference.
  *
  * A share of it that is small while both runs go the same way, and all of it once they do not:
  * from then on the finer run is no better than the coarser.
  *
  * @param {number} difference over the scale
+ * @param {number} share from {@link shareLeft}
  * @param {number} steps made so far
  * @returns {number} over the scale
  */
-export function statedError(difference, steps) {
-  const share = Math.min(1, Math.max(LEAST_SHARE, difference / APART));
-  return difference * share + ROUNDING * Math.sqrt(1 + steps);
+export function statedError(difference, share, steps) {
+  const counted = Math.min(1, Math.max(share, difference / APART));
+  return difference * counted + ROUNDING * Math.sqrt(1 + steps);
 }
 
 /** The largest difference for which {@link statedError} meets a target. */
-export function differenceFor(target) {
-  return Math.min(target / LEAST_SHARE, Math.sqrt(target * APART));
+export function differenceFor(target, share = LEAST_SHARE) {
+  return Math.min(target / share, Math.sqrt(target * APART));
 }

@@ -5,7 +5,7 @@
 
 import { courseOf, placesOfRows, segmentsOf, stepCount } from "./course.js";
 import {
-  UNDETERMINED, differenceFor, largestDifferences, scalesOf, statedError,
+  UNDETERMINED, differenceFor, largestDifferences, scalesOf, shareLeft, statedError,
 } from "./errors.js";
 import { constantsOf, follow } from "./stepper.js";
 import { ORDER } from "./tableau.js";
@@ -23,8 +23,13 @@ const PILOT_UNITS = 4;
 const GROWTH = 1.5;
 /** A difference of two short runs above this share says nothing of the order. */
 const ROUGH = 1e-2;
-/** Most steps of one run, for a system with two state variables. */
-const MOST_STEPS = 400000;
+/** The share of a difference that half the step may leave, and longer steps where it does not. */
+const WANTED_SHARE = 1 / 8;
+const SHORTER = 1.3;
+const TRIES = 4;
+/** Most steps of one run of a system with two state variables: usually, and to refine it. */
+const MOST_STEPS = 120000;
+const MOST_REFINED_STEPS = 480000;
 /** Runs that are repeated with shorter steps at most. */
 const ATTEMPTS = 3;
 
@@ -78,20 +83,21 @@ export function integrate(field, options) {
 /** The run whose stated error meets the target, or the last that was affordable. */
 function bestRun(problem) {
   const { course, target } = problem;
-  const most = Math.floor((2 * MOST_STEPS) / Math.max(2, problem.initial.length));
-  let steps = Math.min(stepsByPilot(problem), LAST_STEPS);
+  const allowed = problem.refine ? MOST_REFINED_STEPS : MOST_STEPS;
+  const most = Math.floor((2 * allowed) / Math.max(2, problem.initial.length));
+  let { steps, share } = resolutionByPilot(problem);
   let best;
   for (let attempt = 0; attempt < ATTEMPTS; attempt += 1) {
     const units = Math.min(course.units, Math.max(1, Math.floor(most / steps)));
-    const run = runBoth(problem, units, steps);
+    const run = { ...runBoth(problem, units, steps), share };
     const better = !best || run.units >= best.units;
     best = better ? run : best;
     const worth = isWorthRepeating(problem, run);
     if (!better || !worth) {
       break;
     }
-    const more = finerSteps(steps, run.difference, differenceFor(target));
-    if (more * course.units > (problem.refine ? most : most / 4)) {
+    const more = finerSteps(steps, run.difference, differenceFor(target, share));
+    if (more * course.units > most) {
       break;
     }
     steps = more;
@@ -101,7 +107,7 @@ function bestRun(problem) {
 
 /** Whether shorter steps would make a run better. */
 function isWorthRepeating(problem, run) {
-  if (run.difference <= differenceFor(problem.target)) {
+  if (run.difference <= differenceFor(problem.target, run.share)) {
     return false;
   }
   const bothEnd = run.rows < run.asked && run.coarseRows <= run.rows;
@@ -109,19 +115,28 @@ function isWorthRepeating(problem, run) {
   return problem.refine || !(bothEnd || goesApart);
 }
 
-/** Steps in a unit by a few units of time: so many that the target is likely to be met. */
-function stepsByPilot(problem) {
+/** Steps in a unit by a few units of time, and what half the step then leaves of a difference. */
+function resolutionByPilot(problem) {
   const { course, target } = problem;
   const units = Math.min(course.units, PILOT_UNITS);
   const growth = Math.max(1, course.units / units) ** GROWTH;
-  const wanted = differenceFor(target) / growth;
   let steps = FIRST_STEPS;
   let run = runBoth(problem, units, steps);
   while (!(run.difference < ROUGH) && steps < LAST_STEPS) {
     steps *= 2;
     run = runBoth(problem, units, steps);
   }
-  return finerSteps(steps, run.difference, wanted, true);
+  steps = finerSteps(steps, run.difference, differenceFor(target) / growth, true);
+  let share = 1;
+  for (let k = 0; k < TRIES && steps < LAST_STEPS; k += 1) {
+    const { difference } = runBoth(problem, units, steps);
+    share = shareLeft(difference, runBoth(problem, units, 2 * steps).difference);
+    if (share <= WANTED_SHARE || difference < target * 1e-3) {
+      break;
+    }
+    steps = 2 * Math.ceil((SHORTER * steps) / 2);
+  }
+  return { steps: Math.min(steps, LAST_STEPS), share };
 }
 
 /** Even number of steps by which a difference becomes what is wanted. */
@@ -170,7 +185,7 @@ function motionOf(field, q, course, run, sectionPhase) {
   const { time, phase, piece } = placesOfRows(run.segments, stride, rows);
   const error = new Float64Array(rows);
   for (let row = 0; row < rows; row += 1) {
-    error[row] = row === 0 ? 0 : statedError(run.differences[row], row * stride);
+    error[row] = row === 0 ? 0 : statedError(run.differences[row], run.share, row * stride);
   }
   const motion = {
     t: time,
