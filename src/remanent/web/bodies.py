@@ -1,0 +1,123 @@
+"""What the bodies of requests hold; the tables of a spec are read by the reader of study files."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+
+class Body(BaseModel):
+    """A body with these keys and no others."""
+
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
+
+
+class SpecBody(Body):
+    """What is looked at."""
+
+    spec: dict[str, Any] = Field(
+        description="The tables `actuator` or `system`, `drive`, and perhaps `initial`."
+    )
+
+
+class ExportBody(SpecBody):
+    """What is looked at, and the language of its equations."""
+
+    language: Annotated[str, Field(max_length=40)]
+
+
+class DataBody(SpecBody):
+    """What is looked at, and how long a run of it is written to a file."""
+
+    periods: Annotated[int, Field(ge=1, le=2000)] | None = None
+    duration: Annotated[float, Field(gt=0, allow_inf_nan=False)] | None = None
+    format: Literal["netcdf", "csv"] = "netcdf"
+
+
+class PointBody(Body):
+    """A point of the grid of a store."""
+
+    index: Annotated[
+        list[Annotated[int, Field(ge=0, lt=2**31)]], Field(min_length=1, max_length=16)
+    ]
+
+
+class JobMessage(SpecBody):
+    """A job that is asked for through the socket."""
+
+    id: Annotated[str, Field(min_length=1, max_length=64)]
+    job: Annotated[str, Field(max_length=64)]
+    options: dict[str, Any] = Field(default_factory=dict)
+    type: Literal["job"] = "job"
+
+
+class CancelMessage(Body):
+    """A job that is not wanted any more."""
+
+    id: Annotated[str, Field(min_length=1, max_length=64)]
+    type: Literal["cancel"]
+
+
+class Answer(BaseModel):
+    """An answer with these keys."""
+
+    model_config = ConfigDict(extra="forbid")
+
+
+class FaultText(Answer):
+    """What is wrong at one place of a request."""
+
+    table: str
+    key: str
+    message: str
+
+
+class ErrorText(Answer):
+    """What is wrong with a request."""
+
+    status: int
+    message: str
+    faults: list[FaultText]
+
+
+class ErrorAnswer(Answer):
+    """The answer where something is wrong."""
+
+    error: ErrorText
+
+
+class ModelAnswer(Answer):
+    """A page model, and where its equations are."""
+
+    model: dict[str, Any]
+    field: str
+
+
+class StartAnswer(ModelAnswer):
+    """What a page begins with."""
+
+    version: str
+    kinds: dict[str, Any] | list[Any]
+    presets: list[dict[str, Any]]
+    store: dict[str, Any] | None
+    jobs: dict[str, int]
+
+
+class ReproduceAnswer(Answer):
+    """What makes exactly what is seen."""
+
+    python: str
+    study: str
+
+
+class FilesAnswer(Answer):
+    """Texts of files by their names."""
+
+    files: dict[str, str]
+
+
+class SpecAnswer(Answer):
+    """What is looked at."""
+
+    spec: dict[str, Any]

@@ -1,0 +1,96 @@
+"""What a request looks at: a system, a drive and a start, read as a study file is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+
+from remanent._typing import FloatArray
+from remanent.models.drives.base import Drive
+from remanent.models.system import System
+from remanent.page.spec import read_spec
+from remanent.studies.ensemble.layout import lay_out_ensemble
+from remanent.studies.sweep.faults import Fault, FaultsError, shown
+from remanent.studies.sweep.toml_text import faults_of_values
+
+#: Most numbers in a request: a sampled load has thousands, not more.
+_MOST_NUMBERS: Final = 20_000
+
+
+@dataclass(frozen=True)
+class Subject:
+    """What a request looks at.
+
+    Attributes
+    ----------
+    system : System
+    drive : Drive
+    initial : dict of str to float
+        Values of some state variables at the start; the others are at rest.
+    """
+
+    system: System
+    drive: Drive
+    initial: dict[str, float]
+
+
+def read_subject(spec: object) -> Subject:
+    """What the tables of a request say.
+
+    Raises
+    ------
+    FaultsError
+        With every fault and its place.
+    """
+    if isinstance(spec, dict):
+        _require_few_values(spec)
+        faults = faults_of_values(spec)
+        if faults:
+            raise FaultsError(faults)
+    system, drive, initial = read_spec(spec)
+    return Subject(system, drive, initial)
+
+
+def initial_state(subject: Subject) -> FloatArray | None:
+    """The state at the start, array (state,); None for rest.
+
+    Raises
+    ------
+    FaultsError
+        A name is none of a state variable.
+    """
+    if not subject.initial:
+        return None
+    ens = lay_out_ensemble(subject.system, subject.drive)
+    names = ens.vector_field.state_names
+    unknown = [name for name in subject.initial if name not in names]
+    if unknown:
+        raise FaultsError(
+            Fault(("initial", name), f"be one of {', '.join(names)}", shown(name),
+                  "It is the value of a state variable at the start.", "Check the name.")
+            for name in unknown
+        )  # fmt: skip
+    state = np.array(ens.initial_states[0])
+    for name, value in subject.initial.items():
+        state[names.index(name)] = value
+    return state
+
+
+def _require_few_values(spec: dict[str, Any]) -> None:
+    """Refuse tables with so many values that reading them takes long."""
+    waiting: list[Any] = [spec]
+    seen = 0
+    while waiting:
+        value = waiting.pop()
+        seen += 1
+        if seen > _MOST_NUMBERS:
+            raise FaultsError([
+                Fault((), f"hold at most {_MOST_NUMBERS} values", "more",
+                      "The page follows a slider at once.", "Give fewer samples of the load.")
+            ])  # fmt: skip
+        if isinstance(value, dict):
+            waiting += value.values()
+        elif isinstance(value, list):
+            waiting += value

@@ -1,0 +1,151 @@
+"""What the processes behind the server do: each task takes plain data and gives plain data."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
+from pathlib import Path
+from types import MappingProxyType
+from typing import Annotated, Any, Final, Literal
+
+from pydantic import Field
+
+import remanent as rm
+from remanent._errors import RemanentError
+from remanent.page.kinds import kinds
+from remanent.page.model import page_model
+from remanent.page.presets import presets
+from remanent.page.reproduction import reproduction
+from remanent.results.files import save
+from remanent.studies.ensemble.progress import ProgressFunction
+from remanent.studies.sweep.faults import FaultsError
+from remanent.studies.sweep.tables import Table, read_table
+from remanent.web.costs import run_seconds
+from remanent.web.errors import RefusalError, over_budget_refusal
+from remanent.web.jobs import job_result
+from remanent.web.limits import SLIDER_CAP
+from remanent.web.stores import point_spec, store_view
+from remanent.web.subjects import initial_state, read_subject
+
+#: A task: arguments, and a function that is told the share that is done.
+Task = Callable[[Any, ProgressFunction], Any]
+#: Most drive periods of which data are written.
+_MOST_PERIODS: Final = 2000
+_SHORTER: Final = "Ask for fewer periods."
+
+
+class DataOptions(Table):
+    """Of the data of a motion."""
+
+    periods: Annotated[int, Field(ge=1, le=_MOST_PERIODS)] | None = None
+    duration: Annotated[float, Field(gt=0, allow_inf_nan=False)] | None = None
+    format: Literal["netcdf", "csv"] = "netcdf"
+
+
+def start(arguments: Mapping[str, Any], _: ProgressFunction) -> dict[str, Any]:
+    """What a page begins with.
+
+    Parameters
+    ----------
+    arguments : mapping
+        ``spec``, or None for that of the first preset.
+    """
+    shown = presets()
+    spec = arguments["spec"] if arguments["spec"] is not None else shown[0]["spec"]
+    return {**model({"spec": spec}, _), "kinds": kinds(), "presets": shown}
+
+
+def model(arguments: Mapping[str, Any], _: ProgressFunction) -> dict[str, Any]:
+    """The page model of a spec, and its field module."""
+    subject = read_subject(arguments["spec"])
+    made = page_model(subject.system, subject.drive, subject.initial)
+    return {"model": made.description, "source": made.field_source}
+
+
+def reproduce(arguments: Mapping[str, Any], _: ProgressFunction) -> dict[str, str]:
+    """The lines, and the study file, that make what a spec says."""
+    read_subject(arguments["spec"])
+    return reproduction(arguments["spec"])
+
+
+def export(arguments: Mapping[str, Any], _: ProgressFunction) -> dict[str, Any]:
+    """The equations in another tool's language."""
+    subject = read_subject(arguments["spec"])
+    return {"files": rm.export(subject.system, subject.drive, arguments["language"])}
+
+
+def data(arguments: Mapping[str, Any], report: ProgressFunction) -> bytes:
+    """The file of a motion."""
+    subject = read_subject(arguments["spec"])
+    options = read_table(DataOptions, arguments["options"], "options")
+    seconds = run_seconds(
+        subject.drive, options.periods or 1.0, None if options.periods else options.duration
+    )
+    if not seconds <= SLIDER_CAP:
+        raise over_budget_refusal(seconds, SLIDER_CAP, _SHORTER)
+    motion = rm.simulate(
+        subject.system, subject.drive, periods=options.periods, duration=options.duration,
+        initial=initial_state(subject), progress=report,
+    )  # fmt: skip
+    ending = {"netcdf": ".nc", "csv": ".csv"}[options.format]
+    with tempfile.TemporaryDirectory() as folder:
+        return save(motion, Path(folder) / f"motion{ending}").read_bytes()
+
+
+def job(arguments: Mapping[str, Any], report: ProgressFunction) -> dict[str, Any]:
+    """The result of a job, as the page draws it."""
+    return job_result(
+        arguments["job"], read_subject(arguments["spec"]), arguments["options"], report
+    )
+
+
+def store(arguments: Mapping[str, Any], _: ProgressFunction) -> dict[str, Any]:
+    """What the chart of the store shows."""
+    return store_view(Path(arguments["path"]))
+
+
+def point(arguments: Mapping[str, Any], _: ProgressFunction) -> dict[str, Any]:
+    """The spec of a point of the store."""
+    return {"spec": point_spec(Path(arguments["path"]), arguments["index"])}
+
+
+#: The tasks by their names.
+TASKS: Final[Mapping[str, Task]] = MappingProxyType(
+    {
+        "start": start, "model": model, "reproduce": reproduce, "export": export, "data": data,
+        "job": job, "store": store, "point": point,
+    }
+)  # fmt: skip
+
+
+def warm_up_steps(arguments: Mapping[str, Any] | None = None) -> Iterator[bool]:
+    """Compute a little of each job, so that the kernels behind them are compiled.
+
+    Parameters
+    ----------
+    arguments : mapping, optional
+        ``spec`` of the equations; that of the first preset by default.
+
+    Yields
+    ------
+    bool
+        True after each step.
+    """
+    spec = presets()[0]["spec"] if arguments is None else arguments["spec"]
+    subject = read_subject(spec)
+    for name, options in _LITTLE.items():
+        with suppress(RemanentError, FaultsError, RefusalError):
+            job_result(name, subject, options)
+        yield True
+
+
+#: Options with which a job takes little more than its kernels.
+_LITTLE: Final[Mapping[str, dict[str, Any]]] = MappingProxyType(
+    {
+        "frequency_response": {"range": [1.0, 1.2], "count": 4, "duration": 4.0},
+        "classify": {"periods": 100},
+        "response_diagram": {"range": [1.2, 1.21]},
+        "equilibria": {},
+    }
+)
