@@ -176,22 +176,37 @@ def test_the_method_is_of_order_eight(laboratory: Laboratory) -> None:
     assert -9.5 < slope < -7.5, errors
 
 
-TABLEAU = """
-async () => {
-  const { NODES, STAGE_NODES, STAGE_WEIGHTS, FINAL_WEIGHTS } = await import("/engine/tableau.js");
-  return { NODES, STAGE_NODES, STAGE_WEIGHTS, FINAL_WEIGHTS };
+ONE_STEP = """
+async (h) => {
+  const { NODES, STAGES, step } = await import("/engine/step.js");
+  const motion = (y, i, q, w, k, out, j) => {
+    out[j] = y[i + 1];
+    out[j + 1] = -q[0] * Math.sin(y[i]) + w[k] * y[i] * y[i + 1];
+  };
+  const y = Float64Array.of(0.7, -0.3);
+  const w = Float64Array.from(NODES, (node) => Math.cos(node * h));
+  step(motion, y, 2, h, Float64Array.of(1.3), w, 0, 1, new Float64Array(2),
+    new Float64Array(2 * STAGES));
+  return [NODES, [...y]];
 }
 """
 
 
-def test_the_tableau_is_that_of_cooper_and_verner(laboratory: Laboratory) -> None:
-    """Law: every coefficient is that of the method whose order conditions the package checks."""
-    seen, method = laboratory.evaluate(TABLEAU), default_method()
-    np.testing.assert_allclose(seen["NODES"], method.nodes, rtol=1e-15)
-    assert tuple(seen["STAGE_NODES"]) == method.stage_node_indices
-    rows = [*seen["STAGE_WEIGHTS"], seen["FINAL_WEIGHTS"]]
-    for row, weights in zip(rows, [*method.stage_weights, method.final_weights], strict=True):
-        assert {j: pytest.approx(x, rel=1e-14) for j, x in row} == dict(weights)
+@pytest.mark.parametrize("h", [0.3, 1.7])
+def test_one_step_is_that_of_the_package(laboratory: Laboratory, h: float) -> None:
+    """Law: the method is Cooper's and Verner's, whose order conditions the package checks.
+
+    The rates are not linear, so that every coefficient shows.
+    """
+    method = default_method()
+
+    def rates(node: int, y: list[Any]) -> list[Any]:
+        load = np.cos(method.nodes[node] * h)
+        return [y[1], -1.3 * np.sin(y[0]) + load * y[0] * y[1]]
+
+    nodes, seen = laboratory.evaluate(ONE_STEP, h)
+    np.testing.assert_allclose(nodes, method.nodes, rtol=1e-15)
+    np.testing.assert_allclose(seen, method.step(rates, [0.7, -0.3], h), rtol=2e-15)
 
 
 def test_a_chaotic_motion_says_until_when_it_is_determined(laboratory: Laboratory) -> None:

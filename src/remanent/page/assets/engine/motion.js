@@ -7,8 +7,8 @@ import { courseOf, placesOfRows, segmentsOf, stepCount } from "./course.js";
 import {
   UNDETERMINED, differenceFor, largestDifferences, scalesOf, shareLeft, statedError,
 } from "./errors.js";
+import { ORDER } from "./step.js";
 import { constantsOf, follow } from "./stepper.js";
-import { ORDER } from "./tableau.js";
 
 /** States that curves are drawn with: at most in all; at least and at most in a period. */
 const MOST_STATES = 20000;
@@ -173,7 +173,7 @@ function runBoth({ field, q, initial, course }, units, wantedSteps) {
 function stepsAndStride(wanted, units) {
   const most = Math.min(MOST_A_UNIT, Math.max(LEAST_A_UNIT, Math.floor(MOST_STATES / units)));
   if (wanted <= most) {
-    return { steps: 2 * Math.ceil(Math.max(wanted, Math.min(most, 32)) / 2), stride: 1 };
+    return { steps: 2 * Math.ceil(Math.max(wanted, Math.min(most, 24)) / 2), stride: 1 };
   }
   const stride = 2 * Math.ceil(wanted / most / 2);
   return { steps: stride * 2 * Math.ceil(wanted / stride / 2), stride };

@@ -1,13 +1,7 @@
 /** Steps of equal length through the pieces of a load, without anything made anew in between. */
 
-import { FINAL_WEIGHTS, NODES, STAGE_NODES, STAGE_WEIGHTS } from "./tableau.js";
+import { NODES, STAGES, step } from "./step.js";
 
-const STAGES = STAGE_WEIGHTS.length;
-/** The weights row after row, those of the result last: where each row ends, stages, weights. */
-const ROWS = [...STAGE_WEIGHTS, FINAL_WEIGHTS];
-const ENDS = Int32Array.from(ROWS, ((end) => (row) => (end += row.length))(0));
-const EARLIER = Int32Array.from(ROWS.flat(), (pair) => pair[0]);
-const WEIGHTS = Float64Array.from(ROWS.flat(), (pair) => pair[1]);
 /** Beyond this size a state has left whatever a model describes. */
 const LARGEST = 1e8;
 
@@ -36,10 +30,10 @@ function drivenTable(field, q, segment, steps) {
   const width = field.driven_count;
   const places = NODES.length;
   const w = new Float64Array(steps * places * width);
-  for (let step = 0; step < steps; step += 1) {
+  for (let row = 0; row < steps; row += 1) {
     for (let k = 0; k < places; k += 1) {
-      const phase = segment.phase + segment.share * ((step + NODES[k]) / steps);
-      field.driven(phase, segment.piece, q, w, (step * places + k) * width);
+      const phase = segment.phase + segment.share * ((row + NODES[k]) / steps);
+      field.driven(phase, segment.piece, q, w, (row * places + k) * width);
     }
   }
   return w;
@@ -60,9 +54,9 @@ export function follow(field, q, initial, segments, divisor, stride, kept) {
   const n = initial.length;
   const y = Float64Array.from(initial);
   const tried = new Float64Array(n);
-  const slopes = new Float64Array(STAGES * n);
-  const weights = new Float64Array(WEIGHTS.length);
-  const rowsAStep = NODES.length * field.driven_count;
+  const rates = new Float64Array(STAGES * n);
+  const width = field.driven_count;
+  const motion = field.motion;
   kept.set(y, 0);
   // Where a stride is odd, longer steps meet only every second kept state.
   const every = stride % divisor === 0 ? 1 : divisor;
@@ -72,13 +66,10 @@ export function follow(field, q, initial, segments, divisor, stride, kept) {
   for (const segment of segments) {
     const steps = segment.steps / divisor;
     const h = segment.length / steps;
-    for (let k = 0; k < weights.length; k += 1) {
-      weights[k] = h * WEIGHTS[k];
-    }
     const w = drivenTable(field, q, segment, steps);
     for (let repeat = 0; repeat < segment.repeats; repeat += 1) {
-      for (let step = 0; step < steps; step += 1) {
-        advance(field, n, y, tried, slopes, weights, q, w, step * rowsAStep);
+      for (let k = 0; k < steps; k += 1) {
+        step(motion, y, n, h, q, w, k * NODES.length * width, width, tried, rates);
         counted += 1;
         if (counted === stepsAState) {
           counted = 0;
@@ -86,37 +77,14 @@ export function follow(field, q, initial, segments, divisor, stride, kept) {
             return row + 1;
           }
           row += every;
-          kept.set(y, row * n);
+          for (let c = 0; c < n; c += 1) {
+            kept[row * n + c] = y[c];
+          }
         }
       }
     }
   }
   return row + 1;
-}
-
-/** One step: the state y moves on. */
-function advance(field, n, y, tried, slopes, weights, q, w, place) {
-  const width = field.driven_count;
-  let entry = 0;
-  for (let stage = 0; stage < STAGES; stage += 1) {
-    const end = ENDS[stage];
-    for (let c = 0; c < n; c += 1) {
-      let moved = y[c];
-      for (let k = entry; k < end; k += 1) {
-        moved += weights[k] * slopes[EARLIER[k] * n + c];
-      }
-      tried[c] = moved;
-    }
-    entry = end;
-    field.motion(tried, 0, q, w, place + STAGE_NODES[stage] * width, slopes, stage * n);
-  }
-  for (let c = 0; c < n; c += 1) {
-    let moved = 0;
-    for (let k = entry; k < ENDS[STAGES]; k += 1) {
-      moved += weights[k] * slopes[EARLIER[k] * n + c];
-    }
-    y[c] += moved;
-  }
 }
 
 /** Whether a state is one that the model describes. */
