@@ -22,7 +22,8 @@ export function fittedRange(data, before, { logarithmic = false, tight = false, 
   if (tight) {
     return low < high ? data : [low - 0.5, high + 0.5];
   }
-  const spread = Math.max(high - low, logarithmic ? 1 : 1e-9 * Math.max(1, Math.abs(high)));
+  const least = 0.02 * Math.max(Math.abs(high), Math.abs(low), 1e-6);
+  const spread = Math.max(high - low, logarithmic ? 1 : least);
   const old = before && (logarithmic ? before.map(Math.log10) : before);
   if (old && old[0] <= low - 0.01 * spread && high + 0.01 * spread <= old[1]) {
     if (spread >= MIN_FILLED_SHARE * (old[1] - old[0])) {
@@ -30,6 +31,8 @@ export function fittedRange(data, before, { logarithmic = false, tight = false, 
     }
   }
   const step = logarithmic ? 1 : niceStep(spread, 12);
+  const middle = (low + high) / 2;
+  [low, high] = [Math.min(low, middle - spread / 2), Math.max(high, middle + spread / 2)];
   low = Math.max(Math.floor((low - MARGIN * spread) / step) * step, logarithmic ? -Infinity : floor);
   high = Math.ceil((high + MARGIN * spread) / step) * step;
   return logarithmic ? [10 ** low, 10 ** high] : [low, high];

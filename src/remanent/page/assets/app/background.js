@@ -31,7 +31,7 @@ export function backgroundWork(app, { response, regime }) {
     } else {
       response.say("A frequency response needs a load with a frequency.");
     }
-    if (mine === turn && regime.isWanted(scene) && done.regime !== keys.regime && (await regime.request(spec, scene))) {
+    if (mine === turn && regime.isWanted(scene) && done.regime !== keys.regime && (await regime.request(spec))) {
       done.regime = keys.regime;
     }
   };

@@ -40,10 +40,9 @@ export function controlPanel(host, app) {
     show();
   };
   const show = () => {
-    const { values, initial, description } = app.store.get();
-    for (const [name, { control, read }] of shown) {
-      control.show(read({ values, initial, description, state: app.store.get() }));
-      void name;
+    const { values, initial } = app.store.get();
+    for (const { control, read } of shown.values()) {
+      control.show(read({ values, initial, state: app.store.get() }));
     }
   };
   const fault = ({ key, message }) => {

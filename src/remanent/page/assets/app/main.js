@@ -108,6 +108,8 @@ async function run() {
     background?.changed();
     if (!saved) {
       views.maps.forEach((view) => view.outdate(false));
+    } else {
+      status.regime(regime, app.isChanged());
     }
   };
   const remember = (how = "pushState") => {
@@ -241,11 +243,11 @@ async function run() {
   });
   byId("loading")?.remove();
   await follow0(follow, panel, bar, changed, start);
+  draw();
   if (saved) {
     [views.response, views.regime, ...views.maps].forEach((view) => view.showSaved(start.results ?? {}));
     relabel();
-    byId("banner").hidden = false;
-    byId("banner").textContent = "A saved page: curves follow the sliders; frequency response, regime, basins and chart are those of the parameters it was saved with.";
+    byId("saved").hidden = false;
   }
   document.documentElement.dataset.ready = "true";
   if (!saved && !start.store && location.hash === "") {
@@ -317,7 +319,7 @@ function makeViews(app, start) {
     .map(([id, view]) => ({ id, title: view.figure().title, figure: view.figure }))
     .filter(({ figure }) => figure().plotly !== null);
   views.maps = [views.basins, views.regime_chart];
-  views.live = [views.history, views.phase, views.potential, views.actuator, views.response, ...views.maps];
+  views.live = [views.history, views.phase, views.potential, views.actuator, views.response, views.regime, ...views.maps];
   return views;
 }
 

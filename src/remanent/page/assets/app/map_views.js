@@ -72,7 +72,7 @@ function mapView(app, { id, title, job, run, empty, grid, here, cell, pick, furt
   }
   const paint = () => {
     const { result, scene } = seen;
-    if (!result?.series.length) {
+    if (!result?.series.length || !scene) {
       return;
     }
     const chart = chartOf(result, cell);

@@ -9,9 +9,12 @@ import { colours } from "./theme.js";
 import { placeTip } from "./tip.js";
 import { conversion, converted, titleOf } from "./units.js";
 
-/** Points of the curve that are drawn at most; of a longer run the last part is shown. */
+/** Points of the curve that are drawn at most; of a longer run its begin and its end are shown. */
 const MOST_POINTS = 6000;
-const PARTS = 3;
+/** Points in a period, at least, for a curve that looks smooth. */
+const LEAST_POINTS_A_PERIOD = 48;
+/** Share of the points that the begin takes. */
+const BEGIN_SHARE = 0.25;
 
 /**
  * The view of the phase plane.
@@ -52,21 +55,20 @@ function layersOf(scene) {
   const [a, b] = axes;
   const names = axes.map((k) => description.observables[k].name);
   const end = determinedCount(motion);
-  const last = Math.max(0, end - 1);
-  const first = Math.max(0, last - Math.floor(MOST_POINTS / PARTS));
-  const tail = refined(field, motion, values, { from: first, to: last, parts: PARTS });
-  const turns = Math.max(1, (motion.t[last] - motion.t[first]) / (scene.period || 6));
+  const pieces = piecesOf(motion, end);
+  const turns = pieces.reduce((sum, { from, to }) => sum + (motion.t[to] - motion.t[from]) / (scene.period || 6), 0) || 1;
   const section = motion.section.observables;
   const time = motion.section.t;
   const inside = Array.from(time, (t) => !(t > motion.determinedUntil));
   const pick = (k, wanted) => converted(section[k].filter((_, i) => inside[i] === wanted), description.observables[k].name, factors);
   const dots = { kind: "points", x: pick(a, true), y: pick(b, true), colour: theme.ink, size: dotSize(time.length), name: "Poincaré section" };
   const lost = { ...dots, x: pick(a, false), y: pick(b, false), colour: theme.missing, symbol: "ring", size: 1.6, width: 0.8, name: "section, not determined" };
-  const line = {
-    kind: "line", colour, name: first > 0 ? "orbit, last part" : "orbit",
-    x: converted(tail.observables[a], names[0], factors), y: converted(tail.observables[b], names[1], factors),
-    width: turns > 60 ? 0.7 : 1.1, alpha: Math.max(0.35, Math.min(1, 14 / turns)),
-  };
+  const lines = pieces.map((span) => {
+    const { observables } = span.parts > 1 ? refined(field, motion, values, span) : raw(motion, span);
+    const [x, y] = axes.map((k, i) => converted(observables[k], names[i], factors));
+    const faint = Math.max(0.35, Math.min(1, 14 / turns));
+    return { kind: "line", colour, name: span.name, x, y, width: turns > 60 ? 0.7 : 1.1, alpha: faint };
+  });
   const start = {
     kind: "points", symbol: "cross", colour: theme.vermillion, size: 4, width: 1.6, name: "start", ...startOf(scene, names),
   };
@@ -74,15 +76,31 @@ function layersOf(scene) {
   return {
     content: {
       x: { title: titleOf(description.observables[a], factors) },
-      panels: [{ title: titleOf(description.observables[b], factors), layers: [line, ...(lostCount ? [lost] : []), dots, start] }],
+      panels: [{ title: titleOf(description.observables[b], factors), layers: [...lines, ...(lostCount ? [lost] : []), dots, start] }],
     },
     key: [
       keyEntry("orbit", colour), ...(time.length ? [keyEntry("section", theme.ink, { symbol: "dot" })] : []),
       ...(lostCount ? [keyEntry("not determined", theme.missing, { symbol: "ring" })] : []),
       keyEntry("start", theme.vermillion, { symbol: "cross" }),
     ],
-    note: time.length ? noteOf(dots.x.length, lostCount, first > 0) : "The load has no period, so there is no section at its phase.",
+    note: time.length ? noteOf(dots.x.length, lostCount, pieces.length > 1) : "The load has no period, so there is no section at its phase.",
   };
+}
+
+/** Spans of samples that are drawn, each with the pieces that its steps are cut into. */
+function piecesOf(motion, end) {
+  const last = Math.max(0, end - 1);
+  const parts = motion.statesPerPeriod >= LEAST_POINTS_A_PERIOD || !(motion.period > 0) ? 1 : Math.ceil(LEAST_POINTS_A_PERIOD / motion.statesPerPeriod);
+  const most = Math.floor(MOST_POINTS / parts);
+  if (last <= most) {
+    return [{ from: 0, to: last, parts, name: "orbit" }];
+  }
+  const begin = Math.floor(BEGIN_SHARE * most);
+  return [{ from: 0, to: begin, parts, name: "orbit, begin" }, { from: last - most + begin, to: last, parts, name: "orbit, end" }];
+}
+
+function raw(motion, { from, to }) {
+  return { observables: motion.observables.map((column) => column.subarray(from, to + 1)) };
 }
 
 function startOf({ motion, field, values, factors, axes }, names) {
@@ -102,7 +120,7 @@ function noteOf(known, lost, cut) {
     parts.push(`${lost} more are not determined`);
   }
   if (cut) {
-    parts.push("of the orbit the last part is drawn");
+    parts.push("of the orbit the begin and the end are drawn");
   }
   return `${parts.join("; ")}. Click to start an orbit there.`;
 }

@@ -70,7 +70,7 @@ function resize(plot) {
 function arrange(plot) {
   const { width, height, em } = plot.size;
   const { content, options } = plot;
-  const area = { left: 4.6 * em, right: width - 0.9 * em, top: 0.7 * em, bottom: height - 3.1 * em };
+  const area = { left: 4.6 * em, right: width - 1.3 * em, top: 0.7 * em, bottom: height - 3.1 * em };
   const gap = 0.7 * em;
   const shared = options.panels.reduce((sum, panel) => sum + panel.share, 0);
   const room = area.bottom - area.top - gap * (options.panels.length - 1);
@@ -154,7 +154,7 @@ function paintData(plot) {
 
 function panelTicks(panel, em) {
   const length = panel.y.start - panel.y.end;
-  return ticks(panel.y.range, length, { logarithmic: panel.logarithmic, spacing: 2.3 * em });
+  return ticks(panel.y.range, length, { logarithmic: panel.logarithmic, spacing: 2.6 * em });
 }
 
 function paintGrid(context, panel, x, em, theme) {
@@ -215,8 +215,8 @@ function paintTitles(context, plot, em, theme) {
     context.save();
     context.translate(1.05 * em, (panel.y.start + panel.y.end) / 2);
     context.rotate(-Math.PI / 2);
-    const room = panel.y.start - panel.y.end + 0.6 * em;
-    const long = titleWidth(context, panel.title, size) <= room;
+    const room = panel.y.start - panel.y.end;
+    const long = 0.78 * titleWidth(context, panel.title, size) <= room;
     paintTitle(context, long ? panel.title : { ...panel.title, text: "" }, 0, 0, size, room);
     context.restore();
   }

@@ -92,7 +92,7 @@ function contentOf(seen) {
   const range = [Math.max(low, Math.min(seenLow - margin, restLow - 0.3 * margin || Infinity)), Math.min(high, Math.max(seenHigh + margin, restHigh + 0.3 * margin || -Infinity))];
   const heights = landscape.curves.flatMap((curve) => Array.from(curve.energy).filter((_, k) => x[k] >= range[0] && x[k] <= range[1]));
   const [bottom] = extent(heights);
-  const [, top] = energy >= 0 ? extent(motion.observables[energy]) : extent(heights);
+  const [, top] = extent(energy >= 0 ? motion.observables[energy] : heights, landscape.curves.flatMap((curve) => curve.equilibria.map((one) => one.energy)));
   const [, highest] = extent(heights);
   const ceiling = Math.min(highest, Math.max(top, bottom + 0.05) + 0.45 * (Math.max(top, bottom + 0.05) - bottom));
   const frame = [[range[0], range[1]], [bottom, ceiling].map(unit.to)];

@@ -33,23 +33,25 @@ export function regimeView(app) {
   return {
     node: view.node,
     cancel: view.cancel,
+    draw: (scene) => {
+      view.node.hidden = !scene.description.drive.periodic;
+    },
     isWanted: (scene) => scene.description.drive.periodic,
-    request: async (spec, scene) => {
+    request: async (spec) => {
       view.body.classList.add("stale");
       const periods = Math.min(MOST, Math.max(LEAST, app.store.get().periods));
       const result = await view.run(spec, { periods });
       if (result) {
         show(result);
       }
-      void scene;
       return result;
     },
     outdate: () => view.body.classList.add("stale"),
     showSaved: (results) => {
-      if (results.classify) {
+      if (results.classify?.series.length) {
         show(results.classify, "As computed when this page was saved. ");
       } else {
-        view.say("The page was saved without a regime.");
+        view.say(results.classify?.reason || "The page was saved without a regime.");
       }
     },
     unavailable: (text) => {

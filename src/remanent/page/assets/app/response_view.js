@@ -34,7 +34,7 @@ export function responseView(app) {
   const diagram = jobCard(app, { id: "diagram-job", title: "branches", job: "response_diagram" });
   const diagramLine = diagram.node.querySelector(".job-line");
   view.node.append(diagramLine);
-  const seen = { scene: null, response: null, diagram: null, stale: false, note: "" };
+  const seen = { scene: null, response: null, colour: null, diagram: null, stale: false, old: app.saved ? "as saved" : "before the last change" };
   const plot = createPlot(view.body, {
     label: "Frequency response: amplitude against the frequency of the load. Click to go to a frequency; or move the cross with the arrow keys and press Enter.",
     panels: [{ id: "y", share: 1 }],
@@ -53,8 +53,9 @@ export function responseView(app) {
     const result = await view.run(spec, { range: rangeOf(seen.scene), count: POINTS, duration: WINDOW, sweeps: sweeps.checked });
     if (result) {
       seen.response = result;
+      seen.colour = seen.scene.colour;
       seen.stale = false;
-      view.say(noteOf(result, seen.scene));
+      view.say(noteOf(result));
     }
     show();
     if (result && branches.checked) {
@@ -81,11 +82,14 @@ export function responseView(app) {
   return {
     node: view.node, plot, request,
     cancel: () => { view.cancel(); diagram.cancel(); },
-    isWanted: (scene) => scene.description.parameters.some((one) => one.name === "omega" && one.group === "drive") && scene.description.drive.periodic,
+    isWanted,
     outdate: () => { seen.stale = true; seen.diagram = null; show(); },
     draw: (scene) => {
-      const same = seen.scene && plot.content && seen.scene.colour === scene.colour && seen.scene.factors === scene.factors && seen.scene.description === scene.description;
+      view.node.hidden = !isWanted(scene) && !app.saved;
+      const stale = app.saved ? app.isChanged() : seen.stale;
+      const same = seen.scene && stale === seen.stale && plot.content && seen.scene.colour === scene.colour && seen.scene.factors === scene.factors && seen.scene.description === scene.description;
       seen.scene = scene;
+      seen.stale = stale;
       if (same) {
         plot.moveMarks(placeMarks(seen));
       } else {
@@ -93,14 +97,21 @@ export function responseView(app) {
       }
     },
     showSaved: (results) => {
-      seen.response = results.frequency_response ?? null;
-      seen.diagram = results.response_diagram ?? null;
-      view.say(seen.response ? `As computed when this page was saved. ${noteOf(seen.response, seen.scene)}` : "The page was saved without a frequency response.");
+      const some = (result) => (result?.series.length ? result : null);
+      seen.response = some(results.frequency_response);
+      seen.diagram = some(results.response_diagram);
+      seen.colour = seen.scene.colour;
+      view.say(seen.response ? `As computed when this page was saved. ${noteOf(seen.response)}` : results.frequency_response?.reason || "The page was saved without a frequency response.");
     },
     say: view.say,
     figure: () => ({ plot, name: "frequency_response", title: "Frequency response" }),
     data: () => seen.response,
   };
+}
+
+/** Whether the load has a frequency. */
+function isWanted({ description }) {
+  return description.drive.periodic && description.parameters.some((one) => one.name === "omega" && one.group === "drive");
 }
 
 function rangeOf({ values }) {
@@ -121,7 +132,8 @@ function amplitudeOf({ motion, watched }) {
 
 function contentOf(seen, running) {
   const { scene, response, diagram, stale } = seen;
-  const { description, factors, colour } = scene;
+  const { description, factors } = scene;
+  const colour = seen.colour ?? scene.colour;
   const theme = colours();
   const omega = description.parameters.find((one) => one.name === "omega");
   const watched = description.observables[scene.watched];
@@ -139,7 +151,7 @@ function contentOf(seen, running) {
   }
   layers.push(...branchLayers(diagram, factors, theme));
   if (!layers.length) {
-    layers.push({ kind: "note", text: running ? "computing the frequency response …" : seen.note || "no frequency response yet" });
+    layers.push({ kind: "note", text: running ? "computing the frequency response …" : "no frequency response yet" });
   }
   const y = { text: "amplitude", symbol: `${watched.symbol}^{\\mathrm{a}}`, unit: "" };
   const empty = !response && !diagram;
@@ -153,10 +165,10 @@ function omegaRange(scene) {
   return rangeOf(scene).map(conversion("omega", scene.factors).to);
 }
 
-function keyOf({ scene, response, diagram, stale }) {
+function keyOf({ scene, response, diagram, stale, colour, old }) {
   const theme = colours();
   const entries = (response?.series ?? []).map((one) =>
-    keyEntry(stale ? `${one.text} (before the last change)` : one.text, SWEEPS[one.name] ? theme[SWEEPS[one.name].colour] : scene.colour, { symbol: SWEEPS[one.name]?.symbol }));
+    keyEntry(stale ? `${one.text} (${old})` : one.text, SWEEPS[one.name] ? theme[SWEEPS[one.name].colour] : (colour ?? scene.colour), { symbol: SWEEPS[one.name]?.symbol }));
   if (diagram) {
     const kinds = new Set(diagram.series.flatMap((one) => one.stability.values));
     for (const [kind, dash] of [["stable", "solid"], ["elliptic", "double"], ["unstable", "dashed"], ["saddle", "dashed"]]) {
@@ -203,7 +215,7 @@ function words({ scene, response }, place) {
   return value === null ? `${at}: ${rest.status[k]}` : `${at}, amplitude ${numberText(value, 4)} ± ${errorText(error ?? NaN)}`;
 }
 
-function noteOf(result, scene) {
+function noteOf(result) {
   const { resonance = {}, series, reason } = result;
   const at = resonance.resonance?.values;
   const rest = series.find((one) => one.name === "rest") ?? series[0];
@@ -221,6 +233,5 @@ function noteOf(result, scene) {
   if (missing) {
     parts.push(`${missing} of ${rest.amplitude.values.length} frequencies without a result${reason ? `: ${reason}` : ""}`);
   }
-  void scene;
   return `${parts.join("; ")}. Over τ from 0 to ${WINDOW}, from the start.`;
 }

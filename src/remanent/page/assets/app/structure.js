@@ -68,7 +68,7 @@ function dissipationMenus(app, group, kinds) {
   const choose = (dissipation) => app.chooseSpec({ ...spec, actuator: { ...spec.actuator, dissipation } });
   const rows = elements.map((one, k) =>
     element("div", { class: "element-row" },
-      element("span", { text: `${k}  ${readable(one.kind)}` }),
+      element("span", { text: `${readable(one.kind)} (${k})` }),
       button("remove", () => choose(elements.filter((_, other) => other !== k)), {
         class: "quiet", "aria-label": `remove ${readable(one.kind)} ${k}`,
       })),
@@ -82,7 +82,7 @@ function dissipationMenus(app, group, kinds) {
 /** The table of a kind: its usual values, and those that the one before shares with it. */
 function tableOf(kinds, name, before) {
   const kind = kinds.find((one) => one.name === name);
-  const usual = kind.table ?? kind.spec ?? Object.fromEntries((kind.fields ?? []).map((one) => [one.name, one.value]));
+  const usual = kind.table;
   const shared = Object.entries(before).filter(([key]) => key !== "kind" && key in usual);
   return { kind: name, ...structuredClone(usual), ...Object.fromEntries(shared) };
 }

@@ -1,0 +1,260 @@
+"""What people do with the page of a server, in a real browser."""
+
+from __future__ import annotations
+
+import statistics
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser
+from tests.browser import journeys as go
+from tests.unit.web.server import Running, running
+
+import remanent as rm
+from remanent.web.explorer import Opened
+
+#: A damped block near its resonance: it has branches that are not stable, and basins.
+DAMPED = "#preset=damped-resonance"
+
+
+@pytest.fixture(scope="module")
+def server() -> Iterator[Running]:
+    """A server that was asked to open nothing."""
+    with running(Opened()) as one:
+        yield one
+
+
+@pytest.fixture
+def visit(browser: Browser, server: Running) -> Iterator[go.Watched]:
+    """The page as it opens."""
+    with go.watched_page(browser, f"{server.origin}/") as watched:
+        yield watched
+
+
+def test_slider_moves_curves(visit: go.Watched) -> None:
+    go.check_slider_moves_curves(visit.page)
+
+
+def test_bad_values_are_refused_in_words(visit: go.Watched) -> None:
+    go.check_bad_values_are_refused_in_words(visit.page)
+
+
+def test_address_goes_back_and_forward(visit: go.Watched) -> None:
+    go.check_address_goes_back_and_forward(visit.page)
+
+
+def test_click_starts_an_orbit(visit: go.Watched) -> None:
+    go.check_click_starts_an_orbit(visit.page)
+
+
+def test_keyboard_reaches_a_section(visit: go.Watched) -> None:
+    go.check_keyboard_reaches_a_section(visit.page)
+
+
+def test_theme(visit: go.Watched) -> None:
+    go.check_theme(visit.page)
+
+
+def test_figure_files(visit: go.Watched, tmp_path: Path) -> None:
+    go.check_figure_files(visit.page, tmp_path)
+
+
+def test_preset_and_shared_address(visit: go.Watched) -> None:
+    """A preset shows its system; its address, opened elsewhere, shows the same curves."""
+    page = visit.page
+    page.select_option("#preset", "quasi-periodic")
+    page.wait_for_function("() => location.hash.includes('quasi-periodic')")
+    go.type_number(page, "temperature", "310")
+    other = go.other_page(page.context, page.url)
+    assert go.value(other, "temperature") == 310.0
+    assert go.value(other, "omega") == 1.6
+    page.reload()
+    page.wait_for_selector("html[data-ready=true]")
+    go.wait_for_pictures(page)
+    assert go.picture(other, "phase") == go.picture(page, "phase")
+    other.close()
+    page.go_back()
+    page.go_back()
+    page.wait_for_function("() => !location.hash.includes('quasi-periodic')")
+    page.wait_for_function(
+        "() => document.querySelector('.control[data-name=omega] input.number').value === '1.25'"
+    )
+
+
+def test_another_kind_of_part(visit: go.Watched) -> None:
+    """Another material is another system of equations, with controls of its own."""
+    page = visit.page
+    before = go.picture(page, "history")
+    page.select_option("[data-kind=material]", "Gent")
+    go.control(page, "material.jm").wait_for()
+    go.wait_for_pictures(page)
+    assert go.picture(page, "history") != before
+    page.select_option("[data-kind=dissipation]", "Rayleigh")
+    go.control(page, "dissipation.0.eta").wait_for()
+    assert "Rayleigh" in page.url
+    page.select_option("[data-kind=drive]", "Constant")
+    go.control(page, "m").wait_for()
+    assert not page.is_visible("#response")
+
+
+def test_own_system(visit: go.Watched) -> None:
+    """The text of a study file becomes a system; its faults are told with their places."""
+    page = visit.page
+    page.click("#open-own")
+    text = page.input_value("#study-text")
+    page.fill("#study-text", text.replace("delta = 0.15", 'delta = "much"'))
+    page.click("#load-study")
+    page.wait_for_function("() => document.querySelector('#study-fault').textContent !== ''")
+    assert "delta" in page.inner_text("#study-fault")
+    page.fill("#study-text", text)
+    page.click("#load-study")
+    go.control(page, "delta").wait_for()
+    assert not page.is_visible("#actuator")
+    visit.forgive_network()
+
+
+def test_regime_and_response_come_by_themselves(visit: go.Watched) -> None:
+    """The engine tells the regime with its evidence, and the response with its error."""
+    page = visit.page
+    page.wait_for_function(
+        "() => document.querySelector('#status-regime').textContent.includes('quasi-periodic')"
+    )
+    assert "Lyapunov exponent" in page.inner_text("#regime .evidence")
+    assert "Largest at ω" in page.inner_text("#response .card-note")
+    assert "error" in page.inner_text("#response .card-note")
+
+
+def test_response_with_unstable_branches(browser: Browser, server: Running) -> None:
+    """Branches show what is stable and what is not, with the folds between them."""
+    with go.watched_page(browser, f"{server.origin}/{DAMPED}") as watched:
+        page = watched.page
+        page.wait_for_function(
+            "() => document.querySelector('#response .card-key').textContent.includes('from rest')"
+        )
+        before = go.picture(page, "response")
+        page.check("#branches")
+        page.wait_for_function(
+            "() => document.querySelector('#response .card-key').textContent.includes('saddle')"
+        )
+        assert "fold" in page.inner_text("#response .card-note")
+        assert go.picture(page, "response") != before
+        page.uncheck("#branches")
+        assert "saddle" not in page.inner_text("#response .card-key")
+
+
+def test_chart_is_cancelled_and_computed(browser: Browser, server: Running) -> None:
+    """A chart that goes on can be cancelled; one that is done starts motions by a click."""
+    with go.watched_page(browser, f"{server.origin}/{DAMPED}") as watched:
+        page = watched.page
+        page.wait_for_function(
+            "() => document.querySelector('#status-regime').textContent.includes('periodic')"
+        )
+        page.select_option("#basins select", "64")
+        page.click("#basins button:has-text('Compute')")
+        page.click("#basins button:has-text('Cancel')")
+        assert "Cancelled" in page.inner_text("#basins .card-note")
+        page.select_option("#basins select", "16")
+        page.click("#basins button:has-text('Compute')")
+        page.wait_for_selector("#basins .heatmaplayer image")
+        assert "A, period 1" in page.inner_text("#basins .card-key")
+        edges = page.locator("#basins .nsewdrag").bounding_box()
+        assert edges is not None
+        page.locator("#basins .nsewdrag").click(position={"x": 30, "y": edges["height"] / 2})
+        page.wait_for_function("() => location.hash.includes('y.stretch=')")
+
+
+def test_server_goes_and_comes_back(browser: Browser, tmp_path: Path) -> None:
+    """Without a server curves still follow the sliders; with one again the rest comes back."""
+    with running(Opened()) as first:
+        context_address = f"{first.origin}/"
+        port = first.port
+        with go.watched_page(browser, context_address) as watched:
+            page = watched.page
+            first.explorer.close()
+            page.route("**/api/**", lambda route: route.abort("connectionrefused"))
+            page.select_option("#preset", "figure-6")
+            page.wait_for_selector("#retry")
+            before = go.picture(page, "history")
+            go.type_number(page, "temperature", "280")
+            assert go.picture(page, "history") != before
+            assert "server" in page.inner_text("#status-server")
+            page.unroute("**/api/**")
+            page.click("#retry")
+            page.wait_for_selector("#retry", state="hidden")
+            watched.forgive_network()
+    assert port
+    assert tmp_path.exists()
+
+
+def test_files_of_the_engine(visit: go.Watched, tmp_path: Path) -> None:
+    """Data come as netCDF and CSV, and the lines, the study and the equations as text."""
+    page = visit.page
+    go.type_number(page, "periods", "20")
+    page.click("#open-take-away")
+    motion = rm.load(go.downloaded(page, "#data-netcdf", tmp_path))
+    assert float(motion.time[-1]) > 0.0
+    assert "stretch" in go.downloaded(page, "#data-csv", tmp_path).read_text(encoding="utf-8")
+    page.wait_for_selector("pre[aria-label='motion.py']")
+    assert "rm.SineSquared(b=0.4, omega=1.25)" in page.inner_text("pre[aria-label='motion.py']")
+    assert "[drive]" in page.inner_text("pre[aria-label='study.toml']")
+    page.select_option("#language", "c")
+    page.wait_for_selector("pre[aria-label='system.c']")
+    assert "remanent_rates" in page.inner_text("pre[aria-label='system.c']")
+
+
+@pytest.mark.parametrize(("width", "height"), [(360, 800), (820, 1180), (1440, 900), (3840, 2160)])
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_every_size_fits(
+    browser: Browser, server: Running, width: int, height: int, scheme: str
+) -> None:
+    """From a phone to 4K nothing lies beside the page, and the curves are painted."""
+    with go.watched_page(
+        browser, f"{server.origin}/", viewport={"width": width, "height": height},
+        color_scheme=scheme,
+    ) as watched:  # fmt: skip
+        page = watched.page
+        assert page.get_attribute("html", "data-theme") == scheme
+        assert go.has_no_sideways_scroll(page)
+        assert page.locator("#history canvas").first.bounding_box()
+        if width == 360:
+            page.click("#controls-toggle")
+            go.type_number(page, "temperature", "300")
+            assert go.has_no_sideways_scroll(page)
+
+
+def test_motion_stands_still_where_that_is_preferred(browser: Browser, server: Running) -> None:
+    """The animation waits for its button where people ask for less motion, and runs elsewhere."""
+    for preference, words in (("reduce", "Play"), ("no-preference", "Pause")):
+        address = f"{server.origin}/"
+        with go.watched_page(browser, address, reduced_motion=preference) as watched:
+            assert watched.page.inner_text("#play") == words
+            before = watched.page.inner_text("#actuator .card-note")
+            watched.page.click("#play")
+            watched.page.wait_for_timeout(300)
+            after = watched.page.inner_text("#actuator .card-note")
+            if preference == "reduce":
+                assert after != before
+
+
+def test_a_broken_address_is_told(browser: Browser, server: Running) -> None:
+    """What cannot be read of an address is left out, in words."""
+    address = f"{server.origin}/#preset=figure-6&p.temperature=warm&nonsense=1"
+    with go.watched_page(browser, address) as watched:
+        assert "could not be read" in watched.page.inner_text("#banner")
+        assert go.value(watched.page, "prestress") == 1.0
+
+
+def test_from_slider_to_curves_is_measured(
+    visit: go.Watched, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Each move of a slider has its times in the page; the median is printed, not judged."""
+    page = visit.page
+    page.evaluate("() => { window.remanentTimings.length = 0; }")
+    go.drag_slider(page, "temperature", [0.3 + 0.01 * k for k in range(40)])
+    timings = page.evaluate("() => window.remanentTimings")
+    taken = [one["drawn"] - one["asked"] for one in timings]
+    assert len(taken) > 20
+    assert all(one["asked"] <= one["started"] <= one["integrated"] <= one["drawn"] for one in timings)
+    with capsys.disabled():
+        print(f"\nslider to curves, 500 periods: median {statistics.median(taken):.1f} ms")
