@@ -21,6 +21,8 @@ const LAST_STEPS = 2 ** 15;
 const PILOT_UNITS = 4;
 /** Errors of a motion that is not chaotic grow with the time to this power. */
 const GROWTH = 1.5;
+/** A run is not repeated for errors up to so many times the target, unless it is refined. */
+const TOLERATED = 10;
 /** A difference of two short runs above this share says nothing of the order. */
 const ROUGH = 1e-2;
 /** The share of a difference that half the step may leave, and longer steps where it does not. */
@@ -107,7 +109,8 @@ function bestRun(problem) {
 
 /** Whether shorter steps would make a run better. */
 function isWorthRepeating(problem, run) {
-  if (run.difference <= differenceFor(problem.target, run.share)) {
+  const target = problem.refine ? problem.target : TOLERATED * problem.target;
+  if (run.difference <= differenceFor(target, run.share)) {
     return false;
   }
   const bothEnd = run.rows < run.asked && run.coarseRows <= run.rows;
