@@ -69,13 +69,13 @@ def _serve(opened: Opened, host: str, port: int, *, opens_browser: bool) -> None
     access = Access.at(host, listener.getsockname()[1])
     explorer = Explorer(opened)  # its first process starts beside what is imported below
     try:
+        click.echo(f"{access.address}  (Ctrl-C ends it)")
+        if opens_browser:  # it waits for an answer until there is one
+            threading.Thread(target=webbrowser.open, args=(access.address,), daemon=True).start()
         from remanent.web.app import make_app
         from remanent.web.guard import Guard
         from remanent.web.serving import serve
 
-        click.echo(f"{access.address}  (Ctrl-C ends it)")
-        if opens_browser:
-            threading.Thread(target=webbrowser.open, args=(access.address,), daemon=True).start()
         serve(Guard(make_app(explorer), access), listener)
     except KeyboardInterrupt:
         click.echo("ended", err=True)

@@ -4,9 +4,6 @@ from __future__ import annotations
 
 from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
-from importlib.resources import files
-from importlib.util import find_spec
-from pathlib import Path
 from typing import Annotated, Any, Final
 
 from fastapi import FastAPI, Request, WebSocket
@@ -16,6 +13,7 @@ from fastapi.responses import FileResponse, JSONResponse, Response
 from fastapi.staticfiles import StaticFiles
 from starlette.exceptions import HTTPException
 
+from remanent.page.files import assets_folder, plotly_script
 from remanent.web import bodies
 from remanent.web.errors import UNEXPECTED, RefusalError
 from remanent.web.explorer import Explorer
@@ -71,19 +69,6 @@ def make_app(explorer: Explorer) -> FastAPI:
     return app
 
 
-def assets_folder() -> Path:
-    """The folder of the page's files."""
-    return Path(str(files("remanent.page") / "assets"))
-
-
-def plotly_script() -> Path:
-    """plotly.js in the package plotly, found without importing that."""
-    spec = find_spec("plotly")
-    assert spec is not None
-    assert spec.submodule_search_locations
-    return Path(spec.submodule_search_locations[0]) / "package_data" / "plotly.min.js"
-
-
 def _add_page(app: FastAPI) -> None:
     """The page and its files."""
     assets, plotly = assets_folder(), plotly_script()
@@ -117,8 +102,8 @@ def _add_data(app: FastAPI, explorer: Explorer) -> None:
         return _answer(await explorer.start())
 
     @app.post("/api/model", response_model=bodies.ModelAnswer)
-    async def model(body: bodies.SpecBody) -> Any:
-        return _answer(await explorer.model(body.spec))
+    async def model(body: bodies.ModelBody) -> Any:
+        return _answer(await explorer.model(body.model_dump()))
 
     @app.get("/fields/{digest}.js", response_class=Response)
     async def field(
@@ -128,19 +113,18 @@ def _add_data(app: FastAPI, explorer: Explorer) -> None:
         return Response(source, media_type="text/javascript", headers=_FOR_EVER)
 
     @app.post("/api/reproduce", response_model=bodies.ReproduceAnswer)
-    async def reproduce(body: bodies.SpecBody) -> Any:
-        return _answer(await explorer.reproduce(body.spec))
+    async def reproduce(body: bodies.ReproduceBody) -> Any:
+        return _answer(await explorer.reproduce(body.model_dump()))
 
     @app.post("/api/export", response_model=bodies.FilesAnswer)
     async def export(body: bodies.ExportBody) -> Any:
-        return _answer(await explorer.export(body.spec, body.language))
+        return _answer(await explorer.export(body.model_dump()))
 
     @app.post("/api/data", response_class=Response)
     async def data(body: bodies.DataBody) -> Response:
-        options = body.model_dump(exclude={"spec"}, exclude_none=True)
         name = f"motion.{_ENDINGS[body.format]}"
         return Response(
-            await explorer.data(body.spec, options),
+            await explorer.data(body.model_dump()),
             media_type=_TYPES[body.format],
             headers={"content-disposition": f'attachment; filename="{name}"'},
         )

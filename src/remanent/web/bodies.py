@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+_Periods = Annotated[int, Field(ge=1, le=2000)]
+_Duration = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 
 
 class Body(BaseModel):
@@ -21,6 +24,26 @@ class SpecBody(Body):
     )
 
 
+class ModelBody(Body):
+    """What is looked at: a spec, or the text of a study file."""
+
+    spec: dict[str, Any] | None = None
+    toml: str | None = None
+
+    @model_validator(mode="after")
+    def _is_one_of_both(self) -> Self:
+        if (self.spec is None) == (self.toml is None):
+            raise ValueError("either spec or toml has to be given")
+        return self
+
+
+class ReproduceBody(SpecBody):
+    """What is looked at, and for how long."""
+
+    periods: _Periods | None = None
+    duration: _Duration | None = None
+
+
 class ExportBody(SpecBody):
     """What is looked at, and the language of its equations."""
 
@@ -30,8 +53,8 @@ class ExportBody(SpecBody):
 class DataBody(SpecBody):
     """What is looked at, and how long a run of it is written to a file."""
 
-    periods: Annotated[int, Field(ge=1, le=2000)] | None = None
-    duration: Annotated[float, Field(gt=0, allow_inf_nan=False)] | None = None
+    periods: _Periods | None = None
+    duration: _Duration | None = None
     format: Literal["netcdf", "csv"] = "netcdf"
 
 

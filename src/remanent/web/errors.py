@@ -6,7 +6,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Final
 
 from remanent._errors import InputError, RemanentError, error_sentence
-from remanent.studies.sweep.faults import Fault, FaultsError, first_of_each_place
+from remanent.studies.sweep.faults import (
+    Fault,
+    FaultsError,
+    StudyFileError,
+    first_of_each_place,
+)
 
 #: Longest message to a client, in characters.
 _MAX_CHARACTERS: Final = 4000
@@ -81,7 +86,7 @@ def refusal_of(error: Exception) -> RefusalError | None:
     """What a client is told of an error; None where it is a defect of the program."""
     if isinstance(error, RefusalError):
         return error
-    if isinstance(error, FaultsError):
+    if isinstance(error, FaultsError | StudyFileError):
         return refusal_of_faults(error.faults)
     if isinstance(error, InputError):
         return RefusalError(

@@ -98,20 +98,20 @@ class Explorer:
         self._fields.move_to_end(digest)
         return self._fields[digest]
 
-    async def model(self, spec: Any) -> dict[str, Any]:
-        """The page model of a spec, and where its field module is."""
-        answer = await self._derive("model", {"spec": spec})
+    async def model(self, asked: dict[str, Any]) -> dict[str, Any]:
+        """The page model of what is looked at, and where its field module is."""
+        answer = await self._derive("model", asked)
         if str(answer["model"]["id"]) not in self._fields:
-            self._computing.warm_up({"spec": spec})
+            self._computing.warm_up({"spec": answer["model"]["spec"]})
         return self._keep_field(answer)
 
-    async def reproduce(self, spec: Any) -> Any:
+    async def reproduce(self, asked: dict[str, Any]) -> Any:
         """What makes exactly what is seen."""
-        return await self._derive("reproduce", {"spec": spec})
+        return await self._derive("reproduce", asked)
 
-    async def export(self, spec: Any, language: str) -> Any:
+    async def export(self, asked: dict[str, Any]) -> Any:
         """The equations in another tool's language."""
-        return await self._derive("export", {"spec": spec, "language": language})
+        return await self._derive("export", asked)
 
     async def store(self) -> Any:
         """What the chart of the store shows."""
@@ -121,11 +121,9 @@ class Explorer:
         """The spec of a point of the store."""
         return await self._derive("point", {"path": self._store_path(), "index": index})
 
-    async def data(self, spec: Any, options: dict[str, Any]) -> bytes:
+    async def data(self, asked: dict[str, Any]) -> bytes:
         """The file of a motion; it takes the place of a job."""
-        file: bytes = await self.compute(
-            "data", {"spec": spec, "options": options}, cap=_CAP, remedy="Ask for fewer periods."
-        )
+        file: bytes = await self.compute("data", asked, cap=_CAP, remedy="Ask for fewer periods.")
         return file
 
     async def compute(

@@ -31,7 +31,7 @@ from remanent.web.subjects import Subject, initial_state
 #: Most points of one curve, and most cells along one side of a chart.
 _MOST_POINTS, _MOST_CELLS = 2000, 128
 #: Drive periods that pass at each frequency of a sweep before the motion counts as settled.
-_PERIODS_PER_STOP: Final = 60
+_PERIODS_PER_STOP: Final = 120
 #: Drive periods of which a sweep tells the extremes.
 _PERIODS_OF_EXTREMES: Final = 2
 #: How much longer than a plain run one takes that is followed with its tangents, at several

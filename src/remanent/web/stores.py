@@ -11,6 +11,7 @@ import xarray as xr
 
 from remanent._errors import InputWarning, RemanentError, error_sentence
 from remanent.models.drives.base import Drive
+from remanent.models.physical_sizes import PHYSICAL_SIZES
 from remanent.models.system import System
 from remanent.page.spec import Spec, write_spec
 from remanent.results.stores import read
@@ -121,7 +122,6 @@ def study_spec(study: Study, values: dict[str, float] | None = None) -> Spec:
         By the names of the fields; the study's own by default.
     """
     values = values or {}
-    system, drive = study.system, _drive_of(study, values)
     of_start = {
         name.removeprefix(_INITIAL_PREFIX): value
         for name, value in values.items()
@@ -129,16 +129,30 @@ def study_spec(study: Study, values: dict[str, float] | None = None) -> Spec:
     }
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", InputWarning)
-        system = _with_values(system, values)
-        drive = _with_values(drive, values)
+        system = _system_with(study.system, values)
+        drive = _drive_with(_drive_of(study, values), values)
         initial = _initial_of(study, system, drive) | of_start
         return write_spec(system, drive, initial)
 
 
-def _with_values(part: Any, values: dict[str, float]) -> Any:
-    """A system or a drive with those of the values that are of its fields."""
-    own = {name: value for name, value in values.items() if name in part.parameter_values()}
-    return part.replace(**own) if own else part
+def _system_with(system: Any, values: dict[str, float]) -> Any:
+    """A system with those of the values that are of its fields."""
+    hardware = sorted(values.keys() & PHYSICAL_SIZES)
+    if hardware:
+        raise RefusalError(
+            422,
+            f"This study varies {', '.join(hardware)}, and with it the scales of the actuator; "
+            "a page has one set of them.",
+        )
+    for name in values.keys() & system.parameter_values().keys():
+        system = system.with_parameter(name, values[name])
+    return system
+
+
+def _drive_with(drive: Drive, values: dict[str, float]) -> Drive:
+    """A drive with those of the values that are of its fields."""
+    own = {name: values[name] for name in values.keys() & drive.parameter_values().keys()}
+    return drive.replace(**own) if own else drive
 
 
 def _drive_of(study: Study, values: dict[str, float]) -> Drive:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import tempfile
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
@@ -13,7 +15,7 @@ from remanent.models.system import System
 from remanent.page.spec import read_spec
 from remanent.studies.ensemble.layout import lay_out_ensemble
 from remanent.studies.sweep.faults import Fault, FaultsError, shown
-from remanent.studies.sweep.toml_text import faults_of_values
+from remanent.studies.sweep.toml_text import faults_of_values, read_document
 
 #: Most numbers in a request: a sampled load has thousands, not more.
 _MOST_NUMBERS: Final = 20_000
@@ -51,6 +53,21 @@ def read_subject(spec: object) -> Subject:
             raise FaultsError(faults)
     system, drive, initial = read_spec(spec)
     return Subject(system, drive, initial)
+
+
+def spec_from_toml(text: str) -> dict[str, Any]:
+    """The tables of a request that the text of a study file has; its other keys are for studies.
+
+    Raises
+    ------
+    StudyFileError
+        The text is no TOML, or too long.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "study.toml"
+        path.write_bytes(text.encode("utf-8", "surrogatepass"))
+        document = read_document(path)
+    return {name: document[name] for name in ("actuator", "system", "drive") if name in document}
 
 
 def initial_state(subject: Subject) -> FloatArray | None:

@@ -1,4 +1,7 @@
-"""What the processes behind the server do: each task takes plain data and gives plain data."""
+"""What the processes behind the server do: each task takes plain data and gives plain data.
+
+What only some tasks need is imported where it is used: the page waits for the first of them.
+"""
 
 from __future__ import annotations
 
@@ -7,66 +10,56 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
 from types import MappingProxyType
-from typing import Annotated, Any, Final, Literal
-
-from pydantic import Field
+from typing import Any, Final
 
 import remanent as rm
 from remanent._errors import RemanentError
 from remanent.page.kinds import kinds
 from remanent.page.model import page_model
 from remanent.page.presets import presets
-from remanent.page.reproduction import reproduction
-from remanent.results.files import save
 from remanent.studies.ensemble.progress import ProgressFunction
 from remanent.studies.sweep.faults import FaultsError
-from remanent.studies.sweep.tables import Table, read_table
 from remanent.web.costs import run_seconds
 from remanent.web.errors import RefusalError, over_budget_refusal
-from remanent.web.jobs import job_result
 from remanent.web.limits import SLIDER_CAP
-from remanent.web.stores import point_spec, store_view
-from remanent.web.subjects import initial_state, read_subject
+from remanent.web.subjects import initial_state, read_subject, spec_from_toml
 
 #: A task: arguments, and a function that is told the share that is done.
 Task = Callable[[Any, ProgressFunction], Any]
-#: Most drive periods of which data are written.
-_MOST_PERIODS: Final = 2000
 _SHORTER: Final = "Ask for fewer periods."
 
 
-class DataOptions(Table):
-    """Of the data of a motion."""
-
-    periods: Annotated[int, Field(ge=1, le=_MOST_PERIODS)] | None = None
-    duration: Annotated[float, Field(gt=0, allow_inf_nan=False)] | None = None
-    format: Literal["netcdf", "csv"] = "netcdf"
-
-
-def start(arguments: Mapping[str, Any], _: ProgressFunction) -> dict[str, Any]:
+def start(arguments: Mapping[str, Any], report: ProgressFunction) -> dict[str, Any]:
     """What a page begins with.
 
     Parameters
     ----------
     arguments : mapping
         ``spec``, or None for that of the first preset.
+    report : callable
     """
     shown = presets()
     spec = arguments["spec"] if arguments["spec"] is not None else shown[0]["spec"]
-    return {**model({"spec": spec}, _), "kinds": kinds(), "presets": shown}
+    return {**model({"spec": spec}, report), "kinds": kinds(), "presets": shown}
 
 
 def model(arguments: Mapping[str, Any], _: ProgressFunction) -> dict[str, Any]:
-    """The page model of a spec, and its field module."""
-    subject = read_subject(arguments["spec"])
+    """The page model of a spec, or of the text of a study file, and its field module."""
+    toml = arguments.get("toml")
+    spec = arguments["spec"] if toml is None else spec_from_toml(toml)
+    subject = read_subject(spec)
     made = page_model(subject.system, subject.drive, subject.initial)
     return {"model": made.description, "source": made.field_source}
 
 
 def reproduce(arguments: Mapping[str, Any], _: ProgressFunction) -> dict[str, str]:
     """The lines, and the study file, that make what a spec says."""
+    from remanent.page.reproduction import reproduction
+
     read_subject(arguments["spec"])
-    return reproduction(arguments["spec"])
+    return reproduction(
+        arguments["spec"], periods=arguments["periods"], duration=arguments["duration"]
+    )
 
 
 def export(arguments: Mapping[str, Any], _: ProgressFunction) -> dict[str, Any]:
@@ -77,36 +70,41 @@ def export(arguments: Mapping[str, Any], _: ProgressFunction) -> dict[str, Any]:
 
 def data(arguments: Mapping[str, Any], report: ProgressFunction) -> bytes:
     """The file of a motion."""
+    from remanent.results.files import save
+
     subject = read_subject(arguments["spec"])
-    options = read_table(DataOptions, arguments["options"], "options")
-    seconds = run_seconds(
-        subject.drive, options.periods or 1.0, None if options.periods else options.duration
-    )
+    periods, duration = arguments["periods"], arguments["duration"]
+    seconds = run_seconds(subject.drive, periods or 1.0, None if periods else duration)
     if not seconds <= SLIDER_CAP:
         raise over_budget_refusal(seconds, SLIDER_CAP, _SHORTER)
     motion = rm.simulate(
-        subject.system, subject.drive, periods=options.periods, duration=options.duration,
+        subject.system, subject.drive, periods=periods, duration=duration,
         initial=initial_state(subject), progress=report,
     )  # fmt: skip
-    ending = {"netcdf": ".nc", "csv": ".csv"}[options.format]
+    ending = {"netcdf": ".nc", "csv": ".csv"}[arguments["format"]]
     with tempfile.TemporaryDirectory() as folder:
         return save(motion, Path(folder) / f"motion{ending}").read_bytes()
 
 
 def job(arguments: Mapping[str, Any], report: ProgressFunction) -> dict[str, Any]:
     """The result of a job, as the page draws it."""
-    return job_result(
-        arguments["job"], read_subject(arguments["spec"]), arguments["options"], report
-    )
+    from remanent.web.jobs import job_result
+
+    subject = read_subject(arguments["spec"])
+    return job_result(arguments["job"], subject, arguments["options"], report)
 
 
 def store(arguments: Mapping[str, Any], _: ProgressFunction) -> dict[str, Any]:
     """What the chart of the store shows."""
+    from remanent.web.stores import store_view
+
     return store_view(Path(arguments["path"]))
 
 
 def point(arguments: Mapping[str, Any], _: ProgressFunction) -> dict[str, Any]:
     """The spec of a point of the store."""
+    from remanent.web.stores import point_spec
+
     return {"spec": point_spec(Path(arguments["path"]), arguments["index"])}
 
 
@@ -132,6 +130,8 @@ def warm_up_steps(arguments: Mapping[str, Any] | None = None) -> Iterator[bool]:
     bool
         True after each step.
     """
+    from remanent.web.jobs import job_result
+
     spec = presets()[0]["spec"] if arguments is None else arguments["spec"]
     subject = read_subject(spec)
     for name, options in _LITTLE.items():
