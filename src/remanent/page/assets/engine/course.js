@@ -22,7 +22,7 @@ export function courseOf(field, parameters, asked) {
 }
 
 /** Units in the duration of a load without a period. */
-const UNITS = 32;
+const UNITS = 64;
 
 /** Pieces of time with the steps through each.
  *

@@ -4,10 +4,10 @@
 const APART = 0.05;
 /**
  * While they have not, halving the step at order 8 divides the error by 255.  Steps are long,
- * and less is counted on: 32 where a few units of time show at least twice of that.
+ * and an eighth of that is counted on, or less where a few units of time show less.
  */
 const LEAST_SHARE = 1 / 32;
-const RESERVE = 4;
+const RESERVE = 8;
 /** Rounding of a state, in units of its last digit, and its growth along a run. */
 const ROUNDING = 64 * Number.EPSILON;
 /** Smallest scale of a variable, over the largest of all. */

@@ -18,7 +18,7 @@ const MOST_A_UNIT = 96;
 const FIRST_STEPS = 16;
 const LAST_STEPS = 2 ** 15;
 /** Units of time by which the resolution is chosen. */
-const PILOT_UNITS = 4;
+const PILOT_UNITS = 8;
 /** Errors of a motion that is not chaotic grow with the time to this power. */
 const GROWTH = 1.5;
 /** A run is not repeated for errors up to so many times the target, unless it is refined. */
@@ -29,6 +29,10 @@ const ROUGH = 1e-2;
 const WANTED_SHARE = 1 / 8;
 const SHORTER = 1.3;
 const TRIES = 4;
+/** Times at which two runs leave may differ by this share. */
+const LEAVING = 0.02;
+/** What differs later than at this share of such a run says nothing of the steps. */
+const BEFORE_LEAVING = 0.9;
 /** Most steps of one run of a system with two state variables: usually, and to refine it. */
 const MOST_STEPS = 120000;
 const MOST_REFINED_STEPS = 480000;
@@ -48,7 +52,7 @@ const ATTEMPTS = 3;
  * @property {{t: Float64Array, y: Float64Array[], observables: Float64Array[],
  *   error: Float64Array}} section the same, once in every period; empty where there is none
  * @property {number} period of the load; NaN where there is none
- * @property {number} stepsPerPeriod of the finer run, or in a 32nd of the time
+ * @property {number} stepsPerPeriod of the finer run, or in a 64th of the time
  * @property {number} statesPerPeriod rows from one state of the section to the next
  * @property {number} determinedUntil the time up to which the stated error is small
  * @property {"ok"|"left"|"undetermined"} status
@@ -113,9 +117,14 @@ function isWorthRepeating(problem, run) {
   if (run.difference <= differenceFor(target, run.share)) {
     return false;
   }
-  const bothEnd = run.rows < run.asked && run.coarseRows <= run.rows;
   const goesApart = !(run.difference < ROUGH) && run.early < ROUGH;
-  return problem.refine || !(bothEnd || goesApart);
+  return problem.refine || !(hasLeft(run) || goesApart);
+}
+
+/** Whether both runs end early, and nearly at the same time: the motion itself leaves. */
+function hasLeft({ rows, coarseRows, asked, every }) {
+  const apart = Math.abs(rows - coarseRows);
+  return rows < asked && coarseRows < asked && apart <= Math.max(2 * every, LEAVING * rows);
 }
 
 /** Steps in a unit by a few units of time, and what half the step then leaves of a difference. */
@@ -166,10 +175,20 @@ function runBoth({ field, q, initial, course }, units, wantedSteps) {
   const every = stride % 2 === 0 ? 1 : 2;
   const differences = largestDifferences(fine, coarse, n, rows, coarseRows, every, scales);
   const early = differences[Math.min(rows - 1, Math.ceil((rows * PILOT_UNITS) / units))];
-  return {
-    segments, units, steps, stride, asked, rows, coarseRows, fine, n, scales, differences, early,
-    difference: rows < asked ? Infinity : differences[rows - 1],
+  const run = {
+    segments, units, steps, stride, every, asked, rows, coarseRows, fine, n, scales, differences,
+    early,
   };
+  return { ...run, difference: lastDifference(run) };
+}
+
+/** The difference at the end; of a motion that leaves, shortly before that. */
+function lastDifference(run) {
+  const { rows, coarseRows, asked, differences } = run;
+  if (hasLeft(run)) {
+    return differences[Math.floor(BEFORE_LEAVING * (Math.min(rows, coarseRows) - 1))];
+  }
+  return rows < asked ? Infinity : differences[rows - 1];
 }
 
 /** Steps in a unit, and from one kept state to the next, for curves of moderate length. */
@@ -249,10 +268,16 @@ function statusOf(course, run, time, error) {
   const end = time[time.length - 1];
   const determinedUntil = lost < 0 ? end : time[Math.max(0, lost - 1)];
   const at = (t) => Number(t.toPrecision(4));
-  if (run.rows < run.asked && run.coarseRows < run.asked) {
+  if (hasLeft(run)) {
     return {
       status: "left", determinedUntil,
       message: `The motion leaves the limits of the model near τ = ${at(end)}.`,
+    };
+  }
+  if (run.rows < run.asked) {
+    return {
+      status: "undetermined", determinedUntil,
+      message: `The motion is not followed beyond τ = ${at(end)}: it needs shorter steps.`,
     };
   }
   if (lost >= 0) {
