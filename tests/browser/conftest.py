@@ -1,4 +1,4 @@
-"""The browser of the system, one for each worker of the tests."""
+"""The browser of the system, one at a time in each worker of the tests."""
 
 from __future__ import annotations
 
@@ -31,9 +31,13 @@ def browser_path() -> str | None:
     return next((path for name in BROWSERS if (path := shutil.which(name))), None)
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
-    """Chromium, started once; without it tests are skipped, but in continuous integration."""
+    """Chromium; without it tests are skipped, but in continuous integration.
+
+    It is closed after each module of tests: while it runs, Playwright keeps a loop of asyncio in
+    this thread, where other tests may want to start one of their own.
+    """
     path = browser_path()
     if path is None:
         if os.environ.get("CI"):
