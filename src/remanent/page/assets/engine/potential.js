@@ -164,11 +164,11 @@ function equilibriaOf(body, w, x, energyAt, forceAt) {
 
 /** Where a function that changes its sign is 0, by halving. */
 function zeroOf(value, low, high) {
-  const rising = value(low) < 0;
+  const pushes = value(low) > 0;
   let [below, above] = [low, high];
   for (let k = 0; k < HALVINGS; k += 1) {
     const middle = 0.5 * (below + above);
-    if (value(middle) < 0 === rising) {
+    if (value(middle) > 0 === pushes) {
       below = middle;
     } else {
       above = middle;
