@@ -38,7 +38,7 @@ function figureOfPlot(plot) {
       ...base.yaxis, title: { ...base.yaxis.title, text: titleForPlotly(panel.title) }, domain: shares[k],
       range, type: panel.logarithmic ? "log" : "linear", automargin: true, anchor: "x",
     };
-    panel.layers.forEach((layer) => addLayer(layer, `y${name}`, data, layout, theme));
+    panel.layers.forEach((layer) => addLayer(layer, `y${name}`, panel.y.range, data, layout, theme));
   });
   if (maps.panels.length > 1) {
     layout.xaxis.anchor = `y${maps.panels.length}`;
@@ -60,7 +60,7 @@ function sharesOf(panels) {
   });
 }
 
-function addLayer(layer, yaxis, data, layout, theme) {
+function addLayer(layer, yaxis, range, data, layout, theme) {
   const named = { name: layer.name ?? "", showlegend: Boolean(layer.name), yaxis, opacity: layer.alpha ?? 1 };
   if (layer.kind === "line") {
     data.push({ ...named, type: "scatter", mode: "lines", x: Array.from(layer.x), y: Array.from(layer.y),
@@ -68,6 +68,8 @@ function addLayer(layer, yaxis, data, layout, theme) {
   } else if (layer.kind === "points" && layer.x.length) {
     data.push({ ...named, type: "scatter", mode: "markers", x: Array.from(layer.x), y: Array.from(layer.y),
       marker: { color: layer.colour, size: 2 * (layer.size ?? 2), symbol: SYMBOLS[layer.symbol ?? "dot"], line: { color: layer.colour, width: layer.width ?? 1 } } });
+  } else if (layer.kind === "rug") {
+    data.push({ ...named, type: "scatter", mode: "markers", x: Array.from(layer.x), y: Array.from(layer.x, () => range[0]), cliponaxis: false, marker: { symbol: "line-ns-open", size: 14, color: layer.colour, line: { width: 1, color: layer.colour } } });
   } else if (layer.kind === "band") {
     data.push({ type: "scatter", mode: "lines", x: [...layer.x, ...Array.from(layer.x).reverse()], y: [...layer.high, ...Array.from(layer.low).reverse()],
       fill: "toself", fillcolor: theme.veil, line: { width: 0 }, name: "error", showlegend: false, yaxis });

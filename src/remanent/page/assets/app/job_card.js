@@ -29,6 +29,7 @@ export function jobCard(app, options) {
   /** Run the job; the result, or null where it was cancelled, replaced or refused. */
   const run = async (spec, jobOptions) => {
     current?.cancel();
+    words.textContent = "computing …";
     const job = startJob(options.job, spec, jobOptions, (share, text) => {
       if (Number.isFinite(share)) {
         bar.value = share;
@@ -37,7 +38,6 @@ export function jobCard(app, options) {
     });
     current = job;
     bar.removeAttribute("value");
-    words.textContent = "computing …";
     line.hidden = false;
     view.node.setAttribute("aria-busy", "true");
     try {

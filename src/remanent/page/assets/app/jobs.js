@@ -1,14 +1,16 @@
 // Work that the server does in the background, with progress and cancel, over one socket.
 
-import { Refused, ServerGone, noteConnection } from "./api.js";
+import { Refused, ServerGone, isServerThere, noteConnection } from "./api.js";
 
 let socket = null;
 let opening = null;
 let count = 0;
+/** What was asked for, by its number, until it is settled; one at a time is at the server. */
 const waiting = new Map();
+let current = null;
 
 /**
- * Start a job.
+ * Start a job; it waits until those before it are done.
  * @param {string} job its kind, for example "frequency_response"
  * @param {Object} spec
  * @param {Object} options
@@ -19,18 +21,31 @@ export function startJob(job, spec, options, onProgress) {
   count += 1;
   const id = `job-${count}`;
   const result = new Promise((resolve, reject) => {
-    waiting.set(id, { resolve, reject, onProgress });
-    opened().then(
-      (open) => waiting.has(id) && open.send(JSON.stringify({ id, job, spec, options })),
-      (error) => settle(id, "reject", error),
-    );
+    waiting.set(id, { resolve, reject, onProgress, message: JSON.stringify({ id, job, spec, options }) });
   });
+  if (current !== null) {
+    onProgress(NaN, "waiting for other work …");
+  }
+  sendNext();
   return { result, cancel: () => cancel(id) };
+}
+
+function sendNext() {
+  if (current !== null || waiting.size === 0) {
+    return;
+  }
+  const [id, { message, onProgress }] = waiting.entries().next().value;
+  current = id;
+  onProgress(NaN, "computing …");
+  opened().then(
+    (open) => waiting.has(id) && open.send(message),
+    (error) => settle(id, "reject", error),
+  );
 }
 
 function cancel(id) {
   if (waiting.has(id)) {
-    if (socket?.readyState === WebSocket.OPEN) {
+    if (current === id && socket?.readyState === WebSocket.OPEN) {
       socket.send(JSON.stringify({ id, type: "cancel" }));
     }
     settle(id, "reject", new DOMException("cancelled", "AbortError"));
@@ -40,7 +55,11 @@ function cancel(id) {
 function settle(id, how, value) {
   const entry = waiting.get(id);
   waiting.delete(id);
+  if (current === id) {
+    current = null;
+  }
   entry?.[how](value);
+  sendNext();
 }
 
 function opened() {
@@ -61,10 +80,11 @@ function opened() {
       socket = null;
       opening = null;
       reject(new ServerGone());
-      if (waiting.size || document.visibilityState === "visible") {
-        noteConnection(false);
-      }
-      [...waiting.keys()].forEach((id) => settle(id, "reject", new ServerGone()));
+      const lost = [...waiting.values()];
+      waiting.clear();
+      current = null;
+      lost.forEach((entry) => entry.reject(new ServerGone()));
+      isServerThere();
     });
   });
   return opening;

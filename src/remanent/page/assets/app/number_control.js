@@ -3,14 +3,14 @@
 import { element } from "./dom.js";
 import { fieldText, numberText, typedNumber } from "./numbers.js";
 import { symbolElement, symbolText } from "./symbols.js";
-import { conversion, unitText } from "./units.js";
+import { conversion, named, unitText } from "./units.js";
 
 const LOG_STEPS = 1000;
 let count = 0;
 
 /**
  * A control of a number.
- * @param {Object} parameter of the description: `name`, `symbol`, `text`, `unit`, `min`, `max`,
+ * @param {Object} given a parameter of the description: `name`, `symbol`, `text`, `unit`, `min`, `max`,
  *   `scale`, `rule`, `limits`, `fixed`
  * @param {{value: number, usual: number, factors: ?Object, move: function(string, number): void,
  *   commit: function(string): void, slider?: boolean}} options
@@ -18,7 +18,8 @@ let count = 0;
  *   commit: called when it has come to rest; usual: the value that a double click brings back
  * @returns {{node: HTMLElement, show: function(number): void, fault: function(string): void}}
  */
-export function numberControl(parameter, options) {
+export function numberControl(given, options) {
+  const parameter = named(given, options.factors);
   count += 1;
   const id = `number-${count}`;
   const { unit, to, back } = conversion(parameter.name, options.factors);

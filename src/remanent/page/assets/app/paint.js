@@ -6,7 +6,7 @@ export const DASHES = { solid: [], dashed: [6, 4], dotted: [1.5, 3], dashdot: [7
 /**
  * Paint one layer.
  * @param {CanvasRenderingContext2D} context
- * @param {Object} layer of kind "line", "points", "band", "region", "vertical" or "note"
+ * @param {Object} layer of kind "line", "points", "rug", "band", "region", "vertical" or "note"
  * @param {{x: Object, y: Object}} maps of `axisMap`
  * @param {Object} colours of the theme
  */
@@ -17,7 +17,7 @@ export function paintLayer(context, layer, maps, colours) {
   context.restore();
 }
 
-const painters = { line, points, band, region, vertical, note };
+const painters = { line, points, band, region, vertical, note, rug };
 
 function line(context, layer, { x, y, scale = 1 }) {
   context.strokeStyle = layer.colour;
@@ -190,6 +190,19 @@ function vertical(context, layer, { x, y }) {
     context.textBaseline = "top";
     context.fillText(layer.name, place + (nearRight ? -5 : 5), y.end + 5);
   }
+}
+
+/** Strokes at the foot of a panel, where something is missing. */
+function rug(context, layer, { x, y, scale = 1 }) {
+  context.strokeStyle = layer.colour;
+  context.lineWidth = 1;
+  context.beginPath();
+  for (const value of layer.x) {
+    const place = Math.round(x.pixel(value)) + 0.5;
+    context.moveTo(place, y.start);
+    context.lineTo(place, y.start - 9 * scale);
+  }
+  context.stroke();
 }
 
 /** Words in the middle of an empty panel. */

@@ -87,10 +87,18 @@ function layersOf(scene) {
   };
 }
 
+/** Pieces of each step; without a period as many as there is room for. */
+function partsOf({ period, statesPerPeriod }, last) {
+  if (!(period > 0)) {
+    return Math.min(6, Math.max(1, Math.floor(MOST_POINTS / Math.max(1, last))));
+  }
+  return Math.max(1, Math.ceil(LEAST_POINTS_A_PERIOD / statesPerPeriod));
+}
+
 /** Spans of samples that are drawn, each with the pieces that its steps are cut into. */
 function piecesOf(motion, end) {
   const last = Math.max(0, end - 1);
-  const parts = motion.statesPerPeriod >= LEAST_POINTS_A_PERIOD || !(motion.period > 0) ? 1 : Math.ceil(LEAST_POINTS_A_PERIOD / motion.statesPerPeriod);
+  const parts = partsOf(motion, last);
   const most = Math.floor(MOST_POINTS / parts);
   if (last <= most) {
     return [{ from: 0, to: last, parts, name: "orbit" }];

@@ -55,7 +55,7 @@ export function responseView(app) {
       seen.response = result;
       seen.colour = seen.scene.colour;
       seen.stale = false;
-      view.say(noteOf(result));
+      view.say(noteOf(result, seen.scene.factors));
     }
     show();
     if (result && branches.checked) {
@@ -101,7 +101,7 @@ export function responseView(app) {
       seen.response = some(results.frequency_response);
       seen.diagram = some(results.response_diagram);
       seen.colour = seen.scene.colour;
-      view.say(seen.response ? `As computed when this page was saved. ${noteOf(seen.response)}` : results.frequency_response?.reason || "The page was saved without a frequency response.");
+      view.say(seen.response ? `As computed when this page was saved. ${noteOf(seen.response, seen.scene.factors)}` : results.frequency_response?.reason || "The page was saved without a frequency response.");
     },
     say: view.say,
     figure: () => ({ plot, name: "frequency_response", title: "Frequency response" }),
@@ -149,6 +149,10 @@ function contentOf(seen, running) {
         : { kind: "line", x: x(one), y, colour, width: 1.4, name: one.text, alpha });
     }
   }
+  const missing = missingOf(response);
+  if (missing.length) {
+    layers.push({ kind: "rug", fit: false, x: converted(missing, "omega", factors), colour: theme.missing, name: "no result" });
+  }
   layers.push(...branchLayers(diagram, factors, theme));
   if (!layers.length) {
     layers.push({ kind: "note", text: running ? "computing the frequency response …" : "no frequency response yet" });
@@ -161,6 +165,12 @@ function contentOf(seen, running) {
   };
 }
 
+/** Frequencies at which the response from the start has no result. */
+function missingOf(response) {
+  const rest = response?.series.find((one) => one.name === "rest") ?? response?.series[0];
+  return rest ? rest.omega.values.filter((_, k) => rest.amplitude.values[k] === null) : [];
+}
+
 function omegaRange(scene) {
   return rangeOf(scene).map(conversion("omega", scene.factors).to);
 }
@@ -169,6 +179,9 @@ function keyOf({ scene, response, diagram, stale, colour, old }) {
   const theme = colours();
   const entries = (response?.series ?? []).map((one) =>
     keyEntry(stale ? `${one.text} (${old})` : one.text, SWEEPS[one.name] ? theme[SWEEPS[one.name].colour] : (colour ?? scene.colour), { symbol: SWEEPS[one.name]?.symbol }));
+  if (missingOf(response).length) {
+    entries.push(keyEntry("no result", theme.missing, { symbol: "rug" }));
+  }
   if (diagram) {
     const kinds = new Set(diagram.series.flatMap((one) => one.stability.values));
     for (const [kind, dash] of [["stable", "solid"], ["elliptic", "double"], ["unstable", "dashed"], ["saddle", "dashed"]]) {
@@ -211,11 +224,17 @@ function words({ scene, response }, place) {
   });
   const value = rest.amplitude.values[k];
   const error = rest.error.values[k];
-  const at = `ω = ${numberText(xs[k], 4)}`;
+  const at = frequencyText(xs[k], scene.factors, 4);
   return value === null ? `${at}: ${rest.status[k]}` : `${at}, amplitude ${numberText(value, 4)} ± ${errorText(error ?? NaN)}`;
 }
 
-function noteOf(result) {
+/** A frequency in the units in force. */
+function frequencyText(omega, factors, digits) {
+  const { unit, to } = conversion("omega", factors);
+  return unit ? `f = ${numberText(to(omega), digits)} ${unit}` : `ω = ${numberText(omega, digits)}`;
+}
+
+function noteOf(result, factors) {
   const { resonance = {}, series, reason } = result;
   const at = resonance.resonance?.values;
   const rest = series.find((one) => one.name === "rest") ?? series[0];
@@ -223,7 +242,7 @@ function noteOf(result) {
   const missing = rest.amplitude.values.filter((x) => x === null).length;
   const parts = [];
   if (typeof at === "number") {
-    parts.push(`Largest at ω = ${numberText(at, 5)} ± ${errorText(resonance.resonance_error.values ?? NaN)}`);
+    parts.push(`Largest at ${frequencyText(at, factors, 5)} ± ${errorText(conversion("omega", factors).to(resonance.resonance_error.values ?? NaN))}`);
   } else {
     parts.push("No resonance inside this range");
   }

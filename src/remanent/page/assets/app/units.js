@@ -55,6 +55,24 @@ export function unitText(quantity, factors) {
   return unit ?? own;
 }
 
+/** Quantities that have another symbol, and perhaps another name, in SI. */
+const SI_NAMES = {
+  frequency: { symbol: "f" },
+  load: { symbol: "B", text: "flux density" },
+  rootLoad: { symbol: "B", text: "peak flux density" },
+};
+
+/**
+ * A quantity with the symbol and the name that it has in the units in force.
+ * @param {{name: string, symbol: string, text: string}} quantity
+ * @param {?Object} factors
+ * @returns {Object}
+ */
+export function named(quantity, factors) {
+  const kind = conversion(quantity.name, factors).unit !== null && KINDS.find(([pattern]) => pattern.test(quantity.name))?.[1];
+  return { ...quantity, ...(SI_NAMES[kind] ?? {}) };
+}
+
 /**
  * The title of an axis for a quantity of the description.
  * @param {{name: string, unit: string, text: string, symbol: string}} quantity
@@ -62,7 +80,8 @@ export function unitText(quantity, factors) {
  * @returns {{text: string, symbol: string, unit: string}}
  */
 export function titleOf(quantity, factors) {
-  return { text: quantity.text, symbol: quantity.symbol, unit: unitText(quantity, factors) };
+  const { text, symbol } = named(quantity, factors);
+  return { text, symbol, unit: unitText(quantity, factors) };
 }
 
 /** Time as a quantity. */
