@@ -142,8 +142,9 @@ def test_fixed_numbers_say_why() -> None:
     reasons = {one["name"]: one["fixed"] for one in chirp if one["fixed"] is not None}
     assert set(reasons) == {"start", "stop", "duration", "phase"}
     assert all(text.endswith(".") for text in reasons.values())
-    sine = page_model(rm.Actuator(), rm.SineSquared(0.4, 1.25)).description["parameters"]
-    assert [one["name"] for one in sine if one["fixed"] is not None] == []
+    for drive in (rm.SineSquared(0.4, 1.25), rm.Sines([0.2, 0.1], [1.0, 2.0**0.5], 0.9)):
+        free = page_model(rm.Actuator(), drive).description["parameters"]
+        assert [one["name"] for one in free if one["fixed"] is not None] == []
 
 
 def test_equal_models_have_equal_modules() -> None:

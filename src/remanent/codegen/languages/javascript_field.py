@@ -23,6 +23,8 @@ from remanent.codegen.languages.written import (
     waveform_expressions,
 )
 from remanent.models.drives.base import Drive
+from remanent.models.drives.loads import Loads
+from remanent.models.drives.sines import Sines
 
 _LANGUAGE = LANGUAGES["javascript"]
 #: Digits of the digest by which a module is called.
@@ -129,10 +131,12 @@ def javascript_field(
         q, w, k, out, j)`` and ``observed(...)`` read the state from i on and write from j on.
     """
     observables = _observables_in_order(field)
-    staged = _staged(field, drive, [field.observables[name] for name in observables], limits)
+    given = _numbers_of_the_piece(drive)
+    seen = [field.observables[name] for name in observables]
+    staged = _staged(field, drive, seen, limits, given)
     rows, columns = table_of_pieces(drive)
     period = None if drive.period is None else period_expression(drive)
-    names = _Identifiers(staged, columns, field.state_names)
+    names = _Identifiers(staged, columns, field.state_names, given)
     text = [
         *_exported_constants(field, drive, values, observables, rows, staged),
         *_function("period(p)", [f"return {names.period_text(period)};"]),
@@ -145,7 +149,7 @@ def javascript_field(
     ]
     body = lines.file_text(text)
     digest = hashlib.sha256(body.encode()).hexdigest()[:_ID_LENGTH]
-    changeable = {*staged.constants.input_names} & {*values}
+    changeable = {given.get(name, name) for name in staged.constants.input_names} & {*values}
     if isinstance(period, tuple):
         changeable.add(str(period[2]))
     source = f'export const id = "{digest}";\n{body}'
@@ -159,8 +163,26 @@ def _observables_in_order(field: Field) -> tuple[str, ...]:
     return tuple(dict.fromkeys([*known, *sorted(field.observables)]))
 
 
+def _numbers_of_the_piece(drive: Drive) -> dict[str, str]:
+    """Parameters of the one piece of a load that are numbers of the drive themselves.
+
+    Sines without a period have one piece of length 1, at whose end the angle is omega.
+    """
+    parts = drive.parts().items() if isinstance(drive, Loads) else [("", drive)]
+    prefixes = [
+        f"{load}." if load else ""
+        for load, one in parts
+        if isinstance(one, Sines) and one.piece_parameter_names
+    ]
+    return {f"{prefix}piece.turns": f"{prefix}omega" for prefix in prefixes}
+
+
 def _staged(
-    field: Field, drive: Drive, observables: Sequence[Program], limits: Program | None
+    field: Field,
+    drive: Drive,
+    observables: Sequence[Program],
+    limits: Program | None,
+    given: Mapping[str, str],
 ) -> StagedProgram:
     programs = {"motion": [field.rates], "observed": [*observables]}
     programs["inside"] = [] if limits is None else [limits]
@@ -171,7 +193,7 @@ def _staged(
         count = sum(len(one.output_slots) for one in several)
         outputs[name] = range(first, first + count)
         first += count
-    driven = {PHASE, *field.waveform_names, *drive.piece_parameter_names}
+    driven = {PHASE, *field.waveform_names, *drive.piece_parameter_names} - {*given}
     constant = {*field.parameter_names} - driven
     return staged_program(joined, outputs, constant, driven)
 
@@ -180,13 +202,19 @@ class _Identifiers:
     """The text of each name in a module."""
 
     def __init__(
-        self, staged: StagedProgram, columns: Sequence[str], state_names: Sequence[str]
+        self,
+        staged: StagedProgram,
+        columns: Sequence[str],
+        state_names: Sequence[str],
+        given: Mapping[str, str],
     ) -> None:
         self.constants = {name: f"q[{k}]" for k, name in enumerate(staged.constant_names)}
         self.driven = {name: f"w[k + {k}]" for k, name in enumerate(staged.driven_names)}
         self.state = {name: f"y[i + {k}]" for k, name in enumerate(state_names)}
         self.row = {name: f"row[{k}]" for k, name in enumerate(columns)}
-        self.parameters = {name: f"p[{json.dumps(name)}]" for name in staged.constants.input_names}
+        self.parameters = {
+            name: f"p[{json.dumps(given.get(name, name))}]" for name in staged.constants.input_names
+        }
         self.texts = {**self.constants, **self.driven, **self.state, **self.row, PHASE: "phase"}
 
     def period_text(self, period: Expression | None) -> str:
