@@ -7,13 +7,21 @@ import os
 import signal
 import socket as sockets
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import ExitStack
-from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.unit.web.server import PATIENCE, SPEC, Running, next_message, result_of, running
+from tests.unit.web.server import (
+    PATIENCE,
+    SPEC,
+    Running,
+    eventually,
+    is_gone,
+    next_message,
+    result_of,
+    running,
+)
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import ClientConnection
 
@@ -32,29 +40,10 @@ def server() -> Iterator[Running]:
         yield one
 
 
-def eventually(holds: Callable[[], bool]) -> bool:
-    """Whether something comes to hold in a while."""
-    end = time.monotonic() + PATIENCE
-    while time.monotonic() < end:
-        if holds():
-            return True
-        time.sleep(0.02)
-    return holds()
-
-
 def exchange(socket: ClientConnection, message: Any) -> Any:
     """Send a message, and what comes back."""
     socket.send(message)
     return socket.recv(timeout=PATIENCE)
-
-
-def is_gone(process: int) -> bool:
-    """Whether a process has ended, or only waits to be counted."""
-    try:
-        state = Path(f"/proc/{process}/stat").read_text("utf-8").rpartition(")")[2].split()[0]
-    except OSError:
-        return True
-    return state == "Z"
 
 
 def is_free(server: Running) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
 from typing import Annotated, Any, Final
@@ -142,9 +143,17 @@ def _add_store(app: FastAPI, explorer: Explorer) -> None:
         return _answer(await explorer.point(body.index))
 
 
+class _PlainResponse(JSONResponse):
+    """Plain data in letters of ASCII, as halves of others that a client sends are no UTF-8."""
+
+    def render(self, content: Any) -> bytes:
+        """The data as JSON."""
+        return json.dumps(content, allow_nan=False, separators=(",", ":")).encode("ascii")
+
+
 def _answer(content: Any) -> Response:
     """Plain data that is sent as it is: it was checked where it was made."""
-    return JSONResponse(content, headers={"cache-control": "no-store"})
+    return _PlainResponse(content, headers={"cache-control": "no-store"})
 
 
 def _add_errors(app: FastAPI) -> None:
@@ -169,7 +178,7 @@ def _add_errors(app: FastAPI) -> None:
 
 def error_response(error: RefusalError, headers: Mapping[str, str] | None = None) -> Response:
     """What is sent of a refusal."""
-    return JSONResponse(
+    return _PlainResponse(
         {"error": error.answer},
         status_code=error.status,
         headers={"cache-control": "no-store", **(headers or {})},

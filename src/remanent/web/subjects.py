@@ -47,7 +47,7 @@ def read_subject(spec: object) -> Subject:
         With every fault and its place.
     """
     if isinstance(spec, dict):
-        _require_few_values(spec)
+        _require_plain(spec)
         faults = faults_of_values(spec)
         if faults:
             raise FaultsError(faults)
@@ -95,8 +95,8 @@ def initial_state(subject: Subject) -> FloatArray | None:
     return state
 
 
-def _require_few_values(spec: dict[str, Any]) -> None:
-    """Refuse tables with so many values that reading them takes long."""
+def _require_plain(spec: dict[str, Any]) -> None:
+    """Refuse tables with so many values that reading them takes long, and halves of letters."""
     waiting: list[Any] = [spec]
     seen = 0
     while waiting:
@@ -107,7 +107,20 @@ def _require_few_values(spec: dict[str, Any]) -> None:
                 Fault((), f"hold at most {_MOST_NUMBERS} values", "more",
                       "The page follows a slider at once.", "Give fewer samples of the load.")
             ])  # fmt: skip
+        if isinstance(value, str) and not _is_text(value):
+            raise FaultsError([
+                Fault((), "hold text in Unicode", ascii(value[:40]),
+                      "Half of a pair of surrogates is no letter.", "Remove it.")
+            ])  # fmt: skip
         if isinstance(value, dict):
-            waiting += value.values()
+            waiting += [*value, *value.values()]
         elif isinstance(value, list):
             waiting += value
+
+
+def _is_text(value: str) -> bool:
+    try:
+        value.encode()
+    except UnicodeEncodeError:
+        return False
+    return True

@@ -5,9 +5,11 @@ from __future__ import annotations
 import http.client
 import json
 import threading
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from websockets.sync.client import ClientConnection, connect
@@ -136,3 +138,29 @@ def result_of(socket: ClientConnection, job: str, spec: Any = None, **options: A
     message = next_message(socket, "result", "error")
     assert message["id"] == job
     return message[message["type"]]
+
+
+def eventually(holds: Callable[[], bool]) -> bool:
+    """Whether something comes to hold in a while."""
+    end = time.monotonic() + PATIENCE
+    while time.monotonic() < end:
+        if holds():
+            return True
+        time.sleep(0.02)
+    return holds()
+
+
+def is_gone(process: int) -> bool:
+    """Whether a process has ended, or only waits to be counted."""
+    try:
+        state = Path(f"/proc/{process}/stat").read_text("utf-8").rpartition(")")[2].split()[0]
+    except OSError:
+        return True
+    return state == "Z"
+
+
+def processes_below(process: int) -> list[int]:
+    """The processes that a process has started, and those that these have."""
+    tasks = Path(f"/proc/{process}/task")
+    own = [int(one) for task in tasks.glob("*/children") for one in task.read_text().split()]
+    return own + [below for one in own for below in processes_below(one)]
