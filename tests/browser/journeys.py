@@ -53,7 +53,7 @@ def watched_page(browser: Browser, address: str, **options: Any) -> Iterator[Wat
         watched = Watched(context.new_page())
         open_page(watched.page, address)
         yield watched
-        assert watched.faults == []
+        assert not watched.faults, watched.faults
     finally:
         context.close()
 

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import statistics
 from collections.abc import Iterator
+from contextlib import ExitStack
 from pathlib import Path
 
+import numpy as np
 import pytest
-from playwright.sync_api import Browser
+from playwright.sync_api import Browser, Position
 from tests.browser import journeys as go
 from tests.unit.web.server import Running, running
 
 import remanent as rm
 from remanent.web.explorer import Opened
+from remanent.web.opening import open_source
 
 #: A damped block near its resonance: it has branches that are not stable, and basins.
 DAMPED = "#preset=damped-resonance"
@@ -164,27 +167,58 @@ def test_chart_is_cancelled_and_computed(browser: Browser, server: Running) -> N
         page.wait_for_function("() => location.hash.includes('y.stretch=')")
 
 
-def test_server_goes_and_comes_back(browser: Browser, tmp_path: Path) -> None:
+def test_server_goes_and_comes_back(browser: Browser) -> None:
     """Without a server curves still follow the sliders; with one again the rest comes back."""
-    with running(Opened()) as first:
-        context_address = f"{first.origin}/"
-        port = first.port
-        with go.watched_page(browser, context_address) as watched:
+    with ExitStack() as servers:
+        first = servers.enter_context(running(Opened()))
+        with go.watched_page(browser, f"{first.origin}/") as watched:
             page = watched.page
-            first.explorer.close()
-            page.route("**/api/**", lambda route: route.abort("connectionrefused"))
+            servers.close()
             page.select_option("#preset", "figure-6")
             page.wait_for_selector("#retry")
+            assert "server" in page.inner_text("#status-server")
             before = go.picture(page, "history")
             go.type_number(page, "temperature", "280")
             assert go.picture(page, "history") != before
-            assert "server" in page.inner_text("#status-server")
-            page.unroute("**/api/**")
+            page.click("#retry")
+            assert page.is_visible("#retry")
+            servers.enter_context(running(Opened(), port=first.port))
             page.click("#retry")
             page.wait_for_selector("#retry", state="hidden")
+            page.wait_for_function(
+                "() => document.querySelector('#response .card-note').textContent"
+                ".includes('Largest at')"
+            )
             watched.forgive_network()
-    assert port
-    assert tmp_path.exists()
+
+
+def test_store_shows_the_motion_of_a_point(browser: Browser, tmp_path: Path) -> None:
+    """A click in the chart of a store shows the motion behind it, under the point's numbers."""
+    actuator = rm.Actuator(temperature=350.0, dissipation=rm.Rayleigh(0.1))
+    omega, b = np.array([0.9, 1.2, 1.5, 1.8]), np.array([0.2, 0.4, 0.6])
+    store = tmp_path / "<b>chart.zarr"
+    rm.sweep(
+        actuator, rm.SineSquared(0.4, 1.25), {"b": b, "omega": omega}, "classify",
+        store=store, periods=100,
+    )  # fmt: skip
+    with (
+        running(open_source(store)) as server,
+        go.watched_page(browser, f"{server.origin}/") as watched,
+    ):
+        page = watched.page
+        page.wait_for_selector("#store .heatmaplayer image")
+        assert page.inner_text("#store h2") == "Study: <b>chart.zarr"
+        assert "12 points" in page.inner_text("#store .card-note")
+        cells = page.locator("#store .nsewdrag")
+        edges = cells.bounding_box()
+        assert edges is not None
+        place: Position = {"x": edges["width"] * 2.5 / 4, "y": edges["height"] * 0.5 / 3}
+        cells.hover(position=place)
+        page.wait_for_selector("#store .hoverlayer text")
+        cells.click(position=place)
+        page.wait_for_function("() => location.hash.includes('spec=')")
+        go.wait_for_pictures(page)
+        assert (go.value(page, "omega"), go.value(page, "b")) == (1.5, 0.6)
 
 
 def test_files_of_the_engine(visit: go.Watched, tmp_path: Path) -> None:
@@ -255,6 +289,8 @@ def test_from_slider_to_curves_is_measured(
     timings = page.evaluate("() => window.remanentTimings")
     taken = [one["drawn"] - one["asked"] for one in timings]
     assert len(taken) > 20
-    assert all(one["asked"] <= one["started"] <= one["integrated"] <= one["drawn"] for one in timings)
+    assert all(
+        one["asked"] <= one["started"] <= one["integrated"] <= one["drawn"] for one in timings
+    )
     with capsys.disabled():
         print(f"\nslider to curves, 500 periods: median {statistics.median(taken):.1f} ms")

@@ -12,7 +12,7 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import Any, Final
 
 from remanent._errors import RemanentError
-from remanent.page.files import assets_folder, module_sources, plotly_script
+from remanent.page.files import PLOTLY_STYLES, assets_folder, module_sources, plotly_script
 from remanent.page.joined import joined_modules
 from remanent.page.model import PageModel
 from remanent.page.reproduction import reproduction
@@ -137,6 +137,7 @@ def _policy(scripts: Sequence[str], styles: Sequence[str]) -> str:
         "default-src 'none'",
         f"script-src {' '.join(map(_digest, scripts))}",
         f"style-src {' '.join(map(_digest, styles))}",
+        f"style-src-attr 'unsafe-hashes' {' '.join(map(_digest, PLOTLY_STYLES))}",
         "img-src data: blob:",
         "base-uri 'none'",
         "form-action 'none'",

@@ -4,8 +4,21 @@ from __future__ import annotations
 
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Final
 
 from remanent._errors import RemanentError
+
+#: Style attributes that plotly.js writes: of the pixels of a chart, and of words in its titles.
+PLOTLY_STYLES: Final = (
+    "",
+    "image-rendering: optimizeSpeed; image-rendering: -moz-crisp-edges; "
+    "image-rendering: -o-crisp-edges; image-rendering: -webkit-optimize-contrast; "
+    "image-rendering: optimize-contrast; image-rendering: crisp-edges; "
+    "image-rendering: pixelated; ",
+    "font-style:italic",
+    "font-weight:bold",
+    "font-size:70%",
+)
 
 
 def assets_folder() -> Path:

@@ -6,19 +6,8 @@ import base64
 import hashlib
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import Final
 
-#: Style attributes that plotly.js writes: of the pixels of a chart, and of words in its titles.
-PLOTLY_STYLES: Final = (
-    "",
-    "image-rendering: optimizeSpeed; image-rendering: -moz-crisp-edges; "
-    "image-rendering: -o-crisp-edges; image-rendering: -webkit-optimize-contrast; "
-    "image-rendering: optimize-contrast; image-rendering: crisp-edges; "
-    "image-rendering: pixelated; ",
-    "font-style:italic",
-    "font-weight:bold",
-    "font-size:70%",
-)
+from remanent.page.files import PLOTLY_STYLES
 
 
 def content_security_policy() -> Mapping[str, str]:

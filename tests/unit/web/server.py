@@ -102,12 +102,13 @@ def running(
     opened: Opened | None = None,
     *,
     token: str = "",
+    port: int = 0,
     slots: int = 1,
     header_seconds: float = 10.0,
     **patience: float,
 ) -> Iterator[Running]:
     """A server while the block lasts; its processes are gone after it."""
-    listener = listening_socket("127.0.0.1", 0)
+    listener = listening_socket("127.0.0.1", port)
     port = int(listener.getsockname()[1])
     access = Access("127.0.0.1", port, token)
     explorer = Explorer(opened or Opened(SPEC), slots)

@@ -4,6 +4,8 @@ import { numberText, powerOfTen } from "./numbers.js";
 
 /** Share of an axis that stays free beyond the data at each end. */
 const MARGIN = 0.05;
+/** Labels along an axis, at most, about. */
+const MOST_TICKS = 10;
 /** An axis is kept while the data fill at least this share of it. */
 const MIN_FILLED_SHARE = 0.55;
 
@@ -61,7 +63,7 @@ function nearStep(spread, count) {
  * @returns {Array<{value: number, text: string}>}
  */
 export function ticks(range, length, { logarithmic = false, spacing = 70 } = {}) {
-  const count = Math.max(2, Math.floor(length / spacing));
+  const count = Math.min(MOST_TICKS, Math.max(2, Math.floor(length / spacing)));
   return logarithmic ? decadeTicks(range, count) : evenTicks(range, count);
 }
 

@@ -95,7 +95,7 @@ function mapView(app, { id, title, job, run, empty, grid, here, cell, pick, furt
     cancel: view.cancel,
     draw: (scene) => {
       seen.scene = scene;
-      view.node.hidden = !scene.description.drive.periodic || grid(scene) === null;
+      view.node.hidden = app.saved ? !seen.result : !scene.description.drive.periodic || grid(scene) === null;
       clearTimeout(moving);
       moving = setTimeout(paint, 200);
     },
@@ -110,7 +110,11 @@ function mapView(app, { id, title, job, run, empty, grid, here, cell, pick, furt
         view.say(`For parameters before the last change. ${noteOf(seen.result)}`);
       }
     },
-    showSaved: (results) => (results[job] ? show(results[job], "As computed when this page was saved. ") : (view.node.hidden = true)),
+    showSaved: (results) => {
+      if (results[job]) {
+        show(results[job], "As computed when this page was saved. ");
+      }
+    },
     figure: () => ({ plotly: seen.figure, name: id, title }),
   };
 }

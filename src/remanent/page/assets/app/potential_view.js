@@ -115,7 +115,7 @@ function keyOf(seen) {
 
 function noteOf({ landscape, description, watched }) {
   const symbol = symbolText(description.observables[watched].symbol);
-  const places = landscape.curves[0].equilibria.map((one) => `${symbol} = ${numberText(one.observable, 4)}${one.stable ? "" : " (unstable)"}`);
+  const places = landscape.curves[0].equilibria.map((one) => `${symbol} = ${numberText(Math.abs(one.observable) < 1e-9 ? 0 : one.observable, 4)}${one.stable ? "" : " (unstable)"}`);
   if (!places.length) {
     return "No equilibrium in this range.";
   }

@@ -102,6 +102,7 @@ export function responseView(app) {
       seen.diagram = some(results.response_diagram);
       seen.colour = seen.scene.colour;
       view.say(seen.response ? `As computed when this page was saved. ${noteOf(seen.response, seen.scene.factors)}` : results.frequency_response?.reason || "The page was saved without a frequency response.");
+      show();
     },
     say: view.say,
     figure: () => ({ plot, name: "frequency_response", title: "Frequency response" }),
