@@ -239,6 +239,17 @@ def test_a_motion_that_leaves_its_limits_ends_there(laboratory: Laboratory) -> N
     assert np.isfinite(seen["y"]).all()
 
 
+def test_steps_that_are_too_long_are_not_taken_for_leaving(laboratory: Laboratory) -> None:
+    """Law: a film that is much faster than its load is followed, with many steps in a period."""
+    film = rm.Actuator(c=0.029, temperature=276.0, prestress=0.82)
+    model = page_model(film, rm.Sine(0.56, 0.32, mean=0.1))
+    seen = laboratory.run(model, {"initial": [1.0, 0.0], "periods": 20})
+    assert seen["status"] in ("ok", "undetermined")
+    assert seen["end"] == pytest.approx(20 * 2.0 * np.pi / 0.32)
+    assert seen["steps"] > 100
+    assert max(seen["error"][:10]) < 1e-4
+
+
 def test_rest_stays_determined(laboratory: Laboratory) -> None:
     """Law: where nothing moves, rounding is not taken for a motion."""
     model = page_model(rm.Actuator(), rm.SineSquared(0.0, 1.25))

@@ -124,7 +124,8 @@ function isWorthRepeating(problem, run) {
 /** Whether both runs end early, and nearly at the same time: the motion itself leaves. */
 function hasLeft({ rows, coarseRows, asked, every }) {
   const apart = Math.abs(rows - coarseRows);
-  return rows < asked && coarseRows < asked && apart <= Math.max(2 * every, LEAVING * rows);
+  const bothEnd = rows < asked && coarseRows < asked;
+  return bothEnd && rows * LEAVING >= every && apart <= LEAVING * rows;
 }
 
 /** Steps in a unit by a few units of time, and what half the step then leaves of a difference. */
@@ -138,7 +139,8 @@ function resolutionByPilot(problem) {
     steps *= 2;
     run = runBoth(problem, units, steps);
   }
-  steps = finerSteps(steps, run.difference, differenceFor(target) / growth, true);
+  // How long steps may be for both runs to end together is known for these only.
+  steps = finerSteps(steps, run.difference, differenceFor(target) / growth, !hasLeft(run));
   let share = 1;
   for (let k = 0; k < TRIES && steps < LAST_STEPS; k += 1) {
     const { difference } = runBoth(problem, units, steps);
