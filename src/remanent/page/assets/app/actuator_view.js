@@ -37,14 +37,14 @@ export function actuatorView(app) {
   turnable(svg, angles, paint);
   onTheme(() => {
     paint();
-    showLegend(view.key);
+    showLegend(view.key, seen);
   });
-  showLegend(view.key);
   return {
     node: view.node, svg,
     draw: (scene) => {
       seen = scene;
       view.node.hidden = !scene.isActuator;
+      showLegend(view.key, scene);
     },
     mark: (now) => {
       instant = now;
@@ -58,12 +58,18 @@ export function actuatorView(app) {
   };
 }
 
-function showLegend(key) {
+function showLegend(key, scene) {
   const theme = colours();
+  const loaded = scene && deadLoads(scene.values).some((load) => load !== 0);
   showKey(key, [
     keyEntry("field", theme.blue, { symbol: "arrow" }), keyEntry("magnetisation", theme.ink, { symbol: "arrow" }),
-    keyEntry("dead load", theme.green, { symbol: "arrow" }), keyEntry("undeformed", theme.faint, { dash: "dashed" }),
+    ...(loaded ? [keyEntry("dead load", theme.green, { symbol: "arrow" })] : []),
+    keyEntry("undeformed", theme.faint, { dash: "dashed" }),
   ]);
+}
+
+function deadLoads(values) {
+  return [values.prestress ?? values.prestress_1 ?? 0, values.prestress ?? values.prestress_2 ?? 0];
 }
 
 /** Stretches along the two edges of a state. */
@@ -73,18 +79,18 @@ function stretchesOf({ description }, state) {
 }
 
 function blockScene(scene, instant, angles) {
-  const { values, colour, largestLoad, description } = scene;
+  const { values, colour, largestLoad, largestHalf, description } = scene;
   const [l1, l2] = stretchesOf(scene, instant.y);
   const edges = [values.edges_1 ?? 1, values.edges_2 ?? 1];
   const height = Math.sqrt(values.c);
   const rest = [edges[0], edges[1], height];
   const half = [edges[0] * l1, edges[1] * l2, height / (l1 * l2)];
   const loadAt = description.observables.findIndex((one) => one.name === "load");
-  const size = Math.max(...rest, 1) * 1.15;
+  const size = 1.15 * Math.max(...rest, 0.72 * largestHalf);
   return {
     half, rest, angles, colour, scale: (0.52 * VIEW) / size, largest: largestLoad / Math.max(0.55, height),
     load: loadAt >= 0 ? instant.observables[loadAt] : 0,
-    loads: [values.prestress ?? values.prestress_1 ?? 0, values.prestress ?? values.prestress_2 ?? 0],
+    loads: deadLoads(values),
   };
 }
 

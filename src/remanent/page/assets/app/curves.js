@@ -86,6 +86,31 @@ export function refined(field, motion, parameters, { from, to, parts }) {
 }
 
 /**
+ * The stated error of an observable, from that of the state: each variable's share of its size,
+ * times how much the observable changes with it.
+ * @param {Object} scene
+ * @param {number} row of the motion
+ * @param {number} index of the observable
+ * @returns {number}
+ */
+export function observableError({ motion, field, values }, row, index) {
+  const share = motion.error[row];
+  const state = Float64Array.from(motion.y, (column) => column[row]);
+  const out = new Float64Array(field.observable_names.length);
+  const at = () => field.observables(motion.t[row], state, values, out)[index];
+  const here = at();
+  let error = 0;
+  for (let j = 0; j < state.length; j += 1) {
+    const step = 1e-5 * motion.scales[j];
+    const before = state[j];
+    state[j] = before + step;
+    error += (Math.abs(at() - here) / step) * share * motion.scales[j];
+    state[j] = before;
+  }
+  return error;
+}
+
+/**
  * The state with a given observed value and rate, near a state.
  *
  * Newton's method in two unknowns: the value that all coordinates share, and that of their rates.

@@ -37,11 +37,14 @@ function figureOfPlot(plot) {
     layout[`yaxis${name}`] = {
       ...base.yaxis, title: { ...base.yaxis.title, text: titleForPlotly(panel.title) }, domain: shares[k],
       range, type: panel.logarithmic ? "log" : "linear", automargin: true, anchor: "x",
+      nticks: Math.max(3, Math.round(10 * (shares[k][1] - shares[k][0]))),
+      ...(panel.logarithmic ? { dtick: Math.max(1, Math.ceil((range[1] - range[0]) / 3)) } : {}),
     };
     panel.layers.forEach((layer) => addLayer(layer, `y${name}`, panel.y.range, data, layout, theme));
   });
   if (maps.panels.length > 1) {
     layout.xaxis.anchor = `y${maps.panels.length}`;
+    layout.xaxis.mirror = "allticks";
   }
   hideRepeated(data);
   return { data, layout };
@@ -64,7 +67,7 @@ function addLayer(layer, yaxis, range, data, layout, theme) {
   const named = { name: layer.name ?? "", showlegend: Boolean(layer.name), yaxis, opacity: layer.alpha ?? 1 };
   if (layer.kind === "line") {
     data.push({ ...named, type: "scatter", mode: "lines", x: Array.from(layer.x), y: Array.from(layer.y),
-      line: { color: layer.colour, width: layer.width ?? 1.25, dash: DASHES[layer.dash ?? "solid"] } });
+      line: { color: layer.colour, width: layer.width ?? 1.25, dash: DASHES[layer.dash ?? "solid"], simplify: false } });
   } else if (layer.kind === "points" && layer.x.length) {
     data.push({ ...named, type: "scatter", mode: "markers", x: Array.from(layer.x), y: Array.from(layer.y),
       marker: { color: layer.colour, size: 2 * (layer.size ?? 2), symbol: SYMBOLS[layer.symbol ?? "dot"], line: { color: layer.colour, width: layer.width ?? 1 } } });
@@ -79,7 +82,7 @@ function addLayer(layer, yaxis, range, data, layout, theme) {
       layout.annotations.push({ text: layer.name, x: layer.from, xref: "x", y: 1, yref: `${yaxis} domain`, xanchor: "left", yanchor: "top", showarrow: false });
     }
   } else if (layer.kind === "vertical") {
-    layout.shapes.push({ type: "line", xref: "x", yref: `${yaxis} domain`, x0: layer.x, x1: layer.x, y0: 0, y1: 1, line: { color: layer.colour, width: 1, dash: DASHES[layer.dash ?? "solid"] } });
+    layout.shapes.push({ type: "line", xref: "x", yref: `${yaxis} domain`, x0: layer.x, x1: layer.x, y0: 0, y1: 1, line: { color: layer.colour, width: 1, dash: DASHES[layer.dash ?? "solid"], simplify: false } });
   } else if (layer.kind === "note") {
     layout.annotations.push({ text: layer.text, x: 0.5, xref: "paper", y: 0.5, yref: `${yaxis} domain`, showarrow: false });
   }

@@ -123,25 +123,55 @@ export function layoutOf(x, y, size = parseFloat(getComputedStyle(document.body)
 }
 
 /**
- * Draw a figure by plotly.js in a host, with a function for clicks on its cells.
+ * Draw a figure by plotly.js in a host, with a function for clicks on its cells; arrow keys move
+ * from cell to cell, and Enter is a click.
  * @param {HTMLElement} host
  * @param {{data: Array<Object>, layout: Object}} figure
- * @param {function(number, number): void} [pick] called with column and row
+ * @param {function(number, number): void} pick called with column and row
+ * @param {function(string): void} say reads words out
  */
-export function drawFigure(host, figure, pick) {
+export function drawFigure(host, figure, pick, say) {
   const config = { displayModeBar: false, responsive: true, doubleClick: "reset" };
   globalThis.Plotly.react(host, figure.data, figure.layout, config);
   host.removeAllListeners?.("plotly_click");
-  if (pick) {
-    host.on("plotly_click", ({ points }) => {
-      const [point] = points;
-      if (Array.isArray(point?.pointNumber)) {
-        pick(point.pointNumber[1], point.pointNumber[0]);
-      } else if (point?.curveNumber === 0) {
-        pick(point.pointNumber, 0);
-      }
-    });
+  host.on("plotly_click", ({ points }) => {
+    const [point] = points;
+    if (Array.isArray(point?.pointNumber)) {
+      pick(point.pointNumber[1], point.pointNumber[0]);
+    } else if (point?.curveNumber === 0) {
+      pick(point.pointNumber, 0);
+    }
+  });
+  host.tabIndex = 0;
+  host.setAttribute("role", "group");
+  host.setAttribute("aria-label", "Chart. Arrow keys move from cell to cell, Enter shows the motion of a cell.");
+  host.onkeydown = (event) => pressKey(event, host, figure, pick, say);
+}
+
+const STEPS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+
+function pressKey(event, host, { data }, pick, say) {
+  const [chart] = data;
+  const columns = chart.x.length;
+  const rows = chart.z ? chart.y.length : 1;
+  const [column, row] = (host.dataset.cell ?? `${columns >> 1},${rows >> 1}`).split(",").map(Number);
+  const step = STEPS[event.key];
+  if (step) {
+    const next = [Math.min(Math.max(column + step[0], 0), columns - 1), Math.min(Math.max(row + step[1], 0), rows - 1)];
+    host.dataset.cell = next.join();
+    say([chart.z ? chart.text[next[1]][next[0]] : chart.text[next[0]]].flat().join(", ").replaceAll("<br>", ", "));
+    showCell(host, chart, next);
+  } else if (event.key === "Enter" && host.dataset.cell) {
+    pick(column, row);
+  } else {
+    return;
   }
+  event.preventDefault();
+}
+
+/** Mark a cell as plotly.js marks the one below the pointer. */
+function showCell(host, chart, [column, row]) {
+  globalThis.Plotly.Fx.hover(host, { xval: chart.x[column], yval: chart.z ? chart.y[row] : chart.y[column] }, "xy");
 }
 
 /**

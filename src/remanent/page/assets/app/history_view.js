@@ -1,7 +1,7 @@
 // The history: the observed quantity, the energy, and the error of both, against time.
 
 import { card, keyEntry, putText, segments, showKey } from "./card.js";
-import { determinedCount, firstAfter, refined } from "./curves.js";
+import { determinedCount, firstAfter, observableError, refined } from "./curves.js";
 import { errorText, numberText } from "./numbers.js";
 import { createPlot } from "./plot.js";
 import { symbolText } from "./symbols.js";
@@ -11,6 +11,8 @@ import { SI_TIME, TIME, conversion, converted, titleOf } from "./units.js";
 
 /** Time that is shown at first, in units of tau. */
 const SHOWN_TIME = 100;
+/** Share of a variable from which an error can be seen beside the curve. */
+const VISIBLE_ERROR = 1e-3;
 
 /**
  * The view of the history.
@@ -81,7 +83,7 @@ function layersOf(scene, span, zoom) {
   const errors = motion.error.subarray(from, to + 1);
   const errorT = converted(motion.t.subarray(from, to + 1), "time", factors);
   const known = errors.map((x) => (x > 0 ? x : 1e-17));
-  const bandError = bandOf(motion, curve, y, from, parts);
+  const bandError = curve.t.length ? bandOf(scene, Float64Array.from(y), from, parts) : null;
   return {
     curve, t, y,
     content: {
@@ -115,17 +117,17 @@ function bare(layer) {
 }
 
 /** The error around the curve, where it is large enough to be seen. */
-function bandOf(motion, curve, y, from, parts) {
-  let largest = 0;
-  const low = new Float64Array(y.length);
-  const high = new Float64Array(y.length);
-  for (let i = 0; i < y.length; i += 1) {
-    const error = motion.error[Math.min(motion.error.length - 1, from + Math.ceil(i / parts))];
-    largest = Math.max(largest, error);
-    low[i] = y[i] - error;
-    high[i] = y[i] + error;
+function bandOf(scene, y, from, parts) {
+  const { motion, watched, description, factors } = scene;
+  const rows = Math.ceil((y.length - 1) / parts);
+  if (!(motion.error[from + rows] > VISIBLE_ERROR)) {
+    return null;
   }
-  return largest > 1e-3 && largest < 10 ? { low, high } : null;
+  const { to } = conversion(description.observables[watched].name, factors);
+  const unit = Math.abs(to(1) - to(0));
+  const errors = Float64Array.from({ length: rows + 1 }, (_, k) => unit * observableError(scene, from + k, watched));
+  const at = (i) => errors[Math.min(rows, Math.ceil(i / parts))];
+  return { low: y.map((value, i) => value - at(i)), high: y.map((value, i) => value + at(i)) };
 }
 
 function nearest(seen, time) {
@@ -141,7 +143,9 @@ function words(seen, place) {
   const k = nearest(seen, place.x);
   const { description, watched, motion, factors } = seen;
   const unit = conversion("time", factors).unit;
-  const error = motion.error[Math.min(motion.error.length - 1, firstAfter(motion.t, seen.curve.t[k]))];
+  const row = Math.min(motion.t.length - 1, firstAfter(motion.t, seen.curve.t[k]));
+  const { to } = conversion(description.observables[watched].name, factors);
+  const error = Math.abs(to(observableError(seen, row, watched)) - to(0));
   const symbol = symbolText(description.observables[watched].symbol);
   return `${unit ? "t" : "τ"} = ${numberText(seen.t[k], 5)}${unit ? ` ${unit}` : ""}, ${symbol} = ${numberText(seen.y[k], 6)} ± ${errorText(error)}`;
 }

@@ -17,7 +17,7 @@ const COUNTS = [["16", "16 × 16"], ["32", "32 × 32"], ["64", "64 × 64"]];
  */
 export function basinsView(app) {
   return mapView(app, {
-    id: "basins", title: "Basins of attraction", job: "basins", run: "Compute basins",
+    id: "basins", title: "Basins of attraction", job: "basins", 
     empty: "Where motions from many starts end. Click in the chart to start there.",
     grid: gridOfStates,
     here: (result, scene) => ({ x: stateOf(scene, result.x.name), y: stateOf(scene, result.y.name) }),
@@ -41,7 +41,7 @@ export function basinsView(app) {
  */
 export function regimeChartView(app) {
   return mapView(app, {
-    id: "regime_chart", title: "Chart of regimes", job: "regime_chart", run: "Compute chart",
+    id: "regime_chart", title: "Chart of regimes", job: "regime_chart", 
     empty: "Periodic, quasi-periodic or chaotic, over the frequency and the strength of the load. Click a point to see its motion.",
     grid: gridOfParameters,
     here: (result, scene) => ({ x: scene.values[result.x.name], y: scene.values[result.y.name] }),
@@ -54,16 +54,16 @@ export function regimeChartView(app) {
   });
 }
 
-function mapView(app, { id, title, job, run, empty, grid, here, cell, pick, further = () => "" }) {
+function mapView(app, { id, title, job, empty, grid, here, cell, pick, further = () => "" }) {
   const view = jobCard(app, { id, title, job, save: () => app.save(id) });
   const count = menu(COUNTS.map(([value, text]) => ({ value, text })), "32", () => {}, { "aria-label": `cells of the chart: ${title}` });
   const seen = { result: null, scene: null, figure: null };
-  const compute = button(run, async () => {
+  const compute = button("Compute", async () => {
     const result = await view.run(app.currentSpec(), { grid: grid(seen.scene), count: Number(count.value) });
     if (result) {
       show(result);
     }
-  });
+  }, { "aria-label": `compute: ${title}` });
   const intro = element("div", { class: "card-empty" }, element("p", { text: empty }));
   const host = element("div", { class: "plotly-host", hidden: true });
   view.body.append(intro, host);
@@ -78,7 +78,7 @@ function mapView(app, { id, title, job, run, empty, grid, here, cell, pick, furt
     const chart = chartOf(result, cell);
     seen.figure = categoryFigure({ ...chart, here: here(result, scene) });
     showKey(view.key, [...seen.figure.key, keyEntry("you are here", "var(--vermillion)", { symbol: "ring" })]);
-    drawFigure(host, seen.figure, (i, j) => pick(result, chart.x.values[i], chart.y.values[j]));
+    drawFigure(host, seen.figure, (i, j) => pick(result, chart.x.values[i], chart.y.values[j]), app.say);
   };
   const show = (result, prefix = "") => {
     seen.result = result;

@@ -48,7 +48,19 @@ function measures(motion, description, field, values) {
   const last = motion.t[Math.max(0, determinedCount(motion) - 1)] ?? 0;
   return {
     period: field.period(values),
+    largestHalf: largestHalf(motion, description, values),
     largestLoad: Math.max(Math.abs(low), Math.abs(high)) || 0,
     played: [0, last],
   };
+}
+
+/** The largest half edge of the block along the motion; 0 where there is no block. */
+function largestHalf(motion, description, values) {
+  if (description.kind !== "Actuator" || !motion.t.length) {
+    return 0;
+  }
+  const watched = description.observables.findIndex((one) => one.name === description.watched);
+  const edges = description.state.filter((one) => one.role === "coordinate")
+    .map((one) => extent(motion.y[description.state.indexOf(one)])[1]);
+  return Math.max(...edges, Math.sqrt(values.c) * extent(motion.observables[watched])[1]);
 }

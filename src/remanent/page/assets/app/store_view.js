@@ -23,7 +23,7 @@ export function storeView(app, store) {
     if (seen.chart) {
       seen.figure = figureOf(seen);
       showKey(view.key, seen.figure.key);
-      drawFigure(host, seen.figure, pick);
+      drawFigure(host, seen.figure, pick, app.say);
     }
   };
   const pick = async (i, j) => {

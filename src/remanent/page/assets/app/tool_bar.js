@@ -17,7 +17,7 @@ export function toolBar(app) {
     const { description } = app.store.get();
     byId("title").textContent = titleOf(app);
     units = hasUnits(description)
-      ? segments("units", [{ value: "no", text: "1" }, { value: "yes", text: "SI" }], () => (app.store.get().si ? "yes" : "no"), (choice) => app.changeUnits(choice === "yes"))
+      ? segments("units", [{ value: "no", text: "Dimensionless" }, { value: "yes", text: "SI" }], () => (app.store.get().si ? "yes" : "no"), (choice) => app.changeUnits(choice === "yes"))
       : null;
     refill(
       byId("bar"),
