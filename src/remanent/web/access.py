@@ -5,10 +5,13 @@ from __future__ import annotations
 import ipaddress
 import secrets
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Final
 
 #: Names of this machine that no name server can give to another.
 _LOOPBACK_NAMES: Final = frozenset({"localhost", "127.0.0.1", "::1"})
+#: Where a browser of this machine finds a server that listens at all of its addresses.
+_LOOPBACK_OF_ANY: Final = MappingProxyType({"0.0.0.0": "127.0.0.1", "::": "::1"})
 #: Bytes of a token.
 _TOKEN_BYTES: Final = 32
 
@@ -39,7 +42,8 @@ class Access:
     @property
     def address(self) -> str:
         """What a browser is given, with the token."""
-        host = f"[{self.host}]" if ":" in self.host else self.host
+        name = _LOOPBACK_OF_ANY.get(self.host, self.host)
+        host = f"[{name}]" if ":" in name else name
         return f"http://{host}:{self.port}/" + (f"?token={self.token}" if self.token else "")
 
     @property

@@ -134,7 +134,7 @@ def _add_data(app: FastAPI, explorer: Explorer) -> None:
 def _add_store(app: FastAPI, explorer: Explorer) -> None:
     """What a page asks about an opened store."""
 
-    @app.get("/api/store")
+    @app.get("/api/store", response_model=bodies.StoreAnswer)
     async def store() -> Any:
         return _answer(await explorer.store())
 

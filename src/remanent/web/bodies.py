@@ -140,6 +140,18 @@ class FilesAnswer(Answer):
     files: dict[str, str]
 
 
+class StoreAnswer(Answer):
+    """What the chart of a store shows."""
+
+    title: str
+    verb: str
+    dims: list[dict[str, Any]]
+    coords: dict[str, dict[str, Any]]
+    variables: dict[str, dict[str, Any]]
+    status: dict[str, Any]
+    point: dict[str, Any]
+
+
 class SpecAnswer(Answer):
     """What is looked at."""
 

@@ -21,6 +21,8 @@ _START_CAP: Final = 60.0
 _WAITING: Final = 16
 #: Field modules that are kept.
 _MOST_FIELDS: Final = 256
+#: Languages whose files begin with an orbit that is searched for.
+_SEARCHING_LANGUAGES: Final = frozenset({"auto07p"})
 _SIMPLER: Final = "Look at something simpler."
 _RELOAD: Final = "These equations are not known here any more. Load the page again."
 
@@ -81,8 +83,9 @@ class Explorer:
         return [*self._deriving.process_numbers, *self._computing.process_numbers]
 
     async def start(self) -> dict[str, Any]:
-        """What a page begins with."""
-        assert self._start is not None
+        """What a page begins with; where that failed, it is tried again."""
+        if self._start is None or (self._start.done() and self._start.exception()):
+            self._start = asyncio.create_task(self._make_start())
         return await asyncio.shield(self._start)
 
     def field_source(self, digest: str) -> str:
@@ -110,7 +113,9 @@ class Explorer:
         return await self._derive("reproduce", asked)
 
     async def export(self, asked: dict[str, Any]) -> Any:
-        """The equations in another tool's language."""
+        """The equations in another tool's language; a search for an orbit takes a job's place."""
+        if asked["language"] in _SEARCHING_LANGUAGES:
+            return await self.compute("export", asked, cap=_CAP, remedy=_SIMPLER)
         return await self._derive("export", asked)
 
     async def store(self) -> Any:
@@ -143,8 +148,9 @@ class Explorer:
         try:
             answer = await self._derive("start", {"spec": self.opened.spec}, _START_CAP)
         finally:
-            self._computing.start_processes()
-            self._computing.listen()
+            if not self._computing.process_numbers:
+                self._computing.start_processes()
+                self._computing.listen()
         store = self.opened.store
         return {
             "version": version("remanent"),

@@ -5,9 +5,10 @@ from __future__ import annotations
 import asyncio
 import json
 import multiprocessing
+import signal
 import threading
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from functools import partial
 from multiprocessing.connection import Connection
 from typing import Any, Final, TypeAlias
@@ -44,7 +45,8 @@ class Worker:
         self._process = context.Process(
             target=serve_pipe, args=(theirs, warm_up), daemon=True, name="remanent-explore"
         )
-        self._process.start()
+        with _interrupts_held():
+            self._process.start()
         theirs.close()
         self._number = 0
         self._is_closed = False
@@ -134,6 +136,19 @@ class Worker:
         assert self._loop is not None
         with suppress(RuntimeError):  # the loop is closed, and nobody listens
             self._loop.call_soon_threadsafe(self._messages.put_nowait, message)
+
+
+@contextmanager
+def _interrupts_held() -> Iterator[None]:
+    """Start processes to which Ctrl-C is not delivered before they can handle it."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _read(pipe: Connection, hand_on: Callable[[tuple[dict[str, Any], bytes] | None], None]) -> None:

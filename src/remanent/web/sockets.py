@@ -11,7 +11,7 @@ from fastapi import WebSocket, WebSocketDisconnect
 from pydantic import ValidationError
 
 from remanent.web.bodies import CancelMessage, JobMessage
-from remanent.web.errors import UNEXPECTED, RefusalError, busy_refusal
+from remanent.web.errors import UNEXPECTED, RefusalError
 from remanent.web.explorer import Explorer
 from remanent.web.limits import JOB_LIMITS
 
@@ -107,8 +107,6 @@ class _Session:
         if asked.job not in JOB_LIMITS:
             names = ", ".join(JOB_LIMITS)
             raise RefusalError(422, f"There is no such job. The jobs are {names}.")
-        if len(self._jobs) > self._explorer.slots:
-            raise busy_refusal()
         task = asyncio.create_task(self._compute(asked))
         self._jobs[asked.id] = task
         task.add_done_callback(lambda _: self._jobs.pop(asked.id, None))

@@ -44,6 +44,8 @@ def serve_pipe(pipe: Connection, warm_up: bool) -> None:
         with suppress(OSError, AttributeError):
             os.nice(_NICENESS)
     signal.signal(signal.SIGINT, inbox.interrupt)
+    if hasattr(signal, "pthread_sigmask"):  # they were held while the process started
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
     threading.Thread(target=inbox.listen, daemon=True).start()
     from remanent.web import tasks
 
