@@ -209,6 +209,61 @@ def test_one_step_is_that_of_the_package(laboratory: Laboratory, h: float) -> No
     np.testing.assert_allclose(seen, method.step(rates, [0.7, -0.3], h), rtol=2e-15)
 
 
+TIMES = """
+async ([url, options]) => {
+  const field = await import(url);
+  const { integrate } = await import("/engine/motion.js");
+  const [first, again] = [integrate(field, options), integrate(field, options)];
+  const same = first.y.every((column, c) => column.every((one, k) => one === again.y[c][k]));
+  return { t: [...first.t], load: [...first.observables[field.observable_names.indexOf("load")]],
+    section: [...first.section.t], breaks: field.breaks, same };
+}
+"""
+
+
+def times_of_run(laboratory: Laboratory, model: PageModel, **length: float) -> Any:
+    options = {"initial": model.description["initial"], **length}
+    laboratory.run(model, options)
+    return laboratory.evaluate(TIMES, [f"/fields/{model.id}.js", options])
+
+
+def test_steps_end_where_a_load_jumps(laboratory: Laboratory) -> None:
+    """Law: every break is an instant of the curve, with the load after it; runs end as asked."""
+    steps = rm.Steps([0.0, 1.3, 1.35, 7.77], [0.1, 0.2, 0.05, 0.3])
+    seen = times_of_run(laboratory, page_model(rm.Actuator(), steps), duration=9.1)
+    assert (np.diff(seen["t"]) > 0.0).all()
+    assert seen["t"][-1] == pytest.approx(9.1, rel=1e-14)
+    for time, load in zip(steps.times, steps.loads, strict=True):
+        nearest = int(np.argmin(np.abs(np.array(seen["t"]) - time)))
+        assert seen["t"][nearest] == pytest.approx(time, rel=1e-15)
+        assert seen["load"][nearest] == load
+    assert seen["section"] == []
+    assert seen["same"]
+
+
+@pytest.mark.parametrize("length", [{"periods": 3.4}, {"duration": 11.0}, {"periods": 0.3}])
+def test_runs_are_as_long_as_asked(laboratory: Laboratory, length: dict[str, float]) -> None:
+    """Law: whole periods and parts of one; the section is at whole periods, the load exact."""
+    drive = rm.SineSquared(0.4, 1.25)
+    period = float(drive.period or 0.0)
+    seen = times_of_run(laboratory, page_model(rm.Actuator(), drive), **length)
+    end = length.get("duration", length.get("periods", 0.0) * period)
+    assert seen["t"][-1] == pytest.approx(end, rel=1e-12)
+    np.testing.assert_allclose(seen["load"], drive(seen["t"]), atol=1e-14)
+    whole = np.arange(int(end / period) + 1) * period
+    np.testing.assert_allclose(seen["section"], whole, rtol=1e-14)
+
+
+def test_samples_end_where_they_are_known(laboratory: Laboratory) -> None:
+    """Law: a longer run than the table ends with it."""
+    seen = times_of_run(
+        laboratory, page_model(rm.Actuator(), rm.Sampled([0.0, 4.0, 6.0], [0.0, 0.1, 0.2])),
+        duration=50.0,
+    )  # fmt: skip
+    assert seen["t"][-1] == pytest.approx(6.0, rel=1e-14)
+    assert np.isfinite(seen["load"]).all()
+
+
 def test_a_chaotic_motion_says_until_when_it_is_determined(laboratory: Laboratory) -> None:
     """Law: its error only grows, to the size of the motion; more steps determine it for longer."""
     system = rm.LagrangianSystem.example()

@@ -120,7 +120,9 @@ def page_model(
         "drive": _described_drive(drive),
         "si": _si_factors(system),
         "initial": [float(x) for x in ens.initial_states[0]],
-        "warnings": [str(one.message) for one in said if issubclass(one.category, InputWarning)],
+        "warnings": [*dict.fromkeys(
+            str(one.message) for one in said if issubclass(one.category, InputWarning)
+        )],
     }  # fmt: skip
     return PageModel(description, module.source)
 

@@ -11,6 +11,7 @@ from remanent._errors import InputError
 from remanent.models.actuator import Actuator
 from remanent.models.drives.base import Drive
 from remanent.models.drives.loads import Loads
+from remanent.models.physical_sizes import PhysicalSizes
 from remanent.models.plain import KIND_KEY, to_plain_data
 from remanent.models.scaling import Scales
 from remanent.models.system import System
@@ -81,7 +82,7 @@ def write_spec(system: System, drive: Drive, initial: Mapping[str, float]) -> Sp
     Raises
     ------
     InputError
-        A class that is not public: its values cannot be written as a table.
+        A class that is not public, or physical sizes that are varied: no table says them.
     """
     spec: Spec = {}
     if isinstance(system, Actuator):
@@ -139,7 +140,14 @@ def actuator_table(actuator: Actuator) -> dict[str, Any]:
     """The table [actuator]; sizes in SI stand in its table ``si``."""
     table = to_plain_data(actuator)
     del table[KIND_KEY]
-    table.pop("physical_sizes", None)
+    if table.pop("physical_sizes", None) is not None and actuator.physical_sizes != PhysicalSizes():
+        raise InputError(
+            "system",
+            must="have physical sizes of 1",
+            got=repr(actuator.physical_sizes),
+            why="A study file gives sizes in its table [actuator.si].",
+            fix="Build the actuator with rm.Actuator.from_si.",
+        )
     scales = table.pop("scales", None)
     if scales is not None and actuator.scales is not None:
         table["si"] = _si_table(actuator, actuator.scales)

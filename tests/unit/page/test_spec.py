@@ -52,6 +52,14 @@ def test_starts_are_read_by_name() -> None:
     assert write_spec(system, drive, initial)["initial"] == {"stretch": 1.1}
 
 
+def test_what_no_table_says_is_refused() -> None:
+    """Law: nothing is dropped in silence: sizes over their own are refused, those of 1 are not."""
+    varied = rm.Actuator().with_parameter("density", 1.0)
+    assert read_spec(write_spec(varied, rm.Constant(0.1), {}))[0] == rm.Actuator()
+    with pytest.raises(rm.InputError, match="physical sizes"):
+        write_spec(varied.with_parameter("density", 2.0), rm.Constant(0.1), {})
+
+
 @pytest.mark.parametrize(
     ("spec", "places"),
     [
