@@ -362,6 +362,24 @@ def test_equilibria_of_the_potential_are_those_of_the_package(
         assert abs(lowest - curve["equilibria"][0]["x"]) < 0.01
 
 
+@pytest.mark.parametrize(
+    ("drive", "extremes"),
+    [
+        (rm.SineSquared(0.4, 1.25), [0.16]),
+        (rm.Sine(0.1, 1.0, mean=0.3), [0.2, 0.4]),
+        (rm.Steps([0.0, 30.0, 60.0], [0.16, 0.32, 0.05]), [0.05, 0.32]),
+        (rm.Sines([0.1, 0.1], [1.0, 2.0**0.5], 0.9, mean=0.3), [0.1, 0.5]),
+    ],
+)
+def test_potentials_are_those_at_the_extremes_of_the_load(
+    laboratory: Laboratory, drive: Any, extremes: list[float]
+) -> None:
+    """Law: without a load, at the least and at the largest; each load once."""
+    found = potential(laboratory, page_model(rm.Actuator(), drive))
+    loads = [one["load"] for one in found["curves"]]
+    np.testing.assert_allclose(loads, [0.0, *extremes], atol=2e-3)
+
+
 def test_two_wells_have_a_saddle_between_them(laboratory: Laboratory) -> None:
     """Law: Duffing's potential has stable rests at -1 and 1, and an unstable one at 0."""
     found = potential(

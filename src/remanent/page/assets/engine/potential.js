@@ -2,9 +2,14 @@
 
 import { constantsOf } from "./stepper.js";
 
-/** Places of the curve, and phases at which extremes of the load are looked for. */
+/** Places of the curve. */
 const PLACES = 400;
+/** Instants at which extremes of the load are looked for: in a period, among pieces, in each. */
 const PHASES = 256;
+const INSTANTS = 4096;
+const LEAST_PHASES = 8;
+/** How long a piece without an end is looked through. */
+const LONG_TIME = 200;
 /** Halvings of an interval in which a force changes its sign. */
 const HALVINGS = 60;
 /** Half of the distance over which a slope is taken. */
@@ -113,19 +118,32 @@ function forceAt(body, w, place) {
 /** The least and the largest load, each with what time decides where it acts. */
 function extremesOfLoad({ field, q, layout, initial }) {
   const body = { field, q, layout, initial };
-  const rows = Math.max(1, field.pieces.length);
+  const pieces = Math.max(1, field.pieces.length);
   let least = { load: Infinity };
   let largest = { load: -Infinity };
-  for (let piece = 0; piece < rows; piece += 1) {
-    for (let k = 0; k <= PHASES; k += 1) {
+  for (let piece = 0; piece < pieces; piece += 1) {
+    const { reach, count } = phasesOf(field, piece);
+    for (let k = 0; k <= count; k += 1) {
       const w = new Float64Array(field.driven_count);
-      field.driven(k / PHASES, piece, q, w, 0);
+      field.driven((reach * k) / count, piece, q, w, 0);
       const load = observedAt(body, w, initial[layout.coordinate])[layout.load];
       least = load < least.load ? { load, w } : least;
       largest = load > largest.load ? { load, w } : largest;
     }
   }
   return [least, largest];
+}
+
+/** How far a piece is looked through, in its lengths, and at how many instants. */
+function phasesOf({ pieces }, piece) {
+  if (pieces.length === 0) {
+    return { reach: 1, count: PHASES };
+  }
+  if (piece === pieces.length - 1) {
+    // The last piece has no end.
+    return { reach: Math.max(1, LONG_TIME / pieces[piece][1]), count: INSTANTS };
+  }
+  return { reach: 1, count: Math.max(LEAST_PHASES, Math.ceil(INSTANTS / pieces.length)) };
 }
 
 function landscape(body, { load, w }, x) {
