@@ -18,7 +18,7 @@ from hypothesis.errors import Unsatisfiable
 from schemathesis import GenerationMode
 from schemathesis.core.result import Ok
 from tests.faults.study_file_mutations import files
-from tests.unit.web.server import PATIENCE, SPEC, Running, next_message, running
+from tests.unit.web.server import PATIENCE, SPEC, Running, next_message, result_of, running
 
 from remanent.web.app import make_app
 from remanent.web.limits import JOB_LIMITS
@@ -30,6 +30,8 @@ TAKING_SPECS: dict[str, dict[str, Any]] = {
     "/api/model": {}, "/api/reproduce": {}, "/api/export": {"language": "python"},
     "/api/data": {"periods": 2, "format": "csv"},
 }  # fmt: skip
+#: Numbers of lists within each other: near what the parsers and the writers of JSON bear.
+DEPTHS = (100, 300, 500, 900, 950, 980, 1000, 2000)
 #: Values that stand where others should.
 ODD: tuple[Any, ...] = (
     None, True, -1, 0, 1e308, -1e-308, 1e16, 10**30, "", "x", "<script>", "\x00", "é" * 5000,
@@ -143,7 +145,7 @@ def fuzz_by_specs(client: httpx.Client, seed: int, count: int) -> None:
         path = rng.choice(list(TAKING_SPECS)) if "spec" in body else "/api/model"
         try:
             content = json.dumps(body | TAKING_SPECS[path], default=str)
-        except ValueError:
+        except (ValueError, RecursionError):  # no JSON can say this
             continue
         headers = {"Content-Type": "application/json"}
         answer = client.post(path, content=content.encode("utf-8", "replace"), headers=headers)
@@ -194,13 +196,25 @@ def test_bytes_at_random(client: httpx.Client, content: bytes, kind: str) -> Non
     [
         b"[" * 100_000,
         b'{"spec":' * 50_000,
+        *(b'{"spec": {"a": ' + b"[" * depth + b"]" * depth + b"}}" for depth in DEPTHS),
+        *(b'{"a":' * depth + b"1" + b"}" * depth for depth in DEPTHS),
         b'{"spec": {"a": ' + b"9" * 5000 + b"}}",
         b'{"spec": {"actuator": {"temperature": 1e999}, "drive": {"kind": "Constant", "m": NaN}}}',
         b'{"spec": {"actuator": {"\\ud800": "\\udfff"}, "drive": {}}}',
         b'{"spec": {}, "spec": {}, "language": "\\u0000"}',
         b"\xff\xfe{\x00}\x00",
     ],
-    ids=["deep list", "deep table", "long number", "not finite", "surrogates", "twice", "UTF-16"],
+    ids=[
+        "deep list",
+        "deep table",
+        *(f"list in {depth} others" for depth in DEPTHS),
+        *(f"table in {depth} others" for depth in DEPTHS),
+        "long number",
+        "not finite",
+        "surrogates",
+        "twice",
+        "UTF-16",
+    ],
 )
 def test_bodies_that_break_parsers(client: httpx.Client, body: bytes) -> None:
     """Law: what is deep, long, not finite or no text is refused in words."""
@@ -238,6 +252,16 @@ def fuzz_socket(server: Running, seed: int, count: int) -> None:
                 assert error["status"] != 500, (text[:2000], error)
                 assert error["message"], text[:2000]
                 assert "Traceback" not in error["message"]
+
+
+@pytest.mark.parametrize("depth", DEPTHS)
+def test_deep_messages(server: Running, depth: int) -> None:
+    """Law: lists within lists are refused in words, however many, and cost no slot."""
+    with server.socket() as socket:
+        deep = "[" * depth + "]" * depth
+        socket.send(f'{{"id": "a", "job": "classify", "spec": {{"a": {deep}}}}}')
+        assert 400 <= next_message(socket, "error", "result")["error"]["status"] < 500
+        assert result_of(socket, "equilibria")["kind"] == "equilibria"
 
 
 def test_messages_at_random(server: Running) -> None:

@@ -26,6 +26,7 @@ _ON_THE_WAY: Final = frozenset({"begun", "progress"})
 _CRASHED: Final = (
     "The process that computed it ended by itself. Ask for less, or for another point."
 )
+_TOO_DEEP: Final = "There are too many tables and lists within each other."
 #: What is told of the share that is done.
 ProgressFunction: TypeAlias = Callable[[float], None]
 
@@ -71,12 +72,11 @@ class Worker:
 
     def tell(self, task: str, arguments: Any) -> None:
         """Ask for something that has no answer."""
-        self._send({"number": 0, "task": task, "arguments": arguments})
+        self._send(_with_number(0, _text_of(task, arguments)))
 
     async def ask(
         self,
-        task: str,
-        arguments: Any,
+        request: str,
         report: ProgressFunction | None,
         begun: Callable[[], None],
     ) -> Any:
@@ -88,7 +88,7 @@ class Worker:
             What the process refuses, or that it died.
         """
         self._number += 1
-        self._send({"number": self._number, "task": task, "arguments": arguments})
+        self._send(_with_number(self._number, request))
         while True:
             answer, data = await self._next()
             if answer["number"] != self._number:
@@ -106,7 +106,7 @@ class Worker:
 
     async def stops(self) -> bool:
         """Whether the process breaks off what it does within its time of grace."""
-        self._send({"cancel": self._number})
+        self._send(json.dumps({"cancel": self._number}))
         with suppress(TimeoutError, RefusalError):
             async with asyncio.timeout(_GRACE_SECONDS):
                 while True:
@@ -121,9 +121,9 @@ class Worker:
         self._process.join()
         self._pipe.close()
 
-    def _send(self, message: dict[str, Any]) -> None:
+    def _send(self, text: str) -> None:
         with suppress(OSError):  # a process that died is noticed where its answer is awaited
-            self._pipe.send_bytes(json.dumps(message).encode())
+            self._pipe.send_bytes(text.encode())
 
     async def _next(self) -> tuple[dict[str, Any], bytes]:
         message = await self._messages.get()
@@ -136,6 +136,24 @@ class Worker:
         assert self._loop is not None
         with suppress(RuntimeError):  # the loop is closed, and nobody listens
             self._loop.call_soon_threadsafe(self._messages.put_nowait, message)
+
+
+def _text_of(task: str, arguments: Any) -> str:
+    """A request as JSON, without its number.
+
+    Raises
+    ------
+    RefusalError
+        Lists within lists, deeper than can be written.
+    """
+    try:
+        return json.dumps({"task": task, "arguments": arguments})
+    except RecursionError:
+        raise RefusalError(422, _TOO_DEEP) from None
+
+
+def _with_number(number: int, request: str) -> str:
+    return f'{{"number": {number}, {request[1:]}'
 
 
 @contextmanager
@@ -239,6 +257,7 @@ class WorkerPool:
         RefusalError
             Too much is asked at once, it takes too long, or what the work itself refuses.
         """
+        text = _text_of(task, arguments)
         if self.is_full:
             raise busy_refusal()
         self._asked += 1
@@ -247,15 +266,15 @@ class WorkerPool:
             try:
                 async with asyncio.timeout(_PREPARING_SECONDS) as limit:
                     end = partial(_end_in, limit, cap)
-                    result = await worker.ask(task, arguments, report, end)
+                    result = await worker.ask(text, report, end)
+            except RefusalError:
+                self._give_back(worker)
+                raise
             except TimeoutError:
                 self._stop(worker)
                 raise out_of_time_refusal(cap, remedy) from None
-            except asyncio.CancelledError:
+            except BaseException:
                 self._stop(worker)
-                raise
-            except RefusalError:
-                self._give_back(worker)
                 raise
             self._give_back(worker)
             return result

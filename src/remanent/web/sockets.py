@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import traceback
 from contextlib import suppress
 from typing import Any, Final
 
@@ -133,9 +134,9 @@ class _Session:
         except asyncio.CancelledError:
             self._refuse(asked.id, RefusalError(499, "It was cancelled."))
             raise
-        except Exception:
+        except Exception as error:  # a defect, which is told to the terminal
+            traceback.print_exception(error)
             self._refuse(asked.id, RefusalError(500, UNEXPECTED))
-            raise
         else:
             self._tell(asked.id, "result", {"result": result})
 
