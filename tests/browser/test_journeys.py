@@ -183,7 +183,7 @@ def test_server_goes_and_comes_back(browser: Browser) -> None:
             page.click("#retry")
             assert page.is_visible("#retry")
             servers.enter_context(running(Opened(), port=first.port))
-            page.click("#retry")
+            page.evaluate("() => document.querySelector('#retry').click()")
             page.wait_for_selector("#retry", state="hidden")
             page.wait_for_function(
                 "() => document.querySelector('#response .card-note').textContent"

@@ -18,29 +18,42 @@ let current = null;
  * @returns {{result: Promise<Object>, cancel: function(): void}} cancel rejects with AbortError
  */
 export function startJob(job, spec, options, onProgress) {
+  const message = (id) => JSON.stringify({ id, job, spec, options });
+  const begin = (id) => opened().then((open) => waiting.has(id) && open.send(message(id)));
+  const { id, result } = enqueued(begin, onProgress);
+  return { result, cancel: () => cancel(id) };
+}
+
+/**
+ * Ask for something that takes the place of a job, when those before it are done.
+ * @param {function(): Promise<*>} request
+ * @returns {Promise<*>} what it gives
+ */
+export function inTurn(request) {
+  return enqueued(async (id) => settle(id, "resolve", await request()), () => {}).result;
+}
+
+function enqueued(begin, onProgress) {
   count += 1;
   const id = `job-${count}`;
   const result = new Promise((resolve, reject) => {
-    waiting.set(id, { resolve, reject, onProgress, message: JSON.stringify({ id, job, spec, options }) });
+    waiting.set(id, { begin, resolve, reject, onProgress });
   });
   if (current !== null) {
     onProgress(NaN, "waiting for other work …");
   }
-  sendNext();
-  return { result, cancel: () => cancel(id) };
+  beginNext();
+  return { id, result };
 }
 
-function sendNext() {
+function beginNext() {
   if (current !== null || waiting.size === 0) {
     return;
   }
-  const [id, { message, onProgress }] = waiting.entries().next().value;
+  const [id, { begin, onProgress }] = waiting.entries().next().value;
   current = id;
   onProgress(NaN, "computing …");
-  opened().then(
-    (open) => waiting.has(id) && open.send(message),
-    (error) => settle(id, "reject", error),
-  );
+  begin(id).catch((error) => settle(id, "reject", error));
 }
 
 function cancel(id) {
@@ -59,7 +72,7 @@ function settle(id, how, value) {
     current = null;
   }
   entry?.[how](value);
-  sendNext();
+  beginNext();
 }
 
 function opened() {

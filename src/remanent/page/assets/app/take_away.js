@@ -3,6 +3,7 @@
 import { send, sendForFile } from "./api.js";
 import { button, byId, element, menu, refill } from "./dom.js";
 import { download, figureFile } from "./figure_export.js";
+import { inTurn } from "./jobs.js";
 
 const LANGUAGES = [
   ["matlab", "MATLAB, Octave"], ["python", "Python (SciPy)"], ["julia", "Julia"], ["auto07p", "AUTO-07p"], ["c", "C"], ["javascript", "JavaScript"],
@@ -64,7 +65,10 @@ function dataSection(app) {
   const { description, periods, duration } = app.store.get();
   const length = description.drive.periodic ? { periods: Math.min(2000, periods) } : { duration };
   const fromServer = (format, ending) => button(format === "netcdf" ? "netCDF" : "CSV", guarded(words, async () => {
-    const file = await sendForFile("/api/data", { spec: app.currentSpec(), ...length, format }, `motion.${ending}`);
+    words.textContent = "computing …";
+    const asked = { spec: app.currentSpec(), ...length, format };
+    const file = await inTurn(() => sendForFile("/api/data", asked, `motion.${ending}`));
+    words.textContent = "";
     download(file.blob, file.name);
   }), { id: `data-${format}` });
   const own = button("CSV of the curves", guarded(words, async () => {
