@@ -13,6 +13,7 @@ from typing import Any
 
 import pytest
 from tests.unit.web.server import (
+    LONG,
     PATIENCE,
     SPEC,
     Running,
@@ -26,12 +27,6 @@ from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import ClientConnection
 
 from remanent.web.guard import MAX_BODY_BYTES
-
-#: A job that takes longer than any test, but for a machine within its budget.
-LONG = {
-    "id": "long", "job": "regime_chart", "spec": {**SPEC, "actuator": {}},
-    "options": {"grid": {"omega": [0.6, 1.9], "b": [0.2, 1.2]}, "count": 64, "periods": 1000},
-}  # fmt: skip
 
 
 @pytest.fixture(scope="module")

@@ -26,6 +26,11 @@ SPEC: dict[str, Any] = {
     "actuator": {"temperature": 350.0, "dissipation": [{"kind": "Rayleigh", "eta": 0.1}]},
     "drive": {"kind": "SineSquared", "b": 0.4, "omega": 1.25},
 }
+#: A job that takes longer than any test, but for a machine within its budget.
+LONG: dict[str, Any] = {
+    "id": "long", "job": "regime_chart", "spec": {**SPEC, "actuator": {}},
+    "options": {"grid": {"omega": [0.6, 1.9], "b": [0.2, 1.2]}, "count": 64, "periods": 1000},
+}  # fmt: skip
 #: Seconds after which a test gives up waiting.
 PATIENCE = 60.0
 

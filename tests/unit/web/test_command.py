@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import http.client
+import json
 import os
 import re
 import signal
@@ -15,7 +16,17 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
-from tests.unit.web.server import PATIENCE, eventually, is_gone, processes_below
+from tests.unit.web.server import (
+    LONG,
+    PATIENCE,
+    SPEC,
+    eventually,
+    is_gone,
+    next_message,
+    processes_below,
+)
+from websockets.sync.client import connect
+from websockets.typing import Origin
 
 from remanent._errors import InputError
 from remanent.cli.main import commands
@@ -73,7 +84,8 @@ def answer(port: int, path: str, **headers: str) -> tuple[int, bytes]:
     ("number", "code"), [(signal.SIGINT, 0), (signal.SIGTERM, 128 + signal.SIGTERM)]
 )
 def test_it_serves_and_ends_with_all_it_started(number: signal.Signals, code: int) -> None:
-    """Law: the page is at the address that is shown, and Ctrl-C and SIGTERM leave nothing."""
+    """Law: the page is at the address that is shown; Ctrl-C and SIGTERM leave nothing, with a page
+    open and a job under way."""
     with command("--port", "0") as process:
         _, port, query = address_of(process)
         assert query == ""
@@ -81,10 +93,16 @@ def test_it_serves_and_ends_with_all_it_started(number: signal.Signals, code: in
         assert status == 200
         assert b"<!doctype html>" in page.lower()
         assert answer(port, "/plotly.js")[0] == answer(port, "/api/start")[0] == 200
-        family = processes_below(process.pid)
-        assert family
-        process.send_signal(number)
-        _, said = process.communicate(timeout=PATIENCE)
+        origin = f"http://127.0.0.1:{port}"
+        with connect(f"ws://127.0.0.1:{port}/api/jobs", origin=Origin(origin)) as socket:
+            socket.send(json.dumps({"id": "a", "job": "classify", "spec": SPEC}))
+            assert next_message(socket, "result", "error")["type"] == "result"
+            socket.send(json.dumps(LONG))
+            next_message(socket, "progress")
+            family = processes_below(process.pid)
+            assert len(family) >= 2
+            process.send_signal(number)
+            _, said = process.communicate(timeout=PATIENCE)
         assert process.returncode == code
         assert "Traceback" not in said
         assert eventually(lambda: all(map(is_gone, family)))
