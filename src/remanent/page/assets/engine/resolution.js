@@ -9,8 +9,8 @@ const FIRST_STEPS = 16;
 const LAST_STEPS = 2 ** 15;
 /** Units of time by which the resolution is chosen. */
 const PILOT_UNITS = 8;
-/** Errors of a motion that is not chaotic grow with the time to this power. */
-const GROWTH = 1.5;
+/** Errors of an undamped motion that is not chaotic grow with the time to this power. */
+const GROWTH = 2;
 /** A run is not repeated for errors up to so many times the target, unless it is refined. */
 const TOLERATED = 10;
 /** A difference of two short runs above this share says nothing of the order. */
