@@ -37,7 +37,8 @@ export function fittedRange(data, before, { logarithmic = false, tight = false, 
   [low, high] = [Math.min(low, middle - spread / 2), Math.max(high, middle + spread / 2)];
   low = Math.max(Math.floor((low - MARGIN * spread) / step) * step, logarithmic ? -Infinity : floor);
   high = Math.ceil((high + MARGIN * spread) / step) * step;
-  return logarithmic ? [10 ** low, 10 ** high] : [low, high];
+  const room = logarithmic ? 0.14 * (high - low) : 0;
+  return logarithmic ? [10 ** (low - room), 10 ** (high + room)] : [low, high];
 }
 
 function niceStep(spread, count) {

@@ -117,7 +117,7 @@ function fieldArrows(to, [a, b], load, largest, theme) {
 function deadLoads(to, [a, b, c], [first, second], theme) {
   const sides = [[1, 0, first], [-1, 0, first], [0, 1, second], [0, -1, second]];
   return sides.filter(([, , size]) => Math.abs(size) > 1e-9).map(([u, v, size]) => {
-    const reach = 0.32 * Math.min(2, Math.abs(size));
+    const reach = 0.2 + 0.28 * Math.min(2, Math.abs(size));
     const near = to([u * a, v * b, 0 * c]);
     const far = to([u * (a + reach * Math.abs(u)), v * (b + reach * Math.abs(v)), 0]);
     return size > 0 ? arrow(near, far, theme.green, 2.6) : arrow(far, near, theme.green, 2.6);

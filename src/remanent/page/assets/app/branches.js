@@ -1,5 +1,7 @@
 // Branches of periodic response: what is stable is solid, what is not is dashed.
 
+import { keyEntry } from "./card.js";
+import { errorText } from "./numbers.js";
 import { converted } from "./units.js";
 
 const LOOKS = {
@@ -58,20 +60,39 @@ function pieces(branch, factors, theme) {
 }
 
 /**
+ * The legend of a diagram: what line is stable and what is not, and its special points.
+ * @param {?Object} diagram
+ * @param {Object} theme
+ * @returns {Array<Object>}
+ */
+export function branchKey(diagram, theme) {
+  if (!diagram) {
+    return [];
+  }
+  const kinds = new Set(diagram.series.flatMap((one) => one.stability.values));
+  const lines = Object.entries(LOOKS).filter(([kind]) => kinds.has(kind)).map(([kind, { dash }]) => keyEntry(kind, theme.ink, { dash }));
+  const special = [...new Set((diagram.special?.special_kind?.values ?? []).filter(Boolean))];
+  return [...lines, ...special.map((kind) => keyEntry(kind.replace(/_/g, " "), theme.purple, { symbol: MARKS[kind] ?? "diamond" }))];
+}
+
+/**
  * What there is to say of a diagram.
  * @param {Object} diagram
  * @returns {string}
  */
 export function branchNote({ series, special, reason, status }) {
   const kinds = special?.special_kind?.values?.filter(Boolean) ?? [];
-  const counts = [...new Set(kinds)].map((kind) => `${kinds.filter((one) => one === kind).length} × ${kind.replace(/_/g, " ")}`);
+  const counts = [...new Set(kinds)].map((kind) => {
+    const count = kinds.filter((one) => one === kind).length;
+    return `${count} ${kind.replace(/_/g, " ")}${count === 1 ? "" : "s"}`;
+  });
   const errors = series.flatMap((one) => one.error.values).filter((x) => x !== null);
   const parts = [`${series.length} ${series.length === 1 ? "branch" : "branches"} of periodic response`];
   if (counts.length) {
     parts.push(counts.join(", "));
   }
   if (errors.length) {
-    parts.push(`error of amplitudes ≤ ${Math.max(...errors).toExponential(0)}`);
+    parts.push(`error of amplitudes ≤ ${errorText(Math.max(...errors))}`);
   }
   if (status && status !== "ok") {
     parts.push(`${[status].flat().filter((one) => one !== "ok").join(", ")}${reason ? `: ${reason}` : ""}`);

@@ -70,11 +70,13 @@ function hatching(x, y, cells) {
   }] : [];
 }
 
+/** A black ring in a white one, which can be seen on every colour. */
 function placeHere(here) {
-  return here && Number.isFinite(here.x + here.y) ? [{
+  const ring = (color, width) => ({
     type: "scatter", mode: "markers", x: [here.x], y: [here.y], hoverinfo: "skip", showlegend: false, name: "you are here",
-    marker: { symbol: "circle-open", size: 13, color: colours().vermillion, line: { width: 3 } },
-  }] : [];
+    marker: { symbol: "circle-open", size: 13, color, line: { width } },
+  });
+  return here && Number.isFinite(here.x + here.y) ? [ring("#ffffff", 5), ring("#000000", 2)] : [];
 }
 
 /**

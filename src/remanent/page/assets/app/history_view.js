@@ -82,7 +82,7 @@ function layersOf(scene, span, zoom) {
   const y = quantity(watched);
   const errors = motion.error.subarray(from, to + 1);
   const errorT = converted(motion.t.subarray(from, to + 1), "time", factors);
-  const known = errors.map((x) => (x > 0 ? x : 1e-17));
+  const known = errors.map((x) => (x > 0 ? x : NaN));
   const bandError = curve.t.length ? bandOf(scene, Float64Array.from(y), from, parts) : null;
   return {
     curve, t, y,
@@ -99,7 +99,7 @@ function layersOf(scene, span, zoom) {
             : [{ kind: "note", text: "no energy is defined for this system" }] },
         { title: { text: "error", symbol: "", unit: "" }, layers: [
           ...unknown.map(bare),
-          { kind: "line", monotonic: true, x: errorT, y: known, colour: theme.vermillion, width: 1.2, name: "stated error" },
+          { kind: "line", monotonic: true, x: errorT, y: known, colour: theme.faint, width: 1.2, name: "stated error" },
         ] },
       ],
     },
@@ -107,7 +107,7 @@ function layersOf(scene, span, zoom) {
       ...(split < t.length ? [keyEntry("not determined", theme.missing, { dash: "dotted" })] : []),
       keyEntry(symbolText(description.observables[watched].symbol), colour),
       ...(energy >= 0 ? [keyEntry("energy", theme.green)] : []),
-      keyEntry("error", theme.vermillion),
+      keyEntry("error", theme.faint),
     ],
   };
 }

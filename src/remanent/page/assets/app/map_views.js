@@ -77,7 +77,7 @@ function mapView(app, { id, title, job, empty, grid, here, cell, pick, further =
     }
     const chart = chartOf(result, cell);
     seen.figure = categoryFigure({ ...chart, here: here(result, scene) });
-    showKey(view.key, [...seen.figure.key, keyEntry("you are here", "var(--vermillion)", { symbol: "ring" })]);
+    showKey(view.key, [...seen.figure.key, keyEntry("you are here", "var(--ink)", { symbol: "ring" })]);
     drawFigure(host, seen.figure, (i, j) => pick(result, chart.x.values[i], chart.y.values[j]), app.say);
   };
   const show = (result, prefix = "") => {

@@ -70,7 +70,7 @@ function layersOf(scene) {
     return { kind: "line", colour, name: span.name, x, y, width: turns > 60 ? 0.7 : 1.1, alpha: faint };
   });
   const start = {
-    kind: "points", symbol: "cross", colour: theme.vermillion, size: 4, width: 1.6, name: "start", ...startOf(scene, names),
+    kind: "points", symbol: "cross", colour: scene.here, size: 4, width: 1.6, name: "start", ...startOf(scene, names),
   };
   const lostCount = lost.x.length;
   return {
@@ -81,7 +81,7 @@ function layersOf(scene) {
     key: [
       keyEntry("orbit", colour), ...(time.length ? [keyEntry("section", theme.ink, { symbol: "dot" })] : []),
       ...(lostCount ? [keyEntry("not determined", theme.missing, { symbol: "ring" })] : []),
-      keyEntry("start", theme.vermillion, { symbol: "cross" }),
+      keyEntry("start", scene.here, { symbol: "cross" }),
     ],
     note: time.length ? noteOf(dots.x.length, lostCount, pieces.length > 1) : "The load has no period, so there is no section at its phase.",
   };

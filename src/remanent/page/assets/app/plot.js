@@ -133,7 +133,7 @@ function paintAxes(plot) {
   const context = cleared(plot, plot.frame);
   panels.forEach((panel, k) => {
     paintGrid(context, panel, x, em, theme);
-    paintFrame(context, panel, x, em, theme, k === panels.length - 1);
+    paintFrame(context, panel, x, em, theme, { first: k === 0, last: k === panels.length - 1 });
   });
   paintTitles(context, plot, em, theme);
 }
@@ -174,7 +174,7 @@ function paintGrid(context, panel, x, em, theme) {
   context.stroke();
 }
 
-function paintFrame(context, panel, x, em, theme, isLast) {
+function paintFrame(context, panel, x, em, theme, { first, last }) {
   const tick = 0.35 * em;
   context.strokeStyle = theme.frame;
   context.fillStyle = theme.ink;
@@ -190,7 +190,10 @@ function paintFrame(context, panel, x, em, theme, isLast) {
     const place = Math.round(panel.y.pixel(value)) + 0.5;
     context.moveTo(x.start, place);
     context.lineTo(x.start + tick, place);
-    context.fillText(text, x.start - 0.45 * em, place);
+    const crowded = (!first && place < panel.y.end + 0.45 * em) || (!last && place > panel.y.start - 0.45 * em);
+    if (!crowded) {
+      context.fillText(text, x.start - 0.45 * em, place);
+    }
   }
   context.textAlign = "center";
   context.textBaseline = "top";
@@ -198,7 +201,7 @@ function paintFrame(context, panel, x, em, theme, isLast) {
     const place = Math.round(x.pixel(value)) + 0.5;
     context.moveTo(place, panel.y.start);
     context.lineTo(place, panel.y.start - tick);
-    if (isLast) {
+    if (last) {
       context.fillText(text, place, panel.y.start + 0.4 * em);
     }
   }

@@ -6,7 +6,7 @@ import { element } from "./dom.js";
 import { determinedCount } from "./curves.js";
 import { errorText, numberText } from "./numbers.js";
 import { createPlot } from "./plot.js";
-import { branchLayers, branchNote } from "./branches.js";
+import { branchKey, branchLayers, branchNote } from "./branches.js";
 import { colours } from "./theme.js";
 import { placeTip } from "./tip.js";
 import { conversion, converted, titleOf } from "./units.js";
@@ -183,20 +183,12 @@ function keyOf({ scene, response, diagram, stale, colour, old }) {
   if (missingOf(response).length) {
     entries.push(keyEntry("no result", theme.missing, { symbol: "rug" }));
   }
-  if (diagram) {
-    const kinds = new Set(diagram.series.flatMap((one) => one.stability.values));
-    for (const [kind, dash] of [["stable", "solid"], ["elliptic", "double"], ["unstable", "dashed"], ["saddle", "dashed"]]) {
-      if (kinds.has(kind)) {
-        entries.push(keyEntry(kind, theme.ink, { dash }));
-      }
-    }
-  }
-  return [...entries, keyEntry("you are here", theme.vermillion, { symbol: "dot" })];
+  return [...entries, ...branchKey(diagram, theme), keyEntry("you are here", scene.here, { symbol: "dot" })];
 }
 
 function placeMarks({ scene }) {
   const place = conversion("omega", scene.factors).to(scene.values.omega);
-  const colour = colours().vermillion;
+  const colour = scene.here;
   const amplitude = amplitudeOf(scene);
   const dot = Number.isFinite(amplitude) ? [{ kind: "dot", x: place, y: amplitude, colour }] : [];
   return Number.isFinite(place) ? [{ kind: "vertical", x: place, colour, dash: "dotted", name: "you are here" }, ...dot] : [];

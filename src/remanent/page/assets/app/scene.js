@@ -38,6 +38,7 @@ function labelsOf({ description, values, initial }) {
     axes: [watched, rate >= 0 ? rate : (watched + 1) % names.length],
     energy: names.indexOf("energy"),
     colour: kelvin === undefined ? colours().blue : temperatureColour(kelvin),
+    here: kelvin === undefined ? colours().vermillion : colours().here,
     initial,
   };
 }

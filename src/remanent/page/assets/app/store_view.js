@@ -134,7 +134,7 @@ function curve(x, y, title, texts, here) {
   const theme = colours();
   const line = { type: "scatter", mode: "lines+markers", x: x.values, y, text: texts, hoverinfo: "text", line: { color: theme.blue, width: 1.5 }, marker: { size: 5 } };
   const k = here ? x.values.indexOf(here.x) : -1;
-  const place = k >= 0 ? [{ type: "scatter", mode: "markers", x: [here.x], y: [y[k]], hoverinfo: "skip", marker: { symbol: "circle-open", size: 13, color: theme.vermillion, line: { width: 3 } } }] : [];
+  const place = k >= 0 ? [{ type: "scatter", mode: "markers", x: [here.x], y: [y[k]], hoverinfo: "skip", marker: { symbol: "circle-open", size: 13, color: theme.ink, line: { width: 3 } } }] : [];
   return { data: [line, ...place], layout: layoutOf(x, { title }), key: [] };
 }
 

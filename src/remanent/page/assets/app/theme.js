@@ -4,14 +4,14 @@
 const LIGHT = {
   name: "light", ground: "#ffffff", ink: "#1a1a1a", faint: "#6b6f76", grid: "#e4e7eb", frame: "#4a4e55",
   blue: "#0072B2", vermillion: "#C44E00", green: "#00805E", purple: "#A84F82", orange: "#9A6900",
-  sky: "#2F8FD0", missing: "#9a9a9a", veil: "rgba(120,120,120,0.16)",
+  sky: "#2F8FD0", here: "#0a7fc4", missing: "#9a9a9a", veil: "rgba(120,120,120,0.16)",
   temperature: ["#20068f", "#44039e", "#6300a7", "#8104a7", "#9c179e", "#b42e8d", "#c8437b", "#da5a6a", "#e87059"],
   numbers: ["#440154", "#481c6e", "#463480", "#3e4a89", "#355f8d", "#2c728e", "#25848e", "#1f968b", "#22a884"],
 };
 const DARK = {
   name: "dark", ground: "#15181c", ink: "#eceef0", faint: "#a0a6ad", grid: "#2b3036", frame: "#8b9199",
   blue: "#56B4E9", vermillion: "#FF8A3D", green: "#2FC79A", purple: "#E59BC4", orange: "#E6B23C",
-  sky: "#8CCBF2", missing: "#7d7d7d", veil: "rgba(190,190,190,0.14)",
+  sky: "#8CCBF2", here: "#56B4E9", missing: "#7d7d7d", veil: "rgba(190,190,190,0.14)",
   temperature: ["#b12a90", "#c5407e", "#d6556d", "#e66c5c", "#f2844b", "#fa9e3b", "#feba2c", "#fad824", "#f0f921"],
   numbers: ["#2a788e", "#238a8d", "#1e9c89", "#28ae80", "#44bf70", "#6ccd5a", "#9bd93c", "#cde11d", "#fde725"],
 };

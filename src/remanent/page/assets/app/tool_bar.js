@@ -59,7 +59,7 @@ function shareButton(app) {
 }
 
 function themeMenu() {
-  const choices = [{ value: "auto", text: "Auto" }, { value: "light", text: "Light" }, { value: "dark", text: "Dark" }];
+  const choices = [{ value: "auto", text: "Auto theme" }, { value: "light", text: "Light" }, { value: "dark", text: "Dark" }];
   return menu(choices, chosenTheme(), chooseTheme, { id: "theme", "aria-label": "light or dark" });
 }
 
