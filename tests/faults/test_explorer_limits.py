@@ -111,10 +111,28 @@ def test_slow_clients_are_let_go() -> None:
         assert server.ask("POST", "/api/model", {"spec": SPEC}).status == 200
 
 
+def test_clients_that_do_not_read_are_let_go() -> None:
+    """Law: an answer that is not taken in time is broken off, and others are served."""
+    with running(answer_seconds=0.3) as server:
+        whole = len(server.ask("GET", "/plotly.js").body)
+        with sockets.socket() as raw:
+            raw.setsockopt(sockets.SOL_SOCKET, sockets.SO_RCVBUF, 4096)
+            raw.settimeout(PATIENCE)
+            raw.connect(("127.0.0.1", server.port))
+            head = f"GET /plotly.js HTTP/1.1\r\nHost: 127.0.0.1:{server.port}\r\n\r\n"
+            raw.sendall(head.encode())
+            time.sleep(2.0)  # longer than the server waits, which is all that matters
+            taken = 0
+            while piece := received(raw):
+                taken += len(piece)
+        assert taken < whole
+        assert server.ask("GET", "/api/start").status == 200
+
+
 def received(raw: sockets.socket) -> bytes:
     """What comes before the connection ends, in whichever way."""
     try:
-        return raw.recv(100)
+        return raw.recv(65536)
     except ConnectionError:
         return b""
 

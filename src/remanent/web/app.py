@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import traceback
 from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
 from typing import Annotated, Any, Final
@@ -172,7 +173,8 @@ def _add_errors(app: FastAPI) -> None:
         return error_response(_refusal_of_body(error))
 
     @app.exception_handler(Exception)
-    async def unexpected(_: Request, __: Exception) -> Response:
+    async def unexpected(_: Request, error: Exception) -> Response:
+        traceback.print_exception(error)
         return error_response(RefusalError(500, UNEXPECTED))
 
 

@@ -8,6 +8,8 @@ from typing import Final
 
 from remanent._errors import InputError, error_sentence
 
+#: Milliseconds for which a client may leave what was sent to it, before it is cut off.
+_STUCK_MILLISECONDS: Final = 60_000
 #: Connections that may wait to be accepted.
 _BACKLOG: Final = 64
 
@@ -30,6 +32,8 @@ def listening_socket(host: str, port: int) -> sockets.socket:
     listener = sockets.socket(family, sockets.SOCK_STREAM)
     try:
         listener.setsockopt(sockets.SOL_SOCKET, sockets.SO_REUSEADDR, 1)
+        if hasattr(sockets, "TCP_USER_TIMEOUT"):  # connections inherit it
+            listener.setsockopt(sockets.IPPROTO_TCP, sockets.TCP_USER_TIMEOUT, _STUCK_MILLISECONDS)
         listener.bind((host, port))
         listener.listen(_BACKLOG)
     except OSError as error:
