@@ -46,7 +46,7 @@ export function backgroundWork(app, { response, regime }) {
       }
       if (done.regime !== keys.regime) {
         regime.outdate();
-        app.outdateRegime();
+        app.showRegime(true);
       }
       timer = setTimeout(start, REST_MS);
     },

@@ -37,9 +37,12 @@ export function createPlot(host, options) {
     },
     repaint: () => paintAll(plot),
     repaintOverlay: () => paintOverlay(plot),
-    resetZoom: () => {
+    forgetRanges: () => {
       plot.zoom = {};
       plot.fitted = {};
+    },
+    resetZoom: () => {
+      plot.forgetRanges();
       paintAll(plot);
     },
   };

@@ -1,5 +1,6 @@
 // The bar at the top: presets, one's own system, units, what can be taken away, the theme.
 
+import { writeAddress } from "./address.js";
 import { segments } from "./card.js";
 import { hasUnits, presetMenu } from "./controls.js";
 import { button, byId, element, menu, refill } from "./dom.js";
@@ -43,10 +44,16 @@ function titleOf(app) {
   return app.presets.find((one) => one.id === preset)?.text ?? description.title;
 }
 
+/** An address that says all, also where the server was started with a study of its own. */
+function addressToShare(app) {
+  const here = location.href.split("#")[0];
+  return app.saved ? location.href : here + writeAddress({ ...app.store.get(), isStart: false });
+}
+
 function shareButton(app) {
   const share = button("Copy link", async () => {
     try {
-      await navigator.clipboard.writeText(location.href);
+      await navigator.clipboard.writeText(addressToShare(app));
       app.say("The address is copied.");
       share.textContent = "Copied";
     } catch {
