@@ -196,6 +196,19 @@ def test_work_ends_when_its_page_goes(server: Running) -> None:
         assert eventually(lambda: is_free(server))
 
 
+def test_a_file_that_nobody_waits_for_is_given_up(server: Running) -> None:
+    """Law: a client that goes away leaves its place to others."""
+    assert eventually(lambda: is_free(server))
+    slow = {**SPEC, "drive": {"kind": "SineSquared", "b": 0.4, "omega": 1e-3}}
+    body = json.dumps({"spec": slow, "duration": 3e6}).encode()
+    head = f"POST /api/data HTTP/1.1\r\nHost: 127.0.0.1:{server.port}\r\n"
+    head += f"Origin: {server.origin}\r\nContent-Type: application/json\r\n"
+    with sockets.create_connection(("127.0.0.1", server.port), timeout=PATIENCE) as raw:
+        raw.sendall(f"{head}Content-Length: {len(body)}\r\n\r\n".encode() + body)
+        assert eventually(lambda: not is_free(server))
+    assert eventually(lambda: is_free(server))
+
+
 def test_a_cancelled_job_leaves_its_process_ready(server: Running) -> None:
     """Law: work that listens is broken off, and the same process does the next."""
     assert eventually(lambda: is_free(server))

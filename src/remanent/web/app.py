@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 import traceback
-from collections.abc import AsyncIterator, Mapping
+from collections.abc import AsyncIterator, Coroutine, Mapping
 from contextlib import asynccontextmanager
-from typing import Annotated, Any, Final
+from typing import Annotated, Any, Final, TypeVar
 
 from fastapi import FastAPI, Request, WebSocket
 from fastapi import Path as PathParameter
@@ -21,6 +22,9 @@ from remanent.web.errors import UNEXPECTED, RefusalError
 from remanent.web.explorer import Explorer
 from remanent.web.sockets import serve_jobs
 
+Result = TypeVar("Result")
+#: Seconds between two looks whether a client still waits.
+_SECONDS_BETWEEN_LOOKS: Final = 0.2
 #: What a browser may keep: all but what has the digest of its content in its name only until asked.
 _FRESH: Final = {"cache-control": "no-cache"}
 _FOR_EVER: Final = {"cache-control": "max-age=31536000, immutable"}
@@ -119,17 +123,32 @@ def _add_data(app: FastAPI, explorer: Explorer) -> None:
         return _answer(await explorer.reproduce(body.model_dump()))
 
     @app.post("/api/export", response_model=bodies.FilesAnswer)
-    async def export(body: bodies.ExportBody) -> Any:
-        return _answer(await explorer.export(body.model_dump()))
+    async def export(body: bodies.ExportBody, request: Request) -> Any:
+        work = explorer.export(body.model_dump())
+        return _answer(await _while_wanted(request, work))
 
     @app.post("/api/data", response_class=Response)
-    async def data(body: bodies.DataBody) -> Response:
+    async def data(body: bodies.DataBody, request: Request) -> Response:
+        work = explorer.data(body.model_dump())
         name = f"motion.{_ENDINGS[body.format]}"
         return Response(
-            await explorer.data(body.model_dump()),
+            await _while_wanted(request, work),
             media_type=_TYPES[body.format],
             headers={"content-disposition": f'attachment; filename="{name}"'},
         )
+
+
+async def _while_wanted(request: Request, work: Coroutine[Any, Any, Result]) -> Result:
+    """The result of some work, which is broken off where the client goes away."""
+    task = asyncio.create_task(work)
+    try:
+        while not task.done():
+            await asyncio.wait([task], timeout=_SECONDS_BETWEEN_LOOKS)
+            if not task.done() and await request.is_disconnected():
+                raise RefusalError(499, "The client is gone.")
+        return task.result()
+    finally:
+        task.cancel()
 
 
 def _add_store(app: FastAPI, explorer: Explorer) -> None:

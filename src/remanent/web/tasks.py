@@ -6,8 +6,9 @@ What only some tasks need is imported where it is used: the page waits for the f
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Final
@@ -117,27 +118,30 @@ TASKS: Final[Mapping[str, Task]] = MappingProxyType(
 )  # fmt: skip
 
 
-def warm_up_steps(arguments: Mapping[str, Any] | None = None) -> Iterator[bool]:
-    """Compute a little of each job, so that the kernels behind them are compiled.
+def warm_up_steps(arguments: Mapping[str, Any] | None = None) -> list[Callable[[], object]]:
+    """What computes a little of each job, so that the kernels behind them are compiled.
+
+    All modules that jobs need are imported first, as an import is not to be broken off.
 
     Parameters
     ----------
     arguments : mapping, optional
         ``spec`` of the equations; that of the first preset by default.
-
-    Yields
-    ------
-    bool
-        True after each step.
     """
+    from remanent.web.jobs import JOBS
+
+    for name in (*JOBS, "bifurcation_diagram", "simulate"):
+        getattr(rm, name)
+    spec = presets()[0]["spec"] if arguments is None else arguments["spec"]
+    return [partial(_do_little, spec, name) for name in _LITTLE]
+
+
+def _do_little(spec: Any, name: str) -> None:
+    """Compute a little of a job, if it is sound."""
     from remanent.web.jobs import job_result
 
-    spec = presets()[0]["spec"] if arguments is None else arguments["spec"]
-    subject = read_subject(spec)
-    for name, options in _LITTLE.items():
-        with suppress(RemanentError, FaultsError, RefusalError):
-            job_result(name, subject, options)
-        yield True
+    with suppress(RemanentError, FaultsError, RefusalError):
+        job_result(name, read_subject(spec), _LITTLE[name])
 
 
 #: Options with which a job takes little more than its kernels.

@@ -21,6 +21,8 @@ from typing import Any, Final
 
 #: Least seconds between two reports of progress.
 _SECONDS_BETWEEN_REPORTS: Final = 0.1
+#: Number of what is done ahead, which no request has.
+_AHEAD: Final = -1
 #: Seconds between two steps of what is done ahead, in which a request finds the process free.
 _PAUSE_SECONDS: Final = 0.3
 #: By how much the work gives way to the server and the browser.
@@ -49,26 +51,35 @@ def serve_pipe(pipe: Connection, warm_up: bool) -> None:
     threading.Thread(target=inbox.listen, daemon=True).start()
     from remanent.web import tasks
 
-    warming = tasks.warm_up_steps() if warm_up else iter(())
+    steps = tasks.warm_up_steps() if warm_up else []
     while True:
         request = inbox.next_request(0.0)
         if request is None:
-            is_warming = _step(warming)
-            request = inbox.next_request(_PAUSE_SECONDS if is_warming else None)
+            _take_step(inbox, steps)
+            request = inbox.next_request(_PAUSE_SECONDS if steps else None)
         if request is None:
             continue
         if request["task"] == "warm_up":
-            warming = tasks.warm_up_steps(request["arguments"])
+            steps[:] = tasks.warm_up_steps(request["arguments"])
         else:
             _answer(pipe, inbox, request, tasks.TASKS[request["task"]])
 
 
-def _step(steps: Any) -> bool:
-    """Take one step of what is done ahead; False where none is left."""
+def _take_step(inbox: _Inbox, steps: list[Callable[[], object]]) -> None:
+    """Do the first of what is done ahead; where a request breaks it off, it is the last to do."""
+    if not steps:
+        return
+    step = steps.pop(0)
     try:
-        return next(steps, None) is not None
+        try:
+            inbox.begin(_AHEAD)
+            step()
+        finally:
+            inbox.end()
+    except KeyboardInterrupt:
+        steps.append(step)
     except Exception:  # what is done ahead is no answer to anybody; the job itself will tell
-        return False
+        return
 
 
 class _Inbox:
@@ -90,6 +101,7 @@ class _Inbox:
                     self._cancel(message["cancel"])
                 else:
                     self._requests.put(message)
+                    self._cancel(_AHEAD)
         os._exit(0)  # the server is gone, and so is whoever asked
 
     def next_request(self, seconds: float | None) -> dict[str, Any] | None:
@@ -103,7 +115,9 @@ class _Inbox:
         """Work on a request begins: an interrupt is for it from now on."""
         with self._lock:
             self._running = number
-        if self._cancelled == number:
+            if number == _AHEAD:  # what broke it off before does not count again
+                self._cancelled = None
+        if self._cancelled == number or (number == _AHEAD and not self._requests.empty()):
             raise KeyboardInterrupt
 
     def end(self) -> None:
@@ -118,9 +132,11 @@ class _Inbox:
 
     def _cancel(self, number: int) -> None:
         with self._lock:
-            self._cancelled = number
-            if self._running != number:
-                return
+            is_running = self._running == number
+            if is_running or number != _AHEAD:
+                self._cancelled = number
+        if not is_running:
+            return
         if hasattr(signal, "pthread_kill"):  # wakes the main thread from any wait
             ident = threading.main_thread().ident
             assert ident is not None
