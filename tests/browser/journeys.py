@@ -146,6 +146,25 @@ def click_in_plot(page: Page, view: str, across: float, up: float) -> None:
     wait_for_pictures(page)
 
 
+def drag_in_plot(
+    page: Page, view: str, start: tuple[float, float], end: tuple[float, float]
+) -> None:
+    """Drag a box in a figure between two places, each shares of its width and height."""
+    body = page.locator(f"#{view} .card-body")
+    body.scroll_into_view_if_needed()
+    edges = body.bounding_box()
+    assert edges is not None
+    places = [
+        (edges["x"] + across * edges["width"], edges["y"] + (1.0 - up) * edges["height"])
+        for across, up in (start, end)
+    ]
+    page.mouse.move(*places[0])
+    page.mouse.down()
+    page.mouse.move(*places[1], steps=4)
+    page.mouse.up()
+    wait_for_pictures(page)
+
+
 def downloaded(page: Page, button: str, folder: Path) -> Path:
     """Press a button of the dialog and keep the file that comes."""
     with page.expect_download() as waiting:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import statistics
 from collections.abc import Iterator
 from contextlib import ExitStack
@@ -14,6 +15,7 @@ from tests.browser import journeys as go
 from tests.unit.web.server import Running, running
 
 import remanent as rm
+from remanent.page.spec import read_spec
 from remanent.web.explorer import Opened
 from remanent.web.opening import open_source
 
@@ -128,6 +130,27 @@ def test_regime_and_response_come_by_themselves(visit: go.Watched) -> None:
     assert "error" in page.inner_text("#response .card-note")
 
 
+def test_zoom_and_finer_response(visit: go.Watched) -> None:
+    """A drag zooms and starts no orbit; the response can be computed for what is shown."""
+    page = visit.page
+    page.wait_for_function(
+        "() => document.querySelector('#response .card-note').textContent.includes('Largest at')"
+    )
+    for view in ("phase", "response", "history"):
+        before, address = go.picture(page, view), page.url
+        go.drag_in_plot(page, view, (0.4, 0.7), (0.8, 0.4))
+        assert go.picture(page, view) != before
+        assert page.url == address
+        if view == "response":
+            page.click("text=Compute this range")
+            page.wait_for_selector("#response .plot-zoomed", state="hidden")
+            page.wait_for_selector("#response:not([aria-busy])")
+            assert "Largest at ω = 1.25" in page.inner_text("#response .card-note")
+        else:
+            page.click(f"#{view} >> text=Show all")
+            assert go.picture(page, view) == before
+
+
 def test_response_with_unstable_branches(browser: Browser, server: Running) -> None:
     """Branches show what is stable and what is not, with the folds between them."""
     with go.watched_page(browser, f"{server.origin}/{DAMPED}") as watched:
@@ -165,6 +188,13 @@ def test_chart_is_cancelled_and_computed(browser: Browser, server: Running) -> N
         assert edges is not None
         page.locator("#basins .nsewdrag").click(position={"x": 30, "y": edges["height"] / 2})
         page.wait_for_function("() => location.hash.includes('y.stretch=')")
+        clicked = page.url
+        page.focus("#basins .plotly-host")
+        for key in ("ArrowRight", "ArrowRight", "ArrowUp"):
+            page.keyboard.press(key)
+        assert "period 1" in page.inner_text("#live")
+        page.keyboard.press("Enter")
+        page.wait_for_function("(before) => location.href !== before", arg=clicked)
 
 
 def test_server_goes_and_comes_back(browser: Browser) -> None:
@@ -269,6 +299,46 @@ def test_motion_stands_still_where_that_is_preferred(browser: Browser, server: R
             after = watched.page.inner_text("#actuator .card-note")
             if preference == "reduce":
                 assert after != before
+
+
+def test_units_turn_to_si(browser: Browser) -> None:
+    """An actuator with sizes shows hertz, millitesla and milliseconds, and takes them typed."""
+    spec = {
+        "actuator": {
+            "si": {
+                "shear_modulus": "100 kPa",
+                "density": "2000 kg/m^3",
+                "half_length": "5 mm",
+                "half_thickness": "2 mm",
+                "remanence": "143 mT",
+            }
+        },
+        "drive": {"kind": "SineSquared", "b": 0.4, "omega": 1.25},
+    }
+    actuator, _, _ = read_spec(spec)
+    assert isinstance(actuator, rm.Actuator)
+    with (
+        running(Opened(spec)) as server,
+        go.watched_page(browser, f"{server.origin}/") as watched,
+    ):
+        page = watched.page
+        page.click("[data-value=yes]")
+        go.wait_for_pictures(page)
+        assert go.value(page, "omega") == pytest.approx(hertz(actuator, 1.25), rel=1e-4)
+        assert "Hz" in go.control(page, "omega").inner_text()
+        assert "mT" in go.control(page, "b").inner_text()
+        assert "ms" in page.inner_text("#status-error")
+        go.type_number(page, "omega", "300")
+        page.click("[data-value=no]")
+        go.wait_for_pictures(page)
+        assert hertz(actuator, go.value(page, "omega")) == pytest.approx(300.0, rel=1e-5)
+
+
+def hertz(actuator: rm.Actuator, omega: float) -> float:
+    """A frequency of an actuator with sizes."""
+    scales = actuator.scales
+    assert scales is not None
+    return omega / (2.0 * math.pi * scales.si_factors()["time_s"])
 
 
 def test_a_broken_address_is_told(browser: Browser, server: Running) -> None:

@@ -50,9 +50,25 @@ export function categoryFigure({ x, y, cells, texts, here }) {
   };
   return {
     data: [heat, ...hatching(x, y, cells), ...placeHere(here)],
-    layout: layoutOf(x, y),
+    layout: chartLayout(x, y),
     key: list.map(({ name, colour, hatched }) => keyEntry(name, colour, { symbol: hatched ? "hatch" : "patch" })),
   };
+}
+
+/** The layout of a chart, whose axes end where its cells end. */
+function chartLayout(x, y) {
+  const layout = layoutOf(x, y);
+  layout.xaxis.range = endsOf(x.values);
+  layout.yaxis.range = endsOf(y.values);
+  return layout;
+}
+
+function endsOf(values) {
+  if (values.length < 2) {
+    return [values[0] - 0.5, values[0] + 0.5];
+  }
+  const last = values.length - 1;
+  return [values[0] - (values[1] - values[0]) / 2, values[last] + (values[last] - values[last - 1]) / 2];
 }
 
 /** Strokes over the cells that say nothing, so that grey is not the only sign. */
@@ -95,7 +111,7 @@ export function numberFigure({ x, y, z, title, texts, here }) {
   const cells = z.map((row) => row.map((value) => ({ hatched: value === null })));
   return {
     data: [heat, ...hatching(x, y, cells), ...placeHere(here)],
-    layout: layoutOf(x, y),
+    layout: chartLayout(x, y),
     key: missing ? [keyEntry("no result", theme.missing, { symbol: "hatch" })] : [],
   };
 }
@@ -133,8 +149,9 @@ export function layoutOf(x, y, size = parseFloat(getComputedStyle(document.body)
  * @param {function(string): void} say reads words out
  */
 export function drawFigure(host, figure, pick, say) {
-  const config = { displayModeBar: false, responsive: true, doubleClick: "reset" };
-  globalThis.Plotly.react(host, figure.data, figure.layout, config);
+  const config = { displayModeBar: false, responsive: false, doubleClick: "reset" };
+  globalThis.Plotly.react(host, figure.data, { ...figure.layout, ...sizeOf(host) }, config);
+  watchSize(host);
   host.removeAllListeners?.("plotly_click");
   host.on("plotly_click", ({ points }) => {
     const [point] = points;
@@ -148,6 +165,21 @@ export function drawFigure(host, figure, pick, say) {
   host.setAttribute("role", "group");
   host.setAttribute("aria-label", "Chart. Arrow keys move from cell to cell, Enter shows the motion of a cell.");
   host.onkeydown = (event) => pressKey(event, host, figure, pick, say);
+}
+
+/** The size of a host; plotly.js takes another where it has none yet. */
+function sizeOf({ clientWidth, clientHeight }) {
+  return clientWidth > 40 && clientHeight > 40 ? { width: clientWidth, height: clientHeight } : {};
+}
+
+const watched = new WeakSet();
+
+/** Draw a figure anew in its size when its host has another. */
+function watchSize(host) {
+  if (!watched.has(host)) {
+    watched.add(host);
+    new ResizeObserver(() => globalThis.Plotly.relayout(host, sizeOf(host))).observe(host);
+  }
 }
 
 const STEPS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };

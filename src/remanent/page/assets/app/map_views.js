@@ -7,6 +7,7 @@ import { jobCard } from "./job_card.js";
 import { extent, numberText } from "./numbers.js";
 import { symbolText } from "./symbols.js";
 import { onTheme } from "./theme.js";
+import { unitText } from "./units.js";
 
 const COUNTS = [["16", "16 × 16"], ["32", "32 × 32"], ["64", "64 × 64"]];
 
@@ -134,8 +135,8 @@ function chartOf(result, cell) {
   };
 }
 
-function titleFrom({ text, symbol, unit }) {
-  return { text, symbol, unit: unit === "1" ? "" : unit };
+function titleFrom(quantity) {
+  return { text: quantity.text, symbol: quantity.symbol, unit: unitText(quantity, null) };
 }
 
 /** A basin has the colour of its regime, and later ones a letter more. */

@@ -4,7 +4,7 @@
 // plotly.js needs tens of; exported figures are made by plotly.js from the same layers.
 
 import { axisMap, fittedRange, ticks } from "./axes.js";
-import { element } from "./dom.js";
+import { button, element } from "./dom.js";
 import { extent } from "./numbers.js";
 import { mark, paintLayer } from "./paint.js";
 import { letterFont, paintTitle, titleWidth } from "./titles.js";
@@ -16,9 +16,11 @@ import { listenToPlot } from "./plot_events.js";
  * @param {HTMLElement} host
  * @param {{label: string, panels: Array<{id: string, share: number, logarithmic?: boolean}>,
  *   pick?: function(number, number): void, hover?: function(?Object): void,
- *   zoomable?: boolean}} options
- *   pick: called with the coordinates of the first panel that were clicked or entered
- * @returns {Object} with `show`, `moveMarks`, `repaint`, `content`, `options`
+ *   computeRange?: function([number, number]): void, refresh?: function(): void}} options
+ *   pick: called with the coordinates of the first panel that were clicked or entered;
+ *   computeRange: computes what is shown of the horizontal axis anew, where it has been zoomed;
+ *   refresh: makes the layers anew, for another range or other colours
+ * @returns {Object} with `show`, `moveMarks`, `redraw`, `resetZoom` ...
  */
 export function createPlot(host, options) {
   const frame = element("canvas", { "aria-hidden": "true" });
@@ -26,16 +28,19 @@ export function createPlot(host, options) {
   const overlay = element("canvas", { class: "plot-overlay", "aria-hidden": "true" });
   const tip = element("div", { class: "plot-tip", hidden: true });
   host.classList.add("plot");
-  host.replaceChildren(frame, base, overlay, tip);
+  const zoomed = element("div", { class: "plot-zoomed", hidden: true },
+    options.computeRange ? button("Compute this range", () => options.computeRange(plot.zoom.x)) : null,
+    button("Show all", () => plot.resetZoom()));
+  host.replaceChildren(frame, base, overlay, zoomed, tip);
   const plot = {
-    host, frame, base, overlay, tip, options, framed: "",
+    host, frame, base, overlay, zoomed, tip, options, framed: "",
     content: null, maps: null, fitted: {}, zoom: {}, marks: [], cross: null, box: null,
     show: (content) => show(plot, content),
     moveMarks: (marks) => {
       plot.marks = marks;
       paintOverlay(plot);
     },
-    repaint: () => paintAll(plot),
+    redraw: () => (options.refresh ? options.refresh() : paintAll(plot)),
     repaintOverlay: () => paintOverlay(plot),
     forgetRanges: () => {
       plot.zoom = {};
@@ -43,11 +48,11 @@ export function createPlot(host, options) {
     },
     resetZoom: () => {
       plot.forgetRanges();
-      paintAll(plot);
+      plot.redraw();
     },
   };
   new ResizeObserver(() => resize(plot)).observe(host);
-  onTheme(() => plot.options.refresh?.() ?? paintAll(plot));
+  onTheme(plot.redraw);
   listenToPlot(plot);
   return plot;
 }
@@ -109,6 +114,7 @@ function paintAll(plot) {
     return;
   }
   plot.maps = arrange(plot);
+  plot.zoomed.hidden = Object.keys(plot.zoom).length === 0;
   paintAxes(plot);
   paintData(plot);
   paintOverlay(plot);

@@ -18,7 +18,7 @@ export function listenToPlot(plot) {
   host.setAttribute("aria-label", plot.options.label);
   let start = null;
   host.addEventListener("pointerdown", (event) => {
-    start = event.button === 0 ? inside(plot, event) : null;
+    start = event.button === 0 && !event.target.closest("button") ? inside(plot, event) : null;
     if (start && event.pointerType !== "touch") {
       host.setPointerCapture(event.pointerId);
     }
@@ -100,7 +100,7 @@ function finish(plot, start, place) {
     if (panels.length === 1) {
       plot.zoom[panels[0].id] = [panels[0].y.value(box.bottom), panels[0].y.value(box.top)];
     }
-    plot.repaint();
+    plot.redraw();
   } else {
     const values = valuesAt(plot, start);
     plot.options.pick?.(values.x, values.y);
@@ -155,5 +155,5 @@ function zoomBy(plot, factor) {
     const { y } = panels[0];
     plot.zoom[panels[0].id] = about(y, plot.cross?.y ?? y.value((y.start + y.end) / 2));
   }
-  plot.repaint();
+  plot.redraw();
 }

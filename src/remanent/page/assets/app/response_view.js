@@ -34,11 +34,16 @@ export function responseView(app) {
   const diagram = jobCard(app, { id: "diagram-job", title: "branches", job: "response_diagram" });
   const diagramLine = diagram.node.querySelector(".job-line");
   view.node.append(diagramLine);
-  const seen = { scene: null, response: null, colour: null, diagram: null, stale: false, old: app.saved ? "as saved" : "before the last change" };
+  const seen = { scene: null, response: null, colour: null, diagram: null, range: null, stale: false, old: app.saved ? "as saved" : "before the last change" };
   const plot = createPlot(view.body, {
     label: "Frequency response: amplitude against the frequency of the load. Click to go to a frequency; or move the cross with the arrow keys and press Enter.",
     panels: [{ id: "y", share: 1 }],
     pick: (x) => goTo(app, seen, x),
+    computeRange: app.saved ? null : (shown) => {
+      seen.range = shown.map((edge) => Number(conversion("omega", seen.scene.factors).back(edge).toPrecision(4)));
+      plot.forgetRanges();
+      request(app.currentSpec());
+    },
     hover: (place) => placeTip(plot, place ? words(seen, place) : "", place),
     speak: (place) => app.say(words(seen, place)),
     refresh: () => seen.scene && show(),
@@ -50,7 +55,7 @@ export function responseView(app) {
   };
   const request = async (spec) => {
     seen.stale = seen.response !== null;
-    const result = await view.run(spec, { range: rangeOf(seen.scene), count: POINTS, duration: WINDOW, sweeps: sweeps.checked });
+    const result = await view.run(spec, { range: wantedRange(seen), count: POINTS, duration: WINDOW, sweeps: sweeps.checked });
     if (result) {
       seen.response = result;
       seen.colour = seen.scene.colour;
@@ -64,7 +69,7 @@ export function responseView(app) {
     return result;
   };
   const requestBranches = async (spec) => {
-    const result = await diagram.run(spec, { range: rangeOf(seen.scene) });
+    const result = await diagram.run(spec, { range: wantedRange(seen) });
     seen.diagram = result;
     view.say(result ? branchNote(result) : diagram.note.textContent || "No branches.", !result);
     show();
@@ -108,6 +113,12 @@ export function responseView(app) {
     figure: () => ({ plot, name: "frequency_response", title: "Frequency response" }),
     data: () => seen.response,
   };
+}
+
+/** The range that was asked for, while the frequency lies in it; else the usual one. */
+function wantedRange({ range, scene }) {
+  const { omega } = scene.values;
+  return range && range[0] > 0 && range[0] <= omega && omega <= range[1] ? range : rangeOf(scene);
 }
 
 /** Whether the load has a frequency. */

@@ -7,6 +7,7 @@ import { categoryFigure, cellText, drawFigure, layoutOf, numberFigure, regimeCat
 import { numberText } from "./numbers.js";
 import { symbolText } from "./symbols.js";
 import { colours, onTheme } from "./theme.js";
+import { unitText } from "./units.js";
 
 /**
  * The view of a store.
@@ -98,7 +99,7 @@ function figureOf({ chart, variable: name, axes, places, index }) {
   const coordinate = (dim) => (dim && chart.coords[dim] ? chart.coords[dim] : { values: [0], text: "", symbol: "", unit: "" });
   const axis = (dim) => {
     const { values, text, symbol, unit } = coordinate(dim);
-    return { values: values.every((one) => typeof one === "number") ? values : values.map((_, k) => k), title: { text: text || dim || "", symbol, unit } };
+    return { values: values.every((one) => typeof one === "number") ? values : values.map((_, k) => k), title: { text: text || dim || "", symbol, unit: unitText({ name: dim ?? "", unit }, null) } };
   };
   const [x, y] = [axis(xDim), axis(yDim)];
   const at = (j, i) => ({ ...places, [xDim]: i, ...(yDim ? { [yDim]: j } : {}) });
