@@ -55,7 +55,7 @@ class FrequencyResponseOptions(Table):
     count: Annotated[int, Field(ge=2, le=_MOST_POINTS)] = 400
     duration: Annotated[float, Field(gt=0, allow_inf_nan=False)] = 100.0
     sweeps: bool = Field(False, description="Whether rising and falling frequencies follow.")
-    sweep_count: Annotated[int, Field(ge=2, le=400)] = 100
+    sweep_count: Annotated[int, Field(ge=2, le=400)] = 60
 
 
 class ResponseDiagramOptions(Table):
