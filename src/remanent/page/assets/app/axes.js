@@ -88,7 +88,8 @@ function decadeTicks([low, high], count) {
   const last = Math.floor(Math.log10(high) + 1e-9);
   const stride = Math.max(1, Math.ceil((last - first + 1) / count));
   const result = [];
-  for (let k = last; k >= first; k -= stride) {
+  const inward = Math.floor(((last - first) % stride) / 2);
+  for (let k = last - inward; k >= first; k -= stride) {
     result.push({ value: 10 ** k, text: powerOfTen(k) });
   }
   return result;

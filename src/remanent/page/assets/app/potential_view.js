@@ -120,7 +120,8 @@ function noteOf({ landscape, description, watched }) {
     return "No equilibrium in this range.";
   }
   const load = landscape.curves[0].load === 0 ? "without load" : "at the load nearest to 0";
-  return `Equilibria ${load}: ${places.join(", ")}.`;
+  const warms = description.state.some((one) => one.role === "temperature");
+  return `Equilibria ${load}${warms ? ", at the temperature of the start" : ""}: ${places.join(", ")}.`;
 }
 
 function words(seen, place) {

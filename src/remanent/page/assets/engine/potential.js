@@ -48,13 +48,18 @@ export function potential(field, options) {
   const { low, high } = intervalOf(options, layout);
   const x = Float64Array.from({ length: PLACES + 1 }, (_, k) => low + ((high - low) * k) / PLACES);
   const [least, largest] = extremesOfLoad(body);
+  // Where the temperature is a state, the stored energy is that inside, whose slope is no force.
+  const warms = options.description.state.some((one) => one.role === "temperature");
   const loaded = [least, largest].filter(
-    ({ load }, k) => load !== 0 && (k === 0 || load !== least.load));
+    ({ load }, k) => (load !== 0 || warms) && (k === 0 || load !== least.load));
   return {
     x,
     observable: x.map((place) => observedAt(body, least.w, place)[layout.watched]),
     coordinate: layout.name,
-    curves: [unloadedLandscape(body, least.w, x), ...loaded.map((one) => landscape(body, one, x))],
+    curves: [
+      ...(warms ? [] : [unloadedLandscape(body, least.w, x)]),
+      ...loaded.map((one) => landscape(body, one, x)),
+    ],
   };
 }
 
