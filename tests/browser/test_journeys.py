@@ -249,6 +249,10 @@ def test_store_shows_the_motion_of_a_point(browser: Browser, tmp_path: Path) -> 
         page.wait_for_function("() => location.hash.includes('spec=')")
         go.wait_for_pictures(page)
         assert (go.value(page, "omega"), go.value(page, "b")) == (1.5, 0.6)
+        text = page.evaluate(
+            "async () => (await import('/assets/app/heat.js')).cellText([['<b>', '<img src=x>']])"
+        )
+        assert text == "&lt;b&gt;: &lt;img src=x&gt;"
 
 
 def test_files_of_the_engine(visit: go.Watched, tmp_path: Path) -> None:

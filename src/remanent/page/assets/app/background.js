@@ -9,7 +9,7 @@ const REST_MS = 350;
  * Ask for the response and the regime when nothing has changed for a moment.
  * @param {Object} app
  * @param {{response: Object, regime: Object}} views
- * @returns {{changed: function(): void, again: function(): void}}
+ * @returns {{changed: function(): void, forget: function(): void, again: function(): void}}
  */
 export function backgroundWork(app, { response, regime }) {
   let timer = null;
@@ -49,6 +49,11 @@ export function backgroundWork(app, { response, regime }) {
         app.showRegime(true);
       }
       timer = setTimeout(start, REST_MS);
+    },
+    forget: () => {
+      done.response = done.regime = null;
+      response.forget();
+      regime.forget();
     },
     again: () => {
       done.response = done.regime = null;

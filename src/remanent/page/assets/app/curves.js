@@ -113,7 +113,8 @@ export function observableError({ motion, field, values }, row, index) {
 /**
  * The state with a given observed value and rate, near a state.
  *
- * Newton's method in two unknowns: the value that all coordinates share, and that of their rates.
+ * Newton's method in two unknowns: the value of the observed coordinate, which both stretches of an
+ * actuator share, and that of its rate.
  * @param {Object} field
  * @param {Object} description
  * @param {Object<string, number>} parameters
@@ -123,13 +124,7 @@ export function observableError({ motion, field, values }, row, index) {
  * @returns {?Float64Array} null where there is none
  */
 export function stateAt(field, description, parameters, near, wanted, indices) {
-  const roles = description.state.map((one) => one.role);
-  const coordinates = roles.flatMap((role, k) => (role === "coordinate" ? [k] : []));
-  const rates = roles.flatMap((role, k) => (role === "rate" ? [k] : []));
-  if (!coordinates.length) {
-    coordinates.push(0);
-    rates.push(1);
-  }
+  const [coordinates, rates] = movedBy(description);
   const state = Float64Array.from(near);
   const out = new Float64Array(field.observable_names.length);
   const set = (u) => {
@@ -159,6 +154,18 @@ export function stateAt(field, description, parameters, near, wanted, indices) {
   }
   const left = Math.hypot(...misfit(u));
   return left < 1e-8 * (1 + Math.hypot(...wanted)) && field.admissible(state, parameters) ? state : null;
+}
+
+/** Indices of the variables that one value sets, and of those that one rate sets. */
+function movedBy({ kind, state, watched }) {
+  const all = state.flatMap((one, k) => (one.role === "coordinate" ? [k] : []));
+  const named = state.findIndex((one) => one.name === watched);
+  const first = named >= 0 ? named : (all[0] ?? 0);
+  const coordinates = kind === "Actuator" ? all : [first];
+  const names = coordinates.map((k) => state[k].name);
+  const rates = state.flatMap((one, k) => (one.role === "rate" && names.includes(one.belongs_to) ? [k] : []));
+  const others = state.map((_, k) => k).filter((k) => k !== first);
+  return [coordinates, rates.length ? rates : others.slice(0, 1)];
 }
 
 function newtonStep(misfit, u, f) {

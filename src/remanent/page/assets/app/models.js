@@ -72,11 +72,16 @@ async function adopt(app, question, given) {
 
 /** Show a state of another model. */
 function present(app, state, isBroken = false) {
+  const isOther = app.store.get().description.id !== state.description.id;
   app.store.update(state);
   app.panel.build();
   app.bar.build();
   app.resetZooms();
-  app.views.maps.forEach((view) => view.outdate(true));
+  if (isOther) {
+    app.views.maps.forEach((view) => view.outdate(true));
+    app.background?.forget();
+    app.tellRegime("");
+  }
   app.changed();
   const broken = isBroken ? ["A part of the address could not be read; the rest is shown."] : [];
   showBanner([...broken, ...state.description.warnings].join(" "));

@@ -46,6 +46,10 @@ export function regimeView(app) {
       }
       return result;
     },
+    forget: () => {
+      refill(view.body);
+      view.say("");
+    },
     outdate: () => view.body.classList.add("stale"),
     showSaved: (results) => {
       if (results.classify?.series.length) {

@@ -88,6 +88,7 @@ export function responseView(app) {
     node: view.node, plot, request,
     cancel: () => { view.cancel(); diagram.cancel(); },
     isWanted,
+    forget: () => { seen.response = seen.diagram = seen.colour = seen.range = null; seen.stale = false; view.say(""); },
     outdate: () => { seen.stale = true; seen.diagram = null; show(); },
     draw: (scene) => {
       view.node.hidden = !isWanted(scene) && !app.saved;
