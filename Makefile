@@ -10,13 +10,16 @@ INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --co
 PYTEST := $(BIN)/python -m pytest -n 2 --dist worksteal
 
 .DEFAULT_GOAL := help
-.PHONY: help paper test test-all lint docs bench clean
+.PHONY: help paper explore test test-all lint docs bench clean
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-9s %s\n", $$1, $$2 }' Makefile
 
 paper: $(VENV)/.runtime ## figures, data and the audit of the article's claims, in paper/
 	$(BIN)/remanent paper --out paper
+
+explore: $(VENV)/.web ## a page in the browser that follows sliders; Ctrl-C ends it
+	$(BIN)/remanent explore
 
 test: $(VENV)/.develop ## the tests, without the slow ones
 	$(PYTEST) -m "not slow"
@@ -53,7 +56,11 @@ $(VENV)/.runtime: pyproject.toml constraints.txt | $(BIN)/python
 
 $(VENV)/.develop: pyproject.toml constraints.txt | $(BIN)/python
 	$(INSTALL) --editable '.[test,lint,docs]'
-	@touch $@ $(VENV)/.runtime
+	@touch $@ $(VENV)/.runtime $(VENV)/.web
+
+$(VENV)/.web: $(VENV)/.runtime
+	$(INSTALL) --editable '.[web]'
+	@touch $@
 
 $(VENV)/.bench: $(VENV)/.runtime
 	$(INSTALL) --editable '.[bench]'

@@ -18,6 +18,7 @@ from benchmarks.rows import (
     branch,
     chart,
     double_well,
+    explorer,
     growth,
     kernel,
     lyapunov,
@@ -43,6 +44,7 @@ ROWS: dict[str, Callable[[Plan], dict[str, Any]]] = {
     "double_well_exponents": double_well.measure_exponents,
     "studies": studies.measure,
     "start": start.measure,
+    "explorer": explorer.measure,
     "growth": growth.measure,
     "precision": lambda plan: {n: precision.measure(plan, n) for n in ("response", "film")},
 }
@@ -50,6 +52,7 @@ ROWS: dict[str, Callable[[Plan], dict[str, Any]]] = {
 _TABLES: dict[str, Callable[[Any], tables.Table]] = {
     "kernel": tables.kernel,
     "start": tables.start,
+    "explorer": tables.explorer,
     "branch": tables.branch,
     "lyapunov": tables.lyapunov,
     "chart": tables.chart,

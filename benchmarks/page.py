@@ -104,6 +104,11 @@ seconds of the wall clock, one core each. Memory is the peak of a whole process 
 _START = """\
 Whole processes, medians; "first figure" computes and draws a frequency response of 301 points.
 """
+_EXPLORER = """\
+From a changed temperature to new curves by the engine in the page: 500 drive periods at two
+resolutions with the stated error, everything that is drawn, in the Chromium of the system, medians
+once its compiler is warm. Drawing is not counted.
+"""
 
 
 def write(results: Results) -> Path:
@@ -199,4 +204,5 @@ _SECTIONS: tuple[tuple[str, str, str, Any], ...] = (
     ("growth", "Growth", _GROWTH, tables.growth),
     ("studies", "Studies in stores", _STUDIES, tables.studies),
     ("start", "Start", _START, tables.start),
+    ("explorer", "The page of the explorer", _EXPLORER, tables.explorer),
 )

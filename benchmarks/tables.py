@@ -187,6 +187,15 @@ def start(data: Any) -> Table:
     return Table(("a new process", "s"), rows)
 
 
+def explorer(data: Any) -> Table:
+    """Time of the page's own engine."""
+    rows = [
+        (name, number(one["median"]), number(one["first"]), str(one["steps"]), error(one["error"]))
+        for name, one in data["systems"].items()
+    ]
+    return Table(("system", "ms", "first run, ms", "steps in a period", "stated error"), rows)
+
+
 def environment(results: Iterable[dict[str, Any]]) -> Table:
     """Hardware and versions; several where rows were measured apart."""
     values: dict[str, list[str]] = {}

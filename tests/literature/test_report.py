@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from html import unescape
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -17,6 +18,7 @@ import remanent as rm
 from remanent.report import reconstruction
 from remanent.report.contents import Paper
 from remanent.report.drawings import DRAWINGS
+from remanent.report.live import LIVE_PAGE_NAME, live_links, live_page
 from remanent.report.paper import reproduce, write_report
 
 VERDICTS = {"supported", "contradicted", "depends"}
@@ -95,15 +97,27 @@ def test_opposite_statements_do_not_both_hold(summary: Any) -> None:
 def test_the_page_needs_nothing_else(made: tuple[Paper, Path]) -> None:
     """Every picture is inside the page, and every claim has its place and its picture."""
     html = (made[1] / "report.html").read_text(encoding="utf-8")
-    sources = re.findall(r"(?:src|href)=\"([^\"]*)\"", html)
+    sources = list(map(unescape, re.findall(r"(?:src|href)=\"([^\"]*)\"", html)))
     assert sources
+    links = [address for _, address in live_links()]
+    assert len(links) == 6
     for source in sources:
-        assert source.startswith(("data:", "#"))
+        assert source.startswith(("data:", "#")) or source in links
     for name in DRAWINGS:
         assert f'id="{name}"' in html
     for v in made[0].verdicts:
         assert f'id="claim-{v.claim.id}"' in html
         assert v.claim.picture_name in DRAWINGS
+
+
+def test_the_live_page_is_beside_the_report(made: tuple[Paper, Path]) -> None:
+    """Law: it is one file; the links give it the motions of figures 5 and 6."""
+    text = (made[1] / LIVE_PAGE_NAME).read_text(encoding="utf-8")
+    assert text == live_page()
+    assert "default-src 'none'" in text
+    found = {tuple(map(float, re.findall(r"=([\d.]+)", address))) for _, address in live_links()}
+    wanted = {(t, s, w) for s, w in ((0.0, 1.25), (1.0, 1.08)) for t in (250.0, 350.0, 400.0)}
+    assert found == wanted
 
 
 def test_pictures_come_as_vectors_and_as_points(made: tuple[Paper, Path]) -> None:

@@ -14,6 +14,7 @@ from remanent._errors import RemanentError
 from remanent._extras import require_extra
 from remanent._machine import available_processor_count
 from remanent.cli import studies
+from remanent.cli.explore import explore
 from remanent.cli.export import export
 from remanent.cli.new import new
 
@@ -63,7 +64,7 @@ def paper(out: Path) -> None:
     click.echo(f"\n{target}")
 
 
-for command in (new, studies.run, studies.verify, studies.show, export):
+for command in (new, studies.run, studies.verify, studies.show, export, explore):
     commands.add_command(command)
 
 

@@ -52,9 +52,48 @@ def program_of_values(
         ``compute(values, functions)``, which takes the inputs by name and the functions ``sin``,
         ``exp`` and so on of such values.
     """
+    return program_of_several_values(
+        input_names, lambda values, functions: [compute(values, functions)]
+    )
+
+
+def program_of_several_values(
+    input_names: Sequence[str], compute: Callable[[Mapping[str, Any], Any], Sequence[Any]]
+) -> Program:
+    """A program with an output for each of the values that a function computes.
+
+    Parameters
+    ----------
+    input_names : sequence of str
+        Inputs of the program.
+    compute : callable
+        As :func:`program_of_values` takes it, of several values.
+    """
     into = InstructionBuilder(input_names)
     by_name = {name: _Recorded(into, into.input(name)) for name in input_names}
-    return into.build_program([_as_recorded(into, compute(by_name, _FUNCTIONS)).value])
+    values = compute(by_name, _FUNCTIONS)
+    return into.build_program([_as_recorded(into, value).value for value in values])
+
+
+def joined_program(programs: Sequence[Program]) -> Program:
+    """The outputs of several programs of the same inputs, what they share computed once.
+
+    Parameters
+    ----------
+    programs : sequence of Program
+        At least one.
+    """
+    names = programs[0].input_names
+    into = InstructionBuilder(names)
+    inputs = [_Recorded(into, into.input(name)) for name in names]
+    outputs = [
+        output
+        for program in programs
+        for output in program(
+            inputs, functions=_FUNCTIONS, constant=lambda x: _as_recorded(into, x)
+        )
+    ]
+    return into.build_program([_as_recorded(into, output).value for output in outputs])
 
 
 @dataclass(frozen=True)

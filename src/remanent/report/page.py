@@ -18,7 +18,12 @@ from remanent.report.settings import FORCING_LAWS, MAX_RESONANCE_MISFIT
 _VERDICT_WORDS = {"supported": "Supported", "contradicted": "Contradicted", "depends": "Depends"}
 
 
-def render_page(paper: Paper, summary: Mapping[str, Any], drawings: Mapping[str, str]) -> str:
+def render_page(
+    paper: Paper,
+    summary: Mapping[str, Any],
+    drawings: Mapping[str, str],
+    live_links: Sequence[tuple[str, str]] = (),
+) -> str:
     """HTML text with every picture inside, readable without a network.
 
     Parameters
@@ -29,6 +34,8 @@ def render_page(paper: Paper, summary: Mapping[str, Any], drawings: Mapping[str,
         What programs read, from :func:`remanent.report.paper.summarise`.
     drawings : mapping of str to str
         SVG text of every figure, by name.
+    live_links : sequence of (str, str)
+        Texts and addresses of motions in the live page beside it; empty where there is none.
 
     Returns
     -------
@@ -45,6 +52,7 @@ def render_page(paper: Paper, summary: Mapping[str, Any], drawings: Mapping[str,
         summary=summary,
         verdicts=paper.verdicts,
         words=_VERDICT_WORDS,
+        live_links=live_links,
         counts=counts,
         agreement=MAX_RESONANCE_MISFIT,
         share=float((windows <= MAX_RESONANCE_MISFIT).mean()),

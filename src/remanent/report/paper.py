@@ -11,7 +11,7 @@ from typing import Any
 
 import xarray as xr
 
-from remanent.report import dynamics, page, reconstruction, tolerance
+from remanent.report import dynamics, live, page, reconstruction, tolerance
 from remanent.report.audit import ClaimVerdict, audit
 from remanent.report.contents import Paper
 from remanent.report.drawings import DRAWINGS, draw_files
@@ -129,7 +129,7 @@ def make_folders(out: Path) -> None:
 
 
 def write_report(paper: Paper, out: Path) -> Path:
-    """Write page, JSON, pictures and data into a folder; return the page's path."""
+    """Write page, JSON, pictures, data and the live page into a folder; return the page's path."""
     make_folders(out)
     for name, files in paper.pictures.items():
         for suffix, content in files.items():
@@ -141,8 +141,12 @@ def write_report(paper: Paper, out: Path) -> Path:
         json.dumps(summary, indent=2, ensure_ascii=False) + "\n", encoding="utf-8"
     )
     drawings = {name: files[".svg"].decode() for name, files in paper.pictures.items()}
+    alive = live.live_page()
+    if alive is not None:
+        (out / live.LIVE_PAGE_NAME).write_text(alive, encoding="utf-8")
+    links = [] if alive is None else live.live_links()
     target = out / "report.html"
-    target.write_text(page.render_page(paper, summary, drawings), encoding="utf-8")
+    target.write_text(page.render_page(paper, summary, drawings, links), encoding="utf-8")
     return target
 
 

@@ -1,1 +1,1 @@
-"""The server behind ``remanent explore``."""
+"""The server behind ``remanent explore``: a page, its data, and jobs in processes of their own."""

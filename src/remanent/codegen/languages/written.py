@@ -145,8 +145,8 @@ def written_equations(
     description : tuple of str
         Lines for people.
     """
-    rows, columns = _pieces(drive)
-    before = [*_phase_in_time(drive, rows, columns), *_waveforms(drive)]
+    rows, columns = table_of_pieces(drive)
+    before = [*_phase_in_time(drive, rows, columns), *waveform_expressions(drive)]
     rates = computation_of(field.rates).after(before)
     loads = {
         name: computation_of(program).after(before)
@@ -176,7 +176,7 @@ def _rates_over_period(field: Field, drive: Drive) -> Computation | None:
     """Rates times the period of the load: those by the phase, which runs on without jumps."""
     if drive.period is None:
         return None
-    before: list[tuple[str, Expression]] = [("drive.period", _period_from_frequency(drive))]
+    before: list[tuple[str, Expression]] = [("drive.period", period_expression(drive))]
     for name, one in zip(drive.waveform_names, drive.waveforms, strict=True):
         # The load is the same where both waveforms of a squared sine have changed their sign.
         before.append((name, (one.function, ("mul", one.span * one.repeats, PHASE))))
@@ -198,7 +198,7 @@ def _load(field: Field, drive: Drive, name: str, values: Mapping[str, Any], func
     return drive.loads_by_name(values, waveforms, values[PHASE], functions)[name]
 
 
-def _pieces(drive: Drive) -> tuple[list[tuple[float, ...]], tuple[str, ...]]:
+def table_of_pieces(drive: Drive) -> tuple[list[tuple[float, ...]], tuple[str, ...]]:
     """The table of pieces of a load without a period, and the names of its columns.
 
     The last piece goes on for ever: its law holds beyond its length.
@@ -227,7 +227,7 @@ def _phase_in_time(
     if drive.period is not None:
         turns = ("drive.turns", ("div", TIME, "drive.period"))
         phase = (PHASE, ("sub", "drive.turns", ("floor", "drive.turns")))
-        return [("drive.period", _period_from_frequency(drive)), turns, phase]
+        return [("drive.period", period_expression(drive)), turns, phase]
     fraction: Expression = ("div", ("sub", TIME, PIECE_START), PIECE_LENGTH)
     single: list[tuple[str, Expression]] = []
     if len(rows) == 1:
@@ -236,7 +236,7 @@ def _phase_in_time(
     return [*single, (PHASE, fraction)]
 
 
-def _period_from_frequency(drive: Drive) -> Expression:
+def period_expression(drive: Drive) -> Expression:
     """The period in terms of the frequency, so that it follows a change of that."""
     period, name = drive.period, drive.period_field_name
     assert period is not None
@@ -248,7 +248,7 @@ def _period_from_frequency(drive: Drive) -> Expression:
     return ("div", rounded if math.isclose(angle, rounded, rel_tol=1e-14) else angle, name)
 
 
-def _waveforms(drive: Drive) -> list[tuple[str, Expression]]:
+def waveform_expressions(drive: Drive) -> list[tuple[str, Expression]]:
     """The waveforms of the load from the phase."""
     found: list[tuple[str, Expression]] = []
     for name, one in zip(drive.waveform_names, drive.waveforms, strict=True):

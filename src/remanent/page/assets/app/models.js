@@ -1,0 +1,153 @@
+// Other models: presets, kinds of parts, one's own systems, and what an address says.
+
+import { remember } from "./actions.js";
+import { readAddress } from "./address.js";
+import { Refused, send } from "./api.js";
+import { byId } from "./dom.js";
+import { initialState, viewOf, withAddress } from "./state.js";
+
+/**
+ * Add to the page what shows another model: `chooseSpec`, `chooseToml`, `choosePreset`.
+ * @param {Object} app
+ */
+export function addModels(app) {
+  app.chooseSpec = (spec) => told(app, async () => {
+    const { periods, duration, defaults } = app.store.get();
+    await adopt(app, { spec }, { periods, duration, defaults });
+  });
+  app.chooseToml = (toml) => adopt(app, { toml }, {});
+  app.choosePreset = (id) => told(app, async () => {
+    const preset = presetOf(app, id);
+    await adopt(app, { spec: preset.spec }, { preset: id, ...viewOf(preset) });
+    app.say(preset.title);
+  });
+  addEventListener("popstate", () => followAddress(app));
+}
+
+function presetOf(app, id) {
+  return app.presets.find((one) => one.id === id);
+}
+
+/** Do something; put what went wrong beside its field, or in the banner. */
+async function told(app, action) {
+  try {
+    await action();
+  } catch (error) {
+    app.panel.build();
+    app.bar.build();
+    tellFaults(app, error);
+  }
+}
+
+function tellFaults(app, error) {
+  const faults = error instanceof Refused ? error.faults : [];
+  const unplaced = faults.filter((fault) => !app.panel.fault(fault)).map(({ message }) => message);
+  const words = faults.length ? unplaced.join(" ") : error.message;
+  showBanner(words);
+  if (words) {
+    app.say(words);
+  }
+}
+
+function showBanner(words) {
+  byId("banner").hidden = !words;
+  byId("banner").textContent = words;
+}
+
+let lastQuestion = 0;
+
+/** Ask the server for a model and show it, unless something else was asked for meanwhile. */
+async function adopt(app, question, given) {
+  const mine = (lastQuestion += 1);
+  const { model, field } = await send("/api/model", question);
+  const module = await import(field);
+  if (mine !== lastQuestion) {
+    return;
+  }
+  const { si, units, span } = app.store.get();
+  const keep = Boolean(model.si) && si;
+  present(app, initialState(model, module, { span, si: keep, units: keep ? units : "dimensionless", ...given }));
+  remember(app);
+}
+
+/** Show a state of another model. */
+function present(app, state, isBroken = false) {
+  const isOther = app.store.get().description.id !== state.description.id;
+  app.store.update(state);
+  app.panel.build();
+  app.bar.build();
+  app.resetZooms();
+  if (isOther) {
+    app.views.maps.forEach((view) => view.outdate(true));
+    app.background?.forget();
+    app.tellRegime("");
+  }
+  app.changed();
+  const broken = isBroken ? ["A part of the address could not be read; the rest is shown."] : [];
+  showBanner([...broken, ...state.description.warnings].join(" "));
+}
+
+/** Show what the address says. */
+async function followAddress(app) {
+  const said = readAddress(location.hash);
+  const preset = said.preset === null ? undefined : presetOf(app, said.preset);
+  const mine = (lastQuestion += 1);
+  const state = await stateOfAddress(app, said, preset);
+  if (mine === lastQuestion) {
+    const isUnknown = said.preset !== null && !preset && !app.saved;
+    present(app, withAddress(state, said), said.broken || isUnknown);
+  }
+}
+
+async function stateOfAddress(app, said, preset) {
+  const { start, store } = app;
+  const before = store.get();
+  if (preset && before.preset === said.preset) {
+    return initialState(before.description, before.field, { preset: preset.id, ...viewOf(preset) });
+  }
+  const spec = preset?.spec ?? (app.saved ? null : said.spec);
+  if (spec) {
+    try {
+      const { model, field } = await send("/api/model", { spec });
+      return initialState(model, await import(field), { preset: preset?.id ?? null, ...viewOf(preset) });
+    } catch (error) {
+      tellFaults(app, error);
+    }
+  }
+  const named = presetOf(app, app.startPreset);
+  const given = named ? { preset: named.id, ...viewOf(named) } : { isStart: true };
+  return initialState(start.model, await import(start.field), given);
+}
+
+/**
+ * Show what the page begins with: what its address says, or what the server was asked for.
+ * @param {Object} app
+ */
+export async function showFirst(app) {
+  if (location.hash.length > 1) {
+    await followAddress(app);
+  } else {
+    present(app, app.store.get());
+    nameStart(app);
+  }
+  app.drawNow();
+}
+
+/** Where the server was asked for nothing, the page shows its first preset: say which. */
+async function nameStart(app) {
+  const [first] = app.presets;
+  if (!first || app.start.store) {
+    return;
+  }
+  try {
+    const { model } = await send("/api/model", { spec: first.spec });
+    const { preset, isStart } = app.store.get();
+    if (isStart && preset === null && JSON.stringify(model.spec) === JSON.stringify(app.start.model.spec)) {
+      app.startPreset = first.id;
+      app.store.update({ preset: first.id, isStart: false, defaults: viewOf(first).defaults });
+      app.bar.build();
+    }
+  } catch (error) {
+    console.debug(error.message);
+  }
+}

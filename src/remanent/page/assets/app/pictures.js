@@ -1,0 +1,35 @@
+// From the state of the page to its pictures.
+
+import { drawSoon } from "./frames.js";
+import { relabelled, sceneOf } from "./scene.js";
+import { onTheme } from "./theme.js";
+
+/**
+ * Add to the page what draws it: `scene`, `drawNow`, `redraw`, `relabel`, `resetZooms`.
+ * @param {Object} app
+ */
+export function addPictures(app) {
+  let scene = null;
+  app.scene = () => scene;
+  app.drawNow = () => {
+    scene = sceneOf(app.store.get());
+    const integrated = performance.now();
+    show(app, scene);
+    app.panel.show();
+    app.bar.show();
+    return integrated;
+  };
+  app.redraw = drawSoon(app.drawNow);
+  app.relabel = () => {
+    scene = relabelled(scene, app.store.get());
+    show(app, scene);
+  };
+  app.resetZooms = () => app.views.live.forEach(({ plot }) => plot?.forgetRanges());
+  onTheme(() => scene && app.relabel());
+}
+
+function show(app, scene) {
+  app.views.live.forEach((view) => view.draw(scene));
+  app.clock.show(scene);
+  app.status.draw(scene);
+}
