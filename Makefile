@@ -18,7 +18,7 @@ help: ## this list
 paper: $(VENV)/.runtime ## figures, data and the audit of the article's claims, in paper/
 	$(BIN)/remanent paper --out paper
 
-explore: $(VENV)/.web ## a page in the browser that follows sliders; Ctrl-C ends it
+explore: $(VENV)/.runtime ## a page in the browser that follows sliders; Ctrl-C ends it
 	$(BIN)/remanent explore
 
 test: $(VENV)/.develop ## the tests, without the slow ones
@@ -56,11 +56,7 @@ $(VENV)/.runtime: pyproject.toml constraints.txt | $(BIN)/python
 
 $(VENV)/.develop: pyproject.toml constraints.txt | $(BIN)/python
 	$(INSTALL) --editable '.[test,lint,docs]'
-	@touch $@ $(VENV)/.runtime $(VENV)/.web
-
-$(VENV)/.web: $(VENV)/.runtime
-	$(INSTALL) --editable '.[web]'
-	@touch $@
+	@touch $@ $(VENV)/.runtime
 
 $(VENV)/.bench: $(VENV)/.runtime
 	$(INSTALL) --editable '.[bench]'

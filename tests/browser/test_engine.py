@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 import pytest
 from playwright.sync_api import Browser, Page, Route
-from tests.browser.engine_cases import Case, random_case
 
 import remanent as rm
 from remanent.integrate.methods.runge_kutta import default_method
 from remanent.page import model as page_model_module
 from remanent.page.model import PageModel, page_model
+from tests.browser.engine_cases import Case, random_case
 
 ASSETS = Path(page_model_module.__file__).with_name("assets")
 ORIGIN = "http://page.test/"

@@ -11,13 +11,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from playwright.sync_api import Browser, Position
-from tests.browser import journeys as go
-from tests.unit.web.server import Running, running
 
 import remanent as rm
 from remanent.page.spec import read_spec
 from remanent.web.explorer import Opened
 from remanent.web.opening import open_source
+from tests.browser import journeys as go
+from tests.unit.web.server import Running, running
 
 #: A damped block near its resonance: it has branches that are not stable, and basins.
 DAMPED = "#preset=damped-resonance"

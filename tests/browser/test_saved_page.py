@@ -8,13 +8,13 @@ from typing import Any
 
 import pytest
 from playwright.sync_api import Browser
-from tests.browser import journeys as go
 
 import remanent as rm
 from remanent.page.assemble import saved_page
 from remanent.page.model import page_model
 from remanent.web.jobs import job_result
 from remanent.web.subjects import Subject
+from tests.browser import journeys as go
 
 #: Jobs whose results are kept in the page, with options that take little time.
 OPTIONS: dict[str, dict[str, Any]] = {

@@ -6,8 +6,9 @@ import socket as sockets
 from collections.abc import Iterator
 
 import pytest
-from tests.unit.web.server import SPEC, Running, next_message, result_of, running
 from websockets.exceptions import InvalidStatus
+
+from tests.unit.web.server import SPEC, Running, next_message, result_of, running
 
 #: Hosts of pages that want to reach this machine by a name of their own.
 FOREIGN_HOSTS = ("evil.example", "127.0.0.1.evil.example:80", "192.168.0.7", "[::2]:8766", "")

@@ -17,11 +17,11 @@ from hypothesis import strategies as st
 from hypothesis.errors import Unsatisfiable
 from schemathesis import GenerationMode
 from schemathesis.core.result import Ok
-from tests.faults.study_file_mutations import files
-from tests.unit.web.server import PATIENCE, SPEC, Running, next_message, result_of, running
 
 from remanent.web.app import make_app
 from remanent.web.limits import JOB_LIMITS
+from tests.faults.study_file_mutations import files
+from tests.unit.web.server import PATIENCE, SPEC, Running, next_message, result_of, running
 
 #: Requests of the slow test, of those from the schema and of those that are nearly sound.
 MANY = 10_000

@@ -12,6 +12,10 @@ from contextlib import ExitStack
 from typing import Any
 
 import pytest
+from websockets.exceptions import ConnectionClosed
+from websockets.sync.client import ClientConnection
+
+from remanent.web.guard import MAX_BODY_BYTES
 from tests.unit.web.server import (
     LONG,
     PATIENCE,
@@ -23,10 +27,6 @@ from tests.unit.web.server import (
     result_of,
     running,
 )
-from websockets.exceptions import ConnectionClosed
-from websockets.sync.client import ClientConnection
-
-from remanent.web.guard import MAX_BODY_BYTES
 
 
 @pytest.fixture(scope="module")

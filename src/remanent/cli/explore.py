@@ -4,19 +4,18 @@ from __future__ import annotations
 
 import threading
 import webbrowser
-from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 import click
+
+from remanent._extras import require_extra
 
 if TYPE_CHECKING:
     from remanent.web.explorer import Opened
 
 #: The port where nobody chooses another.
 _PORT: Final = 8766
-#: Packages of the extra that the server and the page need.
-_PACKAGES: Final = ("fastapi", "plotly", "uvicorn", "websockets")
 
 
 @click.command()
@@ -39,7 +38,7 @@ def explore(source: Path | None, port: int, no_browser: bool, host: str, save: P
 
     It ends with Ctrl-C.
     """
-    _require_packages(save)
+    require_extra("web", "the explorer")
     from remanent.web.opening import open_source
 
     opened = open_source(source)
@@ -47,16 +46,6 @@ def explore(source: Path | None, port: int, no_browser: bool, host: str, save: P
         click.echo(str(_saved(opened, save)))
         return
     _serve(opened, host, port, opens_browser=not no_browser)
-
-
-def _require_packages(save: Path | None) -> None:
-    """Say how to install what is missing."""
-    needed = _PACKAGES if save is None else ("plotly",)
-    missing = [name for name in needed if find_spec(name) is None]
-    if missing:
-        raise click.ClickException(
-            f"the explorer needs {', '.join(missing)}: pip install 'remanent[web]'"
-        )
 
 
 def _serve(opened: Opened, host: str, port: int, *, opens_browser: bool) -> None:

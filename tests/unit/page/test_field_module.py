@@ -11,12 +11,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from tests.contracts.test_export import CASES, points, require_equal
 
 import remanent as rm
 from remanent.models.drives.base import Drive
 from remanent.page.model import PageModel, page_model
 from remanent.studies.ensemble.layout import lay_out_ensemble
+from tests.contracts.exported import CASES, points, require_equal
 
 #: Reads what is asked from a file, and writes what each module says.
 NODE = """

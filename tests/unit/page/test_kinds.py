@@ -8,8 +8,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from tests.contracts.public import examples
-from tests.contracts.test_export import CASES
 
 import remanent as rm
 from remanent.models.dissipation import Dissipation
@@ -19,6 +17,8 @@ from remanent.page.kinds import kinds
 from remanent.page.model import page_model
 from remanent.page.ranges import limits_of, range_of
 from remanent.page.spec import read_spec
+from tests.contracts.exported import CASES
+from tests.contracts.public import examples
 
 MENUS = kinds()
 ENTRIES = [(group, one["name"]) for group, entries in MENUS.items() for one in entries]

@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from tests.contracts.test_export import CASES
 
 import remanent as rm
 from remanent.page.presets import presets
@@ -19,6 +18,7 @@ from remanent.page.reproduction import reproduction
 from remanent.page.spec import read_spec, write_spec
 from remanent.page.toml import toml_text
 from remanent.studies.sweep.study_file import read_study
+from tests.contracts.exported import CASES
 
 PRESETS = {one["id"]: one["spec"] for one in presets()}
 FILM = {

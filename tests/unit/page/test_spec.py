@@ -6,11 +6,11 @@ import json
 from typing import Any
 
 import pytest
-from tests.contracts.test_export import CASES
 
 import remanent as rm
 from remanent.page.spec import read_spec, write_spec
 from remanent.studies.sweep.faults import FaultsError
+from tests.contracts.exported import CASES
 
 DRIVE = {"kind": "SineSquared", "b": 0.4, "omega": 1.25}
 FILM = {

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from tests.unit.web.server import SPEC, Running, result_of
 
 import remanent as rm
 from remanent.page.files import plotly_script
@@ -19,6 +18,7 @@ from remanent.page.presets import presets
 from remanent.page.reproduction import reproduction
 from remanent.studies.export.export import EXPORT_LANGUAGES
 from remanent.web.subjects import read_subject
+from tests.unit.web.server import SPEC, Running, result_of
 
 STUDY = """
 verb = "classify"

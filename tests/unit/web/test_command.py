@@ -16,6 +16,11 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
+from websockets.sync.client import connect
+from websockets.typing import Origin
+
+from remanent._errors import InputError
+from remanent.cli.main import commands
 from tests.unit.web.server import (
     LONG,
     PATIENCE,
@@ -25,11 +30,6 @@ from tests.unit.web.server import (
     next_message,
     processes_below,
 )
-from websockets.sync.client import connect
-from websockets.typing import Origin
-
-from remanent._errors import InputError
-from remanent.cli.main import commands
 
 STUDY = """
 verb = "classify"

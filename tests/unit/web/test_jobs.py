@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from tests.unit.web.server import SPEC
 
 import remanent as rm
 from remanent.studies.sweep.faults import FaultsError
@@ -15,6 +14,7 @@ from remanent.web.errors import RefusalError
 from remanent.web.jobs import JOBS, job_result
 from remanent.web.limits import JOB_LIMITS
 from remanent.web.subjects import Subject, initial_state, read_subject
+from tests.unit.web.server import SPEC
 
 #: Options with which each job is quick.
 QUICK: dict[str, dict[str, Any]] = {

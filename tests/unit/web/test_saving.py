@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.unit.web.server import SPEC
 
 import remanent as rm
 from remanent.page.model import page_model
@@ -17,6 +16,7 @@ from remanent.web.explorer import Opened
 from remanent.web.jobs import job_result
 from remanent.web.limits import JOB_LIMITS
 from remanent.web.subjects import Subject, read_subject
+from tests.unit.web.server import SPEC
 
 
 @pytest.fixture(autouse=True)

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from tests.unit.web.server import running
 
 import remanent as rm
 from remanent.studies.sweep.store import open_store
@@ -18,6 +17,7 @@ from remanent.web.errors import RefusalError
 from remanent.web.opening import open_source
 from remanent.web.stores import point_spec, store_view
 from remanent.web.subjects import read_subject
+from tests.unit.web.server import running
 
 B, OMEGA = [0.2, 0.4, 0.6], [1.0, 1.7]
 #: A name that a page must not take for markup.
