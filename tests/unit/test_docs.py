@@ -228,7 +228,7 @@ LABELS |= {
     "breaks",
     "remanent_load",
 }
-LABELS |= {"remanent_parameters", "state_names"}
+LABELS |= {"remanent_parameters", "state_names", "remanent_run", "t", "y"}
 #: Keys of study files, and attributes and variables of stores.
 LABELS |= {"point_seconds", "flag_values", "flag_meanings", "orbit_length"}
 OUTSIDE = {
