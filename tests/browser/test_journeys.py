@@ -271,6 +271,23 @@ def test_files_of_the_engine(visit: go.Watched, tmp_path: Path) -> None:
     assert "remanent_rates" in page.inner_text("pre[aria-label='system.c']")
 
 
+def test_curves_are_those_of_the_package(visit: go.Watched, tmp_path: Path) -> None:
+    """After sliders have moved, the curves of the page are the motion under their numbers."""
+    page = visit.page
+    for name, text in (("periods", "20"), ("b", "0.7"), ("temperature", "310")):
+        go.type_number(page, name, text)
+    page.click("#open-take-away")
+    file = go.downloaded(page, "#data-curves", tmp_path)
+    curves = np.genfromtxt(file, delimiter=",", names=True)[1::97]
+    motion = rm.simulate(
+        rm.Actuator(temperature=310.0), rm.SineSquared(0.7, 1.25), times=curves["time"]
+    )
+    size = float(np.abs(motion.stretch).max())
+    allowed = curves["error_share"] * size + float(motion.error)
+    assert (np.abs(curves["stretch"] - motion.stretch.values) <= allowed).all()
+    assert allowed.max() < 1e-4
+
+
 @pytest.mark.parametrize(("width", "height"), [(360, 800), (820, 1180), (1440, 900), (3840, 2160)])
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_every_size_fits(
