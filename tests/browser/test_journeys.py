@@ -259,12 +259,13 @@ def test_files_of_the_engine(visit: go.Watched, tmp_path: Path) -> None:
     """Data come as netCDF and CSV, and the lines, the study and the equations as text."""
     page = visit.page
     go.type_number(page, "periods", "20")
+    go.type_number(page, "b", "0.45")
     page.click("#open-take-away")
     motion = rm.load(go.downloaded(page, "#data-netcdf", tmp_path))
     assert float(motion.time[-1]) > 0.0
     assert "stretch" in go.downloaded(page, "#data-csv", tmp_path).read_text(encoding="utf-8")
     page.wait_for_selector("pre[aria-label='motion.py']")
-    assert "rm.SineSquared(b=0.4, omega=1.25)" in page.inner_text("pre[aria-label='motion.py']")
+    assert "rm.SineSquared(b=0.45, omega=1.25)" in page.inner_text("pre[aria-label='motion.py']")
     assert "[drive]" in page.inner_text("pre[aria-label='study.toml']")
     page.select_option("#language", "c")
     page.wait_for_selector("pre[aria-label='system.c']")
