@@ -259,16 +259,34 @@ def test_files_of_the_engine(visit: go.Watched, tmp_path: Path) -> None:
     """Data come as netCDF and CSV, and the lines, the study and the equations as text."""
     page = visit.page
     go.type_number(page, "periods", "20")
+    go.type_number(page, "b", "0.45")
     page.click("#open-take-away")
     motion = rm.load(go.downloaded(page, "#data-netcdf", tmp_path))
     assert float(motion.time[-1]) > 0.0
     assert "stretch" in go.downloaded(page, "#data-csv", tmp_path).read_text(encoding="utf-8")
     page.wait_for_selector("pre[aria-label='motion.py']")
-    assert "rm.SineSquared(b=0.4, omega=1.25)" in page.inner_text("pre[aria-label='motion.py']")
+    assert "rm.SineSquared(b=0.45, omega=1.25)" in page.inner_text("pre[aria-label='motion.py']")
     assert "[drive]" in page.inner_text("pre[aria-label='study.toml']")
     page.select_option("#language", "c")
     page.wait_for_selector("pre[aria-label='system.c']")
     assert "remanent_rates" in page.inner_text("pre[aria-label='system.c']")
+
+
+def test_curves_are_those_of_the_package(visit: go.Watched, tmp_path: Path) -> None:
+    """After sliders have moved, the curves of the page are the motion under their numbers."""
+    page = visit.page
+    for name, text in (("periods", "20"), ("b", "0.7"), ("temperature", "310")):
+        go.type_number(page, name, text)
+    page.click("#open-take-away")
+    file = go.downloaded(page, "#data-curves", tmp_path)
+    curves = np.genfromtxt(file, delimiter=",", names=True)[1::97]
+    motion = rm.simulate(
+        rm.Actuator(temperature=310.0), rm.SineSquared(0.7, 1.25), times=curves["time"]
+    )
+    size = float(np.abs(motion.stretch).max())
+    allowed = curves["error_share"] * size + float(motion.error)
+    assert (np.abs(curves["stretch"] - motion.stretch.values) <= allowed).all()
+    assert allowed.max() < 1e-4
 
 
 @pytest.mark.parametrize(("width", "height"), [(360, 800), (820, 1180), (1440, 900), (3840, 2160)])

@@ -17,6 +17,7 @@ import traceback
 from collections.abc import Callable
 from contextlib import suppress
 from multiprocessing.connection import Connection
+from types import FrameType
 from typing import Any, Final
 
 #: Least seconds between two reports of progress.
@@ -25,6 +26,8 @@ _SECONDS_BETWEEN_REPORTS: Final = 0.1
 _AHEAD: Final = -1
 #: Seconds between two steps of what is done ahead, in which a request finds the process free.
 _PAUSE_SECONDS: Final = 0.3
+#: Seconds after which work is broken off that was importing something.
+_IMPORT_SECONDS: Final = 0.02
 #: By how much the work gives way to the server and the browser.
 _NICENESS: Final = 5
 
@@ -125,10 +128,20 @@ class _Inbox:
         with self._lock:
             self._running = None
 
-    def interrupt(self, *_: object) -> None:
-        """Break off the work that is going on; called in the main thread as SIGINT comes."""
-        if self._running is not None and self._running == self._cancelled:
-            raise KeyboardInterrupt
+    def interrupt(self, _: int, frame: FrameType | None) -> None:
+        """Break off the work that is going on; called in the main thread as SIGINT comes.
+
+        An import is let go on, and broken off soon after: of a package that was left half
+        imported no later import is sound.
+        """
+        if self._running is None or self._running != self._cancelled:
+            return
+        if is_importing(frame):
+            again = threading.Timer(_IMPORT_SECONDS, _interrupt_main_thread)
+            again.daemon = True
+            again.start()
+            return
+        raise KeyboardInterrupt
 
     def _cancel(self, number: int) -> None:
         with self._lock:
@@ -137,12 +150,26 @@ class _Inbox:
                 self._cancelled = number
         if not is_running:
             return
-        if hasattr(signal, "pthread_kill"):  # wakes the main thread from any wait
-            ident = threading.main_thread().ident
-            assert ident is not None
-            signal.pthread_kill(ident, signal.SIGINT)
-        else:
-            signal.raise_signal(signal.SIGINT)
+        _interrupt_main_thread()
+
+
+def is_importing(frame: FrameType | None) -> bool:
+    """Whether a module is being imported in a frame, or in one that called it."""
+    while frame is not None:
+        if frame.f_code.co_filename.startswith("<frozen importlib"):
+            return True
+        frame = frame.f_back
+    return False
+
+
+def _interrupt_main_thread() -> None:
+    """Send SIGINT to the main thread, which wakes it from any wait."""
+    if hasattr(signal, "pthread_kill"):
+        ident = threading.main_thread().ident
+        assert ident is not None
+        signal.pthread_kill(ident, signal.SIGINT)
+    else:
+        signal.raise_signal(signal.SIGINT)
 
 
 def _answer(
