@@ -153,7 +153,7 @@ def run_on_workers(
     def wanted() -> int:
         return _TASKS_PER_WORKER * max(1, worker_count(client))
 
-    first = [submit(task, 1) for task in queue.take(wanted())]
+    first = [submit(task, 1) for task in queue.take(wanted(), wanted())]
     completed = as_completed(first, loop=client.loop)
     try:
         for future in completed:
@@ -165,7 +165,7 @@ def run_on_workers(
                 _require_worker_death(future, task, tries)
                 completed.add(submit(task, tries + 1))
                 continue
-            for further in queue.take(wanted() - len(running)):
+            for further in queue.take(wanted() - len(running), wanted()):
                 completed.add(submit(further, 1))
     finally:
         client.cancel(list(running))
@@ -177,12 +177,17 @@ class _Queue:
     def __init__(self, store: Store, missing: list[tuple[int, ...]]) -> None:
         self._store, self._missing, self._position, self._size = store, missing, 0, 1
 
-    def take(self, count: int) -> Iterator[Task]:
-        """The next tasks."""
+    def take(self, count: int, shares: int) -> Iterator[Task]:
+        """The next tasks, smaller at the end, so that no worker is left with much alone.
+
+        None is larger than one of so many `shares` of what is left.
+        """
         for _ in range(count):
-            if self._position >= len(self._missing):
+            left = len(self._missing) - self._position
+            if not left:
                 return
-            task = next_task(self._store, self._missing, self._position, self._size)
+            size = max(1, min(self._size, left // shares))
+            task = next_task(self._store, self._missing, self._position, size)
             self._position += task.count
             yield task
 
