@@ -206,6 +206,10 @@ TARGETS = (
     ),
     Target("studies", "two local workers", "one", _two_workers, 1.9, None),
     Target(
+        "studies", "two processes without a study", "one",
+        lambda data: float(data["gain_of_two_processes"]), 1.9, None,
+    ),
+    Target(
         "studies", "tasks and files of a study, in this process", "its verb on one core",
         _excess("here"), 5, None, " % more", larger=False,
     ),

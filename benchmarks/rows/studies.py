@@ -1,7 +1,8 @@
 """Studies in stores: what tasks, files and workers cost, and how memory grows.
 
 Measured are seconds of the wall clock, each way of running in turn, medians of repeats; and the
-peak of resident memory of whole processes.
+peak of resident memory of whole processes.  What two processes gain over one without any study says
+how far the machine itself lets two workers go.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ from benchmarks.rows.plan import Plan
 from remanent.studies.sweep.dask_engine import local_workers
 
 #: Points along each side of the grid that is timed.
-_SIDE = 320
+_SIDE = 400
 #: The same in a quick run.
 _QUICK_SIDE = 48
 #: Points along each side of the grids by which memory is compared.
@@ -35,6 +36,8 @@ _MEMORY_SIDES = (100, 1000)
 _QUICK_MEMORY_SIDES = (20, 60)
 #: Runs of each kind, in turn.
 _REPEATS = 3
+#: Rows of the grid that one process computes at once without a study.
+_ROWS_AT_ONCE = 8
 #: Drive periods of every motion.
 _PERIODS = 20
 
@@ -43,17 +46,22 @@ def measure(plan: Plan) -> dict[str, Any]:
     """Time of one study run in four ways, and memory of a small and a large one."""
     side = _QUICK_SIDE if plan.quick else _SIDE
     sides = _QUICK_MEMORY_SIDES if plan.quick else _MEMORY_SIDES
+    seconds, gain = _seconds(plan, side)
     return {
         "side": side,
         "periods": _PERIODS,
         "repeats": _REPEATS,
-        "seconds": _seconds(plan, side),
+        "seconds": seconds,
+        "gain_of_two_processes": gain,
         "memory": [_memory(plan, side) for side in sides],
     }
 
 
-def _seconds(plan: Plan, side: int) -> dict[str, float]:
-    """Median seconds by way of running, the workers and kernels being ready."""
+def _seconds(plan: Plan, side: int) -> tuple[dict[str, float], float]:
+    """Median seconds by way of running, the workers and kernels being ready.
+
+    With them comes how many times as much two processes do without a study as one.
+    """
     with (
         tempfile.TemporaryDirectory() as folder,
         local_workers(1, threads=1) as one,
@@ -67,6 +75,7 @@ def _seconds(plan: Plan, side: int) -> dict[str, float]:
             "two workers": lambda n: _sweep(n, next(stores), two),
         }
         times: dict[str, list[float]] = {name: [] for name in ways}
+        gains: list[float] = []
         for way in ways.values():
             way(_QUICK_SIDE)
         for repeat in range(_REPEATS):
@@ -75,7 +84,33 @@ def _seconds(plan: Plan, side: int) -> dict[str, float]:
                 begin = time.perf_counter()
                 way(side)
                 times[name].append(time.perf_counter() - begin)
-    return {name: statistics.median(each) for name, each in times.items()}
+            gains.append(_gain_of_two_processes(two, side))
+    seconds = {name: statistics.median(each) for name, each in times.items()}
+    return seconds, statistics.median(gains)
+
+
+def _gain_of_two_processes(client: Any, side: int) -> float:
+    """How many times as much two processes compute in a time as one of them alone."""
+
+    def seconds(processes: list[str]) -> float:
+        begin = time.perf_counter()
+        client.gather([
+            client.submit(_quarter_of_the_verb, side, workers=[one], pure=False)
+            for one in processes
+        ])  # fmt: skip
+        return time.perf_counter() - begin
+
+    both = sorted(client.scheduler_info(n_workers=-1)["workers"])
+    return 2.0 * seconds(both[:1]) / seconds(both)
+
+
+def _quarter_of_the_verb(side: int) -> None:
+    """The verb on a quarter of the grid, in the parts in which tasks compute it."""
+    options = _options(side)
+    rows = options["over"]["b"][: side // 4]
+    for begin in range(0, len(rows), _ROWS_AT_ONCE):
+        part = options["over"] | {"b": rows[begin : begin + _ROWS_AT_ONCE]}
+        rm.lyapunov(*_case(), over=part, periods=_PERIODS)
 
 
 def _on_one_core(work: Callable[[], object]) -> object:
