@@ -15,8 +15,8 @@ from remanent.web.processes import ProgressFunction, WorkerPool
 
 #: Seconds for derivations and files, as for what follows a slider.
 _CAP: Final = 10.0
-#: Seconds for what the page begins with, which waits for a process to start.
-_START_CAP: Final = 60.0
+#: Seconds for what the page begins with, and for a store: they wait for a process and its packages.
+_OPENING_CAP: Final = 60.0
 #: Requests that may wait for the one process that derives equations.
 _WAITING: Final = 16
 #: Field modules that are kept.
@@ -120,11 +120,12 @@ class Explorer:
 
     async def store(self) -> Any:
         """What the chart of the store shows."""
-        return await self._derive("store", {"path": self._store_path()})
+        return await self._derive("store", {"path": self._store_path()}, _OPENING_CAP)
 
     async def point(self, index: list[int]) -> Any:
         """The spec of a point of the store."""
-        return await self._derive("point", {"path": self._store_path(), "index": index})
+        asked = {"path": self._store_path(), "index": index}
+        return await self._derive("point", asked, _OPENING_CAP)
 
     async def data(self, asked: dict[str, Any]) -> bytes:
         """The file of a motion; it takes the place of a job."""
@@ -146,7 +147,7 @@ class Explorer:
     async def _make_start(self) -> dict[str, Any]:
         """What a page begins with; then the processes for jobs are started."""
         try:
-            answer = await self._derive("start", {"spec": self.opened.spec}, _START_CAP)
+            answer = await self._derive("start", {"spec": self.opened.spec}, _OPENING_CAP)
         finally:
             if not self._computing.process_numbers:
                 self._computing.start_processes()
