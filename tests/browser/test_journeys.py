@@ -7,6 +7,7 @@ import statistics
 from collections.abc import Iterator
 from contextlib import ExitStack
 from pathlib import Path
+from urllib.parse import quote
 
 import numpy as np
 import pytest
@@ -369,6 +370,39 @@ def test_a_broken_address_is_told(browser: Browser, server: Running) -> None:
     with go.watched_page(browser, address) as watched:
         assert "could not be read" in watched.page.inner_text("#banner")
         assert go.value(watched.page, "prestress") == 1.0
+
+
+@pytest.mark.parametrize(
+    ("words", "name", "shown"),
+    [
+        ("p.temperature=-5", "temperature", 350.0), ("p.c=0", "c", 1.0),
+        ("p.omega=0", "omega", 1.25), ("y.stretch=-1", "stretch", 1.0),
+        ("periods=1e9", "periods", 500.0), ("periods=3.7", "periods", 500.0),
+        ("p.none=1", "temperature", 350.0), ("y.__proto__=1&p.constructor=1", "stretch", 1.0),
+        ("span=middle", "temperature", 350.0), ("units=imperial", "temperature", 350.0),
+    ],
+)  # fmt: skip
+def test_an_address_keeps_the_rules_of_its_fields(
+    browser: Browser, server: Running, words: str, name: str, shown: float
+) -> None:
+    """Law: what could not be typed does not come by an address either; the rest of it does."""
+    with go.watched_page(browser, f"{server.origin}/#p.b=0.6&{words}") as watched:
+        assert "could not be read" in watched.page.inner_text("#banner")
+        assert go.value(watched.page, name) == shown
+        assert go.value(watched.page, "b") == 0.6
+
+
+@pytest.mark.parametrize(
+    "spec", ["[1]", '{"actuator":{},"drive":{"kind":"Other"}}', "[" * 2000 + "]" * 2000]
+)
+def test_a_refused_system_of_an_address_is_told(
+    browser: Browser, server: Running, spec: str
+) -> None:
+    """What the server refuses of an address is told, and the page shows what it begins with."""
+    with go.watched_page(browser, f"{server.origin}/#spec={quote(spec)}") as watched:
+        assert "cannot be shown" in watched.page.inner_text("#banner")
+        assert go.value(watched.page, "omega") == 1.25
+        watched.forgive_network()
 
 
 def test_from_slider_to_curves_is_measured(
