@@ -405,6 +405,21 @@ def test_a_refused_system_of_an_address_is_told(
         watched.forgive_network()
 
 
+def test_enormous_numbers_break_nothing(visit: go.Watched) -> None:
+    """Numbers that no motion stands are typed and taken back; nothing is thrown or drawn wrong."""
+    page = visit.page
+    before = go.pictures(page)
+    for name, text in (
+        ("b", "1e200"), ("omega", "1e-9"), ("stretch", "1e200"), ("stretch_rate", "1e300"),
+        ("prestress", "-1e10"), ("temperature", "1e308"), ("c", "1e300"),
+    ):  # fmt: skip
+        usual = go.field(page, name).input_value()
+        go.type_number(page, name, text)
+        assert "NaN" not in page.inner_text("body")
+        go.type_number(page, name, usual)
+    assert go.pictures(page) == before
+
+
 def test_from_slider_to_curves_is_measured(
     visit: go.Watched, capsys: pytest.CaptureFixture[str]
 ) -> None:
