@@ -267,6 +267,8 @@ def test_files_of_the_engine(visit: go.Watched, tmp_path: Path) -> None:
     assert "stretch" in go.downloaded(page, "#data-csv", tmp_path).read_text(encoding="utf-8")
     page.wait_for_selector("pre[aria-label='motion.py']")
     assert "rm.SineSquared(b=0.45, omega=1.25)" in page.inner_text("pre[aria-label='motion.py']")
+    assert "periods=20" in page.inner_text("pre[aria-label='motion.py']")
+    assert "periods = 20" in page.inner_text("pre[aria-label='study.toml']")
     assert "[drive]" in page.inner_text("pre[aria-label='study.toml']")
     page.select_option("#language", "c")
     page.wait_for_selector("pre[aria-label='system.c']")
