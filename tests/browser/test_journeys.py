@@ -211,11 +211,15 @@ def test_server_goes_and_comes_back(browser: Browser) -> None:
             before = go.picture(page, "history")
             go.type_number(page, "temperature", "280")
             assert go.picture(page, "history") != before
+            page.wait_for_function(
+                "() => document.querySelector('#live').textContent.startsWith('Error')"
+            )
             page.click("#retry")
             assert page.is_visible("#retry")
             servers.enter_context(running(Opened(), port=first.port))
             page.evaluate("() => document.querySelector('#retry').click()")
             page.wait_for_selector("#retry", state="hidden")
+            assert not page.is_visible("#banner")
             page.wait_for_function(
                 "() => document.querySelector('#response .card-note').textContent"
                 ".includes('Largest at')"

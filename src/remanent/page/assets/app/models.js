@@ -2,7 +2,7 @@
 
 import { remember } from "./actions.js";
 import { readAddress } from "./address.js";
-import { Refused, send } from "./api.js";
+import { Refused, ServerGone, onConnection, send } from "./api.js";
 import { byId } from "./dom.js";
 import { initialState, viewOf, withAddress } from "./state.js";
 
@@ -22,6 +22,11 @@ export function addModels(app) {
     app.say(preset.title);
   });
   addEventListener("popstate", () => followAddress(app));
+  onConnection((isThere) => {
+    if (isThere && byId("banner").textContent === new ServerGone().message) {
+      showBanner("");
+    }
+  });
 }
 
 function presetOf(app, id) {
