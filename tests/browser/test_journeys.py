@@ -258,6 +258,13 @@ def test_store_shows_the_motion_of_a_point(browser: Browser, tmp_path: Path) -> 
             "async () => (await import('/assets/app/heat.js')).cellText([['<b>', '<img src=x>']])"
         )
         assert text == "&lt;b&gt;: &lt;img src=x&gt;"
+        title = page.evaluate(
+            "async () => (await import('/assets/app/titles.js'))"
+            ".titleForPlotly({ text: '<b>text</b>', symbol: '<i>', unit: '<a href=x>unit</a>' })"
+        )
+        assert "<b>" not in title
+        assert "<a" not in title
+        assert title.endswith("(&lt;a href=x&gt;unit&lt;/a&gt;)")
 
 
 def test_files_of_the_engine(visit: go.Watched, tmp_path: Path) -> None:
