@@ -7,6 +7,7 @@ import statistics
 from collections.abc import Iterator
 from contextlib import ExitStack
 from pathlib import Path
+from urllib.parse import quote
 
 import numpy as np
 import pytest
@@ -210,11 +211,15 @@ def test_server_goes_and_comes_back(browser: Browser) -> None:
             before = go.picture(page, "history")
             go.type_number(page, "temperature", "280")
             assert go.picture(page, "history") != before
+            page.wait_for_function(
+                "() => document.querySelector('#live').textContent.startsWith('Error')"
+            )
             page.click("#retry")
             assert page.is_visible("#retry")
             servers.enter_context(running(Opened(), port=first.port))
             page.evaluate("() => document.querySelector('#retry').click()")
             page.wait_for_selector("#retry", state="hidden")
+            assert not page.is_visible("#banner")
             page.wait_for_function(
                 "() => document.querySelector('#response .card-note').textContent"
                 ".includes('Largest at')"
@@ -253,6 +258,13 @@ def test_store_shows_the_motion_of_a_point(browser: Browser, tmp_path: Path) -> 
             "async () => (await import('/assets/app/heat.js')).cellText([['<b>', '<img src=x>']])"
         )
         assert text == "&lt;b&gt;: &lt;img src=x&gt;"
+        title = page.evaluate(
+            "async () => (await import('/assets/app/titles.js'))"
+            ".titleForPlotly({ text: '<b>text</b>', symbol: '<i>', unit: '<a href=x>unit</a>' })"
+        )
+        assert "<b>" not in title
+        assert "<a" not in title
+        assert title.endswith("(&lt;a href=x&gt;unit&lt;/a&gt;)")
 
 
 def test_files_of_the_engine(visit: go.Watched, tmp_path: Path) -> None:
@@ -266,6 +278,8 @@ def test_files_of_the_engine(visit: go.Watched, tmp_path: Path) -> None:
     assert "stretch" in go.downloaded(page, "#data-csv", tmp_path).read_text(encoding="utf-8")
     page.wait_for_selector("pre[aria-label='motion.py']")
     assert "rm.SineSquared(b=0.45, omega=1.25)" in page.inner_text("pre[aria-label='motion.py']")
+    assert "periods=20" in page.inner_text("pre[aria-label='motion.py']")
+    assert "periods = 20" in page.inner_text("pre[aria-label='study.toml']")
     assert "[drive]" in page.inner_text("pre[aria-label='study.toml']")
     page.select_option("#language", "c")
     page.wait_for_selector("pre[aria-label='system.c']")
@@ -369,6 +383,54 @@ def test_a_broken_address_is_told(browser: Browser, server: Running) -> None:
     with go.watched_page(browser, address) as watched:
         assert "could not be read" in watched.page.inner_text("#banner")
         assert go.value(watched.page, "prestress") == 1.0
+
+
+@pytest.mark.parametrize(
+    ("words", "name", "shown"),
+    [
+        ("p.temperature=-5", "temperature", 350.0), ("p.c=0", "c", 1.0),
+        ("p.omega=0", "omega", 1.25), ("y.stretch=-1", "stretch", 1.0),
+        ("periods=1e9", "periods", 500.0), ("periods=3.7", "periods", 500.0),
+        ("p.none=1", "temperature", 350.0), ("y.__proto__=1&p.constructor=1", "stretch", 1.0),
+        ("span=middle", "temperature", 350.0), ("units=imperial", "temperature", 350.0),
+    ],
+)  # fmt: skip
+def test_an_address_keeps_the_rules_of_its_fields(
+    browser: Browser, server: Running, words: str, name: str, shown: float
+) -> None:
+    """Law: what could not be typed does not come by an address either; the rest of it does."""
+    with go.watched_page(browser, f"{server.origin}/#p.b=0.6&{words}") as watched:
+        assert "could not be read" in watched.page.inner_text("#banner")
+        assert go.value(watched.page, name) == shown
+        assert go.value(watched.page, "b") == 0.6
+
+
+@pytest.mark.parametrize(
+    "spec", ["[1]", '{"actuator":{},"drive":{"kind":"Other"}}', "[" * 2000 + "]" * 2000]
+)
+def test_a_refused_system_of_an_address_is_told(
+    browser: Browser, server: Running, spec: str
+) -> None:
+    """What the server refuses of an address is told, and the page shows what it begins with."""
+    with go.watched_page(browser, f"{server.origin}/#spec={quote(spec)}") as watched:
+        assert "cannot be shown" in watched.page.inner_text("#banner")
+        assert go.value(watched.page, "omega") == 1.25
+        watched.forgive_network()
+
+
+def test_enormous_numbers_break_nothing(visit: go.Watched) -> None:
+    """Numbers that no motion stands are typed and taken back; nothing is thrown or drawn wrong."""
+    page = visit.page
+    before = go.pictures(page)
+    for name, text in (
+        ("b", "1e200"), ("omega", "1e-9"), ("stretch", "1e200"), ("stretch_rate", "1e300"),
+        ("prestress", "-1e10"), ("temperature", "1e308"), ("c", "1e300"),
+    ):  # fmt: skip
+        usual = go.field(page, name).input_value()
+        go.type_number(page, name, text)
+        assert "NaN" not in page.inner_text("body")
+        go.type_number(page, name, usual)
+    assert go.pictures(page) == before
 
 
 def test_from_slider_to_curves_is_measured(

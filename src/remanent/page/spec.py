@@ -16,7 +16,7 @@ from remanent.models.plain import KIND_KEY, to_plain_data
 from remanent.models.scaling import Scales
 from remanent.models.system import System
 from remanent.studies.sweep.faults import Fault, FaultsError, shown
-from remanent.studies.sweep.numbers_with_units import Sizes
+from remanent.studies.sweep.numbers_with_units import sizes_of
 from remanent.studies.sweep.parts_of_file import (
     actuator_from_table,
     drive_from_table,
@@ -57,12 +57,11 @@ def read_spec(content: object) -> tuple[System, Drive, dict[str, float]]:
     system: System | None = None
     drive: Drive | None = None
     initial: dict[str, float] = {}
-    sizes = Sizes()
+    sizes = sizes_of(tables)
     for name in tables:
         try:
             if name == "actuator":
                 system = actuator_from_table(tables[name], sizes)
-                sizes = Sizes(system.scales)
             elif name == "system":
                 system = system_from_table(tables[name])
             elif name == "drive":

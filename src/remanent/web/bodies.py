@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-_Periods = Annotated[int, Field(ge=1, le=2000)]
+_Periods = Annotated[int, Field(ge=1, le=5000)]
 _Duration = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 
 

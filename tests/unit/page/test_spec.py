@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 import remanent as rm
 from remanent.page.spec import read_spec, write_spec
+from remanent.page.toml import toml_text
 from remanent.studies.sweep.faults import FaultsError
+from remanent.studies.sweep.study_file import read_study
 from tests.contracts.exported import CASES
 
 DRIVE = {"kind": "SineSquared", "b": 0.4, "omega": 1.25}
@@ -42,6 +45,32 @@ def test_sizes_in_si_are_kept() -> None:
     assert again.c == pytest.approx(system.c, rel=1e-15)
     assert same == drive
     assert drive.parameter_values()["b"] == pytest.approx(float(system.load("140 mT")) ** 0.5)
+
+
+def test_parts_have_units_as_in_a_study_file(tmp_path: Path) -> None:
+    """Law: tables are read as those of a study file, with units in the parts of the actuator."""
+    spec: dict[str, Any] = {
+        "actuator": {"dissipation": [{"kind": "Rayleigh", "eta": "20 Pa s"}], "si": FILM},
+        "drive": {"kind": "Sine", "m": "140 mT", "omega": "50 Hz"},
+    }
+    path = tmp_path / "study.toml"
+    path.write_text(
+        toml_text({"verb": "simulate", **spec, "over": {"temperature": [300.0]},
+                   "options": {"duration": 1.0}}), "utf-8"
+    )  # fmt: skip
+    study = read_study(path).study
+    assert read_spec(spec)[:2] == (study.system, study.drive)
+
+
+def test_faults_of_sizes_hide_no_units() -> None:
+    """Law: where the sizes have a fault it is told, and units beside them are not."""
+    spec = {
+        "actuator": {"si": {**FILM, "density": "heavy"}},
+        "drive": {"kind": "Sine", "m": "140 mT", "omega": "50 Hz"},
+    }
+    with pytest.raises(FaultsError) as caught:
+        read_spec(spec)
+    assert [fault.path for fault in caught.value.faults] == [("actuator", "si", "density")]
 
 
 def test_starts_are_read_by_name() -> None:

@@ -31,7 +31,12 @@ export function actuatorView(app) {
     if (!seen || !instant || !seen.isActuator) {
       return;
     }
-    drawBlock(svg, blockScene(seen, instant, angles));
+    const block = blockScene(seen, instant, angles);
+    if ([...block.half, ...block.loads, block.scale, block.load, block.largest].every(Number.isFinite)) {
+      drawBlock(svg, block);
+    } else {
+      svg.replaceChildren();
+    }
     putText(view.note, caption(seen, instant));
   };
   turnable(svg, angles, paint);

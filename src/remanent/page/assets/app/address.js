@@ -12,7 +12,8 @@ const VIEW_KEYS = { span: "start", units: "dimensionless" };
  *   broken: something in it could not be read
  */
 export function readAddress(hash) {
-  const said = { preset: null, spec: null, values: {}, initial: {}, view: {}, broken: false };
+  const table = () => Object.create(null);
+  const said = { preset: null, spec: null, values: table(), initial: table(), view: table(), broken: false };
   for (const [key, text] of new URLSearchParams(hash.replace(/^#/, ""))) {
     const number = Number(text);
     if (key === "preset") {
@@ -21,14 +22,14 @@ export function readAddress(hash) {
       said.spec = parsed(text);
       said.broken ||= said.spec === null;
     } else if (key === "periods" || key === "duration") {
-      said.view[key] = number > 0 ? number : undefined;
-    } else if (key in VIEW_KEYS) {
+      said.view[key] = number;
+    } else if (Object.hasOwn(VIEW_KEYS, key)) {
       said.view[key] = text;
     } else if (key.startsWith("p.") || key.startsWith("y.")) {
-      const table = key[0] === "p" ? said.values : said.initial;
+      const numbers = key[0] === "p" ? said.values : said.initial;
       said.broken ||= text === "" || !Number.isFinite(number);
       if (text !== "" && Number.isFinite(number)) {
-        table[key.slice(2)] = number;
+        numbers[key.slice(2)] = number;
       }
     } else {
       said.broken = true;

@@ -2,6 +2,7 @@
 
 import { button, element, menu, refill } from "./dom.js";
 import { numberControl } from "./number_control.js";
+import { LENGTH_LIMITS, startLimits } from "./state.js";
 import { kindMenus } from "./structure.js";
 import { conversion } from "./units.js";
 
@@ -17,9 +18,9 @@ const GROUPS = [
 const FIRST = ["temperature", "reference_temperature", "prestress", "prestress_1", "prestress_2", "c", "b", "m", "omega"];
 const RUNS = {
   periods: { name: "periods", symbol: "N", text: "drive periods", unit: "1", min: 10, max: 2000, scale: "log",
-    rule: "It must be a whole number from 1 to 5000.", limits: { least: 1, least_included: true, most: 5000, most_included: true } },
+    rule: "It must be a whole number from 1 to 5000.", limits: LENGTH_LIMITS.periods },
   duration: { name: "duration", symbol: "\\tau_w", text: "duration", unit: "1", min: 5, max: 2000, scale: "log",
-    rule: "It must be greater than 0 and at most 20 000.", limits: { least: 0, least_included: false, most: 20000, most_included: true } },
+    rule: "It must be greater than 0 and at most 20 000.", limits: LENGTH_LIMITS.duration },
 };
 
 /**
@@ -85,9 +86,8 @@ function startSection(app, factors, shown) {
   const { description, initial } = app.store.get();
   const controls = description.state.map((one, k) => {
     const span = rangeOfStart(one, initial[k]);
-    const limits = one.positive ? { least: 0, least_included: false } : {};
     const parameter = {
-      ...one, ...span, scale: "linear", limits,
+      ...one, ...span, scale: "linear", limits: startLimits(one),
       rule: one.positive ? "It must be a finite number greater than 0." : "It must be a finite number.",
     };
     const control = numberControl(parameter, {

@@ -3,7 +3,7 @@
 import { keyEntry } from "./card.js";
 import { numberText } from "./numbers.js";
 import { REGIME_COLOURS, colours } from "./theme.js";
-import { FONT_FAMILY, titleForPlotly } from "./titles.js";
+import { FONT_FAMILY, harmless, titleForPlotly } from "./titles.js";
 
 const PERIODS = REGIME_COLOURS.periods;
 const BLACKISH = "#101018";
@@ -217,9 +217,4 @@ export function cellText(entries) {
   return entries
     .map(([name, value]) => `${harmless(name)}: ${harmless(typeof value === "number" ? numberText(value, 4) : String(value ?? "no result"))}`)
     .join("<br>");
-}
-
-/** A stored text as plotly.js shows it: without its marks. */
-export function harmless(text) {
-  return text.replace(/&/g, "&amp;").replace(/</g, "&lt;").replace(/>/g, "&gt;");
 }

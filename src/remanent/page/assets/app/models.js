@@ -2,7 +2,7 @@
 
 import { remember } from "./actions.js";
 import { readAddress } from "./address.js";
-import { Refused, send } from "./api.js";
+import { Refused, ServerGone, onConnection, send } from "./api.js";
 import { byId } from "./dom.js";
 import { initialState, viewOf, withAddress } from "./state.js";
 
@@ -22,6 +22,11 @@ export function addModels(app) {
     app.say(preset.title);
   });
   addEventListener("popstate", () => followAddress(app));
+  onConnection((isThere) => {
+    if (isThere && byId("banner").textContent === new ServerGone().message) {
+      showBanner("");
+    }
+  });
 }
 
 function presetOf(app, id) {
@@ -70,8 +75,10 @@ async function adopt(app, question, given) {
   remember(app);
 }
 
-/** Show a state of another model. */
-function present(app, state, isBroken = false) {
+const BROKEN = "A part of the address could not be read; the rest is shown.";
+
+/** Show a state of another model, and words about it. */
+function present(app, state, words = []) {
   const isOther = app.store.get().description.id !== state.description.id;
   app.store.update(state);
   app.panel.build();
@@ -83,8 +90,7 @@ function present(app, state, isBroken = false) {
     app.tellRegime("");
   }
   app.changed();
-  const broken = isBroken ? ["A part of the address could not be read; the rest is shown."] : [];
-  showBanner([...broken, ...state.description.warnings].join(" "));
+  showBanner([...words, ...state.description.warnings].join(" "));
 }
 
 /** Show what the address says. */
@@ -92,31 +98,38 @@ async function followAddress(app) {
   const said = readAddress(location.hash);
   const preset = said.preset === null ? undefined : presetOf(app, said.preset);
   const mine = (lastQuestion += 1);
-  const state = await stateOfAddress(app, said, preset);
+  const { state, refusal } = await stateOfAddress(app, said, preset);
   if (mine === lastQuestion) {
     const isUnknown = said.preset !== null && !preset && !app.saved;
-    present(app, withAddress(state, said), said.broken || isUnknown);
+    const shown = withAddress(state, refusal ? { values: {}, initial: {}, view: said.view } : said);
+    const words = said.broken || isUnknown || (shown.isBroken && !refusal) ? [BROKEN] : [];
+    present(app, shown.state, [...words, ...(refusal ? [refusal] : [])]);
+    if (refusal) {
+      app.say(refusal);
+    }
   }
 }
 
+/** The state before the numbers of an address, and why it is not that of its system. */
 async function stateOfAddress(app, said, preset) {
   const { start, store } = app;
+  let refusal = "";
   const before = store.get();
   if (preset && before.preset === said.preset) {
-    return initialState(before.description, before.field, { preset: preset.id, ...viewOf(preset) });
+    return { state: initialState(before.description, before.field, { preset: preset.id, ...viewOf(preset) }) };
   }
   const spec = preset?.spec ?? (app.saved ? null : said.spec);
   if (spec) {
     try {
       const { model, field } = await send("/api/model", { spec });
-      return initialState(model, await import(field), { preset: preset?.id ?? null, ...viewOf(preset) });
+      return { state: initialState(model, await import(field), { preset: preset?.id ?? null, ...viewOf(preset) }) };
     } catch (error) {
-      tellFaults(app, error);
+      refusal = `The system of the address cannot be shown. ${error.message}`;
     }
   }
   const named = presetOf(app, app.startPreset);
   const given = named ? { preset: named.id, ...viewOf(named) } : { isStart: true };
-  return initialState(start.model, await import(start.field), given);
+  return { state: initialState(start.model, await import(start.field), given), refusal };
 }
 
 /**

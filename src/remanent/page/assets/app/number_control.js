@@ -1,7 +1,7 @@
 // One number: a slider, a field to type in, its unit, and words where it breaks its rule.
 
 import { element } from "./dom.js";
-import { fieldText, numberText, typedNumber } from "./numbers.js";
+import { fieldText, isWithin, numberText, typedNumber } from "./numbers.js";
 import { symbolElement, symbolText } from "./symbols.js";
 import { conversion, named, unitText } from "./units.js";
 
@@ -105,10 +105,7 @@ function brokenRule({ text, rule, limits }, typed, value, { to, unit }) {
       ? `Type a number. The curves keep the last value of the ${text}.`
       : `“${typed.trim().slice(0, 30)}” is not a number. Write for example 1.25 or 3e-2.`;
   }
-  const { least, most, least_included: least_too, most_included: most_too } = limits ?? {};
-  const low = least !== null && least !== undefined && (value < least || (value === least && !least_too));
-  const high = most !== null && most !== undefined && (value > most || (value === most && !most_too));
-  if (!low && !high) {
+  if (isWithin(limits, value)) {
     return "";
   }
   const got = `${numberText(to(value), 5)} ${unit}`.trim();

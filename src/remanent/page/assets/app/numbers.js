@@ -83,6 +83,19 @@ export function typedNumber(text) {
 }
 
 /**
+ * Whether a number lies within the limits of a rule.
+ * @param {?Object} limits `least` and `most`, null where there is none, and whether they are allowed
+ * @param {number} value
+ * @returns {boolean}
+ */
+export function isWithin(limits, value) {
+  const { least, most, least_included: least_too, most_included: most_too } = limits ?? {};
+  const low = least !== null && least !== undefined && (value < least || (value === least && !least_too));
+  const high = most !== null && most !== undefined && (value > most || (value === most && !most_too));
+  return Number.isFinite(value) && !low && !high;
+}
+
+/**
  * Smallest and largest of the finite numbers of arrays.
  * @param {...ArrayLike<number>} arrays
  * @returns {[number, number]} NaN where there is none

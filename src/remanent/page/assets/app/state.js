@@ -1,9 +1,16 @@
 // The state of the page: a model with its numbers, and how it is looked at.
 
 import { startOf } from "./address.js";
+import { isWithin } from "./numbers.js";
 
 /** Lengths of runs where nothing else is said. */
 const LENGTHS = { periods: 500, duration: 100 };
+/** Between which numbers the length of a run lies. */
+export const LENGTH_LIMITS = {
+  periods: { least: 1, least_included: true, most: 5000, most_included: true },
+  duration: { least: 0, least_included: false, most: 20000, most_included: true },
+};
+const SPANS = ["start", "end", "all"];
 
 /**
  * The state of the page for a model.
@@ -34,17 +41,54 @@ export function viewOf(preset) {
 }
 
 /**
- * A state with what an address says.
+ * Between which numbers the start of a state variable lies.
+ * @param {{positive: boolean}} variable
+ * @returns {Object}
+ */
+export function startLimits({ positive }) {
+  return positive ? { least: 0, least_included: false } : {};
+}
+
+/**
+ * The length of the run as the server is asked for it.
+ * @param {Object} state
+ * @returns {{periods: number}|{duration: number}}
+ */
+export function lengthOf({ description, periods, duration }) {
+  return description.drive.periodic ? { periods } : { duration };
+}
+
+/**
+ * A state with what an address says, as far as the page could have written it.
  * @param {Object} state
  * @param {Object} said of `readAddress`
- * @returns {Object}
+ * @returns {{state: Object, isBroken: boolean}} isBroken: something was left out
  */
 export function withAddress(state, said) {
   const { description } = state;
-  const known = Object.entries(said.values).filter(([name]) => name in state.values);
-  const values = { ...state.values, ...Object.fromEntries(known) };
-  const initial = description.state.map((one, k) => said.initial[one.name] ?? startOf(description, k, values));
-  const view = Object.fromEntries(Object.entries(said.view).filter(([, value]) => value !== undefined));
-  const si = view.units === "SI" && Boolean(description.si);
-  return { ...state, values, initial, ...view, si, units: si ? "SI" : "dimensionless" };
+  const limits = new Map(description.parameters.map((one) => [one.name, one.fixed ? null : one.limits ?? {}]));
+  const starts = new Map(description.state.map((one) => [one.name, startLimits(one)]));
+  const given = allowed(said.values, limits);
+  const started = allowed(said.initial, starts);
+  const values = { ...state.values, ...Object.fromEntries(given) };
+  const start = new Map(started);
+  const initial = description.state.map((one, k) => start.get(one.name) ?? startOf(description, k, values));
+  const { span, units, ...lengths } = said.view;
+  const run = allowed(lengths, new Map(Object.entries(LENGTH_LIMITS)))
+    .filter(([name, value]) => name !== "periods" || Number.isInteger(value));
+  const si = units === "SI" && Boolean(description.si);
+  const isLookKnown = [undefined, ...SPANS].includes(span) && [undefined, "SI", "dimensionless"].includes(units);
+  const asked = [said.values, said.initial, lengths].reduce((sum, table) => sum + Object.keys(table).length, 0);
+  return {
+    state: {
+      ...state, values, initial, ...Object.fromEntries(run), span: SPANS.includes(span) ? span : state.span,
+      si, units: si ? "SI" : "dimensionless",
+    },
+    isBroken: !isLookKnown || given.length + started.length + run.length < asked,
+  };
+}
+
+/** The entries of a table of numbers whose names are known and whose values are within their limits. */
+function allowed(table, limits) {
+  return Object.entries(table).filter(([name, value]) => limits.get(name) && isWithin(limits.get(name), value));
 }

@@ -25,7 +25,8 @@ export function statusBar(app) {
   const speakSoon = () => {
     clearTimeout(timer);
     timer = setTimeout(() => {
-      const words = [regime.textContent, error.textContent].filter(Boolean).join(". ");
+      const known = regime.classList.contains("old") ? "" : regime.textContent;
+      const words = [known, error.textContent].filter(Boolean).join(". ");
       if (words !== spoken) {
         spoken = words;
         byId("live").textContent = words;

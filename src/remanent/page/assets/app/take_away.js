@@ -4,6 +4,7 @@ import { send, sendForFile } from "./api.js";
 import { button, byId, element, menu, refill } from "./dom.js";
 import { download, figureFile } from "./figure_export.js";
 import { inTurn } from "./jobs.js";
+import { lengthOf } from "./state.js";
 
 const LANGUAGES = [
   ["matlab", "MATLAB, Octave"], ["python", "Python (SciPy)"], ["julia", "Julia"], ["auto07p", "AUTO-07p"], ["c", "C"], ["javascript", "JavaScript"],
@@ -62,11 +63,9 @@ function figureSection(app, chosen) {
 
 function dataSection(app) {
   const words = element("p", { class: "fault", role: "alert" });
-  const { description, periods, duration } = app.store.get();
-  const length = description.drive.periodic ? { periods: Math.min(2000, periods) } : { duration };
   const fromServer = (format, ending) => button(format === "netcdf" ? "netCDF" : "CSV", guarded(words, async () => {
     words.textContent = "computing …";
-    const asked = { spec: app.currentSpec(), ...length, format };
+    const asked = { spec: app.currentSpec(), ...lengthOf(app.store.get()), format };
     const file = await inTurn(() => sendForFile("/api/data", asked, `motion.${ending}`));
     words.textContent = "";
     download(file.blob, file.name);
@@ -121,7 +120,7 @@ function textSection(app) {
       host.prepend(element("p", { class: "quiet-words", text: "These lines make the page as it was saved, before its sliders were moved." }));
     }
   } else {
-    send("/api/reproduce", { spec: app.currentSpec() }).then(fill, (error) => refill(host, element("p", { class: "fault", role: "alert", text: error.message })));
+    send("/api/reproduce", { spec: app.currentSpec(), ...lengthOf(app.store.get()) }).then(fill, (error) => refill(host, element("p", { class: "fault", role: "alert", text: error.message })));
   }
   return section("The lines that make it", host);
 }

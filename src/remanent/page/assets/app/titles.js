@@ -68,10 +68,15 @@ export function paintTitle(context, title, x, y, size, room) {
   }
 }
 
+/** A stored text as plotly.js shows it: without its marks. */
+export function harmless(text) {
+  return text.replace(/&/g, "&amp;").replace(/</g, "&lt;").replace(/>/g, "&gt;");
+}
+
 /** A title in the marks that plotly.js reads. */
 export function titleForPlotly(title) {
-  const parts = [meaning(title), title.symbol && symbolForPlotly(title.symbol)].filter(Boolean).join(", ");
-  return title.unit && title.unit !== "1" ? `${parts} (${title.unit})` : parts;
+  const parts = [harmless(meaning(title) ?? ""), title.symbol && symbolForPlotly(title.symbol)].filter(Boolean).join(", ");
+  return title.unit && title.unit !== "1" ? `${parts} (${harmless(title.unit)})` : parts;
 }
 
 /** A title as plain text. */

@@ -36,7 +36,7 @@ const SLOPE_STEP = 1e-5;
  * @param {number} [options.low] where the coordinate begins
  * @param {number} [options.high] and where it ends
  * @returns {{x: Float64Array, observable: Float64Array, coordinate: string,
- *   curves: Landscape[]}|null} null where there is no energy, or not one coordinate
+ *   curves: Landscape[]}|null} null where there is no energy, not one coordinate, or no finite load
  */
 export function potential(field, options) {
   const layout = layoutOf(field, options.description);
@@ -48,6 +48,9 @@ export function potential(field, options) {
   const { low, high } = intervalOf(options, layout);
   const x = Float64Array.from({ length: PLACES + 1 }, (_, k) => low + ((high - low) * k) / PLACES);
   const [least, largest] = extremesOfLoad(body);
+  if (!Number.isFinite(least.load) || !Number.isFinite(largest.load)) {
+    return null;
+  }
   // Where the temperature is a state, the stored energy is that inside, whose slope is no force.
   const warms = options.description.state.some((one) => one.role === "temperature");
   const loaded = [least, largest].filter(
