@@ -48,30 +48,37 @@ def visit(browser: Browser, address: str) -> Iterator[go.Watched]:
 
 
 def test_slider_moves_curves(visit: go.Watched) -> None:
+    """Curves follow a slider, and their error is in sight."""
     go.check_slider_moves_curves(visit.page)
 
 
 def test_bad_values_are_refused_in_words(visit: go.Watched) -> None:
+    """What a rule refuses is told beside the field, and nothing moves."""
     go.check_bad_values_are_refused_in_words(visit.page)
 
 
 def test_address_goes_back_and_forward(visit: go.Watched) -> None:
+    """Every state is in the address: back, forward and reload give it again."""
     go.check_address_goes_back_and_forward(visit.page)
 
 
 def test_click_starts_an_orbit(visit: go.Watched) -> None:
+    """A click in the phase plane is the start of the next motion."""
     go.check_click_starts_an_orbit(visit.page)
 
 
 def test_keyboard_reaches_a_section(visit: go.Watched) -> None:
+    """Keys alone lead to a section of one's own parameters."""
     go.check_keyboard_reaches_a_section(visit.page)
 
 
 def test_theme(visit: go.Watched) -> None:
+    """Light and dark are chosen, and kept."""
     go.check_theme(visit.page)
 
 
 def test_figure_files(visit: go.Watched, tmp_path: Path) -> None:
+    """Figures are given out as SVG and PNG, with axes and units."""
     go.check_figure_files(visit.page, tmp_path)
 
 
