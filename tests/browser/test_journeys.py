@@ -205,6 +205,26 @@ def test_chart_is_cancelled_and_computed(browser: Browser, server: Running) -> N
         page.wait_for_function("(before) => location.href !== before", arg=clicked)
 
 
+def test_a_busy_machine_is_asked_again(browser: Browser) -> None:
+    """What another page computes is waited for, in words, and then it is one's own turn."""
+    told = (
+        "() => document.querySelector('#response .job-words').textContent.includes('other pages')"
+    )
+    with running(Opened()) as server, go.watched_page(browser, f"{server.origin}/") as first:
+        first.page.wait_for_function(
+            "() => document.querySelector('#status-regime').textContent.includes(':')"
+        )
+        first.page.select_option("#regime_chart select", "64")
+        first.page.click("#regime_chart button:has-text('Compute')")
+        first.page.wait_for_selector("#regime_chart button:has-text('Cancel')")
+        with go.watched_page(browser, f"{server.origin}/") as second:
+            second.page.wait_for_function(told)
+            first.page.click("#regime_chart button:has-text('Cancel')")
+            second.page.wait_for_function(
+                "() => document.querySelector('#response .card-note').textContent.includes('Over')"
+            )
+
+
 def test_server_goes_and_comes_back(browser: Browser) -> None:
     """Without a server curves still follow the sliders; with one again the rest comes back."""
     with ExitStack() as servers:

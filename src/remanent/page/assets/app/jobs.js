@@ -2,6 +2,10 @@
 
 import { Refused, ServerGone, isServerThere, noteConnection } from "./api.js";
 
+/** Status of a refusal because of what is computed for others, and milliseconds to the next try. */
+const BUSY = 429;
+const AGAIN_MS = 1500;
+
 let socket = null;
 let opening = null;
 let count = 0;
@@ -109,7 +113,21 @@ function receive(message) {
   } else if (message.type === "result") {
     settle(message.id, "resolve", message.result);
   } else if (message.type === "error") {
-    const { message: words, faults } = message.error;
-    settle(message.id, "reject", new Refused(words, faults));
+    const { message: words, faults, status } = message.error;
+    if (status === BUSY) {
+      tryAgain(message.id);
+    } else {
+      settle(message.id, "reject", new Refused(words, faults));
+    }
   }
+}
+
+/** Ask once more in a moment; the job can be cancelled meanwhile. */
+function tryAgain(id) {
+  waiting.get(id)?.onProgress(NaN, "waiting for what other pages compute …");
+  setTimeout(() => {
+    if (waiting.has(id) && current === id) {
+      waiting.get(id).begin(id).catch((error) => settle(id, "reject", error));
+    }
+  }, AGAIN_MS);
 }
