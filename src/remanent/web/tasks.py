@@ -5,9 +5,10 @@ What only some tasks need is imported where it is used: the page waits for the f
 
 from __future__ import annotations
 
+import os
 import tempfile
-from collections.abc import Callable, Mapping
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, suppress
 from functools import partial
 from pathlib import Path
 from types import MappingProxyType
@@ -99,14 +100,30 @@ def store(arguments: Mapping[str, Any], _: ProgressFunction) -> dict[str, Any]:
     """What the chart of the store shows."""
     from remanent.web.stores import store_view
 
-    return store_view(Path(arguments["path"]))
+    path = Path(arguments["path"])
+    with _folders_kept_back(path):
+        return store_view(path)
 
 
 def point(arguments: Mapping[str, Any], _: ProgressFunction) -> dict[str, Any]:
     """The spec of a point of the store."""
     from remanent.web.stores import point_spec
 
-    return {"spec": point_spec(Path(arguments["path"]), arguments["index"])}
+    path = Path(arguments["path"])
+    with _folders_kept_back(path):
+        return {"spec": point_spec(path, arguments["index"])}
+
+
+@contextmanager
+def _folders_kept_back(path: Path) -> Iterator[None]:
+    """Tell an error without the folders that a store is in: a page knows its name alone."""
+    try:
+        yield
+    except RemanentError as error:
+        folder = f"{path.parent}{os.sep}"
+        if folder not in str(error):
+            raise
+        raise RefusalError(422, str(error).replace(folder, "")) from error
 
 
 #: The tasks by their names.

@@ -138,6 +138,8 @@ def test_stores_through_the_server(store: Path, broken: Path) -> None:
         answer = server.ask("GET", "/api/store")
         assert answer.status == 422
         assert "remanent verify" in answer.json["error"]["message"]
+        assert str(broken.parent) not in answer.json["error"]["message"]
+        assert broken.name in answer.json["error"]["message"]
         assert str(broken.parent) not in answer.body.decode()
         assert server.ask("GET", "/api/start").status == 200
 
