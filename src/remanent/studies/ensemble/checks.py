@@ -47,6 +47,8 @@ RngArgument: TypeAlias = int | np.random.Generator | None
 _DEFAULT_SEED = 0
 #: Seeds that are drawn from a generator are smaller than this.
 _DRAWN_SEED_LIMIT = 2**31
+#: Largest seed: files of every kind keep whole numbers exactly up to it.
+_LARGEST_SEED = 2**53 - 1
 
 
 def require_tolerance(value: object, of: str = "the absolute global error") -> float:
@@ -292,12 +294,12 @@ def as_seed(rng: RngArgument) -> int:
         return _DEFAULT_SEED
     if isinstance(rng, np.random.Generator):
         return int(deepcopy(rng).integers(_DRAWN_SEED_LIMIT))
-    if not is_integer(rng) or rng < 0:
+    if not is_integer(rng) or not 0 <= rng <= _LARGEST_SEED:
         raise InputError(
             "rng",
-            must="be an integer that is not negative, or a numpy.random.Generator",
+            must="be an integer from 0 to 2**53 - 1, or a numpy.random.Generator",
             got=shortened_repr(rng),
-            why="Equal seeds give equal results.",
+            why="Equal seeds give equal results, and files of every kind keep the seed exactly.",
             fix="Pass for example 1, or leave it out for one fixed seed.",
         )
     return int(rng)

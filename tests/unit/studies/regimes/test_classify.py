@@ -90,3 +90,6 @@ def test_bad_arguments_say_what_to_do() -> None:
         rm.classify(DAMPED, DRIVE, periods=10)
     with pytest.raises(rm.InputError, match="`rng` must"):
         rm.classify(DAMPED, DRIVE, periods=200, rng=-1)
+    with pytest.raises(rm.InputError, match="rng"):
+        rm.classify(DAMPED, DRIVE, periods=200, rng=2**53)
+    assert rm.classify(DAMPED, DRIVE, periods=200, rng=2**53 - 1).attrs["rng"] == 2**53 - 1
