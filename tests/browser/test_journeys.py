@@ -330,7 +330,15 @@ def test_curves_are_those_of_the_package(visit: go.Watched, tmp_path: Path) -> N
     assert allowed.max() < 1e-4
 
 
-@pytest.mark.parametrize(("width", "height"), [(360, 800), (820, 1180), (1440, 900), (3840, 2160)])
+@pytest.mark.parametrize(
+    ("width", "height"),
+    [
+        (360, 800),
+        pytest.param(820, 1180, marks=pytest.mark.slow),
+        (1440, 900),
+        pytest.param(3840, 2160, marks=pytest.mark.slow),
+    ],
+)
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_every_size_fits(
     browser: Browser, server: Running, width: int, height: int, scheme: str
