@@ -24,6 +24,7 @@ from remanent.page.spec import Spec, read_spec, write_spec
 from remanent.studies.ensemble.checks import DriveArgument, require_drive, require_system
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.layout import lay_out_ensemble
+from remanent.studies.export.export import require_waveforms_as_data
 
 #: The format of descriptions.
 FORMAT: Final = 1
@@ -100,7 +101,7 @@ def page_model(
         warnings.simplefilter("always", InputWarning)
         ens = _laid_out(system, drive, given)
         system.warn_if_implausible(system.parameter_values())
-    require_waveforms(drive)
+    require_waveforms_as_data(drive)
     field = ens.vector_field
     values = {name: float(column[0]) for name, column in ens.parameter_values.items()}
     module = javascript_field(field, drive, values, limits_program(system, field))
@@ -139,18 +140,6 @@ def page_model_of_spec(spec: object) -> PageModel:
         warnings.simplefilter("ignore", InputWarning)
         system, drive, initial = read_spec(spec)
     return page_model(system, drive, initial)
-
-
-def require_waveforms(drive: Drive) -> None:
-    """Refuse a drive of somebody else's that has waveforms and does not say what they are."""
-    if len(drive.waveforms) != len(drive.waveform_names):
-        raise InputError(
-            "drive",
-            must="say as data what its waveforms are",
-            got=f"a {type(drive).__name__} drive",
-            why="Their values at a phase cannot be written as text.",
-            fix="Define its property waveforms, or pass one of the drives of the package.",
-        )
 
 
 def _laid_out(system: System, drive: Drive, initial: Mapping[str, float]) -> Ensemble:

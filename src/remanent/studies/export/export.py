@@ -102,11 +102,11 @@ def export(system: System, drive: DriveArgument, language: str) -> dict[str, str
     """
     language = require_choice("language", language, EXPORT_LANGUAGES)
     ens = lay_out_ensemble(system, drive)
-    _require_waveforms_as_data(ens.drive)
+    require_waveforms_as_data(ens.drive)
     return _FILES[language](ens)
 
 
-def _require_waveforms_as_data(drive: Drive) -> None:
+def require_waveforms_as_data(drive: Drive) -> None:
     """Refuse a drive of somebody else's that has waveforms and does not say what they are."""
     if len(drive.waveforms) != len(drive.waveform_names):
         raise InputError(
