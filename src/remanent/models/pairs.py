@@ -12,7 +12,8 @@ from remanent._errors import InputError, shortened_repr
 
 def is_several_numbers(value: object) -> bool:
     """Whether a field was given as several numbers; text is refused as a number elsewhere."""
-    return isinstance(value, Sequence | np.ndarray) and not isinstance(value, str)
+    is_scalar = isinstance(value, str) or getattr(value, "ndim", 1) == 0
+    return isinstance(value, Sequence | np.ndarray) and not is_scalar
 
 
 def split_by_direction(name: str, value: Any) -> dict[str, Any]:

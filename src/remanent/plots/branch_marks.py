@@ -136,9 +136,10 @@ def end_legend_entries(dataset: xr.Dataset, x: str) -> list[Line2D]:
 def _early_ends(row: xr.Dataset, x: str) -> list[tuple[int, str]]:
     """The points at which one branch ends for a reason that is said, and the reason."""
     finite = np.flatnonzero(np.isfinite(row[x].values))
-    if not finite.size:
+    reasons = row["end_reason"].values
+    if not finite.size or reasons.shape != (2,):  # of one end alone it is not said which it is
         return []
-    ends = zip(finite[[0, -1]], row["end_reason"].values, strict=True)
+    ends = zip(finite[[0, -1]], reasons, strict=True)
     bounds = _parameter_bounds(row, x)
     said = [(int(k), _end_words(str(why), float(row[x].values[k]), bounds)) for k, why in ends]
     return [(place, words) for place, words in said if words]

@@ -16,6 +16,7 @@ from remanent._status import Status
 from remanent._typing import ArrayLike
 from remanent.analysis.orbits.curves import Curve
 from remanent.models.actuator import Actuator
+from remanent.models.pairs import is_several_numbers
 from remanent.models.system import System
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.checks import DriveArgument
@@ -192,7 +193,7 @@ def resonances(
 
 
 def _require_orbit_periods(orbit_periods: Sequence[int]) -> None:
-    if not isinstance(orbit_periods, Sequence | np.ndarray) or not len(orbit_periods):
+    if not is_several_numbers(orbit_periods) or not len(orbit_periods):
         raise InputError(
             "orbit_periods",
             must="be a sequence of positive integers, at least one",
