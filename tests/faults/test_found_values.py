@@ -513,3 +513,31 @@ def test_determinants_of_infinite_stiffness_warn_of_nothing() -> None:
 def test_a_measure_may_be_a_function_that_hides_its_arguments() -> None:
     """As int does; it has no `over`, then."""
     assert isinstance(rm.Measure(int), rm.Measure)
+
+
+def test_one_end_of_a_branch_is_no_mark() -> None:
+    """It is not known which of the two it is."""
+    assert len(np.ravel(rm.plot.overview(branch().isel(end=slice(1))))) > 0
+
+
+def test_an_array_without_dimensions_is_no_sequence() -> None:
+    """Of orbit periods, as one number is none."""
+    with pytest.raises(rm.InputError, match="`orbit_periods` must be a sequence"):
+        LOOSE.resonances(**{**SOUND["resonances"](), "orbit_periods": np.array(1)})
+
+
+def test_an_option_of_a_study_fits_into_its_description(tmp_path: Path) -> None:
+    """It is kept with the store, and is not unfolded before."""
+    with pytest.raises(rm.InputError, match="at most 1000000 entries"):
+        rm.sweep(
+            BODY, DRIVE, {"b": [0.3]}, "cycle_losses", store=tmp_path / "s.zarr", periods=1,
+            tolerance=HUGE,
+        )  # fmt: skip
+
+
+def test_values_may_lie_as_far_apart_as_floats_do() -> None:
+    """Their difference is no float."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        made = rm.sweep(BODY, DRIVE, {"b": [-1e308, 1e308]}, "cycle_losses", periods=1)
+    assert made.sizes["b"] == 2

@@ -24,9 +24,10 @@ from remanent.studies.inference._measures import (
 from remanent.studies.inference.measure import Measure, OfArgument
 
 _LARGEST_RELATIVE_STEP_RULE = Rule(
-    "lie between 0 and 1",
-    lambda x: np.asarray((x > 0) & (x < 1)),
-    "It is the largest relative change of a field, which must not change its sign.",
+    "lie between 1e-9 and 1",
+    lambda x: np.asarray((x >= 1e-9) & (x < 1)),
+    "It is the largest relative change of a field, which must not change its sign and must be "
+    "seen above rounding.",
     "Pass for example 0.02.",
 )
 #: Change of a field, over its size, by which the error of a measure becomes another.

@@ -12,6 +12,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from remanent._arrays import is_increasing
 from remanent.models.system import System
 from remanent.results.build import Labelled
 from remanent.studies.ensemble.over import OverArgument, VariedFields, read_over
@@ -95,7 +96,7 @@ class Grid:
 
 def is_plain_grid(name: str, dims: tuple[str, ...], values: NDArray[np.float64]) -> bool:
     """Whether values are those of a dimension of their own, in the order that `over` asks for."""
-    return dims == (name,) and bool((np.diff(values) > 0.0).all())
+    return dims == (name,) and is_increasing(values)
 
 
 def _selected(

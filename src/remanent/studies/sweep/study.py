@@ -249,16 +249,16 @@ def verbs_of_studies() -> list[str]:
     ]
 
 
+#: Entries of an array that is an option of a study.
+_MOST_ENTRIES: Final = 1_000_000
 #: Lower-case public names that are no verbs, and take a while to import.
 _OTHER_NAMES: Final = frozenset({"plot", "sweep"})
 
 
 def plain_option(name: str, value: Any) -> Any:
     """An option as plain data: numbers, text, lists and tables."""
-    if isinstance(value, np.ndarray | np.generic):
-        value = value.tolist()
-    if isinstance(value, xr.DataArray):
-        value = value.values.tolist()
+    if isinstance(value, np.ndarray | np.generic | xr.DataArray):
+        value = _plain_entries(name, value)
     if value is None or isinstance(value, bool | int | float | str):
         return value
     if isinstance(value, Mapping):
@@ -272,6 +272,18 @@ def plain_option(name: str, value: Any) -> Any:
         why="A study is kept as plain data, which another machine can read.",
         fix="Write it as numbers.",
     )
+
+
+def _plain_entries(name: str, array: NDArray[Any] | np.generic | xr.DataArray) -> Any:
+    if array.size > _MOST_ENTRIES:
+        raise InputError(
+            name,
+            must=f"have at most {_MOST_ENTRIES} entries",
+            got=f"{array.size} entries",
+            why="A study is kept as plain data, all of which every worker reads.",
+            fix="Pass fewer, or leave out the store.",
+        )
+    return (array.values if isinstance(array, xr.DataArray) else array).tolist()
 
 
 def _plain_values(dims: tuple[str, ...], values: Any, grid: Grid) -> dict[str, Any]:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from pydantic import Field, model_validator
 from scipy.stats import qmc
 
+from remanent._arrays import is_increasing
 from remanent._typing import FloatArray
 from remanent.studies.sweep.faults import Fault, FaultsError, read_each, shown
 from remanent.studies.sweep.numbers_with_units import Sizes, number, numbers
@@ -189,7 +190,7 @@ def _range(name: str, table: Values, sizes: Sizes) -> FloatArray:
 
 
 def _require_increasing(values: NDArray[np.float64]) -> None:
-    if (np.diff(values) > 0.0).all():
+    if is_increasing(values):
         return
     raise FaultsError([
         Fault((), "be sorted upwards without repeated values", shown(values.tolist()),

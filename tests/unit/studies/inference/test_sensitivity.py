@@ -99,8 +99,8 @@ def test_a_rule_that_differences_would_break_gives_nan() -> None:
     assert np.isnan(ds.derivative).all()
     assert (ds.status == rm.Status.INCOMPLETE).all()
     assert "break a rule" in ds.attrs["reason"]
-    for step in (0.0, 1.0, 25.0):
-        with pytest.raises(rm.InputError, match="between 0 and 1"):
+    for step in (0.0, 1e-10, 1.0, 25.0):
+        with pytest.raises(rm.InputError, match="between 1e-9 and 1"):
             rm.sensitivity(rm.backbone, rm.Actuator(), [1.1], parameters="c", step=step)
 
 
