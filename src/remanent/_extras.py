@@ -12,8 +12,9 @@ from remanent._errors import RemanentError
 #: Packages of each extra of the installation.
 PACKAGES_OF_EXTRA: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
     {
-        "cluster": ("dask", "distributed"),
+        "cluster": ("dask", "distributed", "zarr"),
         "paper": ("jinja2", "plotly"),
+        "studies": ("zarr",),
         "web": ("fastapi", "plotly", "uvicorn", "websockets"),
     }
 )
@@ -25,7 +26,7 @@ def require_extra(extra: str, purpose: str) -> None:
     Parameters
     ----------
     extra : str
-        Of the installation, ``"cluster"``, ``"paper"`` or ``"web"``.
+        Of the installation, a key of :data:`PACKAGES_OF_EXTRA`.
     purpose : str
         What needs it, the beginning of a sentence.
 

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import re
+import sys
 import tomllib
 from importlib.util import find_spec as really_find
 from pathlib import Path
 from typing import Any
 
 import pytest
+from click.testing import CliRunner
 
 import remanent as rm
 from remanent import _extras
+from remanent.cli.main import commands
 
 ROOT = Path(__file__).parents[2]
 
@@ -39,3 +42,20 @@ def test_what_is_missing_is_named(extra: str, monkeypatch: pytest.MonkeyPatch) -
     words = rf"^this needs {gone}: pip install 'remanent\[{extra}\]'$"
     with pytest.raises(rm.RemanentError, match=words):
         _extras.require_extra(extra, "this")
+
+
+def test_only_stores_need_what_writes_them(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """A study is planned, and computed into memory, by the core alone."""
+    monkeypatch.setitem(sys.modules, "zarr", None)
+    monkeypatch.setattr(_extras, "find_spec", lambda name: None if name == "zarr" else name)
+    monkeypatch.chdir(tmp_path)
+    for arguments in (["new", "chart"], ["run", "chart.toml", "--dry-run"]):
+        assert CliRunner().invoke(commands, arguments).exit_code == 0
+    run = CliRunner().invoke(commands, ["run", "chart.toml"])
+    assert "a store needs zarr: pip install 'remanent[studies]'" in str(run.exception)
+    computed = rm.sweep(rm.Actuator(), rm.Sine(0.1, 1.2), {"m": [0.1]}, "cycle_losses", periods=1)
+    assert computed.sizes["m"] == 1
+    (tmp_path / "chart.zarr").mkdir()
+    (tmp_path / "chart.zarr" / "zarr.json").write_text("{}", "utf-8")
+    with pytest.raises(rm.RemanentError, match="a store needs zarr"):
+        rm.load(tmp_path / "chart.zarr")

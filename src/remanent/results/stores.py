@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 
 from remanent._errors import InputError
+from remanent._extras import require_extra
 from remanent.results.checks import is_file
 
 __all__ = [
@@ -74,7 +75,10 @@ def read(path: str | os.PathLike[str]) -> xr.Dataset:
     InputError
         There is no store of a study, one of a newer version, or one whose lists are just
         being made longer.
+    RemanentError
+        What reads stores is not installed.
     """
+    require_extra("studies", "a store")
     if (Path(path) / BOOKKEEPING / LENGTHENING_FILE).exists():
         raise InputError(
             "path",

@@ -12,6 +12,7 @@ from pathlib import Path
 from filelock import FileLock
 
 from remanent._errors import InputError, error_sentence, shortened_repr
+from remanent._extras import require_extra
 from remanent.studies.sweep.layout import create_store
 from remanent.studies.sweep.locks import sole_writer
 from remanent.studies.sweep.sample import TakeSample, sample_here
@@ -88,6 +89,7 @@ def writable_store(
     InputError, RemanentError
         The path holds something else, another study, or is being written.
     """
+    require_extra("studies", "a store")
     path = path.resolve()
     _create_if_missing(path, study, take_sample)
     store = open_store(path)

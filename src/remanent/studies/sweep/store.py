@@ -35,6 +35,7 @@ from filelock import FileLock
 from numpy.typing import NDArray
 
 from remanent._errors import InputError, RemanentError
+from remanent._extras import require_extra
 from remanent.results.atomic import atomic_replacement
 from remanent.results.stores import (
     BOOKKEEPING,
@@ -295,7 +296,10 @@ def open_store(path: Path) -> Store:
     ------
     InputError
         There is none, or it is of a newer version.
+    RemanentError
+        What reads stores is not installed.
     """
+    require_extra("studies", "a store")
     try:
         group = _open_group(path)
         attributes = dict(group.attrs)
