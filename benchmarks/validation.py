@@ -120,7 +120,10 @@ def laws() -> list[Law]:
         passes = re.search(r"\*Passes:\*(.*?)\n\n", section, re.S)
         if passes:
             files = tuple(re.findall(r"`(tests/[\w/]+\.py)`", section))
-            found.append(Law(section.split("\n", 1)[0], " ".join(passes[1].split()), files))
+            criterion = " ".join(passes[1].split()).replace(
+                "](../", "]("
+            )  # this page is one higher
+            found.append(Law(section.split("\n", 1)[0], criterion, files))
     return found
 
 
