@@ -287,10 +287,10 @@ def _of_exact_cases(found: Sequence[Law]) -> Iterator[str]:
         for file, listed in sources:
             for name, docstring in listed:
                 words = name.removeprefix("test_").replace("_", " ")
-                yield words, _statement(docstring), f"`{Path(file).name}`"
+                yield f"*{words}*: {_statement(docstring)}", f"`{Path(file).name}`"
 
     yield _EXACT
-    yield _table(["case", "what must hold", "file"], rows())
+    yield _table(["case, and what must hold", "file"], rows())
 
 
 def _of_engines() -> Iterator[str]:

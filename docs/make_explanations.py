@@ -390,22 +390,27 @@ def keep_audit(report: Path) -> None:
 
 
 def audit_tables(audit: Mapping[str, Any]) -> dict[str, str]:
-    """The tables of the page about the article, by the names of their files."""
+    """Lists of claims with their numbers, and a table, by the names of their files."""
     made = {}
     for verdict in VERDICTS:
-        rows = [
-            (claim["id"], claim["claim"], re.sub(r"([|*])", r"\\\1", claim["evidence"]))
+        entries = (
+            f"**{claim['id']}** {claim['claim']}\n: {_plain(claim['evidence'])}\n"
             for claim in audit["claims"]
             if claim["verdict"] == verdict
-        ]
-        made[f"audit-{verdict}"] = as_table(("", "statement", "numbers"), rows)
+        )
+        made[f"audit-{verdict}"] = "\n".join(entries)
     rows = [
-        (f"{r['temperature']:g} K", f"{r['prestress']:g}", f"{r['published']:.2f}",
+        (f"{r['temperature']:g}", f"{r['prestress']:g}", f"{r['published']:.2f}",
          f"{r['omega']:.4f}", f"{r['difference']:+.4f}")
         for r in audit["resonances"]
     ]  # fmt: skip
-    made["audit-resonances"] = as_table(("$T$", "$S$", "published", "computed", "difference"), rows)
+    made["audit-resonances"] = as_table(("T, K", "S", "published", "computed", "difference"), rows)
     return made
+
+
+def _plain(text: str) -> str:
+    """Text in which nothing is taken for Markdown."""
+    return re.sub(r"([|*_])", r"\\\1", text)
 
 
 def as_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
