@@ -71,3 +71,23 @@ def test_every_page_shows_what_was_computed() -> None:
         shown = re.findall(r"\{(?:include|figure)\} (\S+)", text)
         assert len(shown) >= 2
         assert all((page.parent / path).exists() for path in shown)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("picture", "tables"),
+    [
+        ("limits", ("limits", "limits-frequency")),
+        ("magnetisation", ("magnetisation",)),
+        ("tolerance", ("tolerance",)),
+    ],
+)
+def test_tables_beside_pictures_are_computed_anew(
+    picture: str, tables: tuple[str, ...], made: Any, tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    """The numbers beside a picture are those that the code behind it gives."""
+    monkeypatch.setattr(made, "TABLES", tmp_path)
+    made.plt.close(made.PICTURES[picture]())
+    for name in tables:
+        assert (tmp_path / f"{name}.md").read_text("utf-8") == text_of(name)
