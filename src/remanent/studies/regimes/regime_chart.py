@@ -67,7 +67,7 @@ def regime_chart(
     See Also
     --------
     remanent.classify : The rules, and the same along any number of parameters.
-    remanent.plot.map : A picture of the chart.
+    remanent.plots.map : A picture of the chart.
 
     Notes
     -----
